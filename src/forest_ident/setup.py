@@ -1,0 +1,20 @@
+"""Build of forest_ident for colcon; pip users install the root pyproject.toml."""
+
+from setuptools import find_packages, setup
+
+package = "forest_ident"
+
+setup(
+    name=package,
+    version="0.1.0",
+    description="What the records tell: the recorder and what learns from bags",
+    license="Apache-2.0",
+    packages=find_packages(include=[package, f"{package}.*"]),
+    package_data={package: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
+        (f"share/{package}", ["package.xml"]),
+    ],
+    zip_safe=False,
+    entry_points={"console_scripts": ["recorder_node = forest_ident.recorder_node:main"]},
+)

@@ -1,0 +1,116 @@
+"""The rules that no single package can keep: who may know ROS, and that the manifests tell the truth."""
+
+import ast
+import re
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGES = sorted(path.parent.name for path in ROOT.glob("src/*/package.xml"))
+SUPERVISOR = ("forest_study", "supervisor")
+ROS = {
+    "ament_index_python",
+    "builtin_interfaces",
+    "diagnostic_msgs",
+    "geometry_msgs",
+    "rcl_interfaces",
+    "rclpy",
+    "rosgraph_msgs",
+    "rosidl_runtime_py",
+    "sensor_msgs",
+    "std_msgs",
+}
+
+
+def imported(source: str) -> set[str]:
+    """Top-level names of every module that a source imports, inside functions too."""
+    names = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            names.add(node.module or "")
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
+            names |= {arg.value for arg in node.args if isinstance(arg, ast.Constant)}
+    return {name.partition(".")[0] for name in names}
+
+
+def may_know_ros(package: str, module: str) -> bool:
+    """The nodes, the package of messages, and the supervisor that starts the nodes."""
+    return package == "forest_msgs_py" or module.endswith("_node") or (package, module) == SUPERVISOR
+
+
+def modules(package: str) -> list[Path]:
+    return sorted((ROOT / "src" / package / package).rglob("*.py"))
+
+
+def imported_by(package: str) -> set[str]:
+    return set().union(*(imported(path.read_text("utf-8")) for path in modules(package)))
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "import rclpy",
+        "from rclpy.node import Node",
+        "def f():\n    import rclpy.qos",
+        "import_module('rclpy')",
+    ],
+)
+def test_every_way_to_import_is_seen(source):
+    assert "rclpy" in imported(source)
+
+
+def test_a_similar_name_is_not_ros():
+    assert not imported("from . import rclpy\nimport rclpyish") & ROS
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_ros_is_imported_only_by_nodes_messages_and_supervisor(package):
+    offenders = [
+        f"{path.relative_to(ROOT)} imports {', '.join(sorted(names))}"
+        for path in modules(package)
+        if not may_know_ros(package, path.stem) and (names := imported(path.read_text("utf-8")) & ROS)
+    ]
+    assert modules(package)
+    assert not offenders
+
+
+def test_the_description_needs_only_numpy_and_yaml():
+    assert imported_by("forest_description") - set(sys.stdlib_module_names) <= {
+        "forest_description",
+        "numpy",
+        "yaml",
+    }
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_the_manifest_names_every_ros_and_own_package_that_is_imported(package):
+    manifest = ET.parse(ROOT / "src" / package / "package.xml").getroot()
+    declared = {element.text for element in manifest.iter("exec_depend")}
+    assert imported_by(package) & (ROS | set(PACKAGES)) - {package} <= declared
+
+
+def test_colcon_and_pip_install_the_same_executables():
+    pip = dict(
+        re.findall(r'^(\w+_node) = "(.+)"$', (ROOT / "pyproject.toml").read_text("utf-8"), re.MULTILINE)
+    )
+    colcon = {}
+    for package in PACKAGES:
+        colcon |= re.findall(
+            r'"(\w+) = ([\w.]+:main)"', (ROOT / "src" / package / "setup.py").read_text("utf-8")
+        )
+    assert len(pip) == 5
+    assert colcon == pip
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_all_manifests_carry_one_version(package):
+    found = re.search(r'^version = "(.+)"$', (ROOT / "pyproject.toml").read_text("utf-8"), re.MULTILINE)
+    assert found
+    manifest = ET.parse(ROOT / "src" / package / "package.xml").getroot()
+    assert manifest.findtext("version") == found[1]
+    assert f'version="{found[1]}"' in (ROOT / "src" / package / "setup.py").read_text("utf-8")
