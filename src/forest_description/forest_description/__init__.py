@@ -1,0 +1,1 @@
+"""What the crane is: parameters, cylinder linkage, tip kinematics, valve law, limits and URDF."""

@@ -1,0 +1,75 @@
+"""How far the crane goes: joint angles from the cylinders' strokes, and the workspace that follows from them.
+
+Symbols:
+    q2, q3  boom and stick angle [rad]
+    r       distance of the tip from the swing axis, negative behind it [m]
+    z       height of the tip above the boom pivot [m]
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from forest_description.kinematics import Links, tip_position
+from forest_description.linkage import joint_angle
+from forest_description.machine import CylinderDrive, Machine
+
+Interval = tuple[float, float]
+
+
+class WorkspaceLimits(NamedTuple):
+    """Extremes of the tip over all allowed joint angles [m]."""
+
+    reach_min: float
+    reach_max: float
+    height_min: float
+    height_max: float
+
+
+def joint_limits(machine: Machine) -> tuple[Interval, Interval, Interval]:
+    """Return ((lower, upper), …) of swing, boom, stick [rad]; boom and stick at their strokes' ends."""
+    return (
+        (machine.swing.lower_limit, machine.swing.upper_limit),
+        _stroke_angles(machine.boom),
+        _stroke_angles(machine.stick),
+    )
+
+
+def _stroke_angles(drive: CylinderDrive) -> Interval:
+    """Return the joint angles with the cylinder retracted and extended. Thesis App. A."""
+    return (
+        joint_angle(drive.retracted_length, drive.linkage),
+        joint_angle(drive.retracted_length + drive.stroke, drive.linkage),
+    )
+
+
+def workspace_limits(machine: Machine) -> WorkspaceLimits:
+    """Return the least and greatest reach r and height z of the tip within the joint limits.
+
+    Exact: r and z are sines of q2 and q3, so their extremes lie at corners of the box of angles or where a
+    derivative along an edge (or both, with the stick straight or folded flat) is zero; all these angles are
+    tried. The ground is not known here: the least reach of the c180 belongs to a tip folded back under the
+    boom, 4.1 m below its pivot.
+    """
+    links = machine.manipulator.links
+    _, boom, stick = joint_limits(machine)
+    poses = [(q2, q3) for q2 in boom for q3 in [*stick, *_quarter_turns(-q2, stick)]]
+    for q3 in [*stick, *_quarter_turns(0.0, stick)]:
+        poses += [(q2, q3) for q2 in _quarter_turns(-_tip_direction(q3, links), boom)]
+    tips = [tip_position((0.0, q2, q3), links) for q2, q3 in poses]
+    reaches, heights = [tip[0] for tip in tips], [tip[2] for tip in tips]
+    return WorkspaceLimits(min(reaches), max(reaches), min(heights), max(heights))
+
+
+def _tip_direction(q3: float, links: Links) -> float:
+    """Return the angle at the boom pivot between the boom and the line to the tip [rad]."""
+    return math.atan2(links.stick * math.sin(q3), links.boom + links.stick * math.cos(q3))
+
+
+def _quarter_turns(start: float, interval: Interval) -> list[float]:
+    """Return all start + k π/2 inside an interval [rad]."""
+    quarter = 0.5 * math.pi
+    first = math.ceil((interval[0] - start) / quarter)
+    last = math.floor((interval[1] - start) / quarter)
+    return [start + k * quarter for k in range(first, last + 1)]

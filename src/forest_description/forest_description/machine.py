@@ -1,0 +1,207 @@
+"""The crane as numbers: pump, valve, hoses, actuators, manipulator; all SI, frozen, range-checked.
+
+``load_machine("c180")`` reads a shipped machine, ``load_machine("my_crane.yaml")`` a file of one's own. Axes
+are numbered 0 swing, 1 boom, 2 stick. Port 1 drives the positive direction (swing left; cylinder's head side,
+extending), port 2 the negative one. Where every shipped number comes from: ``python -m
+forest_description.machine`` (docs/machine.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from forest_description import machine_file, machine_tree
+from forest_description.hydraulics import Hose, Line, PortValves, Pump, Valve
+from forest_description.kinematics import Links
+from forest_description.linkage import Linkage
+from forest_description.parameter import MachineError, ParameterSet, parameter, require_order
+
+__all__ = [
+    "AXES",
+    "CylinderDrive",
+    "EndStops",
+    "Hose",
+    "Line",
+    "Machine",
+    "MachineError",
+    "Manipulator",
+    "PortValves",
+    "Pump",
+    "SwingDrive",
+    "Valve",
+    "load_machine",
+    "sources",
+]
+
+AXES = ("swing", "boom", "stick")
+
+
+@dataclass(frozen=True)
+class SwingDrive(ParameterSet):
+    """Hydraulic motor and gear train of the swing. Thesis section 3.2.5, 3.3."""
+
+    motor_displacement: float = parameter(
+        "m3/rad", 1e-8, 1e-3, "displacement D_m of the motor, per turn of its shaft"
+    )
+    gear_ratio: float = parameter("1", 1.0, 1e4, "N, motor speed over swing speed")
+    internal_leakage_resistance: float = parameter("Pa*s/m3", 1e9, 1e18, "R_in between the motor's ports")
+    external_leakage_resistance: float = parameter("Pa*s/m3", 1e9, 1e18, "R_e of each port to the case drain")
+    damping: float = parameter("N*m*s/rad", 0.0, 1e7, "viscous damping B_sw at the swing joint")
+    line_1_length: float = parameter("m", 0.05, 100.0, "hose from valve to port 1")
+    line_2_length: float = parameter("m", 0.05, 100.0, "hose from valve to port 2")
+    length_exponent: float = parameter("1", 1.0, 2.0, "power of length in hose inertance and capacitance")
+    lower_limit: float = parameter("rad", -20.0, 20.0, "smallest swing angle")
+    upper_limit: float = parameter("rad", -20.0, 20.0, "largest swing angle")
+
+    def __post_init__(self) -> None:
+        """Check ranges, and that the swing has room to move."""
+        super().__post_init__()
+        require_order("lower_limit", self.lower_limit, "upper_limit", self.upper_limit, "rad")
+
+
+@dataclass(frozen=True)
+class CylinderDrive(ParameterSet):
+    """Single-ended cylinder of boom or stick with its linkage. Thesis section 3.2.4, App. A."""
+
+    head_area: float = parameter("m2", 1e-5, 1.0, "piston area on the head side, gy1 (port 1)")
+    rod_area: float = parameter("m2", 1e-5, 1.0, "piston area on the rod side, gy2 (port 2)")
+    damping: float = parameter("N*s/m", 0.0, 1e8, "viscous friction B of the cylinder")
+    retracted_length: float = parameter("m", 0.1, 10.0, "pin-to-pin length, fully retracted")
+    stroke: float = parameter("m", 0.01, 10.0, "stroke")
+    pivot_to_base: float = parameter("m", 0.01, 10.0, "joint to the cylinder's pivot")
+    pivot_to_rod: float = parameter("m", 0.01, 10.0, "joint to the rod's pivot")
+    angle_offset: float = parameter("rad", -7.0, 7.0, "triangle's angle at the joint, at joint angle 0")
+    line_1_length: float = parameter("m", 0.05, 100.0, "hose from valve to head side")
+    line_2_length: float = parameter("m", 0.05, 100.0, "hose from valve to rod side")
+    length_exponent: float = parameter("1", 1.0, 2.0, "power of length in hose inertance and capacitance")
+
+    def __post_init__(self) -> None:
+        """Check ranges, the areas, and that the linkage closes over the whole stroke."""
+        super().__post_init__()
+        require_order("rod_area", self.rod_area, "head_area", self.head_area, "m2")
+        shortest, longest = self.retracted_length, self.retracted_length + self.stroke
+        a, b = self.pivot_to_base, self.pivot_to_rod
+        if not abs(a - b) < shortest < longest < a + b:
+            raise MachineError(
+                f"retracted_length, stroke: the cylinder goes from {shortest:g} to {longest:g} m, "
+                f"the linkage closes only between {abs(a - b):g} and {a + b:g} m"
+            )
+
+    @property
+    def linkage(self) -> Linkage:
+        """The constants of ``linkage.py``'s functions."""
+        return Linkage(self.pivot_to_base, self.pivot_to_rod, self.angle_offset)
+
+
+@dataclass(frozen=True)
+class Manipulator(ParameterSet):
+    """Links of the crane, Thesis App. B; products of inertia and I_xx are zero there and not listed.
+
+    Link frames: x along the link from its joint, z the joint axis, y across, upwards when the link points
+    forward. Boom and stick inertias are about the centre of mass, the base's about the swing axis frame's
+    own. The head is a point at the tip.
+    """
+
+    gravity: float = parameter("m/s2", 0.0, 30.0, "acceleration of gravity g")
+    platform_tilt: float = parameter("rad", -1.0, 1.0, "tilt λ of the platform about its x axis")
+    base_mass: float = parameter("kg", 0.0, 1e6, "mass of the swing base m1")
+    boom_mass: float = parameter("kg", 0.0, 1e6, "mass of the boom m2")
+    stick_mass: float = parameter("kg", 0.0, 1e6, "mass of the stick without head m3s")
+    head_mass: float = parameter("kg", 0.0, 1e6, "mass of the head m4, a point at the stick's tip")
+    base_offset: float = parameter("m", 0.0, 10.0, "swing axis to boom pivot l1, horizontal")
+    boom_length: float = parameter("m", 0.1, 50.0, "boom pivot to stick pivot l2")
+    stick_length: float = parameter("m", 0.1, 50.0, "stick pivot to tip l3")
+    base_x: float = parameter("m", -10.0, 10.0, "base's centre of mass, along x1")
+    boom_x: float = parameter("m", -50.0, 50.0, "boom's centre of mass, along the boom x2")
+    boom_y: float = parameter("m", -10.0, 10.0, "boom's centre of mass, across y2")
+    stick_x: float = parameter("m", -50.0, 50.0, "stick's centre of mass without head, along the stick x3s")
+    stick_y: float = parameter("m", -10.0, 10.0, "stick's centre of mass without head, across y3s")
+    base_zz: float = parameter("kg*m2", 0.0, 1e7, "base's inertia about the vertical I1zz")
+    boom_yy: float = parameter("kg*m2", 0.0, 1e7, "boom's inertia about its y axis I2yy")
+    boom_zz: float = parameter("kg*m2", 0.0, 1e7, "boom's inertia about the joint direction I2zz")
+    stick_yy: float = parameter("kg*m2", 0.0, 1e7, "stick's inertia about its y axis I3yys")
+    stick_zz: float = parameter("kg*m2", 0.0, 1e7, "stick's inertia about the joint direction I3zzs")
+
+    @property
+    def links(self) -> Links:
+        """The constants of ``kinematics.py``'s functions."""
+        return Links(self.base_offset, self.boom_length, self.stick_length)
+
+
+@dataclass(frozen=True)
+class EndStops(ParameterSet):
+    """Spring and damper at the ends of strokes and of the swing; not in the thesis."""
+
+    cylinder_stiffness: float = parameter("N/m", 1e5, 1e11, "stiffness of a cylinder's end stop")
+    cylinder_damping: float = parameter("N*s/m", 0.0, 1e9, "damping of a cylinder's end stop")
+    swing_stiffness: float = parameter("N*m/rad", 1e4, 1e11, "stiffness of the swing's end stop")
+    swing_damping: float = parameter("N*m*s/rad", 0.0, 1e9, "damping of the swing's end stop")
+
+
+@dataclass(frozen=True)
+class Machine(ParameterSet):
+    """A whole crane. A component that is None is not there."""
+
+    name: str
+    description: str
+    pump: Pump
+    valve: Valve
+    hose: Hose
+    swing: SwingDrive
+    boom: CylinderDrive
+    stick: CylinderDrive
+    manipulator: Manipulator
+    port_valves: PortValves | None
+    end_stops: EndStops | None
+    spool_bandwidth: float | None = parameter("Hz", 0.5, 500.0, "first-order spool lag; null: no lag")
+    command_timeout: float = parameter("s", 0.005, 10.0, "age at which a voltage command counts as zero")
+
+    @property
+    def linkages(self) -> tuple[Linkage, Linkage]:
+        """Cylinder linkages of boom and stick."""
+        return (self.boom.linkage, self.stick.linkage)
+
+    def line(self, axis: int, port: int) -> Line:
+        """Return the hose between a valve and an actuator port; the swing's is laminar. Thesis section 3.2.3.
+
+        Args:
+            axis: 0 swing, 1 boom, 2 stick.
+            port: 1 or 2.
+
+        Raises:
+            ValueError: There is no such axis or port.
+        """
+        if axis not in (0, 1, 2) or port not in (1, 2):
+            raise ValueError(f"axis {axis}, port {port}: axes are 0, 1, 2 and ports 1, 2")
+        drive = (self.swing, self.boom, self.stick)[axis]
+        length = drive.line_1_length if port == 1 else drive.line_2_length
+        return self.hose.line(length, drive.length_exponent, laminar=axis == 0)
+
+
+def load_machine(name_or_path: str | Path = "c180") -> Machine:
+    """Return a machine from a shipped name ("c180", "c180_thesis") or a YAML file.
+
+    Args:
+        name_or_path: A name without suffix looks up a shipped machine; anything else is a file.
+
+    Raises:
+        MachineError: The file is not usable; the message has file, line, key, value and what is allowed.
+    """
+    return machine_file.build(Machine, machine_tree.read(name_or_path))
+
+
+def sources(name_or_path: str | Path = "c180") -> list[machine_file.Quantity]:
+    """Return (dotted key, value, unit, source) of every number of a machine, in the file's own units.
+
+    Raises:
+        MachineError: As ``load_machine``.
+    """
+    load_machine(name_or_path)  # so that an unusable file gets its message here, too
+    return machine_file.quantities(Machine, machine_tree.read(name_or_path))
+
+
+if __name__ == "__main__":
+    from forest_description.machine_table import main
+
+    main()

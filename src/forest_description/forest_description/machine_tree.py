@@ -1,0 +1,134 @@
+"""Reading machine files: YAML to a tree that remembers files and lines, laid over the machine it is based on.
+
+A file may say ``based_on: c180_thesis`` and then give only what differs. ``null`` removes an optional
+component. The YAML is read as nodes, not as plain values, because every complaint names the line that it is
+about.
+"""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+from typing import NamedTuple
+
+import yaml
+
+from forest_description.parameter import MachineError
+
+QUANTITY_KEYS = ("value", "unit", "source")
+
+
+class Leaf(NamedTuple):
+    """A scalar of the file; ``text`` is None where the file says null."""
+
+    place: str
+    text: str | None
+
+
+class Branch(NamedTuple):
+    """A mapping of the file. ``place`` is "file:line"."""
+
+    place: str
+    children: dict[str, Branch | Leaf]
+
+
+def shipped_machines() -> list[str]:
+    """Return the names of the machines that come with this package."""
+    folder = resources.files("forest_description") / "machines"
+    return sorted(item.name[: -len(".yaml")] for item in folder.iterdir() if item.name.endswith(".yaml"))
+
+
+def read(name_or_path: str | Path) -> Branch:
+    """Return the tree of a machine file, laid over the machine that it is based on.
+
+    Args:
+        name_or_path: A shipped name (no suffix, no folder) or a file.
+
+    Raises:
+        MachineError: No such machine, unreadable file, not YAML, or a circle of ``based_on``.
+    """
+    return _read(str(name_or_path), Path(), ())
+
+
+def _read(name: str, folder: Path, derived: tuple[str, ...]) -> Branch:
+    """Read a machine named in a file of ``folder``; ``derived`` are the machines that are based on it."""
+    shipped = Path(name).suffix == "" and Path(name).name == name
+    identity = name if shipped else str((folder / name).resolve())
+    if identity in derived:
+        raise MachineError(f"based_on goes round in a circle: {' -> '.join([*derived, identity])}")
+    label, text = _shipped_text(name) if shipped else _file_text(folder / name)
+    tree = _parse(text, label)
+    tree.children.setdefault("name", Leaf(tree.place, Path(name).stem))
+    base = tree.children.pop("based_on", None)
+    if base is None:
+        return tree
+    if not isinstance(base, Leaf) or not base.text:
+        raise MachineError(f"{base.place}: based_on must be the name or the file of a machine")
+    below = _read(base.text, folder if shipped else (folder / name).parent, (*derived, identity))
+    return _overlay(below, tree)
+
+
+def _shipped_text(name: str) -> tuple[str, str]:
+    """Return file label and text of a shipped machine."""
+    if name not in shipped_machines():
+        known = ", ".join(shipped_machines())
+        raise MachineError(f"no machine named {name!r}: there are {known}; a file needs its suffix (.yaml)")
+    label = f"{name}.yaml"
+    return label, (resources.files("forest_description") / "machines" / label).read_text("utf-8")
+
+
+def _file_text(path: Path) -> tuple[str, str]:
+    """Return file label and text of a machine file."""
+    try:
+        return str(path), path.read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
+        raise MachineError(f"{path}: cannot read the machine file: {reason}") from error
+
+
+def _parse(text: str, label: str) -> Branch:
+    """Parse YAML text into a tree whose places are "label:line"."""
+    try:
+        node = yaml.compose(text, Loader=yaml.SafeLoader)
+    except yaml.MarkedYAMLError as error:
+        line = error.problem_mark.line + 1 if error.problem_mark else 1
+        raise MachineError(f"{label}:{line}: not valid YAML: {error.problem}") from error
+    except yaml.YAMLError as error:
+        raise MachineError(f"{label}:1: not valid YAML: {error}") from error
+    if not isinstance(node, yaml.MappingNode):
+        raise MachineError(f"{label}:1: a machine file is a mapping of keys, this one is not")
+    return _branch(node, label, "")
+
+
+def _branch(mapping: yaml.MappingNode, label: str, prefix: str) -> Branch:
+    """Turn a YAML mapping into a branch; a key that stands twice is an error."""
+    children: dict[str, Branch | Leaf] = {}
+    for key_node, node in mapping.value:
+        place, key = f"{label}:{key_node.start_mark.line + 1}", str(key_node.value)
+        if key in children:
+            raise MachineError(f"{place}: {prefix}{key} stands here for the second time")
+        if isinstance(node, yaml.MappingNode):
+            children[key] = _branch(node, label, f"{prefix}{key}.")._replace(place=place)
+        elif isinstance(node, yaml.ScalarNode):
+            null = node.tag == "tag:yaml.org,2002:null"
+            children[key] = Leaf(place, None if null else str(node.value))
+        else:
+            raise MachineError(f"{place}: {prefix}{key} is a list; machine files have none")
+    return Branch(f"{label}:{mapping.start_mark.line + 1}", children)
+
+
+def _overlay(base: Branch, top: Branch) -> Branch:
+    """Return ``base`` with everything that ``top`` says; a quantity is replaced as a whole."""
+    children = dict(base.children)
+    for key, item in top.children.items():
+        below = children.get(key)
+        if isinstance(item, Branch) and isinstance(below, Branch) and not _is_quantity(item):
+            children[key] = _overlay(below, item)
+        else:
+            children[key] = item
+    return Branch(top.place, children)
+
+
+def _is_quantity(branch: Branch) -> bool:
+    """Tell a number with its unit and source from a section."""
+    return any(key in branch.children for key in QUANTITY_KEYS)

@@ -1,0 +1,74 @@
+"""A machine parameter: a float in SI that knows its unit, its allowed range and its meaning.
+
+Ranges are wide: they catch a slipped decimal point or a wrong unit, not an unusual crane.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, NamedTuple
+
+
+class MachineError(ValueError):
+    """A machine, or a file that describes one, is not usable; the message says where and what is allowed."""
+
+
+class Parameter(NamedTuple):
+    """What a field of a machine dataclass may hold: SI unit, inclusive range in it, meaning."""
+
+    unit: str
+    low: float
+    high: float
+    doc: str
+
+    @property
+    def range(self) -> str:
+        """The allowed range as text, for messages."""
+        return f"{self.low:g} .. {self.high:g} {self.unit}"
+
+
+def parameter(unit: str, low: float, high: float, doc: str) -> Any:
+    """Return a dataclass field for one parameter.
+
+    Args:
+        unit: SI unit, one of the values of ``units.UNITS``.
+        low: Smallest allowed value [unit], inclusive.
+        high: Largest allowed value [unit], inclusive.
+        doc: Meaning, a few words.
+    """
+    return dataclasses.field(metadata={"parameter": Parameter(unit, low, high, doc)})
+
+
+def parameter_of(field: dataclasses.Field[Any]) -> Parameter | None:
+    """Return the parameter that a dataclass field declares, or None for a field of another kind."""
+    found: Parameter | None = field.metadata.get("parameter")
+    return found
+
+
+@dataclasses.dataclass(frozen=True)
+class ParameterSet:
+    """Base of the machine dataclasses: every parameter becomes a float and is checked against its range.
+
+    This also guards ``dataclasses.replace``, with which identification and studies make their variants.
+    """
+
+    def __post_init__(self) -> None:
+        """Check each parameter; None stays None (an optional component that is not there)."""
+        for field in dataclasses.fields(self):
+            allowed = parameter_of(field)
+            value = getattr(self, field.name)
+            if allowed is None or value is None:
+                continue
+            where = f"{type(self).__name__}.{field.name}"
+            if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+                raise MachineError(f"{where}: {value!r} is not a finite number [{allowed.unit}]")
+            if not allowed.low <= value <= allowed.high:
+                raise MachineError(f"{where}: {value:g} {allowed.unit} is outside {allowed.range}")
+            object.__setattr__(self, field.name, float(value))
+
+
+def require_order(low_name: str, low: float, high_name: str, high: float, unit: str) -> None:
+    """Raise a MachineError unless low < high; names and unit are for the message."""
+    if not low < high:
+        raise MachineError(f"{low_name} ({low:g} {unit}) must be smaller than {high_name} ({high:g} {unit})")

@@ -1,0 +1,163 @@
+"""Claims about the shipped machines, their ranges and their documentation."""
+
+import dataclasses
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from forest_description.machine import (
+    EndStops,
+    Machine,
+    MachineError,
+    PortValves,
+    load_machine,
+    sources,
+)
+from forest_description.machine_file import parameters
+from forest_description.machine_table import document
+from forest_description.machine_tree import shipped_machines
+from forest_description.units import UNITS
+
+ROOT = Path(__file__).parents[2]
+MACHINE, THESIS = load_machine(), load_machine("c180_thesis")
+
+
+def test_two_machines_are_shipped_and_c180_is_the_default():
+    assert shipped_machines() == ["c180", "c180_thesis"]
+    assert load_machine("c180") == MACHINE
+    assert (MACHINE.name, THESIS.name) == ("c180", "c180_thesis")
+
+
+def test_c180_adds_to_the_thesis_machine_only_what_its_file_says():
+    changed = dataclasses.replace(
+        THESIS,
+        name=MACHINE.name,
+        description=MACHINE.description,
+        stick=dataclasses.replace(THESIS.stick, length_exponent=1.0),
+        port_valves=PortValves(24.1e6, 1e-8, 0.0, 1e-7),
+        end_stops=EndStops(3e8, 2e6, 5e7, 1e6),
+        spool_bandwidth=12.0,
+    )
+    assert changed == MACHINE
+
+
+def test_thesis_machine_has_none_of_the_components_that_the_thesis_lacks():
+    assert (THESIS.port_valves, THESIS.end_stops, THESIS.spool_bandwidth) == (None, None, None)
+
+
+def test_numbers_in_conventional_units_arrive_in_si():
+    assert THESIS.pump.supply_pressure == 3000 * 6894.7
+    assert THESIS.swing.motor_displacement == pytest.approx(4.5064e-5 / (2.0 * math.pi), rel=1e-15)
+    assert THESIS.swing.gear_ratio == pytest.approx(35.16 * 82 / 13, rel=1e-15)
+    assert THESIS.hose.turbulent_resistance == 4.987e5**2
+    assert THESIS.boom.angle_offset == pytest.approx((61.7 + 0.31) * math.pi / 180.0, rel=1e-15)
+    assert THESIS.stick.angle_offset == pytest.approx(math.pi + 2.5 * math.pi / 180.0, rel=1e-15)
+    assert THESIS.boom.stroke == pytest.approx(0.9144, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("axis", "port", "ratio"),
+    [(0, 1, 1 / 4), (0, 2, 1 / 4), (1, 1, 1.6 / 4), (1, 2, 2.2 / 4), (2, 1, 3.8 / 4), (2, 2, 4.9 / 4)],
+)
+def test_lines_are_the_printed_pieces_of_the_measured_hose(axis, port, ratio):
+    resistance = (3.0329e8 if axis == 0 else 4.987e5**2) * ratio
+    assert MACHINE.line(axis, port) == pytest.approx(
+        (resistance, 3.062e7 * ratio, 1.585e-12 * ratio), rel=1e-14
+    )
+    power = ratio**2 if axis == 2 else ratio
+    assert THESIS.line(axis, port) == pytest.approx(
+        (resistance, 3.062e7 * power, 1.585e-12 * power), rel=1e-14
+    )
+
+
+@pytest.mark.parametrize(("axis", "port"), [(3, 1), (-1, 1), (0, 0), (0, 3)])
+def test_a_line_that_is_not_there_is_refused(axis, port):
+    with pytest.raises(ValueError, match="axes are 0, 1, 2 and ports 1, 2"):
+        MACHINE.line(axis, port)
+
+
+def test_every_number_has_a_source_in_the_thesis_or_a_reason_to_assume_it():
+    for name in shipped_machines():
+        for row in sources(name):
+            kind, reason = row.source.split(" ", 1)
+            assert kind in ("Thesis", "assumed:"), row
+            assert len(reason) > 4, row
+
+
+def test_sources_list_every_parameter_of_the_machine():
+    assert {row.key for row in sources("c180")} == set(parameters(Machine))
+
+
+def test_sources_are_in_the_units_of_the_file():
+    rows = {row.key: row for row in sources("c180_thesis")}
+    assert rows["pump.supply_pressure"][1:3] == (3000.0, "psi")
+    assert "port_valves.relief_pressure" not in rows
+
+
+def test_every_parameter_has_an_si_unit_a_range_and_a_meaning():
+    for key, allowed in parameters(Machine).items():
+        assert UNITS[allowed.unit] == (allowed.unit, 1.0), key
+        assert allowed.low < allowed.high, key
+        assert len(allowed.doc) > 5, key
+
+
+def test_machine_cannot_be_changed_in_place():
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        MACHINE.command_timeout = 1.0
+
+
+@pytest.mark.parametrize("value", [-1.0, 200.0, math.nan, math.inf, "4", True])
+def test_a_variant_outside_the_range_is_refused_and_the_range_named(value):
+    with pytest.raises(MachineError, match=r"Hose\.length: .*(0\.1 \.\. 100 m|not a finite number \[m\])"):
+        dataclasses.replace(MACHINE.hose, length=value)
+
+
+def test_whole_numbers_become_floats():
+    length = dataclasses.replace(MACHINE.hose, length=3).length
+    assert (length, type(length)) == (3.0, float)
+
+
+@pytest.mark.parametrize(
+    ("part", "change", "message"),
+    [
+        (
+            MACHINE.boom,
+            {"rod_area": 0.02},
+            r"rod_area \(0.02 m2\) must be smaller than head_area \(0.01824 m2\)",
+        ),
+        (
+            MACHINE.boom,
+            {"stroke": 1.1},
+            "from 1.3 to 2.4 m, the linkage closes only between 1.22384 and 2.34892",
+        ),
+        (MACHINE.boom, {"retracted_length": 1.2}, "the linkage closes only between"),
+        (MACHINE.swing, {"upper_limit": -4.0}, "lower_limit .* must be smaller than upper_limit"),
+        (MACHINE.valve, {"rated_voltage": 1.0}, "deadband_voltage .* must be smaller than rated_voltage"),
+    ],
+)
+def test_values_that_contradict_each_other_are_refused(part, change, message):
+    with pytest.raises(MachineError, match=message):
+        dataclasses.replace(part, **change)
+
+
+def test_the_documented_table_is_up_to_date():
+    assert (ROOT / "docs" / "machine.md").read_text("utf-8") == document()
+
+
+def test_the_module_prints_the_table():
+    done = subprocess.run(
+        [sys.executable, "-m", "forest_description.machine"], capture_output=True, check=True, timeout=60
+    )
+    assert done.stdout.decode("utf-8") == document()
+
+
+def test_units_that_convert_agree_with_their_definitions():
+    assert UNITS["deg"].factor * 180.0 == pytest.approx(math.pi)
+    assert UNITS["m3/rev"].factor * 2.0 * math.pi == pytest.approx(1.0)
+    assert UNITS["cm3/rev"].factor == pytest.approx(1e-6 * UNITS["m3/rev"].factor)
+    assert UNITS["psi"].factor == pytest.approx(0.45359237 * 9.80665 / 0.0254**2, rel=1e-4)
+    assert UNITS["L/(min*bar)"].factor == pytest.approx(1e-3 / (60.0 * 1e5))
+    assert all(UNITS[unit.si] == (unit.si, 1.0) for unit in UNITS.values())

@@ -1,0 +1,159 @@
+"""Claims about machine files: what they may say, and what their errors say."""
+
+import re
+from importlib import resources
+
+import pytest
+
+from forest_description.machine import MachineError, load_machine, sources
+
+BASE = "based_on: c180\n"
+PRESSURE, UNITS, RANGE = "pump.supply_pressure", "Pa, MPa, bar, psi", "100000 .. 5e+07 Pa"
+GOOD_TILT = 'platform_tilt: {value: 5, unit: deg, source: "measured"}'
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Write a machine file and return its path."""
+
+    def write_text(text, name="mine.yaml"):
+        path = tmp_path / name
+        path.write_text(text, "utf-8")
+        return path
+
+    return write_text
+
+
+def complaint(path):
+    with pytest.raises(MachineError) as caught:
+        load_machine(path)
+    return str(caught.value)
+
+
+def test_a_file_gives_only_what_differs_from_its_base(write):
+    machine = load_machine(write(f"{BASE}manipulator:\n  {GOOD_TILT}\n"))
+    assert machine.manipulator.platform_tilt == pytest.approx(0.0872664626)
+    assert machine.manipulator.head_mass == 700.0
+    assert machine.name == "mine"
+    assert machine.description == load_machine("c180").description
+
+
+def test_null_removes_an_optional_component(write):
+    machine = load_machine(write(f"{BASE}port_valves: null\nspool_bandwidth: null\n"))
+    assert machine.port_valves is None
+    assert machine.spool_bandwidth is None
+    assert machine.end_stops is not None
+
+
+def test_a_chain_of_files_is_followed_from_the_folder_of_each(write, tmp_path):
+    (tmp_path / "below").mkdir()
+    write(f"{BASE}manipulator:\n  {GOOD_TILT}\n", "below/one.yaml")
+    write("based_on: one.yaml\nname: middle\n", "below/two.yaml")
+    machine = load_machine(write("based_on: below/two.yaml\ndescription: third\n"))
+    assert machine.manipulator.platform_tilt > 0.0
+    assert (machine.name, machine.description) == ("mine", "third")
+
+
+def test_sources_of_a_file_name_its_own_numbers_and_those_of_its_base(write):
+    rows = {row.key: row for row in sources(write(f"{BASE}manipulator:\n  {GOOD_TILT}\n"))}
+    assert rows["manipulator.platform_tilt"][1:] == (5.0, "deg", "measured")
+    assert rows["manipulator.gravity"].source == "Thesis Appendix B, g"
+
+
+def quantity(text):
+    """A file with ``text`` as the pump pressure, in line 3."""
+    return f"{BASE}pump:\n  supply_pressure: {text}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "parts"),
+    [
+        (
+            quantity("{value: 9000, unit: psi, source: x}"),
+            3,
+            [f"{PRESSURE} = 9000 psi (6.20523e+07 Pa)", RANGE],
+        ),
+        (quantity("{value: 1, unit: kg, source: x}"), 3, [PRESSURE, "'kg'", UNITS]),
+        (quantity("{value: 1, unit: furlong, source: x}"), 3, ["'furlong'", UNITS]),
+        (quantity("{value: many, unit: Pa, source: x}"), 3, [PRESSURE, "'many' is not a number"]),
+        (quantity("{value: .nan, unit: Pa, source: x}"), 3, ["is not a number", RANGE]),
+        (quantity("{value: inf, unit: Pa, source: x}"), 3, ["'inf' is not a number"]),
+        (quantity("{value: 2e7, unit: Pa}"), 3, [f"missing {PRESSURE}.source"]),
+        (quantity("{value: 2e7, unit: Pa, source: ''}"), 3, [f"missing {PRESSURE}.source"]),
+        (quantity("{value: 2e7, source: x}"), 3, [f"missing {PRESSURE}.unit", "unit: Pa"]),
+        (quantity("{unit: Pa, source: x}"), 3, [f"missing {PRESSURE}.value", RANGE]),
+        (
+            quantity("{value: 2e7, unit: Pa, source: x, colour: red}"),
+            3,
+            [f"{PRESSURE}.colour", "value, unit"],
+        ),
+        (quantity("2e7"), 3, [f"{PRESSURE} = 2e7", "{value: a number in 100000 .. 5e+07 Pa"]),
+        (quantity("[1, 2]"), 3, [f"{PRESSURE} is a list"]),
+        (f"{BASE}\n\npump:\n  speed: 3\n", 5, ["unknown key pump.speed", "allowed: supply_pressure"]),
+        (f"{BASE}pumps: 3\n", 2, ["unknown key pumps", "pump, valve, hose, swing, boom, stick"]),
+        (f"{BASE}pump: 3\n", 2, ["pump must be a section with keys, not '3'"]),
+        (f"{BASE}boom: null\n", 2, ["boom must be a section with keys"]),
+        (f"{BASE}description: [a]\n", 2, ["description is a list"]),
+        (f"{BASE}description: null\n", 2, ["description must be a text"]),
+        (f"{BASE}name: a\nname: b\n", 3, ["name stands here for the second time"]),
+        (f"{BASE}pump: {{\n", 3, ["not valid YAML"]),
+        ("based_on: {a: 1}\n", 1, ["based_on must be the name or the file of a machine"]),
+        ("- 1\n", 1, ["a machine file is a mapping of keys"]),
+        ("", 1, ["a machine file is a mapping of keys"]),
+        ("description: x\n", 1, ["missing key pump: a section"]),
+        ("description: x\npump: {}\n", 2, [f"missing key {PRESSURE}", RANGE]),
+        ("pump: {}\n", 1, ["missing key description: a text"]),
+    ],
+)
+def test_error_names_file_line_key_and_what_is_allowed(write, text, line, parts):
+    path = write(text)
+    message = complaint(path)
+    assert message.startswith(f"{path}:{line}: ")
+    for part in parts:
+        assert part in message
+
+
+def test_missing_optional_component_is_asked_for_with_null_as_an_answer(write):
+    text = "\n".join(line for line in thesis_text().splitlines() if not line.startswith("spool_bandwidth"))
+    assert "missing key spool_bandwidth: a number in 0.5 .. 500 Hz or null" in complaint(write(text))
+
+
+def thesis_text():
+    return (resources.files("forest_description") / "machines" / "c180_thesis.yaml").read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("section", "line", "message"),
+    [
+        ("swing:\n  upper_limit: {value: -200, unit: deg, source: x}\n", 2, "swing.lower_limit"),
+        ("boom:\n  stroke: {value: 2, unit: m, source: x}\n", 2, "boom.retracted_length, stroke"),
+        ("stick:\n  rod_area: {value: 190, unit: cm2, source: x}\n", 2, "stick.rod_area"),
+        ("valve:\n  rated_voltage: {value: 1, unit: V, source: x}\n", 2, "valve.deadband_voltage"),
+    ],
+)
+def test_contradicting_values_name_file_section_and_line(write, section, line, message):
+    path = write(BASE + section)
+    assert complaint(path).startswith(f"{path}:{line}: {message}")
+
+
+def test_unknown_machine_is_answered_with_the_known_ones():
+    assert complaint("c190") == (
+        "no machine named 'c190': there are c180, c180_thesis; a file needs its suffix (.yaml)"
+    )
+
+
+def test_unreadable_files_are_named_with_the_reason(tmp_path):
+    absent = tmp_path / "absent.yaml"
+    assert complaint(absent) == f"{absent}: cannot read the machine file: No such file or directory"
+    binary = tmp_path / "binary.yaml"
+    binary.write_bytes(b"\xff\xfe\x00")
+    assert complaint(binary) == f"{binary}: cannot read the machine file: not UTF-8 text"
+
+
+def test_a_control_character_is_reported_as_bad_yaml(write):
+    assert re.search(r"mine\.yaml:1: not valid YAML", complaint(write("name: \x07\n")))
+
+
+def test_a_circle_of_files_is_reported(write):
+    write("based_on: mine.yaml\n", "other.yaml")
+    assert complaint(write("based_on: other.yaml\n")).startswith("based_on goes round in a circle: ")
