@@ -1,0 +1,196 @@
+"""The frame that every node runs in: environment, parameters, signals, last words, exit code.
+
+===========  ===============================================================================================
+exit code    meaning
+===========  ===============================================================================================
+0            asked to stop (SIGINT, SIGTERM), or done (``Finished``)
+1            an exception in a callback, or a ``NodeFailure``
+2            could not start: a parameter, a name or a file is wrong
+===========  ===============================================================================================
+
+A node that defines ``stop()`` is given its last words: it is called once, before the node is destroyed, while
+publishing still works. That is why rclpy's own signal handlers, which end the context at once, stay off.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import socket
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import rclpy
+from rclpy.duration import Duration
+from rclpy.exceptions import NameValidationException, ParameterException
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from forest_msgs_py.topics import Topic, message_class, qos
+
+PARENT_VARIABLE = "FOREST_PARENT"  # pid of the supervisor, set in its nodes' environment
+LOOPBACK_PROFILE = Path(__file__).resolve().with_name("loopback.xml")
+LAST_WORDS = 0.1  # [s]
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+class NodeFailure(Exception):
+    """Raised in a callback or in ``stop()``: ends the node with one clear line and exit code 1."""
+
+
+class Finished(Exception):
+    """Raised in a callback: the node has done what it was for; exit code 0."""
+
+
+def prepare_environment() -> None:
+    """Keep every packet on this machine, unless the user chose otherwise (FOREST_NETWORK=open)."""
+    if os.environ.get("FOREST_NETWORK") == "open":
+        return
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    if os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp") == "rmw_fastrtps_cpp":
+        os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(LOOPBACK_PROFILE))
+
+
+def _end_with_parent() -> None:
+    """Have the kernel send SIGTERM when the supervisor that started this node is gone, however it ended.
+
+    Raises:
+        NodeFailure: it is gone already.
+    """
+    parent = os.environ.pop(PARENT_VARIABLE, "")
+    if not parent:
+        return
+    set_parent_death_signal = 1
+    ctypes.CDLL(None).prctl(set_parent_death_signal, int(signal.SIGTERM))
+    if os.getppid() != int(parent):
+        raise NodeFailure("the supervisor that started this node is gone")
+
+
+class _StopSignals:
+    """Calls ``react`` when SIGINT or SIGTERM arrives, even while the main thread waits inside the middleware.
+
+    Python runs a handler only when the main thread comes back from C, which an idle wait set does not do; the
+    wake-up descriptor is written to at once, from whichever thread the kernel chose.
+    """
+
+    def __init__(self) -> None:
+        self.requested = threading.Event()
+        self.react: Callable[[], None] = lambda: None
+        self._reader, self._writer = socket.socketpair()
+        self._writer.setblocking(False)
+        self._before = [signal.signal(number, self._ignore) for number in STOP_SIGNALS]
+        signal.set_wakeup_fd(self._writer.fileno(), warn_on_full_buffer=False)
+        self._thread = threading.Thread(target=self._watch, name="stop-signals", daemon=True)
+        self._thread.start()
+
+    @staticmethod
+    def _ignore(_number: int, _frame: FrameType | None) -> None:
+        """The watching thread acts; a second or third signal must not interrupt the last words."""
+
+    def _watch(self) -> None:
+        while numbers := self._reader.recv(64):
+            if any(number in STOP_SIGNALS for number in numbers):
+                self.requested.set()
+                self.react()
+
+    def close(self) -> None:
+        """Give the signals back to whoever had them."""
+        self.react = lambda: None
+        signal.set_wakeup_fd(-1)
+        self._writer.close()
+        self._thread.join()
+        self._reader.close()
+        for number, handler in zip(STOP_SIGNALS, self._before, strict=True):
+            signal.signal(number, handler)
+
+
+def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> int:
+    """Build a node, run it until it is told to stop, and give the process' exit code."""
+    prepare_environment()
+    signals = _StopSignals()
+    try:
+        try:
+            _end_with_parent()
+            rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+            node = factory()
+        except _start_errors() as error:
+            _complain(error)
+            return 2
+        code = _spin(node, signals)
+        node.destroy_node()
+        return code
+    finally:
+        rclpy.try_shutdown()
+        signals.close()
+
+
+def _start_errors() -> tuple[type[BaseException], ...]:
+    from rclpy._rclpy_pybind11 import RCLError
+
+    return (ValueError, OSError, NodeFailure, ParameterException, NameValidationException, RCLError)
+
+
+def _complain(error: BaseException) -> None:
+    print(f"{Path(sys.argv[0]).stem}: {' '.join(str(error).split())}", file=sys.stderr, flush=True)
+
+
+def _spin(node: Node, signals: _StopSignals) -> int:
+    """Run callbacks in this thread until a stop is asked for; exceptions in callbacks end the node."""
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    wake = node.create_guard_condition(_finish)
+    signals.react = wake.trigger
+    if signals.requested.is_set():
+        wake.trigger()
+    code = _outcome(executor.spin)
+    signals.react = lambda: None
+    last_words: Callable[[], None] | None = getattr(node, "stop", None)
+    if last_words is not None:
+        code = max(code, _outcome(last_words))
+        _let_arrive(node)
+    executor.shutdown(timeout_sec=0.0)
+    return code
+
+
+def _let_arrive(node: Node) -> None:
+    """Give the last words time to arrive: readers drop what a vanished writer had in flight."""
+    end = time.monotonic() + LAST_WORDS
+    for sender in node.publishers:
+        left = max(0.0, end - time.monotonic())
+        sender.wait_for_all_acked(Duration(seconds=left))
+
+
+def _finish() -> None:
+    raise Finished
+
+
+def _outcome(run: Callable[[], None]) -> int:
+    try:
+        run()
+    except (KeyboardInterrupt, ExternalShutdownException, Finished):
+        return 0
+    except NodeFailure as error:
+        _complain(error)
+        return 1
+    except Exception:  # noqa: BLE001  whatever it was, the last words come next
+        traceback.print_exc()
+        return 1
+    return 0
+
+
+def publisher(node: Node, topic: Topic) -> Any:
+    """A publisher with the type and the QoS of the table."""
+    return node.create_publisher(message_class(topic), topic.name, qos(topic))
+
+
+def subscription(node: Node, topic: Topic, callback: Callable[[Any], None]) -> Any:
+    """A subscription with the type and the QoS of the table."""
+    return node.create_subscription(message_class(topic), topic.name, callback, qos(topic))

@@ -1,0 +1,99 @@
+"""One recorded message as one row of a table: stamp, labels, units, numbers; nothing is judged here.
+
+What a live node may believe is judged in :mod:`forest_msgs_py.messages`; a record is shown as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from forest_msgs_py.topics import (
+    CLOCK,
+    FLOAT_ARRAY,
+    JOINT_STATE,
+    JOY_AXES,
+    JOY_BUTTONS,
+    JOY_TYPE,
+    POSE,
+    TWIST,
+    Topic,
+)
+
+NS_PER_S = 1_000_000_000
+
+
+class Row(NamedTuple):
+    """One message taken apart; ``stamp_ns`` is None where it carries no stamp."""
+
+    stamp_ns: int | None
+    labels: tuple[str, ...]
+    units: tuple[str, ...]
+    values: tuple[float, ...]
+
+
+def _stamp(message: Any) -> int:
+    return int(message.header.stamp.sec) * NS_PER_S + int(message.header.stamp.nanosec)
+
+
+def _take_joints(topic: Topic, message: Any) -> Row:
+    """Columns name.position for all joints, then .velocity and .effort where the message has them."""
+    names = tuple(message.name)
+    parts = (("position", message.position), ("velocity", message.velocity), ("effort", message.effort))
+    present = [(part, data) for part, data in parts if len(data) == len(names)]
+    units = dict(zip(topic.labels, topic.units, strict=True))
+    split = [[*units.get(name, "").split(", "), "", ""][:3] for name in names]
+    order = {"position": 0, "velocity": 1, "effort": 2}
+    return Row(
+        _stamp(message),
+        tuple(f"{name}.{part}" for part, _ in present for name in names),
+        tuple(unit[order[part]] for part, _ in present for unit in split),
+        tuple(value for _, data in present for value in data),
+    )
+
+
+def _take_array(topic: Topic, message: Any) -> Row:
+    offset = int(message.layout.data_offset)
+    values = tuple(message.data[offset:])
+    text = message.layout.dim[0].label if message.layout.dim else ""
+    labels = tuple(text.split(",")) if text else topic.labels
+    if len(labels) != len(values):
+        labels = tuple(f"value_{place}" for place in range(len(values)))
+    units = dict(zip(topic.labels, topic.units, strict=True))
+    stamp = int(message.data[0]) * NS_PER_S + int(message.data[1]) if offset == 2 else None
+    return Row(stamp, labels, tuple(units.get(label, "") for label in labels), values)
+
+
+def _take_xyz(part: Callable[[Any], Any], unit: str) -> Callable[[Topic, Any], Row]:
+    def take(_topic: Topic, message: Any) -> Row:
+        vector = part(message)
+        return Row(_stamp(message), ("x", "y", "z"), (unit,) * 3, (vector.x, vector.y, vector.z))
+
+    return take
+
+
+def _take_joy(_topic: Topic, message: Any) -> Row:
+    axes = _named(JOY_AXES, "axis", len(message.axes))
+    buttons = _named(JOY_BUTTONS, "button", len(message.buttons))
+    labels = (*axes, *(f"button_{name}" for name in buttons))
+    values = (*map(float, message.axes), *map(float, message.buttons))
+    return Row(_stamp(message), labels, ("1",) * len(labels), values)
+
+
+def _named(names: tuple[str, ...], kind: str, count: int) -> tuple[str, ...]:
+    return (*names, *(f"{kind}_{place}" for place in range(len(names), count)))[:count]
+
+
+def _take_clock(_topic: Topic, message: Any) -> Row:
+    stamp = int(message.clock.sec) * NS_PER_S + int(message.clock.nanosec)
+    return Row(stamp, CLOCK.labels, CLOCK.units, (stamp / NS_PER_S,))
+
+
+TAKERS: dict[str, Callable[[Topic, Any], Row]] = {
+    JOINT_STATE: _take_joints,
+    FLOAT_ARRAY: _take_array,
+    POSE: _take_xyz(lambda message: message.pose.position, "m"),
+    TWIST: _take_xyz(lambda message: message.twist.linear, "m/s"),
+    JOY_TYPE: _take_joy,
+    CLOCK.type: _take_clock,
+}

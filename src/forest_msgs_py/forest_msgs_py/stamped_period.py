@@ -1,0 +1,26 @@
+"""Time between samples, from their stamps: real machines are jittery, and a loop wants the true dt."""
+
+from __future__ import annotations
+
+
+class StampedPeriod:
+    """Measures dt from successive stamps, kept within half and twice the nominal period.
+
+    Args:
+        nominal: the period [s] that the publisher aims at; also the first dt.
+    """
+
+    def __init__(self, nominal: float) -> None:
+        self._nominal = nominal
+        self._last: int | None = None
+
+    @property
+    def started(self) -> bool:
+        """Whether a stamp has been seen."""
+        return self._last is not None
+
+    def since(self, stamp_ns: int) -> float:
+        """Return the time from the last stamp to this one [s], clipped."""
+        last, self._last = self._last, stamp_ns
+        elapsed = self._nominal if last is None else (stamp_ns - last) * 1e-9
+        return max(0.5 * self._nominal, min(2.0 * self._nominal, elapsed))

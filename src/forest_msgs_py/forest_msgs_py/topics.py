@@ -1,0 +1,268 @@
+"""The one table of topics: name, type, values with units, rate, QoS, who speaks and who listens.
+
+Nodes, recorder, bag reader, pictures and ``docs/topics.md`` are made from this table. Names are relative
+where a crane owns the topic, so that a namespace moves the whole graph; ``/clock``, ``/diagnostics`` and
+``/rosout`` belong to the ROS graph and are absolute.
+
+====================  ======================================================================================
+symbol                meaning
+====================  ======================================================================================
+labels                names of the values, in the order in which our nodes publish them
+units                 unit of each label; three, comma-separated, where a label has three values (JointState)
+port 1, port 2        the sides that move the axis in its positive and negative direction
+valve, actuator       place of a pressure transducer: at the valve's port, at the actuator's chamber
+====================  ======================================================================================
+
+This module imports no ROS: ``qos`` and ``message_class`` do so when they are called.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from rclpy.qos import QoSProfile
+
+JOINTS = ("swing", "boom", "stick")
+ACTUATORS = ("swing_motor", "boom_cylinder", "stick_cylinder")
+JOY_AXES = ("left_x", "left_y", "right_x", "right_y", "left_trigger", "right_trigger")
+JOY_BUTTONS = (
+    *("a", "b", "x", "y", "back", "guide", "start", "left_stick", "right_stick"),
+    *("left_shoulder", "right_shoulder", "dpad_up", "dpad_down", "dpad_left", "dpad_right"),
+    *("misc", "paddle_1", "paddle_2", "paddle_3", "paddle_4", "touchpad"),
+)
+
+SENSOR_RATE_HZ = 200.0
+JOY_RATE_HZ = 100.0
+STREAM_RATE_HZ = 100.0  # from here on a topic counts as a stream and gets the deeper queue
+STREAM_DEPTH = 50  # 0.25 s at the sensor rate: depth 1 loses samples even over RELIABLE
+EVENT_DEPTH = 10
+
+FLOAT_ARRAY = "std_msgs/msg/Float64MultiArray"
+JOINT_STATE = "sensor_msgs/msg/JointState"
+JOY_TYPE = "sensor_msgs/msg/Joy"
+POSE = "geometry_msgs/msg/PoseStamped"
+TWIST = "geometry_msgs/msg/TwistStamped"
+
+
+class Topic(NamedTuple):
+    """One row of the table; ``rate_hz`` 0 means once, or when there is something to say."""
+
+    name: str
+    type: str
+    labels: tuple[str, ...]
+    units: tuple[str, ...]
+    rate_hz: float
+    doc: str
+    publishers: tuple[str, ...]
+    subscribers: tuple[str, ...]
+    latched: bool = False
+    recorded: bool = True
+
+
+_XYZ = ("x", "y", "z")
+_PRESSURE_LABELS = tuple(
+    f"{axis}_{port}_{place}" for axis in JOINTS for port in (1, 2) for place in ("valve", "actuator")
+)
+_SIMULATOR, _CONTROLLER, _DRIVER = "simulator", "controller", "valve_driver"
+_JOYSTICK, _NOBODY = "joystick", ()
+_RATE = SENSOR_RATE_HZ
+
+# fmt: off
+JOY = Topic(
+    "joy", JOY_TYPE, JOY_AXES, ("1",) * 6, JOY_RATE_HZ,
+    "Levers -1..1 and buttons in game_controller order; any joystick node, or a replay.",
+    (_JOYSTICK,), (_CONTROLLER,),
+)
+JOINT_STATES = Topic(
+    "joint_states", JOINT_STATE, JOINTS, ("rad, rad/s, N·m",) * 3, _RATE,
+    "Joints as a machine can know them: sampled angle, causal speed estimate, torque from pressures.",
+    (_SIMULATOR,), (_CONTROLLER,),
+)
+ACTUATOR_STATES = Topic(
+    "actuator_states", JOINT_STATE, ACTUATORS, ("rad, rad/s, N·m", "m, m/s, N", "m, m/s, N"), _RATE,
+    "Swing motor and cylinders as a machine can know them.",
+    (_SIMULATOR,), _NOBODY,
+)
+PRESSURES = Topic(
+    "hydraulics/pressures", FLOAT_ARRAY, _PRESSURE_LABELS, ("Pa",) * 12, _RATE,
+    "Gauge pressure by axis, port and place: the twelve transducers of the thesis.",
+    (_SIMULATOR,), (_DRIVER,),
+)
+FLOWS = Topic(
+    "hydraulics/flows", FLOAT_ARRAY, ("swing_1", "stick_1"), ("m³/s",) * 2, _RATE,
+    "Flow into port 1, where a meter is (Table 4.2).",
+    (_SIMULATOR,), _NOBODY,
+)
+SUPPLY = Topic(
+    "hydraulics/supply", FLOAT_ARRAY, ("pressure", "flow", "saturation"), ("Pa", "m³/s", "1"), _RATE,
+    "Pump: pressure, flow, and the part of its flow limit in use (1 is saturated).",
+    (_SIMULATOR,), (_DRIVER,),
+)
+AUXILIARY = Topic(
+    "hydraulics/auxiliary", FLOAT_ARRAY,
+    ("swing_spool", "boom_spool", "stick_spool", "case_drain_flow", "missed_deadlines"),
+    ("V", "V", "V", "m³/s", "1"), _RATE,
+    "Spool positions as the voltage that holds them there, motor case drain, deadlines missed since start.",
+    (_SIMULATOR,), _NOBODY,
+)
+VALVE_COMMANDS = Topic(
+    "valve_commands", FLOAT_ARRAY, JOINTS, ("V",) * 3, _RATE,
+    "Voltage of an ideal valve (no lap, linear, nominal pressure drop): a wished actuator speed.",
+    (_CONTROLLER,), (_DRIVER,),
+)
+VALVE_VOLTAGES = Topic(
+    "valve_voltages", FLOAT_ARRAY, JOINTS, ("V",) * 3, _RATE,
+    "Voltage at the valve amplifier, with the deadband divided out.",
+    (_DRIVER,), (_SIMULATOR,),
+)
+TIP_POSE = Topic(
+    "tip/pose", POSE, _XYZ, ("m",) * 3, _RATE,
+    "Tip position from the measured joints; z up from the boom pivot.",
+    (_CONTROLLER,), _NOBODY,
+)
+TIP_TWIST = Topic(
+    "tip/twist", TWIST, _XYZ, ("m/s",) * 3, _RATE,
+    "Tip velocity from the measured joints.",
+    (_CONTROLLER,), _NOBODY,
+)
+TIP_TWIST_COMMAND = Topic(
+    "tip/twist_command", TWIST, _XYZ, ("m/s",) * 3, _RATE,
+    "Tip velocity that the operator wishes, after every limit; absent in joint mode.",
+    (_CONTROLLER,), _NOBODY,
+)
+GROUND_TRUTH_JOINT_STATES = Topic(
+    "ground_truth/joint_states", JOINT_STATE, JOINTS, ("rad, rad/s, N·m",) * 3, _RATE,
+    "True joints of the simulator; for evaluation only.",
+    (_SIMULATOR,), _NOBODY,
+)
+GROUND_TRUTH_TIP_POSE = Topic(
+    "ground_truth/tip/pose", POSE, _XYZ, ("m",) * 3, _RATE,
+    "True tip position of the simulator; for evaluation only.",
+    (_SIMULATOR,), _NOBODY,
+)
+GROUND_TRUTH_TIP_TWIST = Topic(
+    "ground_truth/tip/twist", TWIST, _XYZ, ("m/s",) * 3, _RATE,
+    "True tip velocity of the simulator; for evaluation only.",
+    (_SIMULATOR,), _NOBODY,
+)
+ROBOT_DESCRIPTION = Topic(
+    "robot_description", "std_msgs/msg/String", (), (), 0.0,
+    "URDF made from the machine file.",
+    (_SIMULATOR,), _NOBODY, latched=True,
+)
+DIAGNOSTICS = Topic(
+    "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", (), (), 1.0,
+    "Health of hardware and other nodes, where somebody tells it; recorded.",
+    _NOBODY, _NOBODY,
+)
+CLOCK = Topic(
+    "/clock", "rosgraph_msgs/msg/Clock", ("time",), ("s",), _RATE,
+    "Simulated time, where somebody publishes it; recorded. Our nodes run on the system's clock.",
+    _NOBODY, _NOBODY,
+)
+ROSOUT = Topic(
+    "/rosout", "rcl_interfaces/msg/Log", (), (), 0.0,
+    "What the nodes log.",
+    ("every node",), _NOBODY,
+)
+# fmt: on
+
+TOPICS: tuple[Topic, ...] = (
+    *(
+        JOY,
+        JOINT_STATES,
+        ACTUATOR_STATES,
+        PRESSURES,
+        FLOWS,
+        SUPPLY,
+        AUXILIARY,
+        VALVE_COMMANDS,
+        VALVE_VOLTAGES,
+    ),
+    *(TIP_POSE, TIP_TWIST, TIP_TWIST_COMMAND, GROUND_TRUTH_JOINT_STATES, GROUND_TRUTH_TIP_POSE),
+    *(GROUND_TRUTH_TIP_TWIST, ROBOT_DESCRIPTION, DIAGNOSTICS, CLOCK, ROSOUT),
+)
+
+
+def unlisted(name: str, type_name: str) -> Topic:
+    """A row for a topic that is not in the table: somebody else's, or in a bag."""
+    return Topic(name, type_name, (), (), 0.0, "", (), ())
+
+
+def queue_depth(topic: Topic) -> int:
+    """Length of the publisher's and subscriber's queue, messages."""
+    if topic.latched:
+        return 1
+    return STREAM_DEPTH if topic.rate_hz >= STREAM_RATE_HZ else EVENT_DEPTH
+
+
+def qos(topic: Topic) -> QoSProfile:
+    """Reliable everywhere; latched topics keep their last message for those who come late."""
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+    durability = DurabilityPolicy.TRANSIENT_LOCAL if topic.latched else DurabilityPolicy.VOLATILE
+    return QoSProfile(depth=queue_depth(topic), reliability=ReliabilityPolicy.RELIABLE, durability=durability)
+
+
+def message_class(topic: Topic) -> Any:
+    """The Python class of the topic's messages.
+
+    Raises:
+        ModuleNotFoundError: the message package is not installed.
+    """
+    package, _, name = topic.type.split("/")
+    return getattr(importlib.import_module(f"{package}.msg"), name)
+
+
+def find(name: str) -> Topic | None:
+    """The row of a resolved topic name, whatever namespace the crane runs in (the longest match wins)."""
+    matches = [row for row in TOPICS if f"/{name}".endswith("/" + row.name.lstrip("/"))]
+    return max(matches, key=lambda row: len(row.name), default=None)
+
+
+def _fields(topic: Topic) -> str:
+    """Labels with units; a unit shared by all labels is named once."""
+    if len(set(topic.units)) == 1:
+        return f"{', '.join(topic.labels)} [{topic.units[0]}]"
+    return (
+        "; ".join(f"{label} [{unit}]" for label, unit in zip(topic.labels, topic.units, strict=True)) or "-"
+    )
+
+
+def _row(topic: Topic) -> str:
+    quality = f"reliable, {'latched' if topic.latched else 'volatile'}, depth {queue_depth(topic)}"
+    people = (", ".join(topic.publishers) or "-", ", ".join(topic.subscribers) or "-")
+    rate = f"{topic.rate_hz:g} Hz" if topic.rate_hz else "on change"
+    cells = (f"`{topic.name}`", topic.type, _fields(topic), rate, quality, "yes" if topic.recorded else "no")
+    return f"| {' | '.join((*cells, *people, topic.doc))} |"
+
+
+def markdown() -> str:
+    """The table as ``docs/topics.md`` holds it."""
+    head = ("topic", "type", "values [unit]", "rate", "QoS", "recorded", "published by", "read by", "content")
+    return "\n".join(
+        (
+            "# Topics",
+            "",
+            "Made by `python -m forest_msgs_py.topics`; a test compares. Names without a leading slash are",
+            "relative: a namespace moves them. A Float64MultiArray carries",
+            "`data = [sec, nanosec, values...]`, `layout.data_offset` 2 and the labels, comma-separated, in",
+            "`layout.dim[0].label`; with `data_offset` 0 the values stand alone and count as of now.",
+            "",
+            f"| {' | '.join(head)} |",
+            f"|{'---|' * len(head)}",
+            *(_row(topic) for topic in TOPICS),
+        )
+    )
+
+
+def overview() -> str:
+    """The short table that the README holds: topic, type, content."""
+    rows = [f"| `{topic.name}` | {topic.type.replace('/msg/', '/')} | {topic.doc} |" for topic in TOPICS]
+    return "\n".join(("| topic | type | content |", "|---|---|---|", *rows))
+
+
+if __name__ == "__main__":
+    print(markdown())

@@ -1,0 +1,151 @@
+"""What tests of running nodes share: a domain of their own, processes that never outlive a test, waiting."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import forest_msgs_py
+
+# The message packages' type support imports a parser that imports a deprecated module of Python's; elsewhere
+# in the tests a deprecation is an error.
+with warnings.catch_warnings(), contextlib.suppress(ImportError):
+    warnings.simplefilter("ignore", DeprecationWarning)
+    importlib.import_module("rosidl_generator_py")
+
+DOMAINS = range(80, 102)
+STOP_S = 5.0
+
+# Before the first participant of this process: the middleware reads them once.
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(forest_msgs_py.__file__).with_name("loopback.xml"))
+
+
+class Process(subprocess.Popen):
+    """A process with its own session, whose output goes to a file."""
+
+    def __init__(self, argv: list[str], log: Path, **options: Any) -> None:
+        self.log = log
+        with log.open("w") as output:
+            super().__init__(argv, stdout=output, stderr=output, start_new_session=True, **options)
+
+    def text(self) -> str:
+        """What it has printed so far."""
+        return self.log.read_text()
+
+    def stop(self, number: int = signal.SIGINT, seconds: float = STOP_S) -> int:
+        """Ask it to stop and give its exit code; kill it if it does not."""
+        if self.poll() is None:
+            self.send_signal(number)
+        try:
+            return self.wait(seconds)
+        except subprocess.TimeoutExpired:
+            self.kill_group()
+            pytest.fail(f"{self.args} did not stop within {seconds} s:\n{self.text()}")
+
+    def kill_group(self) -> None:
+        """Kill the whole session."""
+        os.killpg(self.pid, signal.SIGKILL)
+        self.wait(STOP_S)
+
+    def leftover(self) -> bool:
+        """Whether anything of its session still runs."""
+        try:
+            os.killpg(self.pid, 0)
+        except ProcessLookupError:
+            return False
+        return True
+
+
+@contextlib.contextmanager
+def claimed_domain() -> Iterator[int]:
+    """A ROS domain that no other test run uses meanwhile.
+
+    The claim is an abstract socket: it reaches as far as loopback traffic does, and ends with this process.
+    """
+    for number in DOMAINS:
+        claim = socket.socket(socket.AF_UNIX)
+        try:
+            claim.bind(f"\0forest-test-domain-{number}")
+        except OSError:
+            claim.close()
+            continue
+        with claim:
+            yield number
+        return
+    pytest.fail(f"every ROS domain in {DOMAINS} is in use")
+
+
+@pytest.fixture
+def domain_id(monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+    """A domain for one test; processes started later inherit it."""
+    with claimed_domain() as number:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+        yield number
+
+
+@pytest.fixture(scope="session")
+def session_domain_id() -> Iterator[int]:
+    """A domain for a fixture that serves many tests; whoever uses it hands it on."""
+    with claimed_domain() as number:
+        yield number
+
+
+@pytest.fixture
+def ros_context(domain_id: int) -> Iterator[Any]:
+    """A running rclpy context in the test's own domain."""
+    rclpy = pytest.importorskip("rclpy")
+    context = rclpy.Context()
+    rclpy.init(context=context, domain_id=domain_id)
+    yield context
+    context.try_shutdown()
+
+
+@pytest.fixture
+def start_process(tmp_path: Path) -> Iterator[Callable[..., Process]]:
+    """Starts processes (``python=True``: arguments for this interpreter); none of them outlives the test."""
+    started: list[Process] = []
+
+    def start(argv: list[str], python: bool = True, **options: Any) -> Process:
+        whole = [sys.executable, *argv] if python else argv
+        process = Process(whole, tmp_path / f"process_{len(started)}.log", **options)
+        started.append(process)
+        return process
+
+    yield start
+    for process in started:
+        if process.poll() is None:
+            process.stop()
+    leftover = [process for process in started if process.leftover()]
+    for process in leftover:
+        process.kill_group()
+    assert not leftover, [process.args for process in leftover]
+
+
+@pytest.fixture
+def wait_until() -> Callable[..., None]:
+    """Waits for a condition, at most ``seconds``; spins an executor meanwhile if there is one."""
+
+    def wait(predicate: Callable[[], Any], seconds: float = 10.0, executor: Any = None) -> None:
+        deadline = time.monotonic() + seconds
+        while not predicate():
+            if time.monotonic() > deadline:
+                pytest.fail(f"condition not met within {seconds} s")
+            if executor is None:
+                time.sleep(0.01)
+            else:
+                executor.spin_once(timeout_sec=0.01)
+
+    return wait

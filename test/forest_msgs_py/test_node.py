@@ -1,0 +1,109 @@
+"""The frame of every node: how it starts, how it ends, and with which exit code."""
+
+import signal
+from pathlib import Path
+
+import pytest
+
+rclpy = pytest.importorskip("rclpy")
+
+from rclpy.executors import SingleThreadedExecutor
+
+from forest_msgs_py import messages, node, topics
+
+TALKER = str(Path(__file__).with_name("talker.py"))
+
+
+@pytest.fixture
+def talker(domain_id, start_process):
+    return lambda *arguments: start_process([TALKER, "--ros-args", *arguments])
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_last_words_are_heard_before_the_node_goes(talker, ros_context, wait_until, number):
+    process = talker()
+    listener = rclpy.create_node("listener", context=ros_context)
+    executor = SingleThreadedExecutor(context=ros_context)
+    executor.add_node(listener)
+    heard = []
+    node.subscription(listener, topics.VALVE_VOLTAGES, heard.append)
+    wait_until(lambda: "matched" in process.text(), executor=executor)
+    process.send_signal(number)
+    wait_until(lambda: heard, executor=executor)
+    assert process.stop(number) == 0
+    assert messages.read_float_array(topics.VALVE_VOLTAGES, heard[0], 1).values == (0.0, 0.0, 0.0)
+    assert process.text().split("\n") == ["up", "matched", "last words", ""]
+    executor.shutdown()
+    listener.destroy_node()
+
+
+def test_repeated_signals_do_not_interrupt_the_last_words(talker, wait_until):
+    process = talker()
+    wait_until(lambda: "up" in process.text())
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGINT, signal.SIGINT):
+        process.send_signal(number)
+    assert process.stop() == 0
+    assert process.text().count("last words") == 1
+    assert "Traceback" not in process.text()
+
+
+def test_a_bug_in_a_callback_ends_the_node_with_traceback_and_last_words(talker):
+    process = talker("-p", "fault:=bug")
+    assert process.wait(10) == 1
+    assert "ZeroDivisionError: a bug" in process.text()
+    assert process.text().index("last words") > 0
+
+
+def test_a_failure_is_one_line_and_exit_code_1(talker):
+    process = talker("-p", "fault:=failure")
+    assert process.wait(10) == 1
+    assert "talker: pump is gone\n" in process.text()
+    assert "Traceback" not in process.text()
+
+
+def test_a_node_that_is_done_ends_with_0(talker):
+    process = talker("-p", "fault:=done")
+    assert process.wait(10) == 0
+    assert "last words" in process.text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("-p", "fault:=fire"), "talker: parameter 'fault' is 'fire'; allowed: one of , bug, failure, done"),
+        (("-p",), "talker: failed to initialize rcl"),
+    ],
+)
+def test_a_wrong_start_is_one_clear_line_and_exit_code_2(talker, arguments, words):
+    process = talker(*arguments)
+    assert process.wait(10) == 2
+    assert words in process.text()
+    assert "Traceback" not in process.text()
+
+
+def test_names_follow_a_namespace_and_a_remap(talker, ros_context, wait_until):
+    talker("-r", "__ns:=/crane_1", "-r", "joint_states:=joints")
+    listener = rclpy.create_node("listener", context=ros_context)
+    for name in ("/crane_1/joints", "/crane_1/valve_voltages"):
+        wait_until(lambda name=name: listener.count_publishers(name) == 1)
+    assert listener.count_publishers("/joint_states") == 0
+    listener.destroy_node()
+
+
+def test_the_network_is_closed_unless_opened_on_purpose(monkeypatch):
+    def environment(**given):
+        names = ("FOREST_NETWORK", "RMW_IMPLEMENTATION", "ROS_AUTOMATIC_DISCOVERY_RANGE")
+        for name in (*names, "FASTRTPS_DEFAULT_PROFILES_FILE"):
+            monkeypatch.setenv(name, "")  # so that the test's end restores it
+            monkeypatch.delenv(name)
+        for name, value in given.items():
+            monkeypatch.setenv(name, value)
+        node.prepare_environment()
+        return node.os.environ
+
+    closed = environment()
+    assert closed["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+    assert Path(closed["FASTRTPS_DEFAULT_PROFILES_FILE"]).is_file()
+    assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in environment(RMW_IMPLEMENTATION="rmw_cyclonedds_cpp")
+    assert environment(ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET")["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+    assert "ROS_AUTOMATIC_DISCOVERY_RANGE" not in environment(FOREST_NETWORK="open")

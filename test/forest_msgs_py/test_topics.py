@@ -1,0 +1,71 @@
+"""The topic table is sound, and docs/topics.md shows it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from forest_msgs_py import topics
+from forest_msgs_py.topics import TOPICS, Topic
+
+DOCS = Path(__file__).resolve().parents[2] / "docs" / "topics.md"
+ROS_WORLD = {"/clock", "/diagnostics", "/rosout"}
+
+
+def test_docs_are_the_table():
+    assert DOCS.read_text() == topics.markdown() + "\n"
+
+
+def test_every_topic_of_the_module_is_in_the_table_once():
+    constants = [value for value in vars(topics).values() if isinstance(value, Topic)]
+    assert sorted(constants) == sorted(TOPICS)
+    assert len({row.name for row in TOPICS}) == len(TOPICS)
+
+
+@pytest.mark.parametrize("row", TOPICS, ids=lambda row: row.name)
+def test_every_value_has_one_label_and_a_unit(row):
+    assert len(row.labels) == len(row.units)
+    assert len(set(row.labels)) == len(row.labels)
+    assert all(row.units)
+    assert row.publishers
+    assert row.name.startswith("/") == (row.name in ROS_WORLD)
+
+
+def test_the_twelve_transducers_are_named_by_axis_port_and_place():
+    assert topics.PRESSURES.labels[:4] == (
+        "swing_1_valve",
+        "swing_1_actuator",
+        "swing_2_valve",
+        "swing_2_actuator",
+    )
+    assert len(topics.PRESSURES.labels) == 12
+
+
+def test_the_table_needs_no_ros():
+    code = "import sys, forest_msgs_py.topics; sys.exit('rclpy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+@pytest.mark.parametrize("row", TOPICS, ids=lambda row: row.name)
+def test_type_and_qos_of_every_topic_exist(row):
+    pytest.importorskip("rclpy")
+    assert topics.message_class(row).__name__ == row.type.rsplit("/", 1)[1]
+    profile = topics.qos(row)
+    assert profile.depth == (1 if row.latched else 50 if row.rate_hz >= 100 else 10)
+    assert profile.reliability.short_key == "reliable"
+    assert profile.durability.short_key == ("transient_local" if row.latched else "volatile")
+
+
+@pytest.mark.parametrize(
+    ("name", "row"),
+    [
+        ("/joint_states", topics.JOINT_STATES),
+        ("/crane_1/joint_states", topics.JOINT_STATES),
+        ("/crane_1/ground_truth/joint_states", topics.GROUND_TRUTH_JOINT_STATES),
+        ("/clock", topics.CLOCK),
+        ("/my_joint_states", None),
+    ],
+)
+def test_a_resolved_name_finds_its_row_in_any_namespace(name, row):
+    assert topics.find(name) == row
