@@ -1,0 +1,1 @@
+"""How the machine moves: pump, valves, hoses, actuators, manipulator, integrator, sensors and their node."""

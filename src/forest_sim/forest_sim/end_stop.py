@@ -1,0 +1,36 @@
+"""Mechanical ends of a stroke: a stiff spring with a damper that pushes back and never pulls.
+
+| symbol | name | unit (cylinder; swing) |
+|---|---|---|
+| x, u | actuator position, speed | m, m/s; rad, rad/s |
+| F | force on the load | N; N m |
+
+The thesis has none: its machine could turn its links through each other.
+"""
+
+from typing import NamedTuple
+
+
+class EndStop(NamedTuple):
+    """Where an actuator's travel ends, and how hard; a stiffness of zero leaves the stop out."""
+
+    lower: float
+    upper: float
+    stiffness: float  # [N/m; N m/rad]
+    damping: float  # [N s/m; N m s/rad], while in contact
+
+
+def end_stop_force(position: float, speed: float, stop: EndStop) -> float:
+    """Return the stop's force [N; N m], positive towards larger positions; zero off the ends."""
+    if position < stop.lower:
+        return max(0.0, stop.stiffness * (stop.lower - position) - stop.damping * speed)
+    if position > stop.upper:
+        return -max(0.0, stop.stiffness * (position - stop.upper) + stop.damping * speed)
+    return 0.0
+
+
+def end_stop_resistance(position: float, speed: float, stop: EndStop, step: float) -> float:
+    """Return -dF/du [N s/m; N m s/rad] when the position moves with the speed over an implicit step [s]."""
+    if end_stop_force(position, speed, stop) == 0.0:
+        return 0.0
+    return stop.damping + step * stop.stiffness

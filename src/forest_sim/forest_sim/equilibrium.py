@@ -1,0 +1,36 @@
+"""Where a simulation starts: every valve shut, nothing moving, gravity held by trapped oil."""
+
+from forest_description.linkage import lever_arm
+from forest_sim.integrator import Simulation, Triple
+from forest_sim.manipulator import dynamics
+from forest_sim.parameters import Axis, PlantParameters
+from forest_sim.plant import AxisState, PlantState
+
+PRELOAD = 0.1  # pressure in the less loaded chamber, as a share of the supply's
+
+
+def equilibrium(angles: Triple, p: PlantParameters) -> Simulation:
+    """Return the machine at rest at the joint angles [rad], valves shut.
+
+    The trapped volumes leave one pressure per cylinder free: the less loaded chamber gets `PRELOAD` of the
+    supply pressure. The swing's hoses have leaked empty; on a tilted platform the swing cannot rest and
+    starts to creep.
+    """
+    bias = dynamics(angles, (0.0, 0.0, 0.0), p.body).bias
+    return Simulation(
+        PlantState(
+            AxisState(angles[0], 0.0, 0.0, 0.0, 0.0, 0.0),
+            _hold(angles[1], bias[1] / lever_arm(angles[1], p.boom_linkage), p.boom, p),
+            _hold(angles[2], bias[2] / lever_arm(angles[2], p.stick_linkage), p.stick, p),
+        ),
+        (0.0, 0.0, 0.0),
+    )
+
+
+def _hold(angle: float, force: float, axis: Axis, p: PlantParameters) -> AxisState:
+    """Return the axis at rest with A_1 P_1 - A_2 P_2 = force [N]."""
+    a_1, a_2 = axis.actuator.displacement_1, axis.actuator.displacement_2
+    preload = PRELOAD * p.supply_pressure
+    if force + a_2 * preload >= a_1 * preload:
+        return AxisState(angle, 0.0, (force + a_2 * preload) / a_1, preload, 0.0, 0.0)
+    return AxisState(angle, 0.0, preload, (a_1 * preload - force) / a_2, 0.0, 0.0)

@@ -1,0 +1,186 @@
+"""The machine's equations of motion, Thesis eq. 3.20 and App. B, for both directions of every valve.
+
+State, in Appendix B's order, for swing, boom and stick in turn: joint angle [rad], joint rate [rad/s],
+pressure in hose 1 and in hose 2 [Pa], flow through hose 1 from the valve and through hose 2 to the valve
+[m^3/s].
+
+A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only case); a
+negative one the reverse. Tank is zero pressure. Actuator coordinates are the swing angle and the two
+cylinders' lengths.
+
+The laws of the parts live in `line`, `actuator`, `manipulator` and `end_stop`; here they are put together.
+Everything in this module is pure and stays in the subset of Python that Numba compiles (`compiled`).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from forest_description.linkage import cylinder_length, lever_arm
+from forest_description.machine import Machine
+from forest_description.valve import ValveLaw, orifice_resistance
+from forest_sim.actuator import actuator_force, inlet_flow, outlet_flow
+from forest_sim.end_stop import end_stop_force
+from forest_sim.line import Orifice, flow_rate, pressure_rate
+from forest_sim.manipulator import Dynamics, dynamics
+from forest_sim.parameters import Axis, PlantParameters, plant_parameters
+
+
+class AxisState(NamedTuple):
+    """One axis in Appendix B's order; also holds its time derivative."""
+
+    angle: float
+    rate: float
+    pressure_1: float
+    pressure_2: float
+    flow_1: float
+    flow_2: float
+
+
+class PlantState(NamedTuple):
+    """The 18 states of Thesis eq. 3.20."""
+
+    swing: AxisState
+    boom: AxisState
+    stick: AxisState
+
+
+class Ports(NamedTuple):
+    """What the spool's two edges connect the hoses of one axis to."""
+
+    orifice_1: Orifice
+    orifice_2: Orifice
+
+
+class Transmission(NamedTuple):
+    """An actuator's position and the joint's lever arm about it."""
+
+    position: float  # [rad; m]
+    arm: float  # d(position)/d(angle) [1; m/rad]
+
+
+def valve_ports(spool_position: float, supply_pressure: float, law: ValveLaw) -> Ports:
+    """Return the two orifices at a spool position [V]; both shut inside the overlap. Thesis eq. 3.1, 3.2."""
+    resistance = orifice_resistance(spool_position, law)
+    if spool_position >= 0.0:
+        return Ports(Orifice(resistance, supply_pressure), Orifice(resistance, 0.0))
+    return Ports(Orifice(resistance, 0.0), Orifice(resistance, supply_pressure))
+
+
+def transmissions(
+    swing: float, boom: float, stick: float, p: PlantParameters
+) -> tuple[Transmission, Transmission, Transmission]:
+    """Return actuator positions and lever arms at the joint angles [rad]. Thesis eq. 3.16, App. A."""
+    return (
+        Transmission(swing, 1.0),
+        Transmission(cylinder_length(boom, p.boom_linkage), lever_arm(boom, p.boom_linkage)),
+        Transmission(cylinder_length(stick, p.stick_linkage), lever_arm(stick, p.stick_linkage)),
+    )
+
+
+def joint_torque(state: AxisState, transmission: Transmission, axis: Axis) -> float:
+    """Return the torque [N m] of an axis' actuator and end stop on its joint. Thesis eq. 3.16, 3.18, 3.19."""
+    speed = transmission.arm * state.rate
+    force = actuator_force(speed, state.pressure_1, state.pressure_2, axis.actuator)
+    return transmission.arm * (force + end_stop_force(transmission.position, speed, axis.stop))
+
+
+def joint_accelerations(d: Dynamics, torques: tuple[float, float, float]) -> tuple[float, float, float]:
+    """Return M^-1 (tau - V - G) [rad/s^2]. Thesis eq. 3.15, 4.11."""
+    t_1, t_2, t_3 = torques[0] - d.bias[0], torques[1] - d.bias[1], torques[2] - d.bias[2]
+    determinant = d.m_22 * d.m_33 - d.m_23 * d.m_23
+    return (
+        t_1 / d.m_11,
+        (d.m_33 * t_2 - d.m_23 * t_3) / determinant,
+        (d.m_22 * t_3 - d.m_23 * t_2) / determinant,
+    )
+
+
+def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: PlantParameters) -> PlantState:
+    """Return the time derivative of all 18 states. Thesis eq. 3.20, App. B.
+
+    A shut orifice (C_R = inf) has a derivative only at zero flow; the integrator holds it there.
+    """
+    swing, boom, stick = state.swing, state.boom, state.stick
+    t_1, t_2, t_3 = transmissions(swing.angle, boom.angle, stick.angle, p)
+    d = dynamics((swing.angle, boom.angle, stick.angle), (swing.rate, boom.rate, stick.rate), p.body)
+    torques = (
+        joint_torque(swing, t_1, p.swing),
+        joint_torque(boom, t_2, p.boom),
+        joint_torque(stick, t_3, p.stick),
+    )
+    a_1, a_2, a_3 = joint_accelerations(d, torques)
+    return PlantState(
+        _axis_derivative(swing, a_1, t_1.arm, ports[0], p.swing, p),
+        _axis_derivative(boom, a_2, t_2.arm, ports[1], p.boom, p),
+        _axis_derivative(stick, a_3, t_3.arm, ports[2], p.stick, p),
+    )
+
+
+def _axis_derivative(
+    s: AxisState, acceleration: float, arm: float, ports: Ports, axis: Axis, p: PlantParameters
+) -> AxisState:
+    """Return one axis' six derivatives. Hose 2 is counted towards the valve, hence the signs."""
+    q_1 = inlet_flow(arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
+    q_2 = outlet_flow(arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
+    return AxisState(
+        angle=s.rate,
+        rate=acceleration,
+        pressure_1=pressure_rate(s.pressure_1, s.flow_1, q_1, axis.line_1, p.guard),
+        pressure_2=pressure_rate(s.pressure_2, -s.flow_2, -q_2, axis.line_2, p.guard),
+        flow_1=flow_rate(s.pressure_1, s.flow_1, ports.orifice_1, axis.line_1),
+        flow_2=-flow_rate(s.pressure_2, -s.flow_2, ports.orifice_2, axis.line_2),
+    )
+
+
+def to_array(state: PlantState) -> NDArray[np.float64]:
+    """Return the 18 states as an array in Appendix B's order."""
+    return np.array([*state.swing, *state.boom, *state.stick], dtype=np.float64)
+
+
+def from_array(x: ArrayLike) -> PlantState:
+    """Return the state that an array of 18 in Appendix B's order holds.
+
+    Raises:
+        ValueError: the array does not hold 18 finite numbers.
+    """
+    values = np.asarray(x, dtype=np.float64)
+    if values.shape != (18,) or not np.all(np.isfinite(values)):
+        raise ValueError(
+            f"state x must hold 18 finite numbers in Appendix B's order, got shape {values.shape}"
+        )
+    v = values.tolist()
+    return PlantState(AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]))
+
+
+def thesis_state_derivative(
+    x: ArrayLike, c_r: ArrayLike, p_s: float, machine: Machine
+) -> NDArray[np.float64]:
+    """Return xdot of Appendix B, corrected, for given orifice resistances.
+
+    Thesis eq. 3.20, App. B. Differs: docs/equations.md lists the corrections.
+    Port 1 of every valve is connected to the supply, port 2 to the tank.
+
+    Args:
+        x: 18 states in Appendix B's order (module docstring).
+        c_r: Crv1, Crv2 of swing, boom, stick, 6 resistances [Pa s^2/m^6], not negative.
+        p_s: supply pressure [Pa].
+        machine: `load_machine("c180_thesis")` gives Appendix B's numbers.
+
+    Returns:
+        xdot, shape (18,), in x's units per second.
+
+    Raises:
+        ValueError: wrong shape, or a value that is not finite (c_r may be inf where the flow is zero).
+    """
+    resistances = np.asarray(c_r, dtype=np.float64)
+    if resistances.shape != (6,) or not np.all(resistances >= 0.0):
+        raise ValueError(f"c_r must hold 6 resistances of at least 0 Pa s^2/m^6, got {c_r!r}")
+    if not math.isfinite(p_s):
+        raise ValueError(f"p_s must be a finite pressure [Pa], got {p_s}")
+    r = resistances.tolist()
+    ports = [Ports(Orifice(r[2 * i], float(p_s)), Orifice(r[2 * i + 1], 0.0)) for i in range(3)]
+    derivative = state_derivative(from_array(x), (ports[0], ports[1], ports[2]), plant_parameters(machine))
+    return to_array(derivative)

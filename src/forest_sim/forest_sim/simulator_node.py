@@ -1,0 +1,142 @@
+"""The machine as a node: takes /valve_voltages, keeps the graph's time, publishes what its sensors report.
+
+Physics at 1 kHz inside, topics at 200 Hz. Deadlines stand on the monotonic clock; a late wake-up is caught up
+with correctly stamped samples, and counted. Voltages older than the machine's command timeout count as zero.
+"""
+
+import math
+import sys
+import time
+
+import rclpy.clock
+from rclpy.node import Node
+
+from forest_description.kinematics import inverse_kinematics, tip_position, tip_velocity
+from forest_description.limits import joint_limits
+from forest_description.machine import AXES, load_machine
+from forest_description.urdf import robot_description
+from forest_msgs_py import topics
+from forest_msgs_py.inbox import inbox
+from forest_msgs_py.messages import float_array, joint_state, pose_stamped, read_float_array, twist_stamped
+from forest_msgs_py.node import publisher, run_node
+from forest_msgs_py.parameters import ParameterError, declare, declare_triple
+from forest_msgs_py.topics import ACTUATORS, JOINTS, message_class
+from forest_sim import sensors
+from forest_sim.equilibrium import equilibrium
+from forest_sim.integrator import Triple, advance
+from forest_sim.parameters import plant_parameters
+
+FRAME = "base_link"
+PERIOD_NS = 5_000_000
+SUBSTEPS = 5
+SUBSTEP = PERIOD_NS * 1e-9 / SUBSTEPS  # [s]
+CATCH_UP = 20  # periods; what is later than that is left out rather than rushed through
+ZERO: Triple = (0.0, 0.0, 0.0)
+
+
+class SimulatorNode(Node):
+    """Shell around `integrator.step` and `sensors.measure`."""
+
+    def __init__(self) -> None:
+        super().__init__("simulator")
+        machine = load_machine(declare(self, "machine", "c180", "shipped machine, or path of a machine file"))
+        start = declare_triple(self, "initial_tip", (5.5, 0.0, 1.0), "tip position at the start", "m")
+        self._plain = declare(self, "plain_arrays", False, "publish Float64MultiArray without stamp")
+        self._machine = machine
+        self._plant = plant_parameters(machine)
+        self._simulation = equilibrium(self._start_angles(start), self._plant)
+        self._estimate = sensors.at_rest(self._simulation, self._plant)
+        self._voltages, self._received = ZERO, -math.inf
+        self._missed = 0
+        self._outputs = {
+            topic: publisher(self, topic) for topic in topics.TOPICS if "simulator" in topic.publishers
+        }
+        text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
+        self._outputs[topics.ROBOT_DESCRIPTION].publish(text)
+        self._voltage_inbox = inbox(self, topics.VALVE_VOLTAGES)
+        self._stamp = self.get_clock().now().nanoseconds
+        self._next = time.monotonic_ns() + PERIOD_NS
+        steady = rclpy.clock.Clock(clock_type=rclpy.clock.ClockType.STEADY_TIME)
+        self.create_timer(PERIOD_NS * 1e-9, self._on_timer, clock=steady)
+
+    def _start_angles(self, tip: Triple) -> Triple:
+        given = f"parameter 'initial_tip' is {list(tip)}"
+        try:
+            angles = inverse_kinematics(tip, self._machine.manipulator.links)
+        except ValueError as error:
+            raise ParameterError(f"{given}: {error}") from error
+        for name, angle, limits in zip(AXES, angles, joint_limits(self._machine), strict=True):
+            if not limits[0] <= angle <= limits[1]:
+                needed, low, high = (f"{math.degrees(a):.1f}" for a in (angle, *limits))
+                raise ParameterError(
+                    f"{given}; it needs the {name} at {needed} deg; allowed: {low} .. {high} deg"
+                )
+        return angles
+
+    def _read_voltages(self) -> None:
+        """Take the newest command; a bad one, and one that is too old, centres the valves."""
+        arrival = self._voltage_inbox.newest()
+        if arrival is not None:
+            reading = read_float_array(topics.VALVE_VOLTAGES, arrival.message, 0)
+            if reading.problem:
+                self.get_logger().warning(f"valves centred: {reading.problem}", throttle_duration_sec=1.0)
+            self._voltages = ZERO if reading.problem else reading.values
+            self._received = arrival.time
+        if time.monotonic() - self._received > self._machine.command_timeout:
+            self._voltages = ZERO
+
+    def _on_timer(self) -> None:
+        due = max(0, (time.monotonic_ns() - self._next) // PERIOD_NS + 1)
+        self._missed += max(0, due - 1)
+        skipped = max(0, due - CATCH_UP)
+        self._next += skipped * PERIOD_NS
+        self._stamp += skipped * PERIOD_NS
+        for _ in range(due - skipped):
+            self._next += PERIOD_NS
+            self._stamp += PERIOD_NS
+            self._advance()
+
+    def _advance(self) -> None:
+        self._read_voltages()
+        self._simulation = advance(self._simulation, self._voltages, SUBSTEP, SUBSTEPS, self._plant)
+        self._estimate, seen = sensors.measure(
+            self._simulation, self._estimate, self._plant, PERIOD_NS * 1e-9
+        )
+        self._publish(seen)
+
+    def _publish(self, seen: sensors.Measurement) -> None:
+        """Publish one sample; what the driver needs goes before what makes the controller step."""
+        auxiliary = (*self._simulation.spools, seen.case_drain_flow, float(self._missed))
+        self._publish_array(topics.PRESSURES, seen.pressures)
+        self._publish_array(topics.SUPPLY, (seen.supply_pressure, seen.supply_flow, 0.0))
+        self._publish_motion(topics.JOINT_STATES, JOINTS, seen.joints)
+        self._publish_motion(topics.ACTUATOR_STATES, ACTUATORS, seen.actuators)
+        self._publish_array(topics.FLOWS, seen.flows)
+        self._publish_array(topics.AUXILIARY, auxiliary)
+        self._publish_truth()
+
+    def _publish_truth(self) -> None:
+        true = sensors.true_joints(self._simulation, self._plant)
+        links = self._machine.manipulator.links
+        self._publish_motion(topics.GROUND_TRUTH_JOINT_STATES, JOINTS, true)
+        pose = pose_stamped(self._stamp, FRAME, tip_position(true.position, links))
+        twist = twist_stamped(self._stamp, FRAME, tip_velocity(true.position, true.speed, links))
+        self._outputs[topics.GROUND_TRUTH_TIP_POSE].publish(pose)
+        self._outputs[topics.GROUND_TRUTH_TIP_TWIST].publish(twist)
+
+    def _publish_array(self, topic: topics.Topic, values: tuple[float, ...]) -> None:
+        self._outputs[topic].publish(float_array(topic, self._stamp, values, self._plain))
+
+    def _publish_motion(self, topic: topics.Topic, names: tuple[str, ...], motion: sensors.Motion) -> None:
+        self._outputs[topic].publish(
+            joint_state(names, self._stamp, motion.position, motion.speed, motion.effort)
+        )
+
+
+def main() -> None:
+    """Run the node until it is told to stop."""
+    sys.exit(run_node(SimulatorNode))
+
+
+if __name__ == "__main__":
+    main()

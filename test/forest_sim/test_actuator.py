@@ -1,0 +1,98 @@
+"""Claims about cylinder and motor: the reduced law is that of the elements it was reduced from."""
+
+import numpy as np
+import pytest
+
+from forest_description.machine import load_machine
+from forest_sim.actuator import actuator_force, cylinder, inlet_flow, motor, outlet_flow, port_pressures
+
+MACHINE = load_machine("c180")
+SWING = MACHINE.swing
+D = SWING.gear_ratio * SWING.motor_displacement
+LINES = [(MACHINE.line(axis, 1), MACHINE.line(axis, 2)) for axis in range(3)]
+MOTOR = motor(SWING, *LINES[0])
+CYLINDERS = [
+    (drive, LINES[i], cylinder(drive, *LINES[i])) for i, drive in enumerate((MACHINE.boom, MACHINE.stick), 1)
+]
+each_cylinder = pytest.mark.parametrize(("drive", "lines", "actuator"), CYLINDERS, ids=["boom", "stick"])
+each_actuator = pytest.mark.parametrize(
+    "actuator", [MOTOR, CYLINDERS[0][2], CYLINDERS[1][2]], ids=["swing", "boom", "stick"]
+)
+
+
+def states(seed, count=100):
+    """Speeds [m/s; rad/s] and two pressures [Pa], over all that a crane meets."""
+    return np.random.default_rng(seed).uniform((-1.0, 0.0, 0.0), (1.0, 3e7, 3e7), (count, 3)).tolist()
+
+
+def motor_nodes(speed, pressure_1, pressure_2):
+    """Solve the motor's two inner nodes by nodal analysis, conductance by conductance."""
+    hoses = [1.0 / line.resistance for line in LINES[0]]
+    internal, external = 1.0 / SWING.internal_leakage_resistance, 1.0 / SWING.external_leakage_resistance
+    conductances = np.diag(hoses) + np.diag([external] * 2) + internal * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    sources = [hoses[0] * pressure_1 - D * speed, hoses[1] * pressure_2 + D * speed]
+    return np.linalg.solve(conductances, sources)
+
+
+@each_cylinder
+def test_a_cylinder_takes_and_gives_the_volume_that_its_piston_sweeps(drive, lines, actuator):
+    for speed, p_1, p_2 in states(1):
+        assert inlet_flow(speed, p_1, p_2, actuator) == pytest.approx(drive.head_area * speed, rel=1e-12)
+        assert outlet_flow(speed, p_1, p_2, actuator) == pytest.approx(drive.rod_area * speed, rel=1e-12)
+
+
+@each_cylinder
+def test_a_cylinders_ports_are_behind_the_turbulent_hoses(drive, lines, actuator):
+    for speed, p_1, p_2 in states(2):
+        one, two = port_pressures(speed, p_1, p_2, actuator)
+        drops = [
+            line.resistance * (area * speed) ** 2 * np.sign(speed)
+            for line, area in zip(lines, (drive.head_area, drive.rod_area), strict=True)
+        ]
+        assert one == pytest.approx(p_1 - drops[0], rel=1e-12)
+        assert two == pytest.approx(p_2 + drops[1], rel=1e-12)
+
+
+@each_cylinder
+def test_a_cylinders_force_is_its_ports_pressures_on_its_areas_less_viscous_friction(drive, lines, actuator):
+    for speed, p_1, p_2 in states(3):
+        one, two = port_pressures(speed, p_1, p_2, actuator)
+        force = drive.head_area * one - drive.rod_area * two - drive.damping * speed
+        assert actuator_force(speed, p_1, p_2, actuator) == pytest.approx(force, rel=1e-9, abs=1e-3)
+
+
+def test_the_motors_ports_are_the_inner_nodes_of_its_network():
+    for speed, p_1, p_2 in states(4):
+        nodes = motor_nodes(speed, p_1, p_2)
+        assert port_pressures(speed, p_1, p_2, MOTOR) == pytest.approx(nodes, rel=1e-9, abs=1.0)
+
+
+def test_the_motors_flows_are_those_through_its_hoses():
+    for speed, p_1, p_2 in states(5):
+        one, two = motor_nodes(speed, p_1, p_2)
+        through = (p_1 - one) / LINES[0][0].resistance, (two - p_2) / LINES[0][1].resistance
+        assert inlet_flow(speed, p_1, p_2, MOTOR) == pytest.approx(through[0], rel=1e-6, abs=1e-10)
+        assert outlet_flow(speed, p_1, p_2, MOTOR) == pytest.approx(through[1], rel=1e-6, abs=1e-10)
+
+
+def test_the_motors_torque_is_its_ports_difference_times_displacement_less_damping():
+    for speed, p_1, p_2 in states(6):
+        one, two = motor_nodes(speed, p_1, p_2)
+        torque = D * (one - two) - SWING.damping * speed
+        assert actuator_force(speed, p_1, p_2, MOTOR) == pytest.approx(torque, rel=1e-9, abs=1e-3)
+
+
+def test_what_the_motor_takes_and_does_not_give_goes_to_the_case_drain():
+    for speed, p_1, p_2 in states(7):
+        drain = sum(motor_nodes(speed, p_1, p_2)) / SWING.external_leakage_resistance
+        lost = inlet_flow(speed, p_1, p_2, MOTOR) - outlet_flow(speed, p_1, p_2, MOTOR)
+        assert lost == pytest.approx(drain, rel=1e-6, abs=1e-12)
+
+
+@each_actuator
+def test_an_actuator_never_gives_more_power_than_it_takes(actuator):
+    for speed, p_1, p_2 in states(8, 300):
+        hydraulic = p_1 * inlet_flow(speed, p_1, p_2, actuator) - p_2 * outlet_flow(speed, p_1, p_2, actuator)
+        mechanical = actuator_force(speed, p_1, p_2, actuator) * speed
+        assert hydraulic - mechanical >= -1e-9 * abs(hydraulic)
+    assert actuator_force(0.3, 0.0, 0.0, actuator) < 0.0 < actuator_force(-0.3, 0.0, 0.0, actuator)

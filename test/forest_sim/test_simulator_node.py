@@ -1,0 +1,224 @@
+"""Claims about the simulator process: it keeps the time, moves when told, and stands still otherwise."""
+
+import math
+import signal
+import time
+import xml.etree.ElementTree as ET
+from itertools import pairwise
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from forest_description.machine import load_machine
+from forest_description.urdf import robot_description
+from forest_msgs_py import topics
+from forest_msgs_py.messages import float_array, read_float_array, stamp_to_ns
+
+MACHINE = load_machine()
+PERIOD_NS = 5_000_000
+CATCH_UP = 20  # periods that a late machine still makes up for
+MARGIN = 0.5  # [s] for a busy machine, beside the timeouts
+VOLTS = (4.0, -4.0, 4.0)
+ZERO = (0.0, 0.0, 0.0)
+STREAMS = [
+    t for t in topics.TOPICS if "simulator" in t.publishers and t.rate_hz == 200.0 and t != topics.CLOCK
+]
+
+
+def voltages(now, values=VOLTS):
+    return float_array(topics.VALVE_VOLTAGES, now, values)
+
+
+def typed(*values, offset=0):
+    """A message as somebody types it: no stamp, no labels."""
+    message = topics.message_class(topics.VALVE_VOLTAGES)(data=list(map(float, values)))
+    message.layout.data_offset = offset
+    return message
+
+
+def stamp(topic, message):
+    if topic.type == topics.FLOAT_ARRAY:
+        reading = read_float_array(topic, message, 0)
+        assert reading.problem == ""
+        return reading.stamp_ns
+    return stamp_to_ns(message.header.stamp)
+
+
+class Rig:
+    """A simulator and somebody who drives its valves; what is said can be changed at any time."""
+
+    def __init__(self, peer, start_simulator, *ros_args):
+        self.peer = peer
+        self.process = start_simulator(*ros_args)
+        self.auxiliary = peer.hear(topics.AUXILIARY)
+        self.truth = peer.hear(topics.GROUND_TRUTH_JOINT_STATES)
+        self.say = voltages
+
+    def drive(self):
+        self.timer = self.peer.repeat(topics.VALVE_VOLTAGES, lambda now: self.say(now), 200.0)
+        self.peer.until(self.open)
+        return self
+
+    def spools(self):
+        if not self.auxiliary:
+            return ZERO
+        values = read_float_array(topics.AUXILIARY, self.auxiliary[-1], 0).values
+        return values[:3]
+
+    def open(self):
+        return self.spools() == pytest.approx(VOLTS, abs=0.01)
+
+    def centred(self):
+        return self.spools() == pytest.approx(ZERO, abs=0.01)
+
+
+@pytest.fixture
+def rig(peer, start_simulator):
+    def start(*ros_args):
+        return Rig(peer, start_simulator, *ros_args)
+
+    return start
+
+
+def missed(message):
+    return read_float_array(topics.AUXILIARY, message, 0).values[-1]
+
+
+def test_every_sensor_speaks_200_times_a_second_with_stamps_5_ms_apart(peer, start_simulator):
+    heard = {topic: peer.hear(topic) for topic in STREAMS}
+    start_simulator()
+    peer.until(lambda: all(heard.values()))
+    begun, first = time.monotonic(), len(heard[topics.AUXILIARY])
+    peer.until(lambda: all(len(messages) >= first + 240 for messages in heard.values()))
+    elapsed = time.monotonic() - begun
+    assert elapsed == pytest.approx(240 * 5e-3, rel=0.25)
+    late = [missed(message) for message in heard[topics.AUXILIARY]]
+    for topic, messages in heard.items():
+        stamps = [stamp(topic, message) for message in messages]
+        steps = [after - before for before, after in pairwise(stamps)]
+        assert all(step > 0 and step % PERIOD_NS == 0 for step in steps)
+        if late[-1] - late[0] < CATCH_UP:  # a machine that was never that late leaves nothing out
+            assert set(steps) == {PERIOD_NS}, topic.name
+        assert abs(stamps[-1] - peer.node.get_clock().now().nanoseconds) < MARGIN * 1e9
+
+
+def test_all_topics_of_a_sample_carry_the_same_stamp(peer, start_simulator):
+    heard = {topic: peer.hear(topic) for topic in STREAMS}
+    start_simulator()
+    peer.until(lambda: all(len(messages) >= 40 for messages in heard.values()))
+    stamps = [{stamp(topic, m) for m in messages} for topic, messages in heard.items()]
+    first, last = max(map(min, stamps)), min(map(max, stamps))
+    assert last - first >= 10 * PERIOD_NS
+    assert len({frozenset(s for s in each if first <= s <= last) for each in stamps}) == 1
+
+
+def test_who_comes_late_still_gets_the_robot_description(rig, peer):
+    r = rig()
+    peer.until(lambda: len(r.truth) > 20)
+    descriptions = peer.hear(topics.ROBOT_DESCRIPTION)
+    peer.until(lambda: descriptions)
+    assert ET.fromstring(descriptions[0].data).tag == "robot"
+    assert descriptions[0].data == robot_description(MACHINE)
+
+
+def test_it_starts_at_rest_with_the_tip_where_asked(peer, start_simulator):
+    poses, truth = peer.hear(topics.GROUND_TRUTH_TIP_POSE), peer.hear(topics.GROUND_TRUTH_JOINT_STATES)
+    start_simulator("-p", "initial_tip:=[5.0, -1.0, 0.5]")
+    peer.until(lambda: len(poses) > 20 and len(truth) > 20)
+    point = poses[-1].pose.position
+    assert (point.x, point.y, point.z) == pytest.approx((5.0, -1.0, 0.5), abs=1e-6)
+    assert list(truth[-1].velocity) == pytest.approx([0.0] * 3, abs=1e-6)
+
+
+def test_voltages_move_every_joint_in_the_direction_of_their_sign(rig, peer):
+    r = rig()
+    peer.until(lambda: r.truth)
+    start = list(r.truth[0].position)
+    r.drive()
+    signs = [math.copysign(1.0, v) for v in VOLTS]
+
+    def moved():
+        now = r.truth[-1].position
+        return all(s * (b - a) > 0.01 for s, a, b in zip(signs, start, now, strict=True))
+
+    peer.until(moved)
+
+
+def test_without_voltages_nothing_moves(rig, peer):
+    r = rig()
+    peer.until(lambda: len(r.truth) > 100)
+    assert list(r.truth[-1].position) == pytest.approx(list(r.truth[0].position), abs=1e-9)
+    assert r.centred()
+
+
+def test_when_voltages_stop_the_spools_centre_within_the_timeout_and_not_before(rig, peer):
+    r = rig().drive()
+    r.timer.cancel()
+    after = peer.until(r.centred)
+    lag = math.log(max(map(abs, VOLTS)) / 0.01) / (2.0 * math.pi * MACHINE.spool_bandwidth)
+    assert 0.9 * MACHINE.command_timeout < after < MACHINE.command_timeout + lag + MARGIN
+    r.timer.reset()
+    peer.until(r.open)
+
+
+def test_bad_voltages_centre_the_valves_and_the_node_lives(rig, peer):
+    r = rig().drive()
+    for bad in (
+        lambda now: voltages(now, (4.0, math.nan, 4.0)),
+        lambda now: voltages(now, (math.inf, 0.0, 0.0)),
+        lambda now: typed(4.0, 4.0),
+        lambda now: typed(4.0, 4.0, 4.0, 4.0),
+        lambda now: typed(),
+        lambda now: typed(4.0, offset=2),
+        lambda now: typed(4.0, 4.0, 4.0, offset=7),
+    ):
+        r.say = bad
+        peer.until(r.centred)
+        r.say = voltages
+        peer.until(r.open)
+    assert r.process.poll() is None
+    assert "valves centred: valve_voltages" in r.process.text()
+
+
+REFUSED = {
+    "initial_tip:=[50.0, 0.0, 1.0]": "parameter 'initial_tip' is [50.0, 0.0, 1.0]: tip position",
+    "initial_tip:=[3.0, 0.0, 1.0]": "it needs the boom at 91.6 deg; allowed: -36.7 .. 72.0 deg",
+    "initial_tip:=[5.5, 1.0]": "parameter 'initial_tip' is [5.5, 1.0]; allowed: 3 numbers",
+    "initial_tip:=[5.5, .nan, 1.0]": "parameter 'initial_tip' is [5.5, nan, 1.0]; allowed: ",
+    "plain_arrays:=3": "parameter 'plain_arrays' is 3; allowed: true or false",
+    "machine:=c181": "no machine named 'c181'",
+    "machine:=absent.yaml": "absent.yaml",
+}
+
+
+def test_a_bad_parameter_ends_the_node_with_one_line(domain_id, start_simulator):
+    processes = {said: start_simulator("-p", given) for given, said in REFUSED.items()}
+    for said, process in processes.items():
+        assert process.wait(15.0) == 2, process.text()
+        assert process.text().count("\n") == 1, process.text()
+        assert said in process.text()
+
+
+def test_namespace_plain_arrays_and_arrays_typed_by_hand_work(peer, start_simulator):
+    spools = peer.hear(topics.AUXILIARY, "/crane1/hydraulics/auxiliary")
+    elsewhere = peer.hear(topics.AUXILIARY)
+    start_simulator("-r", "__ns:=/crane1", "-p", "plain_arrays:=true")
+    speaker = peer.speak(topics.VALVE_VOLTAGES, "/crane1/valve_voltages")
+
+    def answered():
+        speaker.publish(typed(*VOLTS))
+        return spools and list(spools[-1].data[:3]) == pytest.approx(VOLTS, abs=0.01)
+
+    peer.until(answered)
+    assert spools[-1].layout.data_offset == 0
+    assert len(spools[-1].data) == len(topics.AUXILIARY.labels)
+    assert not elsewhere
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+def test_asked_to_stop_it_ends_with_code_0_and_without_a_word(rig, peer, number):
+    r = rig()
+    peer.until(lambda: r.truth)
+    assert r.process.stop(number) == 0
+    assert r.process.text() == ""
