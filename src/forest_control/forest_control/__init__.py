@@ -1,0 +1,1 @@
+"""How the operator's wish becomes voltage: joystick, schemes, governor, valve driver; their nodes."""

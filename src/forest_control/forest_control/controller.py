@@ -1,0 +1,160 @@
+"""From the operator's levers to commands for ideal valves: the controller's core.
+
+    levers -> wish -> J^-1 -> governor -> scheme -> lever arms -> ideal valve voltage
+
+A command of 10 V asks for the actuator speed that the fully open valve gives at no load (`rated_speeds`); the
+driver makes the real valve behave so. Without an enabled wish the command is zero and the reference rests on
+the machine.
+"""
+
+from typing import NamedTuple
+
+from forest_control.governor import Governed, GovernorParameters, Limit, govern
+from forest_control.levers import Levers, joint_rate_wish, tip_velocity_wish
+from forest_control.schemes import Gains, Scheme, jacobian_position, jacobian_velocity, joint
+from forest_description.actuation import Linkages, joint_rates_to_actuator_speeds, rated_speeds
+from forest_description.kinematics import Links, is_singular, joint_rates, tip_velocity
+from forest_description.limits import joint_limits
+from forest_description.machine import Machine
+
+Triple = tuple[float, float, float]
+ZERO: Triple = (0.0, 0.0, 0.0)
+
+
+class Settings(NamedTuple):
+    """What a user may set: the node's parameters and their defaults. Triples are swing, boom, stick."""
+
+    scheme: Scheme = Scheme.JACOBIAN_POSITION
+    tip_speed: float = 0.5  # [m/s] wished at full deflection, tip schemes
+    joint_rates: Triple = (0.8, 0.25, 0.25)  # [rad/s] largest wish; at full deflection in the joint scheme
+    velocity_gain: Triple = (0.313, 0.313, 0.313)  # K_v
+    position_gain: Triple = (2.5, 5.0, 5.0)  # K_p [1/s]
+    damping_gain: Triple = (0.0, 0.0, 0.0)  # K_d
+    lead: float = 0.2  # [rad]
+    joint_margin: float = 0.0175  # [rad] kept from every joint limit
+    approach: Triple = (1.0, 2.0, 2.0)  # [1/s] allowed rate per remaining angle before a joint limit
+
+
+class Parameters(NamedTuple):
+    """What the controller knows of machine and operator."""
+
+    scheme: Scheme
+    tip_speed: float  # [m/s] at full deflection
+    gains: Gains
+    governor: GovernorParameters
+    lead: float  # [rad] the reference may run ahead of the joint, so that a stalled joint does not wind up
+    links: Links
+    linkages: Linkages
+    rated_speeds: Triple  # [rad/s, m/s, m/s] at 10 V of an ideal valve
+    rated_voltage: float  # [V]
+
+
+class State(NamedTuple):
+    """What the controller remembers."""
+
+    reference: Triple  # [rad]
+    enabled: bool
+
+
+class Inputs(NamedTuple):
+    """What arrives in a step."""
+
+    angles: Triple  # [rad], measured
+    rates: Triple  # [rad/s], measured
+    levers: Levers
+    enabled: bool  # a fresh, finite, held deadman
+
+
+class Output(NamedTuple):
+    """What leaves in a step."""
+
+    command: Triple  # [V] of ideal valves, as applied
+    tip_wish: Triple  # [m/s], governed
+    governed: Governed
+
+
+REST = State(ZERO, False)
+
+
+def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Output]:
+    """Advance the controller by dt [s]."""
+    if not inputs.enabled:
+        return State(inputs.angles, False), Output(ZERO, ZERO, Governed(0.0, Limit.NONE))
+    reference = state.reference if state.enabled else inputs.angles
+    wished, limit = _wished_rates(inputs, p)
+    governed = govern(inputs.angles, wished, p.governor) if limit is Limit.NONE else Governed(0.0, limit)
+    a = _scale(wished, governed.factor)
+    reference = _advance(reference, a, inputs.angles, p, dt)
+    command = _to_voltage(_servo(a, reference, inputs, p), inputs.angles, p)
+    wish = ZERO if p.scheme is Scheme.JOINT else tip_velocity(inputs.angles, a, p.links)
+    return State(reference, True), Output(command, wish, governed)
+
+
+def _wished_rates(inputs: Inputs, p: Parameters) -> tuple[Triple, Limit]:
+    """Return the joint rates [rad/s] that the levers ask for."""
+    if p.scheme is Scheme.JOINT:
+        return joint_rate_wish(inputs.levers, p.governor.rates), Limit.NONE
+    if is_singular(inputs.angles, p.links):
+        return ZERO, Limit.SINGULARITY
+    return joint_rates(inputs.angles, tip_velocity_wish(inputs.levers, p.tip_speed), p.links), Limit.NONE
+
+
+def _advance(reference: Triple, a: Triple, angles: Triple, p: Parameters, dt: float) -> Triple:
+    """Return the reference angles [rad] one step on, within `lead` of the joints and inside their limits."""
+    r = []
+    for i in range(3):
+        s = angles[i]
+        lower, upper = min(p.governor.lower[i], s), max(p.governor.upper[i], s)
+        ahead = max(s - p.lead, min(s + p.lead, reference[i] + dt * a[i]))
+        r.append(max(lower, min(upper, ahead)))
+    return r[0], r[1], r[2]
+
+
+def _servo(a: Triple, reference: Triple, inputs: Inputs, p: Parameters) -> Triple:
+    """Return the commanded joint rates [rad/s] of the chosen scheme."""
+    u = []
+    for i in range(3):
+        s, v = inputs.angles[i], inputs.rates[i]
+        if p.scheme is Scheme.JACOBIAN_POSITION:
+            u.append(jacobian_position(reference[i], s, v, p.gains.position[i], p.gains.damping[i]))
+        elif p.scheme is Scheme.JACOBIAN_VELOCITY:
+            u.append(jacobian_velocity(a[i], v, p.gains.velocity[i]))
+        else:
+            u.append(joint(a[i]))
+    return u[0], u[1], u[2]
+
+
+def _to_voltage(rates: Triple, angles: Triple, p: Parameters) -> Triple:
+    """Return the ideal valves' voltages for joint rates [rad/s], clipped at the rating. Thesis eq. 3.16."""
+    speeds = joint_rates_to_actuator_speeds(angles, rates, p.linkages)
+    volts = tuple(
+        max(-p.rated_voltage, min(p.rated_voltage, p.rated_voltage * speed / rated))
+        for speed, rated in zip(speeds, p.rated_speeds, strict=True)
+    )
+    return volts[0], volts[1], volts[2]
+
+
+def _scale(values: Triple, factor: float) -> Triple:
+    return factor * values[0], factor * values[1], factor * values[2]
+
+
+def parameters(machine: Machine, settings: Settings) -> Parameters:
+    """Return the core's parameters for a machine."""
+    limits, margin = joint_limits(machine), settings.joint_margin
+    governor = GovernorParameters(
+        lower=(limits[0][0] + margin, limits[1][0] + margin, limits[2][0] + margin),
+        upper=(limits[0][1] - margin, limits[1][1] - margin, limits[2][1] - margin),
+        rates=settings.joint_rates,
+        approach=settings.approach,
+    )
+    return Parameters(
+        scheme=settings.scheme,
+        tip_speed=settings.tip_speed,
+        gains=Gains(settings.velocity_gain, settings.position_gain, settings.damping_gain),
+        governor=governor,
+        lead=settings.lead,
+        links=machine.manipulator.links,
+        linkages=machine.linkages,
+        rated_speeds=rated_speeds(machine),
+        rated_voltage=machine.valve.rated_voltage,
+    )

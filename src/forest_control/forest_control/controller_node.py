@@ -1,0 +1,138 @@
+"""The controller as a node: /joy and /joint_states in, /valve_commands and the tip's motion out.
+
+It steps when the machine's state arrives. Without a fresh, finite joystick with the deadman held, or without
+a fresh state, it commands zero.
+"""
+
+import math
+import sys
+import time
+from functools import partial
+from typing import Any
+
+from rclpy.node import Node
+
+from forest_control import controller
+from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, RIGHT_Y, Levers, Triple, levers_from_axes
+from forest_control.schemes import Scheme
+from forest_description.kinematics import tip_position, tip_velocity
+from forest_description.machine import load_machine
+from forest_msgs_py import topics
+from forest_msgs_py.inbox import inbox
+from forest_msgs_py.messages import float_array, pose_stamped, read_joint_state, read_joy, twist_stamped
+from forest_msgs_py.node import publisher, run_node, subscription
+from forest_msgs_py.parameters import declare, declare_triple
+from forest_msgs_py.stamped_period import StampedPeriod
+
+FRAME = "base_link"
+ZERO: Triple = (0.0, 0.0, 0.0)
+WATCHDOG_PERIOD = 0.02  # [s]
+
+
+class ControllerNode(Node):
+    """Shell around `controller.step`."""
+
+    def __init__(self) -> None:
+        super().__init__("controller")
+        get = partial(declare, self)
+        machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
+        self._core = controller.parameters(machine, self._settings())
+        self._period = StampedPeriod(get("period", 0.005, "nominal period of the state", "s", 1e-4, 0.1))
+        self._joy_timeout = get("joy_timeout", 0.15, "age at which the joystick is lost", "s", 0.01, 2.0)
+        self._state_timeout = get("state_timeout", 0.1, "age at which the state is lost", "s", 0.01, 0.2)
+        self._deadman = get("deadman_button", LEFT_SHOULDER, "button to hold", low=0, high=BUTTON_COUNT - 1)
+        self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
+        self._state = controller.REST
+        self._state_received = self._joy_received = -math.inf
+        self._levers, self._held = REST, False
+        self._command = publisher(self, topics.VALVE_COMMANDS)
+        self._pose = publisher(self, topics.TIP_POSE)
+        self._twist = publisher(self, topics.TIP_TWIST)
+        self._wish = publisher(self, topics.TIP_TWIST_COMMAND)
+        self._joy = inbox(self, topics.JOY)
+        subscription(self, topics.JOINT_STATES, self._on_joint_states)
+        self.create_timer(WATCHDOG_PERIOD, self._watch)
+
+    def _settings(self) -> controller.Settings:
+        d = controller.Settings()
+        get, triple = partial(declare, self), partial(declare_triple, self)
+        schemes = [scheme.value for scheme in Scheme]
+        return controller.Settings(
+            scheme=Scheme(get("scheme", d.scheme.value, "control scheme", choices=schemes)),
+            tip_speed=get("tip_speed", d.tip_speed, "tip speed at full deflection", "m/s", 0.01, 3.0),
+            joint_rates=triple("joint_rates", d.joint_rates, "largest joint rates", "rad/s", 0.01, 3.0),
+            velocity_gain=triple("velocity_gain", d.velocity_gain, "K_v of scheme (c)", "", 0.01, 10.0),
+            position_gain=triple("position_gain", d.position_gain, "K_p of scheme (d)", "1/s", 0.0, 50.0),
+            damping_gain=triple("damping_gain", d.damping_gain, "K_d of scheme (d)", "", -0.9, 10.0),
+            lead=get("lead", d.lead, "how far the reference may run ahead of a joint", "rad", 0.001, 1.0),
+            joint_margin=get("joint_margin", d.joint_margin, "kept from joint limits", "rad", 0.0, 0.2),
+            approach=triple("approach", d.approach, "rate per angle left to a limit", "1/s", 0.1, 20.0),
+        )
+
+    def _read_joy(self) -> None:
+        """Take the newest joystick sample, if there is one."""
+        arrival = self._joy.newest()
+        if arrival is None:
+            return
+        reading = read_joy(arrival.message, RIGHT_Y + 1, self._deadman + 1)
+        self._joy_received = arrival.time
+        if reading.problem:
+            self.get_logger().warning(f"standing still: {reading.problem}", throttle_duration_sec=1.0)
+            self._levers, self._held = REST, False
+            return
+        self._levers = levers_from_axes(reading.values.axes)
+        self._held = reading.values.buttons[self._deadman] == 1
+
+    def _on_joint_states(self, message: Any) -> None:
+        reading = read_joint_state(topics.JOINTS, message)
+        problem = reading.problem or ("" if reading.values.velocity else "joint state: no finite velocity")
+        if problem:
+            self.get_logger().warning(f"standing still: {problem}", throttle_duration_sec=1.0)
+            self._stand_still()
+            return
+        self._state_received = time.monotonic()
+        dt = self._period.since(reading.stamp_ns)
+        angles, rates = reading.values.position, reading.values.velocity
+        inputs = controller.Inputs(angles, rates, *self._operator())
+        self._state, output = controller.step(self._state, inputs, self._core, dt)
+        self._publish(reading.stamp_ns, angles, rates, output)
+
+    def _operator(self) -> tuple[Levers, bool]:
+        """Return the levers, and whether they may move anything."""
+        self._read_joy()
+        age = time.monotonic() - self._joy_received
+        if self._held and age > self._joy_timeout:
+            self.get_logger().warning(f"standing still: joystick {age:.2f} s late", throttle_duration_sec=1.0)
+            return REST, False
+        return self._levers, self._held
+
+    def _publish(self, stamp: int, angles: Triple, rates: Triple, output: controller.Output) -> None:
+        links = self._core.links
+        self._command.publish(float_array(topics.VALVE_COMMANDS, stamp, output.command, self._plain))
+        self._pose.publish(pose_stamped(stamp, FRAME, tip_position(angles, links)))
+        self._twist.publish(twist_stamped(stamp, FRAME, tip_velocity(angles, rates, links)))
+        if self._core.scheme is not Scheme.JOINT:
+            self._wish.publish(twist_stamped(stamp, FRAME, output.tip_wish))
+
+    def _watch(self) -> None:
+        if time.monotonic() - self._state_received > self._state_timeout and self._period.started:
+            self.get_logger().warning("standing still: no state of the machine", throttle_duration_sec=1.0)
+            self._stand_still()
+
+    def _stand_still(self) -> None:
+        self._state = controller.REST
+        now = self.get_clock().now().nanoseconds
+        self._command.publish(float_array(topics.VALVE_COMMANDS, now, ZERO, self._plain))
+
+    def stop(self) -> None:
+        """Last words: zero."""
+        self._stand_still()
+
+
+def main() -> None:
+    """Run the node until it is told to stop."""
+    sys.exit(run_node(ControllerNode))
+
+
+if __name__ == "__main__":
+    main()

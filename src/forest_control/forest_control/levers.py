@@ -1,0 +1,61 @@
+"""What a joystick's axes mean: which lever moves what, and the deadman.
+
+| game_controller axis | tip schemes | joint scheme |
+|---|---|---|
+| left_x, left positive | tip to the left, +y | swing to the left |
+| left_y, up positive | tip away, +x | stick out |
+| right_y, up positive | tip up, +z | boom up |
+
+The deadman is a button that must be held (left shoulder by default): without it, everything stands still.
+"""
+
+from typing import NamedTuple
+
+LEFT_X, LEFT_Y, RIGHT_Y = 0, 1, 3
+AXIS_COUNT = 6
+BUTTON_COUNT = 21
+LEFT_SHOULDER = 9
+
+Triple = tuple[float, float, float]
+
+
+class Levers(NamedTuple):
+    """Three lever deflections, -1..1, named by the joint that they move in the joint scheme."""
+
+    swing: float
+    boom: float
+    stick: float
+
+
+REST = Levers(0.0, 0.0, 0.0)
+
+
+def levers_from_axes(axes: tuple[float, ...]) -> Levers:
+    """Return the levers of a Joy message's axes; deflections beyond 1 count as 1.
+
+    Raises:
+        IndexError: fewer than 4 axes; callers check the message first.
+    """
+    return Levers(*(max(-1.0, min(1.0, axes[i])) for i in (LEFT_X, RIGHT_Y, LEFT_Y)))
+
+
+def axes_from_levers(levers: Levers) -> tuple[float, ...]:
+    """Return a Joy message's axes in game_controller order."""
+    axes = [0.0] * AXIS_COUNT
+    axes[LEFT_X], axes[RIGHT_Y], axes[LEFT_Y] = levers
+    return tuple(axes)
+
+
+def tip_velocity_wish(levers: Levers, speed: float) -> Triple:
+    """Return the wished tip velocity (x, y, z) [m/s]; a full deflection of one lever is `speed` [m/s]."""
+    return speed * levers.stick, speed * levers.swing, speed * levers.boom
+
+
+def levers_for_tip_velocity(velocity: Triple, speed: float) -> Levers:
+    """Return the levers that wish a tip velocity [m/s]; the inverse of `tip_velocity_wish`."""
+    return Levers(velocity[1] / speed, velocity[2] / speed, velocity[0] / speed)
+
+
+def joint_rate_wish(levers: Levers, rates: Triple) -> Triple:
+    """Return the wished joint rates [rad/s]; a full deflection is the joint's entry in `rates`."""
+    return levers.swing * rates[0], levers.boom * rates[1], levers.stick * rates[2]

@@ -1,0 +1,148 @@
+"""The deadband-compensating valve driver's core: it alone knows how a real valve differs from an ideal one.
+
+An ideal valve has no lap, is linear, and always sees the nominal pressure drop; its command is a wished
+actuator speed. The real one opens only beyond its deadband, and its flow goes with the root of the pressure
+drop that the load leaves:
+
+| symbol | name | unit (cylinder; motor) |
+|---|---|---|
+| c, v | command of the ideal valve; the actuator speed it asks for | V; m/s, rad/s |
+| A_1, A_2 | displacement of port 1, 2 | m^2; m^3/rad |
+| F | load: A_1 P_1 - A_2 P_2 from the measured pressures, low-passed | N; N m |
+| N | pressure force left for the orifices: A_in P_s - sgn(v) F | N; N m |
+| S | A_1^3 + A_2^3: both orifices' share, reduced to the actuator | m^6; m^9/rad^3 |
+
+At steady speed N = C_R S v^2 (Thesis eq. 3.1 at both ports of 3.14), hence the opening
+|v| sqrt(C_Rmin S / N).
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_description.actuation import rated_speeds
+from forest_description.machine import Machine
+from forest_description.valve import ValveLaw, voltage_for_opening
+
+Triple = tuple[float, float, float]
+Loads = Triple
+
+
+class AxisDriver(NamedTuple):
+    """What the driver knows of one actuator."""
+
+    displacement_1: float
+    displacement_2: float
+    rated_speed: float  # at `rated_voltage` of the ideal valve
+
+
+class Settings(NamedTuple):
+    """What a user may set; the node's parameters have these names and defaults."""
+
+    compensate: bool = True  # False: commands pass unchanged, for experiments
+    hold_zone: float = 0.02  # [V] commands up to this much leave the spool centred
+    load_bandwidth: float = 1.0  # [Hz] of the loads' low-pass
+    minimum_drop: float = 0.1  # share of the unloaded pressure force that is taken to remain under any load
+
+
+class Parameters(NamedTuple):
+    """What the driver knows of the machine."""
+
+    axes: tuple[AxisDriver, AxisDriver, AxisDriver]
+    valve: ValveLaw
+    supply_pressure: float  # [Pa], where it is not measured
+    compensate: bool
+    hold_zone: float  # [V]
+    load_bandwidth: float  # [rad/s]
+    minimum_drop: float
+
+
+class State(NamedTuple):
+    """Filtered loads [N m, N, N]; `primed` once the first pressures have arrived."""
+
+    loads: Loads
+    primed: bool
+
+
+class Pressures(NamedTuple):
+    """What the transducers say [Pa]: at both actuator ports of each axis, and at the pump."""
+
+    port_1: Triple
+    port_2: Triple
+    supply: float
+
+
+REST = State((0.0, 0.0, 0.0), False)
+
+
+def step(
+    state: State, command: Triple, pressures: Pressures | None, p: Parameters, dt: float
+) -> tuple[State, Triple]:
+    """Return the amplifier voltages [V] for commands [V] of ideal valves.
+
+    Args:
+        state: what the last step returned; `REST` at first.
+        command: wished actuator speeds, swing, boom, stick, as voltages of ideal valves [V].
+        pressures: None when no fresh measurement is there: the nominal drop is assumed.
+        p: what the driver knows of the machine.
+        dt: time since the last step [s].
+    """
+    state = _filter_loads(state, pressures, p, dt)
+    supply = pressures.supply if pressures is not None else p.supply_pressure
+    volts = tuple(_axis_voltage(command[i], state.loads[i], supply, p.axes[i], p) for i in range(3))
+    return state, (volts[0], volts[1], volts[2])
+
+
+def _filter_loads(state: State, pressures: Pressures | None, p: Parameters, dt: float) -> State:
+    if pressures is None:
+        return REST
+    measured = tuple(
+        a.displacement_1 * p_1 - a.displacement_2 * p_2
+        for a, p_1, p_2 in zip(p.axes, pressures.port_1, pressures.port_2, strict=True)
+    )
+    weight = 1.0 - math.exp(-p.load_bandwidth * dt) if state.primed else 1.0
+    loads = tuple(old + weight * (new - old) for old, new in zip(state.loads, measured, strict=True))
+    return State((loads[0], loads[1], loads[2]), True)
+
+
+def _axis_voltage(command: float, load: float, supply: float, axis: AxisDriver, p: Parameters) -> float:
+    """Return one valve's voltage [V]."""
+    rated = p.valve.rated_voltage
+    if not p.compensate:
+        return max(-rated, min(rated, command))
+    if abs(command) <= p.hold_zone:
+        return 0.0
+    opening = required_opening(axis.rated_speed * command / rated, load, supply, axis, p)
+    return voltage_for_opening(opening, p.valve)
+
+
+def required_opening(speed: float, load: float, supply: float, axis: AxisDriver, p: Parameters) -> float:
+    """Return the opening -1..1 for an actuator speed [m/s; rad/s] against a load [N; N m].
+
+    Thesis eq. 3.1, 3.14.
+    """
+    inlet = axis.displacement_1 if speed > 0.0 else axis.displacement_2
+    nominal = inlet * supply
+    opposing = load if speed > 0.0 else -load
+    drive = max(p.minimum_drop * nominal, nominal - opposing)
+    orifices = p.valve.minimum_resistance * (axis.displacement_1**3 + axis.displacement_2**3)
+    return max(-1.0, min(1.0, speed * math.sqrt(orifices / drive)))
+
+
+def parameters(machine: Machine, settings: Settings) -> Parameters:
+    """Return the core's parameters for a machine."""
+    motor = machine.swing.gear_ratio * machine.swing.motor_displacement
+    displacements = (
+        (motor, motor),
+        (machine.boom.head_area, machine.boom.rod_area),
+        (machine.stick.head_area, machine.stick.rod_area),
+    )
+    axes = [AxisDriver(*d, speed) for d, speed in zip(displacements, rated_speeds(machine), strict=True)]
+    return Parameters(
+        axes=(axes[0], axes[1], axes[2]),
+        valve=machine.valve.law,
+        supply_pressure=machine.pump.supply_pressure,
+        compensate=settings.compensate,
+        hold_zone=settings.hold_zone,
+        load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
+        minimum_drop=settings.minimum_drop,
+    )

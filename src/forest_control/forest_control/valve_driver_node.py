@@ -1,0 +1,122 @@
+"""The valve driver as a node: /valve_commands of ideal valves in, /valve_voltages of the real ones out.
+
+It steps when a command arrives. When none arrives, or a bad one, the voltage is zero.
+"""
+
+import math
+import sys
+import time
+from functools import partial
+from typing import Any
+
+from rclpy.node import Node
+
+from forest_control import valve_driver
+from forest_control.levers import Triple
+from forest_control.valve_driver import Pressures
+from forest_description.machine import load_machine
+from forest_msgs_py import topics
+from forest_msgs_py.inbox import inbox
+from forest_msgs_py.messages import float_array, read_float_array
+from forest_msgs_py.node import publisher, run_node, subscription
+from forest_msgs_py.parameters import declare
+from forest_msgs_py.stamped_period import StampedPeriod
+
+ZERO: Triple = (0.0, 0.0, 0.0)
+WATCHDOG_PERIOD = 0.02  # [s]
+PORT_LABELS = tuple(tuple(f"{joint}_{port}_actuator" for joint in topics.JOINTS) for port in (1, 2))
+
+
+class ValveDriverNode(Node):
+    """Shell around `valve_driver.step`."""
+
+    def __init__(self) -> None:
+        super().__init__("valve_driver")
+        get = partial(declare, self)
+        machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
+        self._core = valve_driver.parameters(machine, self._settings())
+        self._period = StampedPeriod(get("period", 0.005, "nominal period of the commands", "s", 1e-4, 0.1))
+        self._command_timeout = get("command_timeout", 0.1, "age at which a command is lost", "s", 0.01, 0.2)
+        self._pressure_timeout = get(
+            "pressure_timeout", 0.1, "age at which pressures are lost", "s", 0.01, 2.0
+        )
+        self._shadow = get("shadow", False, "compute everything, publish no voltage")
+        self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
+        self._state = valve_driver.REST
+        self._command_received = self._pressure_received = -math.inf
+        self._ports: tuple[Triple, Triple] = (ZERO, ZERO)
+        self._supply, self._supply_received = 0.0, -math.inf
+        self._voltages = None if self._shadow else publisher(self, topics.VALVE_VOLTAGES)
+        subscription(self, topics.VALVE_COMMANDS, self._on_command)
+        self._pressure_inbox, self._supply_inbox = inbox(self, topics.PRESSURES), inbox(self, topics.SUPPLY)
+        self.create_timer(WATCHDOG_PERIOD, self._watch)
+
+    def _settings(self) -> valve_driver.Settings:
+        d = valve_driver.Settings()
+        get = partial(declare, self)
+        return valve_driver.Settings(
+            compensate=get("compensate", d.compensate, "false: commands pass, for experiments"),
+            hold_zone=get("hold_zone", d.hold_zone, "commands that leave the spool centred", "V", 0.0, 1.0),
+            load_bandwidth=get("load_bandwidth", d.load_bandwidth, "low-pass of the loads", "Hz", 0.01, 50.0),
+            minimum_drop=get("minimum_drop", d.minimum_drop, "least share of pressure left", "", 0.01, 1.0),
+        )
+
+    def _on_command(self, message: Any) -> None:
+        now = self.get_clock().now().nanoseconds
+        reading = read_float_array(topics.VALVE_COMMANDS, message, now)
+        if reading.problem:
+            self.get_logger().warning(f"valves centred: {reading.problem}", throttle_duration_sec=1.0)
+            self._publish(now, ZERO)
+            return
+        self._command_received = time.monotonic()
+        dt = self._period.since(reading.stamp_ns)
+        self._state, voltages = valve_driver.step(
+            self._state, reading.values, self._pressures(), self._core, dt
+        )
+        self._publish(reading.stamp_ns, voltages)
+
+    def _read_pressures(self) -> None:
+        """Take the newest transducer samples, if there are any; bad ones are as good as none."""
+        if arrival := self._pressure_inbox.newest():
+            ports = [read_float_array(topics.PRESSURES, arrival.message, 0, labels) for labels in PORT_LABELS]
+            if not any(reading.problem for reading in ports):
+                self._ports = ports[0].values, ports[1].values
+                self._pressure_received = arrival.time
+        if arrival := self._supply_inbox.newest():
+            reading = read_float_array(topics.SUPPLY, arrival.message, 0, ("pressure",))
+            if not reading.problem and reading.values[0] > 0.0:
+                self._supply, self._supply_received = reading.values[0], arrival.time
+
+    def _pressures(self) -> Pressures | None:
+        """Return what the transducers say, or None: then the driver takes the nominal pressure drop."""
+        self._read_pressures()
+        now = time.monotonic()
+        if now - self._pressure_received > self._pressure_timeout:
+            return None
+        fresh = now - self._supply_received <= self._pressure_timeout
+        return Pressures(*self._ports, self._supply if fresh else self._core.supply_pressure)
+
+    def _publish(self, stamp: int, voltages: Triple) -> None:
+        if self._voltages is not None:
+            self._voltages.publish(float_array(topics.VALVE_VOLTAGES, stamp, voltages, self._plain))
+
+    def _watch(self) -> None:
+        """Centre the valves while no command comes; before the first one too: a machine sees who is there."""
+        age = time.monotonic() - self._command_received
+        if age > self._command_timeout:
+            if self._period.started:
+                self.get_logger().warning("valves centred: no command", throttle_duration_sec=1.0)
+            self._publish(self.get_clock().now().nanoseconds, ZERO)
+
+    def stop(self) -> None:
+        """Last words: zero."""
+        self._publish(self.get_clock().now().nanoseconds, ZERO)
+
+
+def main() -> None:
+    """Run the node until it is told to stop."""
+    sys.exit(run_node(ValveDriverNode))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,26 @@
+"""What tests of forest_control's nodes share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from peer import Peer
+
+
+@pytest.fixture
+def peer(ros_context: Any, wait_until: Callable[..., None]) -> Iterator[Peer]:
+    friend = Peer(ros_context, wait_until)
+    yield friend
+    friend.close()
+
+
+@pytest.fixture
+def start_node(start_process: Callable[..., Any]) -> Callable[..., Any]:
+    """Starts a node of forest_control by its module's name; further arguments are ``--ros-args``."""
+
+    def start(module: str, *ros_args: str) -> Any:
+        return start_process(["-m", f"forest_control.{module}", "--ros-args", *ros_args])
+
+    return start

@@ -1,0 +1,215 @@
+"""Claims about the controller as a process: whatever happens, it commands zero or what is wished."""
+
+import math
+import signal
+import time
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
+from forest_description.kinematics import tip_position
+from forest_description.machine import load_machine
+from forest_msgs_py import topics
+from forest_msgs_py.messages import (
+    joint_state,
+    read_float_array,
+    stamp_to_ns,
+)
+
+ANGLES = (0.2, 0.4, -1.5)
+MARGIN = 0.5  # [s] for a busy machine, beside the timeouts
+
+
+def joy(levers=(0.5, 0.0, 0.0), held=True, axes=None, buttons=BUTTON_COUNT):
+    values = list(axes_from_levers(Levers(*levers))) if axes is None else axes
+    message = topics.message_class(topics.JOY)(axes=values, buttons=[0] * buttons)
+    if buttons > LEFT_SHOULDER:
+        message.buttons[LEFT_SHOULDER] = int(held)
+    return message
+
+
+def joints(now, angles=ANGLES, names=topics.JOINTS, velocity=(0.0, 0.0, 0.0)):
+    return joint_state(names, now, angles, velocity)
+
+
+def volts(message):
+    reading = read_float_array(topics.VALVE_COMMANDS, message, 0)
+    assert reading.problem == ""
+    return reading.values
+
+
+class Rig:
+    """A controller with a joystick and a machine that stands still; what they say can be changed."""
+
+    def __init__(self, peer, start_node, *ros_args):
+        self.peer = peer
+        self.process = start_node("controller_node", *ros_args)
+        self.commands = peer.hear(topics.VALVE_COMMANDS)
+        self.joy, self.joints = joy, joints
+        self.joints_timer = peer.repeat(topics.JOINT_STATES, lambda now: self.joints(now), 200.0)
+
+    def hold_the_deadman(self):
+        self.joy_timer = self.peer.repeat(topics.JOY, lambda now: self.joy())
+        self.peer.until(self.moving)
+        return self
+
+    def moving(self):
+        return bool(self.commands) and volts(self.commands[-1])[0] > 0.0
+
+    def standing(self, count=5):
+        return len(self.commands) >= count and all(
+            volts(m) == (0.0, 0.0, 0.0) for m in self.commands[-count:]
+        )
+
+
+@pytest.fixture
+def rig(peer, start_node):
+    def start(*ros_args):
+        return Rig(peer, start_node, *ros_args)
+
+    return start
+
+
+REFUSED = {
+    "tip_speed:=-3.0": "parameter 'tip_speed' is -3.0; allowed: 0.01 .. 3 m/s",
+    "scheme:=telepathy": "'telepathy'; allowed: one of joint, jacobian_velocity, jacobian_position",
+    "position_gain:=[1.0,2.0]": "parameter 'position_gain' is [1.0, 2.0]; allowed: 3 numbers",
+}
+
+
+def test_a_bad_parameter_ends_the_node_with_one_line(domain_id, start_node):
+    processes = {said: start_node("controller_node", "-p", given) for given, said in REFUSED.items()}
+    for said, process in processes.items():
+        assert process.wait(10.0) == 2
+        assert process.text().count("\n") == 1
+        assert said in process.text()
+
+
+def test_without_a_joystick_it_commands_zero_and_tells_where_the_tip_is(rig, peer):
+    poses, wishes = peer.hear(topics.TIP_POSE), peer.hear(topics.TIP_TWIST_COMMAND)
+    r = rig()
+    peer.until(lambda: r.standing(20) and poses and wishes)
+    assert all(volts(message) == (0.0, 0.0, 0.0) for message in r.commands)
+    tip = poses[0].pose.position
+    assert (tip.x, tip.y, tip.z) == pytest.approx(tip_position(ANGLES, load_machine().manipulator.links))
+    assert wishes[-1].twist.linear.y == 0.0
+
+
+def test_with_the_deadman_held_it_commands_and_each_command_has_its_states_stamp(rig, peer):
+    wishes, stamps = peer.hear(topics.TIP_TWIST_COMMAND), set()
+    r = rig()
+
+    def stamped(now):
+        stamps.add(now)
+        return joints(now)
+
+    r.joints = stamped
+    r.hold_the_deadman()
+    peer.until(lambda: wishes and wishes[-1].twist.linear.y > 0.0)
+    assert wishes[-1].twist.linear.y == pytest.approx(0.25, rel=1e-6)
+    driven = [message for message in r.commands if volts(message)[0] > 0.0]
+    assert {read_float_array(topics.VALVE_COMMANDS, message, 0).stamp_ns for message in driven} <= stamps
+    assert stamp_to_ns(wishes[-1].header.stamp) in stamps
+
+
+def test_joint_mode_moves_the_joint_and_wishes_no_tip_motion(rig, peer):
+    wishes = peer.hear(topics.TIP_TWIST_COMMAND)
+    r = rig("-p", "scheme:=joint", "-p", "joint_rates:=[1, 1, 1]").hold_the_deadman()
+    assert volts(r.commands[-1])[1:] == (0.0, 0.0)
+    assert not wishes
+
+
+@pytest.mark.parametrize("how", ["released", "silent"])
+def test_when_the_deadman_goes_the_command_goes_to_zero_in_time(rig, peer, how):
+    r = rig("-p", "joy_timeout:=0.15").hold_the_deadman()
+    if how == "released":
+        r.joy = lambda: joy(held=False)
+    else:
+        r.joy_timer.cancel()
+    assert peer.until(r.standing) < 0.15 + MARGIN
+    if how == "silent":
+        assert "standing still: joystick" in r.process.text()
+
+
+def test_when_the_machines_state_stops_the_command_goes_to_zero_in_time(rig, peer):
+    r = rig("-p", "state_timeout:=0.05").hold_the_deadman()
+    r.joints_timer.cancel()
+    assert peer.until(r.standing) < 0.05 + MARGIN
+    assert "standing still: no state of the machine" in r.process.text()
+    r.joints_timer.reset()
+    peer.until(r.moving)
+
+
+def test_a_joystick_that_fell_silent_before_the_state_came_back_moves_nothing(rig, peer):
+    r = rig("-p", "joy_timeout:=0.15").hold_the_deadman()
+    r.joints_timer.cancel()
+    peer.until(r.standing)
+    said = len(r.commands)
+    peer.until(lambda: len(r.commands) > said + 5)  # levers keep coming meanwhile, and wait in a queue
+    r.joy_timer.cancel()
+    silent = time.monotonic()
+    peer.until(lambda: time.monotonic() - silent > 0.3)
+    said = len(r.commands)
+    r.joints_timer.reset()
+    peer.until(lambda: len(r.commands) > said + 40)
+    assert all(volts(message) == (0.0, 0.0, 0.0) for message in r.commands[said:])
+
+
+def test_a_bad_state_gives_zero_and_the_node_lives(rig, peer):
+    r = rig().hold_the_deadman()
+    for bad in (
+        lambda now: joints(now, (0.2, math.nan, -1.5)),
+        lambda now: joints(now, velocity=(0.0, math.inf, 0.0)),
+        lambda now: joints(now, velocity=()),
+        lambda now: joints(now, (0.2, 0.4)),
+        lambda now: joints(now, names=("swing", "boom", "elbow")),
+    ):
+        r.joints = bad
+        peer.until(r.standing)
+        r.joints = joints
+        peer.until(r.moving)
+    assert r.process.poll() is None
+
+
+def test_a_bad_joystick_gives_zero_and_the_node_lives(rig, peer):
+    r = rig().hold_the_deadman()
+    for bad in (
+        lambda: joy(axes=[0.5, 0.0]),
+        lambda: joy(axes=[]),
+        lambda: joy(axes=[0.5, 0.0, 0.0, math.nan, 0.0, 0.0]),
+        lambda: joy(axes=[3.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        lambda: joy(buttons=LEFT_SHOULDER),
+    ):
+        r.joy = bad
+        peer.until(r.standing)
+        r.joy = joy
+        peer.until(r.moving)
+    assert r.process.poll() is None
+
+
+def test_namespace_remaps_and_plain_arrays_work(peer, start_node):
+    heard, elsewhere = peer.hear(topics.VALVE_COMMANDS, "/crane1/wishes"), peer.hear(topics.VALVE_COMMANDS)
+    options = ("-r", "__ns:=/crane1", "-r", "valve_commands:=wishes", "-p", "plain_arrays:=true")
+    start_node("controller_node", *options)
+    state = peer.speak(topics.JOINT_STATES, "/crane1/joint_states")
+
+    def answered():
+        state.publish(joints(1))
+        return heard
+
+    peer.until(answered)
+    assert heard[0].layout.data_offset == 0
+    assert list(heard[0].data) == [0.0, 0.0, 0.0]
+    assert not elsewhere
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+def test_asked_to_stop_its_last_words_are_zero(rig, peer, number):
+    r = rig().hold_the_deadman()
+    r.process.send_signal(number)
+    peer.until(lambda: r.process.poll() is not None)
+    assert r.process.returncode == 0
+    peer.until(lambda: volts(r.commands[-1]) == (0.0, 0.0, 0.0))
+    assert "Traceback" not in r.process.text()

@@ -1,0 +1,193 @@
+"""Claims about the valve driver: with it, a real valve behaves like an ideal one."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from forest_control import valve_driver
+from forest_control.valve_driver import REST, Pressures, Settings
+from forest_description.actuation import rated_speeds
+from forest_description.machine import load_machine
+from forest_description.valve import orifice_resistance
+
+MACHINE = load_machine()
+VALVE = MACHINE.valve.law
+SUPPLY = MACHINE.pump.supply_pressure
+RATED = rated_speeds(MACHINE)
+PERIOD = 0.005
+ZERO_COMMAND = (0.0, 0.0, 0.0)
+AXES = ["swing", "boom", "stick"]
+every_axis = pytest.mark.parametrize("axis", range(3), ids=AXES)
+both_directions = pytest.mark.parametrize("direction", [1.0, -1.0], ids=["positive", "negative"])
+
+
+class Sides(NamedTuple):
+    """Displacement of port 1 and port 2 [m^2; m^3/rad]."""
+
+    one: float
+    two: float
+
+
+MOTOR = MACHINE.swing.gear_ratio * MACHINE.swing.motor_displacement
+SIDES = [
+    Sides(MOTOR, MOTOR),
+    Sides(MACHINE.boom.head_area, MACHINE.boom.rod_area),
+    Sides(MACHINE.stick.head_area, MACHINE.stick.rod_area),
+]
+
+
+def parameters(**settings):
+    return valve_driver.parameters(MACHINE, Settings(**settings))
+
+
+def on_axis(axis, value):
+    return tuple(value if i == axis else 0.0 for i in range(3))
+
+
+def pressures(axis, load, supply=SUPPLY):
+    """What the transducers say when the actuator of one axis carries a load [N; N m]."""
+    base = 0.1 * supply
+    return Pressures(
+        on_axis(axis, base * SIDES[axis].two / SIDES[axis].one + load / SIDES[axis].one),
+        on_axis(axis, base),
+        supply,
+    )
+
+
+def voltage(axis, command, measured=None, p=None):
+    _, volts = valve_driver.step(REST, on_axis(axis, command), measured, p or parameters(), PERIOD)
+    assert all(volts[i] == 0.0 for i in range(3) if i != axis)
+    return volts[axis]
+
+
+def surplus(axis, speed, load, resistance, supply):
+    """Force left over when an actuator moves at a speed through both orifices, along its speed."""
+    one, two = SIDES[axis]
+    if speed > 0.0:
+        inlet, outlet = supply - resistance * (one * speed) ** 2, resistance * (two * speed) ** 2
+        return one * inlet - two * outlet - load
+    inlet, outlet = supply - resistance * (two * speed) ** 2, resistance * (one * speed) ** 2
+    return two * inlet - one * outlet + load
+
+
+def steady_speed(axis, volts, load=0.0, supply=SUPPLY):
+    """Speed at which the pressures of the orifice law balance the load."""
+    resistance = orifice_resistance(volts, VALVE)
+    if math.isinf(resistance):
+        return 0.0
+    sign = math.copysign(1.0, volts)
+    at_rest = surplus(axis, sign * 1e-12, load, resistance, supply)
+    slope = at_rest - surplus(
+        axis, sign, load, resistance, supply
+    )  # the surplus falls with the speed's square
+    return sign * math.sqrt(at_rest / slope)
+
+
+def fastest(axis, direction, load, supply=SUPPLY):
+    return abs(steady_speed(axis, direction * 10.0, load, supply))
+
+
+@every_axis
+@both_directions
+@pytest.mark.parametrize("loaded", [False, True], ids=["unloaded", "loaded"])
+def test_real_valve_gives_the_speed_that_the_ideal_one_was_asked_for(axis, direction, loaded):
+    rng, p = np.random.default_rng(11), parameters()
+    for _ in range(300):
+        supply = SUPPLY * (rng.uniform(0.7, 1.1) if loaded else 1.0)
+        load = rng.uniform(-0.6, 0.6) * min(SIDES[axis]) * supply if loaded else 0.0
+        reach = min(10.0, 10.0 * fastest(axis, direction, load, supply) / RATED[axis])
+        command = direction * rng.uniform(0.021, 0.9999 * reach)
+        volts = voltage(axis, command, pressures(axis, load, supply), p)
+        wished = RATED[axis] * command / 10.0
+        assert steady_speed(axis, volts, load, supply) == pytest.approx(wished, rel=1e-9, abs=1e-12)
+
+
+@every_axis
+def test_deadband_inverse_cancels_the_valve_overlap(axis):
+    for sign in (1.0, -1.0):
+        assert abs(voltage(axis, sign * 0.0201)) > VALVE.deadband_voltage
+        assert math.copysign(1.0, voltage(axis, sign * 0.0201)) == sign
+    assert voltage(axis, 5.0) == pytest.approx(1.0 + 9.0 * 0.5, rel=1e-12)
+    assert voltage(axis, 10.0) == pytest.approx(10.0, rel=1e-12)
+
+
+@every_axis
+def test_a_load_against_the_motion_opens_the_valve_further_and_one_with_it_less(axis):
+    load = 0.3 * min(SIDES[axis]) * SUPPLY
+    for command in (3.0, -3.0):
+        free = abs(voltage(axis, command, pressures(axis, 0.0)))
+        against = abs(voltage(axis, command, pressures(axis, math.copysign(load, command))))
+        along = abs(voltage(axis, command, pressures(axis, math.copysign(load, -command))))
+        assert along < free < against
+
+
+@pytest.mark.parametrize("command", [0.0, 0.02, -0.02, 1e-9])
+def test_small_commands_leave_the_spool_centred(command):
+    assert voltage(1, command) == 0.0
+
+
+def test_the_hold_zone_is_as_wide_as_set():
+    p = parameters(hold_zone=0.5)
+    assert voltage(0, 0.5, p=p) == 0.0
+    assert voltage(0, 0.5001, p=p) > 1.0
+
+
+def test_without_compensation_commands_pass_unchanged():
+    p, rng = parameters(compensate=False), np.random.default_rng(12)
+    for command in map(tuple, rng.uniform(-10.0, 10.0, (100, 3)).tolist()):
+        measured = pressures(1, 50e3)
+        assert valve_driver.step(REST, command, measured, p, PERIOD)[1] == command
+    assert voltage(0, 0.001, p=p) == 0.001
+    assert voltage(0, 11.0, p=p) == 10.0
+    assert voltage(0, -11.0, p=p) == -10.0
+
+
+@every_axis
+@both_directions
+def test_voltage_stays_within_the_rating_under_every_load(axis, direction):
+    rng, clipped = np.random.default_rng(13), 0
+    for _ in range(300):
+        load = rng.uniform(-1.5, 1.5) * max(SIDES[axis]) * SUPPLY
+        volts = voltage(axis, direction * rng.uniform(5.0, 12.0), pressures(axis, load))
+        assert 1.0 < direction * volts <= 10.0
+        clipped += direction * volts == 10.0
+    assert clipped > 50
+
+
+@every_axis
+def test_without_pressures_the_nominal_drop_is_assumed(axis):
+    for command in (4.0, -4.0):
+        state, volts = valve_driver.step(REST, on_axis(axis, command), None, parameters(), PERIOD)
+        assert state == REST
+        assert volts[axis] == voltage(axis, command, pressures(axis, 0.0))
+
+
+def test_loads_are_forgotten_when_the_pressures_are_lost():
+    p, command = parameters(), on_axis(1, 4.0)
+    state, _ = valve_driver.step(REST, command, pressures(1, 100e3), p, PERIOD)
+    assert state.loads[1] == pytest.approx(100e3)
+    state, _ = valve_driver.step(state, command, None, p, PERIOD)
+    assert state == REST
+
+
+def test_first_pressures_count_whole_and_later_ones_pass_the_low_pass():
+    p, command = parameters(load_bandwidth=2.0), ZERO_COMMAND
+    state, _ = valve_driver.step(REST, command, pressures(2, 50e3), p, PERIOD)
+    assert state.loads == pytest.approx((0.0, 0.0, 50e3), abs=1e-6)
+    for k in range(1, 101):
+        state, _ = valve_driver.step(state, command, pressures(2, 90e3), p, PERIOD)
+        expected = 90e3 - 40e3 * math.exp(-2.0 * math.pi * 2.0 * k * PERIOD)
+        assert state.loads[2] == pytest.approx(expected, rel=1e-9)
+
+
+@every_axis
+@both_directions
+def test_minimum_drop_bounds_the_compensation_under_an_overload(axis, direction):
+    inlet = SIDES[axis].one if direction > 0.0 else SIDES[axis].two
+    load = direction * 2.0 * inlet * SUPPLY
+    command, p = direction * 1.0, parameters(minimum_drop=0.25)
+    opening = (abs(voltage(axis, command, pressures(axis, load), p)) - 1.0) / 9.0
+    free = (abs(voltage(axis, command, pressures(axis, 0.0), p)) - 1.0) / 9.0
+    assert opening == pytest.approx(free / math.sqrt(0.25), rel=1e-12)

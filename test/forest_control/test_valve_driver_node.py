@@ -1,0 +1,199 @@
+"""Claims about the valve driver as a process: valves follow fresh, finite commands, else they are centred."""
+
+import math
+import signal
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from forest_control import valve_driver
+from forest_control.valve_driver import Pressures, Settings
+from forest_description.machine import load_machine
+from forest_msgs_py import topics
+from forest_msgs_py.messages import float_array, read_float_array
+
+COMMAND = (2.0, -3.0, 0.5)
+ZERO = (0.0, 0.0, 0.0)
+MARGIN = 0.5  # [s] for a busy machine, beside the timeouts
+
+
+def command(now, values=COMMAND):
+    return float_array(topics.VALVE_COMMANDS, now, values)
+
+
+def typed(*values, offset=0):
+    """A message as somebody types it: no stamp, no labels."""
+    message = topics.message_class(topics.VALVE_COMMANDS)(data=list(map(float, values)))
+    message.layout.data_offset = offset
+    return message
+
+
+def volts(message):
+    reading = read_float_array(topics.VALVE_VOLTAGES, message, 0)
+    assert reading.problem == ""
+    return reading.values
+
+
+def compensated(measured=None, values=COMMAND, **settings):
+    p = valve_driver.parameters(load_machine(), Settings(**settings))
+    return valve_driver.step(valve_driver.REST, values, measured, p, 0.005)[1]
+
+
+class Rig:
+    """A valve driver and somebody who commands it; what is said can be changed at any time."""
+
+    def __init__(self, peer, start_node, *ros_args):
+        self.peer = peer
+        self.process = start_node("valve_driver_node", *ros_args)
+        self.voltages = peer.hear(topics.VALVE_VOLTAGES)
+        self.command = command
+
+    def drive(self):
+        self.timer = self.peer.repeat(topics.VALVE_COMMANDS, lambda now: self.command(now), 200.0)
+        self.peer.until(self.moving)
+        return self
+
+    def at(self, values):
+        return self.voltages and volts(self.voltages[-1]) == pytest.approx(values, rel=1e-12)
+
+    def moving(self):
+        return self.voltages and volts(self.voltages[-1]) != ZERO
+
+    def standing(self, count=5):
+        return len(self.voltages) >= count and all(volts(m) == ZERO for m in self.voltages[-count:])
+
+
+@pytest.fixture
+def rig(peer, start_node):
+    def start(*ros_args):
+        return Rig(peer, start_node, *ros_args)
+
+    return start
+
+
+REFUSED = {
+    "hold_zone:=1.5": "parameter 'hold_zone' is 1.5; allowed: 0 .. 1 V",
+    "compensate:=3": "parameter 'compensate' is 3; allowed: true or false",
+    "machine:=c181": "c181",
+}
+
+
+def test_a_bad_parameter_ends_the_node_with_one_line(domain_id, start_node):
+    processes = {said: start_node("valve_driver_node", "-p", given) for given, said in REFUSED.items()}
+    for said, process in processes.items():
+        assert process.wait(10.0) == 2
+        assert process.text().count("\n") == 1
+        assert said in process.text()
+
+
+def test_before_the_first_command_the_valves_are_centred(rig, peer):
+    r = rig()
+    peer.until(lambda: r.standing(10))
+    assert all(volts(message) == ZERO for message in r.voltages)
+    assert "no command" not in r.process.text()
+
+
+def test_commands_become_compensated_voltages_with_the_same_stamp(rig, peer):
+    r, stamps = rig(), set()
+
+    def stamped(now):
+        stamps.add(now)
+        return command(now)
+
+    r.command = stamped
+    r.drive()
+    assert volts(r.voltages[-1]) == pytest.approx(compensated(), rel=1e-12)
+    assert read_float_array(topics.VALVE_VOLTAGES, r.voltages[-1], 0).stamp_ns in stamps
+
+
+def test_measured_pressures_change_the_voltage_and_their_loss_brings_the_nominal_drop_back(rig, peer):
+    r = rig("-p", "load_bandwidth:=50.0").drive()
+    chambers = {"boom_1_actuator": 9e6, "boom_2_actuator": 2e6}
+    values = [chambers.get(label, 0.0) for label in topics.PRESSURES.labels]
+    ports = peer.repeat(topics.PRESSURES, lambda now: float_array(topics.PRESSURES, now, values))
+    supply = peer.repeat(topics.SUPPLY, lambda now: float_array(topics.SUPPLY, now, (18e6, 1e-3, 0.2)))
+    expected = compensated(Pressures((0.0, 9e6, 0.0), (0.0, 2e6, 0.0), 18e6))
+    assert expected[1] != pytest.approx(compensated()[1], rel=1e-2)
+    peer.until(lambda: r.at(expected))
+    ports.cancel()
+    supply.cancel()
+    peer.until(lambda: r.at(compensated()))
+
+
+def test_without_compensation_commands_pass(rig, peer):
+    r = rig("-p", "compensate:=false").drive()
+    assert volts(r.voltages[-1]) == COMMAND
+
+
+def test_when_commands_stop_the_voltages_go_to_zero_in_time(rig, peer):
+    r = rig("-p", "command_timeout:=0.05").drive()
+    r.timer.cancel()
+    assert peer.until(r.standing) < 0.05 + MARGIN
+    assert "valves centred: no command" in r.process.text()
+    r.timer.reset()
+    peer.until(r.moving)
+
+
+def test_a_bad_command_centres_the_valves_and_the_node_lives(rig, peer):
+    r = rig().drive()
+    for bad in (
+        lambda now: command(now, (2.0, math.nan, 0.5)),
+        lambda now: command(now, (math.inf, 0.0, 0.0)),
+        lambda now: typed(1.0, 2.0),
+        lambda now: typed(),
+        lambda now: typed(1.0, offset=2),
+        lambda now: typed(1.0, 2.0, 3.0, offset=7),
+    ):
+        r.command = bad
+        peer.until(r.standing)
+        r.command = command
+        peer.until(r.moving)
+    assert r.process.poll() is None
+
+
+def test_an_array_typed_by_hand_is_accepted(rig, peer):
+    r = rig()
+    r.command = lambda now: typed(*COMMAND)
+    before = peer.node.get_clock().now().nanoseconds
+    r.drive()
+    assert volts(r.voltages[-1]) == pytest.approx(compensated(), rel=1e-12)
+    assert read_float_array(topics.VALVE_VOLTAGES, r.voltages[-1], 0).stamp_ns >= before
+
+
+def test_a_shadow_publishes_no_voltage(rig, peer):
+    r = rig("-p", "shadow:=true")
+    speaker = peer.speak(topics.VALVE_COMMANDS)
+    speaker.publish(typed(math.nan))  # its warning shows that the command before it was worked on
+    speaker.publish(command(0))
+    speaker.publish(typed(1.0, 2.0))
+    peer.until(lambda: "valves centred" in r.process.text())
+    assert peer.node.count_publishers(topics.VALVE_VOLTAGES.name) == 0
+    assert r.process.stop() == 0
+    assert not r.voltages
+
+
+def test_namespace_remaps_and_plain_arrays_work(peer, start_node):
+    heard, elsewhere = peer.hear(topics.VALVE_VOLTAGES, "/crane1/amplifier"), peer.hear(topics.VALVE_VOLTAGES)
+    options = ("-r", "__ns:=/crane1", "-r", "valve_commands:=x", "-r", "valve_voltages:=amplifier")
+    start_node("valve_driver_node", *options, "-p", "plain_arrays:=true")
+    speaker = peer.speak(topics.VALVE_COMMANDS, "/crane1/x")
+
+    def answered():
+        speaker.publish(command(1))
+        return heard and heard[-1].data[0] != 0.0
+
+    peer.until(answered)
+    assert heard[-1].layout.data_offset == 0
+    assert list(heard[-1].data) == pytest.approx(compensated(), rel=1e-12)
+    assert not elsewhere
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+def test_asked_to_stop_its_last_words_are_zero(rig, peer, number):
+    r = rig().drive()
+    r.process.send_signal(number)
+    peer.until(lambda: r.process.poll() is not None)
+    assert r.process.returncode == 0
+    peer.until(lambda: volts(r.voltages[-1]) == ZERO)
+    assert "Traceback" not in r.process.text()
