@@ -1,0 +1,157 @@
+"""The recorder process hears everybody, loses nothing, closes on a signal, says in one line what is wrong."""
+
+import random
+import signal
+import string
+import struct
+from pathlib import Path
+
+import pytest
+
+rclpy = pytest.importorskip("rclpy")
+
+from mcap.exceptions import McapError
+from mcap.reader import NonSeekingReader
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from std_msgs.msg import Float64, String
+
+from forest_msgs_py import messages, node, topics
+from forest_msgs_py.series import read_bag
+
+
+@pytest.fixture
+def speaker(ros_context):
+    speaker = rclpy.create_node("speaker", context=ros_context)
+    yield speaker
+    speaker.destroy_node()
+
+
+@pytest.fixture
+def record(domain_id, start_process, tmp_path):
+    def start(*arguments, output="bag"):
+        where = ["-p", f"output:={tmp_path / output}"]
+        return start_process(["-m", "forest_ident.recorder_node", "--ros-args", *where, *arguments])
+
+    return start
+
+
+def memory_mb(pid):
+    status = Path(f"/proc/{pid}/status").read_text()
+    return int(status.split("VmRSS:")[1].split()[0]) / 1024
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_every_message_of_every_topic_is_in_the_bag(record, speaker, wait_until, tmp_path, number):
+    joints = node.publisher(speaker, topics.JOINT_STATES)
+    description = node.publisher(speaker, topics.ROBOT_DESCRIPTION)
+    loose = speaker.create_publisher(
+        Float64, "loose", QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+    )
+    description.publish(String(data="<robot/>"))  # before the recorder is there: latched
+    process = record()
+    wait_until(lambda: joints.get_subscription_count() and loose.get_subscription_count())
+    for step in range(500):
+        joints.publish(messages.joint_state(topics.JOINTS, step, (step, 0.0, 0.0)))
+    wait_until(lambda: joints.wait_for_all_acked(rclpy.duration.Duration(seconds=5)))
+    probe = tmp_path / "bag" / "bag_0.mcap"
+    wait_until(lambda: messages_in(probe, "/joint_states") == 500)
+    assert memory_mb(process.pid) < 150
+    assert process.stop(number) == 0
+    bag = read_bag(tmp_path / "bag")
+    assert bag.complete
+    assert list(bag.series(topics.JOINT_STATES).column("swing.position")) == list(range(500))
+    assert bag.topics["/joint_states"].lost == 0
+    assert bag.topics["/robot_description"].count == 1
+    assert "/loose" in bag.topics
+    assert "/rosout" in bag.topics
+    assert all("INFO" in line for line in process.text().splitlines())
+
+
+def messages_in(file, topic):
+    """Messages that a reader finds in a file that is still being written."""
+    count = 0
+    with file.open("rb") as stream:
+        try:
+            for _, channel, _ in NonSeekingReader(stream).iter_messages(log_time_order=False):
+                count += channel.topic == topic
+        except (McapError, struct.error):  # the end of an open file may be the middle of a record
+            return count
+    return count
+
+
+def test_a_killed_recorder_leaves_a_readable_file(record, speaker, wait_until, tmp_path):
+    joints = node.publisher(speaker, topics.JOINT_STATES)
+    process = record()
+    wait_until(joints.get_subscription_count)
+    for step in range(100):
+        joints.publish(messages.joint_state(topics.JOINTS, step, (step, 0.0, 0.0)))
+    file = tmp_path / "bag" / "bag_0.mcap"
+    wait_until(lambda: messages_in(file, "/joint_states") == 100)
+    process.kill_group()
+    bag = read_bag(tmp_path / "bag")
+    assert not bag.complete
+    assert list(bag.series(topics.JOINT_STATES).column("swing.position")) == list(range(100))
+    assert bag.topics["/joint_states"].lost == 0
+
+
+def test_a_namespace_and_the_excluded_are_kept_to(record, speaker, wait_until, tmp_path):
+    mine = speaker.create_publisher(Float64, "/crane_1/mine", 10)
+    left_out = speaker.create_publisher(Float64, "/crane_1/left_out", 10)
+    others = speaker.create_publisher(Float64, "/crane_2/others", 10)
+    process = record("-r", "__ns:=/crane_1", "-p", "exclude:=[left_out]")
+    wait_until(mine.get_subscription_count)
+    assert process.stop() == 0
+    recorded = set(read_bag(tmp_path / "bag").topics)
+    assert "/crane_1/mine" in recorded
+    assert "/rosout" in recorded
+    assert not recorded & {"/crane_1/left_out", "/crane_2/others"}
+    assert left_out.get_subscription_count() == others.get_subscription_count() == 0
+
+
+def test_a_best_effort_latecomer_is_heard_beside_a_reliable_publisher(record, speaker, wait_until, tmp_path):
+    first = speaker.create_publisher(Float64, "shared", 10)
+    process = record()
+    wait_until(first.get_subscription_count)
+    second = speaker.create_publisher(
+        Float64, "shared", QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+    )
+    wait_until(second.get_subscription_count)
+    assert process.stop() == 0
+    assert "/shared" in read_bag(tmp_path / "bag").topics
+
+
+@pytest.mark.parametrize(
+    ("output", "words"),
+    [("here", "here exists; allowed: a directory"), ("file/bag", "allowed: a directory that does not exist")],
+)
+def test_a_wrong_output_is_one_clear_line_and_exit_code_2(record, tmp_path, output, words):
+    (tmp_path / "here").mkdir()
+    (tmp_path / "file").touch()
+    process = record(output=output)
+    assert process.wait(10) == 2
+    assert process.text().startswith("recorder_node: parameter 'output' is ")
+    assert words in process.text()
+    assert process.text().count("\n") == 1
+
+
+def test_a_full_disk_ends_the_recorder_with_one_clear_line(
+    domain_id, start_process, speaker, wait_until, tmp_path
+):
+    """The file may grow to 64 KiB only (RLIMIT_FSIZE), which the kernel refuses as it refuses a full disk."""
+    limited = (
+        "import resource, signal, sys; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); "
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536)); "
+        "from forest_ident.recorder_node import main; sys.argv[0] = 'recorder_node'; sys.exit(main())"
+    )
+    output = ["--ros-args", "--disable-external-lib-logs", "-p", f"output:={tmp_path / 'bag'}"]
+    process = start_process(["-c", limited, *output])
+    noise = speaker.create_publisher(String, "noise", 10)
+    wait_until(noise.get_subscription_count)
+    generator = random.Random(1)
+    for _ in range(10):
+        noise.publish(String(data="".join(generator.choices(string.printable, k=60000))))
+    assert process.wait(10) == 1
+    assert "cannot write the bag in" in process.text()
+    assert "messages" in process.text()
+    assert "Traceback" not in process.text()
+    read_bag(tmp_path / "bag")
