@@ -1,0 +1,113 @@
+"""The cores of machine, controller and driver in one loop without ROS: the graph in simulated time.
+
+Each period goes round as it does live: the machine reports, controller and driver answer within the period,
+the voltages act over the next one.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_control import controller, valve_driver
+from forest_control.levers import Levers
+from forest_description.kinematics import tip_position
+from forest_description.machine import Machine
+from forest_sim import sensors
+from forest_sim.compiled import compiled_advance
+from forest_sim.equilibrium import equilibrium
+from forest_sim.integrator import Simulation, Triple
+from forest_sim.parameters import PlantParameters, plant_parameters
+
+PERIOD = 0.005  # [s]
+SUBSTEPS = 5  # of 1 ms
+
+
+class Operator(NamedTuple):
+    """What the operator does at a time: levers, and whether the deadman is held."""
+
+    levers: Levers
+    enabled: bool = True
+
+
+class Trajectory(NamedTuple):
+    """A session, one row per period."""
+
+    time: NDArray[np.float64]  # [N] s
+    angles: NDArray[np.float64]  # [N, 3] rad, true
+    tip: NDArray[np.float64]  # [N, 3] m, true
+    tip_wish: NDArray[np.float64]  # [N, 3] m/s, governed
+    commands: NDArray[np.float64]  # [N, 3] V of ideal valves
+    voltages: NDArray[np.float64]  # [N, 3] V
+    pressures: NDArray[np.float64]  # [N, 12] Pa
+
+    def tip_error(self) -> NDArray[np.float64]:
+        """Return true tip minus integrated wish [N, 3] m, from the first row on."""
+        wished = np.vstack([np.zeros(3), np.cumsum(self.tip_wish[:-1], axis=0) * PERIOD])
+        error: NDArray[np.float64] = self.tip - self.tip[0] - wished
+        return error
+
+
+def run(
+    machine: Machine,
+    operator: Callable[[float], Operator],
+    duration: float,
+    start: Triple,
+    control: controller.Settings,
+    drive: valve_driver.Settings,
+    model: Machine | None = None,
+) -> Trajectory:
+    """Run a session.
+
+    Args:
+        machine: what is simulated.
+        operator: time [s] to levers and deadman.
+        duration: [s].
+        start: joint angles [rad], at rest.
+        control: the controller's settings.
+        drive: the valve driver's settings.
+        model: what controller and driver believe; default: the machine itself.
+    """
+    p = plant_parameters(machine)
+    believed = machine if model is None else model
+    loop = _Loop(p, controller.parameters(believed, control), valve_driver.parameters(believed, drive), start)
+    rows = [loop.period(operator(k * PERIOD)) for k in range(round(duration / PERIOD))]
+    columns = [np.array(column) for column in zip(*rows, strict=True)]
+    links = machine.manipulator.links
+    tip = np.array([tip_position(tuple(q), links) for q in columns[0].tolist()])
+    return Trajectory(PERIOD * np.arange(len(rows), dtype=np.float64), columns[0], tip, *columns[1:])
+
+
+class _Loop:
+    """State of the three cores between periods."""
+
+    def __init__(
+        self,
+        p: PlantParameters,
+        control: controller.Parameters,
+        drive: valve_driver.Parameters,
+        start: Triple,
+    ) -> None:
+        self._plant, self._control, self._drive = p, control, drive
+        self._simulation: Simulation = equilibrium(start, p)
+        self._estimate = sensors.at_rest(self._simulation, p)
+        self._controller, self._driver = controller.REST, valve_driver.REST
+        self._advance = compiled_advance()
+
+    def period(self, operator: Operator) -> tuple[Triple, Triple, Triple, Triple, tuple[float, ...]]:
+        """Return a period's angles, tip wish, commands, voltages, pressures, and move the machine over it."""
+        self._estimate, seen = sensors.measure(self._simulation, self._estimate, self._plant, PERIOD)
+        angles = sensors.true_joints(self._simulation, self._plant).position
+        inputs = controller.Inputs(seen.joints.position, seen.joints.speed, operator.levers, operator.enabled)
+        self._controller, output = controller.step(self._controller, inputs, self._control, PERIOD)
+        pressures = valve_driver.Pressures(_at_port(seen, 1), _at_port(seen, 2), seen.supply_pressure)
+        self._driver, volts = valve_driver.step(self._driver, output.command, pressures, self._drive, PERIOD)
+        self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
+        return angles, output.tip_wish, output.command, volts, seen.pressures
+
+
+def _at_port(seen: sensors.Measurement, port: int) -> Triple:
+    """Return the actuator-side pressures [Pa] of one port, swing, boom, stick."""
+    first = 1 if port == 1 else 3
+    return seen.pressures[first], seen.pressures[first + 4], seen.pressures[first + 8]

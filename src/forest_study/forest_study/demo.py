@@ -1,0 +1,150 @@
+"""`scripts/demo.sh`: one session on the simulated crane, from joystick to bag, summary and pictures."""
+
+import argparse
+import contextlib
+import json
+import math
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from forest_control.sources import LEAD_IN, THESIS_DURATION, LeverError, read_levers
+from forest_description.limits import joint_limits
+from forest_description.machine import AXES, MachineError, load_machine
+from forest_study import graph
+from forest_study.exclusive import Failure
+from forest_study.supervisor import Stopped, Supervisor
+
+LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample
+START_LIMIT = 20.0  # [s] for the session to begin
+
+
+class Progress:
+    """A line that says how far the session is; on a terminal it overwrites itself."""
+
+    def __init__(self, duration: float, log: Path) -> None:
+        self._duration, self._log = duration, log
+        self._created, self._begun, self._shown = time.monotonic(), math.nan, -1
+
+    def __call__(self) -> None:
+        """Show progress once a second; fail when the session does not begin."""
+        now = time.monotonic()
+        if math.isnan(self._begun):
+            if self._log.exists() and b"playing" in self._log.read_bytes():
+                self._begun = now
+            elif now - self._created > START_LIMIT:
+                raise Failure(
+                    f"the session did not begin within {START_LIMIT:g} s; see the logs in {self._log.parent}"
+                )
+            return
+        second = int(now - self._begun - LEAD_IN)
+        if second > self._shown and second <= self._duration:
+            self._shown = second
+            end = "\r" if sys.stdout.isatty() else "\n"
+            if sys.stdout.isatty() or second % 5 == 0:
+                print(f"  driving {second:4d} / {self._duration:g} s", end=end, flush=True)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the demo; return 0 when every node ended well, 1 after a failure, 130 when the user stopped it."""
+    options = _parse(arguments)
+    try:
+        with contextlib.suppress(BrokenPipeError):
+            return _demo(options)
+    except Stopped:
+        print(
+            f"\ndemo: stopped before the session's end; what was recorded is in {options.out}",
+            file=sys.stderr,
+        )
+        return 130
+    except (Failure, LeverError, MachineError, OSError) as error:
+        print(f"demo: {error}", file=sys.stderr)
+    return 1
+
+
+def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="scripts/demo.sh", description="Drive a session on the simulated crane."
+    )
+    graph.add_graph_options(parser)
+    parser.add_argument(
+        "--duration", type=_seconds, metavar="S", help="length of the session (default: 10, or the CSV's)"
+    )
+    parser.add_argument(
+        "--out", type=Path, default=Path("bags/demo"), metavar="DIR", help="default: %(default)s"
+    )
+    parser.add_argument("--joystick", type=graph.source_path, default="thesis", metavar="thesis|FILE.csv")
+    return parser.parse_args(arguments)
+
+
+def _seconds(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.5 <= value <= 86400.0:
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0.5 .. 86400 seconds")
+    return value
+
+
+def _demo(options: argparse.Namespace) -> int:
+    machine = load_machine(options.machine)
+    duration = options.duration or _length(options.joystick)
+    if options.out.exists():
+        raise Failure(f"{options.out} exists already; choose another --out or remove it")
+    bag = options.out / "bag"
+    nodes = [
+        graph.joystick(options.joystick, duration, LISTENERS),
+        *graph.control(options.machine, options.scheme, shadow=False),
+        graph.simulator(options.machine),
+        graph.recorder(bag),
+    ]
+    logs = options.out / "log"
+    print(f"starting {', '.join(node.name for node in nodes)}", flush=True)
+    with Supervisor(nodes, options.namespace, logs) as running:
+        running.run(until="joystick", progress=Progress(duration, logs / "joystick.log"))
+    print("\nreading the bag, drawing the pictures", flush=True)
+    summary = {
+        "duration_s": duration,
+        "scheme": options.scheme,
+        "machine": machine.name,
+        "joystick": options.joystick,
+        "exit_codes": running.exit_codes,
+        "peak_memory_mb": running.peak_memory_mb,
+        "bag": str(bag),
+    }
+    return _finish(options, summary, bag, dict(zip(AXES, joint_limits(machine), strict=True)))
+
+
+def _length(joystick: str) -> float:
+    """Return how long a joystick source is [s]."""
+    return THESIS_DURATION if joystick == "thesis" else max(0.5, read_levers(Path(joystick)).times[-1])
+
+
+def _finish(
+    options: argparse.Namespace, summary: dict[str, Any], bag: Path, limits: dict[str, tuple[float, float]]
+) -> int:
+    """Write summary and pictures, print the table; return the exit code."""
+    # Read here, not at the top: matplotlib takes half a second that the graph's start does not have.
+    from forest_msgs_py.pictures import draw_all
+    from forest_msgs_py.series import read_bag
+    from forest_study.summary import bag_summary, table
+
+    recorded = read_bag(bag)
+    summary |= bag_summary(recorded, options.scheme)
+    (options.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+    pictures = draw_all(recorded, options.out, limits)
+    print(table(summary))
+    print("\n".join(f"  {path}" for path in (bag, options.out / "summary.json", *pictures)))
+    failed = {name: code for name, code in summary["exit_codes"].items() if code != 0}
+    if failed:
+        raise Failure(
+            f"ended badly: {', '.join(f'{name} (exit code {code})' for name, code in failed.items())}"
+        )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,46 @@
+"""One graph per ROS domain and namespace: two that command one crane are one too many."""
+
+import contextlib
+import fcntl
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+
+class Failure(Exception):
+    """The graph could not start or had to end; the message is one sentence for the user."""
+
+
+def already_running(namespace: str, what: str) -> str:
+    """Return the sentence for the user; `what` is the sign by which the other graph was known."""
+    domain = os.environ.get("ROS_DOMAIN_ID", "0")
+    return (
+        f"a graph is already running in ROS domain {domain}, namespace {namespace} ({what}); "
+        "stop it, or choose another --namespace or ROS_DOMAIN_ID"
+    )
+
+
+@contextlib.contextmanager
+def only_graph(namespace: str) -> Iterator[None]:
+    """Hold the lock of this user's graph in the domain and namespace.
+
+    Raises:
+        Failure: another supervisor holds it.
+    """
+    key = f"{os.getuid()}-{os.environ.get('ROS_DOMAIN_ID', '0')}{namespace.replace('/', '.')}"
+    path = Path(tempfile.gettempdir()) / f"forest-graph-{key}.lock"
+    try:
+        file = path.open("a+", encoding="ascii")
+    except OSError as error:
+        raise Failure(f"cannot write the lock file {path}: {error.strerror}") from error
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            file.seek(0)
+            raise Failure(already_running(namespace, f"pid {file.read().strip() or 'unknown'}")) from error
+        file.truncate(0)
+        file.write(str(os.getpid()))
+        file.flush()
+        yield

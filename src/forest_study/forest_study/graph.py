@@ -1,0 +1,142 @@
+"""`scripts/graph.sh`: the live graph until Ctrl-C."""
+
+import argparse
+import re
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from forest_control.schemes import Scheme
+from forest_study.exclusive import Failure
+from forest_study.supervisor import NodeSpec, Stopped, Supervisor
+
+
+def add_graph_options(parser: argparse.ArgumentParser) -> None:
+    """Add what demo and live graph have in common."""
+    parser.add_argument(
+        "--machine", default="c180", help="shipped machine, or a machine file (default: c180)"
+    )
+    parser.add_argument(
+        "--scheme",
+        choices=[scheme.value for scheme in Scheme],
+        default=Scheme.JACOBIAN_POSITION.value,
+        help="control scheme (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--namespace", type=ros_namespace, default="/", help="ROS namespace of the graph (default: /)"
+    )
+
+
+def ros_namespace(text: str) -> str:
+    """Return a namespace with its leading slash.
+
+    Raises:
+        argparse.ArgumentTypeError: not a ROS namespace.
+    """
+    name = "/" + text.strip("/")
+    if name != "/" and not re.fullmatch(r"(/[A-Za-z_][A-Za-z0-9_]*)+", name):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a ROS namespace: letters, digits and _, not a digit first"
+        )
+    return name
+
+
+def source_path(text: str) -> str:
+    """Return `thesis`, or the absolute path of an existing file.
+
+    Raises:
+        argparse.ArgumentTypeError: neither.
+    """
+    if text == "thesis":
+        return text
+    path = Path(text)
+    if not path.is_file():
+        raise argparse.ArgumentTypeError(f"{text!r} is neither 'thesis' nor a CSV file that exists")
+    return str(path.resolve())
+
+
+def machine_arguments(machine: str) -> tuple[str, ...]:
+    """Return the ROS arguments that name the machine; every node that knows the machine gets them."""
+    return ("-p", f"machine:={Path(machine).resolve() if Path(machine).suffix else machine}")
+
+
+def joystick(source: str, duration: float, listeners: int) -> NodeSpec:
+    """Return the joystick source."""
+    return NodeSpec(
+        "joystick",
+        "forest_control.joystick_node",
+        (
+            "-p",
+            f"source:={source}",
+            "-p",
+            f"duration:={duration}",
+            "-p",
+            f"wait_for_subscribers:={listeners}",
+        ),
+    )
+
+
+def control(machine: str, scheme: str, shadow: bool) -> tuple[NodeSpec, NodeSpec]:
+    """Return controller and valve driver."""
+    known = machine_arguments(machine)
+    return (
+        NodeSpec("controller", "forest_control.controller_node", (*known, "-p", f"scheme:={scheme}")),
+        NodeSpec(
+            "valve_driver",
+            "forest_control.valve_driver_node",
+            (*known, "-p", f"shadow:={str(shadow).lower()}"),
+        ),
+    )
+
+
+def simulator(machine: str) -> NodeSpec:
+    """Return the simulated machine."""
+    return NodeSpec("simulator", "forest_sim.simulator_node", machine_arguments(machine))
+
+
+def recorder(bag: Path) -> NodeSpec:
+    """Return the recorder."""
+    return NodeSpec("recorder", "forest_ident.recorder_node", ("-p", f"output:={bag.resolve()}"))
+
+
+def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="scripts/graph.sh", description="Run the live graph until Ctrl-C.")
+    add_graph_options(parser)
+    parser.add_argument("--no-simulator", action="store_true", help="iron is behind the topics")
+    parser.add_argument("--shadow", action="store_true", help="compute everything, publish no voltage")
+    parser.add_argument(
+        "--joystick", type=source_path, metavar="thesis|FILE.csv", help="play this; default: /joy is yours"
+    )
+    parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag there")
+    return parser.parse_args(arguments)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the graph; return 0 after a stop on request, 1 after a failure."""
+    options = _parse(arguments)
+    nodes = [*control(options.machine, options.scheme, options.shadow)]
+    if options.joystick:
+        nodes.insert(0, joystick(options.joystick, 0.0, 1))
+    if not options.no_simulator:
+        nodes.append(simulator(options.machine))
+    if options.record:
+        nodes.append(recorder(options.record))
+    logs = Path(tempfile.mkdtemp(prefix="forest-graph-"))
+    print(f"starting {', '.join(node.name for node in nodes)}; logs in {logs}; Ctrl-C stops", flush=True)
+    try:
+        with Supervisor(
+            nodes, options.namespace, logs, not options.shadow, lambda line: print(line, flush=True)
+        ) as graph:
+            graph.run(until="joystick" if options.joystick else None)
+        print("the joystick source has played to its end; stopped", flush=True)
+    except Stopped:
+        print("stopped", flush=True)
+    except (Failure, OSError) as error:
+        print(f"graph: {error}", file=sys.stderr)
+        return 1
+    return int(any(graph.exit_codes.values()))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,271 @@
+"""The one process supervisor: starts the graph's nodes, watches them, and ends them together.
+
+What it promises:
+- one graph per ROS domain and namespace;
+- when a node ends unasked, the valves go to zero (the supervisor itself says so on /valve_voltages, should
+the driver be
+  the one that died), the rest is stopped and `Failure` names the node and the reason;
+- nodes are stopped from the operator towards the recorder, so that the last thing in the bag is a machine at
+rest;
+- no orphans: a stopped node has 5 s before SIGKILL, and nodes watch their parent (`FOREST_PARENT`), so they
+end even when
+  the supervisor is killed.
+"""
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import IO, NamedTuple
+
+import rclpy
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from forest_msgs_py import topics
+from forest_msgs_py.messages import float_array
+from forest_msgs_py.node import PARENT_VARIABLE, prepare_environment, publisher
+from forest_study.exclusive import Failure, already_running, only_graph
+
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+POLL = 0.01  # [s]
+GRACE = 5.0  # [s] between SIGTERM and SIGKILL
+DISCOVERY = 0.6  # [s] in which another graph in the domain can show itself before ours starts
+LOOK_PERIOD = 1.0  # [s] between later looks
+COMMANDING = ("joystick", "controller", "valve_driver")
+ZERO_TIME = 0.3  # [s] for which the supervisor repeats zero voltage after a death
+
+
+class Stopped(Exception):
+    """The user asked to stop."""
+
+
+class NodeSpec(NamedTuple):
+    """A node to start: its ROS name, module, and ROS arguments."""
+
+    name: str
+    module: str
+    arguments: tuple[str, ...] = ()
+
+
+class _Process(NamedTuple):
+    spec: NodeSpec
+    popen: subprocess.Popen[bytes]
+    log: Path
+    tail: IO[str]
+
+
+class Supervisor:
+    """A running graph; use as a context manager, which always leaves no process behind.
+
+    Args:
+        nodes: in the order in which they are to be stopped.
+        namespace: of the graph, "/" or "/name".
+        log_directory: one log file per node goes there.
+        guard: publish zero voltages when a node dies; False where nothing may be published (shadow).
+        echo: gets every line that a node logs.
+    """
+
+    def __init__(
+        self,
+        nodes: Sequence[NodeSpec],
+        namespace: str,
+        log_directory: Path,
+        guard: bool = True,
+        echo: Callable[[str], None] | None = None,
+    ) -> None:
+        self.exit_codes: dict[str, int] = {}
+        self.peak_memory_mb: dict[str, float] = {}
+        self._specs, self._namespace, self._logs = nodes, namespace, log_directory
+        self._guarded, self._echo = guard, echo
+        self._processes: list[_Process] = []
+        self._stop_requested = False
+        self._next_look = 0.0
+        self._stack = contextlib.ExitStack()
+
+    def __enter__(self) -> "Supervisor":
+        """Claim the domain and start every node.
+
+        Raises:
+            Failure: another graph is running, or a node cannot be started.
+            Stopped: a signal arrived meanwhile.
+        """
+        with contextlib.ExitStack() as undo:
+            undo.callback(self._stack.close)
+            self._catch_signals()
+            self._stack.enter_context(only_graph(self._namespace))
+            self._stack.callback(self.stop)
+            self._node = self._stack.enter_context(_ros_node(self._namespace))
+            self._refuse_other_graph()
+            self._guard = publisher(self._node, topics.VALVE_VOLTAGES) if self._guarded else None
+            for spec in self._specs:
+                self._start(spec)
+            undo.pop_all()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Stop what still runs."""
+        self.stop()
+        self._stack.close()
+
+    def run(self, until: str | None = None, progress: Callable[[], None] | None = None) -> None:
+        """Watch the graph until the node `until` has finished by itself, or forever.
+
+        Raises:
+            Failure: a node ended unasked.
+            Stopped: the user asked to stop.
+        """
+        while not self._stop_requested:
+            for process in self._processes:
+                code = process.popen.poll()
+                if code is None:
+                    continue
+                if process.spec.name == until and code == 0:
+                    return
+                self._fail(process, code)
+            self._refuse_doubles()
+            self._pass_on_logs()
+            if progress is not None:
+                progress()
+            time.sleep(POLL)
+        raise Stopped
+
+    def stop(self) -> None:
+        """Stop every node, in order; after this nothing runs."""
+        for process in self._processes:
+            self._note_memory(process)
+        self._interrupt_commanding()
+        for process in self._processes:
+            if process.spec.name not in COMMANDING and process.popen.poll() is None:
+                process.popen.send_signal(signal.SIGTERM)
+            self.exit_codes[process.spec.name] = _reap(process.popen)
+        self._pass_on_logs()
+        for process in self._processes:
+            process.tail.close()
+        self._processes = []
+
+    def _start(self, spec: NodeSpec) -> None:
+        if self._stop_requested:
+            raise Stopped
+        self._logs.mkdir(parents=True, exist_ok=True)
+        log = self._logs / f"{spec.name}.log"
+        arguments = ("--ros-args", "-r", f"__ns:={self._namespace}", *spec.arguments)
+        environment = {**os.environ, PARENT_VARIABLE: str(os.getpid()), "PYTHONUNBUFFERED": "1"}
+        with log.open("wb") as sink:
+            popen = subprocess.Popen(
+                [sys.executable, "-m", spec.module, *arguments],
+                stdin=subprocess.DEVNULL,
+                stdout=sink,
+                stderr=sink,
+                env=environment,
+                start_new_session=True,  # a Ctrl-C reaches the supervisor alone, which keeps the order
+            )
+        self._processes.append(_Process(spec, popen, log, log.open(encoding="utf-8", errors="replace")))
+
+    def _fail(self, process: _Process, code: int) -> None:
+        """Bring the valves to zero, stop the rest, and raise the Failure that names the node."""
+        self._end_at_zero()
+        reason = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
+        last = process.log.read_text(encoding="utf-8", errors="replace").strip().splitlines()[-1:]
+        raise Failure(f"{process.spec.name} {reason}" + (f": {last[0].strip()}" if last else ""))
+
+    def _end_at_zero(self) -> None:
+        """Bring the valves to zero, then stop everything."""
+        self._interrupt_commanding()  # or a living driver would contradict the zero
+        self._zero_voltage()
+        self.stop()
+
+    def _interrupt_commanding(self) -> None:
+        """Have the commanding nodes say zero and stop, all at once: none shall miss another and complain."""
+        for process in self._processes:
+            if process.spec.name in COMMANDING and process.popen.poll() is None:
+                process.popen.send_signal(signal.SIGTERM)
+
+    def _zero_voltage(self) -> None:
+        """Say zero on /valve_voltages: the driver may be the node that died."""
+        if self._guard is None:
+            return
+        end = time.monotonic() + ZERO_TIME
+        while time.monotonic() < end:
+            now = self._node.get_clock().now().nanoseconds
+            self._guard.publish(float_array(topics.VALVE_VOLTAGES, now, (0.0, 0.0, 0.0)))
+            time.sleep(POLL)
+
+    def _note_memory(self, process: _Process) -> None:
+        with contextlib.suppress(OSError, StopIteration, ValueError):
+            lines = Path(f"/proc/{process.popen.pid}/status").read_text(encoding="ascii").splitlines()
+            peak = next(line for line in lines if line.startswith("VmHWM:"))
+            self.peak_memory_mb[process.spec.name] = round(int(peak.split()[1]) / 1024, 1)
+
+    def _pass_on_logs(self) -> None:
+        for process in self._processes:
+            for line in process.tail:
+                if self._echo is not None:
+                    self._echo(line.rstrip("\n"))
+
+    def _catch_signals(self) -> None:
+        for number in STOP_SIGNALS:
+            before = signal.signal(number, self._request_stop)
+            self._stack.callback(signal.signal, number, before)
+
+    def _request_stop(self, _number: int, _frame: object) -> None:
+        self._stop_requested = True
+
+    def _refuse_other_graph(self) -> None:
+        """Raise Failure if a node of ours already runs in this domain and namespace."""
+        end = time.monotonic() + DISCOVERY
+        while time.monotonic() < end:
+            if others := self._present_more_often_than(0):
+                raise Failure(already_running(self._namespace, f"node {others[0]}"))
+            if self._stop_requested:
+                raise Stopped
+            time.sleep(POLL)
+
+    def _refuse_doubles(self) -> None:
+        """End the graph if somebody else runs a node of ours: two that command one crane are one too many."""
+        if time.monotonic() < self._next_look:
+            return
+        self._next_look = time.monotonic() + LOOK_PERIOD
+        if others := self._present_more_often_than(1):
+            self._end_at_zero()
+            raise Failure(already_running(self._namespace, f"a second node {others[0]}"))
+
+    def _present_more_often_than(self, count: int) -> list[str]:
+        """Return our nodes' names that the namespace holds more often than this."""
+        found = self._node.get_node_names_and_namespaces()
+        return [spec.name for spec in self._specs if found.count((spec.name, self._namespace)) > count]
+
+
+def _reap(popen: "subprocess.Popen[bytes]") -> int:
+    """Return the exit code of a process that was told to stop; SIGKILL after the grace time."""
+    try:
+        return popen.wait(GRACE)
+    except subprocess.TimeoutExpired:
+        popen.kill()
+        return popen.wait()
+
+
+@contextlib.contextmanager
+def _ros_node(namespace: str) -> Iterator[Node]:
+    """Yield the supervisor's own node.
+
+    Raises:
+        Failure: ROS does not start, or the namespace is not a ROS name.
+    """
+    prepare_environment()
+    context = rclpy.Context()
+    try:
+        rclpy.init(context=context, args=[], signal_handler_options=SignalHandlerOptions.NO)
+        node = rclpy.create_node("supervisor", context=context, namespace=namespace, enable_rosout=False)
+    except Exception as error:  # whatever the middleware raises
+        rclpy.try_shutdown(context=context)
+        raise Failure(f"ROS does not start: {' '.join(str(error).split())}") from error
+    try:
+        yield node
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown(context=context)

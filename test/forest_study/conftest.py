@@ -1,0 +1,48 @@
+"""A listener on the valves, and the graph as a process."""
+
+import math
+import time
+
+import pytest
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+
+from forest_msgs_py import topics
+from forest_msgs_py.messages import read_float_array
+from forest_msgs_py.node import subscription
+
+
+class Valves:
+    """Hears /valve_voltages and remembers when the valves were last told to open, and last told to shut."""
+
+    def __init__(self, context):
+        self._node = rclpy.create_node("listener", context=context)
+        self.executor = SingleThreadedExecutor(context=context)
+        self.executor.add_node(self._node)
+        self.count, self.opened, self.shut = 0, -math.inf, -math.inf
+        subscription(self._node, topics.VALVE_VOLTAGES, self._hear)
+
+    def _hear(self, message):
+        reading = read_float_array(topics.VALVE_VOLTAGES, message, 0)
+        assert not reading.problem
+        self.count += 1
+        if any(reading.values):
+            self.opened = time.monotonic()
+        else:
+            self.shut = time.monotonic()
+
+    @property
+    def open(self):
+        """Whether the last word was to open, lately."""
+        return self.opened > self.shut and time.monotonic() - self.opened < 0.05
+
+
+@pytest.fixture
+def valves(ros_context):
+    return Valves(ros_context)
+
+
+@pytest.fixture
+def start_graph(start_process, domain_id):
+    """Start scripts/graph.sh's program; give its process."""
+    return lambda *options: start_process(["-m", "forest_study.graph", *options])

@@ -1,0 +1,35 @@
+"""The processes of a graph, seen from outside."""
+
+import os
+from pathlib import Path
+
+NODES = ("joystick", "controller", "valve_driver", "simulator", "recorder")
+
+
+def nodes_of(supervisor):
+    """Return {node name: pid} of a supervisor's children."""
+    children = {}
+    for entry in Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            parent = (entry / "stat").read_text().rsplit(")", 1)[1].split()[1]
+            command = (entry / "cmdline").read_bytes().split(b"\0")
+        except OSError:
+            continue
+        if int(parent) != supervisor.pid:
+            continue
+        children |= {n: int(entry.name) for n in NODES if f"_{n}_node"[1:].encode() in b" ".join(command)}
+    return children
+
+
+def alive(pid):
+    """Whether a process still runs (a zombie does not)."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def kill(pid, number):
+    os.kill(pid, number)

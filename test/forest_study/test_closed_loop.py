@@ -1,0 +1,113 @@
+"""Machine, controller and driver together in simulated time: tracking, limits, standing still when told."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from forest_control import controller, valve_driver
+from forest_control.levers import REST, Levers
+from forest_control.schemes import Scheme
+from forest_control.sources import read_levers, thesis_levers
+from forest_description.kinematics import inverse_kinematics
+from forest_description.limits import joint_limits
+from forest_description.machine import load_machine
+from forest_study.closed_loop import PERIOD, Operator, run
+
+C180 = load_machine("c180")
+START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
+PERSON = Path(__file__).resolve().parents[3] / "shared" / "data" / "operator_levers.csv"
+
+
+def session(operator, duration, scheme=Scheme.JACOBIAN_POSITION, start=START, **options):
+    settings = controller.Settings(scheme=scheme)
+    return run(C180, operator, duration, start, settings, valve_driver.Settings(), **options)
+
+
+def thesis(time):
+    return Operator(thesis_levers(time, controller.Settings().tip_speed))
+
+
+def rms_mm(trajectory):
+    return 1e3 * np.sqrt(np.mean(np.sum(trajectory.tip_error() ** 2, axis=1)))
+
+
+def test_scheme_d_tracks_the_thesis_input_under_90_mm():
+    assert rms_mm(session(thesis, 10.0)) < 90.0
+
+
+def test_scheme_c_tracks_the_thesis_input_under_90_mm():
+    assert rms_mm(session(thesis, 10.0, Scheme.JACOBIAN_VELOCITY)) < 90.0
+
+
+def test_pressures_stay_between_tank_and_what_relief_allows():
+    pressures = session(thesis, 10.0).pressures
+    assert pressures.min() > -1e5
+    assert pressures.max() < C180.port_valves.relief_pressure + 1.5e6
+
+
+def test_compensation_is_what_makes_it_track():
+    """The same session with the driver's compensation off: the overlap eats the command."""
+    off = valve_driver.Settings(compensate=False)
+    blind = run(C180, thesis, 10.0, START, controller.Settings(), off)
+    assert rms_mm(blind) > 1.5 * rms_mm(session(thesis, 10.0))
+
+
+def margins(trajectory):
+    low, high = np.array(joint_limits(C180)).T
+    return np.minimum(trajectory.angles.min(axis=0) - low, high - trajectory.angles.max(axis=0))
+
+
+def wild_levers(seed):
+    """Return levers that jump to random deflections, now and then to rest, each held for a random while."""
+    rng = np.random.default_rng(seed)
+    times = np.cumsum(rng.uniform(0.05, 4.0, 60))
+    values = np.clip(rng.normal(0.0, 1.2, (61, 3)), -1.0, 1.0) * (rng.random((61, 1)) > 0.2)
+    return lambda time: Operator(Levers(*values[np.searchsorted(times, time)].tolist()))
+
+
+@pytest.mark.parametrize("scheme", list(Scheme))
+@pytest.mark.parametrize("seed", [1, 2])
+def test_no_lever_motion_takes_a_joint_over_its_limit(scheme, seed):
+    assert np.all(margins(session(wild_levers(seed), 40.0, scheme)) > 0.0)
+
+
+@pytest.mark.skipif(
+    not PERSON.exists(), reason="the recording ../shared/data/operator_levers.csv is not here"
+)
+@pytest.mark.parametrize("scheme", list(Scheme))
+def test_a_persons_hands_keep_every_joint_inside_its_limits(scheme):
+    record = read_levers(PERSON)
+    moved = session(lambda time: Operator(record.at(time)), 100.0, scheme)
+    assert np.all(margins(moved) > 0.0)
+    assert np.ptp(moved.angles, axis=0).max() > 0.1  # and it did drive the crane
+
+
+@pytest.mark.parametrize("scheme", list(Scheme))
+def test_releasing_the_deadman_shuts_the_valves_at_once_and_stops_the_tip(scheme):
+    levers = Levers(1.0, 0.5, -0.5)
+    moved = session(lambda time: Operator(levers, enabled=time < 1.5), 6.0, scheme)
+    released = round(1.5 / PERIOD)
+    assert np.abs(moved.voltages[:released]).max() > 1.0
+    assert not moved.voltages[released:].any()
+    # What is left after two seconds is the swing rocking on the oil shut in its hoses.
+    later = moved.tip[released + round(2.0 / PERIOD) :]
+    assert np.ptp(later, axis=0).max() < 0.1
+    assert np.ptp(moved.tip[-20:], axis=0).max() < 0.01
+
+
+def test_without_a_wish_nothing_moves_and_no_valve_opens():
+    still = session(lambda _: Operator(REST), 5.0)
+    assert not still.voltages.any()
+    assert np.ptp(still.angles, axis=0).max() < 1e-9
+
+
+def test_a_controller_that_believes_another_machine_still_keeps_limits():
+    import dataclasses
+
+    heavier = dataclasses.replace(C180.manipulator, head_mass=2 * C180.manipulator.head_mass)
+    other = dataclasses.replace(C180, manipulator=heavier)
+    moved = run(
+        other, wild_levers(3), 30.0, START, controller.Settings(), valve_driver.Settings(), model=C180
+    )
+    assert np.all(margins(moved) > 0.0)

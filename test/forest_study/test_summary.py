@@ -1,0 +1,36 @@
+"""Numbers of the summary against hand-made cases."""
+
+import numpy as np
+
+from forest_study.summary import response_times, table
+
+
+def test_response_time_counts_from_the_cause_to_the_first_effect_of_a_later_state():
+    causes = np.array([100, 200, 1000])
+    states, effects = np.array([90, 150, 205, 240]), np.array([99, 158, 209, 246])
+    # 100 is answered by state 150 (seen at 158), 200 by 205 (seen at 209), 1000 by nothing.
+    np.testing.assert_array_equal(response_times(causes, states, effects), [58, 9])
+
+
+def test_a_state_sampled_at_the_very_moment_does_not_know_the_cause():
+    np.testing.assert_array_equal(response_times(np.array([5]), np.array([5, 6]), np.array([7, 9])), [4])
+
+
+def test_no_effect_at_all_gives_no_times():
+    assert len(response_times(np.array([5]), np.array([], dtype=np.int64), np.array([], dtype=np.int64))) == 0
+
+
+def test_table_says_that_joint_mode_has_no_tip_error():
+    summary = {
+        "scheme": "joint",
+        "duration_s": 3.0,
+        "topics": {"/joy": {"count": 7, "rate_hz": 100.0}},
+        "lost_messages": 2,
+        "tip_error_mm": None,
+        "joy_to_valve_ms": None,
+        "peak_memory_mb": {"recorder": 70.4},
+    }
+    text = table(summary)
+    assert "7, lost 2" in text
+    assert "joint mode" in text
+    assert "recorder 70 MB" in text
