@@ -184,6 +184,13 @@ def test_spool_lag_is_the_exact_first_order_response():
     assert integrator.spools_after((0.0, 2.0, -1.0), (10.0, 0.0, 3.0), 1e-6, math.inf) == (10.0, 0.0, 3.0)
 
 
+def test_a_spool_does_not_travel_beyond_its_rated_voltage():
+    p = plant_parameters(C180)
+    far = step(equilibrium(START, p), (50.0, -50.0, 0.0), 1.0, p)
+    assert far.spools[0] == pytest.approx(10.0)
+    assert far.spools[1] == pytest.approx(-10.0)
+
+
 def test_equilibrium_is_at_rest_with_positive_pressures():
     p = plant_parameters(C180)
     rng = np.random.default_rng(5)

@@ -86,6 +86,13 @@ def test_a_shut_orifice_stops_the_flow_and_traps_the_oil():
     assert end.pressure == pytest.approx(5e6 - STEP * 1e-4 / LINE.capacitance)
 
 
+def test_behind_a_shut_orifice_no_flow_begins_and_none_can_go_on():
+    shut = Orifice(math.inf, SUPPLY)
+    assert flow_rate(5e6, 0.0, shut, LINE) == 0.0
+    assert flow_rate(5e6, 1e-4, shut, LINE) == -math.inf
+    assert flow_rate(5e6, -1e-4, shut, LINE) == math.inf
+
+
 def test_a_closing_orifice_approaches_the_shut_one():
     shut = solve_line(5e6, 2e-3, 1e-4, 0.0, Orifice(math.inf, SUPPLY), LINE, GUARD, STEP)
     nearly = solve_line(5e6, 2e-3, 1e-4, 0.0, Orifice(1e30, SUPPLY), LINE, GUARD, STEP)

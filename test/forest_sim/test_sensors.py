@@ -90,7 +90,7 @@ def test_forces_are_those_of_the_reported_actuator_pressures():
         ]
     ):
         one, two = a_1 * p[f"{axis}_1_actuator"], a_2 * p[f"{axis}_2_actuator"]
-        assert seen.actuators.effort[i] == pytest.approx(one - two, abs=1e-3 * (abs(one) + abs(two)))
+        assert seen.actuators.effort[i] == pytest.approx(one - two, abs=1e-9 * (abs(one) + abs(two)))
 
 
 def test_joint_torques_are_forces_times_lever_arms_for_sensors_and_truth_alike():

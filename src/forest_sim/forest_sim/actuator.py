@@ -29,6 +29,8 @@ class Actuator(NamedTuple):
 
     displacement_1: float
     displacement_2: float
+    own_displacement_1: float  # of the actuator alone, at its ports: a leaking motor's differs a little
+    own_displacement_2: float
     leakage_11: float
     leakage_12: float
     leakage_22: float
@@ -88,6 +90,8 @@ def cylinder(drive: CylinderDrive, line_1: Line, line_2: Line) -> Actuator:
     return Actuator(
         displacement_1=a_1,
         displacement_2=a_2,
+        own_displacement_1=a_1,
+        own_displacement_2=a_2,
         leakage_11=0.0,
         leakage_12=0.0,
         leakage_22=0.0,
@@ -120,6 +124,8 @@ def motor(drive: SwingDrive, line_1: Line, line_2: Line) -> Actuator:
     return Actuator(
         displacement_1=d * (1.0 + r_2 * g_e) / determinant,
         displacement_2=d * (1.0 + r_1 * g_e) / determinant,
+        own_displacement_1=d,
+        own_displacement_2=d,
         leakage_11=((g_i + g_e) * a_22 - r_2 * g_i * g_i) / determinant,
         leakage_12=g_i / determinant,
         leakage_22=((g_i + g_e) * a_11 - r_1 * g_i * g_i) / determinant,

@@ -45,13 +45,15 @@ class AxisSolution(NamedTuple):
 
 
 def step(simulation: Simulation, voltages: Triple, h: float, p: PlantParameters) -> Simulation:
-    """Advance the machine by h [s] with the valve voltages [V] held."""
+    """Advance the machine by h [s] with the valve voltages [V] held; a spool's travel ends at the rated one."""
     plant = simulation.plant
-    middle = spools_after(simulation.spools, voltages, GAMMA * h, p.spool_rate)
+    r = p.valve.rated_voltage
+    targets = _clip(voltages[0], r), _clip(voltages[1], r), _clip(voltages[2], r)
+    middle = spools_after(simulation.spools, targets, GAMMA * h, p.spool_rate)
     first = _solve_stage(plant, plant, _ports(middle, p), GAMMA * h, p)
     # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
     base = _blend(plant, first, (1.0 - GAMMA) / GAMMA)
-    end = spools_after(simulation.spools, voltages, h, p.spool_rate)
+    end = spools_after(simulation.spools, targets, h, p.spool_rate)
     return Simulation(_solve_stage(base, first, _ports(end, p), GAMMA * h, p), end)
 
 
@@ -60,6 +62,10 @@ def advance(simulation: Simulation, voltages: Triple, h: float, count: int, p: P
     for _ in range(count):
         simulation = step(simulation, voltages, h, p)
     return simulation
+
+
+def _clip(value: float, limit: float) -> float:
+    return max(-limit, min(limit, value))
 
 
 def spools_after(spools: Triple, voltages: Triple, time: float, rate: float) -> Triple:

@@ -126,7 +126,7 @@ def _estimate_speeds(estimate: SpeedEstimate, positions: tuple[float, ...], dt: 
 def _force(s: AxisState, axis: Axis, t: Transmission) -> float:
     """Return the actuator's pressure force [N; N m], friction not included. Thesis eq. 3.17, 3.19."""
     one, two = port_pressures(t.arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
-    return axis.actuator.displacement_1 * one - axis.actuator.displacement_2 * two
+    return axis.actuator.own_displacement_1 * one - axis.actuator.own_displacement_2 * two
 
 
 def _pressures(s: AxisState, axis: Axis, t: Transmission, ports: Ports) -> tuple[float, float, float, float]:
