@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = sorted(path.parent.name for path in ROOT.glob("src/*/package.xml"))
-SUPERVISOR = ("forest_study", "supervisor")
+GUARD = ("forest_study", "guard")
 ROS = {
     "ament_index_python",
     "builtin_interfaces",
@@ -39,8 +39,8 @@ def imported(source: str) -> set[str]:
 
 
 def may_know_ros(package: str, module: str) -> bool:
-    """The nodes, the package of messages, and the supervisor that starts the nodes."""
-    return package == "forest_msgs_py" or module.endswith("_node") or (package, module) == SUPERVISOR
+    """The nodes, the package of messages, and the guard by which the supervisor sees the graph."""
+    return package == "forest_msgs_py" or module.endswith("_node") or (package, module) == GUARD
 
 
 def modules(package: str) -> list[Path]:
@@ -69,7 +69,7 @@ def test_a_similar_name_is_not_ros():
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_ros_is_imported_only_by_nodes_messages_and_supervisor(package):
+def test_ros_is_imported_only_by_nodes_messages_and_guard(package):
     offenders = [
         f"{path.relative_to(ROOT)} imports {', '.join(sorted(names))}"
         for path in modules(package)

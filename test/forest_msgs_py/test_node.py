@@ -1,5 +1,6 @@
 """The frame of every node: how it starts, how it ends, and with which exit code."""
 
+import os
 import signal
 from pathlib import Path
 
@@ -9,7 +10,7 @@ rclpy = pytest.importorskip("rclpy")
 
 from rclpy.executors import SingleThreadedExecutor
 
-from forest_msgs_py import messages, node, topics
+from forest_msgs_py import environment, messages, node, topics
 
 TALKER = str(Path(__file__).with_name("talker.py"))
 
@@ -91,19 +92,19 @@ def test_names_follow_a_namespace_and_a_remap(talker, ros_context, wait_until):
 
 
 def test_the_network_is_closed_unless_opened_on_purpose(monkeypatch):
-    def environment(**given):
+    def prepared(**given):
         names = ("FOREST_NETWORK", "RMW_IMPLEMENTATION", "ROS_AUTOMATIC_DISCOVERY_RANGE")
         for name in (*names, "FASTRTPS_DEFAULT_PROFILES_FILE"):
             monkeypatch.setenv(name, "")  # so that the test's end restores it
             monkeypatch.delenv(name)
         for name, value in given.items():
             monkeypatch.setenv(name, value)
-        node.prepare_environment()
-        return node.os.environ
+        environment.prepare_environment()
+        return os.environ
 
-    closed = environment()
+    closed = prepared()
     assert closed["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
     assert Path(closed["FASTRTPS_DEFAULT_PROFILES_FILE"]).is_file()
-    assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in environment(RMW_IMPLEMENTATION="rmw_cyclonedds_cpp")
-    assert environment(ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET")["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
-    assert "ROS_AUTOMATIC_DISCOVERY_RANGE" not in environment(FOREST_NETWORK="open")
+    assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in prepared(RMW_IMPLEMENTATION="rmw_cyclonedds_cpp")
+    assert prepared(ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET")["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+    assert "ROS_AUTOMATIC_DISCOVERY_RANGE" not in prepared(FOREST_NETWORK="open")

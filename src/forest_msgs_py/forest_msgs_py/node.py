@@ -14,8 +14,6 @@ publishing still works. That is why rclpy's own signal handlers, which end the c
 
 from __future__ import annotations
 
-import ctypes
-import os
 import signal
 import socket
 import sys
@@ -34,10 +32,9 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from forest_msgs_py.environment import NoSupervisor, prepare_environment, wait_for_supervisor
 from forest_msgs_py.topics import Topic, message_class, qos
 
-PARENT_VARIABLE = "FOREST_PARENT"  # pid of the supervisor, set in its nodes' environment
-LOOPBACK_PROFILE = Path(__file__).resolve().with_name("loopback.xml")
 LAST_WORDS = 0.1  # [s]
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
@@ -48,30 +45,6 @@ class NodeFailure(Exception):
 
 class Finished(Exception):
     """Raised in a callback: the node has done what it was for; exit code 0."""
-
-
-def prepare_environment() -> None:
-    """Keep every packet on this machine, unless the user chose otherwise (FOREST_NETWORK=open)."""
-    if os.environ.get("FOREST_NETWORK") == "open":
-        return
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    if os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp") == "rmw_fastrtps_cpp":
-        os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(LOOPBACK_PROFILE))
-
-
-def _end_with_parent() -> None:
-    """Have the kernel send SIGTERM when the supervisor that started this node is gone, however it ended.
-
-    Raises:
-        NodeFailure: it is gone already.
-    """
-    parent = os.environ.pop(PARENT_VARIABLE, "")
-    if not parent:
-        return
-    set_parent_death_signal = 1
-    ctypes.CDLL(None).prctl(set_parent_death_signal, int(signal.SIGTERM))
-    if os.getppid() != int(parent):
-        raise NodeFailure("the supervisor that started this node is gone")
 
 
 class _StopSignals:
@@ -115,10 +88,14 @@ class _StopSignals:
 def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> int:
     """Build a node, run it until it is told to stop, and give the process' exit code."""
     prepare_environment()
+    try:
+        wait_for_supervisor()
+    except NoSupervisor as error:
+        _complain(error)
+        return 2
     signals = _StopSignals()
     try:
         try:
-            _end_with_parent()
             rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
             node = factory()
         except _start_errors() as error:

@@ -45,7 +45,7 @@ class AxisSolution(NamedTuple):
 
 
 def step(simulation: Simulation, voltages: Triple, h: float, p: PlantParameters) -> Simulation:
-    """Advance the machine by h [s] with the valve voltages [V] held; a spool's travel ends at the rated one."""
+    """Advance the machine by h [s] with the valve voltages [V] held; spools end at the rated one."""
     plant = simulation.plant
     r = p.valve.rated_voltage
     targets = _clip(voltages[0], r), _clip(voltages[1], r), _clip(voltages[2], r)

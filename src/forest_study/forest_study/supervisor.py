@@ -1,15 +1,14 @@
 """The one process supervisor: starts the graph's nodes, watches them, and ends them together.
 
 What it promises:
+
 - one graph per ROS domain and namespace;
-- when a node ends unasked, the valves go to zero (the supervisor itself says so on /valve_voltages, should
-the driver be
-  the one that died), the rest is stopped and `Failure` names the node and the reason;
-- nodes are stopped from the operator towards the recorder, so that the last thing in the bag is a machine at
-rest;
-- no orphans: a stopped node has 5 s before SIGKILL, and nodes watch their parent (`FOREST_PARENT`), so they
-end even when
-  the supervisor is killed.
+- when a node ends unasked, the valves go to zero (the guard itself says so, should the driver be the one
+  that died), the rest is stopped, and `Failure` names the node and the reason;
+- nodes are stopped from the operator towards the recorder, so that the last thing in the bag is a machine
+  at rest;
+- no orphans: a stopped node has 5 s before SIGKILL, and nodes end with their parent, even one that is
+  killed.
 """
 
 import contextlib
@@ -18,18 +17,15 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import IO, TYPE_CHECKING, NamedTuple
 
-import rclpy
-from rclpy.node import Node
-from rclpy.signals import SignalHandlerOptions
-
-from forest_msgs_py import topics
-from forest_msgs_py.messages import float_array
-from forest_msgs_py.node import PARENT_VARIABLE, prepare_environment, publisher
+from forest_msgs_py.environment import PARENT_VARIABLE, prepare_environment
 from forest_study.exclusive import Failure, already_running, only_graph
+
+if TYPE_CHECKING:
+    from forest_study.guard import Guard
 
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 POLL = 0.01  # [s]
@@ -66,7 +62,7 @@ class Supervisor:
         nodes: in the order in which they are to be stopped.
         namespace: of the graph, "/" or "/name".
         log_directory: one log file per node goes there.
-        guard: publish zero voltages when a node dies; False where nothing may be published (shadow).
+        may_publish: say zero voltage when a node dies; False where nothing may be published (shadow).
         echo: gets every line that a node logs.
     """
 
@@ -75,17 +71,18 @@ class Supervisor:
         nodes: Sequence[NodeSpec],
         namespace: str,
         log_directory: Path,
-        guard: bool = True,
+        may_publish: bool = True,
         echo: Callable[[str], None] | None = None,
     ) -> None:
         self.exit_codes: dict[str, int] = {}
         self.peak_memory_mb: dict[str, float] = {}
         self._specs, self._namespace, self._logs = nodes, namespace, log_directory
-        self._guarded, self._echo = guard, echo
+        self._may_publish, self._echo = may_publish, echo
         self._processes: list[_Process] = []
         self._stop_requested = False
         self._next_look = 0.0
         self._stack = contextlib.ExitStack()
+        self._guard: Guard
 
     def __enter__(self) -> "Supervisor":
         """Claim the domain and start every node.
@@ -99,11 +96,11 @@ class Supervisor:
             self._catch_signals()
             self._stack.enter_context(only_graph(self._namespace))
             self._stack.callback(self.stop)
-            self._node = self._stack.enter_context(_ros_node(self._namespace))
-            self._refuse_other_graph()
-            self._guard = publisher(self._node, topics.VALVE_VOLTAGES) if self._guarded else None
             for spec in self._specs:
                 self._start(spec)
+            self._guard = self._join_ros()
+            self._refuse_other_graph()
+            self._release()
             undo.pop_all()
         return self
 
@@ -146,25 +143,45 @@ class Supervisor:
         self._pass_on_logs()
         for process in self._processes:
             process.tail.close()
+            if process.popen.stdin is not None:
+                with contextlib.suppress(BrokenPipeError):
+                    process.popen.stdin.close()
         self._processes = []
 
     def _start(self, spec: NodeSpec) -> None:
+        """Start a node's process, which loads and then waits to be released."""
         if self._stop_requested:
             raise Stopped
         self._logs.mkdir(parents=True, exist_ok=True)
         log = self._logs / f"{spec.name}.log"
         arguments = ("--ros-args", "-r", f"__ns:={self._namespace}", *spec.arguments)
-        environment = {**os.environ, PARENT_VARIABLE: str(os.getpid()), "PYTHONUNBUFFERED": "1"}
+        prepare_environment()
         with log.open("wb") as sink:
             popen = subprocess.Popen(
                 [sys.executable, "-m", spec.module, *arguments],
-                stdin=subprocess.DEVNULL,
+                stdin=subprocess.PIPE,
                 stdout=sink,
                 stderr=sink,
-                env=environment,
+                env={**os.environ, PARENT_VARIABLE: str(os.getpid())},
                 start_new_session=True,  # a Ctrl-C reaches the supervisor alone, which keeps the order
             )
         self._processes.append(_Process(spec, popen, log, log.open(encoding="utf-8", errors="replace")))
+
+    def _join_ros(self) -> "Guard":
+        """Join the ROS graph; imported here, so that the nodes load meanwhile."""
+        from forest_study.guard import Guard
+
+        guard = Guard(self._namespace, self._may_publish)
+        self._stack.callback(guard.close)
+        return guard
+
+    def _release(self) -> None:
+        """Let the waiting nodes go on."""
+        for process in self._processes:
+            if process.popen.stdin is not None:
+                with contextlib.suppress(BrokenPipeError):  # it has ended already: `run` will say so
+                    process.popen.stdin.write(b"\n")
+                    process.popen.stdin.flush()
 
     def _fail(self, process: _Process, code: int) -> None:
         """Bring the valves to zero, stop the rest, and raise the Failure that names the node."""
@@ -186,13 +203,10 @@ class Supervisor:
                 process.popen.send_signal(signal.SIGTERM)
 
     def _zero_voltage(self) -> None:
-        """Say zero on /valve_voltages: the driver may be the node that died."""
-        if self._guard is None:
-            return
+        """Say zero on /valve_voltages for a while: the driver may be the node that died."""
         end = time.monotonic() + ZERO_TIME
         while time.monotonic() < end:
-            now = self._node.get_clock().now().nanoseconds
-            self._guard.publish(float_array(topics.VALVE_VOLTAGES, now, (0.0, 0.0, 0.0)))
+            self._guard.say_zero()
             time.sleep(POLL)
 
     def _note_memory(self, process: _Process) -> None:
@@ -236,8 +250,7 @@ class Supervisor:
 
     def _present_more_often_than(self, count: int) -> list[str]:
         """Return our nodes' names that the namespace holds more often than this."""
-        found = self._node.get_node_names_and_namespaces()
-        return [spec.name for spec in self._specs if found.count((spec.name, self._namespace)) > count]
+        return [spec.name for spec in self._specs if self._guard.count(spec.name) > count]
 
 
 def _reap(popen: "subprocess.Popen[bytes]") -> int:
@@ -247,25 +260,3 @@ def _reap(popen: "subprocess.Popen[bytes]") -> int:
     except subprocess.TimeoutExpired:
         popen.kill()
         return popen.wait()
-
-
-@contextlib.contextmanager
-def _ros_node(namespace: str) -> Iterator[Node]:
-    """Yield the supervisor's own node.
-
-    Raises:
-        Failure: ROS does not start, or the namespace is not a ROS name.
-    """
-    prepare_environment()
-    context = rclpy.Context()
-    try:
-        rclpy.init(context=context, args=[], signal_handler_options=SignalHandlerOptions.NO)
-        node = rclpy.create_node("supervisor", context=context, namespace=namespace, enable_rosout=False)
-    except Exception as error:  # whatever the middleware raises
-        rclpy.try_shutdown(context=context)
-        raise Failure(f"ROS does not start: {' '.join(str(error).split())}") from error
-    try:
-        yield node
-    finally:
-        node.destroy_node()
-        rclpy.try_shutdown(context=context)

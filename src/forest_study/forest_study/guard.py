@@ -1,0 +1,52 @@
+"""The supervisor's own presence in the ROS graph: it sees who is there, and can say zero to the valves."""
+
+from __future__ import annotations
+
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+
+from forest_msgs_py import topics
+from forest_msgs_py.environment import prepare_environment
+from forest_msgs_py.messages import float_array
+from forest_msgs_py.node import publisher
+from forest_study.exclusive import Failure
+
+
+class Guard:
+    """A node named supervisor.
+
+    Args:
+        namespace: of the graph, "/" or "/name".
+        may_publish: False where no voltage may be published, not even zero (shadow).
+
+    Raises:
+        Failure: ROS does not start.
+    """
+
+    def __init__(self, namespace: str, may_publish: bool) -> None:
+        prepare_environment()
+        self._namespace = namespace
+        self._context = rclpy.Context()
+        try:
+            rclpy.init(context=self._context, args=[], signal_handler_options=SignalHandlerOptions.NO)
+            self._node = rclpy.create_node(
+                "supervisor", context=self._context, namespace=namespace, enable_rosout=False
+            )
+            self._valves = publisher(self._node, topics.VALVE_VOLTAGES) if may_publish else None
+        except Exception as error:
+            self.close()
+            raise Failure(f"ROS does not start: {' '.join(str(error).split())}") from error
+
+    def count(self, name: str) -> int:
+        """Return how many nodes of this name the namespace holds."""
+        return int(self._node.get_node_names_and_namespaces().count((name, self._namespace)))
+
+    def say_zero(self) -> None:
+        """Publish zero voltage once."""
+        if self._valves is not None:
+            now = self._node.get_clock().now().nanoseconds
+            self._valves.publish(float_array(topics.VALVE_VOLTAGES, now, (0.0, 0.0, 0.0)))
+
+    def close(self) -> None:
+        """Leave the graph."""
+        rclpy.try_shutdown(context=self._context)
