@@ -54,12 +54,17 @@ def test_no_node_outlives_a_supervisor_that_is_killed(moving_graph, valves, wait
     assert valves.shut > valves.opened
 
 
-def test_a_second_graph_is_refused_and_the_first_goes_on(start_graph, valves, wait_until):
+def test_a_second_graph_is_refused_and_the_first_goes_on(
+    start_graph, start_process, valves, wait_until, tmp_path
+):
     first = start_graph()
     wait_until(lambda: valves.count > 10, 20.0, valves.executor)
     second = start_graph()
     assert second.wait(20.0) == 1
     assert "a graph is already running in ROS domain" in second.text()
+    demo = start_process(["-m", "forest_study.demo", "--out", str(tmp_path / "out")])
+    assert demo.wait(20.0) == 1
+    assert not (tmp_path / "out").exists()
     assert first.poll() is None
 
 

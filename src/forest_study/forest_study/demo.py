@@ -4,6 +4,7 @@ import argparse
 import contextlib
 import json
 import math
+import shutil
 import sys
 import time
 from collections.abc import Sequence
@@ -14,7 +15,7 @@ from forest_control.sources import LEAD_IN, THESIS_DURATION, LeverError, read_le
 from forest_description.limits import joint_limits
 from forest_description.machine import AXES, MachineError, load_machine
 from forest_study import graph
-from forest_study.exclusive import Failure
+from forest_study.exclusive import AlreadyRunning, Failure
 from forest_study.supervisor import Stopped, Supervisor
 
 LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample
@@ -103,8 +104,13 @@ def _demo(options: argparse.Namespace) -> int:
     ]
     logs = options.out / "log"
     print(f"starting {', '.join(node.name for node in nodes)}", flush=True)
-    with Supervisor(nodes, options.namespace, logs) as running:
-        running.run(until="joystick", progress=Progress(duration, logs / "joystick.log"))
+    try:
+        with Supervisor(nodes, options.namespace, logs) as running:
+            running.run(until="joystick", progress=Progress(duration, logs / "joystick.log"))
+    except AlreadyRunning:
+        if not bag.exists():  # nothing has begun: the same command shall work once the other graph is gone
+            shutil.rmtree(options.out, ignore_errors=True)
+        raise
     print("\nreading the bag, drawing the pictures", flush=True)
     summary = {
         "duration_s": duration,

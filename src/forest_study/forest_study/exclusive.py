@@ -12,13 +12,15 @@ class Failure(Exception):
     """The graph could not start or had to end; the message is one sentence for the user."""
 
 
-def already_running(namespace: str, what: str) -> str:
-    """Return the sentence for the user; `what` is the sign by which the other graph was known."""
-    domain = os.environ.get("ROS_DOMAIN_ID", "0")
-    return (
-        f"a graph is already running in ROS domain {domain}, namespace {namespace} ({what}); "
-        "stop it, or choose another --namespace or ROS_DOMAIN_ID"
-    )
+class AlreadyRunning(Failure):
+    """Another graph is there; `sign` is what it was known by."""
+
+    def __init__(self, namespace: str, sign: str) -> None:
+        domain = os.environ.get("ROS_DOMAIN_ID", "0")
+        super().__init__(
+            f"a graph is already running in ROS domain {domain}, namespace {namespace} ({sign}); "
+            "stop it, or choose another --namespace or ROS_DOMAIN_ID"
+        )
 
 
 @contextlib.contextmanager
@@ -26,7 +28,8 @@ def only_graph(namespace: str) -> Iterator[None]:
     """Hold the lock of this user's graph in the domain and namespace.
 
     Raises:
-        Failure: another supervisor holds it.
+        AlreadyRunning: another supervisor holds it.
+        Failure: the lock file cannot be written.
     """
     key = f"{os.getuid()}-{os.environ.get('ROS_DOMAIN_ID', '0')}{namespace.replace('/', '.')}"
     path = Path(tempfile.gettempdir()) / f"forest-graph-{key}.lock"
@@ -39,7 +42,7 @@ def only_graph(namespace: str) -> Iterator[None]:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
             file.seek(0)
-            raise Failure(already_running(namespace, f"pid {file.read().strip() or 'unknown'}")) from error
+            raise AlreadyRunning(namespace, f"pid {file.read().strip() or 'unknown'}") from error
         file.truncate(0)
         file.write(str(os.getpid()))
         file.flush()

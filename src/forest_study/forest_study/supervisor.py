@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, NamedTuple
 
 from forest_msgs_py.environment import PARENT_VARIABLE, prepare_environment
-from forest_study.exclusive import Failure, already_running, only_graph
+from forest_study.exclusive import AlreadyRunning, Failure, only_graph
 
 if TYPE_CHECKING:
     from forest_study.guard import Guard
@@ -234,7 +234,7 @@ class Supervisor:
         end = time.monotonic() + DISCOVERY
         while time.monotonic() < end:
             if others := self._present_more_often_than(0):
-                raise Failure(already_running(self._namespace, f"node {others[0]}"))
+                raise AlreadyRunning(self._namespace, f"node {others[0]}")
             if self._stop_requested:
                 raise Stopped
             time.sleep(POLL)
@@ -246,7 +246,7 @@ class Supervisor:
         self._next_look = time.monotonic() + LOOK_PERIOD
         if others := self._present_more_often_than(1):
             self._end_at_zero()
-            raise Failure(already_running(self._namespace, f"a second node {others[0]}"))
+            raise AlreadyRunning(self._namespace, f"a second node {others[0]}")
 
     def _present_more_often_than(self, count: int) -> list[str]:
         """Return our nodes' names that the namespace holds more often than this."""
