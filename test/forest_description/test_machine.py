@@ -149,7 +149,10 @@ def test_the_documented_table_is_up_to_date():
 
 def test_the_module_prints_the_table():
     done = subprocess.run(
-        [sys.executable, "-m", "forest_description.machine"], capture_output=True, check=True, timeout=60
+        [sys.executable, "-m", "forest_description.machine_table"],
+        capture_output=True,
+        check=True,
+        timeout=60,
     )
     assert done.stdout.decode("utf-8") == document()
 

@@ -3,7 +3,7 @@
 ``load_machine("c180")`` reads a shipped machine, ``load_machine("my_crane.yaml")`` a file of one's own. Axes
 are numbered 0 swing, 1 boom, 2 stick. Port 1 drives the positive direction (swing left; cylinder's head side,
 extending), port 2 the negative one. Where every shipped number comes from: ``python -m
-forest_description.machine`` (docs/machine.md).
+forest_description.machine_table`` (docs/machine.md).
 """
 
 from __future__ import annotations
@@ -199,9 +199,3 @@ def sources(name_or_path: str | Path = "c180") -> list[machine_file.Quantity]:
     """
     load_machine(name_or_path)  # so that an unusable file gets its message here, too
     return machine_file.quantities(Machine, machine_tree.read(name_or_path))
-
-
-if __name__ == "__main__":
-    from forest_description.machine_table import main
-
-    main()

@@ -7,8 +7,8 @@ from forest_description.machine_file import Quantity, parameters
 
 INTRODUCTION = """# The machine in numbers
 
-Made by `python -m forest_description.machine` from the files in `forest_description/machines/`; do not edit
-by hand. A number is from the **thesis** (with its place) or **assumed** (with the reason).
+Made by `python -m forest_description.machine_table` from the files in `forest_description/machines/`; do not
+edit by hand. A number is from the **thesis** (with its place) or **assumed** (with the reason).
 
 - `c180_thesis` is the crane with the choices that the thesis prints, a known slip included.
 - `c180`, the default, is based on it: the slip corrected, and with what a teleoperated machine needs.
@@ -65,3 +65,7 @@ def document() -> str:
 def main() -> None:
     """Print the document."""
     print(document(), end="")
+
+
+if __name__ == "__main__":
+    main()
