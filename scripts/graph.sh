@@ -3,6 +3,5 @@
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" run
-export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST}"
 # exec: signals reach the supervisor itself, which stops every node.
 exec "$venv/bin/python" -m forest_study.graph "$@"

@@ -55,6 +55,7 @@ def test_every_message_of_every_topic_is_in_the_bag(record, speaker, wait_until,
     wait_until(lambda: joints.wait_for_all_acked(rclpy.duration.Duration(seconds=5)))
     probe = tmp_path / "bag" / "bag_0.mcap"
     wait_until(lambda: messages_in(probe, "/joint_states") == 500)
+    wait_until(lambda: messages_in(probe, "/robot_description") == 1)
     assert memory_mb(process.pid) < 150
     assert process.stop(number) == 0
     bag = read_bag(tmp_path / "bag")

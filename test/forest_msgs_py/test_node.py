@@ -106,5 +106,5 @@ def test_the_network_is_closed_unless_opened_on_purpose(monkeypatch):
     assert closed["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
     assert Path(closed["FASTRTPS_DEFAULT_PROFILES_FILE"]).is_file()
     assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in prepared(RMW_IMPLEMENTATION="rmw_cyclonedds_cpp")
-    assert prepared(ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET")["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+    assert prepared(ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET")["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
     assert "ROS_AUTOMATIC_DISCOVERY_RANGE" not in prepared(FOREST_NETWORK="open")

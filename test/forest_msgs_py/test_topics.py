@@ -52,7 +52,8 @@ def test_type_and_qos_of_every_topic_exist(row):
     pytest.importorskip("rclpy")
     assert topics.message_class(row).__name__ == row.type.rsplit("/", 1)[1]
     profile = topics.qos(row)
-    assert profile.depth == (1 if row.latched else 50 if row.rate_hz >= 100 else 10)
+    assert profile.depth == (1 if row.latched else 200 if row.rate_hz >= 100 else 10)
+    assert topics.qos(row, reading=True).depth == (1 if row.latched else 10)
     assert profile.reliability.short_key == "reliable"
     assert profile.durability.short_key == ("transient_local" if row.latched else "volatile")
 

@@ -82,7 +82,10 @@ class RecorderNode(Node):
         self._polls += 1
         if self._polls == QUICK_POLLS:
             self._poll_timer.timer_period_ns = int(SLOW_POLL_S * 1e9)
-        for name, types in self.get_topic_names_and_types():
+        # The joystick last: a source that waits for listeners then waits for the other topics, too.
+        for name, types in sorted(
+            self.get_topic_names_and_types(), key=lambda found: found[0].endswith("/joy")
+        ):
             if self._wanted(name, types):
                 self._follow(name, types[0])
 

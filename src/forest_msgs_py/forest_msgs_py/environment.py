@@ -23,7 +23,10 @@ def prepare_environment() -> None:
     """Keep every packet on this machine, unless the user chose otherwise (FOREST_NETWORK=open)."""
     if os.environ.get("FOREST_NETWORK") == "open":
         return
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    if (
+        os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") != "OFF"
+    ):  # else set, not defaulted: a sourced ROS sets it, too
+        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     if os.environ.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp") == "rmw_fastrtps_cpp":
         os.environ.setdefault("FASTRTPS_DEFAULT_PROFILES_FILE", str(LOOPBACK_PROFILE))
 

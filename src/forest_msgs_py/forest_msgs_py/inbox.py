@@ -76,4 +76,4 @@ class Inbox:
 
 def inbox(node: Node, topic: Topic) -> Inbox:
     """An inbox with the type and the QoS of the table."""
-    return Inbox(node, message_class(topic), topic.name, qos(topic))
+    return Inbox(node, message_class(topic), topic.name, qos(topic, reading=True))

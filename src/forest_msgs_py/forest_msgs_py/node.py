@@ -170,4 +170,4 @@ def publisher(node: Node, topic: Topic) -> Any:
 
 def subscription(node: Node, topic: Topic, callback: Callable[[Any], None]) -> Any:
     """A subscription with the type and the QoS of the table."""
-    return node.create_subscription(message_class(topic), topic.name, callback, qos(topic))
+    return node.create_subscription(message_class(topic), topic.name, callback, qos(topic, reading=True))

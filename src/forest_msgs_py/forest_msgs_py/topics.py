@@ -36,7 +36,8 @@ JOY_BUTTONS = (
 SENSOR_RATE_HZ = 200.0
 JOY_RATE_HZ = 100.0
 STREAM_RATE_HZ = 100.0  # from here on a topic counts as a stream and gets the deeper queue
-STREAM_DEPTH = 50  # 0.25 s at the sensor rate: depth 1 loses samples even over RELIABLE
+STREAM_DEPTH = 200  # 1 s at the sensor rate, from which a reader that was held up still gets what it missed
+READER_DEPTH = 10  # what our nodes keep: after a stall they want the present, not the past
 EVENT_DEPTH = 10
 
 FLOAT_ARRAY = "std_msgs/msg/Float64MultiArray"
@@ -192,18 +193,24 @@ def unlisted(name: str, type_name: str) -> Topic:
 
 
 def queue_depth(topic: Topic) -> int:
-    """Length of the publisher's and subscriber's queue, messages."""
+    """Length of the publisher's queue, messages."""
     if topic.latched:
         return 1
     return STREAM_DEPTH if topic.rate_hz >= STREAM_RATE_HZ else EVENT_DEPTH
 
 
-def qos(topic: Topic) -> QoSProfile:
-    """Reliable everywhere; latched topics keep their last message for those who come late."""
+def qos(topic: Topic, reading: bool = False) -> QoSProfile:
+    """Reliable everywhere; latched topics keep their last message for those who come late.
+
+    Args:
+        topic: row of the table.
+        reading: for a subscription, whose queue is short.
+    """
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
     durability = DurabilityPolicy.TRANSIENT_LOCAL if topic.latched else DurabilityPolicy.VOLATILE
-    return QoSProfile(depth=queue_depth(topic), reliability=ReliabilityPolicy.RELIABLE, durability=durability)
+    depth = min(READER_DEPTH, queue_depth(topic)) if reading else queue_depth(topic)
+    return QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=durability)
 
 
 def message_class(topic: Topic) -> Any:
