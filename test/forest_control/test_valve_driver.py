@@ -50,8 +50,8 @@ def pressures(axis, load, supply=SUPPLY):
     """What the transducers say when the actuator of one axis carries a load [N; N m]."""
     base = 0.1 * supply
     return Pressures(
-        on_axis(axis, base * SIDES[axis].two / SIDES[axis].one + load / SIDES[axis].one),
-        on_axis(axis, base),
+        on_axis(axis, base * SIDES[axis].two / SIDES[axis].one + max(load, 0.0) / SIDES[axis].one),
+        on_axis(axis, base + max(-load, 0.0) / SIDES[axis].two),
         supply,
     )
 
@@ -186,8 +186,20 @@ def test_first_pressures_count_whole_and_later_ones_pass_the_low_pass():
 @both_directions
 def test_minimum_drop_bounds_the_compensation_under_an_overload(axis, direction):
     inlet = SIDES[axis].one if direction > 0.0 else SIDES[axis].two
-    load = direction * 2.0 * inlet * SUPPLY
+    load = direction * 1.5 * inlet * SUPPLY
     command, p = direction * 1.0, parameters(minimum_drop=0.25)
     opening = (abs(voltage(axis, command, pressures(axis, load), p)) - 1.0) / 9.0
     free = (abs(voltage(axis, command, pressures(axis, 0.0), p)) - 1.0) / 9.0
     assert opening == pytest.approx(free / math.sqrt(0.25), rel=1e-12)
+
+
+@pytest.mark.parametrize("supply", [5e-324, 1e3, 1e5, 1e308])
+def test_a_supply_that_cannot_be_true_does_not_open_a_valve(supply):
+    believed = voltage(0, 0.5)
+    assert voltage(0, 0.5, pressures(0, 0.0, SUPPLY)._replace(supply=supply)) == believed
+
+
+def test_port_pressures_that_cannot_be_true_count_as_none():
+    for absurd in (1e308, -1e308):
+        measured = pressures(0, 0.0)._replace(port_1=(absurd, 0.0, 0.0))
+        assert voltage(0, 0.5, measured) == voltage(0, 0.5)

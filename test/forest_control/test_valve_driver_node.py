@@ -164,10 +164,13 @@ def test_an_array_typed_by_hand_is_accepted(rig, peer):
 def test_a_shadow_publishes_no_voltage(rig, peer):
     r = rig("-p", "shadow:=true")
     speaker = peer.speak(topics.VALVE_COMMANDS)
-    speaker.publish(typed(math.nan))  # its warning shows that the command before it was worked on
-    speaker.publish(command(0))
-    speaker.publish(typed(1.0, 2.0))
-    peer.until(lambda: "valves centred" in r.process.text())
+
+    def complained():
+        for message in (typed(math.nan), command(0), typed(1.0, 2.0)):
+            speaker.publish(message)
+        return "valves centred" in r.process.text()  # so it works on what comes
+
+    peer.until(complained)
     assert peer.node.count_publishers(topics.VALVE_VOLTAGES.name) == 0
     assert r.process.stop() == 0
     assert not r.voltages

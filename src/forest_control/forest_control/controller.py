@@ -15,10 +15,13 @@ from forest_control.schemes import Gains, Scheme, jacobian_position, jacobian_ve
 from forest_description.actuation import Linkages, joint_rates_to_actuator_speeds, rated_speeds
 from forest_description.kinematics import Links, is_singular, joint_rates, tip_velocity
 from forest_description.limits import joint_limits
-from forest_description.machine import Machine
+from forest_description.machine import AXES, Machine
 
 Triple = tuple[float, float, float]
 ZERO: Triple = (0.0, 0.0, 0.0)
+BEYOND_LIMIT = 0.1  # [rad] outside the joint limits: end stops give, encoders are not perfect
+FASTEST = 5.0  # [rad/s] no joint of such a crane moves faster
+REST_RATE = 2e-3  # [rad/s] a smaller wish counts as none in scheme (c)
 
 
 class Settings(NamedTuple):
@@ -90,6 +93,25 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
     return State(reference, True), Output(command, wish, governed)
 
 
+def implausible(angles: tuple[float, ...], rates: tuple[float, ...], p: Parameters) -> str:
+    """Return what cannot be true of a measured state, or "": degrees for radians, a broken encoder, no rates.
+
+    Args:
+        angles: joint angles [rad]; at most `BEYOND_LIMIT` outside the joint limits.
+        rates: joint rates [rad/s]; at most `FASTEST`.
+        p: the controller's parameters.
+    """
+    if len(rates) != len(AXES):
+        return "joint state: no finite velocity; allowed: rad/s of every joint"
+    for i, name in enumerate(AXES):
+        low, high = p.governor.lower[i] - BEYOND_LIMIT, p.governor.upper[i] + BEYOND_LIMIT
+        if not low <= angles[i] <= high:
+            return f"joint state: {name} is {angles[i]:g} rad; allowed: {low:.3f} .. {high:.3f}"
+        if not abs(rates[i]) <= FASTEST:
+            return f"joint state: {name} moves at {rates[i]:g} rad/s; allowed: up to {FASTEST:g}"
+    return ""
+
+
 def _wished_rates(inputs: Inputs, p: Parameters) -> tuple[Triple, Limit]:
     """Return the joint rates [rad/s] that the levers ask for."""
     if p.scheme is Scheme.JOINT:
@@ -118,7 +140,8 @@ def _servo(a: Triple, reference: Triple, inputs: Inputs, p: Parameters) -> Tripl
         if p.scheme is Scheme.JACOBIAN_POSITION:
             u.append(jacobian_position(reference[i], s, v, p.gains.position[i], p.gains.damping[i]))
         elif p.scheme is Scheme.JACOBIAN_VELOCITY:
-            u.append(jacobian_velocity(a[i], v, p.gains.velocity[i]))
+            # At rest the servo would chase what it hears of its own valve's opening, for ever.
+            u.append(jacobian_velocity(a[i], v, p.gains.velocity[i]) if abs(a[i]) > REST_RATE else 0.0)
         else:
             u.append(joint(a[i]))
     return u[0], u[1], u[2]

@@ -17,12 +17,14 @@ from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, RIGHT_Y, Le
 from forest_control.schemes import Scheme
 from forest_description.kinematics import tip_position, tip_velocity
 from forest_description.machine import load_machine
+from forest_description.urdf import robot_description
 from forest_msgs_py import topics
-from forest_msgs_py.inbox import inbox
+from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.messages import float_array, pose_stamped, read_joint_state, read_joy, twist_stamped
-from forest_msgs_py.node import publisher, run_node, subscription
+from forest_msgs_py.node import publisher, run_node, subscription, timer
 from forest_msgs_py.parameters import declare, declare_triple
 from forest_msgs_py.stamped_period import StampedPeriod
+from forest_msgs_py.topics import message_class
 
 FRAME = "base_link"
 ZERO: Triple = (0.0, 0.0, 0.0)
@@ -49,9 +51,13 @@ class ControllerNode(Node):
         self._pose = publisher(self, topics.TIP_POSE)
         self._twist = publisher(self, topics.TIP_TWIST)
         self._wish = publisher(self, topics.TIP_TWIST_COMMAND)
+        if get("publish_description", False, "publish robot_description; where no simulator does"):
+            self._description = publisher(self, topics.ROBOT_DESCRIPTION)
+            text = robot_description(machine)
+            self._description.publish(message_class(topics.ROBOT_DESCRIPTION)(data=text))
         self._joy = inbox(self, topics.JOY)
         subscription(self, topics.JOINT_STATES, self._on_joint_states)
-        self.create_timer(WATCHDOG_PERIOD, self._watch)
+        timer(self, WATCHDOG_PERIOD, self._watch)
 
     def _settings(self) -> controller.Settings:
         d = controller.Settings()
@@ -83,16 +89,19 @@ class ControllerNode(Node):
         self._levers = levers_from_axes(reading.values.axes)
         self._held = reading.values.buttons[self._deadman] == 1
 
-    def _on_joint_states(self, message: Any) -> None:
+    def _on_joint_states(self, message: Any, info: dict[str, int]) -> None:
+        sent = sent_at(info)
+        if time.monotonic() - sent > self._state_timeout:
+            return  # left over from a stall, ours or the machine's; the watchdog speaks meanwhile
         reading = read_joint_state(topics.JOINTS, message)
-        problem = reading.problem or ("" if reading.values.velocity else "joint state: no finite velocity")
+        angles, rates = reading.values.position, reading.values.velocity
+        problem = reading.problem or controller.implausible(angles, rates, self._core)
         if problem:
             self.get_logger().warning(f"standing still: {problem}", throttle_duration_sec=1.0)
             self._stand_still()
             return
-        self._state_received = time.monotonic()
+        self._state_received = sent
         dt = self._period.since(reading.stamp_ns)
-        angles, rates = reading.values.position, reading.values.velocity
         inputs = controller.Inputs(angles, rates, *self._operator())
         self._state, output = controller.step(self._state, inputs, self._core, dt)
         self._publish(reading.stamp_ns, angles, rates, output)

@@ -14,7 +14,7 @@ from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, axe
 from forest_control.sources import LEAD_IN, LEAD_OUT, THESIS_DURATION, LeverRecord, read_levers, thesis_levers
 from forest_msgs_py import topics
 from forest_msgs_py.messages import ns_to_stamp
-from forest_msgs_py.node import Finished, publisher, run_node
+from forest_msgs_py.node import Finished, publisher, run_node, timer
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.topics import JOY_RATE_HZ, message_class
 
@@ -36,7 +36,7 @@ class JoystickNode(Node):
         self._publisher = publisher(self, topics.JOY)
         self._message = message_class(topics.JOY)
         self._begun: float | None = None
-        self.create_timer(1.0 / JOY_RATE_HZ, self._on_timer)
+        timer(self, 1.0 / JOY_RATE_HZ, self._on_timer)
 
     def _on_timer(self) -> None:
         if self._begun is None:

@@ -12,6 +12,7 @@ from forest_control.levers import REST, Levers, Triple, levers_for_tip_velocity
 THESIS_DURATION = 10.0  # [s] of the figures
 LEAD_IN = 0.2  # [s] at rest with the deadman held, before a source plays
 LEAD_OUT = 0.3  # [s] at rest with the deadman released, after it
+LONGEST = 86400.0  # [s]
 COLUMNS = ("time_s", "swing", "boom", "stick")
 
 
@@ -79,7 +80,7 @@ def _numbers(path: Path, line: int, row: list[str]) -> tuple[float, float, float
         raise LeverError(f"{path}:{line}: {len(row)} columns; allowed are the {len(COLUMNS)} of the header")
     values = []
     for name, cell in zip(COLUMNS, row, strict=True):
-        low, high = (0.0, math.inf) if name == "time_s" else (-1.0, 1.0)
+        low, high = (0.0, LONGEST) if name == "time_s" else (-1.0, 1.0)
         try:
             value = float(cell)
         except ValueError:

@@ -26,6 +26,10 @@ from forest_description.valve import ValveLaw, voltage_for_opening
 Triple = tuple[float, float, float]
 Loads = Triple
 
+LOWEST_SUPPLY = 0.25  # of the nominal supply pressure: below, the pump is off or its transducer broken
+HIGHEST = 2.0  # of the nominal supply pressure
+LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than nothing for a moment
+
 
 class AxisDriver(NamedTuple):
     """What the driver knows of one actuator."""
@@ -82,14 +86,24 @@ def step(
     Args:
         state: what the last step returned; `REST` at first.
         command: wished actuator speeds, swing, boom, stick, as voltages of ideal valves [V].
-        pressures: None when no fresh measurement is there: the nominal drop is assumed.
+        pressures: None when no fresh measurement is there: the nominal drop is assumed, as it is for
+            pressures that cannot be true.
         p: what the driver knows of the machine.
         dt: time since the last step [s].
     """
+    if pressures is not None and not plausible(pressures, p):
+        pressures = None
     state = _filter_loads(state, pressures, p, dt)
     supply = pressures.supply if pressures is not None else p.supply_pressure
     volts = tuple(_axis_voltage(command[i], state.loads[i], supply, p.axes[i], p) for i in range(3))
     return state, (volts[0], volts[1], volts[2])
+
+
+def plausible(pressures: Pressures, p: Parameters) -> bool:
+    """Tell whether transducers can be believed: a dead one must not open a valve wide."""
+    low, high = LOWEST_SUPPLY * p.supply_pressure, HIGHEST * p.supply_pressure
+    ports = (*pressures.port_1, *pressures.port_2)
+    return low <= pressures.supply <= high and all(-LOWEST_PORT <= port <= high for port in ports)
 
 
 def _filter_loads(state: State, pressures: Pressures | None, p: Parameters, dt: float) -> State:
@@ -123,7 +137,7 @@ def required_opening(speed: float, load: float, supply: float, axis: AxisDriver,
     inlet = axis.displacement_1 if speed > 0.0 else axis.displacement_2
     nominal = inlet * supply
     opposing = load if speed > 0.0 else -load
-    drive = max(p.minimum_drop * nominal, nominal - opposing)
+    drive = max(p.minimum_drop * inlet * p.supply_pressure, nominal - opposing)
     orifices = p.valve.minimum_resistance * (axis.displacement_1**3 + axis.displacement_2**3)
     return max(-1.0, min(1.0, speed * math.sqrt(orifices / drive)))
 

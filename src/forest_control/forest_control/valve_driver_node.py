@@ -16,9 +16,9 @@ from forest_control.levers import Triple
 from forest_control.valve_driver import Pressures
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
-from forest_msgs_py.inbox import inbox
+from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.messages import float_array, read_float_array
-from forest_msgs_py.node import publisher, run_node, subscription
+from forest_msgs_py.node import publisher, run_node, subscription, timer
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.stamped_period import StampedPeriod
 
@@ -49,7 +49,7 @@ class ValveDriverNode(Node):
         self._voltages = None if self._shadow else publisher(self, topics.VALVE_VOLTAGES)
         subscription(self, topics.VALVE_COMMANDS, self._on_command)
         self._pressure_inbox, self._supply_inbox = inbox(self, topics.PRESSURES), inbox(self, topics.SUPPLY)
-        self.create_timer(WATCHDOG_PERIOD, self._watch)
+        timer(self, WATCHDOG_PERIOD, self._watch)
 
     def _settings(self) -> valve_driver.Settings:
         d = valve_driver.Settings()
@@ -61,14 +61,17 @@ class ValveDriverNode(Node):
             minimum_drop=get("minimum_drop", d.minimum_drop, "least share of pressure left", "", 0.01, 1.0),
         )
 
-    def _on_command(self, message: Any) -> None:
+    def _on_command(self, message: Any, info: dict[str, int]) -> None:
+        sent = sent_at(info)
+        if time.monotonic() - sent > self._command_timeout:
+            return  # left over from a stall; the watchdog speaks meanwhile
         now = self.get_clock().now().nanoseconds
         reading = read_float_array(topics.VALVE_COMMANDS, message, now)
         if reading.problem:
             self.get_logger().warning(f"valves centred: {reading.problem}", throttle_duration_sec=1.0)
             self._publish(now, ZERO)
             return
-        self._command_received = time.monotonic()
+        self._command_received = sent
         dt = self._period.since(reading.stamp_ns)
         self._state, voltages = valve_driver.step(
             self._state, reading.values, self._pressures(), self._core, dt

@@ -16,7 +16,7 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from forest_ident.recorder import FLUSH_PERIOD_S, Recorder
 from forest_msgs_py.inbox import Inbox
-from forest_msgs_py.node import NodeFailure, run_node
+from forest_msgs_py.node import NodeFailure, run_node, timer
 from forest_msgs_py.parameters import ParameterError, declare
 from forest_msgs_py.sequences import SequenceGaps
 from forest_msgs_py.topics import TOPICS, find, message_class, unlisted
@@ -57,9 +57,9 @@ class RecorderNode(Node):
         self._refused: set[str] = set()
         self._failed = False
         self._polls = 0
-        self._poll_timer = self.create_timer(QUICK_POLL_S, self._poll)
-        self.create_timer(DRAIN_PERIOD_S, self._drain)
-        self.create_timer(FLUSH_PERIOD_S, self._flush)
+        self._poll_timer = timer(self, QUICK_POLL_S, self._poll)
+        timer(self, DRAIN_PERIOD_S, self._drain)
+        timer(self, FLUSH_PERIOD_S, self._flush)
         self.get_logger().info(f"recording to {output}")
 
     def stop(self) -> None:

@@ -7,6 +7,7 @@ the cost.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -17,12 +18,25 @@ from rclpy.qos import QoSProfile
 
 from forest_msgs_py.topics import Topic, message_class, qos
 
+CLOCK_TOLERANCE = 0.05  # [s] between the clocks of publisher and reader
+
 
 class Arrival(NamedTuple):
-    """A message, and when it came [s, time.monotonic], however long it waited to be read."""
+    """A message, and when it was sent [s, time.monotonic], however long it waited since."""
 
     message: Any
     time: float
+
+
+def sent_at(info: dict[str, int]) -> float:
+    """Return when a message was sent, by this process' monotonic clock [s]; -inf if that cannot be told.
+
+    A message may have waited in a queue, or this process may have been frozen: what counts is its age since
+    it was published. Publisher and reader are on one machine, or on machines with synchronised clocks; a
+    message from the future means that a clock was set, and is as good as old.
+    """
+    age = (time.time_ns() - info["source_timestamp"]) * 1e-9
+    return time.monotonic() - age if age > -CLOCK_TOLERANCE else -math.inf
 
 
 class _NeverWoken(CallbackGroup):
@@ -68,10 +82,7 @@ class Inbox:
             newest = taken
         if newest is None:
             return None
-        message, info = newest
-        # The middleware's receive time is on the system's clock; clamped, because a clock may be set.
-        age = max(0.0, (time.time_ns() - info["received_timestamp"]) * 1e-9)
-        return Arrival(message, time.monotonic() - age)
+        return Arrival(newest[0], sent_at(newest[1]))
 
 
 def inbox(node: Node, topic: Topic) -> Inbox:

@@ -26,6 +26,7 @@ from types import FrameType
 from typing import Any
 
 import rclpy
+from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.exceptions import NameValidationException, ParameterException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -163,11 +164,16 @@ def _outcome(run: Callable[[], None]) -> int:
     return 0
 
 
+def timer(node: Node, period: float, callback: Callable[[], None]) -> Any:
+    """A timer [s] on the steady clock: no watchdog stops because somebody set, or simulates, the time."""
+    return node.create_timer(period, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+
 def publisher(node: Node, topic: Topic) -> Any:
     """A publisher with the type and the QoS of the table."""
     return node.create_publisher(message_class(topic), topic.name, qos(topic))
 
 
-def subscription(node: Node, topic: Topic, callback: Callable[[Any], None]) -> Any:
+def subscription(node: Node, topic: Topic, callback: Callable[..., None]) -> Any:
     """A subscription with the type and the QoS of the table."""
     return node.create_subscription(message_class(topic), topic.name, callback, qos(topic, reading=True))

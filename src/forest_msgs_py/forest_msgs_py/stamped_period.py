@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+LONGEST = 0.05  # [s]; a machine slower than 20 Hz is not followed
+
 
 class StampedPeriod:
-    """Measures dt from successive stamps, kept within half and twice the nominal period.
+    """Measures dt from successive stamps, kept between half the nominal period and `LONGEST`.
 
     Args:
         nominal: the period [s] that the publisher aims at; also the first dt.
@@ -23,4 +25,4 @@ class StampedPeriod:
         """Return the time from the last stamp to this one [s], clipped."""
         last, self._last = self._last, stamp_ns
         elapsed = self._nominal if last is None else (stamp_ns - last) * 1e-9
-        return max(0.5 * self._nominal, min(2.0 * self._nominal, elapsed))
+        return max(0.5 * self._nominal, min(LONGEST, elapsed))

@@ -98,7 +98,7 @@ FLOWS = Topic(
 )
 SUPPLY = Topic(
     "hydraulics/supply", FLOAT_ARRAY, ("pressure", "flow", "saturation"), ("Pa", "m³/s", "1"), _RATE,
-    "Pump: pressure, flow, and the part of its flow limit in use (1 is saturated).",
+    "Pump: pressure, flow, and the part of its flow limit in use (1 is saturated; the ideal pump: 0).",
     (_SIMULATOR,), (_DRIVER,),
 )
 AUXILIARY = Topic(

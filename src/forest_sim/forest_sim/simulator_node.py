@@ -8,7 +8,6 @@ import math
 import sys
 import time
 
-import rclpy.clock
 from rclpy.node import Node
 
 from forest_description.kinematics import inverse_kinematics, tip_position, tip_velocity
@@ -18,7 +17,7 @@ from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.inbox import inbox
 from forest_msgs_py.messages import float_array, joint_state, pose_stamped, read_float_array, twist_stamped
-from forest_msgs_py.node import publisher, run_node
+from forest_msgs_py.node import publisher, run_node, timer
 from forest_msgs_py.parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.topics import ACTUATORS, JOINTS, message_class
 from forest_sim import sensors
@@ -56,8 +55,7 @@ class SimulatorNode(Node):
         self._voltage_inbox = inbox(self, topics.VALVE_VOLTAGES)
         self._stamp = self.get_clock().now().nanoseconds
         self._next = time.monotonic_ns() + PERIOD_NS
-        steady = rclpy.clock.Clock(clock_type=rclpy.clock.ClockType.STEADY_TIME)
-        self.create_timer(PERIOD_NS * 1e-9, self._on_timer, clock=steady)
+        timer(self, PERIOD_NS * 1e-9, self._on_timer)
 
     def _start_angles(self, tip: Triple) -> Triple:
         given = f"parameter 'initial_tip' is {list(tip)}"

@@ -4,7 +4,9 @@ import argparse
 import contextlib
 import json
 import math
+import os
 import shutil
+import signal
 import sys
 import time
 from collections.abc import Sequence
@@ -16,9 +18,10 @@ from forest_description.limits import joint_limits
 from forest_description.machine import AXES, MachineError, load_machine
 from forest_study import graph
 from forest_study.exclusive import AlreadyRunning, Failure
-from forest_study.supervisor import Stopped, Supervisor
+from forest_study.supervisor import STOP_SIGNALS, Stopped, Supervisor
 
 LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample
+END_LIMIT = 10.0  # [s] for it to end
 START_LIMIT = 20.0  # [s] for the session to begin
 
 
@@ -40,6 +43,8 @@ class Progress:
                     f"the session did not begin within {START_LIMIT:g} s; see the logs in {self._log.parent}"
                 )
             return
+        if now - self._begun > self._duration + END_LIMIT:
+            raise Failure(f"the joystick source did not end {END_LIMIT:g} s after the session should have")
         second = int(now - self._begun - LEAD_IN)
         if second > self._shown and second <= self._duration:
             self._shown = second
@@ -51,6 +56,8 @@ class Progress:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the demo; return 0 when every node ended well, 1 after a failure, 130 when the user stopped it."""
     options = _parse(arguments)
+    for number in STOP_SIGNALS:  # before and after the graph; while it runs, its supervisor stops it in order
+        signal.signal(number, _leave)
     try:
         with contextlib.suppress(BrokenPipeError):
             return _demo(options)
@@ -60,9 +67,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return 130
-    except (Failure, LeverError, MachineError, OSError) as error:
+    except OSError as error:
+        print(f"demo: {error.filename or options.out}: {error.strerror or error}", file=sys.stderr)
+    except (Failure, LeverError, MachineError) as error:
         print(f"demo: {error}", file=sys.stderr)
     return 1
+
+
+def _leave(number: int, _frame: object) -> None:
+    """End at once, from whatever library code the signal met: nothing runs, and the bag is closed."""
+    os.write(2, b"\ndemo: stopped; the bag is kept if there was a session\n")
+    os._exit(128 + number)
 
 
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
@@ -98,7 +113,7 @@ def _demo(options: argparse.Namespace) -> int:
     bag = options.out / "bag"
     nodes = [
         graph.joystick(options.joystick, duration, LISTENERS),
-        *graph.control(options.machine, options.scheme, shadow=False),
+        *graph.control(options.machine, options.scheme, shadow=False, describe=False),
         graph.simulator(options.machine),
         graph.recorder(bag),
     ]

@@ -7,6 +7,8 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+HIGHEST_DOMAIN = 232  # above, the middleware runs out of ports
+
 
 class Failure(Exception):
     """The graph could not start or had to end; the message is one sentence for the user."""
@@ -29,9 +31,12 @@ def only_graph(namespace: str) -> Iterator[None]:
 
     Raises:
         AlreadyRunning: another supervisor holds it.
-        Failure: the lock file cannot be written.
+        Failure: ROS_DOMAIN_ID is no domain, or the lock file cannot be written.
     """
-    key = f"{os.getuid()}-{os.environ.get('ROS_DOMAIN_ID', '0')}{namespace.replace('/', '.')}"
+    domain = os.environ.get("ROS_DOMAIN_ID") or "0"
+    if not (domain.isascii() and domain.isdigit() and int(domain) <= HIGHEST_DOMAIN):
+        raise Failure(f"ROS_DOMAIN_ID is {domain!r}; allowed: 0 .. {HIGHEST_DOMAIN}")
+    key = f"{os.getuid()}-{domain}{namespace.replace('/', '.')}"
     path = Path(tempfile.gettempdir()) / f"forest-graph-{key}.lock"
     try:
         file = path.open("a+", encoding="ascii")

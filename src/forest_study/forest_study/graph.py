@@ -1,6 +1,7 @@
 """`scripts/graph.sh`: the live graph until Ctrl-C."""
 
 import argparse
+import json
 import re
 import sys
 import tempfile
@@ -58,7 +59,12 @@ def source_path(text: str) -> str:
 
 def machine_arguments(machine: str) -> tuple[str, ...]:
     """Return the ROS arguments that name the machine; every node that knows the machine gets them."""
-    return ("-p", f"machine:={Path(machine).resolve() if Path(machine).suffix else machine}")
+    return parameter("machine", str(Path(machine).resolve() if Path(machine).suffix else machine))
+
+
+def parameter(name: str, value: str) -> tuple[str, str]:
+    """Return the ROS arguments for a text parameter; rcl reads them as YAML, of which a JSON text is one."""
+    return "-p", f"{name}:={json.dumps(value)}"
 
 
 def joystick(source: str, duration: float, listeners: int) -> NodeSpec:
@@ -77,11 +83,12 @@ def joystick(source: str, duration: float, listeners: int) -> NodeSpec:
     )
 
 
-def control(machine: str, scheme: str, shadow: bool) -> tuple[NodeSpec, NodeSpec]:
-    """Return controller and valve driver."""
+def control(machine: str, scheme: str, shadow: bool, describe: bool) -> tuple[NodeSpec, NodeSpec]:
+    """Return controller and valve driver; `describe` has the controller publish the URDF (no simulator)."""
     known = machine_arguments(machine)
+    told = ("-p", f"scheme:={scheme}", "-p", f"publish_description:={str(describe).lower()}")
     return (
-        NodeSpec("controller", "forest_control.controller_node", (*known, "-p", f"scheme:={scheme}")),
+        NodeSpec("controller", "forest_control.controller_node", (*known, *told)),
         NodeSpec(
             "valve_driver",
             "forest_control.valve_driver_node",
@@ -97,7 +104,7 @@ def simulator(machine: str) -> NodeSpec:
 
 def recorder(bag: Path) -> NodeSpec:
     """Return the recorder."""
-    return NodeSpec("recorder", "forest_ident.recorder_node", ("-p", f"output:={bag.resolve()}"))
+    return NodeSpec("recorder", "forest_ident.recorder_node", parameter("output", str(bag.resolve())))
 
 
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
@@ -115,7 +122,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the graph; return 0 after a stop on request, 1 after a failure."""
     options = _parse(arguments)
-    nodes = [*control(options.machine, options.scheme, options.shadow)]
+    nodes = [*control(options.machine, options.scheme, options.shadow, options.no_simulator)]
     if options.joystick:
         nodes.insert(0, joystick(options.joystick, 0.0, 1))
     if not options.no_simulator:

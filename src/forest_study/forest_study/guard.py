@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
@@ -30,7 +32,11 @@ class Guard:
         try:
             rclpy.init(context=self._context, args=[], signal_handler_options=SignalHandlerOptions.NO)
             self._node = rclpy.create_node(
-                "supervisor", context=self._context, namespace=namespace, enable_rosout=False
+                "supervisor",
+                context=self._context,
+                namespace=namespace,
+                enable_rosout=False,
+                start_parameter_services=False,  # nobody spins this node to answer them
             )
             self._valves = publisher(self._node, topics.VALVE_VOLTAGES) if may_publish else None
         except Exception as error:
@@ -41,6 +47,14 @@ class Guard:
         """Return how many nodes of this name the namespace holds."""
         return int(self._node.get_node_names_and_namespaces().count((name, self._namespace)))
 
+    def rival(self) -> str:
+        """Return the topic that somebody besides our controller, driver and this guard commands on, or ""."""
+        voltages = 2 if self._valves is not None else math.inf  # in shadow, another driver is what we watch
+        for topic, ours in ((topics.VALVE_COMMANDS, 1), (topics.VALVE_VOLTAGES, voltages)):
+            if self._node.count_publishers(topic.name) > ours:
+                return topic.name
+        return ""
+
     def say_zero(self) -> None:
         """Publish zero voltage once."""
         if self._valves is not None:
@@ -49,4 +63,5 @@ class Guard:
 
     def close(self) -> None:
         """Leave the graph."""
+        self._valves = None
         rclpy.try_shutdown(context=self._context)

@@ -25,6 +25,7 @@ def bag_summary(bag: Bag, scheme: str) -> dict[str, Any]:
         "lost_messages": sum(info.lost for info in bag.topics.values()),
         "tip_error_mm": None if scheme == "joint" else _tip_error_mm(bag),
         "joy_to_valve_ms": joy_to_valve_ms(bag),
+        "missed_deadlines": int(bag.series(topics.AUXILIARY).column("missed_deadlines")[-1]),
     }
 
 
@@ -43,7 +44,9 @@ def _tip_error_mm(bag: Bag) -> dict[str, float]:
 def joy_to_valve_ms(bag: Bag) -> dict[str, float] | None:
     """Return median and 99th percentile [ms], None if no voltage ever followed a joystick sample."""
     joy, volts = bag.series(topics.JOY), bag.series(topics.VALVE_VOLTAGES)
-    delays = response_times(joy.time_ns, volts.time_ns, volts.log_time_ns) * 1e-6
+    # Zeros that a watchdog said carry the time of saying, not that of a state.
+    answers = np.isin(volts.time_ns, bag.series(topics.JOINT_STATES).time_ns)
+    delays = response_times(joy.time_ns, volts.time_ns[answers], volts.log_time_ns[answers]) * 1e-6
     if len(delays) == 0:
         return None
     p50, p99 = np.percentile(delays, [50, 99])

@@ -83,6 +83,8 @@ class Supervisor:
         self._next_look = 0.0
         self._stack = contextlib.ExitStack()
         self._guard: Guard
+        self._say_zero: Callable[[], None] = lambda: None
+        self._warned: set[str] = set()
 
     def __enter__(self) -> "Supervisor":
         """Claim the domain and start every node.
@@ -99,6 +101,7 @@ class Supervisor:
             for spec in self._specs:
                 self._start(spec)
             self._guard = self._join_ros()
+            self._say_zero = self._guard.say_zero
             self._refuse_other_graph()
             self._release()
             undo.pop_all()
@@ -140,6 +143,8 @@ class Supervisor:
             if process.spec.name not in COMMANDING and process.popen.poll() is None:
                 process.popen.send_signal(signal.SIGTERM)
             self.exit_codes[process.spec.name] = _reap(process.popen)
+        if -signal.SIGKILL in self.exit_codes.values() and self._processes:
+            self._zero_voltage()  # it may have been the driver, without last words
         self._pass_on_logs()
         for process in self._processes:
             process.tail.close()
@@ -187,7 +192,8 @@ class Supervisor:
         """Bring the valves to zero, stop the rest, and raise the Failure that names the node."""
         self._end_at_zero()
         reason = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
-        last = process.log.read_text(encoding="utf-8", errors="replace").strip().splitlines()[-1:]
+        log = process.log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+        last = [line for line in log if "[INFO]" not in line][-1:]
         raise Failure(f"{process.spec.name} {reason}" + (f": {last[0].strip()}" if last else ""))
 
     def _end_at_zero(self) -> None:
@@ -206,7 +212,7 @@ class Supervisor:
         """Say zero on /valve_voltages for a while: the driver may be the node that died."""
         end = time.monotonic() + ZERO_TIME
         while time.monotonic() < end:
-            self._guard.say_zero()
+            self._say_zero()
             time.sleep(POLL)
 
     def _note_memory(self, process: _Process) -> None:
@@ -247,6 +253,11 @@ class Supervisor:
         if others := self._present_more_often_than(1):
             self._end_at_zero()
             raise AlreadyRunning(self._namespace, f"a second node {others[0]}")
+        if (topic := self._guard.rival()) and topic not in self._warned:
+            self._warned.add(topic)
+            print(f"warning: somebody else publishes {topic}, too", file=sys.stderr, flush=True)
+        for process in self._processes:
+            self._note_memory(process)
 
     def _present_more_often_than(self, count: int) -> list[str]:
         """Return our nodes' names that the namespace holds more often than this."""

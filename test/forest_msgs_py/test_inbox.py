@@ -1,0 +1,68 @@
+"""Messages that waited: their age is told, whatever the queue, a frozen process or a clock did to them."""
+
+import math
+import time
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+import rclpy
+
+from forest_msgs_py import inbox as inbox_module
+from forest_msgs_py.inbox import inbox, sent_at
+from forest_msgs_py.messages import float_array
+from forest_msgs_py.node import publisher
+from forest_msgs_py.stamped_period import LONGEST, StampedPeriod
+from forest_msgs_py.topics import VALVE_VOLTAGES
+
+
+def sent(seconds_ago):
+    return {
+        "source_timestamp": time.time_ns() - round(seconds_ago * 1e9),
+        "received_timestamp": time.time_ns(),
+    }
+
+
+def test_age_counts_from_publishing_not_from_receiving():
+    assert time.monotonic() - sent_at(sent(5.0)) == pytest.approx(5.0, abs=0.05)
+
+
+def test_a_message_from_the_future_is_as_good_as_old():
+    assert sent_at(sent(-3600.0)) == -math.inf
+    assert time.monotonic() - sent_at(sent(-0.01)) < 0.05
+
+
+def test_newest_message_comes_with_its_time_and_older_ones_are_gone(ros_context, wait_until):
+    node = rclpy.create_node("both", context=ros_context)
+    box, sender = inbox(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
+    wait_until(lambda: sender.get_subscription_count() == 1)
+    assert box.newest() is None
+    before = time.monotonic()
+    for volts in (1.0, 2.0, 3.0):
+        sender.publish(float_array(VALVE_VOLTAGES, 0, (volts, 0.0, 0.0)))
+    taken = []
+
+    def arrived():
+        taken.extend(message.data[2] for message, _ in box.take())
+        return len(taken) == 3
+
+    wait_until(arrived)
+    assert taken == [1.0, 2.0, 3.0]
+    sender.publish(float_array(VALVE_VOLTAGES, 0, (4.0, 0.0, 0.0)))
+    newest = []
+    wait_until(lambda: newest.append(box.newest()) or newest[-1] is not None)
+    assert newest[-1].message.data[2] == 4.0
+    assert before - inbox_module.CLOCK_TOLERANCE <= newest[-1].time <= time.monotonic() + 0.05
+    assert box.newest() is None
+
+
+def test_dt_comes_from_stamps_within_bounds():
+    period = StampedPeriod(0.005)
+    assert not period.started
+    assert period.since(1_000_000_000) == 0.005
+    assert period.started
+    assert period.since(1_012_500_000) == pytest.approx(0.0125)
+    assert period.since(1_012_500_000) == 0.0025
+    assert period.since(9_000_000_000) == LONGEST
+    assert period.since(1_000_000_000) == 0.0025
