@@ -213,3 +213,26 @@ def test_asked_to_stop_its_last_words_are_zero(rig, peer, number):
     assert r.process.returncode == 0
     peer.until(lambda: volts(r.commands[-1]) == (0.0, 0.0, 0.0))
     assert "Traceback" not in r.process.text()
+
+
+def test_a_controller_that_was_frozen_obeys_no_joystick_from_before(rig, peer):
+    r = rig().hold_the_deadman()
+    r.process.send_signal(signal.SIGSTOP)
+    frozen = time.monotonic()
+    peer.until(lambda: time.monotonic() - frozen > 0.3)  # joystick samples and states pile up
+    r.joy_timer.cancel()
+    lost = time.monotonic()
+    peer.until(lambda: time.monotonic() - lost > 0.5)
+    r.commands.clear()
+    r.process.send_signal(signal.SIGCONT)
+    peer.until(lambda: r.standing(10))
+    assert all(volts(message) == (0.0, 0.0, 0.0) for message in r.commands)
+
+
+def test_degrees_for_radians_move_nothing(rig, peer):
+    r = rig().hold_the_deadman()
+    r.joints = lambda now: joints(now, tuple(math.degrees(angle) for angle in ANGLES))
+    peer.until(r.standing)
+    assert "allowed: -3.2" in r.process.text()
+    r.joints = joints
+    peer.until(r.moving)

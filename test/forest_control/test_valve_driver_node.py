@@ -2,6 +2,7 @@
 
 import math
 import signal
+import time
 
 import pytest
 
@@ -200,3 +201,25 @@ def test_asked_to_stop_its_last_words_are_zero(rig, peer, number):
     assert r.process.returncode == 0
     peer.until(lambda: volts(r.voltages[-1]) == ZERO)
     assert "Traceback" not in r.process.text()
+
+
+def test_its_watchdog_does_not_depend_on_anybodys_clock(rig, peer):
+    """With use_sim_time and no /clock, ROS time stands still."""
+    r = rig("-p", "use_sim_time:=true").drive()
+    r.timer.cancel()
+    silent = peer.until(r.standing)
+    assert silent < 0.1 + MARGIN
+
+
+def test_a_driver_that_was_frozen_obeys_nothing_from_before(rig, peer):
+    r = rig().drive()
+    r.process.send_signal(signal.SIGSTOP)
+    frozen = time.monotonic()
+    peer.until(lambda: time.monotonic() - frozen > 0.3)  # commands pile up
+    r.timer.cancel()
+    ended = time.monotonic()
+    peer.until(lambda: time.monotonic() - ended > 0.5)
+    r.voltages.clear()
+    r.process.send_signal(signal.SIGCONT)
+    peer.until(lambda: r.standing(10))
+    assert all(volts(message) == ZERO for message in r.voltages)

@@ -132,3 +132,21 @@ def test_a_node_that_cannot_start_is_named_with_its_reason(start_graph, tmp_path
     assert graph.wait(20.0) == 1
     assert "no_such_machine.yaml" in graph.text().splitlines()[-1]
     assert "exit code 2" in graph.text()
+
+
+def test_a_driver_that_hangs_still_ends_in_zero_voltage(moving_graph, valves, wait_until):
+    nodes = nodes_of(moving_graph)
+    kill(nodes["valve_driver"], signal.SIGSTOP)
+    wait_until(lambda: not valves.open, 10.0, valves.executor)
+    kill(moving_graph.pid, signal.SIGTERM)
+    wait_until(lambda: moving_graph.poll() is not None, 20.0, valves.executor)
+    assert valves.shut > valves.opened
+    assert not [name for name, pid in nodes.items() if alive(pid)]
+
+
+def test_without_a_simulator_the_controller_describes_the_robot(start_graph, valves, wait_until):
+    start_graph("--no-simulator")
+    heard = []
+    subscription(valves.executor.get_nodes()[0], topics.ROBOT_DESCRIPTION, heard.append)
+    wait_until(lambda: heard, 20.0, valves.executor)
+    assert heard[0].data.startswith("<?xml")
