@@ -84,12 +84,14 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
     if not inputs.enabled:
         return State(inputs.angles, False), Output(ZERO, ZERO, Governed(0.0, Limit.NONE))
     reference = state.reference if state.enabled else inputs.angles
-    wished, limit = _wished_rates(inputs, p)
+    # Scheme (d) holds a reference: with J^-1 taken there, it integrates the wish free of the joints' lag.
+    pose = reference if p.scheme is Scheme.JACOBIAN_POSITION else inputs.angles
+    wished, limit = _wished_rates(pose, inputs.levers, p)
     governed = govern(inputs.angles, wished, p.governor) if limit is Limit.NONE else Governed(0.0, limit)
     a = _scale(wished, governed.factor)
     reference = _advance(reference, a, inputs.angles, p, dt)
     command = _to_voltage(_servo(a, reference, inputs, p), inputs.angles, p)
-    wish = ZERO if p.scheme is Scheme.JOINT else tip_velocity(inputs.angles, a, p.links)
+    wish = ZERO if p.scheme is Scheme.JOINT else tip_velocity(pose, a, p.links)
     return State(reference, True), Output(command, wish, governed)
 
 
@@ -112,13 +114,13 @@ def implausible(angles: tuple[float, ...], rates: tuple[float, ...], p: Paramete
     return ""
 
 
-def _wished_rates(inputs: Inputs, p: Parameters) -> tuple[Triple, Limit]:
-    """Return the joint rates [rad/s] that the levers ask for."""
+def _wished_rates(pose: Triple, levers: Levers, p: Parameters) -> tuple[Triple, Limit]:
+    """Return the joint rates [rad/s] that the levers ask for at a pose [rad]."""
     if p.scheme is Scheme.JOINT:
-        return joint_rate_wish(inputs.levers, p.governor.rates), Limit.NONE
-    if is_singular(inputs.angles, p.links):
+        return joint_rate_wish(levers, p.governor.rates), Limit.NONE
+    if is_singular(pose, p.links):
         return ZERO, Limit.SINGULARITY
-    return joint_rates(inputs.angles, tip_velocity_wish(inputs.levers, p.tip_speed), p.links), Limit.NONE
+    return joint_rates(pose, tip_velocity_wish(levers, p.tip_speed), p.links), Limit.NONE
 
 
 def _advance(reference: Triple, a: Triple, angles: Triple, p: Parameters, dt: float) -> Triple:
