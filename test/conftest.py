@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from peer import Peer
 
 import forest_msgs_py
 
@@ -149,3 +150,11 @@ def wait_until() -> Callable[..., None]:
                 executor.spin_once(timeout_sec=0.01)
 
     return wait
+
+
+@pytest.fixture
+def peer(ros_context: Any, wait_until: Callable[..., None]) -> Iterator[Peer]:
+    """The rest of the graph, as a node under test sees it."""
+    friend = Peer(ros_context, wait_until)
+    yield friend
+    friend.close()

@@ -2,18 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import pytest
-from peer import Peer
-
-
-@pytest.fixture
-def peer(ros_context: Any, wait_until: Callable[..., None]) -> Iterator[Peer]:
-    friend = Peer(ros_context, wait_until)
-    yield friend
-    friend.close()
 
 
 @pytest.fixture

@@ -181,9 +181,8 @@ def _solve_axis(
     two = solve_line(
         base.pressure_2, -base.flow_2, -q_2, a.leakage_22, ports.orifice_2, axis.line_2, guard, h
     )
-    force = actuator_force(speed, one.pressure, two.pressure, a) + end_stop_force(
-        t.position, speed, axis.stop
-    )
+    force = actuator_force(speed, one.pressure, two.pressure, a)
+    force += end_stop_force(t.position, speed, axis.stop)
     return AxisSolution(
         pressure_1=one.pressure,
         pressure_2=two.pressure,

@@ -121,10 +121,9 @@ def _solve_with_port_valve(
     step: float,
 ) -> LineSolution:
     """Solve the stage with all outflow linear: outflow + leakage P."""
-    slope = step / (line.capacitance + step * leakage)  # dP/dQ
-    offset = (line.capacitance * pressure - step * outflow) / (
-        line.capacitance + step * leakage
-    )  # P at Q = 0
+    yielding = line.capacitance + step * leakage
+    slope = step / yielding  # dP/dQ
+    offset = (line.capacitance * pressure - step * outflow) / yielding  # P at Q = 0
     if orifice.resistance == math.inf:
         return LineSolution(offset, 0.0, slope)
     gain = step / line.inertance

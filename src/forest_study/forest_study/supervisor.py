@@ -127,7 +127,7 @@ class Supervisor:
                 if process.spec.name == until and code == 0:
                     return
                 self._fail(process, code)
-            self._refuse_doubles()
+            self._look_around()
             self._pass_on_logs()
             if progress is not None:
                 progress()
@@ -139,11 +139,13 @@ class Supervisor:
         for process in self._processes:
             self._note_memory(process)
         self._interrupt_commanding()
+        hung = False
         for process in self._processes:
             if process.spec.name not in COMMANDING and process.popen.poll() is None:
                 process.popen.send_signal(signal.SIGTERM)
-            self.exit_codes[process.spec.name] = _reap(process.popen)
-        if -signal.SIGKILL in self.exit_codes.values() and self._processes:
+            hung = not _reap(process.popen) or hung
+            self.exit_codes[process.spec.name] = process.popen.returncode
+        if hung:
             self._zero_voltage()  # it may have been the driver, without last words
         self._pass_on_logs()
         for process in self._processes:
@@ -245,8 +247,12 @@ class Supervisor:
                 raise Stopped
             time.sleep(POLL)
 
-    def _refuse_doubles(self) -> None:
-        """End the graph if somebody else runs a node of ours: two that command one crane are one too many."""
+    def _look_around(self) -> None:
+        """Now and then: end the graph if somebody runs a node of ours, too; warn of rivals; note the memory.
+
+        Raises:
+            AlreadyRunning: two nodes that command one crane are one too many.
+        """
         if time.monotonic() < self._next_look:
             return
         self._next_look = time.monotonic() + LOOK_PERIOD
@@ -264,10 +270,12 @@ class Supervisor:
         return [spec.name for spec in self._specs if self._guard.count(spec.name) > count]
 
 
-def _reap(popen: "subprocess.Popen[bytes]") -> int:
-    """Return the exit code of a process that was told to stop; SIGKILL after the grace time."""
+def _reap(popen: "subprocess.Popen[bytes]") -> bool:
+    """Wait for a process that was told to stop; False if it hung and had to be killed."""
     try:
-        return popen.wait(GRACE)
+        popen.wait(GRACE)
     except subprocess.TimeoutExpired:
         popen.kill()
-        return popen.wait()
+        popen.wait()
+        return False
+    return True
