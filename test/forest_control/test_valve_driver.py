@@ -203,3 +203,12 @@ def test_port_pressures_that_cannot_be_true_count_as_none():
     for absurd in (1e308, -1e308):
         measured = pressures(0, 0.0)._replace(port_1=(absurd, 0.0, 0.0))
         assert voltage(0, 0.5, measured) == voltage(0, 0.5)
+
+
+def test_a_weak_pump_does_not_open_a_valve_beyond_what_the_nominal_one_is_granted():
+    """The least drop is a share of the nominal supply's force, not of what a failing pump still gives."""
+    weak, p = 0.3 * SUPPLY, parameters(minimum_drop=0.25)
+    load = 0.9 * SIDES[0].one * weak
+    opening = (voltage(0, 1.0, pressures(0, load, weak), p) - 1.0) / 9.0
+    free = (voltage(0, 1.0, pressures(0, 0.0), p) - 1.0) / 9.0
+    assert opening == pytest.approx(free / math.sqrt(0.25), rel=1e-12)
