@@ -8,6 +8,7 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 
 from forest_msgs_py import topics
+from forest_msgs_py.inbox import sent_at
 from forest_msgs_py.messages import read_float_array
 from forest_msgs_py.node import subscription
 
@@ -22,14 +23,17 @@ class Valves:
         self.count, self.opened, self.shut = 0, -math.inf, -math.inf
         subscription(self._node, topics.VALVE_VOLTAGES, self._hear)
 
-    def _hear(self, message):
+    def _hear(self, message, info):
+        # When it was said: what a dead writer left unacknowledged may come a second late, and a machine that
+        # counts age from publishing does not obey it.
+        said = sent_at(info)
         reading = read_float_array(topics.VALVE_VOLTAGES, message, 0)
         assert not reading.problem
         self.count += 1
         if any(reading.values):
-            self.opened = time.monotonic()
+            self.opened = max(self.opened, said)
         else:
-            self.shut = time.monotonic()
+            self.shut = max(self.shut, said)
 
     @property
     def open(self):
