@@ -10,16 +10,17 @@ drop that the load leaves:
 | A_1, A_2 | displacement of port 1, 2 | m^2; m^3/rad |
 | F | load: A_1 P_1 - A_2 P_2 from the measured pressures, low-passed | N; N m |
 | N | pressure force left for the orifices: A_in P_s - sgn(v) F | N; N m |
-| S | A_1^3 + A_2^3: both orifices' share, reduced to the actuator | m^6; m^9/rad^3 |
+| C_1, C_2 | the open valve's resistance in the direction of v, port 1's edge and port 2's | Pa s^2/m^6 |
+| S | C_1 A_1^3 + C_2 A_2^3: both orifices' share, reduced to the actuator | N s^2/m^2; N m s^2 |
 
-At steady speed N = C_R S v^2 (Thesis eq. 3.1 at both ports of 3.14), hence the opening
-|v| sqrt(C_Rmin S / N).
+At steady speed and full opening N = S v^2 (Thesis eq. 3.1 at both ports of 3.14), hence the opening
+|v| sqrt(S / N).
 """
 
 import math
 from typing import NamedTuple
 
-from forest_description.actuation import rated_speeds
+from forest_description.actuation import displacements, rated_speeds
 from forest_description.machine import Machine
 from forest_description.valve import ValveLaw, voltage_for_opening
 
@@ -37,6 +38,7 @@ class AxisDriver(NamedTuple):
     displacement_1: float
     displacement_2: float
     rated_speed: float  # at `rated_voltage` of the ideal valve
+    valve: ValveLaw
 
 
 class Settings(NamedTuple):
@@ -52,7 +54,6 @@ class Parameters(NamedTuple):
     """What the driver knows of the machine."""
 
     axes: tuple[AxisDriver, AxisDriver, AxisDriver]
-    valve: ValveLaw
     supply_pressure: float  # [Pa], where it is not measured
     compensate: bool
     hold_zone: float  # [V]
@@ -120,13 +121,13 @@ def _filter_loads(state: State, pressures: Pressures | None, p: Parameters, dt: 
 
 def _axis_voltage(command: float, load: float, supply: float, axis: AxisDriver, p: Parameters) -> float:
     """Return one valve's voltage [V]."""
-    rated = p.valve.rated_voltage
+    rated = axis.valve.forward.rated_voltage
     if not p.compensate:
         return max(-rated, min(rated, command))
     if abs(command) <= p.hold_zone:
         return 0.0
     opening = required_opening(axis.rated_speed * command / rated, load, supply, axis, p)
-    return voltage_for_opening(opening, p.valve)
+    return voltage_for_opening(opening, axis.valve)
 
 
 def required_opening(speed: float, load: float, supply: float, axis: AxisDriver, p: Parameters) -> float:
@@ -138,22 +139,19 @@ def required_opening(speed: float, load: float, supply: float, axis: AxisDriver,
     nominal = inlet * supply
     opposing = load if speed > 0.0 else -load
     drive = max(p.minimum_drop * inlet * p.supply_pressure, nominal - opposing)
-    orifices = p.valve.minimum_resistance * (axis.displacement_1**3 + axis.displacement_2**3)
+    way = axis.valve.forward if speed > 0.0 else axis.valve.backward
+    orifices = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
     return max(-1.0, min(1.0, speed * math.sqrt(orifices / drive)))
 
 
 def parameters(machine: Machine, settings: Settings) -> Parameters:
     """Return the core's parameters for a machine."""
-    motor = machine.swing.gear_ratio * machine.swing.motor_displacement
-    displacements = (
-        (motor, motor),
-        (machine.boom.head_area, machine.boom.rod_area),
-        (machine.stick.head_area, machine.stick.rod_area),
-    )
-    axes = [AxisDriver(*d, speed) for d, speed in zip(displacements, rated_speeds(machine), strict=True)]
+    axes = [
+        AxisDriver(*displacements(machine, axis), speed, machine.valve_of(axis).law)
+        for axis, speed in enumerate(rated_speeds(machine))
+    ]
     return Parameters(
         axes=(axes[0], axes[1], axes[2]),
-        valve=machine.valve.law,
         supply_pressure=machine.pump.supply_pressure,
         compensate=settings.compensate,
         hold_zone=settings.hold_zone,

@@ -2,7 +2,7 @@
 
 Symbols:
     P_s     pump pressure [Pa]
-    C_R     orifice resistance of the fully open valve [Pa·s²/m⁶]
+    C_R     orifice resistance of the fully open valve [Pa·s²/m⁶], of its port 1 and port 2
     N D_m   oil per swing angle [m³/rad]
     A1, A2  head and rod area [m²]
     x, q    cylinder length [m], joint angle [rad]
@@ -17,7 +17,7 @@ import math
 
 from forest_description.kinematics import Vector
 from forest_description.linkage import Linkage, lever_arm
-from forest_description.machine import CylinderDrive, Machine
+from forest_description.machine import Machine
 
 Linkages = tuple[Linkage, Linkage]
 """Of boom and stick, as ``Machine.linkages``."""
@@ -26,25 +26,30 @@ Linkages = tuple[Linkage, Linkage]
 def rated_speeds(machine: Machine) -> Vector:
     """Return the unloaded actuator speeds of the fully open valve at pump pressure (rad/s, m/s, m/s).
 
-    Both orifices share P_s; hoses, leakage and friction are left out. Swing: P_s = 2 C_R Q², so
-    sqrt(P_s / (2 C_R)) / (N D_m). Extending cylinder: A1 P_1 = A2 P_2 gives sqrt(A1 P_s / (C_R (A1³ + A2³))).
-    This is the scale of /valve_commands: the rated voltage of the ideal valve wishes this speed.
+    Both orifices share P_s; hoses, leakage and friction are left out. At the actuator with displacements D1, D2
+    D1 P_1 = D2 P_2 gives sqrt(D1 P_s / (C_R1 D1³ + C_R2 D2³)); for the swing D1 = D2 = N D_m. This is the scale
+    of /valve_commands: the rated voltage of the ideal valve wishes this speed. Positive direction.
 
     Thesis eq. 3.1, 3.9, 3.13 at rest of pressures and flows.
     """
-    pressure, resistance = machine.pump.supply_pressure, machine.valve.minimum_resistance
-    oil_per_angle = machine.swing.gear_ratio * machine.swing.motor_displacement
-    swing = math.sqrt(pressure / (2.0 * resistance)) / oil_per_angle
-    return (
-        swing,
-        _extending_speed(machine.boom, pressure, resistance),
-        _extending_speed(machine.stick, pressure, resistance),
+    swing, boom, stick = (
+        math.sqrt(
+            d_1 * machine.pump.supply_pressure / (way.resistance_1 * d_1**3 + way.resistance_2 * d_2**3)
+        )
+        for (d_1, d_2), way in (
+            (displacements(machine, axis), machine.valve_of(axis).law.forward) for axis in range(3)
+        )
     )
+    return (swing, boom, stick)
 
 
-def _extending_speed(drive: CylinderDrive, pressure: float, resistance: float) -> float:
-    """Return sqrt(A1 P_s / (C_R (A1³ + A2³))) [m/s]."""
-    return math.sqrt(drive.head_area * pressure / (resistance * (drive.head_area**3 + drive.rod_area**3)))
+def displacements(machine: Machine, axis: int) -> tuple[float, float]:
+    """Return what an actuator takes at port 1 and 2 per motion of its own [m³/rad, swing; m²]."""
+    if axis == 0:
+        oil_per_angle = machine.swing.gear_ratio * machine.swing.motor_displacement
+        return oil_per_angle, oil_per_angle
+    drive = machine.boom if axis == 1 else machine.stick
+    return drive.head_area, drive.rod_area
 
 
 def joint_rates_to_actuator_speeds(q: Vector, rates: Vector, linkages: Linkages) -> Vector:

@@ -1,12 +1,24 @@
-"""The hydraulic components that all axes of a machine share: pump, valve, hose, port valves."""
+"""The hydraulic components that the axes of a machine share: valve, hose, port valves."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple, cast
 
-from forest_description.parameter import ParameterSet, parameter, require_order
-from forest_description.valve import ValveLaw
+import numpy as np
+
+from forest_description.parameter import MachineError, ParameterSet, curve, parameter, require_order
+from forest_description.valve import (
+    CURVE_SIZE,
+    LINEAR_AREA,
+    POLYNOMIAL,
+    TABLE,
+    Curve,
+    Direction,
+    Knots,
+    ValveLaw,
+)
 
 
 class Line(NamedTuple):
@@ -22,36 +34,144 @@ class Line(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Pump(ParameterSet):
-    """Ideal pressure source. Thesis section 3.2.1."""
+class PolynomialCurve(ParameterSet):
+    """C_R as a polynomial of the voltage, as the thesis fits it (section 4.3.2); only its shape counts."""
 
-    supply_pressure: float = parameter("Pa", 1e5, 5e7, "pump pressure P_s, constant")
+    kind: ClassVar[str] = "polynomial"
+
+    coefficients: tuple[float, ...] = curve(
+        "1", -1e30, 1e30, "of C_R over the voltage in volts, lowest power first, any scale"
+    )
+
+    def curve(self, deadband_voltage: float, rated_voltage: float) -> Curve:
+        """Return the kernel's curve for a valve with this overlap [V] and rated voltage [V].
+
+        Raises:
+            MachineError: C_R is not positive, or grows, somewhere between the two voltages.
+        """
+        power = np.polynomial.Polynomial(self.coefficients)
+        inner = np.polynomial.Polynomial([deadband_voltage, rated_voltage - deadband_voltage])
+        in_stroke = power(inner)
+        s = np.linspace(0.0, 1.0, 1001)
+        if not (np.all(in_stroke(s) > 0.0) and np.all(np.diff(in_stroke(s)) <= 0.0)):
+            raise MachineError(
+                f"coefficients: C_R must be positive and fall from {deadband_voltage:g} to {rated_voltage:g} V"
+            )
+        values = (in_stroke.coef / in_stroke(1.0)).tolist()
+        return Curve(POLYNOMIAL, LINEAR_AREA.knots, _filled("coefficients", values, 0.0))
+
+
+@dataclass(frozen=True)
+class TableCurve(ParameterSet):
+    """C_R as measured at some voltages; the opening is straight in between. Only its shape counts."""
+
+    kind: ClassVar[str] = "table"
+
+    voltages: tuple[float, ...] = curve(
+        "V", 0.0, 50.0, "rising, from the edge of the overlap to the rated one"
+    )
+    resistances: tuple[float, ...] = curve(
+        "Pa*s2/m6", 1e6, 1e30, "C_R there, falling; the overlap's is not given"
+    )
+
+    def curve(self, deadband_voltage: float, rated_voltage: float) -> Curve:
+        """Return the kernel's curve; below the first voltage the opening falls to zero at the overlap's edge.
+
+        Raises:
+            MachineError: The rows do not fit each other or the valve's voltages, or C_R grows.
+        """
+        volts, c_r = np.array(self.voltages), np.array(self.resistances)
+        if len(volts) != len(c_r):
+            raise MachineError(f"voltages ({len(volts)}) and resistances ({len(c_r)}) must be equally many")
+        s = (volts - deadband_voltage) / (rated_voltage - deadband_voltage)
+        if np.any(np.diff(volts) <= 0.0) or s[0] <= 0.0 or not math.isclose(s[-1], 1.0):
+            raise MachineError(
+                f"voltages must rise from above deadband_voltage ({deadband_voltage:g} V) to rated_voltage "
+                f"({rated_voltage:g} V)"
+            )
+        if np.any(np.diff(c_r) > 0.0):
+            raise MachineError("resistances must fall with the voltage")
+        opening = np.sqrt(c_r[-1] / c_r)
+        s[-1] = 1.0
+        return Curve(
+            TABLE,
+            _filled("voltages", [0.0, *s.tolist()], 1.0),
+            _filled("resistances", [0.0, *opening.tolist()], 1.0),
+        )
+
+
+def _filled(what: str, numbers: list[float], last: float) -> Knots:
+    """Return numbers as a curve's row, filled up; a ``MachineError`` if they are too many."""
+    if len(numbers) > CURVE_SIZE:
+        raise MachineError(f"{what}: at most {CURVE_SIZE - 1} numbers, these are {len(numbers)}")
+    row: Any = (*numbers, *[last] * (CURVE_SIZE - len(numbers)))
+    return cast(Knots, row)
+
+
+@dataclass(frozen=True)
+class BackwardValve(ParameterSet):
+    """The negative direction of a valve that is not the same both ways."""
+
+    deadband_voltage: float = parameter("V", -5.0, 5.0, "overlap of the negative direction")
+    minimum_resistance: float = parameter(
+        "Pa*s2/m6", 1e9, 1e18, "C_R at the rated voltage, negative direction"
+    )
 
 
 @dataclass(frozen=True)
 class Valve(ParameterSet):
-    """Proportional spool valve, the same on all axes; its law is in ``valve.py``."""
+    """Proportional spool valve; its law is in ``valve.py``. Thesis section 2.3, 3.2.2, 4.3.2."""
 
-    deadband_voltage: float = parameter("V", 0.0, 5.0, "overlap: no flow up to this voltage")
+    deadband_voltage: float = parameter(
+        "V", -5.0, 5.0, "overlap: no flow up to it; 0 critical, negative underlap"
+    )
     rated_voltage: float = parameter("V", 1.0, 50.0, "voltage of the fully open spool")
     minimum_resistance: float = parameter(
-        "Pa*s2/m6", 1e9, 1e16, "orifice resistance C_R at the rated voltage"
+        "Pa*s2/m6", 1e9, 1e18, "orifice resistance C_R at the rated voltage, edges of port 1"
+    )
+    port_2_area: float = parameter("1", 0.05, 20.0, "area of port 2's edges over that of port 1's")
+    leakage_conductance: float = parameter(
+        "m3/(s*Pa)", 0.0, 1e-9, "laminar leakage past each of the four edges"
+    )
+    backward: BackwardValve | None
+    curve: PolynomialCurve | TableCurve | None
+    spool_bandwidth: float | None = parameter(
+        "Hz", 0.5, 500.0, "of the spool's lag; null: it follows at once"
+    )
+    spool_damping: float | None = parameter(
+        "1", 0.1, 5.0, "damping ratio of a second-order spool; null: first order"
     )
 
     def __post_init__(self) -> None:
-        """Check ranges, and that the valve opens at all."""
+        """Check ranges, that the valve opens at all, and the curve."""
         super().__post_init__()
         require_order("deadband_voltage", self.deadband_voltage, "rated_voltage", self.rated_voltage, "V")
+        _ = self.law
 
     @property
     def law(self) -> ValveLaw:
         """The constants of ``valve.py``'s functions."""
-        return ValveLaw(self.deadband_voltage, self.rated_voltage, self.minimum_resistance)
+        back = self.backward
+        c_forward = self.minimum_resistance
+        c_backward = back.minimum_resistance if back else c_forward
+        d_backward = back.deadband_voltage if back else self.deadband_voltage
+        unequal = self.port_2_area**-2.0
+        shape = LINEAR_AREA
+        if self.curve is not None:
+            shape = self.curve.curve(self.deadband_voltage, self.rated_voltage)
+        return ValveLaw(
+            forward=Direction(self.deadband_voltage, self.rated_voltage, c_forward, c_forward * unequal),
+            backward=Direction(d_backward, self.rated_voltage, c_backward, c_backward * unequal),
+            curve=shape,
+            leakage=self.leakage_conductance,
+        )
 
 
 @dataclass(frozen=True)
 class Hose(ParameterSet):
     """The measured hose, of which every line is a longer or shorter piece. Thesis section 4.3.3, 4.3.4."""
+
+    kind: ClassVar[str] = "measured"
 
     length: float = parameter("m", 0.1, 100.0, "length of the measured hose")
     turbulent_resistance: float = parameter("Pa*s2/m6", 0.0, 1e15, "R of ΔP = R Q|Q| (boom and stick)")

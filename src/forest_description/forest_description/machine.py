@@ -12,15 +12,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from forest_description import machine_file, machine_tree
-from forest_description.hydraulics import Hose, Line, PortValves, Pump, Valve
+from forest_description.hydraulics import Hose, Line, PortValves, Valve
 from forest_description.kinematics import Links
 from forest_description.linkage import Linkage
-from forest_description.parameter import MachineError, ParameterSet, parameter, require_order
+from forest_description.parameter import MachineError, ParameterSet, choice, parameter, require_order
+from forest_description.pump import Pump
 
 __all__ = [
     "AXES",
+    "Cushion",
     "CylinderDrive",
     "EndStops",
+    "Friction",
     "Hose",
     "Line",
     "Machine",
@@ -38,6 +41,33 @@ AXES = ("swing", "boom", "stick")
 
 
 @dataclass(frozen=True)
+class Friction(ParameterSet):
+    """Dry friction of a cylinder's seals with the Stribeck effect; the thesis has viscous friction alone."""
+
+    coulomb_force: float = parameter("N", 0.0, 1e7, "friction at speed")
+    breakaway_force: float = parameter("N", 0.0, 1e7, "friction just before it slides")
+    stribeck_speed: float = parameter("m/s", 1e-5, 1.0, "over which breakaway falls to coulomb friction")
+    smoothing_speed: float = parameter("m/s", 1e-6, 0.1, "under which friction goes through zero smoothly")
+
+    def __post_init__(self) -> None:
+        """Check ranges, and that breaking away is no easier than sliding."""
+        super().__post_init__()
+        if self.breakaway_force < self.coulomb_force:
+            raise MachineError(
+                f"breakaway_force ({self.breakaway_force:g} N) must not be below coulomb_force "
+                f"({self.coulomb_force:g} N)"
+            )
+
+
+@dataclass(frozen=True)
+class Cushion(ParameterSet):
+    """Throttle at both ends of a cylinder's stroke that brakes the piston before it meets the stop."""
+
+    length: float = parameter("m", 1e-3, 1.0, "stroke over which a cushion works, before each end")
+    resistance: float = parameter("N*s2/m2", 0.0, 1e12, "braking force per squared speed at the very end")
+
+
+@dataclass(frozen=True)
 class SwingDrive(ParameterSet):
     """Hydraulic motor and gear train of the swing. Thesis section 3.2.5, 3.3."""
 
@@ -51,6 +81,8 @@ class SwingDrive(ParameterSet):
     line_1_length: float = parameter("m", 0.05, 100.0, "hose from valve to port 1")
     line_2_length: float = parameter("m", 0.05, 100.0, "hose from valve to port 2")
     length_exponent: float = parameter("1", 1.0, 2.0, "power of length in hose inertance and capacitance")
+    flow_regime: str = choice("laminar", "turbulent", doc="flow in the hoses")
+    valve: Valve | None
     lower_limit: float = parameter("rad", -20.0, 20.0, "smallest swing angle")
     upper_limit: float = parameter("rad", -20.0, 20.0, "largest swing angle")
 
@@ -75,6 +107,10 @@ class CylinderDrive(ParameterSet):
     line_1_length: float = parameter("m", 0.05, 100.0, "hose from valve to head side")
     line_2_length: float = parameter("m", 0.05, 100.0, "hose from valve to rod side")
     length_exponent: float = parameter("1", 1.0, 2.0, "power of length in hose inertance and capacitance")
+    flow_regime: str = choice("laminar", "turbulent", doc="flow in the hoses")
+    valve: Valve | None
+    friction: Friction | None
+    cushion: Cushion | None
 
     def __post_init__(self) -> None:
         """Check ranges, the areas, and that the linkage closes over the whole stroke."""
@@ -154,7 +190,6 @@ class Machine(ParameterSet):
     manipulator: Manipulator
     port_valves: PortValves | None
     end_stops: EndStops | None
-    spool_bandwidth: float | None = parameter("Hz", 0.5, 500.0, "first-order spool lag; null: no lag")
     command_timeout: float = parameter("s", 0.005, 10.0, "age at which a voltage command counts as zero")
 
     @property
@@ -163,7 +198,7 @@ class Machine(ParameterSet):
         return (self.boom.linkage, self.stick.linkage)
 
     def line(self, axis: int, port: int) -> Line:
-        """Return the hose between a valve and an actuator port; the swing's is laminar. Thesis section 3.2.3.
+        """Return the hose between a valve and an actuator port. Thesis section 3.2.3.
 
         Args:
             axis: 0 swing, 1 boom, 2 stick.
@@ -176,7 +211,15 @@ class Machine(ParameterSet):
             raise ValueError(f"axis {axis}, port {port}: axes are 0, 1, 2 and ports 1, 2")
         drive = (self.swing, self.boom, self.stick)[axis]
         length = drive.line_1_length if port == 1 else drive.line_2_length
-        return self.hose.line(length, drive.length_exponent, laminar=axis == 0)
+        return self.hose.line(length, drive.length_exponent, laminar=drive.flow_regime == "laminar")
+
+    def valve_of(self, axis: int) -> Valve:
+        """Return the valve of an axis: its own, or else the one that all share.
+
+        Args:
+            axis: 0 swing, 1 boom, 2 stick.
+        """
+        return (self.swing, self.boom, self.stick)[axis].valve or self.valve
 
 
 def load_machine(name_or_path: str | Path = "c180") -> Machine:
@@ -188,7 +231,21 @@ def load_machine(name_or_path: str | Path = "c180") -> Machine:
     Raises:
         MachineError: The file is not usable; the message has file, line, key, value and what is allowed.
     """
-    return machine_file.build(Machine, machine_tree.read(name_or_path))
+    return machine_file.build(Machine, _read(name_or_path))
+
+
+def _read(name_or_path: str | Path) -> machine_tree.Branch:
+    """Return a machine's tree; an axis' own valve is laid over the shared one, of which it gives what differs."""
+    tree = machine_tree.read(name_or_path)
+    shared = tree.children.get("valve")
+    for axis in AXES:
+        drive = tree.children.get(axis)
+        if not (isinstance(drive, machine_tree.Branch) and isinstance(shared, machine_tree.Branch)):
+            continue
+        own = drive.children.get("valve")
+        if isinstance(own, machine_tree.Branch):
+            drive.children["valve"] = machine_tree.overlay(shared, own)
+    return tree
 
 
 def sources(name_or_path: str | Path = "c180") -> list[machine_file.Quantity]:
@@ -198,4 +255,4 @@ def sources(name_or_path: str | Path = "c180") -> list[machine_file.Quantity]:
         MachineError: As ``load_machine``.
     """
     load_machine(name_or_path)  # so that an unusable file gets its message here, too
-    return machine_file.quantities(Machine, machine_tree.read(name_or_path))
+    return machine_file.quantities(Machine, _read(name_or_path))

@@ -1,7 +1,8 @@
 """From the tree of a machine file to the machine dataclasses; keys, numbers, units and sources are checked.
 
-Every number of a file is written ``{value: 3000, unit: psi, source: "Thesis 3.1"}``. What is
-allowed, the dataclasses declare.
+Every number of a file is written ``{value: 3000, unit: psi, source: "Thesis 3.1"}``, a row of them ``{values:
+[1, 2], unit: V, source: "..."}``. A component of which there are several sorts says which under ``kind``. What
+is allowed, the dataclasses declare.
 """
 
 from __future__ import annotations
@@ -12,26 +13,29 @@ import types
 import typing
 from typing import NamedTuple, TypeVar
 
-from forest_description.machine_tree import QUANTITY_KEYS, Branch, Leaf
-from forest_description.parameter import MachineError, Parameter, parameter_of
-from forest_description.units import UNITS, units_for
+from forest_description.machine_tree import QUANTITY_KEYS, ROW_KEYS, Branch, Leaf, Row
+from forest_description.parameter import Choice, MachineError, Parameter, choice_of, parameter_of
+from forest_description.units import UNITS, Unit, units_for
 
 T = TypeVar("T")
+Item = Branch | Leaf | Row
 
 
 class FieldKind(NamedTuple):
-    """What a dataclass field may hold: its type without None, whether None may be, its parameter if any."""
+    """What a dataclass field may hold: its types without None, whether None may be, its parameter if any."""
 
-    kind: type
+    kinds: tuple[type, ...]  # several: sorts of a component, told apart by ``kind``
     optional: bool
     allowed: Parameter | None
+    choice: Choice | None
+    row: bool
 
 
 class Quantity(NamedTuple):
-    """One number of a machine file as it stands there, in the file's own unit."""
+    """One number, or one row of numbers, of a machine file as it stands there, in the file's own unit."""
 
     key: str
-    value: float
+    value: float | tuple[float, ...]
     unit: str
     source: str
 
@@ -40,7 +44,7 @@ def build(kind: type[T], tree: Branch, prefix: str = "") -> T:
     """Build a machine dataclass from a tree.
 
     Args:
-        kind: A dataclass of parameters, texts and further dataclasses.
+        kind: A dataclass of parameters, choices, texts and further dataclasses.
         tree: What the file says about it.
         prefix: Dotted key of the tree, with a dot at its end, or nothing.
 
@@ -48,12 +52,13 @@ def build(kind: type[T], tree: Branch, prefix: str = "") -> T:
         MachineError: Unknown or missing key, wrong unit, out of range, not a number, no source, or
             inconsistent values.
     """
-    kinds = _field_kinds(kind)
-    unknown = [key for key in tree.children if key not in kinds]
+    fields = _field_kinds(kind)
+    known = (*fields, "kind") if hasattr(kind, "kind") else tuple(fields)
+    unknown = [key for key in tree.children if key not in known]
     if unknown:
         place = tree.children[unknown[0]].place
-        raise MachineError(f"{place}: unknown key {prefix}{unknown[0]}; allowed: {', '.join(kinds)}")
-    values = {name: _value(prefix + name, tree, name, field) for name, field in kinds.items()}
+        raise MachineError(f"{place}: unknown key {prefix}{unknown[0]}; allowed: {', '.join(known)}")
+    values = {name: _value(prefix + name, tree, name, field) for name, field in fields.items()}
     try:
         return kind(**values)
     except MachineError as error:
@@ -62,85 +67,138 @@ def build(kind: type[T], tree: Branch, prefix: str = "") -> T:
 
 def _value(key: str, tree: Branch, name: str, field: FieldKind) -> object:
     """Return the value of one field of the dataclass that ``tree`` describes."""
-    item, allowed = tree.children.get(name), field.allowed
+    item = tree.children.get(name)
     if item is None:
-        what = f"a number in {allowed.range}" if allowed else "a text" if field.kind is str else "a section"
-        raise MachineError(f"{tree.place}: missing key {key}: {what}{' or null' if field.optional else ''}")
+        null = " or null" if field.optional else ""
+        raise MachineError(f"{tree.place}: missing key {key}: {_what(field)}{null}")
     if field.optional and isinstance(item, Leaf) and item.text is None:
         return None
-    if allowed is not None:
-        return _number(key, item, allowed)
-    if field.kind is str:
-        if isinstance(item, Leaf) and item.text:
-            return item.text
+    if field.allowed is not None:
+        numbers = _numbers(key, item, field.allowed, field.row)
+        return numbers if field.row else numbers[0]
+    if field.kinds == (str,):
+        return _text(key, item, field.choice)
+    if not isinstance(item, Branch):
+        given = item.text if isinstance(item, Leaf) else list(item.texts)
+        raise MachineError(f"{item.place}: {key} must be a section with keys, not {given!r}")
+    return build(sort_of(key, item, field.kinds), item, f"{key}.")
+
+
+def _what(field: FieldKind) -> str:
+    """Return in words what a field wants."""
+    if field.allowed is not None:
+        return f"{'numbers' if field.row else 'a number'} in {field.allowed.range}"
+    if field.choice is not None:
+        return f"one of {', '.join(field.choice.words)}"
+    return "a text" if field.kinds == (str,) else "a section"
+
+
+def _text(key: str, item: Item, choice: Choice | None) -> str:
+    """Return a text, one of the words if it is a choice."""
+    if not isinstance(item, Leaf) or not item.text:
         raise MachineError(f"{item.place}: {key} must be a text")
-    if isinstance(item, Leaf):
-        raise MachineError(f"{item.place}: {key} must be a section with keys, not {item.text!r}")
-    return build(field.kind, item, f"{key}.")
+    if choice is not None and item.text not in choice.words:
+        raise MachineError(
+            f"{item.place}: {key} = {item.text!r} is unknown; allowed: {', '.join(choice.words)}"
+        )
+    return item.text
 
 
-def _number(key: str, item: Branch | Leaf, allowed: Parameter) -> float:
-    """Return a quantity in SI; it must have a value in the allowed range, a fitting unit and a source."""
-    given = _quantity(key, item, allowed)
+def sort_of(key: str, item: Branch, kinds: tuple[type, ...]) -> type:
+    """Return the dataclass that a section is of; of several, the one whose ``kind`` it names.
+
+    Raises:
+        MachineError: ``kind`` is missing, or none of the known ones, or there are none to choose from.
+    """
+    sorts = {getattr(kind, "kind", ""): kind for kind in kinds}
+    named = item.children.get("kind")
+    if len(kinds) == 1 and "" in sorts:
+        if named is not None:
+            raise MachineError(f"{named.place}: unknown key {key}.kind: {key} has only one")
+        return kinds[0]
+    text = named.text if isinstance(named, Leaf) else None
+    if text not in sorts:
+        place, given = (named.place, f"{key}.kind = {text!r} is unknown") if named else (item.place, "")
+        raise MachineError(f"{place}: {given or f'missing key {key}.kind'}; allowed: {', '.join(sorts)}")
+    return sorts[text]
+
+
+def _numbers(key: str, item: Item, allowed: Parameter, row: bool) -> tuple[float, ...]:
+    """Return a quantity in SI; it must have values in the allowed range, a fitting unit and a source."""
+    given = _quantity(key, item, allowed, row)
     unit = UNITS.get(given.unit)
     if unit is None or unit.si != allowed.unit:
         names = ", ".join(units_for(allowed.unit))
         raise MachineError(f"{item.place}: {key}: unit {given.unit!r} does not fit; allowed: {names}")
-    value = given.value * unit.factor
+    values = given.value if isinstance(given.value, tuple) else (given.value,)
+    return tuple(_in_range(f"{item.place}: {key}", value, given.unit, unit, allowed) for value in values)
+
+
+def _in_range(where: str, given: float, unit_name: str, unit: Unit, allowed: Parameter) -> float:
+    """Return a number in SI."""
+    value = given * unit.factor
     if not allowed.low <= value <= allowed.high:
         converted = "" if unit.factor == 1.0 else f" ({value:g} {allowed.unit})"
-        raise MachineError(
-            f"{item.place}: {key} = {given.value:g} {given.unit}{converted} is outside the range "
-            f"{allowed.range}"
-        )
+        raise MachineError(f"{where} = {given:g} {unit_name}{converted} is outside the range {allowed.range}")
     return value
 
 
-def _quantity(key: str, item: Branch | Leaf, allowed: Parameter) -> Quantity:
-    """Return a quantity as the file has it, after checking its three keys and that the value is a number."""
-    form = f"{{value: a number in {allowed.range}, unit: {allowed.unit}, source: where it comes from}}"
-    if isinstance(item, Leaf):
-        raise MachineError(f"{item.place}: {key} = {item.text}: a number must be written {form}")
+def _quantity(key: str, item: Item, allowed: Parameter, row: bool) -> Quantity:
+    """Return a quantity as the file has it, after checking its three keys and that it holds numbers."""
+    keys = ROW_KEYS if row else QUANTITY_KEYS
+    inside = f"[numbers in {allowed.range}]" if row else f"a number in {allowed.range}"
+    form = f"{{{keys[0]}: {inside}, unit: {allowed.unit}, source: where it comes from}}"
+    if not isinstance(item, Branch):
+        given = item.text if isinstance(item, Leaf) else ", ".join(item.texts)
+        raise MachineError(f"{item.place}: {key} = {given}: a number must be written {form}")
     for part in item.children:
-        if part not in QUANTITY_KEYS:
+        if part not in keys:
             raise MachineError(
-                f"{item.children[part].place}: unknown key {key}.{part}; allowed: value, unit, source"
+                f"{item.children[part].place}: unknown key {key}.{part}; allowed: {', '.join(keys)}"
             )
-    texts = []
-    for part in QUANTITY_KEYS:
-        leaf = item.children.get(part)
-        if not isinstance(leaf, Leaf) or not leaf.text:
-            raise MachineError(f"{leaf.place if leaf else item.place}: missing {key}.{part}: write {form}")
-        texts.append(leaf.text)
+    parts = [item.children.get(part) for part in keys]
+    for part, found in zip(keys, parts, strict=True):
+        wanted = Row if part == "values" else Leaf
+        if not isinstance(found, wanted) or not (found.texts if isinstance(found, Row) else found.text):
+            raise MachineError(f"{found.place if found else item.place}: missing {key}.{part}: write {form}")
+    texts = parts[0].texts if isinstance(parts[0], Row) else (str(parts[0].text),)  # type: ignore[union-attr]
+    values = tuple(_number(f"{item.place}: {key}", text, allowed) for text in texts)
+    unit, source = (str(leaf.text) for leaf in parts[1:] if isinstance(leaf, Leaf))
+    return Quantity(key, values if row else values[0], unit, source)
+
+
+def _number(where: str, text: str, allowed: Parameter) -> float:
+    """Return the finite number that a text is."""
     try:
-        value = float(texts[0])
+        value = float(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise MachineError(f"{item.place}: {key}: {texts[0]!r} is not a number; allowed: {allowed.range}")
-    return Quantity(key, value, texts[1], texts[2])
+        raise MachineError(f"{where}: {text!r} is not a number; allowed: {allowed.range}")
+    return value
 
 
 def quantities(kind: type, tree: Branch, prefix: str = "") -> list[Quantity]:
     """Return all numbers of a tree as the file has them, in the order of the dataclass' fields."""
     found: list[Quantity] = []
     for name, field in _field_kinds(kind).items():
-        item = tree.children[name]
+        item, key = tree.children[name], prefix + name
         if isinstance(item, Branch) and field.allowed is not None:
-            found.append(_quantity(prefix + name, item, field.allowed))
+            found.append(_quantity(key, item, field.allowed, field.row))
         elif isinstance(item, Branch):
-            found.extend(quantities(field.kind, item, f"{prefix}{name}."))
+            found.extend(quantities(sort_of(key, item, field.kinds), item, f"{key}."))
     return found
 
 
 def parameters(kind: type, prefix: str = "") -> dict[str, Parameter]:
-    """Return the declared parameters of a machine dataclass by dotted key."""
+    """Return the declared parameters of a machine dataclass, those of every sort of component, by dotted key."""
     found: dict[str, Parameter] = {}
     for name, field in _field_kinds(kind).items():
         if field.allowed is not None:
             found[prefix + name] = field.allowed
-        elif dataclasses.is_dataclass(field.kind):
-            found.update(parameters(field.kind, f"{prefix}{name}."))
+        for sort in field.kinds:
+            if dataclasses.is_dataclass(sort):
+                found.update(parameters(sort, f"{prefix}{name}."))
     return found
 
 
@@ -152,7 +210,9 @@ def _field_kinds(kind: type) -> dict[str, FieldKind]:
         members = [hints[field.name]]
         if typing.get_origin(members[0]) in (types.UnionType, typing.Union):
             members = list(typing.get_args(members[0]))
-        optional = type(None) in members
-        inner = next(member for member in members if member is not type(None))
-        kinds[field.name] = FieldKind(inner, optional, parameter_of(field))
+        inner = tuple(member for member in members if member is not type(None))
+        row = any(typing.get_origin(member) is tuple for member in inner)
+        kinds[field.name] = FieldKind(
+            inner, len(inner) < len(members), parameter_of(field), choice_of(field), row
+        )
     return kinds

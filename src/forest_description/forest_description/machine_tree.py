@@ -16,6 +16,7 @@ import yaml
 from forest_description.parameter import MachineError
 
 QUANTITY_KEYS = ("value", "unit", "source")
+ROW_KEYS = ("values", "unit", "source")
 
 
 class Leaf(NamedTuple):
@@ -25,11 +26,18 @@ class Leaf(NamedTuple):
     text: str | None
 
 
+class Row(NamedTuple):
+    """A list of scalars of the file."""
+
+    place: str
+    texts: tuple[str, ...]
+
+
 class Branch(NamedTuple):
     """A mapping of the file. ``place`` is "file:line"."""
 
     place: str
-    children: dict[str, Branch | Leaf]
+    children: dict[str, Branch | Leaf | Row]
 
 
 def shipped_machines() -> list[str]:
@@ -65,7 +73,7 @@ def _read(name: str, folder: Path, derived: tuple[str, ...]) -> Branch:
     if not isinstance(base, Leaf) or not base.text:
         raise MachineError(f"{base.place}: based_on must be the name or the file of a machine")
     below = _read(base.text, folder if shipped else (folder / name).parent, (*derived, identity))
-    return _overlay(below, tree)
+    return overlay(below, tree)
 
 
 def _shipped_text(name: str) -> tuple[str, str]:
@@ -102,7 +110,7 @@ def _parse(text: str, label: str) -> Branch:
 
 def _branch(mapping: yaml.MappingNode, label: str, prefix: str) -> Branch:
     """Turn a YAML mapping into a branch; a key that stands twice is an error."""
-    children: dict[str, Branch | Leaf] = {}
+    children: dict[str, Branch | Leaf | Row] = {}
     for key_node, node in mapping.value:
         place, key = f"{label}:{key_node.start_mark.line + 1}", str(key_node.value)
         if key in children:
@@ -112,23 +120,36 @@ def _branch(mapping: yaml.MappingNode, label: str, prefix: str) -> Branch:
         elif isinstance(node, yaml.ScalarNode):
             null = node.tag == "tag:yaml.org,2002:null"
             children[key] = Leaf(place, None if null else str(node.value))
+        elif all(isinstance(item, yaml.ScalarNode) for item in node.value):
+            children[key] = Row(place, tuple(str(item.value) for item in node.value))
         else:
-            raise MachineError(f"{place}: {prefix}{key} is a list; machine files have none")
+            raise MachineError(f"{place}: {prefix}{key} must be a list of numbers")
     return Branch(f"{label}:{mapping.start_mark.line + 1}", children)
 
 
-def _overlay(base: Branch, top: Branch) -> Branch:
-    """Return ``base`` with everything that ``top`` says; a quantity is replaced as a whole."""
+def overlay(base: Branch, top: Branch) -> Branch:
+    """Return ``base`` with everything that ``top`` says.
+
+    A quantity is replaced as a whole, and so is a section whose ``kind`` is another one.
+    """
+    if _kind(top) not in (None, _kind(base)):
+        return top
     children = dict(base.children)
     for key, item in top.children.items():
         below = children.get(key)
         if isinstance(item, Branch) and isinstance(below, Branch) and not _is_quantity(item):
-            children[key] = _overlay(below, item)
+            children[key] = overlay(below, item)
         else:
             children[key] = item
     return Branch(top.place, children)
 
 
+def _kind(branch: Branch) -> str | None:
+    """Return what a section says under ``kind``."""
+    leaf = branch.children.get("kind")
+    return leaf.text if isinstance(leaf, Leaf) else None
+
+
 def _is_quantity(branch: Branch) -> bool:
-    """Tell a number with its unit and source from a section."""
-    return any(key in branch.children for key in QUANTITY_KEYS)
+    """Tell a number, or a row of them, with its unit and source from a section."""
+    return any(key in branch.children for key in (*QUANTITY_KEYS, *ROW_KEYS))

@@ -28,6 +28,13 @@ class Parameter(NamedTuple):
         return f"{self.low:g} .. {self.high:g} {self.unit}"
 
 
+class Choice(NamedTuple):
+    """What a field of a machine dataclass may say: one of some words."""
+
+    words: tuple[str, ...]
+    doc: str
+
+
 def parameter(unit: str, low: float, high: float, doc: str) -> Any:
     """Return a dataclass field for one parameter.
 
@@ -40,9 +47,25 @@ def parameter(unit: str, low: float, high: float, doc: str) -> Any:
     return dataclasses.field(metadata={"parameter": Parameter(unit, low, high, doc)})
 
 
+def curve(unit: str, low: float, high: float, doc: str) -> Any:
+    """Return a dataclass field for a row of numbers, a tuple of floats; arguments as ``parameter``."""
+    return dataclasses.field(metadata={"parameter": Parameter(unit, low, high, doc)})
+
+
+def choice(*words: str, doc: str) -> Any:
+    """Return a dataclass field, of type str, that holds one of some words."""
+    return dataclasses.field(metadata={"choice": Choice(words, doc)})
+
+
 def parameter_of(field: dataclasses.Field[Any]) -> Parameter | None:
     """Return the parameter that a dataclass field declares, or None for a field of another kind."""
     found: Parameter | None = field.metadata.get("parameter")
+    return found
+
+
+def choice_of(field: dataclasses.Field[Any]) -> Choice | None:
+    """Return the choice that a dataclass field declares, or None for a field of another kind."""
+    found: Choice | None = field.metadata.get("choice")
     return found
 
 
@@ -56,16 +79,26 @@ class ParameterSet:
     def __post_init__(self) -> None:
         """Check each parameter; None stays None (an optional component that is not there)."""
         for field in dataclasses.fields(self):
-            allowed = parameter_of(field)
-            value = getattr(self, field.name)
+            where, value = f"{type(self).__name__}.{field.name}", getattr(self, field.name)
+            allowed, words = parameter_of(field), choice_of(field)
+            if words is not None and value not in words.words:
+                raise MachineError(f"{where}: {value!r} is none of {', '.join(words.words)}")
             if allowed is None or value is None:
                 continue
-            where = f"{type(self).__name__}.{field.name}"
-            if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-                raise MachineError(f"{where}: {value!r} is not a finite number [{allowed.unit}]")
-            if not allowed.low <= value <= allowed.high:
-                raise MachineError(f"{where}: {value:g} {allowed.unit} is outside {allowed.range}")
-            object.__setattr__(self, field.name, float(value))
+            if isinstance(value, (tuple, list)):
+                numbers = tuple(_checked(where, item, allowed) for item in value)
+                object.__setattr__(self, field.name, numbers)
+            else:
+                object.__setattr__(self, field.name, _checked(where, value, allowed))
+
+
+def _checked(where: str, value: object, allowed: Parameter) -> float:
+    """Return a number as a float if it is one and in its range."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise MachineError(f"{where}: {value!r} is not a finite number [{allowed.unit}]")
+    if not allowed.low <= value <= allowed.high:
+        raise MachineError(f"{where}: {value:g} {allowed.unit} is outside {allowed.range}")
+    return float(value)
 
 
 def require_order(low_name: str, low: float, high_name: str, high: float, unit: str) -> None:

@@ -2,7 +2,7 @@
 
 The table is explicit and short on purpose: a unit that is not here is refused with the list of those that
 are. ``psi`` is the 6894.7 Pa of the thesis' program (Appendix B), not 6894.757 Pa, so that 3000 psi is its
-pump pressure.
+pump pressure; ``hp`` is the thesis' 745.7 W, ``gal`` the US gallon of its flow meters.
 """
 
 from __future__ import annotations
@@ -38,6 +38,17 @@ UNITS: dict[str, Unit] = {
     "m2": Unit("m2", 1.0),
     "cm2": Unit("m2", 1e-4),
     "in2": Unit("m2", 0.0254**2),
+    "m3/s": Unit("m3/s", 1.0),
+    "L/min": Unit("m3/s", 1e-3 / 60.0),
+    "gal/min": Unit("m3/s", 231.0 * 0.0254**3 / 60.0),
+    "W": Unit("W", 1.0),
+    "kW": Unit("W", 1e3),
+    "hp": Unit("W", 745.7),
+    "rad/s": Unit("rad/s", 1.0),
+    "rpm": Unit("rad/s", 2.0 * math.pi / 60.0),
+    "m/s": Unit("m/s", 1.0),
+    "N": Unit("N", 1.0),
+    "kN": Unit("N", 1e3),
     "m3/rad": Unit("m3/rad", 1.0),
     "m3/rev": Unit("m3/rad", 1.0 / (2.0 * math.pi)),
     "cm3/rev": Unit("m3/rad", 1e-6 / (2.0 * math.pi)),
@@ -45,6 +56,7 @@ UNITS: dict[str, Unit] = {
     "m/s2": Unit("m/s2", 1.0),
     "N/m": Unit("N/m", 1.0),
     "N*s/m": Unit("N*s/m", 1.0),
+    "N*s2/m2": Unit("N*s2/m2", 1.0),
     "N*m/rad": Unit("N*m/rad", 1.0),
     "N*m*s/rad": Unit("N*m*s/rad", 1.0),
     "Pa*s2/m6": Unit("Pa*s2/m6", 1.0),

@@ -1,15 +1,16 @@
-"""Law of the proportional spool valve: voltage to orifice resistance.
+"""Law of the proportional spool valve: spool position to the resistances of its four edges.
 
 Symbols:
     V       voltage that the spool's position stands for [V]
-    V_d     deadband voltage, to the edge of the overlap [V]
+    V_d     voltage at the edge of the overlap [V]; 0: critical centre, negative: underlap
     V_r     rated voltage [V]
     C_R     orifice resistance in ΔP = C_R Q|Q| [Pa·s²/m⁶]; C_Rmin at the rated voltage
-    u       opening 0..1, in proportion to the orifice area
+    s       stroke of the spool beyond the overlap, (V − V_d)/(V_r − V_d), clipped to 0..1
+    u       opening 0..1, in proportion to the orifice area: u = sqrt(C_Rmin / C_R)
 
-Sign: V > 0 connects port 1 to the supply and port 2 to the tank; V < 0 the reverse. C_R is the same both
-ways. Figure 4.4, which shows the measured curve, is lost; an area linear in the voltage beyond the overlap is
-assumed.
+Sign: V > V_d connects port 1 to the supply and port 2 to the tank; V < −V_d the reverse. Each direction has
+its own overlap and gain. Figure 4.4, which shows the measured curve C_R(V), is lost; an area linear in the
+voltage beyond the overlap, u = s, is assumed unless the machine gives a polynomial or a table.
 """
 
 from __future__ import annotations
@@ -17,58 +18,160 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+LINEAR, POLYNOMIAL, TABLE = 0, 1, 2
+"""Sorts of curve u(s)."""
 
-class ValveLaw(NamedTuple):
-    """Constants of the law: deadband_voltage [V], rated_voltage [V], minimum_resistance [Pa·s²/m⁶]."""
+
+class Direction(NamedTuple):
+    """One direction of the spool: V_d [V], V_r [V], C_Rmin of port 1's edge and of port 2's [Pa·s²/m⁶]."""
 
     deadband_voltage: float
     rated_voltage: float
-    minimum_resistance: float
+    resistance_1: float
+    resistance_2: float
 
 
-def orifice_opening(spool_voltage: float, law: ValveLaw) -> float:
-    """Return the opening u = (|V| − V_d) / (V_r − V_d) = sqrt(C_Rmin / C_R), clipped to 0..1.
+Knots = tuple[float, float, float, float, float, float, float, float, float, float, float, float]
+"""As many as every curve has, so that all valves share one compiled kernel."""
 
-    Thesis eq. 3.2 (C_R falls with the square of the area). A voltage that is not a number closes the valve.
+
+class Curve(NamedTuple):
+    """u(s): linear; C_R/C_Rmin a polynomial of s; or a table, straight in between.
+
+    A table has its s in ``knots`` and its u in ``values``; a polynomial its coefficients in ``values``, lowest
+    power first. Unused places repeat a table's end and are zero in a polynomial.
+    """
+
+    sort: int
+    knots: Knots
+    values: Knots
+
+
+class ValveLaw(NamedTuple):
+    """A valve: both directions, the curve of both, and what leaks past each of the edges [m³/(s Pa)]."""
+
+    forward: Direction
+    backward: Direction
+    curve: Curve
+    leakage: float
+
+
+class Edges(NamedTuple):
+    """Orifice resistances of the spool's four edges [Pa·s²/m⁶]; infinite when shut."""
+
+    supply_1: float
+    tank_1: float
+    supply_2: float
+    tank_2: float
+
+
+CURVE_SIZE = 12
+_UNUSED: Knots = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+LINEAR_AREA = Curve(LINEAR, _UNUSED, _UNUSED)
+
+
+def symmetric_valve(deadband_voltage: float, rated_voltage: float, minimum_resistance: float) -> ValveLaw:
+    """Return the thesis' valve: both directions and both ports alike, area linear, no leakage.
 
     Args:
-        spool_voltage: Voltage that the spool's position stands for, either sign [V].
-        law: Constants of the valve.
+        deadband_voltage: V_d [V].
+        rated_voltage: V_r [V].
+        minimum_resistance: C_Rmin [Pa·s²/m⁶].
     """
-    magnitude = abs(spool_voltage)
-    if not magnitude > law.deadband_voltage:  # written so that NaN, too, ends here
+    way = Direction(deadband_voltage, rated_voltage, minimum_resistance, minimum_resistance)
+    return ValveLaw(way, way, LINEAR_AREA, 0.0)
+
+
+def stroke(voltage: float, way: Direction) -> float:
+    """Return s = (V − V_d)/(V_r − V_d), clipped to 0..1. A voltage that is not a number closes the valve.
+
+    Args:
+        voltage: Spool position, counted along the direction [V].
+        way: The direction.
+    """
+    if not voltage > way.deadband_voltage:  # written so that NaN, too, ends here
         return 0.0
-    if magnitude >= law.rated_voltage:
+    if voltage >= way.rated_voltage:
         return 1.0
-    return (magnitude - law.deadband_voltage) / (law.rated_voltage - law.deadband_voltage)
+    return (voltage - way.deadband_voltage) / (way.rated_voltage - way.deadband_voltage)
 
 
-def orifice_resistance(spool_voltage: float, law: ValveLaw) -> float:
-    """Return C_R(V) = C_Rmin / u² [Pa·s²/m⁶]; infinite in the overlap, where nothing flows.
-
-    Thesis eq. 3.1, 3.2, 4.1, 4.2. Differs: the curve C_R(V) of fig. 4.4 is lost; this one is assumed.
+def opening_at(s: float, curve: Curve) -> float:
+    """Return the opening u(s), 0 at s = 0. Thesis eq. 3.2, 4.2 (C_R falls with the square of the area).
 
     Args:
-        spool_voltage: Voltage that the spool's position stands for, either sign [V].
-        law: Constants of the valve.
+        s: Stroke beyond the overlap, 0..1.
+        curve: The curve.
     """
-    opening = orifice_opening(spool_voltage, law)
+    if s <= 0.0 or curve.sort == LINEAR:
+        return s
+    if curve.sort == POLYNOMIAL:
+        ratio = 0.0
+        for k in range(CURVE_SIZE - 1, -1, -1):
+            ratio = ratio * s + curve.values[k]
+        return 1.0 / math.sqrt(ratio)
+    k = 1
+    while curve.knots[k] < s:
+        k += 1
+    share = (s - curve.knots[k - 1]) / (curve.knots[k] - curve.knots[k - 1])
+    return curve.values[k - 1] + share * (curve.values[k] - curve.values[k - 1])
+
+
+def resistance_at(opening: float, minimum_resistance: float) -> float:
+    """Return C_R = C_Rmin / u² [Pa·s²/m⁶]; infinite when shut. Thesis eq. 3.1, 3.2, 4.1, 4.2."""
     if opening == 0.0:
         return math.inf
-    return law.minimum_resistance / (opening * opening)
+    return minimum_resistance / (opening * opening)
+
+
+def edges(spool_voltage: float, law: ValveLaw) -> Edges:
+    """Return the four orifices at a spool position; all shut inside the overlap.
+
+    Thesis eq. 3.1, 3.2, 4.1, 4.2, fig. 2.5. Differs: the curve C_R(V) of fig. 4.4 is lost; this one is assumed.
+
+    Args:
+        spool_voltage: Voltage that the spool's position stands for, either sign [V].
+        law: The valve.
+    """
+    forward = opening_at(stroke(spool_voltage, law.forward), law.curve)
+    backward = opening_at(stroke(-spool_voltage, law.backward), law.curve)
+    return Edges(
+        supply_1=resistance_at(forward, law.forward.resistance_1),
+        tank_1=resistance_at(backward, law.backward.resistance_1),
+        supply_2=resistance_at(backward, law.backward.resistance_2),
+        tank_2=resistance_at(forward, law.forward.resistance_2),
+    )
 
 
 def voltage_for_opening(opening: float, law: ValveLaw) -> float:
-    """Return the voltage V = sgn(u) (V_d + |u| (V_r − V_d)) that gives the opening [V].
+    """Return the spool voltage that gives an opening with a direction [V].
 
-    The inverse of ``orifice_opening`` with a direction. No opening is 0 V, the middle of the overlap.
+    No opening is 0 V, the middle of the overlap. On an underlapped valve, where both directions are open at
+    the centre, this inverts one direction's edge alone.
 
     Args:
         opening: Wished opening, −1..1 (beyond is clipped); its sign is the direction.
-        law: Constants of the valve.
+        law: The valve.
     """
     magnitude = min(abs(opening), 1.0)
     if not magnitude > 0.0:
         return 0.0
-    voltage = law.deadband_voltage + magnitude * (law.rated_voltage - law.deadband_voltage)
-    return math.copysign(voltage, opening)
+    way = law.forward if opening > 0.0 else law.backward
+    s = _stroke_for(magnitude, law.curve)
+    return math.copysign(1.0, opening) * (
+        way.deadband_voltage + s * (way.rated_voltage - way.deadband_voltage)
+    )
+
+
+def _stroke_for(opening: float, curve: Curve) -> float:
+    """Return the s in 0..1 with u(s) nearest to the opening; u grows with s."""
+    if curve.sort == LINEAR:
+        return opening
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if opening_at(middle, curve) < opening:
+            low = middle
+        else:
+            high = middle
+    return high

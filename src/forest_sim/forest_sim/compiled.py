@@ -19,11 +19,23 @@ from types import ModuleType
 from typing import Any
 
 from forest_description import linkage, valve
-from forest_sim import actuator, end_stop, integrator, line, manipulator, plant
+from forest_sim import actuator, end_stop, friction, integrator, line, manipulator, plant, spool, supply
 from forest_sim.integrator import Simulation, Triple
 from forest_sim.parameters import PlantParameters
 
-LAWS: tuple[ModuleType, ...] = (linkage, valve, actuator, end_stop, line, manipulator, plant, integrator)
+LAWS: tuple[ModuleType, ...] = (
+    linkage,
+    valve,
+    spool,
+    supply,
+    actuator,
+    friction,
+    end_stop,
+    line,
+    manipulator,
+    plant,
+    integrator,
+)
 
 Advance = Callable[[Simulation, Triple, float, int, PlantParameters], Simulation]
 

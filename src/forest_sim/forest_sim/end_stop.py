@@ -1,4 +1,4 @@
-"""Mechanical ends of a stroke: a stiff spring with a damper that pushes back and never pulls.
+"""Ends of a stroke: a stiff spring with a damper that pushes back and never pulls, and a cushion before it.
 
 | symbol | name | unit (cylinder; swing) |
 |---|---|---|
@@ -8,6 +8,7 @@
 The thesis has none: its machine could turn its links through each other.
 """
 
+import math
 from typing import NamedTuple
 
 
@@ -34,3 +35,30 @@ def end_stop_resistance(position: float, speed: float, stop: EndStop, step: floa
     if end_stop_force(position, speed, stop) == 0.0:
         return 0.0
     return stop.damping + step * stop.stiffness
+
+
+class CushionBrake(NamedTuple):
+    """Throttles before both ends of a stroke; a resistance of zero leaves them out."""
+
+    lower: float  # where the stroke ends
+    upper: float
+    length: float  # over which they work, before each end [m]
+    resistance: float  # at the very end [N s^2/m^2]
+
+
+UNCUSHIONED = CushionBrake(-math.inf, math.inf, 1.0, 0.0)
+
+
+def cushion_resistance(position: float, speed: float, c: CushionBrake) -> float:
+    """Return r in F = -r u|u| [N s^2/m^2]; it grows with the square of the depth, and lets the piston out freely.
+
+    Args:
+        position: x [m].
+        speed: u [m/s].
+        c: the cushions.
+    """
+    if c.resistance == 0.0:
+        return 0.0
+    left = position - c.lower if speed < 0.0 else c.upper - position
+    depth = min(1.0, max(0.0, 1.0 - left / c.length))
+    return c.resistance * depth * depth

@@ -3,58 +3,96 @@
 An L-stable, stiffly accurate, two-stage SDIRK of order 2 (gamma = 1 - 1/sqrt 2): each stage solves Y = y +
 step f(Y) for the f of `plant.state_derivative`. The stiffness comes from the orifices (C_R = inf inside the
 overlap) and the hoses, so each stage eliminates flows and pressures exactly (`line.solve_line`) and is left
-with three joint rates, found by Newton. A stage's derivative is read off its increment, (Y - y)/step, never
-from f: f has no value when an orifice shuts on a flow.
+with three joint rates, and with a real pump its pressure, found by Newton. A stage's derivative is read off
+its increment, (Y - y)/step, never from f: f has no value when an orifice shuts on a flow.
 
-The step assumes that commands stand still over it. The spool's lag is linear and is advanced exactly.
+The step assumes that commands stand still over it. The spools' lags are linear and are advanced exactly.
 """
 
 import math
 from typing import NamedTuple
 
 from forest_sim.actuator import actuator_force, inlet_flow, outlet_flow
-from forest_sim.end_stop import end_stop_force, end_stop_resistance
-from forest_sim.line import LineSolution, PortGuard, solve_line
+from forest_sim.end_stop import cushion_resistance, end_stop_resistance
+from forest_sim.friction import friction_slope
+from forest_sim.line import LineSolution, PortGuard, solve_line, supply_coupling
 from forest_sim.manipulator import dynamics
-from forest_sim.parameters import Axis, PlantParameters
-from forest_sim.plant import AxisState, PlantState, Ports, Transmission, transmissions, valve_ports
+from forest_sim.parameters import Axis, PlantParameters, SpoolValve
+from forest_sim.plant import (
+    AxisState,
+    PlantState,
+    Ports,
+    Transmission,
+    passive_force,
+    ports_at,
+    sensed_load,
+    transmissions,
+)
+from forest_sim.spool import Spool, Spools, spool_after
+from forest_sim.supply import SupplyState, pump_flow, reference_after
 
 GAMMA = 1.0 - math.sqrt(0.5)
 TOLERANCE = 1e-10  # [rad/s] last Newton correction; the correction after it would be a thousand times smaller
-ITERATIONS = 30
+SUPPLY_TOLERANCE = 1e-2  # [Pa] as above
+ITERATIONS = 40
+DAMPED = 12  # iterations after which a kink (dry friction, a relief valve) is approached by half steps
 
 Triple = tuple[float, float, float]
 
 
+class Events(NamedTuple):
+    """What happened since the start, counted."""
+
+    relief_openings: int
+    anticavitation_openings: int
+    unconverged_stages: int
+
+
 class Simulation(NamedTuple):
-    """The plant between two steps."""
+    """The machine between two steps."""
 
     plant: PlantState
-    spools: Triple  # [V] swing, boom, stick
+    spools: Spools
+    events: Events
 
 
 class AxisSolution(NamedTuple):
     """One axis of a stage at a guessed joint rate."""
 
-    pressure_1: float
-    pressure_2: float
-    flow_1: float
-    flow_2: float
+    one: LineSolution  # hose 1
+    two: LineSolution  # hose 2, its flow counted from the valve
     torque: float  # on the joint [N m]
     resistance: float  # -d(torque)/d(rate) [N m s]
 
 
+class SupplyError(NamedTuple):
+    """The supply's equation of a stage and its slopes."""
+
+    residual: float  # [m^3]
+    slope: float  # by P_s [m^3/Pa]
+    by_rate: Triple  # by the joint rates [m^3 s]; less step, also -d(torque)/dP_s
+    reference: float  # P_r [Pa]
+
+
+class Matrix(NamedTuple):
+    """Newton's matrix of the three joint rates; swing is on its own."""
+
+    n_11: float
+    n_22: float
+    n_23: float
+    n_33: float
+
+
 def step(simulation: Simulation, voltages: Triple, h: float, p: PlantParameters) -> Simulation:
-    """Advance the machine by h [s] with the valve voltages [V] held; spools end at the rated one."""
+    """Advance the machine by h [s] with the valve voltages [V] held."""
     plant = simulation.plant
-    r = p.valve.rated_voltage
-    targets = _clip(voltages[0], r), _clip(voltages[1], r), _clip(voltages[2], r)
-    middle = spools_after(simulation.spools, targets, GAMMA * h, p.spool_rate)
-    first = _solve_stage(plant, plant, _ports(middle, p), GAMMA * h, p)
+    middle = spools_after(simulation.spools, voltages, GAMMA * h, p)
+    first, failed_1 = _solve_stage(plant, plant, ports_at(middle, p), GAMMA * h, p)
     # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
     base = _blend(plant, first, (1.0 - GAMMA) / GAMMA)
-    end = spools_after(simulation.spools, targets, h, p.spool_rate)
-    return Simulation(_solve_stage(base, first, _ports(end, p), GAMMA * h, p), end)
+    end = spools_after(simulation.spools, voltages, h, p)
+    after, failed_2 = _solve_stage(base, first, ports_at(end, p), GAMMA * h, p)
+    return Simulation(after, end, _count(simulation.events, plant, after, failed_1 + failed_2, p.guard))
 
 
 def advance(simulation: Simulation, voltages: Triple, h: float, count: int, p: PlantParameters) -> Simulation:
@@ -64,37 +102,50 @@ def advance(simulation: Simulation, voltages: Triple, h: float, count: int, p: P
     return simulation
 
 
-def _clip(value: float, limit: float) -> float:
-    return max(-limit, min(limit, value))
-
-
-def spools_after(spools: Triple, voltages: Triple, time: float, rate: float) -> Triple:
-    """Return the spool positions [V] after a time [s] of first-order lag towards held voltages.
-
-    Thesis section 3.2.2. Differs: the thesis takes the spool to follow at once; so does a rate of inf.
-    """
-    rest = math.exp(-rate * time)
+def spools_after(spools: Spools, voltages: Triple, time: float, p: PlantParameters) -> Spools:
+    """Return the spools after a time [s] under held voltages [V]; they end at the rated one."""
     return (
-        voltages[0] + (spools[0] - voltages[0]) * rest,
-        voltages[1] + (spools[1] - voltages[1]) * rest,
-        voltages[2] + (spools[2] - voltages[2]) * rest,
+        _spool_after(spools[0], voltages[0], time, p.valves[0]),
+        _spool_after(spools[1], voltages[1], time, p.valves[1]),
+        _spool_after(spools[2], voltages[2], time, p.valves[2]),
     )
 
 
-def _ports(spools: Triple, p: PlantParameters) -> tuple[Ports, Ports, Ports]:
-    return (
-        valve_ports(spools[0], p.supply_pressure, p.valve),
-        valve_ports(spools[1], p.supply_pressure, p.valve),
-        valve_ports(spools[2], p.supply_pressure, p.valve),
+def _spool_after(spool: Spool, voltage: float, time: float, valve: SpoolValve) -> Spool:
+    rated = valve.law.forward.rated_voltage
+    return spool_after(spool, max(-rated, min(rated, voltage)), time, valve.lag)
+
+
+def _count(e: Events, before: PlantState, after: PlantState, failed: int, guard: PortGuard) -> Events:
+    """Count the port valves that opened over a step, and the stages whose Newton did not converge."""
+    if guard.relief_conductance == 0.0 and guard.anticavitation_conductance == 0.0:
+        return Events(e.relief_openings, e.anticavitation_openings, e.unconverged_stages + failed)
+    relief, check = guard.relief_pressure, guard.anticavitation_pressure
+    relieved = checked = 0
+    for i in range(3):
+        a, b = _axis(before, i), _axis(after, i)
+        relieved += (a.pressure_1 <= relief < b.pressure_1) + (a.pressure_2 <= relief < b.pressure_2)
+        checked += (a.pressure_1 >= check > b.pressure_1) + (a.pressure_2 >= check > b.pressure_2)
+    return Events(
+        e.relief_openings + relieved, e.anticavitation_openings + checked, e.unconverged_stages + failed
     )
+
+
+def _axis(state: PlantState, axis: int) -> AxisState:
+    return state.swing if axis == 0 else state.boom if axis == 1 else state.stick
 
 
 def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
     """Return start + weight (stage - start)."""
+    a, b = start.supply, stage.supply
     return PlantState(
         _blend_axis(start.swing, stage.swing, weight),
         _blend_axis(start.boom, stage.boom, weight),
         _blend_axis(start.stick, stage.stick, weight),
+        SupplyState(
+            a.pressure + weight * (b.pressure - a.pressure),
+            a.reference + weight * (b.reference - a.reference),
+        ),
     )
 
 
@@ -111,50 +162,122 @@ def _blend_axis(a: AxisState, b: AxisState, w: float) -> AxisState:
 
 def _solve_stage(
     base: PlantState, guess: PlantState, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
-) -> PlantState:
-    """Return Y with Y = base + h f(Y). Newton in the three joint rates; the hoses are solved inside.
+) -> tuple[PlantState, int]:
+    """Return Y with Y = base + h f(Y), and 1 if Newton did not converge. The hoses are solved inside.
 
     Its matrix leaves out what the configuration's change contributes (of order h), so that it converges by
     about three decimal places an iteration.
     """
     u_1, u_2, u_3 = guess.swing.rate, guess.boom.rate, guess.stick.rate
+    supply = guess.supply.pressure
+    reference = guess.supply.reference
     cross = guess.swing.pressure_1, guess.swing.pressure_2
-    axis_1 = axis_2 = axis_3 = AxisSolution(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    for _ in range(ITERATIONS):
+    none = LineSolution(0.0, 0.0, 0.0, 0.0)
+    axis_1 = axis_2 = axis_3 = AxisSolution(none, none, 0.0, 0.0)
+    failed = 1
+    for iteration in range(ITERATIONS):
         angles = base.swing.angle + h * u_1, base.boom.angle + h * u_2, base.stick.angle + h * u_3
         t_1, t_2, t_3 = transmissions(angles[0], angles[1], angles[2], p)
-        axis_1 = _solve_axis(base.swing, u_1, t_1, ports[0], cross, p.swing, p.guard, h)
-        axis_2 = _solve_axis(base.boom, u_2, t_2, ports[1], (0.0, 0.0), p.boom, p.guard, h)
-        axis_3 = _solve_axis(base.stick, u_3, t_3, ports[2], (0.0, 0.0), p.stick, p.guard, h)
-        cross = axis_1.pressure_1, axis_1.pressure_2
+        axis_1 = _solve_axis(base.swing, u_1, t_1, ports[0], supply, cross, p.swing, p.guard, h)
+        axis_2 = _solve_axis(base.boom, u_2, t_2, ports[1], supply, (0.0, 0.0), p.boom, p.guard, h)
+        axis_3 = _solve_axis(base.stick, u_3, t_3, ports[2], supply, (0.0, 0.0), p.stick, p.guard, h)
+        cross = axis_1.one.pressure, axis_1.two.pressure
         d = dynamics(angles, (u_1, u_2, u_3), p.body)
         e_1, e_2, e_3 = u_1 - base.swing.rate, u_2 - base.boom.rate, u_3 - base.stick.rate
-        r_1 = d.m_11 * e_1 + h * (d.bias[0] - axis_1.torque)
-        r_2 = d.m_22 * e_2 + d.m_23 * e_3 + h * (d.bias[1] - axis_2.torque)
-        r_3 = d.m_23 * e_2 + d.m_33 * e_3 + h * (d.bias[2] - axis_3.torque)
-        n_22, n_33 = d.m_22 + h * axis_2.resistance, d.m_33 + h * axis_3.resistance
-        determinant = n_22 * n_33 - d.m_23 * d.m_23
-        c_1 = r_1 / (d.m_11 + h * axis_1.resistance)
-        c_2 = (n_33 * r_2 - d.m_23 * r_3) / determinant
-        c_3 = (n_22 * r_3 - d.m_23 * r_2) / determinant
-        u_1, u_2, u_3 = u_1 - c_1, u_2 - c_2, u_3 - c_3
-        if max(abs(c_1), abs(c_2), abs(c_3)) < TOLERANCE:
+        residuals = (
+            d.m_11 * e_1 + h * (d.bias[0] - axis_1.torque),
+            d.m_22 * e_2 + d.m_23 * e_3 + h * (d.bias[1] - axis_2.torque),
+            d.m_23 * e_2 + d.m_33 * e_3 + h * (d.bias[2] - axis_3.torque),
+        )
+        n = Matrix(
+            d.m_11 + h * axis_1.resistance,
+            d.m_22 + h * axis_2.resistance,
+            d.m_23,
+            d.m_33 + h * axis_3.resistance,
+        )
+        c_1, c_2, c_3 = _solve(n, residuals)
+        c_s = 0.0
+        if not p.supply.ideal:
+            arms = t_1.arm, t_2.arm, t_3.arm
+            s = _supply_error(base.supply, supply, (axis_1, axis_2, axis_3), ports, arms, h, p)
+            z_1, z_2, z_3 = _solve(n, s.by_rate)
+            b_1, b_2, b_3 = s.by_rate
+            c_s = (s.residual - b_1 * c_1 - b_2 * c_2 - b_3 * c_3) / (
+                s.slope + b_1 * z_1 + b_2 * z_2 + b_3 * z_3
+            )
+            c_1, c_2, c_3 = c_1 + z_1 * c_s, c_2 + z_2 * c_s, c_3 + z_3 * c_s
+            reference = s.reference
+        share = 1.0 if iteration < DAMPED else 0.5
+        u_1, u_2, u_3 = u_1 - share * c_1, u_2 - share * c_2, u_3 - share * c_3
+        supply -= share * c_s
+        if max(abs(c_1), abs(c_2), abs(c_3)) < TOLERANCE and abs(c_s) < SUPPLY_TOLERANCE:
+            failed = 0
             break
-    return PlantState(
+    after = PlantState(
         _assemble(base.swing, u_1, axis_1, h),
         _assemble(base.boom, u_2, axis_2, h),
         _assemble(base.stick, u_3, axis_3, h),
+        SupplyState(supply, reference),
     )
+    return after, failed
+
+
+def _solve(n: Matrix, r: Triple) -> Triple:
+    """Return n^-1 r."""
+    determinant = n.n_22 * n.n_33 - n.n_23 * n.n_23
+    return (
+        r[0] / n.n_11,
+        (n.n_33 * r[1] - n.n_23 * r[2]) / determinant,
+        (n.n_22 * r[2] - n.n_23 * r[1]) / determinant,
+    )
+
+
+def _supply_error(
+    base: SupplyState,
+    supply: float,
+    axes: tuple[AxisSolution, AxisSolution, AxisSolution],
+    ports: tuple[Ports, Ports, Ports],
+    arms: Triple,
+    h: float,
+    p: PlantParameters,
+) -> SupplyError:
+    """Return the manifold's equation, C (P_s - base) = h (delivered - drawn), at a guess."""
+    flow_1, conductance_1, gain_1, load_1 = _draw(axes[0], ports[0], supply, p.swing, h)
+    flow_2, conductance_2, gain_2, load_2 = _draw(axes[1], ports[1], supply, p.boom, h)
+    flow_3, conductance_3, gain_3, load_3 = _draw(axes[2], ports[2], supply, p.stick, h)
+    reference = reference_after(base.reference, max(load_1, load_2, load_3), p.supply, h)
+    pump = pump_flow(supply, reference, p.supply)
+    drawn = flow_1 + flow_2 + flow_3
+    conductance = conductance_1 + conductance_2 + conductance_3
+    return SupplyError(
+        residual=p.supply.capacitance * (supply - base.pressure) + h * (drawn - pump.delivered),
+        slope=p.supply.capacitance + h * (conductance - pump.slope),
+        by_rate=(h * arms[0] * gain_1, h * arms[1] * gain_2, h * arms[2] * gain_3),
+        reference=reference,
+    )
+
+
+def _draw(
+    axis: AxisSolution, ports: Ports, supply: float, a: Axis, h: float
+) -> tuple[float, float, float, float]:
+    """Return an axis' flow from the supply, its slopes by P_s and by actuator speed, and the load it shows."""
+    one = supply_coupling(axis.one, ports.port_1, supply, a.line_1, h)
+    two = supply_coupling(axis.two, ports.port_2, supply, a.line_2, h)
+    gain = a.actuator.displacement_1 * one.gain - a.actuator.displacement_2 * two.gain
+    load = max(
+        sensed_load(axis.one.port_pressure, ports.port_1), sensed_load(axis.two.port_pressure, ports.port_2)
+    )
+    return one.draw + two.draw, one.conductance + two.conductance, gain, load
 
 
 def _assemble(base: AxisState, rate: float, solution: AxisSolution, h: float) -> AxisState:
     return AxisState(
         base.angle + h * rate,
         rate,
-        solution.pressure_1,
-        solution.pressure_2,
-        solution.flow_1,
-        solution.flow_2,
+        solution.one.pressure,
+        solution.two.pressure,
+        solution.one.flow,
+        -solution.two.flow,
     )
 
 
@@ -163,6 +286,7 @@ def _solve_axis(
     rate: float,
     t: Transmission,
     ports: Ports,
+    supply: float,
     cross: tuple[float, float],
     axis: Axis,
     guard: PortGuard,
@@ -177,20 +301,14 @@ def _solve_axis(
     speed = t.arm * rate
     # Each actuator flow without its own hose's pressure, which solve_line eliminates through the leakage.
     q_1, q_2 = inlet_flow(speed, 0.0, cross[1], a), outlet_flow(speed, cross[0], 0.0, a)
-    one = solve_line(base.pressure_1, base.flow_1, q_1, a.leakage_11, ports.orifice_1, axis.line_1, guard, h)
+    one = solve_line(
+        base.pressure_1, base.flow_1, q_1, a.leakage_11, ports.port_1, supply, axis.line_1, guard, h
+    )
     two = solve_line(
-        base.pressure_2, -base.flow_2, -q_2, a.leakage_22, ports.orifice_2, axis.line_2, guard, h
+        base.pressure_2, -base.flow_2, -q_2, a.leakage_22, ports.port_2, supply, axis.line_2, guard, h
     )
-    force = actuator_force(speed, one.pressure, two.pressure, a)
-    force += end_stop_force(t.position, speed, axis.stop)
-    return AxisSolution(
-        pressure_1=one.pressure,
-        pressure_2=two.pressure,
-        flow_1=one.flow,
-        flow_2=-two.flow,
-        torque=t.arm * force,
-        resistance=t.arm * t.arm * _resistance(speed, t, one, two, axis, h),
-    )
+    force = actuator_force(speed, one.pressure, two.pressure, a) + passive_force(t.position, speed, axis)
+    return AxisSolution(one, two, t.arm * force, t.arm * t.arm * _resistance(speed, t, one, two, axis, h))
 
 
 def _resistance(
@@ -198,10 +316,12 @@ def _resistance(
 ) -> float:
     """Return -dF/du [N s/m; N m s/rad] of an actuator within a stage."""
     a = axis.actuator
+    braking = a.quadratic_resistance + cushion_resistance(t.position, speed, axis.cushion)
     return (
         a.displacement_1 * a.displacement_1 * one.stiffness
         + a.displacement_2 * a.displacement_2 * two.stiffness
         + a.linear_resistance
-        + 2.0 * a.quadratic_resistance * abs(speed)
+        + 2.0 * braking * abs(speed)
+        + friction_slope(speed, axis.friction)
         + end_stop_resistance(t.position, speed, axis.stop, h)
     )

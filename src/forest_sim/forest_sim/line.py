@@ -1,4 +1,4 @@
-"""A hose between valve and actuator, with the port valves that protect it.
+"""A hose between valve and actuator, with the spool's edges at one end and the port valves that protect it.
 
 'T' line of Thesis fig. 3.5: the inertance I on the valve's side, the capacitance C in the middle, the
 resistance on the actuator's side (it belongs to the actuator's law, see `actuator`). Relief and
@@ -7,9 +7,11 @@ anti-cavitation valves sit at the capacitance, where a shut valve would otherwis
 | symbol | name | unit |
 |---|---|---|
 | P | pressure in the capacitance | Pa |
+| p | pressure in the valve's port, between its edges and the inertance | Pa |
 | Q | flow from the valve into the hose | m^3/s |
 | q | flow from the hose into the actuator | m^3/s |
-| P_v, C_R | pressure behind the spool's orifice; the orifice's resistance, inf when shut | Pa; Pa s^2/m^6 |
+| P_s | supply pressure; the tank is at zero | Pa |
+| C_R | an edge's resistance, inf when shut | Pa s^2/m^6 |
 | I, C | inertance; capacitance | Pa s^2/m^3; m^3/Pa |
 
 Flows count from the valve towards the actuator here, for both hoses. The thesis counts hose 2 the other way:
@@ -21,6 +23,10 @@ from typing import NamedTuple
 
 from forest_description.machine import Line
 
+ROOT_ITERATIONS = 100
+ROOT_TOLERANCE = 1e-14  # of the pressures at play
+TINY_RESISTANCE = 1e-3  # [Pa s/m^3] of an open edge at zero flow, where its true slope is zero
+
 
 class PortGuard(NamedTuple):
     """Relief and anti-cavitation valves, straight characteristics; a conductance of zero leaves one out."""
@@ -31,11 +37,19 @@ class PortGuard(NamedTuple):
     anticavitation_conductance: float  # [m^3/(s Pa)]
 
 
-class Orifice(NamedTuple):
-    """One edge of a spool as its hose sees it."""
+class Port(NamedTuple):
+    """What a valve's port is connected to: through its two edges, and by what leaks past each of them."""
 
-    resistance: float  # C_R [Pa s^2/m^6], inf when shut
-    source_pressure: float  # P_v [Pa], supply or tank
+    to_supply: float  # C_R [Pa s^2/m^6], inf when shut
+    to_tank: float  # C_R [Pa s^2/m^6], inf when shut
+    leakage: float  # [m^3/(s Pa)] past either edge
+
+
+class PortSolution(NamedTuple):
+    """Where a port's flow meets its hose's."""
+
+    pressure: float  # p [Pa]
+    follows: float  # dQ/d(intercept), 0 behind a shut port .. 1 behind a wide one
 
 
 class LineSolution(NamedTuple):
@@ -44,6 +58,15 @@ class LineSolution(NamedTuple):
     pressure: float  # [Pa]
     flow: float  # [m^3/s]
     stiffness: float  # -dP/dq [Pa s/m^3], how the pressure answers the actuator's flow
+    port_pressure: float  # p [Pa]
+
+
+class Coupling(NamedTuple):
+    """How a hose at the end of a stage and the supply feel each other."""
+
+    draw: float  # flow from the supply S [m^3/s]
+    conductance: float  # dS/dP_s [m^3/(s Pa)]
+    gain: float  # dP/dP_s, which by reciprocity is also dS/dq
 
 
 def guard_flow(pressure: float, guard: PortGuard) -> float:
@@ -60,15 +83,108 @@ def pressure_rate(pressure: float, flow: float, actuator_flow: float, line: Line
     return (flow - actuator_flow + guard_flow(pressure, guard)) / line.capacitance
 
 
-def flow_rate(pressure: float, flow: float, orifice: Orifice, line: Line) -> float:
-    """Return dQ/dt [m^3/s^2] = (P_v - C_R Q|Q| - P)/I. Thesis eq. 3.1, 3.7, 3.13, 4.5a.
+def flow_rate(pressure: float, flow: float, port: Port, supply: float, line: Line) -> float:
+    """Return dQ/dt [m^3/s^2] = (p - P)/I; behind one edge p = P_v - C_R Q|Q|.
 
-    Behind a shut orifice the flow is zero and stays zero; any other would have to stop at once (an infinite
-    rate). Differs: 3.7 prints P_i for P_s, and 3.7 and 3.13 C_R for C_R' on the return line.
+    Thesis eq. 3.1, 3.7, 3.13, 4.5a. Behind shut edges the flow is zero and stays zero; any other would have
+    to stop at once (an infinite rate). Differs: 3.7 prints P_i for P_s, and 3.7 and 3.13 C_R for C_R' on the
+    return line.
     """
-    if orifice.resistance == math.inf:
+    if is_shut(port):
         return 0.0 if flow == 0.0 else -math.copysign(math.inf, flow)
-    return (orifice.source_pressure - orifice.resistance * flow * abs(flow) - pressure) / line.inertance
+    return (meet(flow, 0.0, port, supply).pressure - pressure) / line.inertance
+
+
+def is_shut(port: Port) -> bool:
+    """Tell whether nothing flows through a port."""
+    return port.to_supply == math.inf and port.to_tank == math.inf and port.leakage == 0.0
+
+
+def port_flow(p: float, port: Port, supply: float) -> float:
+    """Return Q [m^3/s] through a port at the pressure p [Pa]: both edges and what leaks past them."""
+    return (
+        edge_flow(supply - p, port.to_supply)
+        + edge_flow(-p, port.to_tank)
+        + port.leakage * (supply - 2.0 * p)
+    )
+
+
+def edge_flow(drop: float, resistance: float) -> float:
+    """Return Q [m^3/s] = sgn(dP) sqrt(|dP|/C_R). Thesis eq. 3.1."""
+    return math.copysign(math.sqrt(abs(drop) / resistance), drop)
+
+
+def meet(intercept: float, admittance: float, port: Port, supply: float) -> PortSolution:
+    """Return where the port's flow meets that of the hose, intercept + admittance p.
+
+    With one edge open, o through it obeys o + (2 g + y) C_R o|o| = Y, whose root 2 Y/(1 + sqrt(1 + 4 (2 g +
+    y) C_R |Y|)) holds at zero flow too (g: leakage, y: admittance). With both edges open p is found by Newton
+    within a bracket.
+
+    Args:
+        intercept: the hose's flow at p = 0 [m^3/s].
+        admittance: [m^3/(s Pa)], not negative; zero only if the port is not shut.
+        port: what the valve connects.
+        supply: P_s [Pa].
+    """
+    if port.to_supply == math.inf and port.to_tank == math.inf:
+        yielding = 2.0 * port.leakage + admittance
+        return PortSolution((port.leakage * supply - intercept) / yielding, 2.0 * port.leakage / yielding)
+    if port.to_tank == math.inf:
+        return _one_edge(intercept, admittance, port.to_supply, supply, port.leakage, supply)
+    if port.to_supply == math.inf:
+        return _one_edge(intercept, admittance, port.to_tank, 0.0, port.leakage, supply)
+    return _two_edges(intercept, admittance, port, supply)
+
+
+def _one_edge(
+    intercept: float, admittance: float, resistance: float, source: float, leakage: float, supply: float
+) -> PortSolution:
+    """Return `meet` with one edge open, from the pressure `source`; what leaks is linear and goes along."""
+    yielding = 2.0 * leakage + admittance
+    y = intercept - leakage * supply + yielding * source
+    o = 2.0 * y / (1.0 + math.sqrt(1.0 + 4.0 * yielding * resistance * abs(y)))
+    slope = 2.0 * resistance * abs(o)  # d(drop)/do
+    follows = (1.0 + 2.0 * leakage * slope) / (1.0 + yielding * slope)
+    return PortSolution(source - resistance * o * abs(o), follows)
+
+
+def _two_edges(intercept: float, admittance: float, port: Port, supply: float) -> PortSolution:
+    """Return `meet` with both edges open, as an underlapped valve has them near its centre."""
+    reach = max(port.to_supply, port.to_tank) * intercept * intercept
+    low, high = min(0.0, supply) - reach, max(0.0, supply) + reach
+    p = 0.5 * (low + high)
+    conductance = 0.0
+    for _ in range(ROOT_ITERATIONS):
+        error = port_flow(p, port, supply) - intercept - admittance * p
+        if error > 0.0:
+            low = p
+        else:
+            high = p
+        conductance = _conductance(p, port, supply)
+        after = p + error / (admittance + conductance)
+        if not low < after < high:
+            after = 0.5 * (low + high)
+        if abs(after - p) <= ROOT_TOLERANCE * (abs(p) + abs(supply)):
+            break
+        p = after
+    return PortSolution(p, conductance / (conductance + admittance))
+
+
+def _conductance(p: float, port: Port, supply: float) -> float:
+    """Return -dQ/dp [m^3/(s Pa)] of a port."""
+    return (
+        _edge_conductance(supply - p, port.to_supply)
+        + _edge_conductance(-p, port.to_tank)
+        + 2.0 * port.leakage
+    )
+
+
+def _edge_conductance(drop: float, resistance: float) -> float:
+    """Return dQ/d(dP) [m^3/(s Pa)] of an edge; large, not infinite, at zero flow."""
+    if resistance == math.inf:
+        return 0.0
+    return 1.0 / (2.0 * math.sqrt(resistance * abs(drop)) + TINY_RESISTANCE)
 
 
 def solve_line(
@@ -76,39 +192,38 @@ def solve_line(
     flow: float,
     actuator_flow: float,
     leakage: float,
-    orifice: Orifice,
+    port: Port,
+    supply: float,
     line: Line,
     guard: PortGuard,
     step: float,
 ) -> LineSolution:
-    """Solve one implicit stage of a hose exactly, for any opening, without iteration.
+    """Solve one implicit stage of a hose exactly, for any opening.
 
     P = pressure + step dP/dt and Q = flow + step dQ/dt, with q = actuator_flow + leakage P. Given which port
-    valve is open, P is linear in Q; what is left, alpha Q + kappa Q|Q| = y, has the root 2y / (alpha +
-    sqrt(alpha^2 + 4 kappa |y|)), which holds at zero flow and for a shut orifice (kappa = inf) alike. P falls
-    monotonically with what the port valves let out, so trying shut first and then the one valve that it calls
-    for is exact.
+    valve is open, P is linear in Q and the hose takes Q = a + y p. P falls monotonically with what the port
+    valves let out, so trying shut first and then the one valve that it calls for is exact.
 
     Args:
         pressure: the stage's known part of P [Pa].
         flow: the stage's known part of Q [m^3/s].
         actuator_flow: q at P = 0 [m^3/s].
         leakage: dq/dP of the actuator [m^3/(s Pa)].
-        orifice: the spool's edge at the hose's other end.
+        port: the valve at the hose's other end.
+        supply: P_s [Pa].
         line: the hose's lumped elements.
         guard: the port's relief and anti-cavitation valves.
         step: the stage's implicit step gamma h [s].
     """
-    shut = _solve_with_port_valve(pressure, flow, actuator_flow, leakage, orifice, line, step)
+    shut = _solve_with_port_valve(pressure, flow, actuator_flow, leakage, port, supply, line, step)
     if shut.pressure > guard.relief_pressure and guard.relief_conductance > 0.0:
         conductance, opening = guard.relief_conductance, guard.relief_pressure
     elif shut.pressure < guard.anticavitation_pressure and guard.anticavitation_conductance > 0.0:
         conductance, opening = guard.anticavitation_conductance, guard.anticavitation_pressure
     else:
         return shut
-    return _solve_with_port_valve(
-        pressure, flow, actuator_flow - conductance * opening, leakage + conductance, orifice, line, step
-    )
+    outflow = actuator_flow - conductance * opening
+    return _solve_with_port_valve(pressure, flow, outflow, leakage + conductance, port, supply, line, step)
 
 
 def _solve_with_port_valve(
@@ -116,7 +231,8 @@ def _solve_with_port_valve(
     flow: float,
     outflow: float,
     leakage: float,
-    orifice: Orifice,
+    port: Port,
+    supply: float,
     line: Line,
     step: float,
 ) -> LineSolution:
@@ -124,12 +240,34 @@ def _solve_with_port_valve(
     yielding = line.capacitance + step * leakage
     slope = step / yielding  # dP/dQ
     offset = (line.capacitance * pressure - step * outflow) / yielding  # P at Q = 0
-    if orifice.resistance == math.inf:
-        return LineSolution(offset, 0.0, slope)
+    if is_shut(port):
+        return LineSolution(offset, 0.0, slope, offset)
     gain = step / line.inertance
     alpha = 1.0 + gain * slope
-    kappa = gain * orifice.resistance
-    y = flow + gain * (orifice.source_pressure - offset)
-    root = math.sqrt(alpha * alpha + 4.0 * kappa * abs(y))
-    q = 2.0 * y / (alpha + root)
-    return LineSolution(offset + slope * q, q, slope * (1.0 - slope * gain / root))
+    intercept, admittance = (flow - gain * offset) / alpha, gain / alpha
+    p, follows = meet(intercept, admittance, port, supply)
+    q = intercept + admittance * p
+    return LineSolution(offset + slope * q, q, slope * (1.0 - follows * admittance * slope), p)
+
+
+def supply_coupling(solution: LineSolution, port: Port, supply: float, line: Line, step: float) -> Coupling:
+    """Return how a solved hose and the supply feel each other, to first order.
+
+    Args:
+        solution: what `solve_line` found.
+        port, supply, line, step: as given to it.
+    """
+    if is_shut(port):
+        return Coupling(0.0, 0.0, 0.0)
+    p = solution.port_pressure
+    to_supply = _edge_conductance(supply - p, port.to_supply) + port.leakage
+    conductance = _conductance(p, port, supply)
+    slope = step / line.capacitance
+    gain = step / line.inertance
+    admittance = gain / (1.0 + gain * slope)
+    p_per_supply = to_supply / (conductance + admittance)
+    return Coupling(
+        draw=edge_flow(supply - p, port.to_supply) + port.leakage * (supply - p),
+        conductance=to_supply * (1.0 - p_per_supply),
+        gain=slope * admittance * p_per_supply,
+    )

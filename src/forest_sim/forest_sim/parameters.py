@@ -6,28 +6,41 @@ from typing import NamedTuple
 
 from forest_description.limits import joint_limits
 from forest_description.linkage import Linkage
-from forest_description.machine import EndStops, Line, Machine
+from forest_description.machine import CylinderDrive, EndStops, Line, Machine
 from forest_description.valve import ValveLaw
 from forest_sim.actuator import Actuator, cylinder, motor
-from forest_sim.end_stop import EndStop
+from forest_sim.end_stop import UNCUSHIONED, CushionBrake, EndStop
+from forest_sim.friction import FRICTIONLESS, Friction, friction
 from forest_sim.line import PortGuard
 from forest_sim.manipulator import Body, fold_head
+from forest_sim.spool import SpoolLag, spool_lag
+from forest_sim.supply import Supply, supply
 
 NO_GUARD = PortGuard(math.inf, 0.0, -math.inf, 0.0)
 
 
+class SpoolValve(NamedTuple):
+    """One valve: what its edges do at a spool position, and how the spool follows the voltage."""
+
+    law: ValveLaw
+    lag: SpoolLag
+
+
 class Axis(NamedTuple):
-    """One hydraulic axis: two hoses, the actuator between them and its mechanical stops."""
+    """One hydraulic axis behind its valve: two hoses, the actuator between them and the ends of its stroke."""
 
     line_1: Line
     line_2: Line
     actuator: Actuator
+    friction: Friction
+    cushion: CushionBrake
     stop: EndStop
 
 
 class PlantParameters(NamedTuple):
     """Everything the equations of motion need."""
 
+    valves: tuple[SpoolValve, SpoolValve, SpoolValve]
     swing: Axis
     boom: Axis
     stick: Axis
@@ -35,29 +48,59 @@ class PlantParameters(NamedTuple):
     stick_linkage: Linkage
     body: Body
     guard: PortGuard
-    valve: ValveLaw
-    supply_pressure: float  # [Pa]
-    spool_rate: float  # [rad/s] of the spool's first-order lag, inf: the spool follows at once
+    supply: Supply
+    tip_force: tuple[float, float, float]  # [N] on the tip from outside, in the base frame
 
 
 @lru_cache(maxsize=64)
 def plant_parameters(machine: Machine) -> PlantParameters:
     """Return the kernel's parameters for a machine; components that it lacks become neutral numbers."""
-    lines = [(machine.line(axis, 1), machine.line(axis, 2)) for axis in range(3)]
-    stops = machine.end_stops
-    swing_limits = joint_limits(machine)[0]
     return PlantParameters(
-        swing=Axis(*lines[0], motor(machine.swing, *lines[0]), _swing_stop(swing_limits, stops)),
-        boom=Axis(*lines[1], cylinder(machine.boom, *lines[1]), _cylinder_stop(machine, 1, stops)),
-        stick=Axis(*lines[2], cylinder(machine.stick, *lines[2]), _cylinder_stop(machine, 2, stops)),
+        valves=(_valve(machine, 0), _valve(machine, 1), _valve(machine, 2)),
+        swing=_swing(machine),
+        boom=_cylinder(machine, 1),
+        stick=_cylinder(machine, 2),
         boom_linkage=machine.boom.linkage,
         stick_linkage=machine.stick.linkage,
         body=fold_head(machine.manipulator),
         guard=_guard(machine),
-        valve=machine.valve.law,
-        supply_pressure=machine.pump.supply_pressure,
-        spool_rate=math.inf if machine.spool_bandwidth is None else 2.0 * math.pi * machine.spool_bandwidth,
+        supply=supply(machine.pump),
+        tip_force=(0.0, 0.0, 0.0),
     )
+
+
+def _valve(machine: Machine, axis: int) -> SpoolValve:
+    valve = machine.valve_of(axis)
+    return SpoolValve(valve.law, spool_lag(valve))
+
+
+def _swing(machine: Machine) -> Axis:
+    lines = _lines(machine, 0)
+    return Axis(
+        line_1=lines[0],
+        line_2=lines[1],
+        actuator=motor(machine.swing, *lines),
+        friction=FRICTIONLESS,
+        cushion=UNCUSHIONED,
+        stop=_swing_stop(joint_limits(machine)[0], machine.end_stops),
+    )
+
+
+def _cylinder(machine: Machine, axis: int) -> Axis:
+    lines = _lines(machine, axis)
+    drive = machine.boom if axis == 1 else machine.stick
+    return Axis(
+        line_1=lines[0],
+        line_2=lines[1],
+        actuator=cylinder(drive, *lines),
+        friction=friction(drive.friction),
+        cushion=_cushion(drive),
+        stop=_cylinder_stop(drive, machine.end_stops),
+    )
+
+
+def _lines(machine: Machine, axis: int) -> tuple[Line, Line]:
+    return machine.line(axis, 1), machine.line(axis, 2)
 
 
 def _guard(machine: Machine) -> PortGuard:
@@ -75,9 +118,15 @@ def _swing_stop(limits: tuple[float, float], stops: EndStops | None) -> EndStop:
     return EndStop(*limits, stops.swing_stiffness, stops.swing_damping)
 
 
-def _cylinder_stop(machine: Machine, axis: int, stops: EndStops | None) -> EndStop:
+def _cylinder_stop(drive: CylinderDrive, stops: EndStops | None) -> EndStop:
     if stops is None:
         return EndStop(-math.inf, math.inf, 0.0, 0.0)
-    drive = machine.boom if axis == 1 else machine.stick
     extended = drive.retracted_length + drive.stroke
     return EndStop(drive.retracted_length, extended, stops.cylinder_stiffness, stops.cylinder_damping)
+
+
+def _cushion(drive: CylinderDrive) -> CushionBrake:
+    if drive.cushion is None:
+        return UNCUSHIONED
+    extended = drive.retracted_length + drive.stroke
+    return CushionBrake(drive.retracted_length, extended, drive.cushion.length, drive.cushion.resistance)

@@ -2,14 +2,15 @@
 
 State, in Appendix B's order, for swing, boom and stick in turn: joint angle [rad], joint rate [rad/s],
 pressure in hose 1 and in hose 2 [Pa], flow through hose 1 from the valve and through hose 2 to the valve
-[m^3/s].
+[m^3/s]. A real pump adds the pressure in its manifold.
 
 A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only case); a
 negative one the reverse. Tank is zero pressure. Actuator coordinates are the swing angle and the two
 cylinders' lengths.
 
-The laws of the parts live in `line`, `actuator`, `manipulator` and `end_stop`; here they are put together.
-Everything in this module is pure and stays in the subset of Python that Numba compiles (`compiled`).
+The laws of the parts live in `line`, `actuator`, `supply`, `manipulator`, `friction` and `end_stop`; here they
+are put together. Everything in this module is pure and stays in the subset of Python that Numba compiles
+(`compiled`).
 """
 
 import math
@@ -20,12 +21,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from forest_description.linkage import cylinder_length, lever_arm
 from forest_description.machine import Machine
-from forest_description.valve import ValveLaw, orifice_resistance
+from forest_description.valve import ValveLaw, edges
 from forest_sim.actuator import actuator_force, inlet_flow, outlet_flow
-from forest_sim.end_stop import end_stop_force
-from forest_sim.line import Orifice, flow_rate, pressure_rate
+from forest_sim.end_stop import cushion_resistance, end_stop_force
+from forest_sim.friction import friction_force
+from forest_sim.line import Port, edge_flow, flow_rate, is_shut, meet, pressure_rate
 from forest_sim.manipulator import Dynamics, dynamics
 from forest_sim.parameters import Axis, PlantParameters, plant_parameters
+from forest_sim.spool import Spools
+from forest_sim.supply import SupplyState, pump_flow, reference_rate
 
 
 class AxisState(NamedTuple):
@@ -40,18 +44,26 @@ class AxisState(NamedTuple):
 
 
 class PlantState(NamedTuple):
-    """The 18 states of Thesis eq. 3.20."""
+    """The 18 states of Thesis eq. 3.20, and those of the pump."""
 
     swing: AxisState
     boom: AxisState
     stick: AxisState
+    supply: SupplyState
 
 
 class Ports(NamedTuple):
-    """What the spool's two edges connect the hoses of one axis to."""
+    """What the spool's four edges connect the hoses of one axis to."""
 
-    orifice_1: Orifice
-    orifice_2: Orifice
+    port_1: Port
+    port_2: Port
+
+
+class Draw(NamedTuple):
+    """What one axis, or all of them, ask of the supply."""
+
+    flow: float  # [m^3/s]
+    load: float  # greatest pressure at a port that is open to the supply [Pa], 0 if none is
 
 
 class Transmission(NamedTuple):
@@ -61,12 +73,19 @@ class Transmission(NamedTuple):
     arm: float  # d(position)/d(angle) [1; m/rad]
 
 
-def valve_ports(spool_position: float, supply_pressure: float, law: ValveLaw) -> Ports:
-    """Return the two orifices at a spool position [V]; both shut inside the overlap. Thesis eq. 3.1, 3.2."""
-    resistance = orifice_resistance(spool_position, law)
-    if spool_position >= 0.0:
-        return Ports(Orifice(resistance, supply_pressure), Orifice(resistance, 0.0))
-    return Ports(Orifice(resistance, 0.0), Orifice(resistance, supply_pressure))
+def valve_ports(spool_position: float, law: ValveLaw) -> Ports:
+    """Return both ports at a spool position [V]; shut inside the overlap. Thesis eq. 3.1, 3.2, fig. 2.5."""
+    e = edges(spool_position, law)
+    return Ports(Port(e.supply_1, e.tank_1, law.leakage), Port(e.supply_2, e.tank_2, law.leakage))
+
+
+def ports_at(spools: Spools, p: PlantParameters) -> tuple[Ports, Ports, Ports]:
+    """Return the ports of swing, boom and stick at the spools' positions."""
+    return (
+        valve_ports(spools[0].position, p.valves[0].law),
+        valve_ports(spools[1].position, p.valves[1].law),
+        valve_ports(spools[2].position, p.valves[2].law),
+    )
 
 
 def transmissions(
@@ -84,7 +103,13 @@ def joint_torque(state: AxisState, transmission: Transmission, axis: Axis) -> fl
     """Return the torque [N m] of an axis' actuator and end stop on its joint. Thesis eq. 3.16, 3.18, 3.19."""
     speed = transmission.arm * state.rate
     force = actuator_force(speed, state.pressure_1, state.pressure_2, axis.actuator)
-    return transmission.arm * (force + end_stop_force(transmission.position, speed, axis.stop))
+    return transmission.arm * (force + passive_force(transmission.position, speed, axis))
+
+
+def passive_force(position: float, speed: float, axis: Axis) -> float:
+    """Return what dry friction, cushion and end stop do to the load [N; N m]."""
+    braking = cushion_resistance(position, speed, axis.cushion) * abs(speed) * speed
+    return end_stop_force(position, speed, axis.stop) - braking - friction_force(speed, axis.friction)
 
 
 def joint_accelerations(d: Dynamics, torques: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -113,14 +138,15 @@ def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: Pl
     )
     a_1, a_2, a_3 = joint_accelerations(d, torques)
     return PlantState(
-        _axis_derivative(swing, a_1, t_1.arm, ports[0], p.swing, p),
-        _axis_derivative(boom, a_2, t_2.arm, ports[1], p.boom, p),
-        _axis_derivative(stick, a_3, t_3.arm, ports[2], p.stick, p),
+        _axis_derivative(swing, a_1, t_1.arm, ports[0], state.supply.pressure, p.swing, p),
+        _axis_derivative(boom, a_2, t_2.arm, ports[1], state.supply.pressure, p.boom, p),
+        _axis_derivative(stick, a_3, t_3.arm, ports[2], state.supply.pressure, p.stick, p),
+        _supply_derivative(state, ports, p),
     )
 
 
 def _axis_derivative(
-    s: AxisState, acceleration: float, arm: float, ports: Ports, axis: Axis, p: PlantParameters
+    s: AxisState, acceleration: float, arm: float, ports: Ports, supply: float, axis: Axis, p: PlantParameters
 ) -> AxisState:
     """Return one axis' six derivatives. Hose 2 is counted towards the valve, hence the signs."""
     q_1 = inlet_flow(arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
@@ -130,9 +156,51 @@ def _axis_derivative(
         rate=acceleration,
         pressure_1=pressure_rate(s.pressure_1, s.flow_1, q_1, axis.line_1, p.guard),
         pressure_2=pressure_rate(s.pressure_2, -s.flow_2, -q_2, axis.line_2, p.guard),
-        flow_1=flow_rate(s.pressure_1, s.flow_1, ports.orifice_1, axis.line_1),
-        flow_2=-flow_rate(s.pressure_2, -s.flow_2, ports.orifice_2, axis.line_2),
+        flow_1=flow_rate(s.pressure_1, s.flow_1, ports.port_1, supply, axis.line_1),
+        flow_2=-flow_rate(s.pressure_2, -s.flow_2, ports.port_2, supply, axis.line_2),
     )
+
+
+def _supply_derivative(
+    state: PlantState, ports: tuple[Ports, Ports, Ports], p: PlantParameters
+) -> SupplyState:
+    """Return the manifold's and the pump control's derivatives. Thesis section 3.2.1."""
+    if p.supply.ideal:
+        return SupplyState(0.0, 0.0)
+    pressure, reference = state.supply
+    draw = supply_draw(state, ports)
+    delivered = pump_flow(pressure, reference, p.supply).delivered
+    return SupplyState(
+        (delivered - draw.flow) / p.supply.capacitance, reference_rate(reference, draw.load, p.supply)
+    )
+
+
+def supply_draw(state: PlantState, ports: tuple[Ports, Ports, Ports]) -> Draw:
+    """Return what the three axes together draw from the supply, and the greatest load that it feels."""
+    swing = axis_draw(state.swing, ports[0], state.supply.pressure)
+    boom = axis_draw(state.boom, ports[1], state.supply.pressure)
+    stick = axis_draw(state.stick, ports[2], state.supply.pressure)
+    return Draw(swing.flow + boom.flow + stick.flow, max(swing.load, boom.load, stick.load))
+
+
+def axis_draw(s: AxisState, ports: Ports, supply: float) -> Draw:
+    """Return what one axis draws from the supply, and the load that it shows there."""
+    one = _port_draw(s.flow_1, ports.port_1, supply)
+    two = _port_draw(-s.flow_2, ports.port_2, supply)
+    return Draw(one.flow + two.flow, max(one.load, two.load))
+
+
+def _port_draw(flow: float, port: Port, supply: float) -> Draw:
+    if is_shut(port):
+        return Draw(0.0, 0.0)
+    pressure = meet(flow, 0.0, port, supply).pressure
+    drawn = edge_flow(supply - pressure, port.to_supply) + port.leakage * (supply - pressure)
+    return Draw(drawn, sensed_load(pressure, port))
+
+
+def sensed_load(pressure: float, port: Port) -> float:
+    """Return the pressure [Pa] that a load-sensing line takes from a port: its own while it is open to the supply."""
+    return pressure if port.to_supply < math.inf else 0.0
 
 
 def to_array(state: PlantState) -> NDArray[np.float64]:
@@ -140,8 +208,8 @@ def to_array(state: PlantState) -> NDArray[np.float64]:
     return np.array([*state.swing, *state.boom, *state.stick], dtype=np.float64)
 
 
-def from_array(x: ArrayLike) -> PlantState:
-    """Return the state that an array of 18 in Appendix B's order holds.
+def from_array(x: ArrayLike, supply_pressure: float) -> PlantState:
+    """Return the state that an array of 18 in Appendix B's order holds, with the supply at a pressure [Pa].
 
     Raises:
         ValueError: the array does not hold 18 finite numbers.
@@ -152,7 +220,8 @@ def from_array(x: ArrayLike) -> PlantState:
             f"state x must hold 18 finite numbers in Appendix B's order, got shape {values.shape}"
         )
     v = values.tolist()
-    return PlantState(AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]))
+    supply = SupplyState(supply_pressure, supply_pressure)
+    return PlantState(AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]), supply)
 
 
 def thesis_state_derivative(
@@ -181,6 +250,7 @@ def thesis_state_derivative(
     if not math.isfinite(p_s):
         raise ValueError(f"p_s must be a finite pressure [Pa], got {p_s}")
     r = resistances.tolist()
-    ports = [Ports(Orifice(r[2 * i], float(p_s)), Orifice(r[2 * i + 1], 0.0)) for i in range(3)]
-    derivative = state_derivative(from_array(x), (ports[0], ports[1], ports[2]), plant_parameters(machine))
+    ports = [Ports(Port(r[2 * i], math.inf, 0.0), Port(math.inf, r[2 * i + 1], 0.0)) for i in range(3)]
+    state = from_array(x, float(p_s))
+    derivative = state_derivative(state, (ports[0], ports[1], ports[2]), plant_parameters(machine))
     return to_array(derivative)

@@ -18,8 +18,10 @@ from typing import NamedTuple
 
 from forest_sim.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.integrator import Simulation, Triple
+from forest_sim.line import Port, is_shut, meet
 from forest_sim.parameters import Axis, PlantParameters
-from forest_sim.plant import AxisState, Ports, Transmission, transmissions, valve_ports
+from forest_sim.plant import AxisState, Ports, Transmission, ports_at, supply_draw, transmissions
+from forest_sim.supply import saturation
 
 SPEED_BANDWIDTH = 25.0  # [Hz]
 
@@ -48,6 +50,7 @@ class Measurement(NamedTuple):
     flows: tuple[float, float]
     supply_pressure: float
     supply_flow: float
+    supply_saturation: float
     case_drain_flow: float
 
 
@@ -62,21 +65,24 @@ def measure(
     """Sample every sensor, `dt` [s] after the last sample. Thesis table 4.2."""
     plant = simulation.plant
     estimate = _estimate_speeds(estimate, _positions(simulation, p), dt)
-    parts = (p.swing, p.boom, p.stick), _transmissions(simulation, p), _ports(simulation, p)
-    axes = tuple(zip(plant, *parts, strict=True))
+    parts = (p.swing, p.boom, p.stick), _transmissions(simulation, p), ports_at(simulation.spools, p)
+    states = plant.swing, plant.boom, plant.stick
+    axes = tuple(zip(states, *parts, strict=True))
+    draw = supply_draw(plant, parts[2])
     forces = tuple(_force(state, axis, t) for state, axis, t, _ in axes)
     torques = tuple(force * t.arm for force, (_, _, t, _) in zip(forces, axes, strict=True))
     return estimate, Measurement(
         joints=Motion(_triple(estimate.positions[:3]), _triple(estimate.speeds[:3]), _triple(torques)),
         actuators=Motion(_triple(estimate.positions[3:]), _triple(estimate.speeds[3:]), _triple(forces)),
         pressures=tuple(
-            value for state, axis, t, ports in axes for value in _pressures(state, axis, t, ports)
+            value
+            for state, axis, t, ports in axes
+            for value in _pressures(state, axis, t, ports, plant.supply.pressure)
         ),
         flows=(plant.swing.flow_1, plant.stick.flow_1),
-        supply_pressure=p.supply_pressure,
-        supply_flow=sum(
-            _supply_flow(state, spool) for state, spool in zip(plant, simulation.spools, strict=True)
-        ),
+        supply_pressure=plant.supply.pressure,
+        supply_flow=draw.flow,
+        supply_saturation=saturation(draw.flow, plant.supply.pressure, p.supply),
         case_drain_flow=_case_drain_flow(plant.swing, p.swing),
     )
 
@@ -87,7 +93,10 @@ def true_joints(simulation: Simulation, p: PlantParameters) -> Motion:
     torques = (
         _force(state, axis, t) * t.arm
         for state, axis, t in zip(
-            plant, (p.swing, p.boom, p.stick), _transmissions(simulation, p), strict=True
+            (plant.swing, plant.boom, plant.stick),
+            (p.swing, p.boom, p.stick),
+            _transmissions(simulation, p),
+            strict=True,
         )
     )
     return Motion(
@@ -110,10 +119,6 @@ def _transmissions(
     return transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
 
 
-def _ports(simulation: Simulation, p: PlantParameters) -> tuple[Ports, ...]:
-    return tuple(valve_ports(spool, p.supply_pressure, p.valve) for spool in simulation.spools)
-
-
 def _estimate_speeds(estimate: SpeedEstimate, positions: tuple[float, ...], dt: float) -> SpeedEstimate:
     keep = math.exp(-2.0 * math.pi * SPEED_BANDWIDTH * dt)
     speeds = tuple(
@@ -129,28 +134,19 @@ def _force(s: AxisState, axis: Axis, t: Transmission) -> float:
     return axis.actuator.own_displacement_1 * one - axis.actuator.own_displacement_2 * two
 
 
-def _pressures(s: AxisState, axis: Axis, t: Transmission, ports: Ports) -> tuple[float, float, float, float]:
+def _pressures(
+    s: AxisState, axis: Axis, t: Transmission, ports: Ports, supply: float
+) -> tuple[float, float, float, float]:
     """Return the pressures [Pa] of port 1 at valve and actuator, then of port 2."""
     one, two = port_pressures(t.arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
-    valve_1 = _valve_pressure(
-        s.pressure_1, s.flow_1, ports.orifice_1.source_pressure, ports.orifice_1.resistance
-    )
-    valve_2 = _valve_pressure(
-        s.pressure_2, -s.flow_2, ports.orifice_2.source_pressure, ports.orifice_2.resistance
-    )
+    valve_1 = _valve_pressure(s.pressure_1, s.flow_1, ports.port_1, supply)
+    valve_2 = _valve_pressure(s.pressure_2, -s.flow_2, ports.port_2, supply)
     return valve_1, one, valve_2, two
 
 
-def _valve_pressure(hose: float, flow: float, source: float, resistance: float) -> float:
-    """Return the pressure [Pa] between orifice and hose; behind a shut orifice it is the hose's."""
-    if resistance == math.inf:
-        return hose
-    return source - resistance * flow * abs(flow)
-
-
-def _supply_flow(s: AxisState, spool: float) -> float:
-    """Return the flow [m^3/s] that an axis draws from the pump through whichever port its spool connects."""
-    return s.flow_1 if spool >= 0.0 else -s.flow_2
+def _valve_pressure(hose: float, flow: float, port: Port, supply: float) -> float:
+    """Return the pressure [Pa] between the spool's edges and the hose; behind shut edges it is the hose's."""
+    return hose if is_shut(port) else meet(flow, 0.0, port, supply).pressure
 
 
 def _case_drain_flow(s: AxisState, axis: Axis) -> float:

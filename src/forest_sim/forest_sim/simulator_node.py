@@ -104,9 +104,10 @@ class SimulatorNode(Node):
 
     def _publish(self, seen: sensors.Measurement) -> None:
         """Publish one sample; what the driver needs goes before what makes the controller step."""
-        auxiliary = (*self._simulation.spools, seen.case_drain_flow, float(self._missed))
+        spools = (spool.position for spool in self._simulation.spools)
+        auxiliary = (*spools, seen.case_drain_flow, float(self._missed))
         self._publish_array(topics.PRESSURES, seen.pressures)
-        self._publish_array(topics.SUPPLY, (seen.supply_pressure, seen.supply_flow, 0.0))
+        self._publish_array(topics.SUPPLY, (seen.supply_pressure, seen.supply_flow, seen.supply_saturation))
         self._publish_motion(topics.JOINT_STATES, JOINTS, seen.joints)
         self._publish_motion(topics.ACTUATOR_STATES, ACTUATORS, seen.actuators)
         self._publish_array(topics.FLOWS, seen.flows)

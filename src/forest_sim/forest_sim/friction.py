@@ -1,0 +1,60 @@
+"""Dry friction of a cylinder's seals, with the Stribeck effect, made smooth through standstill.
+
+| symbol | name | unit |
+|---|---|---|
+| u | piston speed | m/s |
+| F_c, F_s | friction at speed, at breakaway | N |
+| u_s, u_0 | Stribeck speed; speed under which the sign is smoothed | m/s |
+
+    F = (F_c + (F_s - F_c) exp(-(u/u_s)^2)) u/sqrt(u^2 + u_0^2)
+
+The thesis takes viscous friction alone (section 3.2.4). Smoothing keeps the law a function: at rest under a
+load the piston creeps at a small share of u_0 instead of sticking.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_description import machine
+
+
+class Friction(NamedTuple):
+    """Constants of the law; `coulomb` and `breakaway` of 0 leave it out."""
+
+    coulomb: float  # F_c [N]
+    breakaway: float  # F_s [N]
+    stribeck_speed: float  # u_s [m/s]
+    smoothing_speed: float  # u_0 [m/s]
+
+
+FRICTIONLESS = Friction(0.0, 0.0, 1.0, 1.0)
+
+
+def friction(given: machine.Friction | None) -> Friction:
+    """Return the kernel's constants of a cylinder's friction."""
+    if given is None:
+        return FRICTIONLESS
+    return Friction(given.coulomb_force, given.breakaway_force, given.stribeck_speed, given.smoothing_speed)
+
+
+def friction_force(speed: float, f: Friction) -> float:
+    """Return the friction [N] at a speed [m/s], with the speed's sign (it opposes the motion)."""
+    if f.breakaway == 0.0:
+        return 0.0
+    return _magnitude(speed, f) * speed / math.hypot(speed, f.smoothing_speed)
+
+
+def friction_slope(speed: float, f: Friction) -> float:
+    """Return dF/du [N s/m]; negative where the Stribeck effect falls faster than the sign rises."""
+    if f.breakaway == 0.0:
+        return 0.0
+    root = math.hypot(speed, f.smoothing_speed)
+    ratio = speed / f.stribeck_speed
+    falling = (f.breakaway - f.coulomb) * math.exp(-ratio * ratio) * 2.0 * ratio / f.stribeck_speed
+    sign_slope = f.smoothing_speed * f.smoothing_speed / (root * root * root)
+    return _magnitude(speed, f) * sign_slope - falling * speed / root
+
+
+def _magnitude(speed: float, f: Friction) -> float:
+    ratio = speed / f.stribeck_speed
+    return f.coulomb + (f.breakaway - f.coulomb) * math.exp(-ratio * ratio)
