@@ -33,11 +33,14 @@ class Actuator(NamedTuple):
     displacement_2: float
     own_displacement_1: float  # of the actuator alone, at its ports: a leaking motor's differs a little
     own_displacement_2: float
+    internal_leakage: float  # between its ports
+    external_leakage: float  # of each port to the case drain
     leakage_11: float
     leakage_12: float
     leakage_22: float
     leakage_loss_1: float
     leakage_loss_2: float
+    damping: float  # viscous friction's share of the linear resistance
     linear_resistance: float
     quadratic_resistance: float
     laminar_drop_1: float  # [Pa s/m^3] of hose 1 between its capacitance and the actuator
@@ -146,11 +149,14 @@ def _actuator(
         displacement_2=reduced_2,
         own_displacement_1=d_1,
         own_displacement_2=d_2,
+        internal_leakage=g_i,
+        external_leakage=g_e,
         leakage_11=leakage_11,
         leakage_12=leakage_12,
         leakage_22=leakage_22,
         leakage_loss_1=leakage_11 * loss_1 + leakage_12 * loss_2,
         leakage_loss_2=leakage_12 * loss_1 + leakage_22 * loss_2,
+        damping=damping,
         linear_resistance=damping + d_1 * r_1 * reduced_1 + d_2 * r_2 * reduced_2,
         quadratic_resistance=reduced_1 * loss_1 + reduced_2 * loss_2,
         laminar_drop_1=r_1,

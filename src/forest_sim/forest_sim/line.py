@@ -109,6 +109,25 @@ def port_flow(p: float, port: Port, supply: float) -> float:
     )
 
 
+def edge_flows(flow: float, p: float, port: Port, supply: float) -> tuple[float, float]:
+    """Return what comes from the supply and what goes to the tank [m^3/s]; their difference is the flow.
+
+    The one that has to pass an open edge alone is taken from the flow, which is exact where the drop is tiny.
+
+    Args:
+        flow: Q [m^3/s].
+        p: the port's pressure at this flow [Pa].
+        port: what the valve connects.
+        supply: P_s [Pa].
+    """
+    from_supply, to_tank = port.leakage * (supply - p), port.leakage * p
+    if port.to_tank == math.inf:
+        return flow + to_tank, to_tank
+    if port.to_supply == math.inf:
+        return from_supply, from_supply - flow
+    return from_supply + edge_flow(supply - p, port.to_supply), to_tank + edge_flow(p, port.to_tank)
+
+
 def edge_flow(drop: float, resistance: float) -> float:
     """Return Q [m^3/s] = sgn(dP) sqrt(|dP|/C_R). Thesis eq. 3.1."""
     return math.copysign(math.sqrt(abs(drop) / resistance), drop)
@@ -267,7 +286,7 @@ def supply_coupling(solution: LineSolution, port: Port, supply: float, line: Lin
     admittance = gain / (1.0 + gain * slope)
     p_per_supply = to_supply / (conductance + admittance)
     return Coupling(
-        draw=edge_flow(supply - p, port.to_supply) + port.leakage * (supply - p),
+        draw=edge_flows(solution.flow, p, port, supply)[0],
         conductance=to_supply * (1.0 - p_per_supply),
         gain=slope * admittance * p_per_supply,
     )

@@ -25,7 +25,7 @@ from forest_description.valve import ValveLaw, edges
 from forest_sim.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.end_stop import cushion_resistance, end_stop_force
 from forest_sim.friction import friction_force
-from forest_sim.line import Port, edge_flow, flow_rate, is_shut, meet, pressure_rate
+from forest_sim.line import Port, edge_flows, flow_rate, is_shut, meet, pressure_rate
 from forest_sim.manipulator import Dynamics, dynamics
 from forest_sim.parameters import Axis, PlantParameters, plant_parameters
 from forest_sim.spool import Spools
@@ -194,8 +194,7 @@ def _port_draw(flow: float, port: Port, supply: float) -> Draw:
     if is_shut(port):
         return Draw(0.0, 0.0)
     pressure = meet(flow, 0.0, port, supply).pressure
-    drawn = edge_flow(supply - pressure, port.to_supply) + port.leakage * (supply - pressure)
-    return Draw(drawn, sensed_load(pressure, port))
+    return Draw(edge_flows(flow, pressure, port, supply)[0], sensed_load(pressure, port))
 
 
 def sensed_load(pressure: float, port: Port) -> float:
