@@ -37,6 +37,9 @@ def test_c180_adds_to_the_thesis_machine_only_what_its_file_says():
         name=MACHINE.name,
         description=MACHINE.description,
         stick=dataclasses.replace(THESIS.stick, length_exponent=1.0),
+        manipulator=dataclasses.replace(
+            THESIS.manipulator, boom_xx=77.6049, stick_xx=331.97606, head_folding="full"
+        ),
         port_valves=PortValves(24.1e6, 1e-8, 0.0, 1e-7),
         end_stops=EndStops(3e8, 2e6, 5e7, 1e6),
         spool_bandwidth=12.0,
@@ -88,7 +91,9 @@ def test_every_number_has_a_source_in_the_thesis_or_a_reason_to_assume_it():
 
 
 def test_sources_list_every_parameter_of_the_machine():
-    assert {row.key for row in sources("c180")} == set(parameters(Machine))
+    absent = ("manipulator.log.", "manipulator.pendulum.")
+    there = {key for key in parameters(Machine) if not key.startswith(absent)}
+    assert {row.key for row in sources("c180")} == there
 
 
 def test_sources_are_in_the_units_of_the_file():
