@@ -13,7 +13,7 @@ LOADED = """based_on: c180
 manipulator:
   log:
     mass: {value: 900, unit: kg, source: weighed}
-    x: {value: 40, unit: cm, source: measured}
+    x: {value: 400, unit: mm, source: measured}
     y: {value: 0, unit: m, source: measured}
   pendulum:
     length: {value: 0.9, unit: m, source: measured}
