@@ -40,6 +40,9 @@ def test_c180_adds_to_the_thesis_machine_only_what_its_file_says():
         name=MACHINE.name,
         description=MACHINE.description,
         stick=dataclasses.replace(THESIS.stick, length_exponent=1.0),
+        manipulator=dataclasses.replace(
+            THESIS.manipulator, boom_xx=77.6049, stick_xx=331.97606, head_folding="full"
+        ),
         port_valves=PortValves(24.1e6, 1e-8, 0.0, 1e-7),
         end_stops=EndStops(3e8, 2e6, 5e7, 1e6),
         valve=dataclasses.replace(THESIS.valve, spool_bandwidth=12.0),

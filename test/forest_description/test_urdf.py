@@ -6,12 +6,22 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from forest_description.bodies import boom_body, stick_body
 from forest_description.kinematics import tip_position
 from forest_description.limits import joint_limits
+from forest_description.linkage import cylinder_length
+from forest_description.load import Log, Pendulum
 from forest_description.machine import load_machine
+from forest_description.passive_joints import (
+    CYLINDER_JOINTS,
+    HEAD_JOINTS,
+    cylinder_joint_positions,
+    head_joint_positions,
+)
 from forest_description.urdf import robot_description
 
-MACHINE = load_machine()
+MACHINE, THESIS = load_machine(), load_machine("c180_thesis")
+BOTH = pytest.mark.parametrize("machine", [MACHINE, THESIS], ids=["c180", "thesis"])
 ROBOT = ElementTree.fromstring(robot_description(MACHINE))
 
 
@@ -39,11 +49,27 @@ def frame(robot, link, angles):
         return np.eye(4)
     origin = joint.find("origin")
     assert not numbers(origin, "rpy").any()
-    moved = np.eye(3)
+    moved, place = np.eye(3), numbers(origin, "xyz")
     if joint.get("type") == "revolute":
         moved = turn(numbers(joint.find("axis"), "xyz"), angles[joint.get("name")])
+    if joint.get("type") == "prismatic":
+        place = place + numbers(joint.find("axis"), "xyz") * angles[joint.get("name")]
     parent = frame(robot, joint.find("parent").get("link"), angles)
-    return parent @ transform(moved, numbers(origin, "xyz"))
+    return parent @ transform(moved, place)
+
+
+def inertial(robot, name):
+    """Return mass, centre of mass and inertia tensor of a link in its own frame, None for a massless one."""
+    element = next(link for link in robot.findall("link") if link.get("name") == name).find("inertial")
+    if element is None:
+        return None
+    i = {key: float(value) for key, value in element.find("inertia").items()}
+    tensor = [[i["ixx"], i["ixy"], i["ixz"]], [i["ixy"], i["iyy"], i["iyz"]], [i["ixz"], i["iyz"], i["izz"]]]
+    return float(element.find("mass").get("value")), numbers(element.find("origin"), "xyz"), np.array(tensor)
+
+
+def with_manipulator(**changes):
+    return dataclasses.replace(MACHINE, manipulator=dataclasses.replace(MACHINE.manipulator, **changes))
 
 
 def test_tip_of_the_urdf_is_the_tip_of_the_kinematics_at_random_poses():
@@ -56,12 +82,13 @@ def test_tip_of_the_urdf_is_the_tip_of_the_kinematics_at_random_poses():
 def test_links_hang_together_in_one_tree_from_base_link():
     links = [link.get("name") for link in ROBOT.findall("link")]
     children = [joint.find("child").get("link") for joint in ROBOT.findall("joint")]
-    assert links == ["base_link", "platform", "boom", "stick", "head", "tip"]
+    drawn = ["boom_barrel", "boom_rod", "stick_barrel", "stick_rod"]
+    assert links == ["base_link", "platform", "boom", "stick", "head", "tip", *drawn]
     assert sorted([*children, "base_link"]) == sorted(links)
 
 
 def test_moving_joints_have_the_names_and_limits_of_the_machine():
-    moving = [joint for joint in ROBOT.findall("joint") if joint.get("type") == "revolute"]
+    moving = [joint for joint in ROBOT.findall("joint") if joint.get("type") == "revolute"][:3]
     assert [joint.get("name") for joint in moving] == ["swing", "boom", "stick"]
     for joint, interval in zip(moving, joint_limits(MACHINE), strict=True):
         limit = joint.find("limit")
@@ -70,7 +97,34 @@ def test_moving_joints_have_the_names_and_limits_of_the_machine():
         assert 0.2 < float(limit.get("velocity")) < 5.0
 
 
-def test_masses_and_their_moments_about_the_pivots_are_those_of_the_thesis():
+def test_no_joint_but_those_of_the_cylinders_is_left_to_others():
+    """Of a machine without a hanging head: a viewer that knows swing, boom and stick has all positions."""
+    moving = [joint for joint in ROBOT.findall("joint") if joint.get("type") != "fixed"]
+    told = ("swing", "boom", "stick")
+    assert {joint.get("name") for joint in moving} == {*told, *CYLINDER_JOINTS}
+    for joint in moving[3:]:
+        assert joint.find("mimic").get("joint") in told
+        assert joint.get("name").startswith(joint.find("mimic").get("joint"))
+
+
+@BOTH
+def test_masses_and_inertias_are_those_of_the_dynamics(machine):
+    robot, parts = ElementTree.fromstring(robot_description(machine)), machine.manipulator
+    for name, body in (("boom", boom_body(parts)), ("stick", stick_body(parts))):
+        mass, centre, tensor = inertial(robot, name)
+        assert (mass, *centre) == (body.mass, body.x, 0.0, body.y)
+        expected = [[body.xx, 0.0, -body.xy], [0.0, body.zz, 0.0], [-body.xy, 0.0, body.yy]]
+        np.testing.assert_array_equal(tensor, expected)
+    mass, centre, tensor = inertial(robot, "platform")
+    assert (mass, *centre, tensor[2, 2]) == (parts.base_mass, parts.base_x, 0.0, 0.0, parts.base_zz)
+
+
+def test_only_the_three_bodies_of_the_dynamics_weigh():
+    heavy = [link.get("name") for link in ROBOT.findall("link") if link.find("inertial") is not None]
+    assert heavy == ["platform", "boom", "stick"]
+
+
+def test_weights_about_the_boom_pivot_are_those_of_the_thesis():
     angles = {"swing": 0.0, "boom": 0.4, "stick": -1.3}
     part = MACHINE.manipulator
     c2, s2, c23, s23 = np.cos(0.4), np.sin(0.4), np.cos(-0.9), np.sin(-0.9)
@@ -81,32 +135,76 @@ def test_masses_and_their_moments_about_the_pivots_are_those_of_the_thesis():
         - part.stick_mass * part.stick_y * s23
     )
     moment = 0.0  # of the weights about the boom pivot, over g: G2 of Appendix B
-    for name in ("boom", "stick", "head"):
-        inertial = next(link for link in ROBOT.findall("link") if link.get("name") == name).find("inertial")
-        centre = frame(ROBOT, name, angles) @ [*numbers(inertial.find("origin"), "xyz"), 1.0]
-        moment += float(inertial.find("mass").get("value")) * (centre[0] - part.base_offset)
+    for name in ("boom", "stick"):
+        mass, centre, _ = inertial(ROBOT, name)
+        moment += mass * ((frame(ROBOT, name, angles) @ [*centre, 1.0])[0] - part.base_offset)
     assert moment == pytest.approx(expected, rel=1e-12)
 
 
-def test_inertias_about_the_joint_axis_and_across_are_those_of_the_thesis():
-    moments = {link.get("name"): link.find("inertial/inertia") for link in ROBOT.findall("link")}
-    part = MACHINE.manipulator
-    for name, about_joint, across in (
-        ("boom", part.boom_zz, part.boom_yy),
-        ("stick", part.stick_zz, part.stick_yy),
-    ):
-        assert float(moments[name].get("iyy")) == about_joint
-        assert float(moments[name].get("izz")) == across
-    assert float(moments["platform"].get("izz")) == part.base_zz
+@pytest.mark.parametrize("log", [None, Log(mass=900.0, x=0.4, y=-0.3)], ids=["empty", "log"])
+def test_every_inertia_of_the_default_machine_could_belong_to_a_body(log):
+    """The second moments of mass along the principal axes are not negative."""
+    robot = ElementTree.fromstring(robot_description(with_manipulator(log=log)))
+    for name in ("platform", "boom", "stick"):
+        principal = np.linalg.eigvalsh(inertial(robot, name)[2])
+        assert min(0.5 * principal.sum() - principal) > -1e-9 * principal.max()
 
 
-def test_every_inertia_could_belong_to_a_body():
-    inertials = [link.find("inertial") for link in ROBOT.findall("link") if link.find("inertial") is not None]
-    assert len(inertials) == 4
-    for inertial in inertials:
-        ixx, iyy, izz = sorted(float(inertial.find("inertia").get(key)) for key in ("ixx", "iyy", "izz"))
-        assert ixx > 0.0
-        assert izz <= (ixx + iyy) * (1.0 + 1e-12)
+@BOTH
+def test_rods_eyes_lie_on_the_driven_links_over_the_whole_stroke(machine):
+    robot = ElementTree.fromstring(robot_description(machine))
+    _, boom, stick = joint_limits(machine)
+    for share in np.linspace(0.0, 1.0, 21).tolist():
+        q = (0.3, boom[0] + share * (boom[1] - boom[0]), stick[0] + share * (stick[1] - stick[0]))
+        positions = cylinder_joint_positions(q, machine)
+        angles = dict(zip(("swing", "boom", "stick", *CYLINDER_JOINTS), (*q, *positions), strict=True))
+        for name, drive, angle in (("boom", machine.boom, q[1]), ("stick", machine.stick, q[2])):
+            eye, barrel = (frame(robot, f"{name}_{part}", angles)[:3, 3] for part in ("rod", "barrel"))
+            pin = frame(robot, name, angles) @ [drive.pivot_to_rod, 0.0, 0.0, 1.0]
+            np.testing.assert_allclose(eye, pin[:3], atol=1e-12)
+            assert np.linalg.norm(eye - barrel) == pytest.approx(cylinder_length(angle, drive.linkage))
+
+
+@BOTH
+def test_cylinders_that_only_follow_their_joint_stay_near_their_place_and_inside_their_limits(machine):
+    robot = ElementTree.fromstring(robot_description(machine))
+    _, boom, stick = joint_limits(machine)
+    joints = {joint.get("name"): joint for joint in robot.findall("joint")}
+    for share in np.linspace(0.0, 1.0, 21).tolist():
+        q = (0.0, boom[0] + share * (boom[1] - boom[0]), stick[0] + share * (stick[1] - stick[0]))
+        angles = dict(zip(("swing", "boom", "stick"), q, strict=True))
+        for name, exact in zip(CYLINDER_JOINTS, cylinder_joint_positions(q, machine), strict=True):
+            rule, limit = joints[name].find("mimic"), joints[name].find("limit")
+            angles[name] = (
+                float(rule.get("offset")) + float(rule.get("multiplier")) * angles[rule.get("joint")]
+            )
+            for position in (angles[name], exact):
+                assert float(limit.get("lower")) - 1e-3 <= position <= float(limit.get("upper")) + 1e-3
+        for name, drive in (("boom", machine.boom), ("stick", machine.stick)):
+            pin = frame(robot, name, angles) @ [drive.pivot_to_rod, 0.0, 0.0, 1.0]
+            assert np.linalg.norm(frame(robot, f"{name}_rod", angles)[:3, 3] - pin[:3]) < 0.17
+
+
+def test_a_hanging_head_stands_as_its_angles_tell():
+    machine = with_manipulator(pendulum=Pendulum(0.9, 60.0, 250.0), log=Log(500.0, 1.4, 0.0))
+    robot = ElementTree.fromstring(robot_description(machine))
+    mass, centre, tensor = inertial(robot, "head")
+    assert mass == machine.manipulator.head_mass + 500.0
+    np.testing.assert_array_equal(tensor, np.diag([tensor[0, 0], tensor[0, 0], 0.0]))
+    for q, alpha, beta in (((0.0, 0.5, -1.4), 0.3, -0.2), ((0.0, 1.1, -2.0), -0.4, 0.6)):
+        names = ("swing", "boom", "stick", *HEAD_JOINTS)
+        angles = dict(zip(names, (*q, *head_joint_positions(q, (alpha, beta))), strict=True))
+        along = frame(robot, "head", angles)[:3, :3] @ centre / np.linalg.norm(centre)
+        d = (np.sin(alpha) * np.cos(beta), np.sin(beta), -np.cos(alpha) * np.cos(beta))
+        np.testing.assert_allclose(along, d, atol=1e-12)
+        expected = tip_position(q, machine.manipulator.links)
+        np.testing.assert_allclose(frame(robot, "head", angles)[:3, 3], expected, atol=1e-12)
+
+
+def test_a_log_is_drawn_where_its_centre_is():
+    robot = ElementTree.fromstring(robot_description(with_manipulator(log=Log(900.0, 0.4, -0.3))))
+    head = next(link for link in robot.findall("link") if link.get("name") == "head")
+    np.testing.assert_array_equal(numbers(head.findall("visual")[1].find("origin"), "xyz"), [0.4, 0.0, -0.3])
 
 
 def test_a_name_with_special_characters_stays_readable():

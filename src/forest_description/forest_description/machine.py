@@ -15,6 +15,7 @@ from forest_description import machine_file, machine_tree
 from forest_description.hydraulics import Hose, Line, PortValves, Valve
 from forest_description.kinematics import Links
 from forest_description.linkage import Linkage
+from forest_description.load import Log, Pendulum
 from forest_description.parameter import MachineError, ParameterSet, choice, parameter, require_order
 from forest_description.pump import Pump
 
@@ -26,9 +27,11 @@ __all__ = [
     "Friction",
     "Hose",
     "Line",
+    "Log",
     "Machine",
     "MachineError",
     "Manipulator",
+    "Pendulum",
     "PortValves",
     "Pump",
     "SwingDrive",
@@ -132,13 +135,15 @@ class CylinderDrive(ParameterSet):
 
 @dataclass(frozen=True)
 class Manipulator(ParameterSet):
-    """Links of the crane, Thesis App. B; products of inertia and I_xx are zero there and not listed.
+    """Links of the crane, each symmetric about the crane's plane. Thesis App. B.
 
     Link frames: x along the link from its joint, z the joint axis, y across, upwards when the link points
     forward. Boom and stick inertias are about the centre of mass, the base's about the swing axis frame's
-    own. The head is a point at the tip.
+    own; a product I_xy is the integral of x y dm. The head is a point at the tip, or hangs from it.
     """
 
+    log: Log | None
+    pendulum: Pendulum | None
     gravity: float = parameter("m/s2", 0.0, 30.0, "acceleration of gravity g")
     platform_tilt: float = parameter("rad", -1.0, 1.0, "tilt λ of the platform about its x axis")
     base_mass: float = parameter("kg", 0.0, 1e6, "mass of the swing base m1")
@@ -154,10 +159,30 @@ class Manipulator(ParameterSet):
     stick_x: float = parameter("m", -50.0, 50.0, "stick's centre of mass without head, along the stick x3s")
     stick_y: float = parameter("m", -10.0, 10.0, "stick's centre of mass without head, across y3s")
     base_zz: float = parameter("kg*m2", 0.0, 1e7, "base's inertia about the vertical I1zz")
+    boom_xx: float = parameter("kg*m2", 0.0, 1e7, "boom's inertia about its x axis I2xx")
     boom_yy: float = parameter("kg*m2", 0.0, 1e7, "boom's inertia about its y axis I2yy")
     boom_zz: float = parameter("kg*m2", 0.0, 1e7, "boom's inertia about the joint direction I2zz")
+    boom_xy: float = parameter("kg*m2", -1e7, 1e7, "boom's product of inertia I2xy")
+    stick_xx: float = parameter("kg*m2", 0.0, 1e7, "stick's inertia about its x axis I3xxs")
     stick_yy: float = parameter("kg*m2", 0.0, 1e7, "stick's inertia about its y axis I3yys")
     stick_zz: float = parameter("kg*m2", 0.0, 1e7, "stick's inertia about the joint direction I3zzs")
+    stick_xy: float = parameter("kg*m2", -1e7, 1e7, "stick's product of inertia I3xys")
+    head_folding: str = choice(
+        "thesis", "full", doc="whether the head gives the stick its share of I3xx and I3xy, or none (thesis)"
+    )
+
+    def __post_init__(self) -> None:
+        """Check ranges, and that what hangs has a mass and its centre on the head's axis."""
+        super().__post_init__()
+        if self.pendulum is None:
+            return
+        if self.head_mass <= 0.0:
+            raise MachineError("head_mass: a head that hangs (pendulum) needs a mass above 0 kg")
+        if self.log is not None and (self.log.x < 0.0 or self.log.y != 0.0):
+            raise MachineError(
+                f"log: ({self.log.x:g}, {self.log.y:g}) m: in a head that hangs (pendulum) its centre must "
+                f"lie on the head's axis, x at least 0 m and y 0 m"
+            )
 
     @property
     def links(self) -> Links:

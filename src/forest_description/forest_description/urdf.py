@@ -5,94 +5,114 @@ forward, y left, z up. Every link frame has x along the link and z up when the l
 stick turn about −y, so that a positive angle lifts. The joints are named as in /joint_states: swing, boom,
 stick.
 
-Inertias: the thesis' link frames have z along the joint axis and y across, so its I_zz is iyy here and its
-I_yy is izz. It prints I_xx = 0, which no body can have; ixx = |iyy − izz| is the least possible, and the
-dynamics hardly feel it.
+Inertias are those of the dynamics, exactly: head and log are in the stick's unless they hang. The thesis'
+link frames have z along the joint axis and y across, so its I_zz is iyy here, its I_yy izz and its product
+I_xy -ixz. Appendix B's I_xx = 0, which no body can have, stays zero in `c180_thesis`. Of the platform only
+the inertia about the vertical is known; half of it is the least there can be about x and y.
+
+Cylinders are drawn, without mass. URDF has no closed loops: barrel and rod hang in the tree by joints of
+their own (`passive_joints.CYLINDER_JOINTS`). Their positions may stand in the same message as swing, boom and
+stick; where they do not, they follow boom and stick about (mimic; the rod's eye is up to 0.17 m off). The two
+joints of a hanging head (`HEAD_JOINTS`) need their positions told.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
 from xml.etree import ElementTree
 
 from forest_description.actuation import rated_speeds
+from forest_description.bodies import PlanarBody, boom_body, hanging_body, stick_body
 from forest_description.kinematics import Vector
 from forest_description.limits import Interval, joint_limits
 from forest_description.linkage import lever_arm
+from forest_description.load import Log
 from forest_description.machine import CylinderDrive, Machine
+from forest_description.passive_joints import (
+    CYLINDER_JOINTS,
+    HEAD_JOINTS,
+    barrel_pivot,
+    cylinder_followers,
+)
+from forest_description.urdf_elements import ORIGIN, Inertial, joint, limit, link, mimic, text, visual
 
-ORIGIN: Vector = (0.0, 0.0, 0.0)
+FORWARD: Vector = (1.0, 0.0, 0.0)
 UP: Vector = (0.0, 0.0, 1.0)
 LIFTING: Vector = (0.0, -1.0, 0.0)
+ALONG_X: Vector = (0.0, 0.5 * math.pi, 0.0)
+"""Roll, pitch, yaw that lay a cylinder's axis along x."""
+ALONG_Y: Vector = (0.5 * math.pi, 0.0, 0.0)
 HEAD_RADIUS = 0.35
-"""Of the ball that stands for the head [m]; its inertia must be positive for most readers of URDF."""
-
-
-class Inertial(NamedTuple):
-    """Mass [kg], centre of mass [m] and principal inertias about it (ixx, iyy, izz) [kg·m²]."""
-
-    mass: float
-    centre: Vector
-    inertia: Vector
+"""Of the ball that stands for the head [m]."""
+LOG_LENGTH, LOG_DENSITY = 4.0, 850.0
+"""Of the cylinder that stands for a log [m], [kg/m^3]: green spruce; only its mass is known."""
+WALL, EYE = 0.01, 0.1
+"""Of a cylinder's barrel, and the length of its eye [m]."""
+PASSIVE_SPEED = 10.0
+"""Greatest speed told of joints that nothing drives [rad/s, m/s]."""
 
 
 def robot_description(machine: Machine) -> str:
     """Return the URDF text of a machine.
 
     Links base_link, platform, boom, stick, head and tip; revolute joints swing, boom, stick with the limits
-    of the strokes; the tip frame at the end of the stick.
+    of the strokes; the tip frame at the end of the stick; barrels and rods of the two cylinders.
     """
     parts, robot = machine.manipulator, ElementTree.Element("robot", name=machine.name)
-    ElementTree.SubElement(robot, "link", name="base_link")
+    link(robot, "base_link")
     _platform(robot, machine)
-    _beam(robot, "boom", parts.boom_length, 0.30, _boom_inertial(machine))
-    _beam(robot, "stick", parts.stick_length, 0.22, _stick_inertial(machine))
-    _head(robot, machine)
-    ElementTree.SubElement(robot, "link", name="tip")
+    _beam(robot, "boom", parts.boom_length, 0.30, boom_body(parts))
+    _beam(robot, "stick", parts.stick_length, 0.22, stick_body(parts))
     _moving_joints(robot, machine)
-    _joint(robot, "head", "fixed", "stick", "head", (parts.stick_length, 0.0, 0.0))
-    _joint(robot, "tip", "fixed", "stick", "tip", (parts.stick_length, 0.0, 0.0))
+    _head(robot, machine)
+    link(robot, "tip")
+    joint(robot, "tip", "fixed", ("stick", "tip"), (parts.stick_length, 0.0, 0.0))
+    _cylinders(robot, machine)
     ElementTree.indent(robot)
     return ElementTree.tostring(robot, encoding="unicode", xml_declaration=True) + "\n"
 
 
-def _boom_inertial(machine: Machine) -> Inertial:
-    """Return the boom's mass properties in its URDF frame."""
-    m = machine.manipulator
-    inertia = (abs(m.boom_zz - m.boom_yy), m.boom_zz, m.boom_yy)
-    return Inertial(m.boom_mass, (m.boom_x, 0.0, m.boom_y), inertia)
-
-
-def _stick_inertial(machine: Machine) -> Inertial:
-    """Return the stick's mass properties, without the head, in its URDF frame."""
-    m = machine.manipulator
-    inertia = (abs(m.stick_zz - m.stick_yy), m.stick_zz, m.stick_yy)
-    return Inertial(m.stick_mass, (m.stick_x, 0.0, m.stick_y), inertia)
-
-
 def _platform(robot: ElementTree.Element, machine: Machine) -> None:
-    """Add the turning platform.
-
-    Only its inertia about the vertical is known; half of it is the least there can be about x and y.
-    """
+    """Add the turning platform."""
     m = machine.manipulator
-    inertia = (0.5 * m.base_zz, 0.5 * m.base_zz, m.base_zz)
-    link = _link(robot, "platform", Inertial(m.base_mass, (m.base_x, 0.0, 0.0), inertia))
-    _visual(link, (0.0, 0.0, -0.4), "cylinder", radius="0.35", length="0.8")
+    diagonal = (0.5 * m.base_zz, 0.5 * m.base_zz, m.base_zz)
+    platform = link(robot, "platform", Inertial(m.base_mass, (m.base_x, 0.0, 0.0), diagonal, 0.0))
+    visual(platform, "cylinder", (0.0, 0.0, -0.4), radius="0.35", length="0.8")
 
 
-def _beam(robot: ElementTree.Element, name: str, length: float, side: float, inertial: Inertial) -> None:
+def _beam(robot: ElementTree.Element, name: str, length: float, side: float, body: PlanarBody) -> None:
     """Add a link that looks like a square beam from its joint to the next."""
-    link = _link(robot, name, inertial)
-    _visual(link, (0.5 * length, 0.0, 0.0), "box", size=_text((length, side, side)))
+    inertial = Inertial(body.mass, (body.x, 0.0, body.y), (body.xx, body.zz, body.yy), -body.xy)
+    visual(link(robot, name, inertial), "box", (0.5 * length, 0.0, 0.0), size=text((length, side, side)))
 
 
 def _head(robot: ElementTree.Element, machine: Machine) -> None:
-    """Add the head as a small solid ball around the tip."""
-    mass = machine.manipulator.head_mass
-    moment = 0.4 * mass * HEAD_RADIUS**2
-    link = _link(robot, "head", Inertial(mass, ORIGIN, (moment, moment, moment)))
-    _visual(link, ORIGIN, "sphere", radius=f"{HEAD_RADIUS:g}")
+    """Add the head as a ball, and its log: at the tip, part of the stick, or under a joint with two axes."""
+    m, hanging = machine.manipulator, hanging_body(machine.manipulator)
+    tip = (m.stick_length, 0.0, 0.0)
+    if m.pendulum is None or hanging is None:
+        head = link(robot, "head")
+        visual(head, "sphere", radius=f"{HEAD_RADIUS:g}")
+        if m.log is not None:
+            _log(head, m.log, (m.log.x, 0.0, m.log.y))
+        joint(robot, "head", "fixed", ("stick", "head"), tip)
+        return
+    diagonal, centre = (hanging.inertia, hanging.inertia, 0.0), (0.0, 0.0, -hanging.length)
+    link(robot, "head_cross")
+    head = link(robot, "head", Inertial(hanging.mass, centre, diagonal, 0.0))
+    visual(head, "sphere", (0.0, 0.0, -m.pendulum.length), radius=f"{HEAD_RADIUS:g}")
+    if m.log is not None:
+        _log(head, m.log, (0.0, 0.0, -m.log.x))
+    in_plane = joint(robot, HEAD_JOINTS[0], "revolute", ("stick", "head_cross"), tip, LIFTING)
+    limit(in_plane, (-2.0 * math.pi, 2.0 * math.pi), 0.0, PASSIVE_SPEED)
+    out_of_plane = joint(robot, HEAD_JOINTS[1], "revolute", ("head_cross", "head"), ORIGIN, FORWARD)
+    limit(out_of_plane, (-0.5 * math.pi, 0.5 * math.pi), 0.0, PASSIVE_SPEED)
+
+
+def _log(head: ElementTree.Element, log: Log, centre: Vector) -> None:
+    """Draw a log across the crane's plane, as thick as its mass makes it."""
+    radius = math.sqrt(log.mass / (math.pi * LOG_LENGTH * LOG_DENSITY))
+    visual(head, "cylinder", centre, ALONG_Y, radius=repr(max(radius, 0.05)), length=repr(LOG_LENGTH))
 
 
 def _moving_joints(robot: ElementTree.Element, machine: Machine) -> None:
@@ -100,16 +120,16 @@ def _moving_joints(robot: ElementTree.Element, machine: Machine) -> None:
     swing_range, boom_range, stick_range = joint_limits(machine)
     speed, parts = rated_speeds(machine), machine.manipulator
     torque = machine.swing.gear_ratio * machine.swing.motor_displacement * machine.pump.supply_pressure
-    swing = _joint(robot, "swing", "revolute", "base_link", "platform", ORIGIN, UP)
-    _limit(swing, swing_range, torque, speed[0])
-    boom = _joint(robot, "boom", "revolute", "platform", "boom", (parts.base_offset, 0.0, 0.0), LIFTING)
+    swing = joint(robot, "swing", "revolute", ("base_link", "platform"), ORIGIN, UP)
+    limit(swing, swing_range, torque, speed[0])
+    boom = joint(robot, "boom", "revolute", ("platform", "boom"), (parts.base_offset, 0.0, 0.0), LIFTING)
     _cylinder_limit(boom, boom_range, machine.boom, machine.pump.supply_pressure, speed[1])
-    stick = _joint(robot, "stick", "revolute", "boom", "stick", (parts.boom_length, 0.0, 0.0), LIFTING)
+    stick = joint(robot, "stick", "revolute", ("boom", "stick"), (parts.boom_length, 0.0, 0.0), LIFTING)
     _cylinder_limit(stick, stick_range, machine.stick, machine.pump.supply_pressure, speed[2])
 
 
 def _cylinder_limit(
-    joint: ElementTree.Element, interval: Interval, drive: CylinderDrive, pressure: float, speed: float
+    of: ElementTree.Element, interval: Interval, drive: CylinderDrive, pressure: float, speed: float
 ) -> None:
     """Add the limits of a cylinder's joint: torque at the longest lever arm, speed at the shortest.
 
@@ -117,54 +137,32 @@ def _cylinder_limit(
     """
     longest = min(drive.pivot_to_base, drive.pivot_to_rod)
     shortest = min(lever_arm(angle, drive.linkage) for angle in interval)
-    _limit(joint, interval, longest * drive.head_area * pressure, speed / shortest)
+    limit(of, interval, longest * drive.head_area * pressure, speed / shortest)
 
 
-def _link(robot: ElementTree.Element, name: str, inertial: Inertial) -> ElementTree.Element:
-    """Add a link with its mass properties."""
-    link = ElementTree.SubElement(robot, "link", name=name)
-    element = ElementTree.SubElement(link, "inertial")
-    ElementTree.SubElement(element, "origin", xyz=_text(inertial.centre), rpy=_text(ORIGIN))
-    ElementTree.SubElement(element, "mass", value=repr(inertial.mass))
-    moments = dict(zip(("ixx", "iyy", "izz"), map(repr, inertial.inertia), strict=True))
-    ElementTree.SubElement(element, "inertia", {**moments, "ixy": "0", "ixz": "0", "iyz": "0"})
-    return link
+def _cylinders(robot: ElementTree.Element, machine: Machine) -> None:
+    """Add barrel and rod of boom and stick, pivot by pivot, without mass."""
+    parts, followers = machine.manipulator, cylinder_followers(machine)
+    for number, (name, parent, drive, at) in enumerate(
+        (
+            ("boom", "platform", machine.boom, parts.base_offset),
+            ("stick", "boom", machine.stick, parts.boom_length),
+        )
+    ):
+        barrel, rod = f"{name}_barrel", f"{name}_rod"
+        _tube(robot, barrel, math.sqrt(drive.head_area / math.pi) + WALL, (0.0, drive.retracted_length - EYE))
+        _tube(robot, rod, math.sqrt((drive.head_area - drive.rod_area) / math.pi), (-drive.stroke - EYE, 0.0))
+        along, up = barrel_pivot(drive.linkage)
+        pivot, slide = CYLINDER_JOINTS[2 * number : 2 * number + 2]
+        turning = joint(robot, pivot, "revolute", (parent, barrel), (at + along, 0.0, up), LIFTING)
+        sliding = joint(robot, slide, "prismatic", (barrel, rod), (drive.retracted_length, 0.0, 0.0), FORWARD)
+        for moving, follower in zip((turning, sliding), followers[2 * number :], strict=False):
+            limit(moving, follower.interval, 0.0, PASSIVE_SPEED)
+            mimic(moving, name, follower.multiplier, follower.offset)
 
 
-def _visual(link: ElementTree.Element, centre: Vector, shape: str, **size: str) -> None:
-    """Add what a viewer draws for a link."""
-    visual = ElementTree.SubElement(link, "visual")
-    ElementTree.SubElement(visual, "origin", xyz=_text(centre), rpy=_text(ORIGIN))
-    ElementTree.SubElement(ElementTree.SubElement(visual, "geometry"), shape, size)
-
-
-def _joint(
-    robot: ElementTree.Element,
-    name: str,
-    kind: str,
-    parent: str,
-    child: str,
-    place: Vector,
-    axis: Vector | None = None,
-) -> ElementTree.Element:
-    """Add a joint at ``place`` in the parent's frame."""
-    joint = ElementTree.SubElement(robot, "joint", name=name, type=kind)
-    ElementTree.SubElement(joint, "parent", link=parent)
-    ElementTree.SubElement(joint, "child", link=child)
-    ElementTree.SubElement(joint, "origin", xyz=_text(place), rpy=_text(ORIGIN))
-    if axis is not None:
-        ElementTree.SubElement(joint, "axis", xyz=_text(axis))
-    return joint
-
-
-def _limit(joint: ElementTree.Element, interval: Interval, effort: float, speed: float) -> None:
-    """Add the range [rad], greatest torque [N·m] and greatest speed [rad/s] of a joint."""
-    lower, upper = map(repr, interval)
-    ElementTree.SubElement(
-        joint, "limit", lower=lower, upper=upper, effort=repr(effort), velocity=repr(speed)
-    )
-
-
-def _text(numbers: Vector) -> str:
-    """Return three numbers as URDF writes them, with all their digits."""
-    return " ".join(repr(number) for number in numbers)
+def _tube(robot: ElementTree.Element, name: str, radius: float, ends: tuple[float, float]) -> None:
+    """Add a massless link that looks like a tube along its x axis."""
+    middle, length = 0.5 * (ends[0] + ends[1]), ends[1] - ends[0]
+    tube = link(robot, name)
+    visual(tube, "cylinder", (middle, 0.0, 0.0), ALONG_X, radius=repr(radius), length=repr(length))

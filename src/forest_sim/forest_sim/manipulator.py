@@ -6,36 +6,47 @@
 | r_b, r_s | distance of the boom's, stick's centre of mass from the swing axis | m |
 | h_b, h_s | its height above the boom's pivot | m |
 | k_s | the part of h_s that turns with the stick alone | m |
-| m, I | mass; moment of inertia about the centre of mass | kg; kg m^2 |
+| m | mass | kg |
+| I_xx, I_yy, I_zz | moments of inertia about the centre of mass | kg m^2 |
+| I_xy | product of inertia about it, the integral of x y dm | kg m^2 |
 
 In these words Appendix B's long sums are short: M_11 = m_3 r_s^2 + m_2 r_b^2 + ..., and V follows from its
-derivatives. The swing axis is inertially decoupled (M_12 = M_13 = 0), because all centres of mass lie in the
-crane's plane.
+derivatives. The swing axis is inertially decoupled (M_12 = M_13 = 0), because every body is symmetric about
+the crane's plane.
+
+The base frame has x forward, y left, z up, origin on the swing axis at the height of the boom's pivot; a tilt
+of the platform turns it about its x axis, so that gravity pulls along -z and -y.
 """
 
 import math
 from typing import NamedTuple
 
+from forest_description.bodies import boom_body, stick_body
 from forest_description.machine import Manipulator
 
 
 class Body(NamedTuple):
-    """Appendix B's inertial constants with the head folded into the stick as a point mass."""
+    """Constants of the moving bodies; the stick's hold what it carries rigidly (head, log)."""
 
     base_offset: float  # l1 [m]
     boom_length: float  # l2 [m]
+    stick_length: float  # l3 [m]
     base_inertia: float  # about the swing axis, base alone [kg m^2]
     base_moment: float  # m1 x1 [kg m]
     boom_mass: float
     boom_x: float
     boom_y: float
+    boom_xx: float
     boom_yy: float
     boom_zz: float
-    stick_mass: float  # stick and head
+    boom_xy: float
+    stick_mass: float
     stick_x: float
     stick_y: float
+    stick_xx: float
     stick_yy: float
     stick_zz: float
+    stick_xy: float
     gravity_across: float  # g sin(tilt) [m/s^2], along the platform's y
     gravity_down: float  # g cos(tilt) [m/s^2]
 
@@ -51,31 +62,20 @@ class Dynamics(NamedTuple):
 
 
 def fold_head(m: Manipulator) -> Body:
-    """Return the constants of the dynamics, the head's point mass folded into the stick. Thesis App. B.
+    """Return the constants of the dynamics, head and log folded into the stick. Thesis App. B.
 
-    As in the thesis, I3xx and I3xy stay zero although a folded point mass off the axis has some (0.3 % of
-    M_11 with the crane extended, 3 % folded).
+    Differs: unless the head hangs (`pendulum`); `forest_description.bodies` tells what the thesis' folding
+    leaves out and what may be added.
     """
-    m_3 = m.stick_mass + m.head_mass
-    x_3 = (m.stick_mass * m.stick_x + m.head_mass * m.stick_length) / m_3
-    y_3 = m.stick_mass * m.stick_y / m_3
-    shift = m.stick_mass * (x_3 - m.stick_x) ** 2 + m.head_mass * (m.stick_length - x_3) ** 2
-    shift_y = m.stick_mass * (y_3 - m.stick_y) ** 2 + m.head_mass * y_3**2
+    boom, stick = boom_body(m), stick_body(m)
     return Body(
-        base_offset=m.base_offset,
-        boom_length=m.boom_length,
-        base_inertia=m.base_zz + m.base_mass * m.base_x**2,
-        base_moment=m.base_mass * m.base_x,
-        boom_mass=m.boom_mass,
-        boom_x=m.boom_x,
-        boom_y=m.boom_y,
-        boom_yy=m.boom_yy,
-        boom_zz=m.boom_zz,
-        stick_mass=m_3,
-        stick_x=x_3,
-        stick_y=y_3,
-        stick_yy=m.stick_yy + shift,
-        stick_zz=m.stick_zz + shift + shift_y,
+        m.base_offset,
+        m.boom_length,
+        m.stick_length,
+        m.base_zz + m.base_mass * m.base_x**2,
+        m.base_mass * m.base_x,
+        *boom,
+        *stick,
         gravity_across=m.gravity * math.sin(m.platform_tilt),
         gravity_down=m.gravity * math.cos(m.platform_tilt),
     )
@@ -101,10 +101,10 @@ def dynamics(q: tuple[float, float, float], rates: tuple[float, float, float], b
     stick_own = b.stick_mass * (b.stick_x**2 + b.stick_y**2) + b.stick_zz
     coupling = b.stick_mass * b.boom_length * (b.stick_x * c_3 - b.stick_y * s_3)
     coriolis = b.stick_mass * b.boom_length * (b.stick_x * s_3 + b.stick_y * c_3)
-    half_dm11_dq3 = -b.stick_mass * r_s * k_s - b.stick_yy * c_23 * s_23
-    half_dm11_dq2 = (
-        -b.stick_mass * r_s * h_s - b.boom_mass * r_b * h_b - b.boom_yy * c_2 * s_2 - b.stick_yy * c_23 * s_23
-    )
+    boom_turn = (b.boom_yy - b.boom_xx) * c_2 * s_2 + b.boom_xy * (c_2**2 - s_2**2)
+    stick_turn = (b.stick_yy - b.stick_xx) * c_23 * s_23 + b.stick_xy * (c_23**2 - s_23**2)
+    half_dm11_dq3 = -b.stick_mass * r_s * k_s - stick_turn
+    half_dm11_dq2 = -b.stick_mass * r_s * h_s - b.boom_mass * r_b * h_b - boom_turn - stick_turn
 
     u_1, u_2, u_3 = rates
     g_y, g_z = b.gravity_across, b.gravity_down
@@ -114,8 +114,8 @@ def dynamics(q: tuple[float, float, float], rates: tuple[float, float, float], b
         m_11=b.stick_mass * r_s**2
         + b.boom_mass * r_b**2
         + b.base_inertia
-        + b.boom_yy * c_2**2
-        + b.stick_yy * c_23**2,
+        + (b.boom_yy * c_2**2 + b.boom_xx * s_2**2 - 2.0 * b.boom_xy * s_2 * c_2)
+        + (b.stick_yy * c_23**2 + b.stick_xx * s_23**2 - 2.0 * b.stick_xy * s_23 * c_23),
         m_22=stick_own
         + 2.0 * coupling
         + b.stick_mass * b.boom_length**2
@@ -135,3 +135,40 @@ def dynamics(q: tuple[float, float, float], rates: tuple[float, float, float], b
             - g_y * s_1 * b.stick_mass * k_s,
         ),
     )
+
+
+def kinetic_energy(q: tuple[float, float, float], rates: tuple[float, float, float], body: Body) -> float:
+    """Return T = 1/2 q'^T M(q) q' [J]; q [rad], rates [rad/s]."""
+    d = dynamics(q, (0.0, 0.0, 0.0), body)
+    u_1, u_2, u_3 = rates
+    return 0.5 * (d.m_11 * u_1**2 + d.m_22 * u_2**2 + d.m_33 * u_3**2) + d.m_23 * u_2 * u_3
+
+
+def potential_energy(q: tuple[float, float, float], body: Body) -> float:
+    """Return U(q) [J], of which G is the gradient; zero is a mass at the boom's pivot. q [rad]."""
+    b = body
+    c_2, s_2 = math.cos(q[1]), math.sin(q[1])
+    c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])
+    r_b = b.base_offset + b.boom_x * c_2 - b.boom_y * s_2
+    r_s = b.base_offset + b.boom_length * c_2 + b.stick_x * c_23 - b.stick_y * s_23
+    h_b = b.boom_x * s_2 + b.boom_y * c_2
+    h_s = b.boom_length * s_2 + b.stick_x * s_23 + b.stick_y * c_23
+    left = (b.stick_mass * r_s + b.boom_mass * r_b + b.base_moment) * math.sin(q[0])
+    return b.gravity_across * left + b.gravity_down * (b.stick_mass * h_s + b.boom_mass * h_b)
+
+
+def tip_load_torques(
+    q: tuple[float, float, float], force: tuple[float, float, float], body: Body
+) -> tuple[float, float, float]:
+    """Return the joint torques J^T F [N m] of an external force on the tip, to be added to the actuators'.
+
+    Args:
+        q: joint angles [rad].
+        force: F [N] in the base frame (x forward at swing 0, y left, z up).
+        body: for the links' lengths.
+    """
+    c_1, s_1 = math.cos(q[0]), math.sin(q[0])
+    x_3, z_3 = body.stick_length * math.cos(q[1] + q[2]), body.stick_length * math.sin(q[1] + q[2])
+    x_2, z_2 = body.boom_length * math.cos(q[1]) + x_3, body.boom_length * math.sin(q[1]) + z_3
+    outward, left, up = c_1 * force[0] + s_1 * force[1], c_1 * force[1] - s_1 * force[0], force[2]
+    return ((body.base_offset + x_2) * left, x_2 * up - z_2 * outward, x_3 * up - z_3 * outward)

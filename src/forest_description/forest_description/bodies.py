@@ -1,0 +1,98 @@
+"""Rigid bodies of boom and stick with what the stick carries: one source for the dynamics and for the URDF.
+
+Every body is symmetric about the crane's plane. Frames as in Appendix B: x along the link from its joint, y
+across, upwards when the link points forward, z the joint axis.
+
+| symbol | name | unit |
+|---|---|---|
+| m | mass | kg |
+| x, y | centre of mass | m |
+| I_xx, I_yy, I_zz | moments of inertia about the centre of mass | kg m^2 |
+| I_xy | product of inertia about it, the integral of x y dm (the inertia tensor holds -I_xy) | kg m^2 |
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from forest_description.machine import Manipulator
+
+
+class PlanarBody(NamedTuple):
+    """Mass properties of a body that is symmetric about the crane's plane."""
+
+    mass: float
+    x: float
+    y: float
+    xx: float
+    yy: float
+    zz: float
+    xy: float
+
+
+class HangingBody(NamedTuple):
+    """Mass properties of a body of revolution under its joint, the spin about its own axis left out."""
+
+    mass: float
+    length: float  # joint to centre of mass [m]
+    inertia: float  # about the centre of mass, across the axis [kg m^2]
+
+
+def point_mass(mass: float, x: float, y: float) -> PlanarBody:
+    """Return a body without extent."""
+    return PlanarBody(mass, x, y, 0.0, 0.0, 0.0, 0.0)
+
+
+def combined(a: PlanarBody, b: PlanarBody) -> PlanarBody:
+    """Return two bodies, described in one frame, as one: parallel axes to the common centre of mass."""
+    mass = a.mass + b.mass
+    if mass == 0.0:
+        return a
+    x, y = (a.mass * a.x + b.mass * b.x) / mass, (a.mass * a.y + b.mass * b.y) / mass
+    along = a.mass * (x - a.x) ** 2 + b.mass * (x - b.x) ** 2
+    across = a.mass * (y - a.y) ** 2 + b.mass * (y - b.y) ** 2
+    product = a.mass * (x - a.x) * (y - a.y) + b.mass * (x - b.x) * (y - b.y)
+    return PlanarBody(
+        mass=mass,
+        x=x,
+        y=y,
+        xx=a.xx + b.xx + across,
+        yy=a.yy + b.yy + along,
+        zz=a.zz + b.zz + along + across,
+        xy=a.xy + b.xy + product,
+    )
+
+
+def boom_body(m: Manipulator) -> PlanarBody:
+    """Return the boom. Thesis App. B."""
+    return PlanarBody(m.boom_mass, m.boom_x, m.boom_y, m.boom_xx, m.boom_yy, m.boom_zz, m.boom_xy)
+
+
+def stick_body(m: Manipulator) -> PlanarBody:
+    """Return the stick with all that is rigidly part of it: head and log, unless they hang. Thesis App. B.
+
+    Differs: Appendix B leaves I_xx and I_xy at zero when it folds the head's point mass into the stick
+    (`head_folding: thesis`); `full` gives the stick the shares that a point off its axis has.
+    """
+    stick = PlanarBody(m.stick_mass, m.stick_x, m.stick_y, m.stick_xx, m.stick_yy, m.stick_zz, m.stick_xy)
+    if m.pendulum is not None:
+        return stick
+    loaded = combined(stick, point_mass(m.head_mass, m.stick_length, 0.0))
+    if m.head_folding == "thesis":
+        loaded = loaded._replace(xx=stick.xx, xy=stick.xy)
+    if m.log is None:
+        return loaded
+    return combined(loaded, point_mass(m.log.mass, m.stick_length + m.log.x, m.log.y))
+
+
+def hanging_body(m: Manipulator) -> HangingBody | None:
+    """Return head and log under the pendulum's joint as one body, None without a pendulum."""
+    if m.pendulum is None:
+        return None
+    head = HangingBody(m.head_mass, m.pendulum.length, m.pendulum.inertia)
+    if m.log is None:
+        return head
+    mass = head.mass + m.log.mass
+    length = (head.mass * head.length + m.log.mass * m.log.x) / mass
+    own = head.mass * (head.length - length) ** 2 + m.log.mass * (m.log.x - length) ** 2
+    return HangingBody(mass, length, head.inertia + own)

@@ -1,0 +1,99 @@
+"""Claims about rigid bodies put together: mass, centre and inertia as of the single parts."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from forest_description.bodies import (
+    PlanarBody,
+    boom_body,
+    combined,
+    hanging_body,
+    point_mass,
+    stick_body,
+)
+from forest_description.load import Log, Pendulum
+from forest_description.machine import load_machine
+
+C180, THESIS = load_machine("c180").manipulator, load_machine("c180_thesis").manipulator
+STICK = PlanarBody(7.0, 1.5, 0.2, 3.0, 5.0, 6.0, -0.7)
+
+
+def about_origin(body):
+    """Return the inertia tensor about the frame's origin."""
+    x, y, m = body.x, body.y, body.mass
+    off = -body.xy - m * x * y
+    xx, yy, zz = body.xx + m * y**2, body.yy + m * x**2, body.zz + m * (x**2 + y**2)
+    return np.array([[xx, off, 0.0], [off, yy, 0.0], [0.0, 0.0, zz]])
+
+
+def test_inertias_about_one_point_add_up():
+    other = PlanarBody(2.0, -0.5, 0.8, 1.0, 2.0, 2.5, 0.3)
+    expected = about_origin(STICK) + about_origin(other)
+    np.testing.assert_allclose(about_origin(combined(STICK, other)), expected, rtol=1e-13)
+
+
+def test_points_make_the_inertia_of_their_second_moments():
+    rng = np.random.default_rng(1)
+    masses, places = rng.uniform(0.1, 3.0, 20), rng.normal(0.0, 1.0, (20, 2))
+    points = [point_mass(m, x, y) for m, (x, y) in zip(masses.tolist(), places.tolist(), strict=True)]
+    whole = points[0]
+    for point in points[1:]:
+        whole = combined(whole, point)
+    centre = masses @ places / masses.sum()
+    (xx, xy), (_, yy) = np.cov(places.T, aweights=masses, ddof=0) * masses.sum()
+    assert whole == pytest.approx((masses.sum(), *centre, yy, xx, xx + yy, xy))
+
+
+def test_order_does_not_matter_and_nothing_adds_nothing():
+    parts = [point_mass(3.0, 1.0, -0.5), point_mass(5.0, -0.2, 0.4), STICK]
+    forward = combined(combined(parts[0], parts[1]), parts[2])
+    assert combined(parts[2], combined(parts[1], parts[0])) == pytest.approx(forward)
+    nothing = point_mass(0.0, 1.0, 0.0)
+    assert combined(STICK, nothing) == pytest.approx(STICK)
+    assert combined(nothing, nothing) == nothing
+
+
+@pytest.mark.parametrize("body", [boom_body, stick_body])
+def test_a_c180_link_is_possible_and_the_thesis_link_is_not(body):
+    """No moment of inertia is more than the other two together, as for any distribution of mass."""
+
+    def excess(m):
+        bare = body(dataclasses.replace(m, head_mass=0.0))
+        moments = (bare.xx, bare.yy, bare.zz)
+        return 2.0 * max(moments) - sum(moments)
+
+    assert excess(C180) == pytest.approx(0.0, abs=1e-9)
+    assert excess(THESIS) > 70.0
+
+
+def test_thesis_folding_leaves_out_the_heads_share_of_xx_and_xy_only():
+    full, thesis = (stick_body(dataclasses.replace(THESIS, head_folding=how)) for how in ("full", "thesis"))
+    assert (thesis.xx, thesis.xy) == (0.0, 0.0)
+    assert thesis == full._replace(xx=0.0, xy=0.0)
+    head = point_mass(THESIS.head_mass, THESIS.stick_length, 0.0)
+    bare = stick_body(dataclasses.replace(THESIS, head_mass=0.0))
+    np.testing.assert_allclose(about_origin(full), about_origin(bare) + about_origin(head), rtol=1e-12)
+
+
+@pytest.mark.parametrize("how", ["full", "thesis"])
+def test_a_log_is_folded_fully_whatever_the_head_is(how):
+    log = Log(mass=900.0, x=0.4, y=-0.3)
+    empty = dataclasses.replace(C180, head_folding=how)
+    point = point_mass(log.mass, C180.stick_length + log.x, log.y)
+    expected = about_origin(stick_body(empty)) + about_origin(point)
+    loaded = stick_body(dataclasses.replace(empty, log=log))
+    np.testing.assert_allclose(about_origin(loaded), expected, rtol=1e-12)
+
+
+def test_head_and_log_weigh_in_the_stick_or_hang_never_both():
+    log, pendulum = Log(500.0, 1.5, 0.0), Pendulum(0.9, 60.0, 250.0)
+    assert hanging_body(C180) is None
+    swinging = dataclasses.replace(C180, log=log, pendulum=pendulum)
+    assert stick_body(swinging).mass == C180.stick_mass
+    hanging = hanging_body(swinging)
+    assert hanging.mass == C180.head_mass + log.mass
+    assert hanging.mass * hanging.length == pytest.approx(C180.head_mass * 0.9 + log.mass * log.x)
+    about_joint = 60.0 + C180.head_mass * 0.9**2 + log.mass * log.x**2
+    assert hanging.inertia + hanging.mass * hanging.length**2 == pytest.approx(about_joint)
