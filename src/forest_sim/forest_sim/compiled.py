@@ -19,7 +19,19 @@ from types import ModuleType
 from typing import Any
 
 from forest_description import linkage, valve
-from forest_sim import actuator, end_stop, friction, integrator, line, manipulator, plant, spool, supply
+from forest_sim import (
+    actuator,
+    end_stop,
+    friction,
+    integrator,
+    line,
+    manipulator,
+    mechanics,
+    pendulum,
+    plant,
+    spool,
+    supply,
+)
 from forest_sim.integrator import Simulation, Triple
 from forest_sim.parameters import PlantParameters
 
@@ -33,6 +45,8 @@ LAWS: tuple[ModuleType, ...] = (
     end_stop,
     line,
     manipulator,
+    pendulum,
+    mechanics,
     plant,
     integrator,
 )

@@ -2,8 +2,9 @@
 
 from forest_description.linkage import lever_arm
 from forest_sim.integrator import Events, Simulation, Triple
-from forest_sim.manipulator import dynamics
+from forest_sim.mechanics import HANGING_STILL, HeadState, mechanics
 from forest_sim.parameters import Axis, PlantParameters
+from forest_sim.pendulum import hanging_angles
 from forest_sim.plant import AxisState, PlantState
 from forest_sim.spool import CENTRED
 from forest_sim.supply import Supply, SupplyState, pump_flow
@@ -18,13 +19,15 @@ def equilibrium(angles: Triple, p: PlantParameters) -> Simulation:
     supply pressure. The swing's hoses have leaked empty; on a tilted platform the swing cannot rest and
     starts to creep, and so does every axis whose valve leaks or is underlapped.
     """
-    bias = dynamics(angles, (0.0, 0.0, 0.0), p.body).bias
+    head = HeadState(*hanging_angles(angles[0], p.body), 0.0, 0.0) if p.head.mass > 0.0 else HANGING_STILL
+    bias = mechanics(angles, (0.0, 0.0, 0.0), head, p).bias
     return Simulation(
         PlantState(
             AxisState(angles[0], 0.0, 0.0, 0.0, 0.0, 0.0),
             _hold(angles[1], bias[1] / lever_arm(angles[1], p.boom_linkage), p.boom, p),
             _hold(angles[2], bias[2] / lever_arm(angles[2], p.stick_linkage), p.stick, p),
             idle_supply(p.supply),
+            head,
         ),
         (CENTRED, CENTRED, CENTRED),
         Events(0, 0, 0),

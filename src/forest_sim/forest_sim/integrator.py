@@ -3,7 +3,7 @@
 An L-stable, stiffly accurate, two-stage SDIRK of order 2 (gamma = 1 - 1/sqrt 2): each stage solves Y = y +
 step f(Y) for the f of `plant.state_derivative`. The stiffness comes from the orifices (C_R = inf inside the
 overlap) and the hoses, so each stage eliminates flows and pressures exactly (`line.solve_line`) and is left
-with three joint rates, and with a real pump its pressure, found by Newton. A stage's derivative is read off
+with three joint rates, with a real pump its pressure, with a hanging head its two rates, found by Newton. A stage's derivative is read off
 its increment, (Y - y)/step, never from f: f has no value when an orifice shuts on a flow.
 
 The step assumes that commands stand still over it. The spools' lags are linear and are advanced exactly.
@@ -16,8 +16,9 @@ from forest_sim.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.end_stop import cushion_resistance, end_stop_resistance
 from forest_sim.friction import friction_slope
 from forest_sim.line import LineSolution, PortGuard, solve_line, supply_coupling
-from forest_sim.manipulator import dynamics
+from forest_sim.mechanics import HeadState, Inertia, mechanics, resisted, solve, times
 from forest_sim.parameters import Axis, PlantParameters, SpoolValve
+from forest_sim.pendulum import Pair, Triple
 from forest_sim.plant import (
     AxisState,
     PlantState,
@@ -36,8 +37,6 @@ TOLERANCE = 1e-10  # [rad/s] last Newton correction; the correction after it wou
 SUPPLY_TOLERANCE = 1e-2  # [Pa] as above
 ITERATIONS = 40
 DAMPED = 12  # iterations after which a kink (dry friction, a relief valve) is approached by half steps
-
-Triple = tuple[float, float, float]
 
 
 class Events(NamedTuple):
@@ -66,21 +65,32 @@ class AxisSolution(NamedTuple):
 
 
 class SupplyError(NamedTuple):
-    """The supply's equation of a stage and its slopes."""
+    """The manifold's equation of a stage and its slopes."""
 
     residual: float  # [m^3]
     slope: float  # by P_s [m^3/Pa]
-    by_rate: Triple  # by the joint rates [m^3 s]; less step, also -d(torque)/dP_s
+    by_rate: Triple  # by the joint rates [m^3 s], which is also -d(residual of the joints)/dP_s
     reference: float  # P_r [Pa]
 
 
-class Matrix(NamedTuple):
-    """Newton's matrix of the three joint rates; swing is on its own."""
+class Guess(NamedTuple):
+    """What Newton looks for: the rates and the supply's pressure at a stage's end."""
 
-    n_11: float
-    n_22: float
-    n_23: float
-    n_33: float
+    rates: Triple  # of the joints [rad/s]
+    head_rates: Pair  # of the hanging head [rad/s]
+    supply: SupplyState
+
+
+class Trial(NamedTuple):
+    """A stage's equations at a guess."""
+
+    swing: AxisSolution
+    boom: AxisSolution
+    stick: AxisSolution
+    matrix: Inertia
+    residual: Triple  # of the joints [N m s]
+    head_residual: Pair
+    supply: SupplyError
 
 
 def step(simulation: Simulation, voltages: Triple, h: float, p: PlantParameters) -> Simulation:
@@ -146,6 +156,16 @@ def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
             a.pressure + weight * (b.pressure - a.pressure),
             a.reference + weight * (b.reference - a.reference),
         ),
+        _blend_head(start.head, stage.head, weight),
+    )
+
+
+def _blend_head(a: HeadState, b: HeadState, w: float) -> HeadState:
+    return HeadState(
+        a.alpha + w * (b.alpha - a.alpha),
+        a.beta + w * (b.beta - a.beta),
+        a.alpha_rate + w * (b.alpha_rate - a.alpha_rate),
+        a.beta_rate + w * (b.beta_rate - a.beta_rate),
     )
 
 
@@ -161,75 +181,97 @@ def _blend_axis(a: AxisState, b: AxisState, w: float) -> AxisState:
 
 
 def _solve_stage(
-    base: PlantState, guess: PlantState, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
+    base: PlantState, start: PlantState, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
 ) -> tuple[PlantState, int]:
     """Return Y with Y = base + h f(Y), and 1 if Newton did not converge. The hoses are solved inside.
 
     Its matrix leaves out what the configuration's change contributes (of order h), so that it converges by
     about three decimal places an iteration.
     """
-    u_1, u_2, u_3 = guess.swing.rate, guess.boom.rate, guess.stick.rate
-    supply = guess.supply.pressure
-    reference = guess.supply.reference
-    cross = guess.swing.pressure_1, guess.swing.pressure_2
-    none = LineSolution(0.0, 0.0, 0.0, 0.0)
-    axis_1 = axis_2 = axis_3 = AxisSolution(none, none, 0.0, 0.0)
+    rates = start.swing.rate, start.boom.rate, start.stick.rate
+    guess = Guess(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply)
+    trial = _try(base, guess, (start.swing.pressure_1, start.swing.pressure_2), ports, h, p)
     failed = 1
     for iteration in range(ITERATIONS):
-        angles = base.swing.angle + h * u_1, base.boom.angle + h * u_2, base.stick.angle + h * u_3
-        t_1, t_2, t_3 = transmissions(angles[0], angles[1], angles[2], p)
-        axis_1 = _solve_axis(base.swing, u_1, t_1, ports[0], supply, cross, p.swing, p.guard, h)
-        axis_2 = _solve_axis(base.boom, u_2, t_2, ports[1], supply, (0.0, 0.0), p.boom, p.guard, h)
-        axis_3 = _solve_axis(base.stick, u_3, t_3, ports[2], supply, (0.0, 0.0), p.stick, p.guard, h)
-        cross = axis_1.one.pressure, axis_1.two.pressure
-        d = dynamics(angles, (u_1, u_2, u_3), p.body)
-        e_1, e_2, e_3 = u_1 - base.swing.rate, u_2 - base.boom.rate, u_3 - base.stick.rate
-        residuals = (
-            d.m_11 * e_1 + h * (d.bias[0] - axis_1.torque),
-            d.m_22 * e_2 + d.m_23 * e_3 + h * (d.bias[1] - axis_2.torque),
-            d.m_23 * e_2 + d.m_33 * e_3 + h * (d.bias[2] - axis_3.torque),
-        )
-        n = Matrix(
-            d.m_11 + h * axis_1.resistance,
-            d.m_22 + h * axis_2.resistance,
-            d.m_23,
-            d.m_33 + h * axis_3.resistance,
-        )
-        c_1, c_2, c_3 = _solve(n, residuals)
-        c_s = 0.0
-        if not p.supply.ideal:
-            arms = t_1.arm, t_2.arm, t_3.arm
-            s = _supply_error(base.supply, supply, (axis_1, axis_2, axis_3), ports, arms, h, p)
-            z_1, z_2, z_3 = _solve(n, s.by_rate)
-            b_1, b_2, b_3 = s.by_rate
-            c_s = (s.residual - b_1 * c_1 - b_2 * c_2 - b_3 * c_3) / (
-                s.slope + b_1 * z_1 + b_2 * z_2 + b_3 * z_3
-            )
-            c_1, c_2, c_3 = c_1 + z_1 * c_s, c_2 + z_2 * c_s, c_3 + z_3 * c_s
-            reference = s.reference
-        share = 1.0 if iteration < DAMPED else 0.5
-        u_1, u_2, u_3 = u_1 - share * c_1, u_2 - share * c_2, u_3 - share * c_3
-        supply -= share * c_s
-        if max(abs(c_1), abs(c_2), abs(c_3)) < TOLERANCE and abs(c_s) < SUPPLY_TOLERANCE:
+        guess, size, supply_size = _correct(guess, trial, 1.0 if iteration < DAMPED else 0.5, p)
+        if size < TOLERANCE and supply_size < SUPPLY_TOLERANCE:
             failed = 0
             break
-    after = PlantState(
-        _assemble(base.swing, u_1, axis_1, h),
-        _assemble(base.boom, u_2, axis_2, h),
-        _assemble(base.stick, u_3, axis_3, h),
-        SupplyState(supply, reference),
-    )
-    return after, failed
+        trial = _try(base, guess, (trial.swing.one.pressure, trial.swing.two.pressure), ports, h, p)
+    return PlantState(
+        _assemble(base.swing, guess.rates[0], trial.swing, h),
+        _assemble(base.boom, guess.rates[1], trial.boom, h),
+        _assemble(base.stick, guess.rates[2], trial.stick, h),
+        guess.supply,
+        _head_at(base.head, guess.head_rates, h),
+    ), failed
 
 
-def _solve(n: Matrix, r: Triple) -> Triple:
-    """Return n^-1 r."""
-    determinant = n.n_22 * n.n_33 - n.n_23 * n.n_23
-    return (
-        r[0] / n.n_11,
-        (n.n_33 * r[1] - n.n_23 * r[2]) / determinant,
-        (n.n_22 * r[2] - n.n_23 * r[1]) / determinant,
+def _head_at(base: HeadState, rates: Pair, h: float) -> HeadState:
+    return HeadState(base.alpha + h * rates[0], base.beta + h * rates[1], rates[0], rates[1])
+
+
+def _try(
+    base: PlantState,
+    guess: Guess,
+    cross: tuple[float, float],
+    ports: tuple[Ports, Ports, Ports],
+    h: float,
+    p: PlantParameters,
+) -> Trial:
+    """Return a stage's equations, M (rates - base) + h (bias - torque) = 0 and the supply's, at a guess."""
+    u, w, supply = guess.rates, guess.head_rates, guess.supply.pressure
+    angles = base.swing.angle + h * u[0], base.boom.angle + h * u[1], base.stick.angle + h * u[2]
+    t_1, t_2, t_3 = transmissions(angles[0], angles[1], angles[2], p)
+    swing = _solve_axis(base.swing, u[0], t_1, ports[0], supply, cross, p.swing, p.guard, h)
+    boom = _solve_axis(base.boom, u[1], t_2, ports[1], supply, (0.0, 0.0), p.boom, p.guard, h)
+    stick = _solve_axis(base.stick, u[2], t_3, ports[2], supply, (0.0, 0.0), p.stick, p.guard, h)
+    m = mechanics(angles, u, _head_at(base.head, w, h), p)
+    gained, head_gained = times(
+        m.inertia,
+        (u[0] - base.swing.rate, u[1] - base.boom.rate, u[2] - base.stick.rate),
+        (w[0] - base.head.alpha_rate, w[1] - base.head.beta_rate),
     )
+    error = SupplyError(0.0, 1.0, (0.0, 0.0, 0.0), guess.supply.reference)
+    if not p.supply.ideal:
+        error = _supply_error(
+            base.supply, supply, (swing, boom, stick), ports, (t_1.arm, t_2.arm, t_3.arm), h, p
+        )
+    return Trial(
+        swing,
+        boom,
+        stick,
+        resisted(m.inertia, (swing.resistance, boom.resistance, stick.resistance), p.head.damping, h),
+        (
+            gained[0] + h * (m.bias[0] - swing.torque),
+            gained[1] + h * (m.bias[1] - boom.torque),
+            gained[2] + h * (m.bias[2] - stick.torque),
+        ),
+        (head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
+        error,
+    )
+
+
+def _correct(guess: Guess, trial: Trial, share: float, p: PlantParameters) -> tuple[Guess, float, float]:
+    """Return the guess after a share of Newton's correction, and the correction's size [rad/s; Pa]."""
+    c, d = solve(trial.matrix, trial.residual, trial.head_residual)
+    pressure = 0.0
+    if not p.supply.ideal:
+        s = trial.supply
+        b = s.by_rate
+        z, y = solve(trial.matrix, b, (0.0, 0.0))
+        pressure = (s.residual - b[0] * c[0] - b[1] * c[1] - b[2] * c[2]) / (
+            s.slope + b[0] * z[0] + b[1] * z[1] + b[2] * z[2]
+        )
+        c = c[0] + z[0] * pressure, c[1] + z[1] * pressure, c[2] + z[2] * pressure
+        d = d[0] + y[0] * pressure, d[1] + y[1] * pressure
+    u, w = guess.rates, guess.head_rates
+    after = Guess(
+        (u[0] - share * c[0], u[1] - share * c[1], u[2] - share * c[2]),
+        (w[0] - share * d[0], w[1] - share * d[1]),
+        SupplyState(guess.supply.pressure - share * pressure, trial.supply.reference),
+    )
+    return after, max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1])), abs(pressure)
 
 
 def _supply_error(

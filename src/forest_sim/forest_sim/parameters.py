@@ -13,6 +13,7 @@ from forest_sim.end_stop import UNCUSHIONED, CushionBrake, EndStop
 from forest_sim.friction import FRICTIONLESS, Friction, friction
 from forest_sim.line import PortGuard
 from forest_sim.manipulator import Body, fold_head
+from forest_sim.pendulum import HangingHead, hanging_head
 from forest_sim.spool import SpoolLag, spool_lag
 from forest_sim.supply import Supply, supply
 
@@ -47,6 +48,7 @@ class PlantParameters(NamedTuple):
     boom_linkage: Linkage
     stick_linkage: Linkage
     body: Body
+    head: HangingHead
     guard: PortGuard
     supply: Supply
     tip_force: tuple[float, float, float]  # [N] on the tip from outside, in the base frame
@@ -63,6 +65,7 @@ def plant_parameters(machine: Machine) -> PlantParameters:
         boom_linkage=machine.boom.linkage,
         stick_linkage=machine.stick.linkage,
         body=fold_head(machine.manipulator),
+        head=hanging_head(machine.manipulator),
         guard=_guard(machine),
         supply=supply(machine.pump),
         tip_force=(0.0, 0.0, 0.0),

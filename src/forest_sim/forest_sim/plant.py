@@ -2,14 +2,14 @@
 
 State, in Appendix B's order, for swing, boom and stick in turn: joint angle [rad], joint rate [rad/s],
 pressure in hose 1 and in hose 2 [Pa], flow through hose 1 from the valve and through hose 2 to the valve
-[m^3/s]. A real pump adds the pressure in its manifold.
+[m^3/s]. A real pump adds the pressure in its manifold, a hanging head its two angles and their rates.
 
 A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only case); a
 negative one the reverse. Tank is zero pressure. Actuator coordinates are the swing angle and the two
 cylinders' lengths.
 
-The laws of the parts live in `line`, `actuator`, `supply`, `manipulator`, `friction` and `end_stop`; here they
-are put together. Everything in this module is pure and stays in the subset of Python that Numba compiles
+The laws of the parts live in `line`, `actuator`, `supply`, `mechanics`, `friction` and `end_stop`; here they are
+put together. Everything in this module is pure and stays in the subset of Python that Numba compiles
 (`compiled`).
 """
 
@@ -26,8 +26,9 @@ from forest_sim.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.end_stop import cushion_resistance, end_stop_force
 from forest_sim.friction import friction_force
 from forest_sim.line import Port, edge_flows, flow_rate, is_shut, meet, pressure_rate
-from forest_sim.manipulator import Dynamics, dynamics
+from forest_sim.mechanics import HANGING_STILL, HeadState, Mechanics, mechanics, solve
 from forest_sim.parameters import Axis, PlantParameters, plant_parameters
+from forest_sim.pendulum import Pair, Triple
 from forest_sim.spool import Spools
 from forest_sim.supply import SupplyState, pump_flow, reference_rate
 
@@ -44,12 +45,13 @@ class AxisState(NamedTuple):
 
 
 class PlantState(NamedTuple):
-    """The 18 states of Thesis eq. 3.20, and those of the pump."""
+    """The 18 states of Thesis eq. 3.20, and those of the pump and of a hanging head."""
 
     swing: AxisState
     boom: AxisState
     stick: AxisState
     supply: SupplyState
+    head: HeadState
 
 
 class Ports(NamedTuple):
@@ -112,15 +114,11 @@ def passive_force(position: float, speed: float, axis: Axis) -> float:
     return end_stop_force(position, speed, axis.stop) - braking - friction_force(speed, axis.friction)
 
 
-def joint_accelerations(d: Dynamics, torques: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Return M^-1 (tau - V - G) [rad/s^2]. Thesis eq. 3.15, 4.11."""
-    t_1, t_2, t_3 = torques[0] - d.bias[0], torques[1] - d.bias[1], torques[2] - d.bias[2]
-    determinant = d.m_22 * d.m_33 - d.m_23 * d.m_23
-    return (
-        t_1 / d.m_11,
-        (d.m_33 * t_2 - d.m_23 * t_3) / determinant,
-        (d.m_22 * t_3 - d.m_23 * t_2) / determinant,
-    )
+def accelerations(m: Mechanics, torques: tuple[float, float, float]) -> tuple[Triple, Pair]:
+    """Return M^-1 (tau - V - G) of the joints and of the hanging head [rad/s^2]. Thesis eq. 3.15, 4.11."""
+    b = m.bias
+    driving = torques[0] - b[0], torques[1] - b[1], torques[2] - b[2]
+    return solve(m.inertia, driving, (-m.head_bias[0], -m.head_bias[1]))
 
 
 def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: PlantParameters) -> PlantState:
@@ -130,18 +128,19 @@ def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: Pl
     """
     swing, boom, stick = state.swing, state.boom, state.stick
     t_1, t_2, t_3 = transmissions(swing.angle, boom.angle, stick.angle, p)
-    d = dynamics((swing.angle, boom.angle, stick.angle), (swing.rate, boom.rate, stick.rate), p.body)
+    angles, rates = (swing.angle, boom.angle, stick.angle), (swing.rate, boom.rate, stick.rate)
     torques = (
         joint_torque(swing, t_1, p.swing),
         joint_torque(boom, t_2, p.boom),
         joint_torque(stick, t_3, p.stick),
     )
-    a_1, a_2, a_3 = joint_accelerations(d, torques)
+    (a_1, a_2, a_3), (a_alpha, a_beta) = accelerations(mechanics(angles, rates, state.head, p), torques)
     return PlantState(
         _axis_derivative(swing, a_1, t_1.arm, ports[0], state.supply.pressure, p.swing, p),
         _axis_derivative(boom, a_2, t_2.arm, ports[1], state.supply.pressure, p.boom, p),
         _axis_derivative(stick, a_3, t_3.arm, ports[2], state.supply.pressure, p.stick, p),
         _supply_derivative(state, ports, p),
+        HeadState(state.head.alpha_rate, state.head.beta_rate, a_alpha, a_beta),
     )
 
 
@@ -220,7 +219,7 @@ def from_array(x: ArrayLike, supply_pressure: float) -> PlantState:
         )
     v = values.tolist()
     supply = SupplyState(supply_pressure, supply_pressure)
-    return PlantState(AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]), supply)
+    return PlantState(AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]), supply, HANGING_STILL)
 
 
 def thesis_state_derivative(

@@ -2,7 +2,7 @@
 
 Every entry is a power at one state [W], positive in the direction that its name says. The entries of a part
 close: what flows in equals what is lost, stored and handed on. That they do is a test of the laws' signs, and
-their integrals over a run are its energy account (Thesis section 2.2, fig. 2.3).
+their integrals over a run are its energy account.
 
 | part | flows in | lost | stored | handed on |
 |---|---|---|---|---|
@@ -72,7 +72,7 @@ class PowerFlows(NamedTuple):
 
 
 def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
-    """Return where the power goes at a state."""
+    """Return where the power goes at a state. Thesis section 2.2, fig. 2.3."""
     state, ports = simulation.plant, ports_at(simulation.spools, p)
     t_1, t_2, t_3 = transmissions(state.swing.angle, state.boom.angle, state.stick.angle, p)
     pressure = state.supply.pressure
