@@ -10,7 +10,7 @@ from forest_control import valve_driver
 from forest_control.valve_driver import REST, Pressures, Settings
 from forest_description.actuation import rated_speeds
 from forest_description.machine import load_machine
-from forest_description.valve import orifice_resistance
+from forest_description.valve import edges
 
 MACHINE = load_machine()
 VALVE = MACHINE.valve.law
@@ -74,7 +74,8 @@ def surplus(axis, speed, load, resistance, supply):
 
 def steady_speed(axis, volts, load=0.0, supply=SUPPLY):
     """Speed at which the pressures of the orifice law balance the load."""
-    resistance = orifice_resistance(volts, VALVE)
+    opened = edges(volts, VALVE)
+    resistance = min(opened.supply_1, opened.supply_2)
     if math.isinf(resistance):
         return 0.0
     sign = math.copysign(1.0, volts)
@@ -107,7 +108,7 @@ def test_real_valve_gives_the_speed_that_the_ideal_one_was_asked_for(axis, direc
 @every_axis
 def test_deadband_inverse_cancels_the_valve_overlap(axis):
     for sign in (1.0, -1.0):
-        assert abs(voltage(axis, sign * 0.0201)) > VALVE.deadband_voltage
+        assert abs(voltage(axis, sign * 0.0201)) > VALVE.forward.deadband_voltage
         assert math.copysign(1.0, voltage(axis, sign * 0.0201)) == sign
     assert voltage(axis, 5.0) == pytest.approx(1.0 + 9.0 * 0.5, rel=1e-12)
     assert voltage(axis, 10.0) == pytest.approx(10.0, rel=1e-12)

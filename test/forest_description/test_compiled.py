@@ -1,16 +1,22 @@
 """Claims that the pure laws are in the subset that Numba compiles, with the same results."""
 
+import dataclasses
 import types
 
 import pytest
 
 from forest_description import actuation, kinematics, linkage, valve
+from forest_description.hydraulics import PolynomialCurve, TableCurve
 from forest_description.machine import load_machine
 
 numba = pytest.importorskip("numba")
 
 MACHINE = load_machine()
 LINKS = MACHINE.manipulator.links
+TABLE = dataclasses.replace(
+    MACHINE.valve, curve=TableCurve((2.0, 5.0, 10.0), (5e13, 1e13, 1e12)), leakage_conductance=1e-13
+).law
+POLYNOMIAL = dataclasses.replace(MACHINE.valve, curve=PolynomialCurve((101.0, -20.0, 1.0))).law
 Q, RATES = (0.3, 0.5, -1.4), (0.2, -0.3, 0.4)
 
 
@@ -35,9 +41,16 @@ def compiled(function):
         (kinematics.joint_rates, (Q, RATES, LINKS)),
         (linkage.cylinder_length, (0.5, MACHINE.boom.linkage)),
         (linkage.lever_arm, (0.5, MACHINE.boom.linkage)),
-        (valve.orifice_opening, (-3.0, MACHINE.valve.law)),
-        (valve.orifice_resistance, (3.0, MACHINE.valve.law)),
+        (valve.stroke, (3.0, MACHINE.valve.law.forward)),
+        (valve.opening_at, (0.3, MACHINE.valve.law.curve)),
+        (valve.opening_at, (0.3, TABLE.curve)),
+        (valve.opening_at, (0.3, POLYNOMIAL.curve)),
+        (valve.resistance_at, (0.3, 1e12)),
+        (valve.edges, (3.0, MACHINE.valve.law)),
+        (valve.edges, (-3.0, TABLE)),
+        (valve.edges, (3.0, POLYNOMIAL)),
         (valve.voltage_for_opening, (-0.3, MACHINE.valve.law)),
+        (valve.voltage_for_opening, (-0.3, TABLE)),
         (actuation.joint_rates_to_actuator_speeds, (Q, RATES, MACHINE.linkages)),
         (actuation.actuator_speeds_to_joint_rates, (Q, RATES, MACHINE.linkages)),
     ],

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from forest_description.hydraulics import TableCurve
 from forest_description.machine import (
     EndStops,
     Machine,
@@ -16,10 +17,12 @@ from forest_description.machine import (
     load_machine,
     sources,
 )
-from forest_description.machine_file import parameters
-from forest_description.machine_table import document
+from forest_description.machine_file import Quantity, parameters
+from forest_description.machine_table import choices, declared, document, number, table
 from forest_description.machine_tree import shipped_machines
+from forest_description.pump import IdealPump, PressureCompensatedPump
 from forest_description.units import UNITS
+from forest_description.valve import symmetric_valve
 
 ROOT = Path(__file__).parents[2]
 MACHINE, THESIS = load_machine(), load_machine("c180_thesis")
@@ -39,13 +42,37 @@ def test_c180_adds_to_the_thesis_machine_only_what_its_file_says():
         stick=dataclasses.replace(THESIS.stick, length_exponent=1.0),
         port_valves=PortValves(24.1e6, 1e-8, 0.0, 1e-7),
         end_stops=EndStops(3e8, 2e6, 5e7, 1e6),
-        spool_bandwidth=12.0,
+        valve=dataclasses.replace(THESIS.valve, spool_bandwidth=12.0),
+        pump=MACHINE.pump,
     )
     assert changed == MACHINE
+    two_pumps = PressureCompensatedPump(
+        supply_pressure=THESIS.pump.supply_pressure,
+        count=2.0,
+        displacement=45e-6 / (2.0 * math.pi),
+        shaft_speed=2500.0 * 2.0 * math.pi / 60.0,
+        engine_power=152.0 * 745.7,
+        mechanical_efficiency=0.93,
+        leakage_resistance=1.6e11,
+        manifold_capacitance=5e-12,
+        relief_pressure=3300 * 6894.7,
+        relief_conductance=1e-8,
+        compensator_band=5e5,
+    )
+    for field in dataclasses.fields(two_pumps):
+        assert getattr(MACHINE.pump, field.name) == pytest.approx(getattr(two_pumps, field.name), rel=1e-15)
 
 
 def test_thesis_machine_has_none_of_the_components_that_the_thesis_lacks():
-    assert (THESIS.port_valves, THESIS.end_stops, THESIS.spool_bandwidth) == (None, None, None)
+    assert (THESIS.port_valves, THESIS.end_stops) == (None, None)
+    assert isinstance(THESIS.pump, IdealPump)
+    valve = THESIS.valve
+    assert (valve.spool_bandwidth, valve.spool_damping, valve.backward, valve.curve) == (None,) * 4
+    assert valve.law == symmetric_valve(1.0, 10.0, 1.04e12)
+    for drive in (THESIS.swing, THESIS.boom, THESIS.stick):
+        assert drive.valve is None
+        assert drive.flow_regime == ("laminar" if drive is THESIS.swing else "turbulent")
+    assert {THESIS.boom.friction, THESIS.stick.friction, THESIS.boom.cushion, THESIS.stick.cushion} == {None}
 
 
 def test_numbers_in_conventional_units_arrive_in_si():
@@ -87,8 +114,23 @@ def test_every_number_has_a_source_in_the_thesis_or_a_reason_to_assume_it():
             assert len(reason) > 4, row
 
 
-def test_sources_list_every_parameter_of_the_machine():
-    assert {row.key for row in sources("c180")} == set(parameters(Machine))
+def numbers(part, prefix=""):
+    """Dotted keys of every number that a machine holds."""
+    for field in dataclasses.fields(part):
+        value = getattr(part, field.name)
+        if dataclasses.is_dataclass(value):
+            yield from numbers(value, f"{prefix}{field.name}.")
+        elif isinstance(value, float):
+            yield prefix + field.name
+
+
+@pytest.mark.parametrize("machine", [MACHINE, THESIS], ids=["c180", "thesis"])
+def test_sources_list_every_number_of_the_machine_and_each_is_declared(machine):
+    keys = [row.key for row in sources(machine.name)]
+    assert len(keys) == len(set(keys))
+    assert set(keys) == set(numbers(machine))
+    assert set(keys) <= set(parameters(Machine))
+    assert set(keys) <= set(declared(machine))
 
 
 def test_sources_are_in_the_units_of_the_file():
@@ -141,6 +183,25 @@ def test_whole_numbers_become_floats():
 def test_values_that_contradict_each_other_are_refused(part, change, message):
     with pytest.raises(MachineError, match=message):
         dataclasses.replace(part, **change)
+
+
+def test_the_table_tells_rows_of_numbers_and_the_meaning_of_the_sort_that_is_there():
+    assert number((1.0, 2.5e12), 6) == "1, 2.5e+12"
+    pressure = Quantity("pump.supply_pressure", 3000.0, "psi", "assumed: x")
+    assert "constant" in table([pressure], THESIS)
+    assert "constant" not in table([pressure], MACHINE)
+    curve = TableCurve((2.0, 10.0), (4e13, 1e12))
+    measured = dataclasses.replace(MACHINE, valve=dataclasses.replace(MACHINE.valve, curve=curve))
+    row = table([Quantity("valve.curve.voltages", (2.0, 10.0), "V", "Thesis 4.3.2")], measured)
+    assert "| `valve.curve.voltages` | 2, 10 | V | rising" in row
+
+
+def test_choices_are_told_by_their_names_and_absent_components_as_none():
+    chosen, default = choices(THESIS), choices(MACHINE)
+    assert (chosen["pump"], default["pump"]) == ("ideal", "pressure_compensated")
+    assert (chosen["port_valves"], "port_valves" in default) == ("none", False)
+    assert (chosen["swing.flow_regime"], chosen["boom.flow_regime"]) == ("laminar", "turbulent")
+    assert (chosen["valve.spool_bandwidth"], "valve.spool_bandwidth" in default) == ("none", False)
 
 
 def test_the_documented_table_is_up_to_date():

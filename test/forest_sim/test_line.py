@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim.line import Orifice, PortGuard, flow_rate, guard_flow, pressure_rate, solve_line
+from forest_sim.line import Port, PortGuard, flow_rate, guard_flow, pressure_rate, solve_line
 from forest_sim.parameters import NO_GUARD
 
 MACHINE = load_machine("c180")
@@ -14,15 +14,21 @@ LINE = MACHINE.line(2, 1)
 GUARD = PortGuard(24e6, 1e-8, 0.0, 1e-7)
 SUPPLY = 2e7
 STEP = 3e-4
+SHUT = Port(math.inf, math.inf, 0.0)
 
 
 def cases(seed, count=300):
-    """Known parts of a stage (pressure, flow, actuator flow, leakage, orifice): any opening, both sources."""
+    """Known parts of a stage (pressure, flow, actuator flow, leakage, port): any opening, to either side."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
         pressure, flow, drawn = rng.uniform(-2e6, 3e7), rng.normal(0.0, 2e-3), rng.normal(0.0, 2e-3)
-        orifice = Orifice(10.0 ** rng.uniform(11.0, 18.0), float(rng.choice([0.0, SUPPLY])))
-        yield pressure, flow, drawn, float(rng.choice([0.0, 1e-12])), orifice
+        port = one_edge(10.0 ** rng.uniform(11.0, 18.0), float(rng.choice([0.0, SUPPLY])))
+        yield pressure, flow, drawn, float(rng.choice([0.0, 1e-12])), port
+
+
+def one_edge(resistance, source):
+    """A port that is open to the supply or, at a source of zero, to the tank."""
+    return Port(resistance, math.inf, 0.0) if source else Port(math.inf, resistance, 0.0)
 
 
 def test_port_valves_are_shut_between_their_settings_and_meet_them_without_a_step():
@@ -48,24 +54,24 @@ def test_pressure_rises_with_what_comes_in_and_falls_with_what_goes_out():
 
 
 @pytest.mark.parametrize("source", [0.0, SUPPLY])
-def test_flow_settles_where_the_orifice_takes_the_whole_pressure_drop(source):
-    orifice, pressure = Orifice(1.04e12, source), 8e6
+def test_flow_settles_where_the_edge_takes_the_whole_pressure_drop(source):
+    port, pressure = one_edge(1.04e12, source), 8e6
     settled = math.copysign(math.sqrt(abs(source - pressure) / 1.04e12), source - pressure)
-    assert flow_rate(pressure, settled, orifice, LINE) == pytest.approx(0.0, abs=1e-9)
-    assert flow_rate(pressure, 0.0, orifice, LINE) == pytest.approx((source - pressure) / LINE.inertance)
-    assert flow_rate(pressure, settled + 1e-4, orifice, LINE) < 0.0
-    assert flow_rate(pressure, settled - 1e-4, orifice, LINE) > 0.0
+    assert flow_rate(pressure, settled, port, SUPPLY, LINE) == pytest.approx(0.0, abs=1e-9)
+    assert flow_rate(pressure, 0.0, port, SUPPLY, LINE) == pytest.approx((source - pressure) / LINE.inertance)
+    assert flow_rate(pressure, settled + 1e-4, port, SUPPLY, LINE) < 0.0
+    assert flow_rate(pressure, settled - 1e-4, port, SUPPLY, LINE) > 0.0
 
 
 @pytest.mark.parametrize("guard", [GUARD, NO_GUARD], ids=["port valves", "none"])
 def test_a_solved_stage_fulfils_both_laws_of_the_hose(guard):
     opened = set()
-    for pressure, flow, drawn, leakage, orifice in cases(1):
-        end = solve_line(pressure, flow, drawn, leakage, orifice, LINE, guard, STEP)
+    for pressure, flow, drawn, leakage, port in cases(1):
+        end = solve_line(pressure, flow, drawn, leakage, port, SUPPLY, LINE, guard, STEP)
         opened.add(np.sign(guard_flow(end.pressure, guard)))
         rate = pressure_rate(end.pressure, end.flow, drawn + leakage * end.pressure, LINE, guard)
         assert end.pressure == pytest.approx(pressure + STEP * rate, rel=1e-9, abs=1.0)
-        turn = flow_rate(end.pressure, end.flow, orifice, LINE)
+        turn = flow_rate(end.pressure, end.flow, port, SUPPLY, LINE)
         assert end.flow == pytest.approx(flow + STEP * turn, rel=1e-6, abs=1e-12 * (1.0 + abs(STEP * turn)))
     assert opened == ({-1.0, 0.0, 1.0} if guard is GUARD else {0.0})
 
@@ -73,35 +79,35 @@ def test_a_solved_stage_fulfils_both_laws_of_the_hose(guard):
 @pytest.mark.parametrize("guard", [GUARD, NO_GUARD], ids=["port valves", "none"])
 def test_stiffness_is_how_the_pressure_answers_the_actuators_flow(guard):
     h = 1e-9
-    for pressure, flow, drawn, leakage, orifice in cases(2, 100):
+    for pressure, flow, drawn, leakage, port in cases(2, 100):
         low, here, high = (
-            solve_line(pressure, flow, drawn + d, leakage, orifice, LINE, guard, STEP) for d in (-h, 0.0, h)
+            solve_line(pressure, flow, drawn + d, leakage, port, SUPPLY, LINE, guard, STEP)
+            for d in (-h, 0.0, h)
         )
         assert here.stiffness == pytest.approx((low.pressure - high.pressure) / (2.0 * h), rel=1e-4)
 
 
-def test_a_shut_orifice_stops_the_flow_and_traps_the_oil():
-    end = solve_line(5e6, 2e-3, 1e-4, 0.0, Orifice(math.inf, SUPPLY), LINE, NO_GUARD, STEP)
+def test_a_shut_port_stops_the_flow_and_traps_the_oil():
+    end = solve_line(5e6, 2e-3, 1e-4, 0.0, SHUT, SUPPLY, LINE, NO_GUARD, STEP)
     assert end.flow == 0.0
     assert end.pressure == pytest.approx(5e6 - STEP * 1e-4 / LINE.capacitance)
 
 
-def test_behind_a_shut_orifice_no_flow_begins_and_none_can_go_on():
-    shut = Orifice(math.inf, SUPPLY)
-    assert flow_rate(5e6, 0.0, shut, LINE) == 0.0
-    assert flow_rate(5e6, 1e-4, shut, LINE) == -math.inf
-    assert flow_rate(5e6, -1e-4, shut, LINE) == math.inf
+def test_behind_a_shut_port_no_flow_begins_and_none_can_go_on():
+    assert flow_rate(5e6, 0.0, SHUT, SUPPLY, LINE) == 0.0
+    assert flow_rate(5e6, 1e-4, SHUT, SUPPLY, LINE) == -math.inf
+    assert flow_rate(5e6, -1e-4, SHUT, SUPPLY, LINE) == math.inf
 
 
-def test_a_closing_orifice_approaches_the_shut_one():
-    shut = solve_line(5e6, 2e-3, 1e-4, 0.0, Orifice(math.inf, SUPPLY), LINE, GUARD, STEP)
-    nearly = solve_line(5e6, 2e-3, 1e-4, 0.0, Orifice(1e30, SUPPLY), LINE, GUARD, STEP)
+def test_a_closing_port_approaches_the_shut_one():
+    shut = solve_line(5e6, 2e-3, 1e-4, 0.0, SHUT, SUPPLY, LINE, GUARD, STEP)
+    nearly = solve_line(5e6, 2e-3, 1e-4, 0.0, Port(1e30, math.inf, 0.0), SUPPLY, LINE, GUARD, STEP)
     assert nearly.pressure == pytest.approx(shut.pressure, rel=1e-6)
     assert nearly.stiffness == pytest.approx(shut.stiffness, rel=1e-3)
 
 
 @pytest.mark.parametrize("resistance", [1e11, 1e18, math.inf])
 def test_a_hose_at_rest_at_its_sources_pressure_stays_so(resistance):
-    end = solve_line(SUPPLY, 0.0, 0.0, 0.0, Orifice(resistance, SUPPLY), LINE, GUARD, STEP)
+    end = solve_line(SUPPLY, 0.0, 0.0, 0.0, Port(resistance, math.inf, 0.0), SUPPLY, LINE, GUARD, STEP)
     assert end.pressure == pytest.approx(SUPPLY, rel=1e-15)
     assert end.flow == 0.0

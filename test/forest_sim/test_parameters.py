@@ -11,6 +11,7 @@ from forest_description.machine import load_machine
 from forest_sim.end_stop import end_stop_force
 from forest_sim.line import guard_flow
 from forest_sim.parameters import plant_parameters
+from forest_sim.supply import supply
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 
@@ -34,13 +35,22 @@ def test_actuators_are_those_of_their_axis():
 
 def test_pump_and_valve_are_the_machines():
     p = plant_parameters(C180)
-    assert p.supply_pressure == C180.pump.supply_pressure
-    assert p.valve == C180.valve.law
+    assert p.supply == supply(C180.pump)
+    assert p.supply.set_pressure == C180.pump.supply_pressure
+    assert [valve.law for valve in p.valves] == [C180.valve.law] * 3
+
+
+def test_an_axis_own_valve_is_its_and_the_others_share_theirs():
+    own = replace(C180.valve, deadband_voltage=1.5, spool_bandwidth=None)
+    p = plant_parameters(replace(C180, boom=replace(C180.boom, valve=own)))
+    assert [valve.law.forward.deadband_voltage for valve in p.valves] == [1.0, 1.5, 1.0]
+    assert [valve.lag.frequency < math.inf for valve in p.valves] == [True, False, True]
 
 
 def test_spool_rate_is_the_bandwidth_in_radians_and_infinite_without_lag():
-    assert plant_parameters(C180).spool_rate == pytest.approx(2.0 * math.pi * C180.spool_bandwidth)
-    assert plant_parameters(THESIS).spool_rate == math.inf
+    rate = pytest.approx(2.0 * math.pi * C180.valve.spool_bandwidth)
+    assert [(v.lag.frequency, v.lag.damping) for v in plant_parameters(C180).valves] == [(rate, 0.0)] * 3
+    assert [v.lag.frequency for v in plant_parameters(THESIS).valves] == [math.inf] * 3
 
 
 def test_port_valves_open_at_the_machines_settings():

@@ -73,16 +73,18 @@ def test_a_shut_crane_in_equilibrium_has_no_derivative():
 
 def test_array_and_state_are_inverse():
     x = np.arange(18.0)
-    np.testing.assert_array_equal(to_array(from_array(x)), x)
+    np.testing.assert_array_equal(to_array(from_array(x, SUPPLY)), x)
+    assert from_array(x, SUPPLY).supply == (SUPPLY, SUPPLY)
 
 
 def test_spool_connects_port_1_to_supply_forwards_and_port_2_backwards():
     p = plant_parameters(THESIS)
-    forward, backward, shut = (valve_ports(v, SUPPLY, p.valve) for v in (5.0, -5.0, 0.5))
-    assert (forward.orifice_1.source_pressure, forward.orifice_2.source_pressure) == (SUPPLY, 0.0)
-    assert (backward.orifice_1.source_pressure, backward.orifice_2.source_pressure) == (0.0, SUPPLY)
-    assert forward.orifice_1.resistance == backward.orifice_1.resistance < math.inf
-    assert shut.orifice_1.resistance == shut.orifice_2.resistance == math.inf
+    forward, backward, shut = (valve_ports(v, p.valves[0].law) for v in (5.0, -5.0, 0.5))
+    c_r = forward.port_1.to_supply
+    assert c_r < math.inf
+    assert forward == ((c_r, math.inf, 0.0), (math.inf, c_r, 0.0))
+    assert backward == ((math.inf, c_r, 0.0), (c_r, math.inf, 0.0))
+    assert shut == ((math.inf, math.inf, 0.0),) * 2
 
 
 def test_lever_arms_are_the_derivative_of_the_cylinder_lengths():
@@ -104,8 +106,8 @@ def total_power_balance(x, c_r):
     energies = [kinetic_and_potential(x + s * h * np.where(np.arange(18) % 6 < 2, d, 0.0)) for s in (1, -1)]
     stored = (energies[0] - energies[1]) / (2 * h)
     power = 0.0
-    state, arms = from_array(x), transmissions(x[0], x[6], x[12], p)
-    for i, (s, axis, t) in enumerate(zip(state, (p.swing, p.boom, p.stick), arms, strict=True)):
+    state, arms = from_array(x, SUPPLY), transmissions(x[0], x[6], x[12], p)
+    for i, (s, axis, t) in enumerate(zip(state[:3], (p.swing, p.boom, p.stick), arms, strict=True)):
         k = 6 * i
         stored += (
             axis.line_1.capacitance * s.pressure_1 * d[k + 2]

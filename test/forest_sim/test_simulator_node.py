@@ -156,7 +156,7 @@ def test_when_voltages_stop_the_spools_centre_within_the_timeout_and_not_before(
     r = rig().drive()
     r.timer.cancel()
     after = peer.until(r.centred)
-    lag = math.log(max(map(abs, VOLTS)) / 0.01) / (2.0 * math.pi * MACHINE.spool_bandwidth)
+    lag = math.log(max(map(abs, VOLTS)) / 0.01) / (2.0 * math.pi * MACHINE.valve.spool_bandwidth)
     assert 0.9 * MACHINE.command_timeout < after < MACHINE.command_timeout + lag + MARGIN
     r.timer.reset()
     peer.until(r.open)

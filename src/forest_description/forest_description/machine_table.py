@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from forest_description.machine import Machine, sources
-from forest_description.machine_file import Quantity, parameters
+import dataclasses
+
+from forest_description.machine import Machine, load_machine, sources
+from forest_description.machine_file import Quantity
+from forest_description.parameter import Parameter, ParameterSet, choice_of, parameter_of
 
 INTRODUCTION = """# The machine in numbers
 
 Made by `python -m forest_description.machine_table` from the files in `forest_description/machines/`; do not
 edit by hand. A number is from the **thesis** (with its place) or **assumed** (with the reason).
 
-- `c180_thesis` is the crane with the choices that the thesis prints, a known slip included.
+- `c180_thesis` is the crane with the choices of the thesis, a known slip included.
 - `c180`, the default, is based on it: the slip corrected, and with what a teleoperated machine needs.
 """
 
@@ -23,17 +26,56 @@ def origin(source: str) -> str:
     return "other"
 
 
-def table(rows: list[Quantity]) -> str:
-    """Return Markdown for some numbers, one line each: key, value, unit, meaning, origin, source."""
-    declared = parameters(Machine)
+def declared(part: ParameterSet, prefix: str = "") -> dict[str, Parameter]:
+    """Return the parameters that a machine, or a part of one, declares, by dotted key."""
+    found: dict[str, Parameter] = {}
+    for field in dataclasses.fields(part):
+        value, allowed = getattr(part, field.name), parameter_of(field)
+        if allowed is not None:
+            found[prefix + field.name] = allowed
+        elif isinstance(value, ParameterSet):
+            found.update(declared(value, f"{prefix}{field.name}."))
+    return found
+
+
+def choices(part: ParameterSet, prefix: str = "") -> dict[str, str]:
+    """Return what a machine, or a part of one, chooses, by dotted key; "none" for what it has not."""
+    found: dict[str, str] = {}
+    for field in dataclasses.fields(part):
+        key, value = prefix + field.name, getattr(part, field.name)
+        if value is None:
+            found[key] = "none"
+        elif choice_of(field) is not None:
+            found[key] = str(value)
+        elif isinstance(value, ParameterSet):
+            if hasattr(value, "kind"):
+                found[key] = str(value.kind)
+            found.update(choices(value, f"{key}."))
+    return found
+
+
+def choice_table(chosen: dict[str, str]) -> str:
+    """Return Markdown for some choices, one line each."""
+    lines = ["| key | choice |", "|---|---|", *(f"| `{key}` | {word} |" for key, word in chosen.items())]
+    return "\n".join(lines)
+
+
+def number(value: float | tuple[float, ...], digits: int) -> str:
+    """Return a number, or a row of them, as text."""
+    return ", ".join(f"{item:.{digits}g}" for item in (value if isinstance(value, tuple) else (value,)))
+
+
+def table(rows: list[Quantity], machine: Machine) -> str:
+    """Return Markdown for some numbers of a machine, one line each: key, value, unit, meaning, origin, source."""
+    meanings = declared(machine)
     lines = ["| key | value | unit | meaning | from | source |", "|---|---|---|---|---|---|"]
     for row in rows:
         reason = row.source.removeprefix("assumed: ")
         cells = [
             f"`{row.key}`",
-            f"{row.value:.10g}",
+            number(row.value, 10),
             row.unit,
-            declared[row.key].doc,
+            meanings[row.key].doc,
             origin(row.source),
             reason,
         ]
@@ -46,19 +88,24 @@ def assumptions() -> str:
     lines = ["| assumed | value | why |", "|---|---|---|"]
     for row in sources("c180"):
         if origin(row.source) == "assumed":
-            cells = (f"`{row.key}`", f"{row.value:.6g} {row.unit}", row.source.removeprefix("assumed: "))
+            cells = (
+                f"`{row.key}`",
+                f"{number(row.value, 6)} {row.unit}",
+                row.source.removeprefix("assumed: "),
+            )
             lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(lines)
 
 
 def document() -> str:
     """Return the whole docs/machine.md."""
-    printed = sources("c180_thesis")
-    differences = [row for row in sources("c180") if row not in printed]
+    thesis, c180 = load_machine("c180_thesis"), load_machine("c180")
+    printed, chosen = sources("c180_thesis"), choices(thesis)
+    numbers = [row for row in sources("c180") if row not in printed]
+    others = {key: word for key, word in choices(c180).items() if chosen.get(key) != word}
     return (
-        f"{INTRODUCTION}\n## c180_thesis\n\n{table(printed)}\n\n"
-        "It has no port valves, no end stops and no spool lag.\n\n"
-        f"## c180: what differs\n\n{table(differences)}\n"
+        f"{INTRODUCTION}\n## c180_thesis\n\n{choice_table(chosen)}\n\n{table(printed, thesis)}\n\n"
+        f"## c180: what differs\n\n{choice_table(others)}\n\n{table(numbers, c180)}\n"
     )
 
 
