@@ -155,7 +155,7 @@ def test_no_circuit_makes_or_loses_power(circuit):
 
 @pytest.mark.parametrize("circuit", CIRCUITS, ids=lambda c: c.file)
 def test_an_elements_arrow_changes_signs_only(circuit):
-    """Turned round, D-types and storages leave the machine as it is: same pump flow, same force on the load."""
+    """Turned round, D-types and storages leave the machine as it is: same pump flow, same load."""
     graph = circuit.graph()
     branches = graph.of(Kind.D_TYPE, Kind.QUADRATIC, Kind.A_TYPE, Kind.T_TYPE)
     names = [branch.name for branch in branches]

@@ -17,7 +17,6 @@ from forest_sim.graph_geometry import (
     Coupling,
     Label,
     Layout,
-    Point,
     Rail,
     along,
     control,
@@ -53,7 +52,7 @@ def svg(tree: NormalTree, layout: Layout) -> str:
     parts += [_rail(rail, name) for name, rail in layout.rails.items()]
     parts += [_coupling(graph, coupling, layout) for coupling in layout.couplings]
     parts += [_branch(branch, layout, branch.name in inside) for branch in graph.branches]
-    parts += [_node(name, place) for name, place in layout.nodes.items()]
+    parts += [_node(name, layout) for name in layout.nodes]
     parts += [_text(label) for label in labels(graph, layout)]
     parts += [_caption(layout.height - 14.0)]
     return "\n".join([*parts, "</svg>", ""])
@@ -81,10 +80,12 @@ def _coupling(graph: LinearGraph, coupling: Coupling, layout: Layout) -> str:
     )
 
 
-def _node(name: str, place: Point) -> str:
+def _node(name: str, layout: Layout) -> str:
+    place = layout.nodes[name]
+    x = place.x + layout.name_shifts.get(name, 0.0)
     return (
         f'<circle cx="{place.x:g}" cy="{place.y:g}" r="5" fill="#111111"/>'
-        f'<text x="{place.x:g}" y="{place.y - NAME_RISE:g}" font-size="{NAME_PX}" fill="{GREY}" '
+        f'<text x="{x:g}" y="{place.y - NAME_RISE:g}" font-size="{NAME_PX}" fill="{GREY}" '
         f'text-anchor="middle">{escape(name)}</text>'
     )
 

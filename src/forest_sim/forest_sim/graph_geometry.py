@@ -70,6 +70,7 @@ class Layout:
     bends: dict[str, float] = field(default_factory=dict)
     flipped: frozenset[str] = frozenset()  # branches with the label on the other side
     couplings: tuple[Coupling, ...] = ()
+    name_shifts: dict[str, float] = field(default_factory=dict)  # of nodes' names to the right
     panels: dict[Domain, Box] = field(default_factory=dict)
 
 

@@ -50,6 +50,7 @@ SWING = Layout(
     bends={"R_in": 38, "2": -36, "3": 36, "4": -36, "qdot_sw": 56},
     flipped=frozenset({"P_s", "1"}),
     couplings=(Coupling("1", 0.2, 0.3, Point(-22, 4)), Coupling("3", 0.3, 0.3)),
+    name_shifts={"port_1": -12, "port_2": 14},
     panels={Domain.ROTATION: Box(500, 118, 850, 336)},
 )
 
@@ -76,13 +77,13 @@ BEFORE = {"supply": 60.0, "valve_1": 180.0, "hose_1": 300.0, "port_1": 420.0}
 AFTER = {"port_2": 800.0, "hose_2": 920.0, "valve_2": 1040.0}
 LONG_BEFORE = {
     "supply": 60.0,
-    "valve_1": 160.0,
-    "hose_11": 260.0,
-    "middle_1": 360.0,
-    "hose_12": 460.0,
-    "port_1": 560.0,
+    "valve_1": 170.0,
+    "hose_11": 280.0,
+    "middle_1": 390.0,
+    "hose_12": 500.0,
+    "port_1": 610.0,
 }
-LONG_AFTER = {"port_2": 920.0, "hose_2": 1030.0, "valve_2": 1140.0}
+LONG_AFTER = {"port_2": 970.0, "hose_2": 1080.0, "valve_2": 1190.0}
 
 PARALLEL = {"C_1a": -28.0, "1": 28.0, "4": -28.0, "C_2a": 28.0, "C_2v": -28.0, "C_R'": 28.0}
 RELIEF = {"C_1": -28.0, "R_v1": 28.0}

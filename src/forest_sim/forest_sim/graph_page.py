@@ -22,6 +22,7 @@ from forest_sim.state_equations import (
     SOURCES,
     StateEquations,
     across_symbol,
+    input_symbol,
     parameter_symbol,
     state_equations,
     through_symbol,
@@ -101,8 +102,7 @@ def symbol_names(graph: LinearGraph) -> dict[Symbol, str]:
         ):
             names[symbol] = f"{letter}_{{{inner}}}"
     for branch in graph.of(*SOURCES):  # the source's own variable is the input
-        own = across_symbol(branch) if branch.kind is Kind.ACROSS_SOURCE else through_symbol(branch)
-        names[own] = latex(branch.parameter)
+        names[input_symbol(branch)] = latex(branch.parameter)
     return names
 
 

@@ -97,7 +97,7 @@ def state_equations(graph: LinearGraph) -> StateEquations:
     return StateEquations(
         tree=tree,
         states=tuple(across_symbol(b) if b.kind is Kind.A_TYPE else through_symbol(b) for b in storages),
-        inputs=tuple(_unique([parameter_symbol_of_source(b) for b in graph.of(*SOURCES)])),
+        inputs=tuple(_unique([input_symbol(b) for b in graph.of(*SOURCES)])),
         parameters=tuple(_unique([parameter_symbol(b) for b in graph.branches if b.kind not in SOURCES])),
         derivatives=tuple(storage_rate(b, across[b.name], through[b.name]) for b in storages),
         across=across,
@@ -161,11 +161,11 @@ def tidy(expression: Expr) -> Expr:
             fractions[key] = fractions.get(key, sympy.S.Zero) + numerator
         else:
             total += term
-    shared = (carrier * sympy.factor(sum_) / below for (carrier, below), sum_ in fractions.items())
+    shared = (carrier * sympy.factor(above) / below for (carrier, below), above in fractions.items())
     return sympy.Add(total, *shared)
 
 
-def parameter_symbol_of_source(branch: Branch) -> Symbol:
+def input_symbol(branch: Branch) -> Symbol:
     """Return the symbol of a source's input."""
     return across_symbol(branch) if branch.kind is Kind.ACROSS_SOURCE else through_symbol(branch)
 
