@@ -8,7 +8,7 @@ from sympy import Symbol
 
 from forest_sim import graph_page
 from forest_sim.graph_layouts import CIRCUITS
-from forest_sim.graph_page import latex, name_denominators
+from forest_sim.graph_page import name_denominators
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
@@ -49,14 +49,6 @@ def test_no_table_cell_is_torn_by_a_bar(written):
     rows = [line for line in written["linear-graphs.md"].splitlines() if line.startswith("|")]
     assert len(rows) > 60
     assert {row.count("|") for row in rows} == {7}
-
-
-@pytest.mark.parametrize(
-    ("name", "text"),
-    [("C_R'", "C_{R}'"), ("qdot_sw", r"\dot q_{sw}"), ("gy_1", r"\mathit{gy}_{1}"), ("B", "B")],
-)
-def test_symbols_are_set_as_in_the_thesis(name, text):
-    assert latex(name) == text
 
 
 def test_sums_under_a_fraction_get_names():

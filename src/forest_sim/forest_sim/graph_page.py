@@ -14,19 +14,11 @@ import sympy
 from sympy import Expr, Symbol
 
 from forest_sim.graph_drawing import svg
-from forest_sim.graph_geometry import notation
 from forest_sim.graph_layouts import CIRCUITS, Circuit
-from forest_sim.linear_graph import TWO_PORTS, Branch, Domain, Kind, LinearGraph
+from forest_sim.graph_notation import latex, law, symbol_names, two_port_laws
+from forest_sim.linear_graph import TWO_PORTS, Domain, Kind
 from forest_sim.normal_tree import NormalTree
-from forest_sim.state_equations import (
-    SOURCES,
-    StateEquations,
-    across_symbol,
-    input_symbol,
-    parameter_symbol,
-    state_equations,
-    through_symbol,
-)
+from forest_sim.state_equations import StateEquations, across_symbol, state_equations, through_symbol
 
 INTRODUCTION = """# Linear graphs
 
@@ -83,54 +75,6 @@ An open relief valve with a straight characteristic from hose 1 to the tank: one
 }
 
 
-def latex(name: str) -> str:
-    """Return a symbol's name in LaTeX."""
-    n = notation(name)
-    base = rf"\dot {n.base}" if n.dotted else n.base if len(n.base) == 1 else rf"\mathit{{{n.base}}}"
-    return base + (f"_{{{n.subscript}}}" if n.subscript else "") + ("'" if n.prime else "")
-
-
-def symbol_names(graph: LinearGraph) -> dict[Symbol, str]:
-    """Return the LaTeX of every symbol of a graph."""
-    names = {}
-    for branch in graph.branches:
-        names[parameter_symbol(branch)] = latex(branch.parameter)
-        inner = branch.name if branch.partner else latex(branch.name)
-        for symbol, letter in (
-            (across_symbol(branch), branch.domain.across),
-            (through_symbol(branch), branch.domain.through),
-        ):
-            names[symbol] = f"{letter}_{{{inner}}}"
-    for branch in graph.of(*SOURCES):  # the source's own variable is the input
-        names[input_symbol(branch)] = latex(branch.parameter)
-    return names
-
-
-def law(branch: Branch, names: dict[Symbol, str]) -> str:
-    """Return an element's law in LaTeX. Thesis eq. 3.4, 3.10."""
-    a, f = names[across_symbol(branch)], names[through_symbol(branch)]
-    c, hydraulic = latex(branch.parameter), branch.domain is Domain.HYDRAULIC
-    effect, cause = (a, f) if hydraulic else (f, a)
-    return {
-        Kind.A_TYPE: rf"{c}\,\tfrac{{d}}{{dt}}{a} = {f}",
-        Kind.T_TYPE: rf"{c}\,\tfrac{{d}}{{dt}}{f} = {a}"
-        if hydraulic
-        else rf"\tfrac{{d}}{{dt}}{f} = {c}\,{a}",
-        Kind.D_TYPE: rf"{effect} = {c}\,{cause}",
-        Kind.QUADRATIC: rf"{effect} = {c}\,{cause}\,\lvert {cause}\rvert",
-    }.get(branch.kind, "input")
-
-
-def two_port_laws(one: Branch, two: Branch, names: dict[Symbol, str]) -> tuple[str, str]:
-    """Return the two laws of a transformer or gyrator in LaTeX. Thesis eq. 3.4, 3.10."""
-    a_1, a_2 = names[across_symbol(one)], names[across_symbol(two)]
-    f_1, f_2 = names[through_symbol(one)], names[through_symbol(two)]
-    c = latex(one.parameter)
-    if one.kind is Kind.TRANSFORMER:
-        return rf"{a_1} = {c}\,{a_2}", rf"{f_2} = -{c}\,{f_1}"
-    return rf"{f_1} = {c}\,{a_2}", rf"{f_2} = -{c}\,{a_1}"
-
-
 def element_table(tree: NormalTree) -> str:
     """Return the table of branches: kind, nodes, law, and continuity or compatibility."""
     graph, names = tree.graph, symbol_names(tree.graph)
@@ -163,35 +107,35 @@ def equation_text(equations: StateEquations) -> str:
     """Return the state equations, and the variables that the rest of the machine needs, in LaTeX blocks."""
     graph = equations.tree.graph
     storages = [*graph.of(Kind.A_TYPE), *graph.of(Kind.T_TYPE)]
-    two_ports = [b for b in graph.of(*TWO_PORTS) if b.domain is Domain.HYDRAULIC]
-    loads = [b for b in graph.of(Kind.ACROSS_SOURCE) if b.domain is not Domain.HYDRAULIC]
     rates = [
         equations.through[b.name] if b.kind is Kind.A_TYPE else equations.across[b.name] for b in storages
     ]
-    secondary = [(across_symbol(b), equations.across[b.name]) for b in two_ports]
-    secondary += [(through_symbol(b), equations.through[b.name]) for b in two_ports + loads]
-    named, sums = name_denominators([*rates, *(value for _, value in secondary)])
+    others = secondary(equations)
+    named, sums = name_denominators([*rates, *others.values()])
     names = symbol_names(graph) | {symbol: symbol.name for symbol in sums}
 
     def text(expression: Expr) -> str:
         return str(sympy.latex(expression, symbol_names=names))
 
-    rows = [
-        rf"{latex(b.parameter)}\,\frac{{d{text(state)}}}{{dt}} = {text(rate)}"
-        for b, state, rate in zip(storages, equations.states, named, strict=False)
+    constants = [latex(branch.parameter) for branch in storages]
+    left = [
+        rf"{c}\,\frac{{d{text(state)}}}{{dt}}" for c, state in zip(constants, equations.states, strict=True)
     ]
-    others = [
-        f"{text(symbol)} = {text(value)}"
-        for (symbol, _), value in zip(secondary, named[len(rates) :], strict=True)
-    ]
-    where = [f"{text(symbol)} = {text(total)}" for symbol, total in sums.items()]
-    parts = [
-        "State equations:",
-        *map(_block, rows),
-        "Pressure and flow of the actuator's ports, and the load:",
-    ]
-    parts += map(_block, others)
-    return "\n\n".join(parts + (["with", *map(_block, where)] if where else []))
+    left += [text(symbol) for symbol in others]
+    lines = [_block(f"{one} = {text(value)}") for one, value in zip(left, named, strict=True)]
+    parts = ["State equations:", *lines[: len(rates)]]
+    parts += ["Pressure and flow of the actuator's ports, and the load:", *lines[len(rates) :]]
+    where = [_block(f"{text(symbol)} = {text(total)}") for symbol, total in sums.items()]
+    return "\n\n".join([*parts, "with", *where] if where else parts)
+
+
+def secondary(equations: StateEquations) -> dict[Symbol, Expr]:
+    """Return pressure and flow of the hydraulic ports, and what the mechanical sources carry."""
+    graph = equations.tree.graph
+    ports = [b for b in graph.of(*TWO_PORTS) if b.domain is Domain.HYDRAULIC]
+    loads = [b for b in graph.of(Kind.ACROSS_SOURCE) if b.domain is not Domain.HYDRAULIC]
+    pressures = {across_symbol(b): equations.across[b.name] for b in ports}
+    return pressures | {through_symbol(b): equations.through[b.name] for b in ports + loads}
 
 
 def name_denominators(expressions: Sequence[Expr]) -> tuple[list[Expr], dict[Symbol, Expr]]:

@@ -161,7 +161,10 @@ def tidy(expression: Expr) -> Expr:
             fractions[key] = fractions.get(key, sympy.S.Zero) + numerator
         else:
             total += term
-    shared = (carrier * sympy.factor(above) / below for (carrier, below), above in fractions.items())
+    shared = []
+    for (carrier, below), above in fractions.items():
+        minus = -1 if above.could_extract_minus_sign() else 1
+        shared.append(sympy.Mul(minus, carrier, sympy.factor(minus * above), 1 / below))
     return sympy.Add(total, *shared)
 
 
