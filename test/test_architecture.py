@@ -87,6 +87,30 @@ def test_the_description_needs_only_numpy_and_yaml():
     }
 
 
+def test_only_the_derivation_of_equations_needs_sympy():
+    users = {
+        path.stem
+        for package in PACKAGES
+        for path in modules(package)
+        if "sympy" in imported(path.read_text("utf-8"))
+    }
+    assert users == {"graph_notation", "graph_page", "state_equations"}
+
+
+def test_no_simulation_imports_the_derivation_of_equations():
+    """An installation without the extra ``graphs`` must run every node."""
+    derivation = re.compile(
+        r"^\s*(from|import) forest_sim\.(state_equations|graph_notation|graph_page)\b", re.MULTILINE
+    )
+    users = {
+        path.stem
+        for package in PACKAGES
+        for path in modules(package)
+        if derivation.search(path.read_text("utf-8"))
+    }
+    assert users == {"graph_notation", "graph_page"}
+
+
 @pytest.mark.parametrize("package", PACKAGES)
 def test_the_manifest_names_every_ros_and_own_package_that_is_imported(package):
     manifest = ET.parse(ROOT / "src" / package / "package.xml").getroot()
