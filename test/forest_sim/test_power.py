@@ -5,11 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from forest_description.kinematics import inverse_kinematics
+from forest_description.kinematics import inverse_kinematics, tip_velocity
+from forest_description.load import Pendulum
 from forest_description.machine import Cushion, Friction, load_machine
 from forest_sim.compiled import compiled_advance
 from forest_sim.equilibrium import equilibrium
+from forest_sim.manipulator import kinetic_energy, potential_energy
 from forest_sim.parameters import plant_parameters
+from forest_sim.pendulum import pendulum_kinetic_energy, pendulum_potential_energy
+from forest_sim.plant import ports_at, state_derivative
 from forest_sim.power import power_flows
 
 THESIS, C180 = load_machine("c180_thesis"), load_machine("c180")
@@ -18,6 +22,12 @@ RUBBING = replace(
     C180.boom, friction=Friction(4e3, 7e3, 5e-3, 1e-3), cushion=Cushion(0.1, 5e6), flow_regime="laminar"
 )
 EVERYTHING = replace(C180, valve=LEAKY, boom=RUBBING, swing=replace(C180.swing, flow_regime="turbulent"))
+HANGING = replace(
+    C180,
+    manipulator=replace(
+        C180.manipulator, platform_tilt=0.15, pendulum=Pendulum(length=1.1, inertia=150.0, damping=400.0)
+    ),
+)
 MACHINES = [
     pytest.param(THESIS, id="thesis"),
     pytest.param(C180, id="c180"),
@@ -53,6 +63,49 @@ def test_every_part_hands_on_what_it_neither_loses_nor_stores(machine):
             assert gap(a.supply, -a.throttling, -a.inlets) < 1e-9
             lost = a.port_valves + a.resistance + a.leakage + a.damping + a.dry_friction + a.cushion
             assert gap(a.inlets, -a.hose, -lost, -a.stop, -a.joint) < 1e-9
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+def mechanical_energy(state, p):
+    """Kinetic and potential energy of crane and hanging head [J]."""
+    q = state.swing.angle, state.boom.angle, state.stick.angle
+    u = state.swing.rate, state.boom.rate, state.stick.rate
+    angles, rates = (state.head.alpha, state.head.beta), (state.head.alpha_rate, state.head.beta_rate)
+    energy = kinetic_energy(q, u, p.body) + potential_energy(q, p.body)
+    if p.head.mass > 0.0:
+        energy += pendulum_kinetic_energy(q, u, angles, rates, p.head, p.body)
+        energy += pendulum_potential_energy(q, angles, p.head, p.body)
+    return energy
+
+
+def moved(state, rate, time):
+    """A state after a time on a straight line."""
+    return type(state)(
+        *(
+            type(a)(*(x + time * dx for x, dx in zip(a, b, strict=True)))
+            for a, b in zip(state, rate, strict=True)
+        )
+    )
+
+
+@pytest.mark.parametrize("machine", [*MACHINES, pytest.param(HANGING, id="hanging head")])
+def test_the_links_store_what_the_joints_and_the_outer_force_give_them(machine):
+    force, h = (3e3, -2e3, -5e3), 1e-4
+    for k, (simulation, p) in enumerate(violent_states(machine, 3.0)):
+        if k % 10:
+            continue
+        p = p._replace(tip_force=force)
+        state, flows = simulation.plant, power_flows(simulation, p)
+        rate = state_derivative(state, ports_at(simulation.spools, p), p)
+        energies = [mechanical_energy(moved(state, rate, n * h), p) for n in (-2, -1, 1, 2)]
+        stored = float(np.dot([1.0, -8.0, 8.0, -1.0], energies)) / (12.0 * h)
+        q = state.swing.angle, state.boom.angle, state.stick.angle
+        u = state.swing.rate, state.boom.rate, state.stick.rate
+        outer = np.dot(force, tip_velocity(q, u, machine.manipulator.links))
+        relative = state.head.alpha_rate - u[1] - u[2]
+        damped = p.head.damping * (relative**2 + state.head.beta_rate**2) if p.head.mass else 0.0
+        joints = flows.swing.joint, flows.boom.joint, flows.stick.joint
+        assert gap(-stored, *joints, outer, -damped) < 1e-9
 
 
 @pytest.mark.parametrize("machine", MACHINES)

@@ -19,6 +19,7 @@ def equilibrium(angles: Triple, p: PlantParameters) -> Simulation:
     supply pressure. The swing's hoses have leaked empty; on a tilted platform the swing cannot rest and
     starts to creep, and so does every axis whose valve leaks or is underlapped.
     """
+    angles = float(angles[0]), float(angles[1]), float(angles[2])  # compiled kernels know no whole numbers
     head = HeadState(*hanging_angles(angles[0], p.body), 0.0, 0.0) if p.head.mass > 0.0 else HANGING_STILL
     bias = mechanics(angles, (0.0, 0.0, 0.0), head, p).bias
     return Simulation(

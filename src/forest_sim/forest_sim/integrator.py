@@ -130,19 +130,27 @@ def _count(e: Events, before: PlantState, after: PlantState, failed: int, guard:
     """Count the port valves that opened over a step, and the stages whose Newton did not converge."""
     if guard.relief_conductance == 0.0 and guard.anticavitation_conductance == 0.0:
         return Events(e.relief_openings, e.anticavitation_openings, e.unconverged_stages + failed)
-    relief, check = guard.relief_pressure, guard.anticavitation_pressure
-    relieved = checked = 0
-    for i in range(3):
-        a, b = _axis(before, i), _axis(after, i)
-        relieved += (a.pressure_1 <= relief < b.pressure_1) + (a.pressure_2 <= relief < b.pressure_2)
-        checked += (a.pressure_1 >= check > b.pressure_1) + (a.pressure_2 >= check > b.pressure_2)
+    a, b, c = (
+        _openings(before.swing, after.swing, guard),
+        _openings(before.boom, after.boom, guard),
+        _openings(before.stick, after.stick, guard),
+    )
     return Events(
-        e.relief_openings + relieved, e.anticavitation_openings + checked, e.unconverged_stages + failed
+        e.relief_openings + a[0] + b[0] + c[0],
+        e.anticavitation_openings + a[1] + b[1] + c[1],
+        e.unconverged_stages + failed,
     )
 
 
-def _axis(state: PlantState, axis: int) -> AxisState:
-    return state.swing if axis == 0 else state.boom if axis == 1 else state.stick
+def _openings(before: AxisState, after: AxisState, guard: PortGuard) -> tuple[int, int]:
+    """Return how many of an axis' relief and anti-cavitation valves opened over a step."""
+    relief, check = guard.relief_pressure, guard.anticavitation_pressure
+    return (
+        int(before.pressure_1 <= relief < after.pressure_1)
+        + int(before.pressure_2 <= relief < after.pressure_2),
+        int(before.pressure_1 >= check > after.pressure_1)
+        + int(before.pressure_2 >= check > after.pressure_2),
+    )
 
 
 def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
