@@ -57,6 +57,11 @@ def choice(*words: str, doc: str) -> Any:
     return dataclasses.field(metadata={"choice": Choice(words, doc)})
 
 
+def component() -> Any:
+    """Return a dataclass field for a component, which stands for itself."""
+    return dataclasses.field()
+
+
 def parameter_of(field: dataclasses.Field[Any]) -> Parameter | None:
     """Return the parameter that a dataclass field declares, or None for a field of another kind."""
     found: Parameter | None = field.metadata.get("parameter")

@@ -38,8 +38,8 @@ Knots = tuple[float, float, float, float, float, float, float, float, float, flo
 class Curve(NamedTuple):
     """u(s): linear; C_R/C_Rmin a polynomial of s; or a table, straight in between.
 
-    A table has its s in ``knots`` and its u in ``values``; a polynomial its coefficients in ``values``, lowest
-    power first. Unused places repeat a table's end and are zero in a polynomial.
+    A table has its s in ``knots`` and its u in ``values``; a polynomial its coefficients in ``values``,
+    lowest power first. Unused places repeat a table's end and are zero in a polynomial.
     """
 
     sort: int
@@ -127,7 +127,8 @@ def resistance_at(opening: float, minimum_resistance: float) -> float:
 def edges(spool_voltage: float, law: ValveLaw) -> Edges:
     """Return the four orifices at a spool position; all shut inside the overlap.
 
-    Thesis eq. 3.1, 3.2, 4.1, 4.2, fig. 2.5. Differs: the curve C_R(V) of fig. 4.4 is lost; this one is assumed.
+    Thesis eq. 3.1, 3.2, 4.1, 4.2, fig. 2.5. Differs: the curve C_R(V) of fig. 4.4 is lost; this one is
+    assumed.
 
     Args:
         spool_voltage: Voltage that the spool's position stands for, either sign [V].

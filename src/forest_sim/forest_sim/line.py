@@ -274,7 +274,10 @@ def supply_coupling(solution: LineSolution, port: Port, supply: float, line: Lin
 
     Args:
         solution: what `solve_line` found.
-        port, supply, line, step: as given to it.
+        port: as given to it.
+        supply: P_s [Pa], as given to it.
+        line: as given to it.
+        step: as given to it [s].
     """
     if is_shut(port):
         return Coupling(0.0, 0.0, 0.0)
