@@ -111,7 +111,8 @@ class TableCurve(ParameterSet):
 def _filled(what: str, numbers: list[float], last: float) -> Knots:
     """Return numbers as a curve's row, filled up; a ``MachineError`` if they are too many."""
     if len(numbers) > CURVE_SIZE:
-        raise MachineError(f"{what}: at most {CURVE_SIZE - 1} numbers, these are {len(numbers)}")
+        more = len(numbers) - CURVE_SIZE
+        raise MachineError(f"{what}: {more} too many; a curve has at most {CURVE_SIZE} places")
     row: Any = (*numbers, *[last] * (CURVE_SIZE - len(numbers)))
     return cast(Knots, row)
 
@@ -154,6 +155,9 @@ class Valve(ParameterSet):
         """Check ranges, that the valve opens at all, and the curve."""
         super().__post_init__()
         require_order("deadband_voltage", self.deadband_voltage, "rated_voltage", self.rated_voltage, "V")
+        if self.backward is not None:
+            edge = self.backward.deadband_voltage
+            require_order("backward.deadband_voltage", edge, "rated_voltage", self.rated_voltage, "V")
         _ = self.law
 
     @property
