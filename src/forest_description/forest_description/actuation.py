@@ -26,9 +26,9 @@ Linkages = tuple[Linkage, Linkage]
 def rated_speeds(machine: Machine) -> Vector:
     """Return the unloaded actuator speeds of the fully open valve at pump pressure (rad/s, m/s, m/s).
 
-    Both orifices share P_s; hoses, leakage and friction are left out. At the actuator with displacements D1, D2
-    D1 P_1 = D2 P_2 gives sqrt(D1 P_s / (C_R1 D1³ + C_R2 D2³)); for the swing D1 = D2 = N D_m. This is the scale
-    of /valve_commands: the rated voltage of the ideal valve wishes this speed. Positive direction.
+    Both orifices share P_s; hoses, leakage and friction are left out. At the actuator with displacements D1
+    and D2, D1 P_1 = D2 P_2 gives sqrt(D1 P_s / (C_R1 D1³ + C_R2 D2³)); for the swing D1 = D2 = N D_m. This is
+    the scale of /valve_commands: the rated voltage of the ideal valve wishes this speed. Positive direction.
 
     Thesis eq. 3.1, 3.9, 3.13 at rest of pressures and flows.
     """

@@ -8,7 +8,14 @@ from typing import Any, ClassVar, NamedTuple, cast
 
 import numpy as np
 
-from forest_description.parameter import MachineError, ParameterSet, curve, parameter, require_order
+from forest_description.parameter import (
+    MachineError,
+    ParameterSet,
+    component,
+    curve,
+    parameter,
+    require_order,
+)
 from forest_description.valve import (
     CURVE_SIZE,
     LINEAR_AREA,
@@ -55,9 +62,10 @@ class PolynomialCurve(ParameterSet):
         s = np.linspace(0.0, 1.0, 1001)
         if not (np.all(in_stroke(s) > 0.0) and np.all(np.diff(in_stroke(s)) <= 0.0)):
             raise MachineError(
-                f"coefficients: C_R must be positive and fall from {deadband_voltage:g} to {rated_voltage:g} V"
+                f"coefficients: C_R must be positive and fall from {deadband_voltage:g} to "
+                f"{rated_voltage:g} V"
             )
-        values = (in_stroke.coef / in_stroke(1.0)).tolist()
+        values = (np.asarray(in_stroke.coef, np.float64) / float(in_stroke(1.0))).tolist()
         return Curve(POLYNOMIAL, LINEAR_AREA.knots, _filled("coefficients", values, 0.0))
 
 
@@ -103,7 +111,8 @@ class TableCurve(ParameterSet):
 def _filled(what: str, numbers: list[float], last: float) -> Knots:
     """Return numbers as a curve's row, filled up; a ``MachineError`` if they are too many."""
     if len(numbers) > CURVE_SIZE:
-        raise MachineError(f"{what}: at most {CURVE_SIZE - 1} numbers, these are {len(numbers)}")
+        more = len(numbers) - CURVE_SIZE
+        raise MachineError(f"{what}: {more} too many; a curve has at most {CURVE_SIZE} places")
     row: Any = (*numbers, *[last] * (CURVE_SIZE - len(numbers)))
     return cast(Knots, row)
 
@@ -133,8 +142,8 @@ class Valve(ParameterSet):
     leakage_conductance: float = parameter(
         "m3/(s*Pa)", 0.0, 1e-9, "laminar leakage past each of the four edges"
     )
-    backward: BackwardValve | None
-    curve: PolynomialCurve | TableCurve | None
+    backward: BackwardValve | None = component()
+    curve: PolynomialCurve | TableCurve | None = component()
     spool_bandwidth: float | None = parameter(
         "Hz", 0.5, 500.0, "of the spool's lag; null: it follows at once"
     )
@@ -146,6 +155,9 @@ class Valve(ParameterSet):
         """Check ranges, that the valve opens at all, and the curve."""
         super().__post_init__()
         require_order("deadband_voltage", self.deadband_voltage, "rated_voltage", self.rated_voltage, "V")
+        if self.backward is not None:
+            edge = self.backward.deadband_voltage
+            require_order("backward.deadband_voltage", edge, "rated_voltage", self.rated_voltage, "V")
         _ = self.law
 
     @property

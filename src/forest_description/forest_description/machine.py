@@ -16,7 +16,14 @@ from forest_description.hydraulics import Hose, Line, PortValves, Valve
 from forest_description.kinematics import Links
 from forest_description.linkage import Linkage
 from forest_description.load import Log, Pendulum
-from forest_description.parameter import MachineError, ParameterSet, choice, parameter, require_order
+from forest_description.parameter import (
+    MachineError,
+    ParameterSet,
+    choice,
+    component,
+    parameter,
+    require_order,
+)
 from forest_description.pump import Pump
 
 __all__ = [
@@ -85,7 +92,7 @@ class SwingDrive(ParameterSet):
     line_2_length: float = parameter("m", 0.05, 100.0, "hose from valve to port 2")
     length_exponent: float = parameter("1", 1.0, 2.0, "power of length in hose inertance and capacitance")
     flow_regime: str = choice("laminar", "turbulent", doc="flow in the hoses")
-    valve: Valve | None
+    valve: Valve | None = component()
     lower_limit: float = parameter("rad", -20.0, 20.0, "smallest swing angle")
     upper_limit: float = parameter("rad", -20.0, 20.0, "largest swing angle")
 
@@ -111,9 +118,9 @@ class CylinderDrive(ParameterSet):
     line_2_length: float = parameter("m", 0.05, 100.0, "hose from valve to rod side")
     length_exponent: float = parameter("1", 1.0, 2.0, "power of length in hose inertance and capacitance")
     flow_regime: str = choice("laminar", "turbulent", doc="flow in the hoses")
-    valve: Valve | None
-    friction: Friction | None
-    cushion: Cushion | None
+    valve: Valve | None = component()
+    friction: Friction | None = component()
+    cushion: Cushion | None = component()
 
     def __post_init__(self) -> None:
         """Check ranges, the areas, and that the linkage closes over the whole stroke."""
@@ -260,7 +267,7 @@ def load_machine(name_or_path: str | Path = "c180") -> Machine:
 
 
 def _read(name_or_path: str | Path) -> machine_tree.Branch:
-    """Return a machine's tree; an axis' own valve is laid over the shared one, of which it gives what differs."""
+    """Return a machine's tree; an axis' own valve gives what differs from the shared one."""
     tree = machine_tree.read(name_or_path)
     shared = tree.children.get("valve")
     for axis in AXES:

@@ -1,8 +1,8 @@
 """From the tree of a machine file to the machine dataclasses; keys, numbers, units and sources are checked.
 
-Every number of a file is written ``{value: 3000, unit: psi, source: "Thesis 3.1"}``, a row of them ``{values:
-[1, 2], unit: V, source: "..."}``. A component of which there are several sorts says which under ``kind``. What
-is allowed, the dataclasses declare.
+Every number of a file is written ``{value: 3000, unit: psi, source: "Thesis 3.1"}``, a row of them
+``{values: [1, 2], unit: V, source: "..."}``. A component of which there are several sorts says which under
+``kind``. What is allowed, the dataclasses declare.
 """
 
 from __future__ import annotations
@@ -191,7 +191,7 @@ def quantities(kind: type, tree: Branch, prefix: str = "") -> list[Quantity]:
 
 
 def parameters(kind: type, prefix: str = "") -> dict[str, Parameter]:
-    """Return the declared parameters of a machine dataclass, those of every sort of component, by dotted key."""
+    """Return the parameters that a machine dataclass declares, of every sort of component, by dotted key."""
     found: dict[str, Parameter] = {}
     for name, field in _field_kinds(kind).items():
         if field.allowed is not None:

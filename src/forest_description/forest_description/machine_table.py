@@ -66,7 +66,7 @@ def number(value: float | tuple[float, ...], digits: int) -> str:
 
 
 def table(rows: list[Quantity], machine: Machine) -> str:
-    """Return Markdown for some numbers of a machine, one line each: key, value, unit, meaning, origin, source."""
+    """Return Markdown for some numbers of a machine: key, value, unit, meaning, origin, source."""
     meanings = declared(machine)
     lines = ["| key | value | unit | meaning | from | source |", "|---|---|---|---|---|---|"]
     for row in rows:

@@ -49,12 +49,17 @@ def parameter(unit: str, low: float, high: float, doc: str) -> Any:
 
 def curve(unit: str, low: float, high: float, doc: str) -> Any:
     """Return a dataclass field for a row of numbers, a tuple of floats; arguments as ``parameter``."""
-    return dataclasses.field(metadata={"parameter": Parameter(unit, low, high, doc)})
+    return dataclasses.field(metadata={"parameter": Parameter(unit, low, high, doc), "row": True})
 
 
 def choice(*words: str, doc: str) -> Any:
     """Return a dataclass field, of type str, that holds one of some words."""
     return dataclasses.field(metadata={"choice": Choice(words, doc)})
+
+
+def component() -> Any:
+    """Return a dataclass field for a component, which stands for itself."""
+    return dataclasses.field()
 
 
 def parameter_of(field: dataclasses.Field[Any]) -> Parameter | None:
@@ -85,7 +90,9 @@ class ParameterSet:
                 raise MachineError(f"{where}: {value!r} is none of {', '.join(words.words)}")
             if allowed is None or value is None:
                 continue
-            if isinstance(value, (tuple, list)):
+            if field.metadata.get("row"):
+                if not isinstance(value, (tuple, list)) or not value:
+                    raise MachineError(f"{where}: {value!r} is not a row of numbers [{allowed.unit}]")
                 numbers = tuple(_checked(where, item, allowed) for item in value)
                 object.__setattr__(self, field.name, numbers)
             else:

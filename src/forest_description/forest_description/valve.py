@@ -38,8 +38,8 @@ Knots = tuple[float, float, float, float, float, float, float, float, float, flo
 class Curve(NamedTuple):
     """u(s): linear; C_R/C_Rmin a polynomial of s; or a table, straight in between.
 
-    A table has its s in ``knots`` and its u in ``values``; a polynomial its coefficients in ``values``, lowest
-    power first. Unused places repeat a table's end and are zero in a polynomial.
+    A table has its s in ``knots`` and its u in ``values``; a polynomial its coefficients in ``values``,
+    lowest power first. Unused places repeat a table's end and are zero in a polynomial.
     """
 
     sort: int
@@ -127,7 +127,8 @@ def resistance_at(opening: float, minimum_resistance: float) -> float:
 def edges(spool_voltage: float, law: ValveLaw) -> Edges:
     """Return the four orifices at a spool position; all shut inside the overlap.
 
-    Thesis eq. 3.1, 3.2, 4.1, 4.2, fig. 2.5. Differs: the curve C_R(V) of fig. 4.4 is lost; this one is assumed.
+    Thesis eq. 3.1, 3.2, 4.1, 4.2, fig. 2.5. Differs: the curve C_R(V) of fig. 4.4 is lost; this one is
+    assumed.
 
     Args:
         spool_voltage: Voltage that the spool's position stands for, either sign [V].
@@ -147,7 +148,7 @@ def voltage_for_opening(opening: float, law: ValveLaw) -> float:
     """Return the spool voltage that gives an opening with a direction [V].
 
     No opening is 0 V, the middle of the overlap. On an underlapped valve, where both directions are open at
-    the centre, this inverts one direction's edge alone.
+    the centre, an opening is what one direction has more than the other.
 
     Args:
         opening: Wished opening, −1..1 (beyond is clipped); its sign is the direction.
@@ -157,10 +158,25 @@ def voltage_for_opening(opening: float, law: ValveLaw) -> float:
     if not magnitude > 0.0:
         return 0.0
     way = law.forward if opening > 0.0 else law.backward
+    if law.forward.deadband_voltage + law.backward.deadband_voltage < 0.0:
+        return _underlapped_voltage(math.copysign(magnitude, opening), law)
     s = _stroke_for(magnitude, law.curve)
     return math.copysign(1.0, opening) * (
         way.deadband_voltage + s * (way.rated_voltage - way.deadband_voltage)
     )
+
+
+def _underlapped_voltage(opening: float, law: ValveLaw) -> float:
+    """Return the voltage at which one direction is open by so much more than the other; it grows with it."""
+    low, high = -law.backward.rated_voltage, law.forward.rated_voltage
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        forward = opening_at(stroke(middle, law.forward), law.curve)
+        if forward - opening_at(stroke(-middle, law.backward), law.curve) < opening:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
 
 
 def _stroke_for(opening: float, curve: Curve) -> float:

@@ -50,7 +50,7 @@ UNCUSHIONED = CushionBrake(-math.inf, math.inf, 1.0, 0.0)
 
 
 def cushion_resistance(position: float, speed: float, c: CushionBrake) -> float:
-    """Return r in F = -r u|u| [N s^2/m^2]; it grows with the square of the depth, and lets the piston out freely.
+    """Return r in F = -r u|u| [N s^2/m^2], which goes with the depth squared; out, the piston moves freely.
 
     Args:
         position: x [m].

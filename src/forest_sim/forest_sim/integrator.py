@@ -310,7 +310,7 @@ def _supply_error(
 def _draw(
     axis: AxisSolution, ports: Ports, supply: float, a: Axis, h: float
 ) -> tuple[float, float, float, float]:
-    """Return an axis' flow from the supply, its slopes by P_s and by actuator speed, and the load it shows."""
+    """Return an axis' flow from the supply, its slopes by P_s and actuator speed, and the load it shows."""
     one = supply_coupling(axis.one, ports.port_1, supply, a.line_1, h)
     two = supply_coupling(axis.two, ports.port_2, supply, a.line_2, h)
     gain = a.actuator.displacement_1 * one.gain - a.actuator.displacement_2 * two.gain

@@ -59,6 +59,7 @@ class LineSolution(NamedTuple):
     flow: float  # [m^3/s]
     stiffness: float  # -dP/dq [Pa s/m^3], how the pressure answers the actuator's flow
     port_pressure: float  # p [Pa]
+    slope: float  # dP/dQ [Pa s/m^3], how the oil between valve and actuator yields
 
 
 class Coupling(NamedTuple):
@@ -173,7 +174,7 @@ def _two_edges(intercept: float, admittance: float, port: Port, supply: float) -
     reach = max(port.to_supply, port.to_tank) * intercept * intercept
     low, high = min(0.0, supply) - reach, max(0.0, supply) + reach
     p = 0.5 * (low + high)
-    conductance = 0.0
+    conductance, moved = 0.0, high - low
     for _ in range(ROOT_ITERATIONS):
         error = port_flow(p, port, supply) - intercept - admittance * p
         if error > 0.0:
@@ -181,12 +182,13 @@ def _two_edges(intercept: float, admittance: float, port: Port, supply: float) -
         else:
             high = p
         conductance = _conductance(p, port, supply)
-        after = p + error / (admittance + conductance)
-        if not low < after < high:
-            after = 0.5 * (low + high)
-        if abs(after - p) <= ROOT_TOLERANCE * (abs(p) + abs(supply)):
+        newton = error / (admittance + conductance)
+        if abs(newton) <= ROOT_TOLERANCE * (abs(p) + abs(supply)):
             break
-        p = after
+        # Beside an edge without drop, where its slope is infinite, Newton jumps to and fro: halve there.
+        halve = abs(newton) > 0.5 * abs(moved) or not low < p + newton < high
+        after = 0.5 * (low + high) if halve else p + newton
+        moved, p = after - p, after
     return PortSolution(p, conductance / (conductance + admittance))
 
 
@@ -260,33 +262,35 @@ def _solve_with_port_valve(
     slope = step / yielding  # dP/dQ
     offset = (line.capacitance * pressure - step * outflow) / yielding  # P at Q = 0
     if is_shut(port):
-        return LineSolution(offset, 0.0, slope, offset)
+        return LineSolution(offset, 0.0, slope, offset, slope)
     gain = step / line.inertance
     alpha = 1.0 + gain * slope
     intercept, admittance = (flow - gain * offset) / alpha, gain / alpha
     p, follows = meet(intercept, admittance, port, supply)
     q = intercept + admittance * p
-    return LineSolution(offset + slope * q, q, slope * (1.0 - follows * admittance * slope), p)
+    return LineSolution(offset + slope * q, q, slope * (1.0 - follows * admittance * slope), p, slope)
 
 
 def supply_coupling(solution: LineSolution, port: Port, supply: float, line: Line, step: float) -> Coupling:
-    """Return how a solved hose and the supply feel each other, to first order.
+    """Return how a solved hose and the supply feel each other.
 
     Args:
         solution: what `solve_line` found.
-        port, supply, line, step: as given to it.
+        port: as given to it.
+        supply: P_s [Pa], as given to it.
+        line: as given to it.
+        step: as given to it [s].
     """
     if is_shut(port):
         return Coupling(0.0, 0.0, 0.0)
     p = solution.port_pressure
     to_supply = _edge_conductance(supply - p, port.to_supply) + port.leakage
     conductance = _conductance(p, port, supply)
-    slope = step / line.capacitance
     gain = step / line.inertance
-    admittance = gain / (1.0 + gain * slope)
+    admittance = gain / (1.0 + gain * solution.slope)
     p_per_supply = to_supply / (conductance + admittance)
     return Coupling(
         draw=edge_flows(solution.flow, p, port, supply)[0],
         conductance=to_supply * (1.0 - p_per_supply),
-        gain=slope * admittance * p_per_supply,
+        gain=solution.slope * admittance * p_per_supply,
     )

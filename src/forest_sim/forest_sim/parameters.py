@@ -28,7 +28,7 @@ class SpoolValve(NamedTuple):
 
 
 class Axis(NamedTuple):
-    """One hydraulic axis behind its valve: two hoses, the actuator between them and the ends of its stroke."""
+    """One hydraulic axis behind its valve: two hoses, the actuator between them, the ends of its stroke."""
 
     line_1: Line
     line_2: Line

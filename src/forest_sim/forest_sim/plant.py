@@ -8,8 +8,8 @@ A positive spool position connects port 1 to the supply and port 2 to the tank (
 negative one the reverse. Tank is zero pressure. Actuator coordinates are the swing angle and the two
 cylinders' lengths.
 
-The laws of the parts live in `line`, `actuator`, `supply`, `mechanics`, `friction` and `end_stop`; here they are
-put together. Everything in this module is pure and stays in the subset of Python that Numba compiles
+The laws of the parts live in `line`, `actuator`, `supply`, `mechanics`, `friction` and `end_stop`; here they
+are put together. Everything in this module is pure and stays in the subset of Python that Numba compiles
 (`compiled`).
 """
 
@@ -197,7 +197,7 @@ def _port_draw(flow: float, port: Port, supply: float) -> Draw:
 
 
 def sensed_load(pressure: float, port: Port) -> float:
-    """Return the pressure [Pa] that a load-sensing line takes from a port: its own while it is open to the supply."""
+    """Return what a load-sensing line takes from a port [Pa]: its pressure while open to the supply."""
     return pressure if port.to_supply < math.inf else 0.0
 
 

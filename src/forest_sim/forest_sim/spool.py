@@ -46,6 +46,8 @@ def spool_after(spool: Spool, voltage: float, time: float, lag: SpoolLag) -> Spo
 
     Thesis section 3.2.2. Differs: the thesis takes the spool to follow at once; so does a frequency of inf.
     """
+    if lag.frequency == 0.0:
+        return spool
     if lag.damping == 0.0:
         gap = (
             (spool.position - voltage) * math.exp(-lag.frequency * time) if lag.frequency < math.inf else 0.0
@@ -59,15 +61,16 @@ def _second_order(spool: Spool, voltage: float, time: float, lag: SpoolLag) -> S
     w, zeta = lag.frequency, lag.damping
     gap, rate = spool.position - voltage, spool.rate
     decay, split = zeta * w, w * math.sqrt(abs(zeta * zeta - 1.0))
-    # c(t) and s(t)/split solve the equation without its decay; both limits meet at zeta = 1.
-    if split * time < 1e-6:
-        c, s = 1.0, time
-    elif zeta < 1.0:
-        c, s = math.cos(split * time), math.sin(split * time) / split
-    else:
-        c, s = math.cosh(split * time), math.sinh(split * time) / split
+    # c(t) and s(t) solve the equation; both limits meet at zeta = 1.
     fade = math.exp(-decay * time)
+    if split * time < 1e-6:
+        c, s = fade, fade * time
+    elif zeta < 1.0:
+        c, s = fade * math.cos(split * time), fade * math.sin(split * time) / split
+    else:  # as two decays: cosh and sinh of a long time would overflow
+        slow, fast = math.exp((split - decay) * time), math.exp(-(split + decay) * time)
+        c, s = 0.5 * (slow + fast), 0.5 * (slow - fast) / split
     return Spool(
-        voltage + fade * (gap * c + (rate + decay * gap) * s),
-        fade * (rate * c - (w * w * gap + decay * rate) * s),
+        voltage + gap * c + (rate + decay * gap) * s,
+        rate * c - (w * w * gap + decay * rate) * s,
     )

@@ -64,8 +64,8 @@ def supply(pump: Pump) -> Supply:
         return Supply(
             1, pump.supply_pressure, math.inf, math.inf, 1.0, 0.0, 0.0, 1.0, math.inf, 0.0, 0.0, 0.0
         )
-    compensated = isinstance(pump, PressureCompensatedPump | LoadSensingPump)
-    sensing = isinstance(pump, LoadSensingPump)
+    band = pump.compensator_band if isinstance(pump, PressureCompensatedPump | LoadSensingPump) else math.inf
+    margin, lag = (pump.margin, pump.response_time) if isinstance(pump, LoadSensingPump) else (0.0, math.inf)
     # A constant flow pump's nominal pressure is that of its relief valve.
     relief = pump.supply_pressure if isinstance(pump, ConstantFlowPump) else pump.relief_pressure
     return Supply(
@@ -74,13 +74,13 @@ def supply(pump: Pump) -> Supply:
         flow_limit=pump.flow_limit,
         power_limit=pump.engine_power * pump.mechanical_efficiency,
         efficiency=pump.mechanical_efficiency,
-        compensation=pump.flow_limit / pump.compensator_band if compensated else 0.0,
+        compensation=pump.flow_limit / band,
         leakage=1.0 / pump.leakage_resistance,
         capacitance=pump.manifold_capacitance,
         relief_pressure=relief,
         relief_conductance=pump.relief_conductance,
-        margin=pump.margin if sensing else 0.0,
-        rate=1.0 / pump.response_time if sensing else 0.0,
+        margin=margin,
+        rate=1.0 / lag,
     )
 
 
