@@ -2,7 +2,8 @@
 
 The table is explicit and short on purpose: a unit that is not here is refused with the list of those that
 are. ``psi`` is the 6894.7 Pa of the thesis' program (Appendix B), not 6894.757 Pa, so that 3000 psi is its
-pump pressure; ``hp`` is the thesis' 745.7 W, ``gal`` the US gallon of its flow meters.
+pump pressure; ``hp`` is the thesis' 745.7 W, ``gal`` the US gallon of its flow meters. Temperatures are in K
+alone: a factor cannot tell °C, and a table with offsets would turn a difference of temperatures wrong.
 """
 
 from __future__ import annotations
@@ -65,6 +66,17 @@ UNITS: dict[str, Unit] = {
     "m3/Pa": Unit("m3/Pa", 1.0),
     "m3/(s*Pa)": Unit("m3/(s*Pa)", 1.0),
     "L/(min*bar)": Unit("m3/(s*Pa)", 1e-3 / 60.0 / 1e5),
+    "m3": Unit("m3", 1.0),
+    "L": Unit("m3", 1e-3),
+    "kg/m3": Unit("kg/m3", 1.0),
+    "m2/s": Unit("m2/s", 1.0),
+    "mm2/s": Unit("m2/s", 1e-6),
+    "K": Unit("K", 1.0),
+    "1/K": Unit("1/K", 1.0),
+    "Pa/K": Unit("Pa/K", 1.0),
+    "MPa/K": Unit("Pa/K", 1e6),
+    "W/K": Unit("W/K", 1.0),
+    "J/(kg*K)": Unit("J/(kg*K)", 1.0),
 }
 
 
