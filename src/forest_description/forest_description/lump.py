@@ -60,8 +60,8 @@ def one_lump_warnings(machine: Machine, highest_frequency: float) -> list[str]:
                 continue
             length = machine.line_length(axis, port)
             warnings.append(
-                f"{name}: one lump stands for hose {port} ({length:g} m) below {limit:.3g} Hz (Thesis eq. 3.3), "
-                f"not up to {highest_frequency:.3g} Hz: do not trust what the simulation shows above that; "
-                f"shorten {name}.line_{port}_length, take a stiffer hose, or keep commands slower"
+                f"{name}: one lump stands for hose {port} ({length:g} m) below {limit:.3g} Hz "
+                f"(Thesis eq. 3.3), not up to {highest_frequency:.3g} Hz: do not trust what the simulation "
+                f"shows above that; shorten {name}.line_{port}_length, take a stiffer hose, or command slower"
             )
     return warnings

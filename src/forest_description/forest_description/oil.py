@@ -30,16 +30,16 @@ class Oil(ParameterSet):
     reference_temperature: float = parameter(
         "K", COLDEST, HOTTEST, "at which all numbers of the machine hold, and the oil's below"
     )
-    density: float = parameter("kg/m3", 500.0, 2000.0, "ρ")
+    density: float = parameter("kg/m3", 500.0, 2000.0, "density ρ")
     thermal_expansion: float = parameter("1/K", 0.0, 5e-3, "relative growth of volume per temperature")
     bulk_modulus: float = parameter("Pa", 1e8, 1e10, "β of the oil alone, without walls")
-    bulk_modulus_slope: float = parameter("Pa/K", -5e7, 5e7, "dβ/dT")
+    bulk_modulus_slope: float = parameter("Pa/K", -5e7, 5e7, "slope dβ/dT over temperature")
     cold_temperature: float = parameter("K", COLDEST, HOTTEST, "where cold_viscosity was measured")
     cold_viscosity: float = parameter("m2/s", 2e-6, 0.1, "kinematic viscosity there")
     hot_temperature: float = parameter("K", COLDEST, HOTTEST, "where hot_viscosity was measured")
     hot_viscosity: float = parameter("m2/s", 2e-6, 0.1, "kinematic viscosity there")
-    specific_heat: float = parameter("J/(kg*K)", 100.0, 1e4, "of the oil")
-    volume: float = parameter("m3", 1e-3, 100.0, "of all oil, in tank and lines")
+    specific_heat: float = parameter("J/(kg*K)", 100.0, 1e4, "heat to warm a mass of oil")
+    volume: float = parameter("m3", 1e-3, 100.0, "volume of all oil, in tank and lines")
     heat_loss_coefficient: float = parameter("W/K", 0.0, 1e6, "heat to the ambient per temperature above it")
     ambient_temperature: float = parameter("K", 200.0, 400.0, "of the air around the machine")
 
@@ -57,7 +57,7 @@ class Oil(ParameterSet):
 
     @property
     def sound_speed(self) -> float:
-        """C_0 = sqrt(β/ρ) [m/s] in the oil alone. Thesis eq. 3.3."""
+        """C_0 = sqrt(β/ρ) [m/s] in the oil alone, for ``lump.py``."""
         return math.sqrt(self.bulk_modulus / self.density)
 
     def kinematic_viscosity(self, temperature: float) -> float:
