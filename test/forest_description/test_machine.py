@@ -72,6 +72,7 @@ def test_c180_adds_to_the_thesis_machine_only_what_its_file_says():
         end_stops=EndStops(3e8, 2e6, 5e7, 1e6),
         valve=dataclasses.replace(THESIS.valve, spool_bandwidth=12.0),
         pump=MACHINE.pump,
+        oil=MACHINE.oil,
     )
     assert changed == MACHINE
     two_pumps = PressureCompensatedPump(
@@ -92,7 +93,7 @@ def test_c180_adds_to_the_thesis_machine_only_what_its_file_says():
 
 
 def test_thesis_machine_has_none_of_the_components_that_the_thesis_lacks():
-    assert (THESIS.port_valves, THESIS.end_stops) == (None, None)
+    assert (THESIS.port_valves, THESIS.end_stops, THESIS.oil) == (None, None, None)
     assert isinstance(THESIS.pump, IdealPump)
     valve = THESIS.valve
     assert (valve.spool_bandwidth, valve.spool_damping, valve.backward, valve.curve) == (None,) * 4

@@ -102,7 +102,7 @@ def quantity(text):
         (quantity("2e7"), 3, [f"{PRESSURE} = 2e7", "{value: a number in 100000 .. 5e+07 Pa"]),
         (quantity("[1, 2]"), 3, [f"{PRESSURE} = 1, 2: a number must be written {{value: "]),
         (f"{BASE}\n\npump:\n  speed: 3\n", 5, ["unknown key pump.speed", "allowed: supply_pressure"]),
-        (f"{BASE}pumps: 3\n", 2, ["unknown key pumps", "pump, valve, hose, swing, boom, stick"]),
+        (f"{BASE}pumps: 3\n", 2, ["unknown key pumps", "pump, valve, hose, oil, swing, boom, stick"]),
         (f"{BASE}pump: 3\n", 2, ["pump must be a section with keys, not '3'"]),
         (f"{BASE}boom: null\n", 2, ["boom must be a section with keys"]),
         (f"{BASE}description: [a]\n", 2, ["description must be a text"]),

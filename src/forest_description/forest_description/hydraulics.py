@@ -1,10 +1,10 @@
-"""The hydraulic components that the axes of a machine share: valve, hose, port valves."""
+"""The hydraulic components that the axes of a machine share: valve, port valves; hoses are in ``hose.py``."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple, cast
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
@@ -26,18 +26,6 @@ from forest_description.valve import (
     Knots,
     ValveLaw,
 )
-
-
-class Line(NamedTuple):
-    """One hose as lumped elements.
-
-    The resistance is that of ΔP = R Q (laminar) [Pa·s/m³] or ΔP = R Q|Q| (turbulent) [Pa·s²/m⁶]; inertance
-    [Pa·s²/m³]; capacitance [m³/Pa].
-    """
-
-    resistance: float
-    inertance: float
-    capacitance: float
 
 
 @dataclass(frozen=True)
@@ -177,33 +165,6 @@ class Valve(ParameterSet):
             curve=shape,
             leakage=self.leakage_conductance,
         )
-
-
-@dataclass(frozen=True)
-class Hose(ParameterSet):
-    """The measured hose, of which every line is a longer or shorter piece. Thesis section 4.3.3, 4.3.4."""
-
-    kind: ClassVar[str] = "measured"
-
-    length: float = parameter("m", 0.1, 100.0, "length of the measured hose")
-    turbulent_resistance: float = parameter("Pa*s2/m6", 0.0, 1e15, "R of ΔP = R Q|Q| (boom and stick)")
-    laminar_resistance: float = parameter("Pa*s/m3", 1e3, 1e13, "R of ΔP = R Q (swing)")
-    inertance: float = parameter("Pa*s2/m3", 1e3, 1e10, "fluid inertance I")
-    capacitance: float = parameter("m3/Pa", 1e-16, 1e-8, "capacitance C of oil and wall")
-
-    def line(self, length: float, exponent: float, laminar: bool) -> Line:
-        """Return a piece of this hose: R scales with length, I and C with length to the power ``exponent``.
-
-        Thesis eq. 4.3, 4.4, 4.5b. The exponent is 1; 2 is what Appendix B prints for the stick.
-
-        Args:
-            length: Length of the piece [m].
-            exponent: Power of the length ratio for inertance and capacitance.
-            laminar: Whether the resistance is the laminar one.
-        """
-        ratio = length / self.length
-        resistance = self.laminar_resistance if laminar else self.turbulent_resistance
-        return Line(resistance * ratio, self.inertance * ratio**exponent, self.capacitance * ratio**exponent)
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from forest_description import machine_file, machine_tree
-from forest_description.hydraulics import Hose, Line, PortValves, Valve
+from forest_description.hose import GeometricHose, Hose, Line, MeasuredHose
+from forest_description.hydraulics import PortValves, Valve
 from forest_description.kinematics import Links
 from forest_description.linkage import Linkage
 from forest_description.load import Log, Pendulum
+from forest_description.oil import Oil
 from forest_description.parameter import (
     MachineError,
     ParameterSet,
@@ -33,12 +35,15 @@ __all__ = [
     "CylinderDrive",
     "EndStops",
     "Friction",
+    "GeometricHose",
     "Hose",
     "Line",
     "Log",
     "Machine",
     "MachineError",
     "Manipulator",
+    "MeasuredHose",
+    "Oil",
     "Pendulum",
     "PortValves",
     "Pump",
@@ -50,6 +55,8 @@ __all__ = [
 ]
 
 AXES = ("swing", "boom", "stick")
+OWN_SECTIONS = ("valve", "hose")
+"""What an axis may have of its own instead of what all share."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +102,7 @@ class SwingDrive(ParameterSet):
     length_exponent: float = parameter("1", 1.0, 2.0, "power of length in hose inertance and capacitance")
     flow_regime: str = choice("laminar", "turbulent", doc="flow in the hoses")
     valve: Valve | None = component()
+    hose: Hose | None = component()
     lower_limit: float = parameter("rad", -20.0, 20.0, "smallest swing angle")
     upper_limit: float = parameter("rad", -20.0, 20.0, "largest swing angle")
 
@@ -121,6 +129,7 @@ class CylinderDrive(ParameterSet):
     length_exponent: float = parameter("1", 1.0, 2.0, "power of length in hose inertance and capacitance")
     flow_regime: str = choice("laminar", "turbulent", doc="flow in the hoses")
     valve: Valve | None = component()
+    hose: Hose | None = component()
     friction: Friction | None = component()
     cushion: Cushion | None = component()
 
@@ -218,6 +227,7 @@ class Machine(ParameterSet):
     pump: Pump
     valve: Valve
     hose: Hose
+    oil: Oil | None
     swing: SwingDrive
     boom: CylinderDrive
     stick: CylinderDrive
@@ -226,6 +236,28 @@ class Machine(ParameterSet):
     port_valves: PortValves | None
     end_stops: EndStops | None
     command_timeout: float = parameter("s", 0.005, 10.0, "age at which a voltage command counts as zero")
+
+    def __post_init__(self) -> None:
+        """Check ranges, and that hoses known by their bore have what else they need."""
+        super().__post_init__()
+        for axis, name in enumerate(AXES):
+            drive = self.drives[axis]
+            if not isinstance(self.hose_of(axis), GeometricHose):
+                continue
+            if self.oil is None:
+                raise MachineError(
+                    f"oil is null, but the {name}'s hose is geometric: its numbers need an oil"
+                )
+            if drive.length_exponent != 1.0:
+                raise MachineError(
+                    f"{name}.length_exponent ({drive.length_exponent:g}) must be 1 with a geometric hose: "
+                    "there is no measured length to go by"
+                )
+
+    @property
+    def drives(self) -> tuple[SwingDrive, CylinderDrive, CylinderDrive]:
+        """Drives of swing, boom and stick."""
+        return (self.swing, self.boom, self.stick)
 
     @property
     def linkages(self) -> tuple[Linkage, Linkage]:
@@ -242,11 +274,19 @@ class Machine(ParameterSet):
         Raises:
             ValueError: There is no such axis or port.
         """
+        length, drive, hose = self.line_length(axis, port), self.drives[axis], self.hose_of(axis)
+        laminar = drive.flow_regime == "laminar"
+        if isinstance(hose, MeasuredHose):
+            return hose.line(length, drive.length_exponent, laminar)
+        assert self.oil is not None  # __post_init__ saw to it
+        return hose.line(length, laminar, self.oil)
+
+    def line_length(self, axis: int, port: int) -> float:
+        """Return the length [m] of the hose between a valve and an actuator port; arguments as ``line``."""
         if axis not in (0, 1, 2) or port not in (1, 2):
             raise ValueError(f"axis {axis}, port {port}: axes are 0, 1, 2 and ports 1, 2")
-        drive = (self.swing, self.boom, self.stick)[axis]
-        length = drive.line_1_length if port == 1 else drive.line_2_length
-        return self.hose.line(length, drive.length_exponent, laminar=drive.flow_regime == "laminar")
+        drive = self.drives[axis]
+        return drive.line_1_length if port == 1 else drive.line_2_length
 
     def valve_of(self, axis: int) -> Valve:
         """Return the valve of an axis: its own, or else the one that all share.
@@ -254,7 +294,11 @@ class Machine(ParameterSet):
         Args:
             axis: 0 swing, 1 boom, 2 stick.
         """
-        return (self.swing, self.boom, self.stick)[axis].valve or self.valve
+        return self.drives[axis].valve or self.valve
+
+    def hose_of(self, axis: int) -> Hose:
+        """Return the hose of an axis: its own, or else the one that all share; axis as ``valve_of``."""
+        return self.drives[axis].hose or self.hose
 
 
 def load_machine(name_or_path: str | Path = "c180") -> Machine:
@@ -270,16 +314,17 @@ def load_machine(name_or_path: str | Path = "c180") -> Machine:
 
 
 def _read(name_or_path: str | Path) -> machine_tree.Branch:
-    """Return a machine's tree; an axis' own valve gives what differs from the shared one."""
+    """Return a machine's tree; an axis' own valve or hose gives what differs from the shared one."""
     tree = machine_tree.read(name_or_path)
-    shared = tree.children.get("valve")
-    for axis in AXES:
-        drive = tree.children.get(axis)
-        if not (isinstance(drive, machine_tree.Branch) and isinstance(shared, machine_tree.Branch)):
-            continue
-        own = drive.children.get("valve")
-        if isinstance(own, machine_tree.Branch):
-            drive.children["valve"] = machine_tree.overlay(shared, own)
+    for section in OWN_SECTIONS:
+        shared = tree.children.get(section)
+        for axis in AXES:
+            drive = tree.children.get(axis)
+            if not (isinstance(drive, machine_tree.Branch) and isinstance(shared, machine_tree.Branch)):
+                continue
+            own = drive.children.get(section)
+            if isinstance(own, machine_tree.Branch):
+                drive.children[section] = machine_tree.overlay(shared, own)
     return tree
 
 

@@ -68,6 +68,16 @@ UNITS: dict[str, Unit] = {
     "m3/Pa": Unit("m3/Pa", 1.0),
     "m3/(s*Pa)": Unit("m3/(s*Pa)", 1.0),
     "L/(min*bar)": Unit("m3/(s*Pa)", 1e-3 / 60.0 / 1e5),
+    "m3": Unit("m3", 1.0),
+    "L": Unit("m3", 1e-3),
+    "kg/m3": Unit("kg/m3", 1.0),
+    "m2/s": Unit("m2/s", 1.0),
+    "mm2/s": Unit("m2/s", 1e-6),
+    "1/K": Unit("1/K", 1.0),
+    "Pa/K": Unit("Pa/K", 1.0),
+    "MPa/K": Unit("Pa/K", 1e6),
+    "W/K": Unit("W/K", 1.0),
+    "J/(kg*K)": Unit("J/(kg*K)", 1.0),
 }
 
 

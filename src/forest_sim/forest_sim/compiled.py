@@ -32,7 +32,8 @@ from forest_sim import (
     spool,
     supply,
 )
-from forest_sim.integrator import Simulation, Triple
+from forest_sim.integrator import Simulation
+from forest_sim.manipulator import Triple
 from forest_sim.parameters import PlantParameters
 
 LAWS: tuple[ModuleType, ...] = (

@@ -1,7 +1,8 @@
 """Where a simulation starts: every valve shut, nothing moving, gravity held by trapped oil."""
 
 from forest_description.linkage import lever_arm
-from forest_sim.integrator import Events, Simulation, Triple
+from forest_sim.integrator import Events, Simulation
+from forest_sim.manipulator import Triple
 from forest_sim.mechanics import HANGING_STILL, HeadState, mechanics
 from forest_sim.parameters import Axis, PlantParameters
 from forest_sim.pendulum import hanging_angles

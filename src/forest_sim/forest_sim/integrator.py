@@ -3,8 +3,9 @@
 An L-stable, stiffly accurate, two-stage SDIRK of order 2 (gamma = 1 - 1/sqrt 2): each stage solves Y = y +
 step f(Y) for the f of `plant.state_derivative`. The stiffness comes from the orifices (C_R = inf inside the
 overlap) and the hoses, so each stage eliminates flows and pressures exactly (`line.solve_line`) and is left
-with three joint rates, with a real pump its pressure, with a hanging head its two rates, found by Newton. A stage's derivative is read off
-its increment, (Y - y)/step, never from f: f has no value when an orifice shuts on a flow.
+with three joint rates, a real pump's pressure and a hanging head's two rates, found by Newton. A stage's
+derivative is read off its increment, (Y - y)/step, never from f: f has no value when an orifice shuts on a
+flow.
 
 The step assumes that commands stand still over it. The spools' lags are linear and are advanced exactly.
 """
@@ -16,9 +17,9 @@ from forest_sim.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.end_stop import cushion_resistance, end_stop_resistance
 from forest_sim.friction import friction_slope
 from forest_sim.line import LineSolution, PortGuard, solve_line, supply_coupling
+from forest_sim.manipulator import Pair, Triple
 from forest_sim.mechanics import HeadState, Inertia, mechanics, resisted, solve, times
 from forest_sim.parameters import Axis, PlantParameters, SpoolValve
-from forest_sim.pendulum import Pair, Triple
 from forest_sim.plant import (
     AxisState,
     PlantState,

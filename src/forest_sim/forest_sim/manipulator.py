@@ -24,6 +24,9 @@ from typing import NamedTuple
 from forest_description.bodies import boom_body, stick_body
 from forest_description.machine import Manipulator
 
+Pair = tuple[float, float]
+Triple = tuple[float, float, float]
+
 
 class Body(NamedTuple):
     """Constants of the moving bodies; the stick's hold what it carries rigidly (head, log)."""
@@ -58,7 +61,7 @@ class Dynamics(NamedTuple):
     m_22: float
     m_23: float
     m_33: float
-    bias: tuple[float, float, float]  # V + G [N m]
+    bias: Triple  # V + G [N m]
 
 
 def fold_head(m: Manipulator) -> Body:
@@ -81,7 +84,7 @@ def fold_head(m: Manipulator) -> Body:
     )
 
 
-def dynamics(q: tuple[float, float, float], rates: tuple[float, float, float], body: Body) -> Dynamics:
+def dynamics(q: Triple, rates: Triple, body: Body) -> Dynamics:
     """Return M(q), and V(q, q') + G(q). Thesis eq. 3.15, App. B.
 
     Args:
@@ -137,14 +140,14 @@ def dynamics(q: tuple[float, float, float], rates: tuple[float, float, float], b
     )
 
 
-def kinetic_energy(q: tuple[float, float, float], rates: tuple[float, float, float], body: Body) -> float:
+def kinetic_energy(q: Triple, rates: Triple, body: Body) -> float:
     """Return T = 1/2 q'^T M(q) q' [J]; q [rad], rates [rad/s]."""
     d = dynamics(q, (0.0, 0.0, 0.0), body)
     u_1, u_2, u_3 = rates
     return 0.5 * (d.m_11 * u_1**2 + d.m_22 * u_2**2 + d.m_33 * u_3**2) + d.m_23 * u_2 * u_3
 
 
-def potential_energy(q: tuple[float, float, float], body: Body) -> float:
+def potential_energy(q: Triple, body: Body) -> float:
     """Return U(q) [J], of which G is the gradient; zero is a mass at the boom's pivot. q [rad]."""
     b = body
     c_2, s_2 = math.cos(q[1]), math.sin(q[1])
@@ -157,9 +160,7 @@ def potential_energy(q: tuple[float, float, float], body: Body) -> float:
     return b.gravity_across * left + b.gravity_down * (b.stick_mass * h_s + b.boom_mass * h_b)
 
 
-def tip_load_torques(
-    q: tuple[float, float, float], force: tuple[float, float, float], body: Body
-) -> tuple[float, float, float]:
+def tip_load_torques(q: Triple, force: Triple, body: Body) -> Triple:
     """Return the joint torques J^T F [N m] of an external force on the tip, to be added to the actuators'.
 
     Args:

@@ -24,8 +24,8 @@ from typing import NamedTuple
 
 from forest_description.linkage import lever_arm
 from forest_sim.actuator import Actuator
+from forest_sim.manipulator import Triple
 from forest_sim.parameters import PlantParameters
-from forest_sim.pendulum import Triple
 from forest_sim.sensor_suite import PLACES
 
 SPEED_BANDWIDTH = 25.0  # [Hz]

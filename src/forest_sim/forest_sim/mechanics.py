@@ -1,4 +1,4 @@
-"""The links together: crane, hanging head and the force on the tip, M q'' + bias = tau for up to five coordinates.
+"""The links together: crane, hanging head and force on the tip, M q'' + bias = tau, up to five coordinates.
 
 | symbol | name | unit |
 |---|---|---|
@@ -11,9 +11,9 @@ Without a hanging head the swing is on its own (M_12 = M_13 = 0), and its equati
 
 from typing import NamedTuple
 
-from forest_sim.manipulator import dynamics, tip_load_torques
+from forest_sim.manipulator import Pair, Triple, dynamics, tip_load_torques
 from forest_sim.parameters import PlantParameters
-from forest_sim.pendulum import Pair, Triple, pendulum_damping, pendulum_dynamics
+from forest_sim.pendulum import pendulum_damping, pendulum_dynamics
 
 
 class HeadState(NamedTuple):

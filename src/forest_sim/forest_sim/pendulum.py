@@ -28,10 +28,7 @@ from typing import NamedTuple
 
 from forest_description.bodies import hanging_body
 from forest_description.machine import Manipulator
-from forest_sim.manipulator import Body
-
-Pair = tuple[float, float]
-Triple = tuple[float, float, float]
+from forest_sim.manipulator import Body, Pair, Triple
 
 
 class HangingHead(NamedTuple):

@@ -26,9 +26,9 @@ from forest_sim.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.end_stop import cushion_resistance, end_stop_force
 from forest_sim.friction import friction_force
 from forest_sim.line import Port, edge_flows, flow_rate, is_shut, meet, pressure_rate
+from forest_sim.manipulator import Pair, Triple
 from forest_sim.mechanics import HANGING_STILL, HeadState, Mechanics, mechanics, solve
 from forest_sim.parameters import Axis, PlantParameters, plant_parameters
-from forest_sim.pendulum import Pair, Triple
 from forest_sim.spool import Spools
 from forest_sim.supply import SupplyState, pump_flow, reference_rate
 

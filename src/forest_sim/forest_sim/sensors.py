@@ -16,6 +16,7 @@ from forest_sim.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.channel import WORKS, ChannelState, sample
 from forest_sim.integrator import Simulation
 from forest_sim.line import Port, is_shut, meet
+from forest_sim.manipulator import Triple
 from forest_sim.measurement import (
     Measurement,
     Motion,
@@ -26,7 +27,6 @@ from forest_sim.measurement import (
     positions,
 )
 from forest_sim.parameters import Axis, PlantParameters
-from forest_sim.pendulum import Triple
 from forest_sim.plant import AxisState, Ports, Transmission, ports_at, supply_draw, transmissions
 from forest_sim.sensor_suite import EXACT_SUITE, NO_DRAWS, TIME_TOLERANCE, Draws, Suite, conditions
 from forest_sim.supply import saturation

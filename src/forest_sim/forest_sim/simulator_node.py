@@ -32,7 +32,8 @@ from forest_msgs_py.parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.topics import ACTUATORS, JOINTS, message_class
 from forest_sim import sensors
 from forest_sim.equilibrium import equilibrium
-from forest_sim.integrator import Triple, advance
+from forest_sim.integrator import advance
+from forest_sim.manipulator import Triple
 from forest_sim.measurement import Measurement, Motion
 from forest_sim.parameters import plant_parameters
 from forest_sim.sensor_faults import parse_faults

@@ -19,7 +19,8 @@ from forest_description.machine import Machine
 from forest_sim import sensors
 from forest_sim.compiled import compiled_advance
 from forest_sim.equilibrium import equilibrium
-from forest_sim.integrator import Simulation, Triple
+from forest_sim.integrator import Simulation
+from forest_sim.manipulator import Triple
 from forest_sim.measurement import Measurement
 from forest_sim.parameters import PlantParameters, plant_parameters
 from forest_sim.sensor_suite import Suite, draw, noise_generator
