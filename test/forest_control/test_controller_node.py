@@ -165,12 +165,21 @@ def test_a_bad_state_gives_zero_and_the_node_lives(rig, peer):
         lambda now: joints(now, velocity=()),
         lambda now: joints(now, (0.2, 0.4)),
         lambda now: joints(now, names=("swing", "boom", "elbow")),
+        lambda now: joints(now, (0.2, -1.5), ("swing", "stick"), (0.0, 0.0)),  # the boom has no sensor
     ):
         r.joints = bad
         peer.until(r.standing)
         r.joints = joints
         peer.until(r.moving)
     assert r.process.poll() is None
+
+
+def test_a_joint_without_a_sensor_gives_zero_and_is_named(rig, peer):
+    r = rig()
+    r.joints = lambda now: joints(now, (0.2, -1.5), ("swing", "stick"), (0.0, 0.0))
+    peer.repeat(topics.JOY, lambda now: r.joy())
+    peer.until(r.standing)
+    peer.until(lambda: "standing still: joint state: no position of boom" in r.process.text())
 
 
 def test_a_bad_joystick_gives_zero_and_the_node_lives(rig, peer):

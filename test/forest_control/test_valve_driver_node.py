@@ -12,7 +12,7 @@ from forest_control import valve_driver
 from forest_control.valve_driver import Pressures, Settings
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
-from forest_msgs_py.messages import float_array, read_float_array
+from forest_msgs_py.messages import float_array, read_float_array, sensor_array
 
 COMMAND = (2.0, -3.0, 0.5)
 ZERO = (0.0, 0.0, 0.0)
@@ -119,6 +119,28 @@ def test_measured_pressures_change_the_voltage_and_their_loss_brings_the_nominal
     peer.until(lambda: r.at(expected))
     ports.cancel()
     supply.cancel()
+    peer.until(lambda: r.at(compensated()))
+
+
+def test_one_transducer_gone_brings_the_nominal_drop_back_and_the_supplys_the_nominal_supply(rig, peer):
+    r = rig("-p", "load_bandwidth:=50.0").drive()
+    chambers = {"boom_1_actuator": 9e6, "boom_2_actuator": 2e6}
+    values = [chambers.get(label, 0.0) for label in topics.PRESSURES.labels]
+    gone = set()
+
+    def pressures(now):
+        told = [
+            math.nan if label in gone else v for label, v in zip(topics.PRESSURES.labels, values, strict=True)
+        ]
+        return sensor_array(topics.PRESSURES, now, told)
+
+    peer.repeat(topics.PRESSURES, pressures)
+    peer.repeat(topics.SUPPLY, lambda now: sensor_array(topics.SUPPLY, now, (math.nan, 1e-3, 0.2)))
+    nominal = load_machine().pump.supply_pressure
+    loaded = compensated(Pressures((0.0, 9e6, 0.0), (0.0, 2e6, 0.0), nominal))
+    assert loaded[1] != pytest.approx(compensated()[1], rel=1e-2)
+    peer.until(lambda: r.at(loaded))
+    gone.add("stick_2_actuator")
     peer.until(lambda: r.at(compensated()))
 
 

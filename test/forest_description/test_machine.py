@@ -21,10 +21,23 @@ from forest_description.machine_file import Quantity, parameters
 from forest_description.machine_table import choices, declared, document, number, table
 from forest_description.machine_tree import shipped_machines
 from forest_description.pump import IdealPump, PressureCompensatedPump
+from forest_description.sensing import (
+    CaseDrain,
+    FlowMeter,
+    Inclinometer,
+    LinearTransducer,
+    PressureTransducer,
+    Resolver,
+    Sensors,
+    SpoolSensor,
+    Tachometer,
+    Thermocouple,
+)
 from forest_description.units import UNITS
 from forest_description.valve import symmetric_valve
 
 ROOT = Path(__file__).parents[2]
+GALLON_PER_MINUTE, RPM = UNITS["gal/min"].factor, UNITS["rpm"].factor
 MACHINE, THESIS = load_machine(), load_machine("c180_thesis")
 
 
@@ -42,6 +55,18 @@ def test_c180_adds_to_the_thesis_machine_only_what_its_file_says():
         stick=dataclasses.replace(THESIS.stick, length_exponent=1.0),
         manipulator=dataclasses.replace(
             THESIS.manipulator, boom_xx=77.6049, stick_xx=331.97606, head_folding="full"
+        ),
+        sensors=dataclasses.replace(
+            THESIS.sensors,
+            resolver=dataclasses.replace(THESIS.sensors.resolver, noise=2e-4),
+            linear_transducer=dataclasses.replace(THESIS.sensors.linear_transducer, noise=0.18 * 1e-3),
+            pressure=dataclasses.replace(THESIS.sensors.pressure, noise=0.5 * 6894.7),
+            flow_meter=dataclasses.replace(THESIS.sensors.flow_meter, noise=0.025 * GALLON_PER_MINUTE),
+            thermocouple=dataclasses.replace(THESIS.sensors.thermocouple, noise=0.05),
+            tachometer=Tachometer(2.5 * RPM, 1.0 * RPM),
+            spool_sensor=SpoolSensor(0.05, 0.005),
+            inclinometer=Inclinometer(0.1 * math.pi / 180.0, 0.02 * math.pi / 180.0),
+            case_drain=CaseDrain(0.01, 0.01 * UNITS["L/min"].factor),
         ),
         port_valves=PortValves(24.1e6, 1e-8, 0.0, 1e-7),
         end_stops=EndStops(3e8, 2e6, 5e7, 1e6),
@@ -76,6 +101,21 @@ def test_thesis_machine_has_none_of_the_components_that_the_thesis_lacks():
         assert drive.valve is None
         assert drive.flow_regime == ("laminar" if drive is THESIS.swing else "turbulent")
     assert {THESIS.boom.friction, THESIS.stick.friction, THESIS.boom.cushion, THESIS.stick.cushion} == {None}
+
+
+def test_thesis_machine_has_the_sensors_of_table_4_2_and_section_4_2_2_as_printed():
+    assert THESIS.sensors == Sensors(
+        resolver=Resolver(2.0 * math.pi, 7 / 60 * UNITS["deg"].factor, None),
+        linear_transducer=LinearTransducer(36.5 * 0.0254, 0.0004, None),
+        pressure=PressureTransducer(5000 * 6894.7, 0.0001, None),
+        flow_meter=FlowMeter(0.85 * GALLON_PER_MINUTE, 50 * GALLON_PER_MINUTE, 0.0005, 0.01, None),
+        thermocouple=Thermocouple(3.15, 1633.15, 0.2, None),
+        tachometer=Tachometer(None, None),
+        spool_sensor=SpoolSensor(None, None),
+        inclinometer=Inclinometer(None, None),
+        case_drain=None,
+        sample_rate=200.0,
+    )
 
 
 def test_numbers_in_conventional_units_arrive_in_si():
@@ -180,6 +220,8 @@ def test_whole_numbers_become_floats():
         ),
         (MACHINE.boom, {"retracted_length": 1.2}, "the linkage closes only between"),
         (MACHINE.swing, {"upper_limit": -4.0}, "lower_limit .* must be smaller than upper_limit"),
+        (MACHINE.sensors.flow_meter, {"lowest": 0.01}, "lowest .* must be smaller than highest"),
+        (MACHINE.sensors.thermocouple, {"highest": 250.0, "lowest": 300.0}, "lowest .* must be smaller"),
         (MACHINE.valve, {"rated_voltage": 1.0}, "deadband_voltage .* must be smaller than rated_voltage"),
     ],
 )
@@ -226,5 +268,9 @@ def test_units_that_convert_agree_with_their_definitions():
     assert UNITS["m3/rev"].factor * 2.0 * math.pi == pytest.approx(1.0)
     assert UNITS["cm3/rev"].factor == pytest.approx(1e-6 * UNITS["m3/rev"].factor)
     assert UNITS["psi"].factor == pytest.approx(0.45359237 * 9.80665 / 0.0254**2, rel=1e-4)
+    assert UNITS["gal/min"].factor == pytest.approx(3.785411784e-3 / 60.0)
+    assert UNITS["L/min"].factor == pytest.approx(1e-3 / 60.0)
+    assert UNITS["rpm"].factor * 60.0 == pytest.approx(2.0 * math.pi)
+    assert UNITS["percent"].factor == 0.01
     assert UNITS["L/(min*bar)"].factor == pytest.approx(1e-3 / (60.0 * 1e5))
     assert all(UNITS[unit.si] == (unit.si, 1.0) for unit in UNITS.values())

@@ -45,6 +45,18 @@ def test_null_removes_an_optional_component(write):
     assert machine.end_stops is not None
 
 
+def test_null_removes_a_kind_of_sensor_or_what_is_not_known_of_it(write):
+    sensors = load_machine(write(f"{BASE}sensors:\n  resolver: null\n  pressure: {{noise: null}}\n")).sensors
+    assert sensors.resolver is None
+    assert sensors.pressure.noise is None
+    assert sensors.pressure.accuracy == 0.0001
+
+
+def test_a_machine_must_say_which_sensors_it_has(write):
+    text = re.sub(r"(?m)^sensors:\n(  .*\n)+", "", thesis_text())
+    assert "missing key sensors: a section" in complaint(write(text))
+
+
 def test_a_chain_of_files_is_followed_from_the_folder_of_each(write, tmp_path):
     (tmp_path / "below").mkdir()
     write(f"{BASE}manipulator:\n  {GOOD_TILT}\n", "below/one.yaml")
@@ -101,6 +113,16 @@ def quantity(text):
         ("- 1\n", 1, ["a machine file is a mapping of keys"]),
         ("", 1, ["a machine file is a mapping of keys"]),
         ("description: x\n", 1, ["missing key pump: a section"]),
+        (
+            f"{BASE}sensors:\n  thermocouple:\n    lowest: {{value: -270, unit: degC, source: x}}\n",
+            4,
+            ["sensors.thermocouple.lowest: unit 'degC' does not fit; allowed: K"],
+        ),
+        (
+            f"{BASE}sensors:\n  sample_rate: {{value: 250, unit: Hz, source: x}}\n",
+            3,
+            ["sensors.sample_rate = 250 Hz is outside the range 1 .. 200 Hz"],
+        ),
         ("description: x\npump: {kind: ideal}\n", 2, [f"missing key {PRESSURE}", RANGE]),
         ("pump: {}\n", 1, ["missing key description: a text"]),
     ],

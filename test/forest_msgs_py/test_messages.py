@@ -93,6 +93,51 @@ def test_a_bad_array_gives_no_values_and_says_what_is_allowed(message, problem):
     assert problem in reading.problem
 
 
+def test_a_sensor_without_a_sample_has_no_label_and_its_topic_no_nan():
+    message = messages.sensor_array(VALVE_COMMANDS, STAMP, (1.0, math.nan, 3.0))
+    assert (message.layout.dim[0].label, message.layout.dim[0].size) == ("swing,stick", 2)
+    assert list(message.data[2:]) == [1.0, 3.0]
+    assert messages.read_float_array(VALVE_COMMANDS, message, NOW, labels=("stick",)).values == (3.0,)
+    reading = messages.read_float_array(VALVE_COMMANDS, message, NOW)
+    assert reading == (STAMP, (), "valve_commands: no value of boom; allowed: swing, boom, stick")
+    assert messages.sensor_array(VALVE_COMMANDS, STAMP, (math.nan,) * 3) is None
+
+
+def test_with_every_sample_there_sensors_say_what_an_array_says():
+    values = (1.0, 2.0, 3.0)
+    for plain in (False, True):
+        told = messages.sensor_array(VALVE_COMMANDS, STAMP, values, plain)
+        assert told == messages.float_array(VALVE_COMMANDS, STAMP, values, plain)
+    told = messages.sensor_joint_state(JOINTS, STAMP, values, values, values)
+    assert told == messages.joint_state(JOINTS, STAMP, values, values, values)
+
+
+def test_a_plain_array_with_a_gap_still_says_whose_values_it_has():
+    message = messages.sensor_array(VALVE_COMMANDS, STAMP, (1.0, math.nan, 3.0), plain=True)
+    reading = messages.read_float_array(VALVE_COMMANDS, message, NOW, labels=("swing", "stick"))
+    assert reading == (NOW, (1.0, 3.0), "")
+
+
+def test_a_joint_without_a_sample_is_not_named_and_its_readers_are_told():
+    told = messages.sensor_joint_state(
+        JOINTS, STAMP, (1.0, math.nan, 3.0), (0.1, math.nan, 0.3), (7.0, 8.0, 9.0)
+    )
+    assert (told.name, list(told.position), list(told.velocity)) == (
+        ["swing", "stick"],
+        [1.0, 3.0],
+        [0.1, 0.3],
+    )
+    assert list(told.effort) == [7.0, 9.0]
+    assert "no position of boom" in messages.read_joint_state(JOINTS, told).problem
+    assert messages.sensor_joint_state(JOINTS, STAMP, (math.nan,) * 3, (0.0,) * 3, (0.0,) * 3) is None
+
+
+def test_where_one_effort_is_not_known_none_is_told():
+    told = messages.sensor_joint_state(JOINTS, STAMP, (1.0, 2.0, 3.0), (0.1, 0.2, 0.3), (7.0, math.nan, 9.0))
+    assert (list(told.velocity), list(told.effort)) == ([0.1, 0.2, 0.3], [])
+    assert messages.read_joint_state(JOINTS, told).problem == ""
+
+
 def test_joints_are_read_by_name_among_others():
     names = ("stick", "bucket", "swing", "boom")
     message = messages.joint_state(names, STAMP, (3.0, 9.0, 1.0, 2.0), (0.3, 0.9, 0.1, 0.2))

@@ -1,6 +1,8 @@
 """Claims about the sensors: what they report follows from the true state as it would on a real machine."""
 
+import dataclasses
 import math
+import time
 
 import numpy as np
 import pytest
@@ -11,9 +13,11 @@ from forest_msgs_py import topics
 from forest_sim import sensors
 from forest_sim.compiled import compiled_advance
 from forest_sim.equilibrium import equilibrium
+from forest_sim.measurement import SPEED_BANDWIDTH
 from forest_sim.parameters import plant_parameters
+from forest_sim.sensor_suite import CHANNELS, EXACT_SUITE, draw, noise_generator, sensor_suite
 
-MACHINE = load_machine("c180")
+MACHINE, THESIS = load_machine("c180"), load_machine("c180_thesis")
 P = plant_parameters(MACHINE)
 Q = (0.3, 0.5, -1.5)
 REST = equilibrium(Q, P)
@@ -24,6 +28,15 @@ D = MACHINE.swing.gear_ratio * MACHINE.swing.motor_displacement
 
 def measure(simulation, before=None):
     return sensors.measure(simulation, before or sensors.at_rest(simulation, P), P, DT)
+
+
+def watch(simulation, suite, count, dt=DT):
+    """What a suite says of a machine that stands still, `count` times."""
+    state, generator, said = sensors.at_rest(simulation, P, suite), noise_generator(suite), []
+    for _ in range(count):
+        state, seen = sensors.measure(simulation, state, P, dt, suite, draw(generator))
+        said.append(seen)
+    return said
 
 
 def moving(voltages, seconds):
@@ -50,7 +63,7 @@ def test_at_rest_positions_are_true_and_speeds_zero():
 
 def test_the_estimate_approaches_a_steady_speed_as_a_first_order_low_pass():
     estimate, simulation = sensors.at_rest(REST, P), REST
-    keep = math.exp(-2.0 * math.pi * sensors.SPEED_BANDWIDTH * DT)
+    keep = math.exp(-2.0 * math.pi * SPEED_BANDWIDTH * DT)
     for k in range(1, 40):
         simulation = turned(simulation, 0.4 * DT)
         estimate, seen = measure(simulation, estimate)
@@ -149,3 +162,95 @@ def test_case_drain_is_both_motor_pressures_over_the_external_leakage():
     leaked = (p["swing_1_actuator"] + p["swing_2_actuator"]) / MACHINE.swing.external_leakage_resistance
     assert seen.case_drain_flow == pytest.approx(leaked, rel=1e-6)
     assert leaked > 0.0
+
+
+def test_true_values_stand_in_the_order_of_the_channels():
+    state = moving((4.0, 3.0, -3.0), 0.7)
+    around = sensors.Surroundings(261.0, (310.0, 320.0, 330.0), (0.01, 0.02))
+    true = dict(zip(CHANNELS, sensors.true_values(state, P, around), strict=True))
+    assert [true[f"{axis}_resolver"] for axis in topics.JOINTS] == [s.angle for s in state.plant[:3]]
+    assert true["stick_transducer"] == cylinder_length(state.plant.stick.angle, P.stick_linkage)
+    seen = sensors.measure(state, sensors.at_rest(state, P), P, DT, around=around)[1]
+    for label, value in pressures(seen).items():
+        axis, place = label.split("_", 1)
+        assert true[f"{axis}_pressure_{place}"] == value
+    assert (true["supply_pressure"], true["case_drain"]) == (seen.supply_pressure, seen.case_drain_flow)
+    assert (true["swing_flow"], true["stick_flow"]) == seen.flows
+    assert tuple(true[f"{axis}_spool"] for axis in topics.JOINTS) == seen.spools
+    assert seen.spools == tuple(spool.position for spool in state.spools)
+    assert (
+        true["tank_temperature"],
+        true["pump_temperature"],
+        true["motor_temperature"],
+    ) == seen.temperatures
+    assert (seen.temperatures, seen.engine_speed, seen.tilt) == ((310.0, 320.0, 330.0), 261.0, (0.01, 0.02))
+
+
+def test_surroundings_are_nominal_with_the_platforms_tilt():
+    tilted = dataclasses.replace(
+        MACHINE, manipulator=dataclasses.replace(MACHINE.manipulator, platform_tilt=0.1)
+    )
+    around = sensors.surroundings(tilted)
+    assert around.engine_speed == MACHINE.pump.shaft_speed
+    assert sensors.surroundings(THESIS).engine_speed * 60.0 / (2.0 * math.pi) == pytest.approx(2500.0)
+    assert around.temperatures == (313.15,) * 3
+    assert around.tilt == (0.0, 0.1)
+
+
+def test_a_suite_without_noise_says_exactly_what_no_suite_says():
+    state = moving((4.0, 3.0, -3.0), 0.7)
+    assert sensor_suite(MACHINE) == EXACT_SUITE
+    assert watch(state, sensor_suite(MACHINE), 3)[-1] == watch(state, EXACT_SUITE, 3)[-1]
+
+
+def test_with_noise_angles_scatter_about_a_static_error_within_the_accuracy():
+    angles = np.array([seen.joints.position for seen in watch(REST, sensor_suite(MACHINE, True, 1), 5000)])
+    assert angles.std(axis=0) == pytest.approx([2e-4] * 3, rel=0.05)
+    errors = angles.mean(axis=0) - Q
+    assert np.all(np.abs(errors) < math.radians(7 / 60))
+    assert np.all(np.abs(errors) > 1e-5)
+
+
+def test_equal_seeds_say_the_same_and_other_seeds_something_else():
+    one, same, other = (watch(REST, sensor_suite(MACHINE, True, seed), 5) for seed in (1, 1, 2))
+    assert one == same
+    assert not set(one[-1].joints.position) & set(other[-1].joints.position)
+
+
+def test_a_meter_of_oil_at_rest_shows_its_floor():
+    meter = THESIS.sensors.flow_meter
+    for seen in watch(REST, sensor_suite(THESIS, True), 20):
+        assert seen.flows == (meter.lowest, meter.lowest)
+
+
+def test_a_meter_shows_63_percent_of_a_step_after_10_ms():
+    suite = sensor_suite(THESIS, True)
+    flowing = moving((6.0, 0.0, 0.0), 3.0)
+    state = sensors.at_rest(REST, P, suite)
+    for _ in range(2):
+        state, seen = sensors.measure(flowing, state, P, DT, suite)
+    true = flowing.plant.swing.flow_1
+    assert true > 5.0 * THESIS.sensors.flow_meter.lowest
+    assert seen.flows[0] == pytest.approx((1.0 - math.exp(-1.0)) * true, rel=6e-4)
+
+
+def test_between_samples_readings_are_held_and_speeds_too():
+    slow = dataclasses.replace(MACHINE, sensors=dataclasses.replace(MACHINE.sensors, sample_rate=50.0))
+    suite = sensor_suite(slow, True, 1)
+    said = watch(REST, suite, 16)
+    angles = [seen.joints.position[0] for seen in said]
+    assert len(set(angles[3:])) == len(angles[3:]) // 4 + 1
+    for first in (3, 7, 11):
+        assert len({seen.pressures for seen in said[first : first + 4]}) == 1
+        assert len({seen.joints.speed for seen in said[first : first + 4]}) == 1
+
+
+def test_one_sample_of_all_sensors_fits_into_a_fraction_of_a_period():
+    """Interpreted, with noise. The limit is a tenth of a period: the machine may be busy."""
+    suite = sensor_suite(MACHINE, True)
+    state, generator, best = sensors.at_rest(REST, P, suite), noise_generator(suite), math.inf
+    for _ in range(300):
+        begun = time.perf_counter()
+        sensors.measure(REST, state, P, DT, suite, draw(generator))
+        best = min(best, time.perf_counter() - begun)
+    assert best < 5e-4

@@ -14,6 +14,7 @@ from forest_description.machine import load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.messages import float_array, read_float_array, stamp_to_ns
+from forest_sim.sensor_suite import CHANNELS, sensor_suite
 
 MACHINE = load_machine()
 PERIOD_NS = 5_000_000
@@ -186,6 +187,10 @@ REFUSED = {
     "initial_tip:=[3.0, 0.0, 1.0]": "it needs the boom at 91.6 deg; allowed: -36.7 .. 72.0 deg",
     "initial_tip:=[5.5, 1.0]": "parameter 'initial_tip' is [5.5, 1.0]; allowed: 3 numbers",
     "initial_tip:=[5.5, .nan, 1.0]": "parameter 'initial_tip' is [5.5, nan, 1.0]; allowed: ",
+    "sensor_noise:=3": "parameter 'sensor_noise' is 3; allowed: true or false",
+    "seed:=-1": "parameter 'seed' is -1; allowed: 0 .. ",
+    'sensor_faults:="boom: frozen"': "parameter 'sensor_faults': 'boom: frozen': there is no sensor 'boom'",
+    'sensor_faults:="boom_spool: melted"': "'melted' is no fault; allowed: absent; frozen; bias NUMBER UNIT",
     "plain_arrays:=3": "parameter 'plain_arrays' is 3; allowed: true or false",
     "machine:=c181": "no machine named 'c181'",
     "machine:=absent.yaml": "absent.yaml",
@@ -214,6 +219,47 @@ def test_namespace_plain_arrays_and_arrays_typed_by_hand_work(peer, start_simula
     assert spools[-1].layout.data_offset == 0
     assert len(spools[-1].data) == len(topics.AUXILIARY.labels)
     assert not elsewhere
+
+
+def labels(message):
+    return tuple(message.layout.dim[0].label.split(","))
+
+
+def test_absent_sensors_are_missing_from_names_and_labels_and_a_topic_without_any_is_silent(
+    peer, start_simulator
+):
+    heard = {topic: peer.hear(topic) for topic in STREAMS}
+    gone = "boom_resolver: absent; stick_pressure_1_valve: absent; swing_flow: absent; stick_flow: absent"
+    start_simulator("-p", f'sensor_faults:="{gone}"')
+    peer.until(lambda: len(heard[topics.AUXILIARY]) > 20 and len(heard[topics.JOINT_STATES]) > 20)
+    state, actuators = heard[topics.JOINT_STATES][-1], heard[topics.ACTUATOR_STATES][-1]
+    assert list(state.name) == ["swing", "stick"]
+    assert len(state.position) == len(state.velocity) == len(state.effort) == 2
+    assert tuple(actuators.name) == topics.ACTUATORS
+    assert set(topics.PRESSURES.labels) - set(labels(heard[topics.PRESSURES][-1])) == {"stick_1_valve"}
+    assert labels(heard[topics.AUXILIARY][-1]) == topics.AUXILIARY.labels
+    assert not heard[topics.FLOWS]
+
+
+def test_a_kind_of_sensor_that_the_machine_lacks_has_no_label(peer, start_simulator):
+    heard = peer.hear(topics.AUXILIARY)
+    start_simulator("-p", "machine:=c180_thesis")
+    peer.until(lambda: heard)
+    assert set(topics.AUXILIARY.labels) - set(labels(heard[-1])) == {"case_drain_flow"}
+
+
+def test_sensor_noise_and_seed_choose_the_units_and_a_dropped_sample_has_no_label(peer, start_simulator):
+    flows, auxiliary = peer.hear(topics.FLOWS), peer.hear(topics.AUXILIARY)
+    arguments = ("sensor_noise:=true", "seed:=5", 'sensor_faults:="engine_speed: drop 30 %"')
+    start_simulator("-p", "machine:=c180_thesis", *(word for a in arguments for word in ("-p", a)))
+    peer.until(lambda: len(auxiliary) > 100 and flows)
+    suite = sensor_suite(load_machine("c180_thesis"), True, 5)
+    bias = suite.channels[CHANNELS.index("tank_temperature")].bias
+    reading = read_float_array(topics.AUXILIARY, auxiliary[-1], 0, ("tank_temperature",))
+    assert reading.values[0] == pytest.approx(313.15 + bias, abs=1e-9)
+    assert flows[-1].data[2] == pytest.approx(0.85 * 3.785411784e-3 / 60.0)  # the floor, the oil at rest
+    lost = sum("engine_speed" not in labels(message) for message in auxiliary)
+    assert 0.1 * len(auxiliary) < lost < 0.6 * len(auxiliary)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])

@@ -12,6 +12,8 @@ from forest_control.sources import read_levers, thesis_levers
 from forest_description.kinematics import inverse_kinematics
 from forest_description.limits import joint_limits
 from forest_description.machine import load_machine
+from forest_sim.sensor_faults import parse_faults
+from forest_sim.sensor_suite import sensor_suite
 from forest_study.closed_loop import PERIOD, Operator, run
 
 C180 = load_machine("c180")
@@ -51,6 +53,40 @@ def test_compensation_is_what_makes_it_track():
     off = valve_driver.Settings(compensate=False)
     blind = run(C180, thesis, 10.0, START, controller.Settings(), off)
     assert rms_mm(blind) > 1.5 * rms_mm(session(thesis, 10.0))
+
+
+def sensing(text="", noise=False, seed=0):
+    return sensor_suite(C180, noise, seed, parse_faults(text))
+
+
+def test_with_real_sensors_it_still_tracks_and_equal_seeds_repeat_exactly():
+    one, same, other = (session(thesis, 5.0, sensor_suite=sensing("", True, seed)) for seed in (1, 1, 2))
+    assert np.array_equal(one.tip, same.tip)
+    assert np.array_equal(one.pressures, same.pressures)
+    assert not np.array_equal(one.tip, other.tip)
+    assert max(rms_mm(one), rms_mm(other)) < 100.0
+
+
+def test_a_suite_without_noise_is_the_exact_session():
+    assert np.array_equal(session(thesis, 2.0).tip, session(thesis, 2.0, sensor_suite=sensing()).tip)
+
+
+@pytest.mark.parametrize("scheme", list(Scheme))
+def test_a_joint_that_is_lost_shuts_every_valve_at_once(scheme):
+    moved = session(thesis, 4.0, scheme, sensor_suite=sensing("boom_resolver: absent from 2 s"))
+    lost = round(2.0 / PERIOD)
+    assert np.abs(moved.voltages[: lost - 1]).max() > 1.0
+    assert not moved.voltages[lost:].any()
+    assert not moved.tip_wish[lost:].any()
+
+
+def test_without_a_pressure_the_driver_takes_the_nominal_load():
+    blind = session(thesis, 3.0, sensor_suite=sensing("stick_pressure_1_actuator: absent"))
+    seeing = session(thesis, 3.0)
+    assert np.isnan(blind.pressures).any(axis=0).sum() == 1
+    assert rms_mm(blind) > 0.9 * rms_mm(seeing)
+    assert not np.array_equal(blind.tip, seeing.tip)
+    assert np.isfinite(blind.tip).all()
 
 
 def margins(trajectory):

@@ -1,4 +1,4 @@
-"""The crane as numbers: pump, valve, hoses, actuators, manipulator; all SI, frozen, range-checked.
+"""The crane as numbers: pump, valve, hoses, actuators, manipulator, sensors; all SI, frozen, range-checked.
 
 ``load_machine("c180")`` reads a shipped machine, ``load_machine("my_crane.yaml")`` a file of one's own. Axes
 are numbered 0 swing, 1 boom, 2 stick. Port 1 drives the positive direction (swing left; cylinder's head side,
@@ -18,6 +18,7 @@ from forest_description.linkage import Linkage
 from forest_description.load import Log, Pendulum
 from forest_description.parameter import MachineError, ParameterSet, choice, parameter, require_order
 from forest_description.pump import Pump
+from forest_description.sensing import Sensors
 
 __all__ = [
     "AXES",
@@ -34,6 +35,7 @@ __all__ = [
     "Pendulum",
     "PortValves",
     "Pump",
+    "Sensors",
     "SwingDrive",
     "Valve",
     "load_machine",
@@ -213,6 +215,7 @@ class Machine(ParameterSet):
     boom: CylinderDrive
     stick: CylinderDrive
     manipulator: Manipulator
+    sensors: Sensors
     port_valves: PortValves | None
     end_stops: EndStops | None
     command_timeout: float = parameter("s", 0.005, 10.0, "age at which a voltage command counts as zero")

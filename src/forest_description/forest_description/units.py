@@ -1,8 +1,9 @@
 """Units that a machine file may use, each with its factor to SI.
 
 The table is explicit and short on purpose: a unit that is not here is refused with the list of those that
-are. ``psi`` is the 6894.7 Pa of the thesis' program (Appendix B), not 6894.757 Pa, so that 3000 psi is its
-pump pressure; ``hp`` is the thesis' 745.7 W, ``gal`` the US gallon of its flow meters.
+are. A unit is a factor and nothing else: temperatures are in K, because degrees Celsius have an offset.
+``psi`` is the 6894.7 Pa of the thesis' program (Appendix B), not 6894.757 Pa, so that 3000 psi is its pump
+pressure; ``hp`` is the thesis' 745.7 W, ``gal`` the US gallon of its flow meters.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ class Unit(NamedTuple):
 
 UNITS: dict[str, Unit] = {
     "1": Unit("1", 1.0),
+    "percent": Unit("1", 1e-2),
     "kg": Unit("kg", 1.0),
     "lb": Unit("kg", 0.45359237),
     "m": Unit("m", 1.0),
@@ -31,6 +33,7 @@ UNITS: dict[str, Unit] = {
     "ms": Unit("s", 1e-3),
     "Hz": Unit("Hz", 1.0),
     "V": Unit("V", 1.0),
+    "K": Unit("K", 1.0),
     "Pa": Unit("Pa", 1.0),
     "MPa": Unit("Pa", 1e6),
     "bar": Unit("Pa", 1e5),

@@ -96,6 +96,23 @@ def float_array(
     return message
 
 
+def sensor_array(
+    topic: Topic, stamp_ns: int, values: Sequence[float], plain: bool = False
+) -> Float64MultiArray | None:
+    """Readings of a topic's sensors; NaN stands for a sensor without a sample, which has no label either.
+
+    Returns:
+        The array of those that have one, or None: there is nothing to say.
+    """
+    present = [place for place, value in enumerate(values) if not math.isnan(value)]
+    if len(present) == len(values):
+        return float_array(topic, stamp_ns, values, plain)
+    if not present:
+        return None
+    labels = tuple(topic.labels[place] for place in present)
+    return float_array(topic, stamp_ns, [values[place] for place in present], plain, labels)
+
+
 def read_float_array(
     topic: Topic, message: Any, now_ns: int, labels: tuple[str, ...] | None = None
 ) -> Reading:
@@ -141,6 +158,28 @@ def joint_state(
     message.velocity = array("d", velocity)
     message.effort = array("d", effort)
     return message
+
+
+def sensor_joint_state(
+    names: Sequence[str],
+    stamp_ns: int,
+    position: Sequence[float],
+    velocity: Sequence[float],
+    effort: Sequence[float],
+) -> JointState | None:
+    """Readings of joints; one whose position is NaN has no sample and is left out.
+
+    Velocity and effort are told of all joints that are there, or not at all: the message has no gaps.
+
+    Returns:
+        The state of those that have a position, or None: there is nothing to say.
+    """
+    present = [place for place, value in enumerate(position) if not math.isnan(value)]
+    if not present:
+        return None
+    rows = ([data[place] for place in present] for data in (position, velocity, effort))
+    told = [() if any(map(math.isnan, row)) else row for row in rows]
+    return joint_state([names[place] for place in present], stamp_ns, *told)
 
 
 def read_joint_state(names: Sequence[str], message: Any) -> Reading:

@@ -9,6 +9,7 @@ symbol                meaning
 ====================  ======================================================================================
 labels                names of the values, in the order in which our nodes publish them
 units                 unit of each label; three, comma-separated, where a label has three values (JointState)
+absent           a sensor without a sample has no label in the message; a message without any is not sent
 port 1, port 2        the sides that move the axis in its positive and negative direction
 valve, actuator       place of a pressure transducer: at the valve's port, at the actuator's chamber
 ====================  ======================================================================================
@@ -103,9 +104,13 @@ SUPPLY = Topic(
 )
 AUXILIARY = Topic(
     "hydraulics/auxiliary", FLOAT_ARRAY,
-    ("swing_spool", "boom_spool", "stick_spool", "case_drain_flow", "missed_deadlines"),
-    ("V", "V", "V", "m³/s", "1"), _RATE,
-    "Spool positions as the voltage that holds them there, motor case drain, deadlines missed since start.",
+    (
+        *("swing_spool", "boom_spool", "stick_spool", "case_drain_flow"),
+        *("tank_temperature", "pump_temperature", "motor_temperature"),
+        *("engine_speed", "platform_pitch", "platform_roll", "missed_deadlines"),
+    ),
+    ("V", "V", "V", "m³/s", "K", "K", "K", "rad/s", "rad", "rad", "1"), _RATE,
+    "Spools as the voltage that holds them, case drain, oil temperatures, engine, tilt, missed deadlines.",
     (_SIMULATOR,), _NOBODY,
 )
 VALVE_COMMANDS = Topic(
@@ -257,6 +262,8 @@ def markdown() -> str:
             "relative: a namespace moves them. A Float64MultiArray carries",
             "`data = [sec, nanosec, values...]`, `layout.data_offset` 2 and the labels, comma-separated, in",
             "`layout.dim[0].label`; with `data_offset` 0 the values stand alone and count as of now.",
+            "A sensor that is not there, or has lost its sample, is absent from the labels (a joint from the",
+            "names), never NaN; a message of which nothing is left is not sent.",
             "",
             f"| {' | '.join(head)} |",
             f"|{'---|' * len(head)}",

@@ -1,97 +1,114 @@
 """What the machine's sensors report of its true state.
 
-Positions are sampled; speeds are what a real machine can know: the backward difference of sampled positions
-behind a first-order low-pass (`SPEED_BANDWIDTH`), causal, so it lags. Torques and forces come from the
-pressures at the actuators. Noise, range and accuracy of Thesis table 4.2 are not modelled yet: these sensors
-are exact.
+The true values go through one law per channel (`channel`), with the errors, the noise and the faults of a
+suite (`sensor_suite`, `sensor_faults`); the default suite is exact. What no sensor measures is derived from
+what they read (`measurement`). NaN stands for what there is no reading of.
 
-| quantity | shape | unit |
-|---|---|---|
-| joint angle, rate, torque | 3 (swing, boom, stick) | rad, rad/s, N m |
-| actuator position, speed, force | 3 | rad or m, rad/s or m/s, N m or N |
-| pressures | 12: axis, port, place (valve, actuator) | Pa |
-| flows | 2: into port 1 of swing and stick | m^3/s |
+The pump's own flow passes unmeasured: table 4.2 has no meter there.
 """
 
 import math
 from typing import NamedTuple
 
+from forest_description.machine import Machine
+from forest_description.pump import IdealPump
 from forest_sim.actuator import inlet_flow, outlet_flow, port_pressures
-from forest_sim.integrator import Simulation, Triple
+from forest_sim.channel import WORKS, ChannelState, sample
+from forest_sim.integrator import Simulation
 from forest_sim.line import Port, is_shut, meet
+from forest_sim.measurement import (
+    Measurement,
+    Motion,
+    SpeedEstimate,
+    estimate_speed,
+    force,
+    measurement,
+    positions,
+)
 from forest_sim.parameters import Axis, PlantParameters
+from forest_sim.pendulum import Triple
 from forest_sim.plant import AxisState, Ports, Transmission, ports_at, supply_draw, transmissions
+from forest_sim.sensor_suite import EXACT_SUITE, NO_DRAWS, TIME_TOLERANCE, Draws, Suite, conditions
 from forest_sim.supply import saturation
 
-SPEED_BANDWIDTH = 25.0  # [Hz]
+
+class Surroundings(NamedTuple):
+    """What sensors measure outside of hydraulics and crane."""
+
+    engine_speed: float = 2500.0 * 2.0 * math.pi / 60.0  # [rad/s]
+    temperatures: Triple = (313.15, 313.15, 313.15)  # [K] tank, pump case, swing motor case
+    tilt: tuple[float, float] = (0.0, 0.0)  # [rad] pitch, roll
 
 
-class Motion(NamedTuple):
-    """Positions, speeds and efforts of three joints or actuators."""
-
-    position: Triple
-    speed: Triple
-    effort: Triple
+NOMINAL = Surroundings()
 
 
-class SpeedEstimate(NamedTuple):
-    """Memory of the speed estimators: last sampled positions and filtered speeds, joints then actuators."""
+class SensorState(NamedTuple):
+    """What the sensors and the estimators of the 6 speeds, joints then actuators, remember."""
 
-    positions: tuple[float, ...]
-    speeds: tuple[float, ...]
-
-
-class Measurement(NamedTuple):
-    """One sample of every sensor."""
-
-    joints: Motion
-    actuators: Motion
-    pressures: tuple[float, ...]
-    flows: tuple[float, float]
-    supply_pressure: float
-    supply_flow: float
-    supply_saturation: float
-    case_drain_flow: float
+    channels: tuple[ChannelState, ...]
+    estimates: tuple[SpeedEstimate, ...]
+    time: float  # [s] since the start
+    next_sample: float  # [s]
 
 
-def at_rest(simulation: Simulation, p: PlantParameters) -> SpeedEstimate:
-    """Return estimators that have seen the machine stand still at this state."""
-    return SpeedEstimate(_positions(simulation, p), (0.0,) * 6)
+def surroundings(machine: Machine) -> Surroundings:
+    """Return the nominal surroundings of a machine: engine at its governed speed, oil warm, tilt as told."""
+    pump, tilt = machine.pump, (0.0, machine.manipulator.platform_tilt)
+    speed = NOMINAL.engine_speed if isinstance(pump, IdealPump) else pump.shaft_speed
+    return Surroundings(engine_speed=speed, tilt=tilt)
+
+
+def at_rest(
+    simulation: Simulation,
+    p: PlantParameters,
+    suite: Suite = EXACT_SUITE,
+    around: Surroundings = NOMINAL,
+) -> SensorState:
+    """Return sensors and estimators that have seen the machine stand still at this state."""
+    states = [
+        sample(c._replace(mode=WORKS), ChannelState(x, x), x, 0.0, 0.0)[0]
+        for c, x in zip(suite.channels, true_values(simulation, p, around), strict=True)
+    ]
+    seen = positions([state.reading for state in states])
+    estimates = tuple(SpeedEstimate(position, 0.0, 0.0) for position in seen)
+    return SensorState(tuple(states), estimates, 0.0, suite.period)
 
 
 def measure(
-    simulation: Simulation, estimate: SpeedEstimate, p: PlantParameters, dt: float
-) -> tuple[SpeedEstimate, Measurement]:
-    """Sample every sensor, `dt` [s] after the last sample. Thesis table 4.2."""
-    plant = simulation.plant
-    estimate = _estimate_speeds(estimate, _positions(simulation, p), dt)
-    parts = (p.swing, p.boom, p.stick), _transmissions(simulation, p), ports_at(simulation.spools, p)
-    states = plant.swing, plant.boom, plant.stick
-    axes = tuple(zip(states, *parts, strict=True))
-    draw = supply_draw(plant, parts[2])
-    forces = tuple(_force(state, axis, t) for state, axis, t, _ in axes)
-    torques = tuple(force * t.arm for force, (_, _, t, _) in zip(forces, axes, strict=True))
-    return estimate, Measurement(
-        joints=Motion(_triple(estimate.positions[:3]), _triple(estimate.speeds[:3]), _triple(torques)),
-        actuators=Motion(_triple(estimate.positions[3:]), _triple(estimate.speeds[3:]), _triple(forces)),
-        pressures=tuple(
-            value
-            for state, axis, t, ports in axes
-            for value in _pressures(state, axis, t, ports, plant.supply.pressure)
-        ),
-        flows=(plant.swing.flow_1, plant.stick.flow_1),
-        supply_pressure=plant.supply.pressure,
-        supply_flow=draw.flow,
-        supply_saturation=saturation(draw.flow, plant.supply.pressure, p.supply),
-        case_drain_flow=_case_drain_flow(plant.swing, p.swing),
+    simulation: Simulation,
+    state: SensorState,
+    p: PlantParameters,
+    dt: float,
+    suite: Suite = EXACT_SUITE,
+    draws: Draws = NO_DRAWS,
+    around: Surroundings = NOMINAL,
+) -> tuple[SensorState, Measurement]:
+    """Sample every sensor, `dt` [s] after the last call. Thesis table 4.2."""
+    time = state.time + dt
+    due = time > state.next_sample - TIME_TOLERANCE
+    channels = conditions(suite, time, due, draws.uniform)
+    ports = ports_at(simulation.spools, p)
+    truth = _true_values(simulation, ports, p, around)
+    sampled = [
+        sample(c, s, true, dt, normal)
+        for c, s, true, normal in zip(channels, state.channels, truth, draws.normal, strict=True)
+    ]
+    read = [reading for _, reading in sampled]
+    estimates = tuple(
+        estimate_speed(estimate, position, dt, due)
+        for estimate, position in zip(state.estimates, positions(read), strict=True)
     )
+    next_sample = max(time, state.next_sample + suite.period) if due else state.next_sample
+    after = SensorState(tuple([s for s, _ in sampled]), estimates, time, next_sample)
+    return after, measurement(read, estimates, p, *_supply(simulation, ports, p))
 
 
 def true_joints(simulation: Simulation, p: PlantParameters) -> Motion:
     """Return the joints' true angles [rad], rates [rad/s] and actuator torques [N m]."""
     plant = simulation.plant
     torques = (
-        _force(state, axis, t) * t.arm
+        _true_force(state, axis, t) * t.arm
         for state, axis, t in zip(
             (plant.swing, plant.boom, plant.stick),
             (p.swing, p.boom, p.stick),
@@ -106,10 +123,30 @@ def true_joints(simulation: Simulation, p: PlantParameters) -> Motion:
     )
 
 
-def _positions(simulation: Simulation, p: PlantParameters) -> tuple[float, ...]:
-    plant = simulation.plant
-    lengths = (t.position for t in _transmissions(simulation, p))
-    return plant.swing.angle, plant.boom.angle, plant.stick.angle, *lengths
+def true_values(simulation: Simulation, p: PlantParameters, around: Surroundings) -> tuple[float, ...]:
+    """Return what every channel would read if it were exact, in the order of `CHANNELS`."""
+    return _true_values(simulation, ports_at(simulation.spools, p), p, around)
+
+
+def _true_values(
+    simulation: Simulation, ports: tuple[Ports, Ports, Ports], p: PlantParameters, around: Surroundings
+) -> tuple[float, ...]:
+    plant, supply = simulation.plant, simulation.plant.supply.pressure
+    t_1, t_2, t_3 = _transmissions(simulation, p)
+    return (
+        *(plant.swing.angle, plant.boom.angle, plant.stick.angle),
+        *(t_2.position, t_3.position),
+        *_pressures(plant.swing, p.swing, t_1, ports[0], supply),
+        *_pressures(plant.boom, p.boom, t_2, ports[1], supply),
+        *_pressures(plant.stick, p.stick, t_3, ports[2], supply),
+        supply,
+        *(plant.swing.flow_1, plant.stick.flow_1),
+        *around.temperatures,
+        around.engine_speed,
+        *(spool.position for spool in simulation.spools),
+        *around.tilt,
+        _case_drain_flow(plant.swing, p.swing),
+    )
 
 
 def _transmissions(
@@ -119,19 +156,9 @@ def _transmissions(
     return transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
 
 
-def _estimate_speeds(estimate: SpeedEstimate, positions: tuple[float, ...], dt: float) -> SpeedEstimate:
-    keep = math.exp(-2.0 * math.pi * SPEED_BANDWIDTH * dt)
-    speeds = tuple(
-        keep * speed + (1.0 - keep) * (new - old) / dt
-        for speed, old, new in zip(estimate.speeds, estimate.positions, positions, strict=True)
-    )
-    return SpeedEstimate(positions, speeds)
-
-
-def _force(s: AxisState, axis: Axis, t: Transmission) -> float:
-    """Return the actuator's pressure force [N; N m], friction not included. Thesis eq. 3.17, 3.19."""
+def _true_force(s: AxisState, axis: Axis, t: Transmission) -> float:
     one, two = port_pressures(t.arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
-    return axis.actuator.own_displacement_1 * one - axis.actuator.own_displacement_2 * two
+    return force(one, two, axis.actuator)
 
 
 def _pressures(
@@ -147,6 +174,14 @@ def _pressures(
 def _valve_pressure(hose: float, flow: float, port: Port, supply: float) -> float:
     """Return the pressure [Pa] between the spool's edges and the hose; behind shut edges it is the hose's."""
     return hose if is_shut(port) else meet(flow, 0.0, port, supply).pressure
+
+
+def _supply(
+    simulation: Simulation, ports: tuple[Ports, Ports, Ports], p: PlantParameters
+) -> tuple[float, float]:
+    """Return what the axes draw from the pumps [m^3/s], and which part that is of what these can give."""
+    flow = supply_draw(simulation.plant, ports).flow
+    return flow, saturation(flow, simulation.plant.supply.pressure, p.supply)
 
 
 def _case_drain_flow(s: AxisState, axis: Axis) -> float:

@@ -2,6 +2,9 @@
 
 Physics at 1 kHz inside, topics at 200 Hz. Deadlines stand on the monotonic clock; a late wake-up is caught up
 with correctly stamped samples, and counted. Voltages older than the machine's command timeout count as zero.
+
+Sensors are exact unless `sensor_noise` is set; `sensor_faults` hold either way. A sensor that is absent, or
+drops its sample, is missing from its message; a message of which nothing is left is not sent.
 """
 
 import math
@@ -16,14 +19,24 @@ from forest_description.machine import AXES, load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.inbox import inbox
-from forest_msgs_py.messages import float_array, joint_state, pose_stamped, read_float_array, twist_stamped
+from forest_msgs_py.messages import (
+    joint_state,
+    pose_stamped,
+    read_float_array,
+    sensor_array,
+    sensor_joint_state,
+    twist_stamped,
+)
 from forest_msgs_py.node import publisher, run_node, timer
 from forest_msgs_py.parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.topics import ACTUATORS, JOINTS, message_class
 from forest_sim import sensors
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Triple, advance
+from forest_sim.measurement import Measurement, Motion
 from forest_sim.parameters import plant_parameters
+from forest_sim.sensor_faults import parse_faults
+from forest_sim.sensor_suite import Suite, draw, noise_generator, sensor_suite
 
 FRAME = "base_link"
 PERIOD_NS = 5_000_000
@@ -44,7 +57,9 @@ class SimulatorNode(Node):
         self._machine = machine
         self._plant = plant_parameters(machine)
         self._simulation = equilibrium(self._start_angles(start), self._plant)
-        self._estimate = sensors.at_rest(self._simulation, self._plant)
+        self._suite = self._sensor_suite()
+        self._generator, self._around = noise_generator(self._suite), sensors.surroundings(machine)
+        self._sensors = sensors.at_rest(self._simulation, self._plant, self._suite, self._around)
         self._voltages, self._received = ZERO, -math.inf
         self._missed = 0
         self._outputs = {
@@ -56,6 +71,15 @@ class SimulatorNode(Node):
         self._stamp = self.get_clock().now().nanoseconds
         self._next = time.monotonic_ns() + PERIOD_NS
         timer(self, PERIOD_NS * 1e-9, self._on_timer)
+
+    def _sensor_suite(self) -> Suite:
+        noise = declare(self, "sensor_noise", False, "errors, noise, lag and rate as in the machine file")
+        seed = declare(self, "seed", 0, "of the sensors' errors and noise", low=0)
+        faults = declare(self, "sensor_faults", "", "e.g. boom_resolver: frozen from 2 s; swing_flow: absent")
+        try:
+            return sensor_suite(self._machine, noise, seed, parse_faults(faults))
+        except ValueError as error:
+            raise ParameterError(f"parameter 'sensor_faults': {error}") from error
 
     def _start_angles(self, tip: Triple) -> Triple:
         given = f"parameter 'initial_tip' is {list(tip)}"
@@ -97,39 +121,42 @@ class SimulatorNode(Node):
     def _advance(self) -> None:
         self._read_voltages()
         self._simulation = advance(self._simulation, self._voltages, SUBSTEP, SUBSTEPS, self._plant)
-        self._estimate, seen = sensors.measure(
-            self._simulation, self._estimate, self._plant, PERIOD_NS * 1e-9
+        self._sensors, seen = sensors.measure(
+            *(self._simulation, self._sensors, self._plant, PERIOD_NS * 1e-9),
+            *(self._suite, draw(self._generator), self._around),
         )
         self._publish(seen)
 
-    def _publish(self, seen: sensors.Measurement) -> None:
+    def _publish(self, seen: Measurement) -> None:
         """Publish one sample; what the driver needs goes before what makes the controller step."""
-        spools = (spool.position for spool in self._simulation.spools)
-        auxiliary = (*spools, seen.case_drain_flow, float(self._missed))
+        auxiliary = (*seen.spools, seen.case_drain_flow, *seen.temperatures, seen.engine_speed, *seen.tilt)
         self._publish_array(topics.PRESSURES, seen.pressures)
         self._publish_array(topics.SUPPLY, (seen.supply_pressure, seen.supply_flow, seen.supply_saturation))
         self._publish_motion(topics.JOINT_STATES, JOINTS, seen.joints)
         self._publish_motion(topics.ACTUATOR_STATES, ACTUATORS, seen.actuators)
         self._publish_array(topics.FLOWS, seen.flows)
-        self._publish_array(topics.AUXILIARY, auxiliary)
+        self._publish_array(topics.AUXILIARY, (*auxiliary, float(self._missed)))
         self._publish_truth()
 
     def _publish_truth(self) -> None:
         true = sensors.true_joints(self._simulation, self._plant)
         links = self._machine.manipulator.links
-        self._publish_motion(topics.GROUND_TRUTH_JOINT_STATES, JOINTS, true)
+        state = joint_state(JOINTS, self._stamp, true.position, true.speed, true.effort)
+        self._outputs[topics.GROUND_TRUTH_JOINT_STATES].publish(state)
         pose = pose_stamped(self._stamp, FRAME, tip_position(true.position, links))
         twist = twist_stamped(self._stamp, FRAME, tip_velocity(true.position, true.speed, links))
         self._outputs[topics.GROUND_TRUTH_TIP_POSE].publish(pose)
         self._outputs[topics.GROUND_TRUTH_TIP_TWIST].publish(twist)
 
     def _publish_array(self, topic: topics.Topic, values: tuple[float, ...]) -> None:
-        self._outputs[topic].publish(float_array(topic, self._stamp, values, self._plain))
+        message = sensor_array(topic, self._stamp, values, self._plain)
+        if message is not None:
+            self._outputs[topic].publish(message)
 
-    def _publish_motion(self, topic: topics.Topic, names: tuple[str, ...], motion: sensors.Motion) -> None:
-        self._outputs[topic].publish(
-            joint_state(names, self._stamp, motion.position, motion.speed, motion.effort)
-        )
+    def _publish_motion(self, topic: topics.Topic, names: tuple[str, ...], motion: Motion) -> None:
+        message = sensor_joint_state(names, self._stamp, motion.position, motion.speed, motion.effort)
+        if message is not None:
+            self._outputs[topic].publish(message)
 
 
 def main() -> None:

@@ -1,9 +1,11 @@
 """The cores of machine, controller and driver in one loop without ROS: the graph in simulated time.
 
 Each period goes round as it does live: the machine reports, controller and driver answer within the period,
-the voltages act over the next one.
+the voltages act over the next one. Sensors are exact unless a suite is given. As live, the controller stands
+still while a joint has no reading, and the driver takes the nominal load while a pressure has none.
 """
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -18,10 +20,14 @@ from forest_sim import sensors
 from forest_sim.compiled import compiled_advance
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation, Triple
+from forest_sim.measurement import Measurement
 from forest_sim.parameters import PlantParameters, plant_parameters
+from forest_sim.sensor_suite import Suite, draw, noise_generator
+from forest_sim.sensor_suite import sensor_suite as suite_of
 
 PERIOD = 0.005  # [s]
 SUBSTEPS = 5  # of 1 ms
+ZERO: Triple = (0.0, 0.0, 0.0)
 
 
 class Operator(NamedTuple):
@@ -57,6 +63,7 @@ def run(
     control: controller.Settings,
     drive: valve_driver.Settings,
     model: Machine | None = None,
+    sensor_suite: Suite | None = None,
 ) -> Trajectory:
     """Run a session.
 
@@ -68,10 +75,13 @@ def run(
         control: the controller's settings.
         drive: the valve driver's settings.
         model: what controller and driver believe; default: the machine itself.
+        sensor_suite: with their errors, noise, seed and faults; default: the machine's, exact.
     """
     p = plant_parameters(machine)
     believed = machine if model is None else model
-    loop = _Loop(p, controller.parameters(believed, control), valve_driver.parameters(believed, drive), start)
+    suite = suite_of(machine) if sensor_suite is None else sensor_suite
+    cores = controller.parameters(believed, control), valve_driver.parameters(believed, drive)
+    loop = _Loop(p, *cores, start, suite)
     rows = [loop.period(operator(k * PERIOD)) for k in range(round(duration / PERIOD))]
     columns = [np.array(column) for column in zip(*rows, strict=True)]
     links = machine.manipulator.links
@@ -88,26 +98,48 @@ class _Loop:
         control: controller.Parameters,
         drive: valve_driver.Parameters,
         start: Triple,
+        suite: Suite,
     ) -> None:
         self._plant, self._control, self._drive = p, control, drive
         self._simulation: Simulation = equilibrium(start, p)
-        self._estimate = sensors.at_rest(self._simulation, p)
+        self._suite, self._generator = suite, noise_generator(suite)
+        self._sensors = sensors.at_rest(self._simulation, p, suite)
         self._controller, self._driver = controller.REST, valve_driver.REST
         self._advance = compiled_advance()
 
     def period(self, operator: Operator) -> tuple[Triple, Triple, Triple, Triple, tuple[float, ...]]:
         """Return a period's angles, tip wish, commands, voltages, pressures, and move the machine over it."""
-        self._estimate, seen = sensors.measure(self._simulation, self._estimate, self._plant, PERIOD)
+        self._sensors, seen = sensors.measure(
+            self._simulation, self._sensors, self._plant, PERIOD, self._suite, draw(self._generator)
+        )
         angles = sensors.true_joints(self._simulation, self._plant).position
+        wish, command = self._control_step(seen, operator)
+        pressures = _pressures(seen, self._drive.supply_pressure)
+        self._driver, volts = valve_driver.step(self._driver, command, pressures, self._drive, PERIOD)
+        self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
+        return angles, wish, command, volts, seen.pressures
+
+    def _control_step(self, seen: Measurement, operator: Operator) -> tuple[Triple, Triple]:
+        """Return the tip's wish and the command; both zero while the joints' state cannot be believed."""
+        if controller.implausible(seen.joints.position, seen.joints.speed, self._control):
+            self._controller = controller.REST
+            return ZERO, ZERO
         inputs = controller.Inputs(seen.joints.position, seen.joints.speed, operator.levers, operator.enabled)
         self._controller, output = controller.step(self._controller, inputs, self._control, PERIOD)
-        pressures = valve_driver.Pressures(_at_port(seen, 1), _at_port(seen, 2), seen.supply_pressure)
-        self._driver, volts = valve_driver.step(self._driver, output.command, pressures, self._drive, PERIOD)
-        self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
-        return angles, output.tip_wish, output.command, volts, seen.pressures
+        return output.tip_wish, output.command
 
 
-def _at_port(seen: sensors.Measurement, port: int) -> Triple:
+def _pressures(seen: Measurement, supply: float) -> valve_driver.Pressures | None:
+    """Return what the driver may believe: all ports or none; the nominal supply [Pa] where it is not read."""
+    ports = _at_port(seen, 1), _at_port(seen, 2)
+    if any(map(math.isnan, (*ports[0], *ports[1]))):
+        return None
+    return valve_driver.Pressures(
+        *ports, supply if math.isnan(seen.supply_pressure) else seen.supply_pressure
+    )
+
+
+def _at_port(seen: Measurement, port: int) -> Triple:
     """Return the actuator-side pressures [Pa] of one port, swing, boom, stick."""
     first = 1 if port == 1 else 3
     return seen.pressures[first], seen.pressures[first + 4], seen.pressures[first + 8]

@@ -1,0 +1,82 @@
+"""The one law of every sensor: what a channel reads of a true value.
+
+| symbol | name | unit |
+|---|---|---|
+| x | true value, then what the sensor's lag leaves of it | the channel's |
+| tau | time constant of the first-order lag, 0: none | s |
+| g, b | gain and static bias of this unit | 1; the channel's |
+| sigma, n | standard deviation of a sample; a draw from the standard normal distribution | the channel's; 1 |
+
+A reading is g x + b + sigma n, at least as large as the floor, in whole steps of the resolution, between the
+ends of the range. No reading is told as NaN: sensors.py leaves the quantity out of what the machine says.
+
+A turbine's blades do not tell which way the oil goes. The floor keeps the sign of the true flow, as a data
+acquisition that knows the spool's side would; oil at rest reads plus the floor.
+
+Everything here is pure and stays in the subset of Python that Numba compiles.
+"""
+
+import math
+from typing import NamedTuple
+
+# How a channel works, in the order in which the worse of two wins.
+WORKS = 0
+FROZEN = 1  # repeats its last reading
+DROPPED = 2  # loses this sample
+ABSENT = 3  # is not there
+WHOLE = 2.0**53  # from here on every float is a whole number
+
+
+class Channel(NamedTuple):
+    """One sensor; the defaults are an exact one."""
+
+    time_constant: float = 0.0
+    gain: float = 1.0
+    bias: float = 0.0
+    noise: float = 0.0
+    floor: float = 0.0
+    resolution: float = 0.0
+    low: float = -math.inf
+    high: float = math.inf
+    mode: int = WORKS
+
+
+class ChannelState(NamedTuple):
+    """What a sensor remembers: the lagged true value and the last reading."""
+
+    lagged: float
+    reading: float
+
+
+EXACT = Channel()
+
+
+def sample(c: Channel, s: ChannelState, true: float, dt: float, normal: float) -> tuple[ChannelState, float]:
+    """Return a sensor's state and reading, `dt` [s] after the last call; NaN: there is none.
+
+    Thesis table 4.2, section 4.3.2.4: a flow below the meter's floor reads as the floor.
+
+    Args:
+        c: the channel.
+        s: its state after the last call.
+        true: value now, taken to have held since the last call.
+        dt: time since then [s].
+        normal: draw from the standard normal distribution.
+    """
+    lagged = true
+    if c.time_constant > 0.0:
+        lagged = true + (s.lagged - true) * math.exp(-dt / c.time_constant)
+    if c.mode == FROZEN:
+        return ChannelState(lagged, s.reading), s.reading
+    if c.mode != WORKS:
+        return ChannelState(lagged, s.reading), math.nan
+    reading = c.gain * lagged + c.bias + c.noise * normal
+    if c.floor > 0.0:
+        size = max(abs(reading), c.floor)
+        reading = -size if lagged < 0.0 else size
+    if c.resolution > 0.0:
+        steps = reading / c.resolution + 0.5
+        if abs(steps) < WHOLE:  # floor() would raise for what is not finite
+            reading = c.resolution * math.floor(steps)
+    reading = max(c.low, min(c.high, reading))
+    return ChannelState(lagged, reading), reading

@@ -1,0 +1,159 @@
+"""Claims about a machine's sensors: which there are, what each is worth, what the seed decides."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from forest_description.machine import load_machine
+from forest_description.units import UNITS
+from forest_sim.channel import ABSENT, DROPPED, EXACT, FROZEN, WORKS
+from forest_sim.sensor_faults import parse_faults
+from forest_sim.sensor_suite import (
+    CHANNELS,
+    KINDS,
+    NO_DRAWS,
+    PLACES,
+    UNIT,
+    conditions,
+    draw,
+    noise_generator,
+    sensor_suite,
+)
+
+C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
+PSI, GALLON_PER_MINUTE = 6894.7, UNITS["gal/min"].factor
+
+
+def channel(name, machine=THESIS, seed=0):
+    return sensor_suite(machine, noise=True, seed=seed).channels[CHANNELS.index(name)]
+
+
+def test_there_are_the_sensors_of_table_4_2_and_those_of_section_4_2_2():
+    counts = {kind.name: len(kind.channels) for kind in KINDS}
+    assert counts == {
+        "resolver": 3,
+        "linear_transducer": 2,
+        "pressure": 12 + 1,  # and the pump's
+        "flow_meter": 2,
+        "thermocouple": 3,
+        "tachometer": 1,
+        "spool_sensor": 3,
+        "inclinometer": 2,
+        "case_drain": 1,
+    }
+    assert len(set(CHANNELS)) == len(CHANNELS) == sum(counts.values())
+    assert {name for kind in KINDS for name in CHANNELS[PLACES[kind.name]]} == set(CHANNELS)
+    assert all(CHANNELS[PLACES[kind.name]] == kind.channels for kind in KINDS)
+
+
+def test_without_noise_every_sensor_is_exact_and_read_whenever_asked():
+    suite = sensor_suite(C180)
+    assert set(suite.channels) == {EXACT}
+    assert suite.period == 0.0
+
+
+@pytest.mark.parametrize("noise", [False, True])
+def test_a_kind_that_the_machine_lacks_is_absent_with_noise_and_without(noise):
+    suite = sensor_suite(THESIS, noise)
+    modes = dict(zip(CHANNELS, (c.mode for c in suite.channels), strict=True))
+    assert modes.pop("case_drain") == ABSENT
+    assert set(modes.values()) == {WORKS}
+
+
+BOUNDS = {
+    "boom_resolver": ("bias", 0.0, 7 / 60 * math.pi / 180.0),
+    "stick_pressure_2_valve": ("bias", 0.0, 1e-4 * 5000 * PSI),
+    "supply_pressure": ("bias", 0.0, 1e-4 * 5000 * PSI),
+    "swing_flow": ("gain", 1.0, 5e-4),
+    "pump_temperature": ("bias", 0.0, 0.2),
+}
+
+
+@pytest.mark.parametrize("name", BOUNDS)
+def test_static_errors_fill_the_printed_accuracy_evenly_and_never_leave_it(name):
+    field, middle, bound = BOUNDS[name]
+    errors = np.array([getattr(channel(name, seed=seed), field) - middle for seed in range(300)]) / bound
+    assert np.all(np.abs(errors) <= 1.0 + 1e-9)
+    assert errors.min() < -0.95
+    assert errors.max() > 0.95
+    assert errors.std() == pytest.approx(1.0 / math.sqrt(3.0), rel=0.1)
+
+
+def test_ranges_lag_floor_and_resolution_are_those_printed():
+    turn, pressure, oil = (
+        channel("swing_resolver"),
+        channel("boom_pressure_1_valve"),
+        channel("tank_temperature"),
+    )
+    assert (turn.low, turn.high) == (-math.pi, math.pi)
+    assert (pressure.low, pressure.high) == (0.0, 5000 * PSI)
+    assert (oil.low, oil.high) == (3.15, 1633.15)
+    flow, length = channel("stick_flow"), channel("stick_transducer")
+    assert (flow.low, flow.high) == (-50 * GALLON_PER_MINUTE, 50 * GALLON_PER_MINUTE)
+    assert (flow.floor, flow.time_constant) == (0.85 * GALLON_PER_MINUTE, 0.01)
+    assert length.resolution == pytest.approx(0.0004 * 36.5 * 0.0254)
+    assert length.high - length.low == pytest.approx(36.5 * 0.0254)
+    assert THESIS.stick.retracted_length - length.low == pytest.approx(0.25 * 0.0254)
+
+
+def test_the_thesis_prints_no_noise_and_the_c180_has_that_of_realistic_control():
+    assert {c.noise for c in sensor_suite(THESIS, True).channels} == {0.0}
+    assert all(c.noise > 0.0 for c in sensor_suite(C180, True).channels)
+    assert channel("boom_resolver", C180).noise == 2e-4
+    assert channel("boom_transducer", C180).noise == pytest.approx(0.18e-3)
+    assert channel("supply_pressure", C180).noise == pytest.approx(0.5 * PSI)
+
+
+def test_equal_seeds_give_equal_units_and_draws_and_other_seeds_others():
+    one, same, other = (sensor_suite(C180, True, seed) for seed in (3, 3, 4))
+    assert one == same
+    assert all(a != b for a, b in zip(one.channels, other.channels, strict=True) if not a.resolution)
+    first, second, third = (draw(noise_generator(suite)) for suite in (one, same, other))
+    assert first == second
+    assert not set(first.normal) & set(third.normal)
+
+
+def test_taking_a_sensor_away_changes_no_other():
+    without = dataclasses.replace(C180, sensors=dataclasses.replace(C180.sensors, linear_transducer=None))
+    before, after = sensor_suite(C180, True, 1).channels, sensor_suite(without, True, 1).channels
+    changed = [name for name, a, b in zip(CHANNELS, before, after, strict=True) if a != b]
+    assert changed == ["boom_transducer", "stick_transducer"]
+
+
+def mode(faults, name="boom_resolver", time=1.0, due=True, uniform=NO_DRAWS.uniform):
+    suite = sensor_suite(C180, faults=parse_faults(faults))
+    return conditions(suite, time, due, uniform)[CHANNELS.index(name)]
+
+
+@pytest.mark.parametrize(("time", "expected"), [(1.995, WORKS), (2.0, FROZEN), (2.995, FROZEN), (3.0, WORKS)])
+def test_a_fault_holds_from_its_start_until_before_its_end(time, expected):
+    assert mode("boom_resolver: frozen from 2 s until 3 s", time=time).mode == expected
+
+
+def test_a_fault_is_of_its_channel_alone():
+    suite = sensor_suite(C180, faults=parse_faults("swing_flow: absent"))
+    now = conditions(suite, 0.0, True, NO_DRAWS.uniform)
+    assert [name for name, c in zip(CHANNELS, now, strict=True) if c != EXACT] == ["swing_flow"]
+
+
+def test_faults_of_one_channel_add_up_and_the_worst_way_of_not_working_wins():
+    channel = mode("boom_resolver: bias 1 deg; boom_resolver: bias 0.5 deg; boom_resolver: frozen")
+    assert channel.bias == pytest.approx(math.radians(1.5))
+    assert channel.mode == FROZEN
+    assert mode("boom_resolver: drop; boom_resolver: frozen").mode == DROPPED
+    assert mode("boom_resolver: absent; boom_resolver: drop").mode == ABSENT
+
+
+def test_a_share_of_samples_is_dropped():
+    generator, faults = np.random.default_rng(5), "boom_resolver: drop 20 %"
+    lost = [mode(faults, uniform=draw(generator).uniform).mode == DROPPED for _ in range(2000)]
+    assert np.mean(lost) == pytest.approx(0.2, abs=0.03)
+
+
+def test_between_samples_everything_holds_and_what_is_absent_stays_so():
+    assert mode("", due=False).mode == FROZEN
+    assert mode("boom_resolver: drop", due=False).mode == FROZEN
+    assert mode("boom_resolver: absent", due=False).mode == ABSENT
+    assert UNIT["boom_resolver"] == "rad"
