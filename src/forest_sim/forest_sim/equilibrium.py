@@ -33,6 +33,7 @@ def equilibrium(angles: Triple, p: PlantParameters) -> Simulation:
         ),
         (CENTRED, CENTRED, CENTRED),
         Events(0, 0, 0),
+        (0.0, 0.0, 0.0),
     )
 
 

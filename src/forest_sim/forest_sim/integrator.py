@@ -34,8 +34,8 @@ from forest_sim.spool import Spool, Spools, spool_after
 from forest_sim.supply import SupplyState, pump_flow, reference_after
 
 GAMMA = 1.0 - math.sqrt(0.5)
-TOLERANCE = 1e-10  # [rad/s] last Newton correction; the correction after it would be a thousand times smaller
-SUPPLY_TOLERANCE = 1e-2  # [Pa] as above
+TOLERANCE = 0.1  # [rad/s^3] of Newton's last correction over h^2; the next would be a thousand times smaller
+SUPPLY_TOLERANCE = 1.0  # [Pa] as above
 ITERATIONS = 40
 DAMPED = 12  # iterations after which a kink (dry friction, a relief valve) is approached by half steps
 
@@ -54,11 +54,14 @@ class Simulation(NamedTuple):
     plant: PlantState
     spools: Spools
     events: Events
+    accelerations: Triple  # of the joints over the last stage [rad/s^2], from which Newton starts
 
 
 class AxisSolution(NamedTuple):
     """One axis of a stage at a guessed joint rate."""
 
+    rate: float  # [rad/s]
+    arm: float  # d(actuator position)/d(angle)
     one: LineSolution  # hose 1
     two: LineSolution  # hose 2, its flow counted from the valve
     torque: float  # on the joint [N m]
@@ -96,14 +99,35 @@ class Trial(NamedTuple):
 
 def step(simulation: Simulation, voltages: Triple, h: float, p: PlantParameters) -> Simulation:
     """Advance the machine by h [s] with the valve voltages [V] held."""
-    plant = simulation.plant
-    middle = spools_after(simulation.spools, voltages, GAMMA * h, p)
-    first, failed_1 = _solve_stage(plant, plant, ports_at(middle, p), GAMMA * h, p)
+    plant, c = simulation.plant, GAMMA * h
+    middle = spools_after(simulation.spools, voltages, c, p)
+    rates = _rates_after(plant, simulation.accelerations, c)
+    first, failed_1 = _solve_stage(plant, plant, rates, ports_at(middle, p), c, p)
     # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
     base = _blend(plant, first, (1.0 - GAMMA) / GAMMA)
     end = spools_after(simulation.spools, voltages, h, p)
-    after, failed_2 = _solve_stage(base, first, ports_at(end, p), GAMMA * h, p)
-    return Simulation(after, end, _count(simulation.events, plant, after, failed_1 + failed_2, p.guard))
+    rates = _rates_after(plant, _mean_accelerations(plant, first, c), h)
+    after, failed_2 = _solve_stage(base, first, rates, ports_at(end, p), c, p)
+    events = _count(simulation.events, plant, after, failed_1 + failed_2, p.guard)
+    return Simulation(after, end, events, _mean_accelerations(base, after, c))
+
+
+def _mean_accelerations(before: PlantState, after: PlantState, time: float) -> Triple:
+    """Return the joints' mean accelerations [rad/s^2] over a time [s]."""
+    return (
+        (after.swing.rate - before.swing.rate) / time,
+        (after.boom.rate - before.boom.rate) / time,
+        (after.stick.rate - before.stick.rate) / time,
+    )
+
+
+def _rates_after(plant: PlantState, accelerations: Triple, time: float) -> Triple:
+    """Return the joint rates [rad/s] that steady accelerations [rad/s^2] lead to."""
+    return (
+        plant.swing.rate + time * accelerations[0],
+        plant.boom.rate + time * accelerations[1],
+        plant.stick.rate + time * accelerations[2],
+    )
 
 
 def advance(simulation: Simulation, voltages: Triple, h: float, count: int, p: PlantParameters) -> Simulation:
@@ -190,27 +214,32 @@ def _blend_axis(a: AxisState, b: AxisState, w: float) -> AxisState:
 
 
 def _solve_stage(
-    base: PlantState, start: PlantState, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
+    base: PlantState,
+    start: PlantState,
+    rates: Triple,
+    ports: tuple[Ports, Ports, Ports],
+    h: float,
+    p: PlantParameters,
 ) -> tuple[PlantState, int]:
     """Return Y with Y = base + h f(Y), and 1 if Newton did not converge. The hoses are solved inside.
 
-    Its matrix leaves out what the configuration's change contributes (of order h), so that it converges by
-    about three decimal places an iteration.
+    Newton starts from the joint rates given and from all else of `start`. Its matrix leaves out what the
+    configuration's change contributes (of order h), so that it converges by about three decimal places an
+    iteration.
     """
-    rates = start.swing.rate, start.boom.rate, start.stick.rate
     guess = Guess(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply)
     trial = _try(base, guess, (start.swing.pressure_1, start.swing.pressure_2), ports, h, p)
     failed = 1
     for iteration in range(ITERATIONS):
         guess, size, supply_size = _correct(guess, trial, 1.0 if iteration < DAMPED else 0.5, p)
-        if size < TOLERANCE and supply_size < SUPPLY_TOLERANCE:
+        if size < TOLERANCE * h * h and supply_size < SUPPLY_TOLERANCE:
             failed = 0
             break
         trial = _try(base, guess, (trial.swing.one.pressure, trial.swing.two.pressure), ports, h, p)
     return PlantState(
-        _assemble(base.swing, guess.rates[0], trial.swing, h),
-        _assemble(base.boom, guess.rates[1], trial.boom, h),
-        _assemble(base.stick, guess.rates[2], trial.stick, h),
+        _assemble(base.swing, guess.rates[0], trial.swing, p.swing, h),
+        _assemble(base.boom, guess.rates[1], trial.boom, p.boom, h),
+        _assemble(base.stick, guess.rates[2], trial.stick, p.stick, h),
         guess.supply,
         _head_at(base.head, guess.head_rates, h),
     ), failed
@@ -321,14 +350,21 @@ def _draw(
     return one.draw + two.draw, one.conductance + two.conductance, gain, load
 
 
-def _assemble(base: AxisState, rate: float, solution: AxisSolution, h: float) -> AxisState:
+def _assemble(base: AxisState, rate: float, solution: AxisSolution, axis: Axis, h: float) -> AxisState:
+    """Return an axis at the stage's end: the hoses follow Newton's last correction of the joint rate.
+
+    Without that the oil that this correction moves would be lost, step after step.
+    """
+    moved, one, two = solution.arm * (rate - solution.rate), solution.one, solution.two
+    # What the pressure yields is what the hose delivers: dP = -stiffness dq, dQ = (1 - stiffness/slope) dq.
+    q_1, q_2 = axis.actuator.displacement_1 * moved, -axis.actuator.displacement_2 * moved
     return AxisState(
         base.angle + h * rate,
         rate,
-        solution.one.pressure,
-        solution.two.pressure,
-        solution.one.flow,
-        -solution.two.flow,
+        one.pressure - one.stiffness * q_1,
+        two.pressure - two.stiffness * q_2,
+        one.flow + (1.0 - one.stiffness / one.slope) * q_1,
+        -two.flow - (1.0 - two.stiffness / two.slope) * q_2,
     )
 
 
@@ -359,7 +395,9 @@ def _solve_axis(
         base.pressure_2, -base.flow_2, -q_2, a.leakage_22, ports.port_2, supply, axis.line_2, guard, h
     )
     force = actuator_force(speed, one.pressure, two.pressure, a) + passive_force(t.position, speed, axis)
-    return AxisSolution(one, two, t.arm * force, t.arm * t.arm * _resistance(speed, t, one, two, axis, h))
+    return AxisSolution(
+        rate, t.arm, one, two, t.arm * force, t.arm * t.arm * _resistance(speed, t, one, two, axis, h)
+    )
 
 
 def _resistance(
