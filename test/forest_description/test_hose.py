@@ -30,14 +30,16 @@ def turbulent_drop(flow, length, bore, oil):
 
 def test_a_turbulent_hose_loses_what_blasius_says_at_its_nominal_flow():
     resistance = GEOMETRIC.line(4.0, False, OIL).resistance
-    assert resistance * FULL_FLOW**2 == pytest.approx(turbulent_drop(FULL_FLOW, 4.0, 0.01905, OIL), rel=1e-12)
+    assert resistance * FULL_FLOW**2 == pytest.approx(
+        turbulent_drop(FULL_FLOW, 4.0, 0.01905, OIL), rel=1e-12, abs=0.0
+    )
 
 
 @pytest.mark.parametrize(("share", "ratio"), [(0.25, 2.0**-0.5), (0.5, 2.0**-0.25), (4.0, 2.0**0.5)])
 def test_away_from_the_nominal_flow_the_square_is_off_by_the_fourth_root(share, ratio):
     flow = share * FULL_FLOW
     approximated = GEOMETRIC.line(4.0, False, OIL).resistance * flow**2
-    assert approximated / turbulent_drop(flow, 4.0, 0.01905, OIL) == pytest.approx(ratio, rel=1e-12)
+    assert approximated / turbulent_drop(flow, 4.0, 0.01905, OIL) == pytest.approx(ratio, rel=1e-12, abs=0.0)
 
 
 def test_the_printed_powers_are_those_of_equation_4_3():
@@ -55,7 +57,7 @@ def test_the_printed_powers_are_those_of_equation_4_3():
         ("bore", 0.02, -4.75),
     ):
         slope = np.log(drop(**{name: 1.1 * value}) / drop(**{name: value})) / np.log(1.1)
-        assert slope == pytest.approx(power, rel=1e-9), name
+        assert slope == pytest.approx(power, rel=1e-9, abs=0.0), name
 
 
 def test_a_laminar_hose_is_a_poiseuille_tube():
@@ -64,22 +66,24 @@ def test_a_laminar_hose_is_a_poiseuille_tube():
     r = (np.arange(20000) + 0.5) * radius / 20000.0
     rings = 2.0 * np.pi * r * radius / 20000.0
     flow_per_pressure = np.sum(rings * (radius**2 - r**2) / (4.0 * mu * 4.0))
-    assert GEOMETRIC.line(4.0, True, OIL).resistance == pytest.approx(1.0 / flow_per_pressure, rel=1e-7)
+    assert GEOMETRIC.line(4.0, True, OIL).resistance == pytest.approx(
+        1.0 / flow_per_pressure, rel=1e-7, abs=0.0
+    )
 
 
 def test_inertance_times_flow_is_the_momentum_of_the_oil_over_the_area():
     line, flow = GEOMETRIC.line(4.0, True, OIL), 2e-3
     area = bore_area(GEOMETRIC.bore)
     mass, velocity = OIL.density * area * 4.0, flow / area
-    assert line.inertance * flow == pytest.approx(mass * velocity / area, rel=1e-12)
+    assert line.inertance * flow == pytest.approx(mass * velocity / area, rel=1e-12, abs=0.0)
 
 
 def test_a_rigid_hose_yields_as_its_oil_and_a_soft_wall_adds_its_own():
     volume = bore_area(GEOMETRIC.bore) * 4.0
     rigid = GEOMETRIC.line(4.0, True, OIL).capacitance
-    assert rigid == pytest.approx(volume / 1.6e9, rel=1e-12)
+    assert rigid == pytest.approx(volume / 1.6e9, rel=1e-12, abs=0.0)
     soft = dataclasses.replace(GEOMETRIC, wall_modulus=1.6e9).line(4.0, True, OIL).capacitance
-    assert soft == pytest.approx(2.0 * rigid, rel=1e-12)
+    assert soft == pytest.approx(2.0 * rigid, rel=1e-12, abs=0.0)
 
 
 def test_the_thesis_hose_is_this_far_from_its_geometry():
@@ -99,9 +103,9 @@ def test_the_thesis_hose_is_this_far_from_its_geometry():
 
 def test_a_wall_can_be_given_that_has_the_measured_capacitance():
     wall = 1.6e9 * MEASURED.oil_share(1.6e9) / (1.0 - MEASURED.oil_share(1.6e9))
-    assert wall == pytest.approx(1.307e9, rel=1e-3)
+    assert wall == pytest.approx(1.307e9, rel=1e-3, abs=0.0)
     soft = dataclasses.replace(GEOMETRIC, wall_modulus=wall)
-    assert soft.line(4.0, True, OIL).capacitance == pytest.approx(MEASURED.capacitance, rel=1e-12)
+    assert soft.line(4.0, True, OIL).capacitance == pytest.approx(MEASURED.capacitance, rel=1e-12, abs=0.0)
 
 
 def test_a_capacitance_under_that_of_the_oil_alone_counts_as_the_oils():
@@ -124,7 +128,7 @@ def test_an_axis_hose_gives_only_what_differs_from_the_shared_one(load):
     machine = load("stick:\n  hose:\n    capacitance: {value: 2e-12, unit: m3/Pa, source: measured}\n")
     assert machine.hose_of(2) == dataclasses.replace(MEASURED, capacitance=2e-12)
     assert machine.hose_of(0) == machine.hose_of(1) == MEASURED
-    assert machine.line(2, 1).capacitance == pytest.approx(2e-12 * 3.8 / 4.0)
+    assert machine.line(2, 1).capacitance == pytest.approx(2e-12 * 3.8 / 4.0, abs=0.0)
     assert machine.line(1, 1) == MACHINE.line(1, 1)
 
 

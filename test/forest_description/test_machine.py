@@ -136,11 +136,11 @@ def test_numbers_in_conventional_units_arrive_in_si():
 def test_lines_are_the_printed_pieces_of_the_measured_hose(axis, port, ratio):
     resistance = (3.0329e8 if axis == 0 else 4.987e5**2) * ratio
     assert MACHINE.line(axis, port) == pytest.approx(
-        (resistance, 3.062e7 * ratio, 1.585e-12 * ratio), rel=1e-14
+        (resistance, 3.062e7 * ratio, 1.585e-12 * ratio), rel=1e-14, abs=0.0
     )
     power = ratio**2 if axis == 2 else ratio
     assert THESIS.line(axis, port) == pytest.approx(
-        (resistance, 3.062e7 * power, 1.585e-12 * power), rel=1e-14
+        (resistance, 3.062e7 * power, 1.585e-12 * power), rel=1e-14, abs=0.0
     )
 
 

@@ -66,9 +66,11 @@ def test_without_oil_a_machine_knows_no_temperature(temperature):
 def test_a_measured_hose_follows_equation_4_3_and_its_oil(temperature):
     m, r, _ = ratios(temperature)
     hot, hose = at_temperature(C180, temperature).hose, C180.hose
-    assert hot.laminar_resistance == pytest.approx(hose.laminar_resistance * m, rel=1e-12)
-    assert hot.turbulent_resistance == pytest.approx(hose.turbulent_resistance * m**0.25 * r**0.75, rel=1e-12)
-    assert hot.inertance == pytest.approx(hose.inertance * r, rel=1e-12)
+    assert hot.laminar_resistance == pytest.approx(hose.laminar_resistance * m, rel=1e-12, abs=0.0)
+    assert hot.turbulent_resistance == pytest.approx(
+        hose.turbulent_resistance * m**0.25 * r**0.75, rel=1e-12, abs=0.0
+    )
+    assert hot.inertance == pytest.approx(hose.inertance * r, rel=1e-12, abs=0.0)
     assert (hot.length, hot.bore) == (hose.length, hose.bore)
 
 
@@ -76,7 +78,7 @@ def test_of_a_measured_capacitance_only_the_oil_softens():
     hot = at_temperature(C180, WARM)
     volume = 0.25 * 3.141592653589793 * C180.hose.bore**2 * C180.hose.length
     wall = C180.hose.capacitance - volume / OIL.bulk_modulus
-    assert hot.hose.capacitance == pytest.approx(wall + volume / hot.oil.bulk_modulus, rel=1e-12)
+    assert hot.hose.capacitance == pytest.approx(wall + volume / hot.oil.bulk_modulus, rel=1e-12, abs=0.0)
 
 
 def test_a_geometric_hose_follows_the_oil_by_itself():
@@ -86,8 +88,8 @@ def test_a_geometric_hose_follows_the_oil_by_itself():
     assert hot.hose == TUBE
     for axis, resistance in ((0, m), (1, m**0.25 * r**0.75)):
         before, after = machine.line(axis, 1), hot.line(axis, 1)
-        assert after.resistance == pytest.approx(before.resistance * resistance, rel=1e-12)
-        assert after.inertance == pytest.approx(before.inertance * r, rel=1e-12)
+        assert after.resistance == pytest.approx(before.resistance * resistance, rel=1e-12, abs=0.0)
+        assert after.inertance == pytest.approx(before.inertance * r, rel=1e-12, abs=0.0)
 
 
 def test_measured_and_geometric_hoses_of_the_same_numbers_warm_alike():
@@ -103,7 +105,7 @@ def test_measured_and_geometric_hoses_of_the_same_numbers_warm_alike():
     one = at_temperature(dataclasses.replace(C180, hose=measured), WARM)
     two = at_temperature(dataclasses.replace(C180, hose=same), WARM)
     for axis in range(3):
-        assert one.line(axis, 1) == pytest.approx(two.line(axis, 1), rel=1e-12)
+        assert one.line(axis, 1) == pytest.approx(two.line(axis, 1), rel=1e-12, abs=0.0)
 
 
 def test_leakage_of_motor_pump_and_spool_flows_easier_as_the_oil_thins():
@@ -111,25 +113,29 @@ def test_leakage_of_motor_pump_and_spool_flows_easier_as_the_oil_thins():
     hot = at_temperature(EVERYTHING, WARM)
     assert m < 0.3
     for name in ("internal_leakage_resistance", "external_leakage_resistance"):
-        assert getattr(hot.swing, name) == pytest.approx(getattr(C180.swing, name) * m, rel=1e-12)
-    assert hot.pump.leakage_resistance == pytest.approx(C180.pump.leakage_resistance * m, rel=1e-12)
-    assert hot.pump.manifold_capacitance == pytest.approx(C180.pump.manifold_capacitance / b, rel=1e-12)
-    assert hot.valve.leakage_conductance == pytest.approx(1e-13 / m, rel=1e-12)
+        assert getattr(hot.swing, name) == pytest.approx(getattr(C180.swing, name) * m, rel=1e-12, abs=0.0)
+    assert hot.pump.leakage_resistance == pytest.approx(C180.pump.leakage_resistance * m, rel=1e-12, abs=0.0)
+    assert hot.pump.manifold_capacitance == pytest.approx(
+        C180.pump.manifold_capacitance / b, rel=1e-12, abs=0.0
+    )
+    assert hot.valve.leakage_conductance == pytest.approx(1e-13 / m, rel=1e-12, abs=0.0)
 
 
 def test_orifices_know_the_density_alone_on_every_axis_and_in_both_directions():
     _, r, _ = ratios(WARM)
     hot = at_temperature(EVERYTHING, WARM)
-    assert hot.valve_of(0).law.forward.resistance_1 == pytest.approx(1.04e12 * r, rel=1e-12)
-    assert hot.valve_of(0).law.backward.resistance_2 == pytest.approx(2e12 * r, rel=1e-12)
-    assert hot.valve_of(2).law.forward.resistance_1 == pytest.approx(3e12 * r, rel=1e-12)
-    assert hot.boom.cushion.resistance == pytest.approx(5e6 * r, rel=1e-12)
+    assert hot.valve_of(0).law.forward.resistance_1 == pytest.approx(1.04e12 * r, rel=1e-12, abs=0.0)
+    assert hot.valve_of(0).law.backward.resistance_2 == pytest.approx(2e12 * r, rel=1e-12, abs=0.0)
+    assert hot.valve_of(2).law.forward.resistance_1 == pytest.approx(3e12 * r, rel=1e-12, abs=0.0)
+    assert hot.boom.cushion.resistance == pytest.approx(5e6 * r, rel=1e-12, abs=0.0)
     assert hot.valve.deadband_voltage == C180.valve.deadband_voltage
 
 
 def test_an_axis_own_hose_warms_too():
     hot = at_temperature(EVERYTHING, WARM)
-    assert hot.stick.hose.inertance == pytest.approx(C180.hose.inertance * ratios(WARM)[1], rel=1e-12)
+    assert hot.stick.hose.inertance == pytest.approx(
+        C180.hose.inertance * ratios(WARM)[1], rel=1e-12, abs=0.0
+    )
     assert hot.stick.hose.capacitance > EVERYTHING.stick.hose.capacitance
 
 
@@ -144,9 +150,9 @@ def test_metal_stays_as_it_is():
 def test_a_machine_comes_back_from_any_temperature_by_any_way(temperature):
     there = at_temperature(EVERYTHING, temperature)
     assert there != EVERYTHING
-    assert flat(at_temperature(there, 313.15)) == pytest.approx(flat(EVERYTHING), rel=1e-12)
+    assert flat(at_temperature(there, 313.15)) == pytest.approx(flat(EVERYTHING), rel=1e-12, abs=0.0)
     detour = at_temperature(at_temperature(EVERYTHING, 330.0), temperature)
-    assert flat(detour) == pytest.approx(flat(there), rel=1e-12)
+    assert flat(detour) == pytest.approx(flat(there), rel=1e-12, abs=0.0)
 
 
 def test_a_number_that_leaves_its_range_is_named_with_machine_and_temperature():
