@@ -22,13 +22,15 @@ C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
 PRESSURE = C180.pump.supply_pressure
 SHARED = {field.name: getattr(C180.pump, field.name) for field in dataclasses.fields(C180.pump)}
-BAND = SHARED.pop("compensator_band")
+BAND, RELIEF = SHARED.pop("compensator_band"), SHARED.pop("relief_pressure")
 
 PUMPS = {
     "ideal": IdealPump(PRESSURE),
-    "compensated": PressureCompensatedPump(**SHARED, compensator_band=BAND),
+    "compensated": PressureCompensatedPump(**SHARED, relief_pressure=RELIEF, compensator_band=BAND),
     "constant flow": ConstantFlowPump(**SHARED),
-    "load sensing": LoadSensingPump(**SHARED, compensator_band=BAND, margin=2e6, response_time=0.05),
+    "load sensing": LoadSensingPump(
+        **SHARED, relief_pressure=RELIEF, compensator_band=BAND, margin=2e6, response_time=0.05
+    ),
 }
 FRICTION = Friction(coulomb_force=4e3, breakaway_force=7e3, stribeck_speed=0.02, smoothing_speed=2e-3)
 CUSHION = Cushion(length=0.08, resistance=3e7)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from full_machine import BAND, PRESSURE, PUMPS, SHARED, with_pump
+from full_machine import BAND, PRESSURE, PUMPS, RELIEF, SHARED, with_pump
 
 from forest_sim.equilibrium import idle_supply
 from forest_sim.parameters import plant_parameters
@@ -21,7 +21,7 @@ from forest_sim.supply import (
 COMPENSATED, CONSTANT, SENSING = (supply(PUMPS[n]) for n in ("compensated", "constant flow", "load sensing"))
 FULL = 2 * 45e-6 * 2500 / 60.0  # two pumps, 45 cm3/rev, 2500 rpm
 LEAK = 1.0 / SHARED["leakage_resistance"]
-RELIEF, RELIEF_CONDUCTANCE = SHARED["relief_pressure"], SHARED["relief_conductance"]
+RELIEF_CONDUCTANCE = SHARED["relief_conductance"]
 WEAK = supply(with_pump("compensated", engine_power=4e4).pump)
 each_pump = pytest.mark.parametrize(
     "s", [COMPENSATED, CONSTANT, SENSING, WEAK], ids=["pc", "cf", "ls", "weak"]
