@@ -133,14 +133,14 @@ def test_a_small_opening_of_an_underlapped_valve_is_a_small_voltage_of_its_sign(
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"curve": TableCurve((2.0, 10.0), (1e13,))}, r"voltages \(2\) and resistances \(1\)"),
+        ({"curve": TableCurve((2.0, 10.0), (1e13,))}, r"curve.voltages \(2\) and curve.resistances \(1\)"),
         ({"curve": TableCurve((2.0, 9.0), (1e13, 1e12))}, "to rated_voltage"),
         ({"curve": TableCurve((1.0, 10.0), (1e13, 1e12))}, "from above deadband_voltage"),
-        ({"curve": TableCurve((3.0, 2.0, 10.0), (1e13, 1e13, 1e12))}, "voltages must rise"),
-        ({"curve": TableCurve((2.0, 10.0), (1e12, 1e13))}, "resistances must fall"),
+        ({"curve": TableCurve((3.0, 2.0, 10.0), (1e13, 1e13, 1e12))}, "curve.voltages must rise"),
+        ({"curve": TableCurve((2.0, 10.0), (1e12, 1e13))}, "curve.resistances must fall"),
         ({"curve": PolynomialCurve((1.0, 1.0))}, "C_R must be positive and fall"),
         ({"curve": PolynomialCurve((5.0, -1.0))}, "C_R must be positive and fall"),
-        ({"curve": PolynomialCurve((1e3, *[-1e-11] * CURVE_SIZE))}, "coefficients: 1 too many"),
+        ({"curve": PolynomialCurve((1e3, *[-1e-11] * CURVE_SIZE))}, "curve.coefficients: 1 too many"),
         ({"deadband_voltage": 5.0, "rated_voltage": 4.0}, "deadband_voltage .* rated_voltage"),
         ({"backward": BackwardValve(5.0, 1e12), "rated_voltage": 4.0}, r"backward\.deadband_voltage \(5 V\)"),
         ({"port_2_area": 0.0}, r"Valve\.port_2_area: 0 1 is outside"),
