@@ -27,7 +27,6 @@ from forest_sim.measurement import (
     positions,
 )
 from forest_sim.parameters import Axis, PlantParameters
-from forest_sim.pendulum import Triple
 from forest_sim.plant import AxisState, Ports, Transmission, ports_at, supply_draw, transmissions
 from forest_sim.sensor_suite import EXACT_SUITE, NO_DRAWS, TIME_TOLERANCE, Draws, Suite, conditions
 from forest_sim.supply import saturation
