@@ -84,8 +84,8 @@ class TableCurve(ParameterSet):
         s = (volts - deadband_voltage) / (rated_voltage - deadband_voltage)
         if np.any(np.diff(volts) <= 0.0) or s[0] <= 0.0 or not math.isclose(s[-1], 1.0):
             raise MachineError(
-                f"curve.voltages must rise from above deadband_voltage ({deadband_voltage:g} V) to rated_voltage "
-                f"({rated_voltage:g} V)"
+                f"curve.voltages must rise from above deadband_voltage ({deadband_voltage:g} V) to "
+                f"rated_voltage ({rated_voltage:g} V)"
             )
         if np.any(np.diff(c_r) > 0.0):
             raise MachineError("curve.resistances must fall with the voltage")
