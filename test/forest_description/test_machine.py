@@ -1,14 +1,10 @@
-"""Claims about the shipped machines, their ranges and their documentation."""
+"""Claims about the shipped machines, and their ranges."""
 
 import dataclasses
 import math
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
-from forest_description.hydraulics import TableCurve
 from forest_description.machine import (
     EndStops,
     Machine,
@@ -17,8 +13,8 @@ from forest_description.machine import (
     load_machine,
     sources,
 )
-from forest_description.machine_file import Quantity, parameters
-from forest_description.machine_table import choices, declared, document, number, table
+from forest_description.machine_file import parameters
+from forest_description.machine_table import declared
 from forest_description.machine_tree import shipped_machines
 from forest_description.pump import IdealPump, PressureCompensatedPump
 from forest_description.sensing import (
@@ -36,7 +32,6 @@ from forest_description.sensing import (
 from forest_description.units import UNITS
 from forest_description.valve import symmetric_valve
 
-ROOT = Path(__file__).parents[2]
 GALLON_PER_MINUTE, RPM = UNITS["gal/min"].factor, UNITS["rpm"].factor
 MACHINE, THESIS = load_machine(), load_machine("c180_thesis")
 
@@ -229,39 +224,6 @@ def test_whole_numbers_become_floats():
 def test_values_that_contradict_each_other_are_refused(part, change, message):
     with pytest.raises(MachineError, match=message):
         dataclasses.replace(part, **change)
-
-
-def test_the_table_tells_rows_of_numbers_and_the_meaning_of_the_sort_that_is_there():
-    assert number((1.0, 2.5e12), 6) == "1, 2.5e+12"
-    pressure = Quantity("pump.supply_pressure", 3000.0, "psi", "assumed: x")
-    assert "constant" in table([pressure], THESIS)
-    assert "constant" not in table([pressure], MACHINE)
-    curve = TableCurve((2.0, 10.0), (4e13, 1e12))
-    measured = dataclasses.replace(MACHINE, valve=dataclasses.replace(MACHINE.valve, curve=curve))
-    row = table([Quantity("valve.curve.voltages", (2.0, 10.0), "V", "Thesis 4.3.2")], measured)
-    assert "| `valve.curve.voltages` | 2, 10 | V | rising" in row
-
-
-def test_choices_are_told_by_their_names_and_absent_components_as_none():
-    chosen, default = choices(THESIS), choices(MACHINE)
-    assert (chosen["pump"], default["pump"]) == ("ideal", "pressure_compensated")
-    assert (chosen["port_valves"], "port_valves" in default) == ("none", False)
-    assert (chosen["swing.flow_regime"], chosen["boom.flow_regime"]) == ("laminar", "turbulent")
-    assert (chosen["valve.spool_bandwidth"], "valve.spool_bandwidth" in default) == ("none", False)
-
-
-def test_the_documented_table_is_up_to_date():
-    assert (ROOT / "docs" / "machine.md").read_text("utf-8") == document()
-
-
-def test_the_module_prints_the_table():
-    done = subprocess.run(
-        [sys.executable, "-m", "forest_description.machine_table"],
-        capture_output=True,
-        check=True,
-        timeout=60,
-    )
-    assert done.stdout.decode("utf-8") == document()
 
 
 def test_units_that_convert_agree_with_their_definitions():

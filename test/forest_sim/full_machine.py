@@ -9,9 +9,11 @@ from scipy.integrate import solve_ivp
 
 from forest_description.hydraulics import BackwardValve, TableCurve
 from forest_description.kinematics import inverse_kinematics
+from forest_description.load import Log, Pendulum
 from forest_description.machine import Cushion, Friction, Machine, load_machine
 from forest_description.pump import ConstantFlowPump, IdealPump, LoadSensingPump, PressureCompensatedPump
 from forest_sim.compiled import compiled_advance
+from forest_sim.mechanics import HeadState
 from forest_sim.parameters import PlantParameters
 from forest_sim.plant import AxisState, PlantState, ports_at, state_derivative
 from forest_sim.supply import SupplyState
@@ -20,13 +22,15 @@ C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
 PRESSURE = C180.pump.supply_pressure
 SHARED = {field.name: getattr(C180.pump, field.name) for field in dataclasses.fields(C180.pump)}
-BAND = SHARED.pop("compensator_band")
+BAND, RELIEF = SHARED.pop("compensator_band"), SHARED.pop("relief_pressure")
 
 PUMPS = {
     "ideal": IdealPump(PRESSURE),
-    "compensated": PressureCompensatedPump(**SHARED, compensator_band=BAND),
+    "compensated": PressureCompensatedPump(**SHARED, relief_pressure=RELIEF, compensator_band=BAND),
     "constant flow": ConstantFlowPump(**SHARED),
-    "load sensing": LoadSensingPump(**SHARED, compensator_band=BAND, margin=2e6, response_time=0.05),
+    "load sensing": LoadSensingPump(
+        **SHARED, relief_pressure=RELIEF, compensator_band=BAND, margin=2e6, response_time=0.05
+    ),
 }
 FRICTION = Friction(coulomb_force=4e3, breakaway_force=7e3, stribeck_speed=0.02, smoothing_speed=2e-3)
 CUSHION = Cushion(length=0.08, resistance=3e7)
@@ -55,26 +59,36 @@ def full_machine(pump: str = "load sensing") -> Machine:
         C180.boom, flow_regime="laminar", valve=underlapped, friction=FRICTION, cushion=CUSHION
     )
     stick = dataclasses.replace(C180.stick, valve=measured, friction=FRICTION, cushion=CUSHION)
-    return dataclasses.replace(with_pump(pump), name=f"full, {pump}", swing=swing, boom=boom, stick=stick)
+    hanging = dataclasses.replace(
+        C180.manipulator, pendulum=Pendulum(1.2, 60.0, 300.0), log=Log(mass=400.0, x=0.5, y=0.0)
+    )
+    return dataclasses.replace(
+        with_pump(pump),
+        name=f"full, {pump}",
+        swing=swing,
+        boom=boom,
+        stick=stick,
+        manipulator=hanging,
+    )
 
 
 def advance(simulation, voltages, h, count, p):
     return compiled_advance()(simulation, voltages, h, count, p)
 
 
-SCALE = np.array([*([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3] * 3), 2e7, 2e7])
+SCALE = np.array([*([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3] * 3), 2e7, 2e7, 1.0, 1.0, 1.0, 1.0])
 
 
 def pack(state: PlantState) -> np.ndarray:
-    """Return the 18 states and the pump's two, each over its natural scale."""
-    return np.array([*state.swing, *state.boom, *state.stick, *state.supply]) / SCALE
+    """Return all states, the 18 of the axes, the pump's, the hanging head's, each over its natural scale."""
+    return np.array([x for part in state for x in part]) / SCALE
 
 
 def unpack(y: np.ndarray) -> PlantState:
     """Return the state that `pack` was given."""
     v = (y * SCALE).tolist()
     axes = (AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]))
-    return PlantState(*axes, SupplyState(*v[18:20]))
+    return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]))
 
 
 def reference(simulation, p: PlantParameters, seconds: float) -> np.ndarray:

@@ -50,11 +50,11 @@ class PolynomialCurve(ParameterSet):
         s = np.linspace(0.0, 1.0, 1001)
         if not (np.all(in_stroke(s) > 0.0) and np.all(np.diff(in_stroke(s)) <= 0.0)):
             raise MachineError(
-                f"coefficients: C_R must be positive and fall from {deadband_voltage:g} to "
+                f"curve.coefficients: C_R must be positive and fall from {deadband_voltage:g} to "
                 f"{rated_voltage:g} V"
             )
         values = (np.asarray(in_stroke.coef, np.float64) / float(in_stroke(1.0))).tolist()
-        return Curve(POLYNOMIAL, LINEAR_AREA.knots, _filled("coefficients", values, 0.0))
+        return Curve(POLYNOMIAL, LINEAR_AREA.knots, _filled("curve.coefficients", values, 0.0))
 
 
 @dataclass(frozen=True)
@@ -78,21 +78,23 @@ class TableCurve(ParameterSet):
         """
         volts, c_r = np.array(self.voltages), np.array(self.resistances)
         if len(volts) != len(c_r):
-            raise MachineError(f"voltages ({len(volts)}) and resistances ({len(c_r)}) must be equally many")
+            raise MachineError(
+                f"curve.voltages ({len(volts)}) and curve.resistances ({len(c_r)}) must be equally many"
+            )
         s = (volts - deadband_voltage) / (rated_voltage - deadband_voltage)
         if np.any(np.diff(volts) <= 0.0) or s[0] <= 0.0 or not math.isclose(s[-1], 1.0):
             raise MachineError(
-                f"voltages must rise from above deadband_voltage ({deadband_voltage:g} V) to rated_voltage "
-                f"({rated_voltage:g} V)"
+                f"curve.voltages must rise from above deadband_voltage ({deadband_voltage:g} V) to "
+                f"rated_voltage ({rated_voltage:g} V)"
             )
         if np.any(np.diff(c_r) > 0.0):
-            raise MachineError("resistances must fall with the voltage")
+            raise MachineError("curve.resistances must fall with the voltage")
         opening = np.sqrt(c_r[-1] / c_r)
         s[-1] = 1.0
         return Curve(
             TABLE,
-            _filled("voltages", [0.0, *s.tolist()], 1.0),
-            _filled("resistances", [0.0, *opening.tolist()], 1.0),
+            _filled("curve.voltages", [0.0, *s.tolist()], 1.0),
+            _filled("curve.resistances", [0.0, *opening.tolist()], 1.0),
         )
 
 

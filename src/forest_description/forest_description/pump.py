@@ -33,7 +33,6 @@ class _RealPump(ParameterSet):
     mechanical_efficiency: float = parameter("1", 0.1, 1.0, "hydraulic over shaft power, friction's share")
     leakage_resistance: float = parameter("Pa*s/m3", 1e8, 1e18, "from the outlet to the tank, all pumps")
     manifold_capacitance: float = parameter("m3/Pa", 1e-13, 1e-8, "of the oil between pumps and valves")
-    relief_pressure: float = parameter("Pa", 1e5, 1e8, "at which the main relief valve opens")
     relief_conductance: float = parameter("m3/(s*Pa)", 1e-13, 1e-5, "of the main relief valve, above it")
 
     @property
@@ -43,43 +42,51 @@ class _RealPump(ParameterSet):
 
 
 @dataclass(frozen=True)
-class PressureCompensatedPump(_RealPump):
-    """Constant pressure as far as displacement and engine reach. Thesis section 3.2.1, fig. 3.4."""
-
-    kind: ClassVar[str] = "pressure_compensated"
-
-    compensator_band: float = parameter("Pa", 1e3, 1e7, "pressure by which full stroke lies below no flow")
-
-    def __post_init__(self) -> None:
-        """Check ranges, and that the relief valve stays shut while the compensator works."""
-        super().__post_init__()
-        _require_relief_above(self.relief_pressure, self.supply_pressure)
-
-
-@dataclass(frozen=True)
 class ConstantFlowPump(_RealPump):
     """Full flow at any pressure; what nobody takes goes over the relief valve. Thesis section 2.2, fig. 2.3.
 
-    ``supply_pressure`` is the nominal pressure that commands are scaled with: the relief valve's.
+    ``supply_pressure``, which commands are scaled with, is where its relief valve opens.
     """
 
     kind: ClassVar[str] = "constant_flow"
 
 
 @dataclass(frozen=True)
-class LoadSensingPump(_RealPump):
+class _ControlledPump(_RealPump):
+    """A pump that takes its stroke back at a pressure; the main relief valve is there for its failure."""
+
+    relief_pressure: float = parameter("Pa", 1e5, 1e8, "at which the main relief valve opens")
+    compensator_band: float = parameter("Pa", 1e3, 1e7, "pressure by which full stroke lies below no flow")
+
+    def __post_init__(self) -> None:
+        """Check ranges, and that the relief valve stays shut while the pump is in control."""
+        super().__post_init__()
+        if self.relief_pressure < self.supply_pressure:
+            raise MachineError(
+                f"relief_pressure ({self.relief_pressure:g} Pa) must not be below supply_pressure "
+                f"({self.supply_pressure:g} Pa): the pump would deliver over it at rest"
+            )
+
+
+@dataclass(frozen=True)
+class PressureCompensatedPump(_ControlledPump):
+    """Constant pressure as far as displacement and engine reach. Thesis section 3.2.1, fig. 3.4."""
+
+    kind: ClassVar[str] = "pressure_compensated"
+
+
+@dataclass(frozen=True)
+class LoadSensingPump(_ControlledPump):
     """Pressure a margin above the greatest load, reached with a lag. Thesis section 2.2, fig. 2.3."""
 
     kind: ClassVar[str] = "load_sensing"
 
-    compensator_band: float = parameter("Pa", 1e3, 1e7, "pressure by which full stroke lies below no flow")
     margin: float = parameter("Pa", 1e4, 2e7, "by which the pump stays above the greatest load")
     response_time: float = parameter("s", 1e-3, 10.0, "time constant with which it follows the load")
 
     def __post_init__(self) -> None:
-        """Check ranges, and that the relief valve stays shut while the pump works."""
+        """Check ranges, and that the margin leaves something for a load."""
         super().__post_init__()
-        _require_relief_above(self.relief_pressure, self.supply_pressure)
         if self.margin >= self.supply_pressure:
             raise MachineError(
                 f"margin ({self.margin:g} Pa) must be smaller than supply_pressure "
@@ -88,11 +95,3 @@ class LoadSensingPump(_RealPump):
 
 
 Pump = IdealPump | PressureCompensatedPump | ConstantFlowPump | LoadSensingPump
-
-
-def _require_relief_above(relief: float, supply: float) -> None:
-    if relief < supply:
-        raise MachineError(
-            f"relief_pressure ({relief:g} Pa) must not be below supply_pressure ({supply:g} Pa): "
-            "the pump would deliver over it at rest"
-        )

@@ -36,8 +36,10 @@ from forest_sim.supply import SupplyState, pump_flow, reference_after
 GAMMA = 1.0 - math.sqrt(0.5)
 TOLERANCE = 0.1  # [rad/s^3] of Newton's last correction over h^2; the next would be a thousand times smaller
 SUPPLY_TOLERANCE = 1.0  # [Pa] as above
-ITERATIONS = 40
-DAMPED = 12  # iterations after which a kink (dry friction, a relief valve) is approached by half steps
+BOUNDED = 6  # iterations after which the supply's pressure is kept between bounds, for its pump's kinks
+UNBOUNDED = (-math.inf, math.inf)
+ITERATIONS = 60
+DAMPED, FULL = 12, 24  # iterations between which kinks (dry friction, a relief valve) are met by half steps
 
 
 class Events(NamedTuple):
@@ -229,12 +231,15 @@ def _solve_stage(
     """
     guess = Guess(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply)
     trial = _try(base, guess, (start.swing.pressure_1, start.swing.pressure_2), ports, h, p)
-    failed = 1
+    failed, bounds = 1, UNBOUNDED
     for iteration in range(ITERATIONS):
-        guess, size, supply_size = _correct(guess, trial, 1.0 if iteration < DAMPED else 0.5, p)
-        if size < TOLERANCE * h * h and supply_size < SUPPLY_TOLERANCE:
+        before, share = guess.supply.pressure, 0.5 if DAMPED <= iteration < FULL else 1.0
+        guess, size, supply_change = _correct(guess, trial, share, bounds, p)
+        if size < TOLERANCE * h * h and abs(supply_change) < SUPPLY_TOLERANCE:
             failed = 0
             break
+        if iteration >= BOUNDED:
+            bounds = _tightened(bounds, before, supply_change)
         trial = _try(base, guess, (trial.swing.one.pressure, trial.swing.two.pressure), ports, h, p)
     return PlantState(
         _assemble(base.swing, guess.rates[0], trial.swing, p.swing, h),
@@ -243,6 +248,16 @@ def _solve_stage(
         guess.supply,
         _head_at(base.head, guess.head_rates, h),
     ), failed
+
+
+def _tightened(bounds: Pair, pressure: float, change: float) -> Pair:
+    """Return the bounds of the supply's pressure after Newton has pointed up or down from one [Pa].
+
+    Its equation rises with the pressure, but with the kinks of a pump's characteristic, across which Newton
+    alone may jump to and fro. The rates move meanwhile: bounds that have closed on nothing are dropped.
+    """
+    low, high = (pressure, bounds[1]) if change > 0.0 else (bounds[0], pressure)
+    return (low, high) if high - low > SUPPLY_TOLERANCE else UNBOUNDED
 
 
 def _head_at(base: HeadState, rates: Pair, h: float) -> HeadState:
@@ -290,10 +305,15 @@ def _try(
     )
 
 
-def _correct(guess: Guess, trial: Trial, share: float, p: PlantParameters) -> tuple[Guess, float, float]:
-    """Return the guess after a share of Newton's correction, and the correction's size [rad/s; Pa]."""
+def _correct(
+    guess: Guess, trial: Trial, share: float, bounds: Pair, p: PlantParameters
+) -> tuple[Guess, float, float]:
+    """Return the guess after a share of Newton's correction, its size, and the supply's change [rad/s; Pa].
+
+    Where that change would leave the bounds, they are halved instead.
+    """
     c, d = solve(trial.matrix, trial.residual, trial.head_residual)
-    pressure = 0.0
+    pressure = change = 0.0
     if not p.supply.ideal:
         s = trial.supply
         b = s.by_rate
@@ -301,6 +321,11 @@ def _correct(guess: Guess, trial: Trial, share: float, p: PlantParameters) -> tu
         pressure = (s.residual - b[0] * c[0] - b[1] * c[1] - b[2] * c[2]) / (
             s.slope + b[0] * z[0] + b[1] * z[1] + b[2] * z[2]
         )
+        change = -pressure
+        here = guess.supply.pressure
+        middle = 0.5 * (bounds[0] + bounds[1])
+        if math.isfinite(middle) and not bounds[0] < here - pressure < bounds[1]:
+            pressure = here - middle
         c = c[0] + z[0] * pressure, c[1] + z[1] * pressure, c[2] + z[2] * pressure
         d = d[0] + y[0] * pressure, d[1] + y[1] * pressure
     u, w = guess.rates, guess.head_rates
@@ -309,7 +334,7 @@ def _correct(guess: Guess, trial: Trial, share: float, p: PlantParameters) -> tu
         (w[0] - share * d[0], w[1] - share * d[1]),
         SupplyState(guess.supply.pressure - share * pressure, trial.supply.reference),
     )
-    return after, max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1])), abs(pressure)
+    return after, max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1])), change
 
 
 def _supply_error(

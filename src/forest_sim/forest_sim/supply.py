@@ -66,7 +66,6 @@ def supply(pump: Pump) -> Supply:
         )
     band = pump.compensator_band if isinstance(pump, PressureCompensatedPump | LoadSensingPump) else math.inf
     margin, lag = (pump.margin, pump.response_time) if isinstance(pump, LoadSensingPump) else (0.0, math.inf)
-    # A constant flow pump's nominal pressure is that of its relief valve.
     relief = pump.supply_pressure if isinstance(pump, ConstantFlowPump) else pump.relief_pressure
     return Supply(
         ideal=0,
