@@ -9,6 +9,7 @@ a function that another one calls has changed.
 """
 
 import hashlib
+import importlib.util
 import inspect
 import os
 import sys
@@ -17,6 +18,9 @@ from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from forest_description import linkage, valve
 from forest_sim import (
@@ -29,6 +33,8 @@ from forest_sim import (
     mechanics,
     pendulum,
     plant,
+    power,
+    recording,
     spool,
     supply,
 )
@@ -50,9 +56,14 @@ LAWS: tuple[ModuleType, ...] = (
     mechanics,
     plant,
     integrator,
+    power,
+    recording,
 )
+ENTRIES = (integrator.advance, recording.record)  # compiled as such; everything else into them
 
 Advance = Callable[[Simulation, Triple, float, int, PlantParameters], Simulation]
+Floats = NDArray[np.float64]
+Record = Callable[[Simulation, Floats, float, PlantParameters, Floats, Floats], Simulation]
 
 
 @lru_cache(maxsize=1)
@@ -64,16 +75,46 @@ def compiled_advance() -> Advance:
     Raises:
         ModuleNotFoundError: numba is not installed.
     """
-    _choose_cache()
+    return _compiled(integrator.advance)  # type: ignore[no-any-return]
+
+
+@lru_cache(maxsize=1)
+def compiled_record() -> Record:
+    """Return `recording.record`, compiled.
+
+    Raises:
+        ModuleNotFoundError: numba is not installed.
+    """
+    return _compiled(recording.record)  # type: ignore[no-any-return]
+
+
+def have_compiler() -> bool:
+    """Tell whether numba is installed."""
+    return importlib.util.find_spec("numba") is not None
+
+
+def fastest_record() -> Record:
+    """Return `recording.record`, compiled if numba is installed, else as it is: a thousand times slower."""
+    return compiled_record() if have_compiler() else recording.record
+
+
+def _compiled(entry: Callable[..., Any]) -> Any:
+    _register_laws()
     import numba
+
+    return numba.njit(cache=True)(entry)
+
+
+@lru_cache(maxsize=1)
+def _register_laws() -> None:
+    """Have Numba compile every function of the laws into whatever calls it."""
+    _choose_cache()
     from numba.extending import register_jitable
 
     for module in LAWS:
         for _, function in inspect.getmembers(module, inspect.isfunction):
-            if function.__module__ == module.__name__ and function is not integrator.advance:
+            if function.__module__ == module.__name__ and function not in ENTRIES:
                 register_jitable(function)
-    compiled: Any = numba.njit(cache=True)(integrator.advance)
-    return compiled  # type: ignore[no-any-return]
 
 
 def _choose_cache() -> None:
