@@ -6,6 +6,7 @@ takes some seconds and Numba (`python -m forest_sim.compiled`), loading it milli
 """
 
 import hashlib
+import importlib.util
 import inspect
 import os
 import sys
@@ -16,6 +17,7 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from forest_description import linkage, valve
 from forest_description.machine import load_machine
@@ -29,8 +31,11 @@ from forest_sim import (
     machine_code,
     manipulator,
     mechanics,
+    parameters,
     pendulum,
     plant,
+    power,
+    recording,
     spool,
     supply,
 )
@@ -53,24 +58,33 @@ LAWS: tuple[ModuleType, ...] = (
     mechanics,
     plant,
     integrator,
+    power,
 )
-SELDOM = ("_two_edges", "pendulum_dynamics", "_second_order")
+SELDOM = ("_two_edges", "pendulum_dynamics", "_second_order", "power_flows")
+# state, voltages, stride, h, rows, substeps, recorded, parameters, states, energies
+ARGUMENTS = "ppidiiippp"
 
+Floats = NDArray[np.float64]
 Advance = Callable[[Simulation, Triple, float, int, PlantParameters], Simulation]
+Record = Callable[[Simulation, Floats, float, PlantParameters, Floats, Floats], Simulation]
 
 
-@lru_cache(maxsize=1)
 def compiled_advance() -> Advance:
     """Return `integrator.advance`, compiled.
 
     Raises:
         ModuleNotFoundError: there is no compiled code for this version, and numba is not installed.
     """
-    code = _cached()
-    if code is None:
-        code = machine_code.translate(_kernel(), SELDOM)
-        machine_code.write(_cache_file(), code)
-    return _advance_with(machine_code.load(code))
+    return _compiled()[0]
+
+
+def compiled_record() -> Record:
+    """Return `recording.record`, compiled.
+
+    Raises:
+        ModuleNotFoundError: as `compiled_advance`.
+    """
+    return _compiled()[1]
 
 
 def ready_advance() -> Advance | None:
@@ -81,49 +95,106 @@ def ready_advance() -> Advance | None:
         return None
 
 
-def _advance_with(kernel: machine_code.Kernel) -> Advance:
-    """Return `integrator.advance` around a kernel that moves a flat state on in place."""
+def can_compile() -> bool:
+    """Tell whether compiled code is there or can be made."""
+    try:
+        return _cached() is not None or importlib.util.find_spec("numba") is not None
+    except ModuleNotFoundError:
+        return False
+
+
+def fastest_record() -> Record:
+    """Return `recording.record`, compiled if that can be; interpreted it is some hundred times slower."""
+    return compiled_record() if can_compile() else recording.record
+
+
+@lru_cache(maxsize=1)
+def _compiled() -> tuple[Advance, Record]:
+    code = _cached()
+    if code is None:
+        code = machine_code.translate(_kernel(), ARGUMENTS, SELDOM)
+        machine_code.write(_cache_file(), code)
+    return _around(machine_code.load(code, ARGUMENTS))
+
+
+def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
+    """Return `integrator.advance` and `recording.record` around a kernel that moves a flat state in place."""
     simulation, p = _example()
     pack, unpack, pack_parameters = flat.packer(simulation), flat.unpacker(simulation), flat.packer(p)
     state, volts = np.empty(len(pack(simulation))), np.empty(3)
     known: dict[str, Any] = {"p": None, "row": np.empty(0)}  # parameters seldom change
 
-    def advance(
-        simulation: Simulation, voltages: Triple, h: float, count: int, p: PlantParameters
-    ) -> Simulation:
+    def run(simulation: Simulation, p: PlantParameters, *arguments: Any) -> Simulation:
         if known["p"] is not p:
             known.update(p=p, row=np.array(pack_parameters(p), dtype=np.float64))
         state[:] = pack(simulation)
-        volts[:] = voltages
-        status = kernel(state.ctypes.data, volts.ctypes.data, h, count, known["row"].ctypes.data)
+        before, after = arguments[:6], arguments[6:]
+        status = kernel(state.ctypes.data, *before, known["row"].ctypes.data, *after)
         if status != 0:
             raise ArithmeticError(f"the compiled plant stopped with status {status}")
         moved: Simulation = unpack(state.tolist())
         return moved
 
-    return advance
+    def advance(
+        simulation: Simulation, voltages: Triple, h: float, count: int, p: PlantParameters
+    ) -> Simulation:
+        volts[:] = voltages
+        nowhere = state.ctypes.data
+        return run(simulation, p, volts.ctypes.data, 0, h, 1, count, 0, nowhere, nowhere)
+
+    def record(
+        simulation: Simulation,
+        voltages: Floats,
+        h: float,
+        p: PlantParameters,
+        states: Floats,
+        energies: Floats,
+    ) -> Simulation:
+        table, rows = np.ascontiguousarray(voltages, dtype=np.float64), len(states)
+        into = states.ctypes.data, energies.ctypes.data
+        return run(simulation, p, table.ctypes.data, 3, h, rows, len(table) // rows, 1, *into)
+
+    return advance, record
 
 
 def _kernel() -> Callable[..., None]:
-    """Return the function to compile: it unpacks state and parameters, steps, and packs the state again."""
+    """Return the function to compile.
+
+    It unpacks state and parameters, steps, records if asked to, and packs the state again.
+    """
     from numba.extending import register_jitable
 
     for module in LAWS:
         for _, function in inspect.getmembers(module, inspect.isfunction):
-            if function.__module__ == module.__name__ and function is not integrator.advance:
+            if function.__module__ == module.__name__:
                 register_jitable(error_model="numpy")(function)
     simulation, p = _example()
-    names: dict[str, Any] = {"step": integrator.step}
+    names: dict[str, Any] = {"step": integrator.step, "power_flows": power.power_flows}
+    state = [path for path, _ in flat.leaves(simulation, "simulation")]
+    flows = [path for path, _ in flat.leaves(power.power_flows(simulation, p), "")]
     lines = [
-        "def kernel(state, voltages, h, count, parameters):",
+        "def kernel(state, voltages, stride, h, rows, substeps, recorded, parameters, states, energies):",
         f"    p = {flat.construction(p, 'parameters', names)}",
         f"    simulation = {flat.construction(simulation, 'state', names)}",
-        "    held = (voltages[0], voltages[1], voltages[2])",
-        "    for _ in range(count):",
-        "        simulation = step(simulation, held, h, p)",
+        "    before = power_flows(simulation, p)",
+        "    for row in range(rows):",
+        "        for k in range(row * substeps, (row + 1) * substeps):",
+        "            i = stride * k",
+        "            held = (voltages[i], voltages[i + 1], voltages[i + 2])",
+        "            simulation = step(simulation, held, h, p)",
+        "            if recorded:",
+        "                after = power_flows(simulation, p)",
+        f"                e = row * {len(flows)}",
+        *(
+            f"                energies[e + {i}] += 0.5 * h * (before{path} + after{path})"
+            for i, path in enumerate(flows)
+        ),
+        "                before = after",
+        "        if recorded:",
+        f"            s = row * {len(state)}",
+        *(f"            states[s + {i}] = {path}" for i, path in enumerate(state)),
+        *(f"    state[{i}] = {path}" for i, path in enumerate(state)),
     ]
-    for i, (path, _) in enumerate(flat.leaves(simulation, "simulation")):
-        lines.append(f"    state[{i}] = {path}")
     exec("\n".join(lines), names)  # our own text, made of field names
     kernel: Callable[..., None] = names["kernel"]
     return kernel
@@ -147,7 +218,7 @@ def _cached() -> bytes | None:
 def _cache_file() -> Path:
     """Return where this version's object code lies for this interpreter and processor."""
     digest = hashlib.sha256(f"{sys.version} {machine_code.processor()}".encode())
-    for module in (*LAWS, flat, machine_code, sys.modules[__name__]):
+    for module in (*LAWS, parameters, flat, machine_code, sys.modules[__name__]):
         digest.update(Path(str(module.__file__)).read_bytes())
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     return home / "forest_sim" / f"{digest.hexdigest()[:24]}.o"
@@ -155,7 +226,7 @@ def _cache_file() -> Path:
 
 def main() -> None:
     """Make the object code if it is not there, and tell where it is."""
-    compiled_advance()
+    _compiled()
     print(_cache_file())
 
 

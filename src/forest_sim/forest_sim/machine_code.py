@@ -15,25 +15,17 @@ from pathlib import Path
 from typing import Any
 
 ENTRY = "forest_kernel"
-Kernel = Callable[[Any, Any, float, int, Any], int]
-_PROTOTYPE = ctypes.CFUNCTYPE(
-    ctypes.c_int32,
-    ctypes.c_void_p,
-    ctypes.c_void_p,
-    ctypes.c_void_p,
-    ctypes.c_void_p,
-    ctypes.c_double,
-    ctypes.c_int64,
-    ctypes.c_void_p,
-)
+ARGUMENTS = {"p": ctypes.c_void_p, "d": ctypes.c_double, "i": ctypes.c_int64}
+Kernel = Callable[..., int]
 _MATHEMATICS = ("sin", "cos", "sincos", "sqrt", "exp", "sinh", "cosh", "hypot", "atan2", "acos", "pow")
 
 
-def translate(function: Callable[..., None], kept_apart: tuple[str, ...]) -> bytes:
-    """Return the object code of `function(state, voltages, step, count, parameters)` on this processor.
+def translate(function: Callable[..., None], arguments: str, kept_apart: tuple[str, ...]) -> bytes:
+    """Return the object code of a function on this processor.
 
     Args:
-        function: written for Numba, its first, second and last argument pointers to double.
+        function: written for Numba; it returns nothing.
+        arguments: a letter for each: p pointer to doubles, d double, i whole number.
         kept_apart: names of functions that are seldom called and would only make the whole larger.
 
     Raises:
@@ -43,8 +35,8 @@ def translate(function: Callable[..., None], kept_apart: tuple[str, ...]) -> byt
     import numba
     from numba import types
 
-    pointer = types.CPointer(types.float64)
-    signature = types.void(pointer, pointer, types.float64, types.int64, pointer)
+    kinds = {"p": types.CPointer(types.float64), "d": types.float64, "i": types.int64}
+    signature = types.void(*(kinds[letter] for letter in arguments))
     text = numba.cfunc(signature, error_model="numpy")(function).inspect_llvm()
     module = llvm.parse_assembly(_in_one_piece(text, kept_apart))
     machine = _target(llvm)
@@ -73,8 +65,10 @@ def _in_one_piece(text: str, kept_apart: tuple[str, ...]) -> str:
     return re.sub(r"\bnoinline\b", "nounwind", text)
 
 
-def load(code: bytes) -> Kernel:
-    """Return the function of object code made by `translate` on this processor.
+def load(code: bytes, arguments: str) -> Kernel:
+    """Return the function of object code made by `translate` on this processor, for the same arguments.
+
+    It returns zero, or what Numba's code gives for an error.
 
     Raises:
         ModuleNotFoundError: llvmlite is not installed.
@@ -88,12 +82,14 @@ def load(code: bytes) -> Kernel:
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    function = _PROTOTYPE(engine.get_function_address(ENTRY))
+    kinds = (ARGUMENTS[letter] for letter in arguments)
+    prototype = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *kinds)
+    function = prototype(engine.get_function_address(ENTRY))
     nothing = ctypes.c_void_p(), ctypes.c_void_p()
     result, error = ctypes.addressof(nothing[0]), ctypes.addressof(nothing[1])
 
-    def kernel(state: Any, voltages: Any, step: float, count: int, parameters: Any) -> int:
-        status: int = function(result, error, state, voltages, step, count, parameters)
+    def kernel(*values: Any) -> int:
+        status: int = function(result, error, *values)
         return status
 
     kernel.keep = (engine, library, nothing)  # type: ignore[attr-defined]  # as long as the function lives

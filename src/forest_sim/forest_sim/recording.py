@@ -1,0 +1,77 @@
+"""Steps with a record: the state after every period, and the energy that passed through every part within it.
+
+`compiled` has the same as machine code; where that is not to be had, `record` is interpreted. The power flows
+of `power` are integrated over the integrator's own steps with the trapezoidal rule.
+
+| array | shape | holds |
+|---|---|---|
+| voltages | M, 3 | V at the valves, one row per step |
+| states | N, 36 | what `STATE` names, one row per period of M/N steps |
+| energies | N, 42 | J over the period through what `ENERGY` names |
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_sim import flat
+from forest_sim.integrator import Events, Simulation, step
+from forest_sim.mechanics import HANGING_STILL, HeadState
+from forest_sim.parameters import PlantParameters
+from forest_sim.plant import AxisState, PlantState
+from forest_sim.power import AxisPower, SupplyPower, power_flows
+from forest_sim.spool import CENTRED, Spool
+from forest_sim.supply import SupplyState
+
+Floats = NDArray[np.float64]
+
+AXES = ("swing", "boom", "stick")
+STATE = (
+    *(f"{axis}_{field}" for axis in AXES for field in AxisState._fields),
+    *(f"supply_{field}" for field in SupplyState._fields),
+    *(f"head_{field}" for field in HeadState._fields),
+    *(f"{axis}_spool_{field}" for axis in AXES for field in Spool._fields),
+    *Events._fields,
+    *(f"{axis}_acceleration" for axis in AXES),
+)
+ENERGY = (
+    *(f"pump_{field}" for field in SupplyPower._fields),
+    *(f"{axis}_{field}" for axis in AXES for field in AxisPower._fields),
+)
+
+
+def record(
+    simulation: Simulation, voltages: Floats, h: float, p: PlantParameters, states: Floats, energies: Floats
+) -> Simulation:
+    """Advance the machine by one step of h [s] for each row of voltages; fill `states` and `energies`."""
+    substeps = len(voltages) // len(states)
+    before = power_flows(simulation, p)
+    pack_flows = flat.packer(before)
+    for row in range(len(states)):
+        for volts in voltages[row * substeps : (row + 1) * substeps].tolist():
+            simulation = step(simulation, (volts[0], volts[1], volts[2]), h, p)
+            after = power_flows(simulation, p)
+            energies[row] += 0.5 * h * (np.array(pack_flows(before)) + np.array(pack_flows(after)))
+            before = after
+        store(simulation, states[row])
+    return simulation
+
+
+def store(simulation: Simulation, row: Floats) -> None:
+    """Write a machine's state into a row of `STATE`'s length."""
+    row[:] = _pack(simulation)
+
+
+def restore(row: Floats) -> Simulation:
+    """Return the machine that `store` wrote."""
+    simulation: Simulation = _unpack(row.tolist())
+    return simulation
+
+
+_REST = AxisState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+_EXAMPLE = Simulation(
+    PlantState(_REST, _REST, _REST, SupplyState(0.0, 0.0), HANGING_STILL),
+    (CENTRED, CENTRED, CENTRED),
+    Events(0, 0, 0),
+    (0.0, 0.0, 0.0),
+)
+_pack, _unpack = flat.packer(_EXAMPLE), flat.unpacker(_EXAMPLE)
