@@ -188,7 +188,7 @@ def test_parameters_keep_the_margin_from_every_joint_limit():
         assert p.governor.lower[i] == pytest.approx(low + 0.05)
         assert p.governor.upper[i] == pytest.approx(high - 0.05)
     assert p.rated_speeds == rated_speeds(MACHINE)
-    assert p.rated_voltage == 10.0
+    assert p.rated_voltages == (10.0, 10.0, 10.0)
 
 
 def test_a_state_that_cannot_be_true_is_named():
