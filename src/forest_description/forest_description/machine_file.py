@@ -89,17 +89,20 @@ def _value(key: str, tree: Branch, name: str, field: FieldKind) -> object:
 
 
 def _place_of(complaint: str, tree: Branch) -> str:
-    """Return the place of the first key that a complaint about a section names and that its file says itself.
+    """Return the place of the first key that a complaint names and that its section says itself.
 
-    Values that contradict each other may come from two files; the upper one made the contradiction.
+    Values that contradict each other may come from two places, one of them inherited: from the machine that the
+    file is based on, or from what all axes share. Who came later made the contradiction.
     """
-    file = tree.place.rpartition(":")[0]
+    file, _, start = tree.place.rpartition(":")
     for word in re.findall(r"[a-z_0-9.]+", complaint):
         item: Item | None = tree
         for key in word.rstrip(".").split("."):
             item = item.children.get(key) if isinstance(item, Branch) else None
-        if item is not None and item.place.rpartition(":")[0] == file:
-            return item.place
+        if item is not None:
+            place, _, line = item.place.rpartition(":")
+            if place == file and int(line) >= int(start):
+                return item.place
     return tree.place
 
 
