@@ -20,8 +20,8 @@ from forest_description.passive_joints import (
 )
 from forest_description.urdf import robot_description
 
-MACHINE, THESIS = load_machine(), load_machine("c180_thesis")
-BOTH = pytest.mark.parametrize("machine", [MACHINE, THESIS], ids=["c180", "thesis"])
+MACHINE, THESIS, LOADER = load_machine(), load_machine("c180_thesis"), load_machine("loader")
+EVERY = pytest.mark.parametrize("machine", [MACHINE, THESIS, LOADER], ids=["c180", "thesis", "loader"])
 ROBOT = ElementTree.fromstring(robot_description(MACHINE))
 
 
@@ -107,7 +107,7 @@ def test_no_joint_but_those_of_the_cylinders_is_left_to_others():
         assert joint.get("name").startswith(joint.find("mimic").get("joint"))
 
 
-@BOTH
+@EVERY
 def test_masses_and_inertias_are_those_of_the_dynamics(machine):
     robot, parts = ElementTree.fromstring(robot_description(machine)), machine.manipulator
     for name, body in (("boom", boom_body(parts)), ("stick", stick_body(parts))):
@@ -150,7 +150,7 @@ def test_every_inertia_of_the_default_machine_could_belong_to_a_body(log):
         assert min(0.5 * principal.sum() - principal) > -1e-9 * principal.max()
 
 
-@BOTH
+@EVERY
 def test_rods_eyes_lie_on_the_driven_links_over_the_whole_stroke(machine):
     robot = ElementTree.fromstring(robot_description(machine))
     _, boom, stick = joint_limits(machine)
@@ -165,7 +165,7 @@ def test_rods_eyes_lie_on_the_driven_links_over_the_whole_stroke(machine):
             assert np.linalg.norm(eye - barrel) == pytest.approx(cylinder_length(angle, drive.linkage))
 
 
-@BOTH
+@EVERY
 def test_cylinders_that_only_follow_their_joint_stay_near_their_place_and_inside_their_limits(machine):
     robot = ElementTree.fromstring(robot_description(machine))
     _, boom, stick = joint_limits(machine)

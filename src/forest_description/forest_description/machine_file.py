@@ -91,8 +91,8 @@ def _value(key: str, tree: Branch, name: str, field: FieldKind) -> object:
 def _place_of(complaint: str, tree: Branch) -> str:
     """Return the place of the first key that a complaint names and that its section says itself.
 
-    Values that contradict each other may come from two places, one of them inherited: from the machine that the
-    file is based on, or from what all axes share. Who came later made the contradiction.
+    Values that contradict each other may come from two places, one of them inherited: from the machine that
+    the file is based on, or from what all axes share. Who came later made the contradiction.
     """
     file, _, start = tree.place.rpartition(":")
     for word in re.findall(r"[a-z_0-9.]+", complaint):
