@@ -141,10 +141,14 @@ def test_weights_about_the_boom_pivot_are_those_of_the_thesis():
     assert moment == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("log", [None, Log(mass=900.0, x=0.4, y=-0.3)], ids=["empty", "log"])
-def test_every_inertia_of_the_default_machine_could_belong_to_a_body(log):
-    """The second moments of mass along the principal axes are not negative."""
-    robot = ElementTree.fromstring(robot_description(with_manipulator(log=log)))
+@pytest.mark.parametrize(
+    "machine",
+    [MACHINE, with_manipulator(log=Log(mass=900.0, x=0.4, y=-0.3)), LOADER],
+    ids=["c180", "c180 with log", "loader"],
+)
+def test_every_inertia_could_belong_to_a_body(machine):
+    """The second moments of mass along the principal axes are not negative; not so Appendix B's."""
+    robot = ElementTree.fromstring(robot_description(machine))
     for name in ("platform", "boom", "stick"):
         principal = np.linalg.eigvalsh(inertial(robot, name)[2])
         assert min(0.5 * principal.sum() - principal) > -1e-9 * principal.max()
@@ -210,3 +214,15 @@ def test_a_log_is_drawn_where_its_centre_is():
 def test_a_name_with_special_characters_stays_readable():
     odd = dataclasses.replace(MACHINE, name='crane "A" & <B>')
     assert ElementTree.fromstring(robot_description(odd)).get("name") == 'crane "A" & <B>'
+
+
+def test_beams_and_head_are_drawn_in_the_machine_s_own_size():
+    sizes = {}
+    for machine in (MACHINE, LOADER):
+        robot, parts = ElementTree.fromstring(robot_description(machine)), machine.manipulator
+        boom = robot.find("link[@name='boom']/visual/geometry/box")
+        sizes[machine.name] = numbers(boom, "size")[1]
+        assert numbers(boom, "size")[0] == parts.boom_length
+        head = robot.find("link[@name='head']/visual/geometry/sphere")
+        assert float(head.get("radius")) < 0.1 * parts.stick_length
+    assert sizes["loader"] == pytest.approx(sizes["c180"] * 2.25 / 4.118356)

@@ -1,4 +1,4 @@
-"""The loader crane as it moves: at rest it stays, every axis goes both ways, and no jerk breaks the solver."""
+"""The loader crane in motion: at rest it stays, every axis goes both ways, and no jerk breaks the solver."""
 
 import math
 from functools import lru_cache
@@ -93,7 +93,7 @@ def test_oscillations_behind_shut_valves_are_slow_for_the_swing_and_faster_for_t
 
 @lru_cache(maxsize=1)
 def violent_session():
-    """Return states every 10 ms of 20 s in which valves jump between shut and wide open ten times a second."""
+    """Return states every 10 ms of 20 s in which valves jump between shut and wide open all the time."""
     simulation, states = equilibrium(START, P), []
     for levels in np.random.default_rng(2).integers(-1, 2, (200, 3)).tolist():
         volts = tuple(level * rated for level, rated in zip(levels, RATED, strict=True))
