@@ -59,6 +59,9 @@ def test_it_uses_what_the_c180_does_not():
     assert all(d.friction is not None and d.cushion is not None for d in (m.boom, m.stick))
     assert [d.flow_regime for d in (m.swing, m.boom, m.stick)] == ["turbulent", "laminar", "turbulent"]
     assert m.manipulator.pendulum is not None
+    assert (m.hose.kind, m.swing.hose.kind) == ("geometric", "geometric")
+    assert m.swing.hose.bore < m.hose.bore
+    assert m.sensors.linear_transducer is None
 
 
 def test_an_axis_own_valve_says_only_what_differs():
