@@ -134,7 +134,7 @@ class CylinderDrive(ParameterSet):
     cushion: Cushion | None = component()
 
     def __post_init__(self) -> None:
-        """Check ranges, the areas, that the linkage closes over the whole stroke and the cushions fit in it."""
+        """Check ranges, the areas, that the linkage closes over the stroke, and that cushions fit in it."""
         super().__post_init__()
         require_order("rod_area", self.rod_area, "head_area", self.head_area, "m2")
         shortest, longest = self.retracted_length, self.retracted_length + self.stroke

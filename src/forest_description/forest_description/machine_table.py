@@ -15,7 +15,7 @@ edit by hand. A number is from the **thesis** (with its place) or **assumed** (w
 
 - `c180_thesis` is the crane with the choices of the thesis, a known slip included.
 - `c180`, the default, is based on it: the slip corrected, and with what a teleoperated machine needs.
-- `loader` is a machine of another class, a small trailer loader crane, and nothing of it is from the thesis. It
+- `loader` is a machine of another class, a small trailer loader crane; nothing of it is from the thesis. It
   shows what a machine file can say: load-sensing pump, valves by axis and direction, friction, hanging head.
 """
 

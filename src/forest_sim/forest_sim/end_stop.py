@@ -11,7 +11,6 @@ The thesis has none: its machine could turn its links through each other.
 import math
 from typing import NamedTuple
 
-
 GRIP_SPEED = 0.05
 """Speed [m/s; rad/s] whose damping force the spring has reached when the damper grips wholly."""
 
@@ -39,7 +38,7 @@ def end_stop_force(position: float, speed: float, stop: EndStop) -> float:
 
 
 def _push(depth: float, inward: float, stop: EndStop) -> float:
-    """Return the stop's force [N; N m] at a depth [m; rad] and a speed inwards [m/s; rad/s], never negative."""
+    """Return the stop's force [N; N m], at least 0, at a depth [m; rad] and speed inwards [m/s; rad/s]."""
     return max(0.0, stop.stiffness * depth + _grip(depth, stop) * stop.damping * inward)
 
 
