@@ -142,16 +142,13 @@ class Valve(ParameterSet):
     )
 
     def __post_init__(self) -> None:
-        """Check ranges, that the valve opens at all both ways, and the curve."""
+        """Check ranges, that the valve opens at all, and the curve."""
         super().__post_init__()
         require_order("deadband_voltage", self.deadband_voltage, "rated_voltage", self.rated_voltage, "V")
         if self.backward is not None:
-            overlap = self.backward.deadband_voltage
-            require_order("backward.deadband_voltage", overlap, "rated_voltage", self.rated_voltage, "V")
-        try:
-            _ = self.law
-        except MachineError as error:
-            raise MachineError(f"curve.{error}") from error
+            edge = self.backward.deadband_voltage
+            require_order("backward.deadband_voltage", edge, "rated_voltage", self.rated_voltage, "V")
+        _ = self.law
 
     @property
     def law(self) -> ValveLaw:
