@@ -188,7 +188,7 @@ def test_parameters_keep_the_margin_from_every_joint_limit():
         assert p.governor.lower[i] == pytest.approx(low + 0.05)
         assert p.governor.upper[i] == pytest.approx(high - 0.05)
     assert p.rated_speeds == rated_speeds(MACHINE)
-    assert p.rated_voltage == 10.0
+    assert p.rated_voltages == (10.0, 10.0, 10.0)
 
 
 def test_a_state_that_cannot_be_true_is_named():
@@ -205,3 +205,15 @@ def test_end_stops_may_give_without_the_state_being_refused():
     p, limits = parameters(), joint_limits(MACHINE)
     beyond = tuple(high + 0.05 for _, high in limits)
     assert controller.implausible(beyond, ZERO, p) == ""
+
+
+def test_each_axis_is_clipped_at_and_scaled_with_its_own_valve_s_rated_voltage():
+    loader = load_machine("loader")
+    p = controller.parameters(loader, Settings(scheme=Scheme.JOINT, joint_rates=(3.0, 3.0, 3.0)))
+    assert p.rated_voltages == (6.0, 8.0, 8.0)
+    _, output = controller.step(REST, inputs((1.0, 1.0, 1.0)), p, PERIOD)
+    assert output.command == (6.0, 8.0, 8.0)
+    half = 0.5 * rated_speeds(loader)[0]
+    p = controller.parameters(loader, Settings(scheme=Scheme.JOINT, joint_rates=(half, 0.1, 0.1)))
+    _, output = controller.step(REST, inputs((1.0, 0.0, 0.0)), p, PERIOD)
+    assert output.command[0] == pytest.approx(3.0)

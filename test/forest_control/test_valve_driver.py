@@ -213,3 +213,21 @@ def test_a_weak_pump_does_not_open_a_valve_beyond_what_the_nominal_one_is_grante
     opening = (voltage(0, 1.0, pressures(0, load, weak), p) - 1.0) / 9.0
     free = (voltage(0, 1.0, pressures(0, 0.0), p) - 1.0) / 9.0
     assert opening == pytest.approx(free / math.sqrt(0.25), rel=1e-12)
+
+
+def test_a_load_sensing_pump_at_rest_is_believed_and_one_that_is_off_is_not():
+    loader = load_machine("loader")
+    p = valve_driver.parameters(loader, Settings())
+    idle = loader.pump.margin
+    assert p.idle_pressure == idle < 0.25 * loader.pump.supply_pressure
+    resting = Pressures((5e5,) * 3, (5e5,) * 3, idle)
+    assert valve_driver.plausible(resting, p)
+    assert valve_driver.plausible(resting._replace(supply=loader.pump.supply_pressure), p)
+    assert not valve_driver.plausible(resting._replace(supply=0.1 * idle), p)
+
+
+def test_without_pressures_a_load_sensing_pump_is_taken_to_be_at_rest():
+    p = valve_driver.parameters(load_machine("loader"), Settings())
+    resting = Pressures(ZERO_COMMAND, ZERO_COMMAND, p.idle_pressure)
+    for axis in range(3):
+        assert voltage(axis, 1.5, None, p) == voltage(axis, 1.5, resting, p)

@@ -1,5 +1,6 @@
 """Claims about actuator speeds."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -14,7 +15,7 @@ from forest_description.limits import joint_limits
 from forest_description.linkage import cylinder_length
 from forest_description.machine import load_machine
 
-MACHINE = load_machine()
+MACHINE, LOADER = load_machine(), load_machine("loader")
 
 
 def random_poses(count=100):
@@ -59,3 +60,19 @@ def test_joint_rates_come_back_from_actuator_speeds():
 def test_dead_point_of_a_linkage_gives_no_rate_instead_of_an_error():
     dead = MACHINE.boom.linkage._replace(angle_offset=0.0)
     assert actuator_speeds_to_joint_rates((0.0, 0.0, -1.5), (0.0, 0.1, 0.0), (dead, dead))[1] == 0.0
+
+
+def test_with_a_load_sensing_pump_the_inlet_s_orifice_takes_the_margin_at_rated_speed():
+    flow = rated_speeds(LOADER)[0] * 21 * 80e-6 / (2.0 * math.pi)
+    assert 2.6e13 * flow**2 == pytest.approx(22e5, rel=1e-12)
+
+
+def test_no_rated_speed_asks_for_more_than_the_pump_s_full_flow():
+    full = pytest.approx(28e-6 * 1450.0 / 60.0, rel=1e-12)
+    _, boom, stick = rated_speeds(LOADER)
+    assert (boom * 50.265e-4, stick * 38.485e-4) == (full, full)
+    small = dataclasses.replace(MACHINE, pump=dataclasses.replace(MACHINE.pump, count=1.0, shaft_speed=20.0))
+    swing, boom, stick = rated_speeds(small)
+    flow = small.pump.flow_limit
+    assert (boom * 1.824e-2, stick * 1.824e-2) == pytest.approx((flow, flow))
+    assert swing < rated_speeds(MACHINE)[0]

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from forest_description.kinematics import tip_position
-from forest_description.limits import joint_limits, workspace_limits
+from forest_description.limits import THESIS_START, joint_limits, pose_at, start_tip, workspace_limits
 from forest_description.machine import load_machine
 
-MACHINE = load_machine()
+MACHINE, LOADER = load_machine(), load_machine("loader")
 
 
 def test_joint_ranges_that_follow_from_the_strokes():
@@ -48,3 +48,35 @@ def test_workspace_limits_are_the_extremes_of_a_dense_grid_of_poses(machine):
     reaches, _, heights = np.array(grid).T
     expected = (reaches.min(), reaches.max(), heights.min(), heights.max())
     assert workspace_limits(machine) == pytest.approx(expected, abs=1e-3)
+
+
+@pytest.mark.parametrize("machine", [MACHINE, LOADER], ids=["c180", "loader"])
+def test_every_pose_inside_the_limits_is_found_again_from_its_tip(machine):
+    low, high = np.array(joint_limits(machine)).T
+    low[0], high[0] = -3.0, 3.0
+    for q in np.random.default_rng(8).uniform(low, high, (100, 3)).tolist():
+        tip = tip_position(tuple(q), machine.manipulator.links)
+        if math.hypot(tip[0], tip[1]) > 0.1 and math.cos(math.atan2(tip[1], tip[0]) - q[0]) > 0.0:
+            np.testing.assert_allclose(pose_at(tip, machine), q, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("tip", "told"),
+    [
+        ((9.0, 0.0, 0.0), "the reach from there is 0.2 .. 4.3 m"),
+        ((2.0, 0.0, 2.5), r"it needs the boom at [0-9.]+ deg; allowed: -16.2 .. 70.3 deg"),
+        ((4.3, 0.0, 0.3), r"it needs the stick at -[0-9.]+ deg; allowed: -130.4 .. -36.7 deg"),
+    ],
+)
+def test_a_place_that_the_tip_cannot_reach_is_refused_with_what_is_allowed(tip, told):
+    with pytest.raises(ValueError, match=told):
+        pose_at(tip, LOADER)
+
+
+def test_sessions_start_where_those_of_the_thesis_did_or_in_the_middle_of_the_ranges():
+    assert start_tip(MACHINE) == THESIS_START
+    start = pose_at(start_tip(LOADER), LOADER)
+    middle = [0.0, *(0.5 * sum(interval) for interval in joint_limits(LOADER)[1:])]
+    np.testing.assert_allclose(start, middle, atol=1e-12)
+    aside = dataclasses.replace(LOADER, swing=dataclasses.replace(LOADER.swing, lower_limit=0.5))
+    assert pose_at(start_tip(aside), aside)[0] == pytest.approx(0.5)

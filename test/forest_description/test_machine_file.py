@@ -147,20 +147,20 @@ def thesis_text():
 @pytest.mark.parametrize(
     ("section", "line", "message"),
     [
-        ("swing:\n  upper_limit: {value: -200, unit: deg, source: x}\n", 2, "swing.lower_limit"),
-        ("boom:\n  stroke: {value: 2, unit: m, source: x}\n", 2, "boom.retracted_length, stroke"),
-        ("stick:\n  rod_area: {value: 190, unit: cm2, source: x}\n", 2, "stick.rod_area"),
-        ("valve:\n  rated_voltage: {value: 1, unit: V, source: x}\n", 2, "valve.deadband_voltage"),
+        ("swing:\n  upper_limit: {value: -200, unit: deg, source: x}\n", 3, "swing.lower_limit"),
+        ("boom:\n  stroke: {value: 2, unit: m, source: x}\n", 3, "boom.retracted_length, stroke"),
+        ("stick:\n  rod_area: {value: 190, unit: cm2, source: x}\n", 3, "stick.rod_area"),
+        ("valve:\n  rated_voltage: {value: 1, unit: V, source: x}\n", 3, "valve.deadband_voltage"),
     ],
 )
-def test_contradicting_values_name_file_section_and_line(write, section, line, message):
+def test_contradicting_values_name_file_key_and_line(write, section, line, message):
     path = write(BASE + section)
     assert complaint(path).startswith(f"{path}:{line}: {message}")
 
 
 def test_unknown_machine_is_answered_with_the_known_ones():
     assert complaint("c190") == (
-        "no machine named 'c190': there are c180, c180_thesis; a file needs its suffix (.yaml)"
+        "no machine named 'c190': there are c180, c180_thesis, loader; a file needs its suffix (.yaml)"
     )
 
 

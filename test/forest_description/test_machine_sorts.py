@@ -183,7 +183,7 @@ def test_an_axis_own_valve_may_lack_what_the_shared_one_has_and_have_what_it_lac
 
 def test_an_error_in_an_axis_own_valve_names_its_line_and_key(write):
     path = write("boom:\n  valve:\n    rated_voltage: {value: 1, unit: V, source: x}\n")
-    assert complaint(path).startswith(f"{path}:3: boom.valve.deadband_voltage (1 V) must be smaller")
+    assert complaint(path).startswith(f"{path}:4: boom.valve.deadband_voltage (1 V) must be smaller")
     path = write("stick:\n  valve:\n    lap: 3\n")
     assert complaint(path).startswith(f"{path}:4: unknown key stick.valve.lap; allowed: deadband_voltage")
 

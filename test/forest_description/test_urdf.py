@@ -20,8 +20,8 @@ from forest_description.passive_joints import (
 )
 from forest_description.urdf import robot_description
 
-MACHINE, THESIS = load_machine(), load_machine("c180_thesis")
-BOTH = pytest.mark.parametrize("machine", [MACHINE, THESIS], ids=["c180", "thesis"])
+MACHINE, THESIS, LOADER = load_machine(), load_machine("c180_thesis"), load_machine("loader")
+EVERY = pytest.mark.parametrize("machine", [MACHINE, THESIS, LOADER], ids=["c180", "thesis", "loader"])
 ROBOT = ElementTree.fromstring(robot_description(MACHINE))
 
 
@@ -107,7 +107,7 @@ def test_no_joint_but_those_of_the_cylinders_is_left_to_others():
         assert joint.get("name").startswith(joint.find("mimic").get("joint"))
 
 
-@BOTH
+@EVERY
 def test_masses_and_inertias_are_those_of_the_dynamics(machine):
     robot, parts = ElementTree.fromstring(robot_description(machine)), machine.manipulator
     for name, body in (("boom", boom_body(parts)), ("stick", stick_body(parts))):
@@ -141,16 +141,20 @@ def test_weights_about_the_boom_pivot_are_those_of_the_thesis():
     assert moment == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("log", [None, Log(mass=900.0, x=0.4, y=-0.3)], ids=["empty", "log"])
-def test_every_inertia_of_the_default_machine_could_belong_to_a_body(log):
-    """The second moments of mass along the principal axes are not negative."""
-    robot = ElementTree.fromstring(robot_description(with_manipulator(log=log)))
+@pytest.mark.parametrize(
+    "machine",
+    [MACHINE, with_manipulator(log=Log(mass=900.0, x=0.4, y=-0.3)), LOADER],
+    ids=["c180", "c180 with log", "loader"],
+)
+def test_every_inertia_could_belong_to_a_body(machine):
+    """The second moments of mass along the principal axes are not negative; not so Appendix B's."""
+    robot = ElementTree.fromstring(robot_description(machine))
     for name in ("platform", "boom", "stick"):
         principal = np.linalg.eigvalsh(inertial(robot, name)[2])
         assert min(0.5 * principal.sum() - principal) > -1e-9 * principal.max()
 
 
-@BOTH
+@EVERY
 def test_rods_eyes_lie_on_the_driven_links_over_the_whole_stroke(machine):
     robot = ElementTree.fromstring(robot_description(machine))
     _, boom, stick = joint_limits(machine)
@@ -165,7 +169,7 @@ def test_rods_eyes_lie_on_the_driven_links_over_the_whole_stroke(machine):
             assert np.linalg.norm(eye - barrel) == pytest.approx(cylinder_length(angle, drive.linkage))
 
 
-@BOTH
+@EVERY
 def test_cylinders_that_only_follow_their_joint_stay_near_their_place_and_inside_their_limits(machine):
     robot = ElementTree.fromstring(robot_description(machine))
     _, boom, stick = joint_limits(machine)
@@ -210,3 +214,15 @@ def test_a_log_is_drawn_where_its_centre_is():
 def test_a_name_with_special_characters_stays_readable():
     odd = dataclasses.replace(MACHINE, name='crane "A" & <B>')
     assert ElementTree.fromstring(robot_description(odd)).get("name") == 'crane "A" & <B>'
+
+
+def test_beams_and_head_are_drawn_in_the_machine_s_own_size():
+    sizes = {}
+    for machine in (MACHINE, LOADER):
+        robot, parts = ElementTree.fromstring(robot_description(machine)), machine.manipulator
+        boom = robot.find("link[@name='boom']/visual/geometry/box")
+        sizes[machine.name] = numbers(boom, "size")[1]
+        assert numbers(boom, "size")[0] == parts.boom_length
+        head = robot.find("link[@name='head']/visual/geometry/sphere")
+        assert float(head.get("radius")) < 0.1 * parts.stick_length
+    assert sizes["loader"] == pytest.approx(sizes["c180"] * 2.25 / 4.118356)

@@ -42,6 +42,12 @@ def test_both_ends_mirror_each_other():
         )
 
 
+def test_the_force_does_not_jump_when_the_piston_arrives_however_fast():
+    for speed in (0.05, 0.5, 5.0):
+        forces = [end_stop_force(2.2 + depth, speed, STOP) for depth in np.linspace(0.0, 1e-3, 10_001)]
+        assert max(np.abs(np.diff(forces))) < 1e-3 * -forces[-1]
+
+
 @pytest.mark.parametrize("start", [1.3, 2.2])
 def test_resistance_is_the_forces_slope_along_an_implicit_step(start):
     step, h = 3e-4, 1e-6

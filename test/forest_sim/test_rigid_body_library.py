@@ -15,7 +15,7 @@ from forest_sim.pendulum import hanging_head, pendulum_dynamics
 pin = pytest.importorskip("pinocchio", reason="the rigid-body library (PyPI: pin) is not installed")
 
 TILT, COUNT, CLOSE = 0.13, 100, 1e-8
-C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
+C180, THESIS, LOADER = load_machine("c180"), load_machine("c180_thesis"), load_machine("loader")
 LOG = Log(mass=900.0, x=0.4, y=-0.3)
 HANGING = {"pendulum": Pendulum(0.9, 60.0, 0.0), "log": Log(500.0, 1.4, 0.0)}
 DRIVEN = ("swing", "boom", "stick")
@@ -58,8 +58,14 @@ def assert_close(ours, theirs):
 
 @pytest.mark.parametrize(
     "machine",
-    [variant(C180), variant(THESIS), variant(C180, log=LOG), variant(THESIS, log=LOG, stick_xy=120.0)],
-    ids=["c180", "thesis", "c180 with log", "thesis with log and product"],
+    [
+        variant(C180),
+        variant(THESIS),
+        variant(C180, log=LOG),
+        variant(THESIS, log=LOG, stick_xy=120.0),
+        variant(LOADER, pendulum=None),
+    ],
+    ids=["c180", "thesis", "c180 with log", "thesis with log and product", "loader with its head fixed"],
 )
 def test_mass_matrix_bias_and_gravity_are_those_of_the_library(machine):
     model, body = library_model(machine), fold_head(machine.manipulator)
@@ -88,8 +94,8 @@ def model_by_hand(machine):
 
 
 @pytest.mark.parametrize("build", [library_model, model_by_hand], ids=["URDF", "by hand"])
-def test_hanging_head_moves_as_in_the_library(build):
-    machine = variant(C180, **HANGING)
+@pytest.mark.parametrize("machine", [variant(C180, **HANGING), variant(LOADER)], ids=["c180", "loader"])
+def test_hanging_head_moves_as_in_the_library(machine, build):
     model, m = build(machine), machine.manipulator
     body, head = fold_head(m), hanging_head(m)
     rng = np.random.default_rng(12)

@@ -10,6 +10,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from forest_description.limits import start_tip
 from forest_description.machine import load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
@@ -132,6 +133,14 @@ def test_it_starts_at_rest_with_the_tip_where_asked(peer, start_simulator):
     assert list(truth[-1].velocity) == pytest.approx([0.0] * 3, abs=1e-6)
 
 
+def test_another_machine_starts_where_it_can_be(peer, start_simulator):
+    poses, loader = peer.hear(topics.GROUND_TRUTH_TIP_POSE), load_machine("loader")
+    start_simulator("-p", "machine:=loader")
+    peer.until(lambda: len(poses) > 20)
+    point = poses[-1].pose.position
+    assert (point.x, point.y, point.z) == pytest.approx(start_tip(loader), abs=1e-4)
+
+
 def test_voltages_move_every_joint_in_the_direction_of_their_sign(rig, peer):
     r = rig()
     peer.until(lambda: r.truth)
@@ -191,14 +200,20 @@ REFUSED = {
     "seed:=-1": "parameter 'seed' is -1; allowed: 0 .. ",
     'sensor_faults:="boom: frozen"': "parameter 'sensor_faults': 'boom: frozen': there is no sensor 'boom'",
     'sensor_faults:="boom_spool: melted"': "'melted' is no fault; allowed: absent; frozen; bias NUMBER UNIT",
+    "machine:=loader -p initial_tip:=[5.5, 0.0, 1.0]": "the reach from there is 0.2 .. 4.3 m",
     "plain_arrays:=3": "parameter 'plain_arrays' is 3; allowed: true or false",
     "machine:=c181": "no machine named 'c181'",
     "machine:=absent.yaml": "absent.yaml",
 }
 
 
+def arguments(given):
+    """ROS arguments of one or more parameters."""
+    return [part for each in given.split(" -p ") for part in ("-p", each)]
+
+
 def test_a_bad_parameter_ends_the_node_with_one_line(domain_id, start_simulator):
-    processes = {said: start_simulator("-p", given) for given, said in REFUSED.items()}
+    processes = {said: start_simulator(*arguments(given)) for given, said in REFUSED.items()}
     for said, process in processes.items():
         assert process.wait(15.0) == 2, process.text()
         assert process.text().count("\n") == 1, process.text()

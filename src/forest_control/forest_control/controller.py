@@ -2,9 +2,9 @@
 
     levers -> wish -> J^-1 -> governor -> scheme -> lever arms -> ideal valve voltage
 
-A command of 10 V asks for the actuator speed that the fully open valve gives at no load (`rated_speeds`); the
-driver makes the real valve behave so. Without an enabled wish the command is zero and the reference rests on
-the machine.
+A command of the valve's rated voltage (10 V on the C-180) asks for the actuator speed that the fully open
+valve gives at no load (`rated_speeds`); the driver makes the real valve behave so. Without an enabled wish
+the command is zero and the reference rests on the machine.
 """
 
 from typing import NamedTuple
@@ -48,8 +48,8 @@ class Parameters(NamedTuple):
     lead: float  # [rad] the reference may run ahead of the joint, so that a stalled joint does not wind up
     links: Links
     linkages: Linkages
-    rated_speeds: Triple  # [rad/s, m/s, m/s] at 10 V of an ideal valve
-    rated_voltage: float  # [V]
+    rated_speeds: Triple  # [rad/s, m/s, m/s] of an ideal valve at its rated voltage
+    rated_voltages: Triple  # [V] of each axis' valve
 
 
 class State(NamedTuple):
@@ -153,8 +153,8 @@ def _to_voltage(rates: Triple, angles: Triple, p: Parameters) -> Triple:
     """Return the ideal valves' voltages for joint rates [rad/s], clipped at the rating. Thesis eq. 3.16."""
     speeds = joint_rates_to_actuator_speeds(angles, rates, p.linkages)
     volts = tuple(
-        max(-p.rated_voltage, min(p.rated_voltage, p.rated_voltage * speed / rated))
-        for speed, rated in zip(speeds, p.rated_speeds, strict=True)
+        max(-volts, min(volts, volts * speed / rated))
+        for speed, rated, volts in zip(speeds, p.rated_speeds, p.rated_voltages, strict=True)
     )
     return volts[0], volts[1], volts[2]
 
@@ -181,5 +181,9 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
         links=machine.manipulator.links,
         linkages=machine.linkages,
         rated_speeds=rated_speeds(machine),
-        rated_voltage=machine.valve.rated_voltage,
+        rated_voltages=(
+            machine.valve_of(0).rated_voltage,
+            machine.valve_of(1).rated_voltage,
+            machine.valve_of(2).rated_voltage,
+        ),
     )

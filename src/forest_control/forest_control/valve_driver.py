@@ -27,7 +27,7 @@ from forest_description.valve import ValveLaw, voltage_for_opening
 Triple = tuple[float, float, float]
 Loads = Triple
 
-LOWEST_SUPPLY = 0.25  # of the nominal supply pressure: below, the pump is off or its transducer broken
+LOWEST_SUPPLY = 0.25  # of the idle supply pressure: below, the pump is off or its transducer broken
 HIGHEST = 2.0  # of the nominal supply pressure
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than nothing for a moment
 
@@ -54,7 +54,8 @@ class Parameters(NamedTuple):
     """What the driver knows of the machine."""
 
     axes: tuple[AxisDriver, AxisDriver, AxisDriver]
-    supply_pressure: float  # [Pa], where it is not measured
+    supply_pressure: float  # [Pa], the highest that the pump keeps
+    idle_pressure: float  # [Pa], the least, while nobody draws; taken where it is not measured
     compensate: bool
     hold_zone: float  # [V]
     load_bandwidth: float  # [rad/s]
@@ -95,14 +96,14 @@ def step(
     if pressures is not None and not plausible(pressures, p):
         pressures = None
     state = _filter_loads(state, pressures, p, dt)
-    supply = pressures.supply if pressures is not None else p.supply_pressure
+    supply = pressures.supply if pressures is not None else p.idle_pressure
     volts = tuple(_axis_voltage(command[i], state.loads[i], supply, p.axes[i], p) for i in range(3))
     return state, (volts[0], volts[1], volts[2])
 
 
 def plausible(pressures: Pressures, p: Parameters) -> bool:
     """Tell whether transducers can be believed: a dead one must not open a valve wide."""
-    low, high = LOWEST_SUPPLY * p.supply_pressure, HIGHEST * p.supply_pressure
+    low, high = LOWEST_SUPPLY * p.idle_pressure, HIGHEST * p.supply_pressure
     ports = (*pressures.port_1, *pressures.port_2)
     return low <= pressures.supply <= high and all(-LOWEST_PORT <= port <= high for port in ports)
 
@@ -153,6 +154,7 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
     return Parameters(
         axes=(axes[0], axes[1], axes[2]),
         supply_pressure=machine.pump.supply_pressure,
+        idle_pressure=machine.pump.idle_pressure,
         compensate=settings.compensate,
         hold_zone=settings.hold_zone,
         load_bandwidth=2.0 * math.pi * settings.load_bandwidth,

@@ -97,7 +97,7 @@ class ValveDriverNode(Node):
         if now - self._pressure_received > self._pressure_timeout:
             return None
         fresh = now - self._supply_received <= self._pressure_timeout
-        return Pressures(*self._ports, self._supply if fresh else self._core.supply_pressure)
+        return Pressures(*self._ports, self._supply if fresh else self._core.idle_pressure)
 
     def _publish(self, stamp: int, voltages: Triple) -> None:
         if self._voltages is not None:

@@ -5,6 +5,8 @@ Symbols:
     C_R     orifice resistance of the fully open valve [Pa·s²/m⁶], of its port 1 and port 2
     N D_m   oil per swing angle [m³/rad]
     A1, A2  head and rod area [m²]
+    D1, D2  what an actuator takes at port 1 and 2: A1 and A2, or N D_m twice
+    P_m     margin of a load-sensing pump [Pa]; Q_max greatest flow of the pump [m³/s]
     x, q    cylinder length [m], joint angle [rad]
 
 Actuator speeds are (swing [rad/s], boom cylinder [m/s], stick cylinder [m/s]). The swing's is that of the
@@ -18,29 +20,34 @@ import math
 from forest_description.kinematics import Vector
 from forest_description.linkage import Linkage, lever_arm
 from forest_description.machine import Machine
+from forest_description.pump import LoadSensingPump
 
 Linkages = tuple[Linkage, Linkage]
 """Of boom and stick, as ``Machine.linkages``."""
 
 
 def rated_speeds(machine: Machine) -> Vector:
-    """Return the unloaded actuator speeds of the fully open valve at pump pressure (rad/s, m/s, m/s).
+    """Return the unloaded actuator speeds of the fully open valve, one axis alone (rad/s, m/s, m/s).
 
-    Both orifices share P_s; hoses, leakage and friction are left out. At the actuator with displacements D1
-    and D2, D1 P_1 = D2 P_2 gives sqrt(D1 P_s / (C_R1 D1³ + C_R2 D2³)); for the swing D1 = D2 = N D_m. This is
-    the scale of /valve_commands: the rated voltage of the ideal valve wishes this speed. Positive direction.
+    Hoses, leakage and friction are left out. Both orifices share the pump's P_s: D1 P_1 = D2 P_2 gives
+    sqrt(D1 P_s / (C_R1 D1³ + C_R2 D2³)). A load-sensing pump keeps P_m over the inlet's orifice whatever the
+    outlet's takes: sqrt(P_m/C_R1)/D1. No axis gets more than Q_max. This is the scale of /valve_commands: the
+    rated voltage of the ideal valve wishes this speed. Positive direction.
 
     Thesis eq. 3.1, 3.9, 3.13 at rest of pressures and flows.
     """
-    swing, boom, stick = (
-        math.sqrt(
-            d_1 * machine.pump.supply_pressure / (way.resistance_1 * d_1**3 + way.resistance_2 * d_2**3)
-        )
-        for (d_1, d_2), way in (
-            (displacements(machine, axis), machine.valve_of(axis).law.forward) for axis in range(3)
-        )
-    )
-    return (swing, boom, stick)
+    return (_rated_speed(machine, 0), _rated_speed(machine, 1), _rated_speed(machine, 2))
+
+
+def _rated_speed(machine: Machine, axis: int) -> float:
+    d_1, d_2 = displacements(machine, axis)
+    pump, way = machine.pump, machine.valve_of(axis).law.forward
+    if isinstance(pump, LoadSensingPump):
+        by_valve = math.sqrt(pump.margin / way.resistance_1) / d_1
+    else:
+        orifices = way.resistance_1 * d_1**3 + way.resistance_2 * d_2**3
+        by_valve = math.sqrt(d_1 * pump.supply_pressure / orifices)
+    return min(by_valve, pump.flow_limit / d_1)
 
 
 def displacements(machine: Machine, axis: int) -> tuple[float, float]:

@@ -50,8 +50,8 @@ class MeasuredHose(ParameterSet):
 
     length: float = parameter("m", 0.1, 100.0, "length of the measured hose")
     bore: float = parameter("m", 1e-3, 0.5, BORE_DOC)
-    turbulent_resistance: float = parameter("Pa*s2/m6", 0.0, 1e15, "R of ΔP = R Q|Q| (boom and stick)")
-    laminar_resistance: float = parameter("Pa*s/m3", 1e3, 1e13, "R of ΔP = R Q (swing)")
+    turbulent_resistance: float = parameter("Pa*s2/m6", 0.0, 1e15, "R of ΔP = R Q|Q| (turbulent)")
+    laminar_resistance: float = parameter("Pa*s/m3", 1e3, 1e13, "R of ΔP = R Q (laminar)")
     inertance: float = parameter("Pa*s2/m3", 1e3, 1e10, "fluid inertance I")
     capacitance: float = parameter("m3/Pa", 1e-16, 1e-8, "capacitance C of oil and wall")
 

@@ -11,11 +11,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from forest_description.kinematics import Links, tip_position
+from forest_description.kinematics import Links, Vector, inverse_kinematics, tip_position
 from forest_description.linkage import joint_angle
-from forest_description.machine import CylinderDrive, Machine
+from forest_description.machine import AXES, CylinderDrive, Machine
 
 Interval = tuple[float, float]
+THESIS_START: Vector = (5.5, 0.0, 1.0)
+"""Where the sessions of Thesis section 5.2 begin, the tip [m]."""
 
 
 class WorkspaceLimits(NamedTuple):
@@ -34,6 +36,39 @@ def joint_limits(machine: Machine) -> tuple[Interval, Interval, Interval]:
         _stroke_angles(machine.boom),
         _stroke_angles(machine.stick),
     )
+
+
+def pose_at(tip: Vector, machine: Machine) -> Vector:
+    """Return the joint angles (swing, boom, stick) [rad] that put the tip at a place.
+
+    Args:
+        tip: Tip position (x, y, z) [m].
+        machine: Whose links and limits count.
+
+    Raises:
+        ValueError: The tip is out of reach, or a joint would have to leave its limits; the text says which.
+    """
+    angles = inverse_kinematics(tip, machine.manipulator.links)
+    for name, angle, limits in zip(AXES, angles, joint_limits(machine), strict=True):
+        if not limits[0] <= angle <= limits[1]:
+            needed, low, high = (f"{math.degrees(a):.1f}" for a in (angle, *limits))
+            raise ValueError(f"it needs the {name} at {needed} deg; allowed: {low} .. {high} deg")
+    return angles
+
+
+def start_tip(machine: Machine) -> Vector:
+    """Return where a session begins unless somebody says otherwise, the tip [m].
+
+    That is the start of Thesis section 5.2 if the machine reaches it, or else where boom and stick are in the
+    middle of their ranges and the swing is straight ahead, or as near to that as it goes.
+    """
+    try:
+        pose_at(THESIS_START, machine)
+    except ValueError:
+        (right, left), boom, stick = joint_limits(machine)
+        ahead = max(right, min(left, 0.0))
+        return tip_position((ahead, 0.5 * sum(boom), 0.5 * sum(stick)), machine.manipulator.links)
+    return THESIS_START
 
 
 def _stroke_angles(drive: CylinderDrive) -> Interval:

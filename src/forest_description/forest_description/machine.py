@@ -134,7 +134,7 @@ class CylinderDrive(ParameterSet):
     cushion: Cushion | None = component()
 
     def __post_init__(self) -> None:
-        """Check ranges, the areas, and that the linkage closes over the whole stroke."""
+        """Check ranges, the areas, that the linkage closes over the stroke, and that cushions fit in it."""
         super().__post_init__()
         require_order("rod_area", self.rod_area, "head_area", self.head_area, "m2")
         shortest, longest = self.retracted_length, self.retracted_length + self.stroke
@@ -143,6 +143,11 @@ class CylinderDrive(ParameterSet):
             raise MachineError(
                 f"retracted_length, stroke: the cylinder goes from {shortest:g} to {longest:g} m, "
                 f"the linkage closes only between {abs(a - b):g} and {a + b:g} m"
+            )
+        if self.cushion is not None and self.cushion.length > 0.5 * self.stroke:
+            raise MachineError(
+                f"cushion.length ({self.cushion.length:g} m) must be at most half the stroke "
+                f"({0.5 * self.stroke:g} m)"
             )
 
     @property
@@ -302,7 +307,7 @@ class Machine(ParameterSet):
 
 
 def load_machine(name_or_path: str | Path = "c180") -> Machine:
-    """Return a machine from a shipped name ("c180", "c180_thesis") or a YAML file.
+    """Return a machine from a shipped name ("c180", "c180_thesis", "loader") or a YAML file.
 
     Args:
         name_or_path: A name without suffix looks up a shipped machine; anything else is a file.

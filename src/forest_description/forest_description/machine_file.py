@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 import types
 import typing
 from typing import NamedTuple, TypeVar
@@ -62,7 +63,7 @@ def build(kind: type[T], tree: Branch, prefix: str = "") -> T:
     try:
         return kind(**values)
     except MachineError as error:
-        raise MachineError(f"{tree.place}: {prefix}{error}") from error
+        raise MachineError(f"{_place_of(str(error), tree)}: {prefix}{error}") from error
 
 
 def _value(key: str, tree: Branch, name: str, field: FieldKind) -> object:
@@ -80,8 +81,38 @@ def _value(key: str, tree: Branch, name: str, field: FieldKind) -> object:
         return _text(key, item, field.choice)
     if not isinstance(item, Branch):
         given = item.text if isinstance(item, Leaf) else list(item.texts)
-        raise MachineError(f"{item.place}: {key} must be a section with keys, not {given!r}")
+        allowed = _keys(field) + (" or null" if field.optional else "")
+        raise MachineError(
+            f"{item.place}: {key} must be a section with keys, not {given!r}; allowed: {allowed}"
+        )
     return build(sort_of(key, item, field.kinds), item, f"{key}.")
+
+
+def _place_of(complaint: str, tree: Branch) -> str:
+    """Return the place of the first key that a complaint names and that its section says itself.
+
+    Values that contradict each other may come from two places, one of them inherited: from the machine that
+    the file is based on, or from what all axes share. Who came later made the contradiction.
+    """
+    file, _, start = tree.place.rpartition(":")
+    for word in re.findall(r"[a-z_0-9.]+", complaint):
+        item: Item | None = tree
+        for key in word.rstrip(".").split("."):
+            item = item.children.get(key) if isinstance(item, Branch) else None
+        if item is not None:
+            place, _, line = item.place.rpartition(":")
+            if place == file and int(line) >= int(start):
+                return item.place
+    return tree.place
+
+
+def _keys(field: FieldKind) -> str:
+    """Return in words which keys a section has, or which sorts of it there are."""
+    if len(field.kinds) > 1:
+        return (
+            f"kind ({', '.join(str(getattr(kind, 'kind', '')) for kind in field.kinds)}) and the kind's own"
+        )
+    return ", ".join(_field_kinds(field.kinds[0]))
 
 
 def _what(field: FieldKind) -> str:

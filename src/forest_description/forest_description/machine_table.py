@@ -15,6 +15,8 @@ edit by hand. A number is from the **thesis** (with its place) or **assumed** (w
 
 - `c180_thesis` is the crane with the choices of the thesis, a known slip included.
 - `c180`, the default, is based on it: the slip corrected, and with what a teleoperated machine needs.
+- `loader` is a machine of another class, a small trailer loader crane; nothing of it is from the thesis. It
+  shows what a machine file can say: load-sensing pump, valves by axis and direction, friction, hanging head.
 """
 
 
@@ -99,13 +101,14 @@ def assumptions() -> str:
 
 def document() -> str:
     """Return the whole docs/machine.md."""
-    thesis, c180 = load_machine("c180_thesis"), load_machine("c180")
+    thesis, c180, loader = (load_machine(name) for name in ("c180_thesis", "c180", "loader"))
     printed, chosen = sources("c180_thesis"), choices(thesis)
     numbers = [row for row in sources("c180") if row not in printed]
     others = {key: word for key, word in choices(c180).items() if chosen.get(key) != word}
     return (
         f"{INTRODUCTION}\n## c180_thesis\n\n{choice_table(chosen)}\n\n{table(printed, thesis)}\n\n"
-        f"## c180: what differs\n\n{choice_table(others)}\n\n{table(numbers, c180)}\n"
+        f"## c180: what differs\n\n{choice_table(others)}\n\n{table(numbers, c180)}\n\n"
+        f"## loader\n\n{choice_table(choices(loader))}\n\n{table(sources('loader'), loader)}\n"
     )
 
 

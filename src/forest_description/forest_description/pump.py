@@ -6,6 +6,7 @@ three axes draw and what the pump can give meet there, and nowhere is it said wh
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -19,6 +20,16 @@ class IdealPump(ParameterSet):
     kind: ClassVar[str] = "ideal"
 
     supply_pressure: float = parameter("Pa", 1e5, 5e7, "pump pressure P_s, constant")
+
+    @property
+    def flow_limit(self) -> float:
+        """Greatest flow [m³/s]: there is none."""
+        return math.inf
+
+    @property
+    def idle_pressure(self) -> float:
+        """Pressure while nobody draws [Pa]."""
+        return self.supply_pressure
 
 
 @dataclass(frozen=True)
@@ -39,6 +50,11 @@ class _RealPump(ParameterSet):
     def flow_limit(self) -> float:
         """Flow at full displacement [m³/s]."""
         return self.count * self.displacement * self.shaft_speed
+
+    @property
+    def idle_pressure(self) -> float:
+        """Pressure while nobody draws, but for leakage and droop [Pa]."""
+        return self.supply_pressure
 
 
 @dataclass(frozen=True)
@@ -92,6 +108,11 @@ class LoadSensingPump(_ControlledPump):
                 f"margin ({self.margin:g} Pa) must be smaller than supply_pressure "
                 f"({self.supply_pressure:g} Pa)"
             )
+
+    @property
+    def idle_pressure(self) -> float:
+        """Pressure while nobody draws, but for leakage and droop [Pa]."""
+        return self.margin
 
 
 Pump = IdealPump | PressureCompensatedPump | ConstantFlowPump | LoadSensingPump

@@ -42,8 +42,10 @@ LIFTING: Vector = (0.0, -1.0, 0.0)
 ALONG_X: Vector = (0.0, 0.5 * math.pi, 0.0)
 """Roll, pitch, yaw that lay a cylinder's axis along x."""
 ALONG_Y: Vector = (0.5 * math.pi, 0.0, 0.0)
-HEAD_RADIUS = 0.35
-"""Of the ball that stands for the head [m]."""
+BOOM_SLENDERNESS, STICK_SLENDERNESS = 14.0, 20.0
+"""Length over thickness of the beams that stand for boom and stick."""
+HEAD_DENSITY = 3900.0
+"""Of the ball that stands for the head [kg/m^3]: half steel, half air; only its mass is known."""
 LOG_LENGTH, LOG_DENSITY = 4.0, 850.0
 """Of the cylinder that stands for a log [m], [kg/m^3]: green spruce; only its mass is known."""
 WALL, EYE = 0.01, 0.1
@@ -61,8 +63,8 @@ def robot_description(machine: Machine) -> str:
     parts, robot = machine.manipulator, ElementTree.Element("robot", name=machine.name)
     link(robot, "base_link")
     _platform(robot, machine)
-    _beam(robot, "boom", parts.boom_length, 0.30, boom_body(parts))
-    _beam(robot, "stick", parts.stick_length, 0.22, stick_body(parts))
+    _beam(robot, "boom", parts.boom_length, BOOM_SLENDERNESS, boom_body(parts))
+    _beam(robot, "stick", parts.stick_length, STICK_SLENDERNESS, stick_body(parts))
     _moving_joints(robot, machine)
     _head(robot, machine)
     link(robot, "tip")
@@ -80,8 +82,9 @@ def _platform(robot: ElementTree.Element, machine: Machine) -> None:
     visual(platform, "cylinder", (0.0, 0.0, -0.4), radius="0.35", length="0.8")
 
 
-def _beam(robot: ElementTree.Element, name: str, length: float, side: float, body: PlanarBody) -> None:
+def _beam(robot: ElementTree.Element, name: str, length: float, slenderness: float, body: PlanarBody) -> None:
     """Add a link that looks like a square beam from its joint to the next."""
+    side = length / slenderness
     inertial = Inertial(body.mass, (body.x, 0.0, body.y), (body.xx, body.zz, body.yy), -body.xy)
     visual(link(robot, name, inertial), "box", (0.5 * length, 0.0, 0.0), size=text((length, side, side)))
 
@@ -90,9 +93,10 @@ def _head(robot: ElementTree.Element, machine: Machine) -> None:
     """Add the head as a ball, and its log: at the tip, part of the stick, or under a joint with two axes."""
     m, hanging = machine.manipulator, hanging_body(machine.manipulator)
     tip = (m.stick_length, 0.0, 0.0)
+    ball = max(0.05, (0.75 * m.head_mass / (math.pi * HEAD_DENSITY)) ** (1.0 / 3.0))
     if m.pendulum is None or hanging is None:
         head = link(robot, "head")
-        visual(head, "sphere", radius=f"{HEAD_RADIUS:g}")
+        visual(head, "sphere", radius=repr(ball))
         if m.log is not None:
             _log(head, m.log, (m.log.x, 0.0, m.log.y))
         joint(robot, "head", "fixed", ("stick", "head"), tip)
@@ -100,7 +104,7 @@ def _head(robot: ElementTree.Element, machine: Machine) -> None:
     diagonal, centre = (hanging.inertia, hanging.inertia, 0.0), (0.0, 0.0, -hanging.length)
     link(robot, "head_cross")
     head = link(robot, "head", Inertial(hanging.mass, centre, diagonal, 0.0))
-    visual(head, "sphere", (0.0, 0.0, -m.pendulum.length), radius=f"{HEAD_RADIUS:g}")
+    visual(head, "sphere", (0.0, 0.0, -m.pendulum.length), radius=repr(ball))
     if m.log is not None:
         _log(head, m.log, (0.0, 0.0, -m.log.x))
     in_plane = joint(robot, HEAD_JOINTS[0], "revolute", ("stick", "head_cross"), tip, LIFTING)

@@ -11,6 +11,9 @@ The thesis has none: its machine could turn its links through each other.
 import math
 from typing import NamedTuple
 
+GRIP_SPEED = 0.05
+"""Speed [m/s; rad/s] whose damping force the spring has reached when the damper grips wholly."""
+
 
 class EndStop(NamedTuple):
     """Where an actuator's travel ends, and how hard; a stiffness of zero leaves the stop out."""
@@ -22,19 +25,39 @@ class EndStop(NamedTuple):
 
 
 def end_stop_force(position: float, speed: float, stop: EndStop) -> float:
-    """Return the stop's force [N; N m], positive towards larger positions; zero off the ends."""
+    """Return the stop's force [N; N m], positive towards larger positions; zero off the ends.
+
+    The damper grips over the first small part of the way in, or the force would jump when the piston arrives,
+    and an implicit step that ends there would have no solution.
+    """
     if position < stop.lower:
-        return max(0.0, stop.stiffness * (stop.lower - position) - stop.damping * speed)
+        return _push(stop.lower - position, -speed, stop)
     if position > stop.upper:
-        return -max(0.0, stop.stiffness * (position - stop.upper) + stop.damping * speed)
+        return -_push(position - stop.upper, speed, stop)
     return 0.0
+
+
+def _push(depth: float, inward: float, stop: EndStop) -> float:
+    """Return the stop's force [N; N m], at least 0, at a depth [m; rad] and speed inwards [m/s; rad/s]."""
+    return max(0.0, stop.stiffness * depth + _grip(depth, stop) * stop.damping * inward)
+
+
+def _grip(depth: float, stop: EndStop) -> float:
+    """Return the damper's share 0..1; it is whole where the spring alone holds a speed of `GRIP_SPEED`."""
+    held = stop.damping * GRIP_SPEED
+    spring = stop.stiffness * depth
+    return spring / held if spring < held else 1.0
 
 
 def end_stop_resistance(position: float, speed: float, stop: EndStop, step: float) -> float:
     """Return -dF/du [N s/m; N m s/rad] when the position moves with the speed over an implicit step [s]."""
     if end_stop_force(position, speed, stop) == 0.0:
         return 0.0
-    return stop.damping + step * stop.stiffness
+    below = position < stop.lower
+    depth, inward = (stop.lower - position, -speed) if below else (position - stop.upper, speed)
+    grip = _grip(depth, stop)
+    tightening = inward / GRIP_SPEED if grip < 1.0 else 0.0
+    return grip * stop.damping + step * stop.stiffness * (1.0 + tightening)
 
 
 class CushionBrake(NamedTuple):

@@ -13,9 +13,9 @@ import time
 
 from rclpy.node import Node
 
-from forest_description.kinematics import inverse_kinematics, tip_position, tip_velocity
-from forest_description.limits import joint_limits
-from forest_description.machine import AXES, load_machine
+from forest_description.kinematics import tip_position, tip_velocity
+from forest_description.limits import pose_at, start_tip
+from forest_description.machine import load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.inbox import inbox
@@ -53,7 +53,7 @@ class SimulatorNode(Node):
     def __init__(self) -> None:
         super().__init__("simulator")
         machine = load_machine(declare(self, "machine", "c180", "shipped machine, or path of a machine file"))
-        start = declare_triple(self, "initial_tip", (5.5, 0.0, 1.0), "tip position at the start", "m")
+        start = declare_triple(self, "initial_tip", start_tip(machine), "tip position at the start", "m")
         self._plain = declare(self, "plain_arrays", False, "publish Float64MultiArray without stamp")
         self._machine = machine
         self._plant = plant_parameters(machine)
@@ -83,18 +83,10 @@ class SimulatorNode(Node):
             raise ParameterError(f"parameter 'sensor_faults': {error}") from error
 
     def _start_angles(self, tip: Triple) -> Triple:
-        given = f"parameter 'initial_tip' is {list(tip)}"
         try:
-            angles = inverse_kinematics(tip, self._machine.manipulator.links)
+            return pose_at(tip, self._machine)
         except ValueError as error:
-            raise ParameterError(f"{given}: {error}") from error
-        for name, angle, limits in zip(AXES, angles, joint_limits(self._machine), strict=True):
-            if not limits[0] <= angle <= limits[1]:
-                needed, low, high = (f"{math.degrees(a):.1f}" for a in (angle, *limits))
-                raise ParameterError(
-                    f"{given}; it needs the {name} at {needed} deg; allowed: {low} .. {high} deg"
-                )
-        return angles
+            raise ParameterError(f"parameter 'initial_tip' is {list(tip)}: {error}") from error
 
     def _read_voltages(self) -> None:
         """Take the newest command; a bad one, and one that is too old, centres the valves."""

@@ -115,7 +115,7 @@ class _Loop:
         )
         angles = sensors.true_joints(self._simulation, self._plant).position
         wish, command = self._control_step(seen, operator)
-        pressures = _pressures(seen, self._drive.supply_pressure)
+        pressures = _pressures(seen, self._drive.idle_pressure)
         self._driver, volts = valve_driver.step(self._driver, command, pressures, self._drive, PERIOD)
         self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
         return angles, wish, command, volts, seen.pressures
@@ -131,7 +131,7 @@ class _Loop:
 
 
 def _pressures(seen: Measurement, supply: float) -> valve_driver.Pressures | None:
-    """Return what the driver may believe: all ports or none; the nominal supply [Pa] where it is not read."""
+    """Return what the driver may believe: all ports or none; the idle supply [Pa] where it is not read."""
     ports = _at_port(seen, 1), _at_port(seen, 2)
     if any(map(math.isnan, (*ports[0], *ports[1]))):
         return None
