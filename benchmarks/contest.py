@@ -27,7 +27,9 @@ def errors(states: Floats, reference: Floats) -> tuple[float, float]:
     return float(deviation[:, ANGLES].max()), float(deviation[:, PRESSURES].max()) / 1e6
 
 
-def measure(prepare: Prepare, mode: str, seconds: float, tolerance: float, reference: Floats) -> dict[str, Any]:
+def measure(
+    prepare: Prepare, mode: str, seconds: float, tolerance: float, reference: Floats
+) -> dict[str, Any]:
     """Return the fastest of some repetitions of the whole work, and its errors."""
     integrate = prepare(benchmark.make(mode, seconds), reference[0], tolerance)
     run = integrate()

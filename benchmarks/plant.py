@@ -40,7 +40,7 @@ def run_contestant(key: str, modes: list[str], seconds: float, tolerance: float 
     with tempfile.TemporaryDirectory() as cache:
         cold: Row = {}
         for mode in modes:
-            share = min(seconds, contestant.seconds.get(mode, seconds))
+            share = min(seconds, contestant.shares.get(mode, seconds))
             setting = tolerance or contestant.tolerance[mode]
             start = row | {"mode": mode, "seconds": share, "tolerance": setting}
             arguments = [key, "--mode", mode, "--seconds", str(share), "--tolerance", str(setting)]
@@ -58,10 +58,11 @@ def run_contestant(key: str, modes: list[str], seconds: float, tolerance: float 
 
 def _process(arguments: list[str], cache: str) -> Row:
     """Return what a contestant's process prints."""
-    program = str(Path(__file__).with_name("contest.py"))
+    program = str(Path(__file__).resolve().with_name("contest.py"))
     environment = os.environ | dict.fromkeys(THREADS, "1") | {"NUMBA_CACHE_DIR": cache}
+    # The folder is also where CasADi leaves its C files.
     command = [sys.executable, program, *arguments, "--spawned", repr(time.time())]
-    done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
+    done = subprocess.run(command, env=environment, cwd=cache, check=True, capture_output=True, text=True)
     result: Row = json.loads(done.stdout.splitlines()[-1])
     return result
 
@@ -94,7 +95,7 @@ def accurate(row: Row) -> bool:
 
 def _share(row: Row) -> str:
     contestant: Contestant = CONTESTANTS[row["contestant"]]
-    return f", first {row['seconds']:g} s" if row["mode"] in contestant.seconds else ""
+    return f", first {row['seconds']:g} s" if row["mode"] in contestant.shares else ""
 
 
 def main(argv: list[str] | None = None) -> None:

@@ -20,7 +20,7 @@ from forest_sim.plant import to_array
 from work import Floats, Work
 
 TOLERANCE = 1e-10
-HERE = Path(__file__).parent
+HERE = Path(__file__).resolve().parent
 SOURCES = [HERE / name for name in ("peers/equations.py", "peers/segments.py", "reference.py")]
 
 

@@ -15,6 +15,7 @@ Two modes: `open` follows the formula, `held` samples it every 5 ms and holds th
 
 import csv
 import hashlib
+import itertools
 import math
 from pathlib import Path
 from typing import NamedTuple
@@ -85,7 +86,7 @@ def open_loop(seconds: float = SECONDS) -> Work:
     return Work(
         "open",
         samples,
-        [Segment(a, b, _wave(pieces, 0.5 * (a + b) * SAMPLE)) for a, b in zip(breaks, breaks[1:], strict=False)],
+        [Segment(a, b, _wave(pieces, 0.5 * (a + b) * SAMPLE)) for a, b in itertools.pairwise(breaks)],
     )
 
 

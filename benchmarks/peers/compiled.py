@@ -1,7 +1,7 @@
 """The peers' right-hand side and its Jacobian, compiled by Numba.
 
-The numbers of `equations` become constants of the compiled code, so the cache must be named after them: import
-this module only where `use_cache` has been called.
+The numbers of `equations` become constants of the compiled code, and Numba's cache would not notice that they
+have changed: whoever imports this module sets NUMBA_CACHE_DIR to a folder of its own (`plant.py` does).
 """
 
 import math

@@ -1,8 +1,8 @@
 """The plant as a peer's user would write it: the right-hand side of Appendix B for both valve directions.
 
-Independent of forest_sim: only the machine's numbers are shared. It is written for speed: constants are folded
-beforehand, the motor's inner network is solved numerically, sums are factored. The same source is interpreted
-(NumPy peers), compiled by Numba, and traced by CasADi.
+Independent of forest_sim: only the machine's numbers are shared. It is written for speed: constants are
+folded beforehand, the motor's inner network is solved numerically, sums are factored. The same source is
+interpreted (NumPy peers), compiled by Numba, and traced by CasADi.
 
 A general solver has no use for C_R = inf: behind a shut valve the flow decays with SHUT_RATE instead, which
 moves no oil (a cap on C_R would leak) and is no stiffer than the open orifice.
@@ -10,6 +10,10 @@ moves no oil (a cap on C_R would leak) and is no stiffer than the open orifice.
 States y are Appendix B's 18 in units that make them of order one, as solvers with a scalar tolerance need:
 rad, rad/s, 10 MPa, 10 MPa, l/s, l/s for swing, boom, stick.
 """
+
+# ruff: noqa: F821
+# The equations' numbers, `NUMBERS`, are globals of this module: that is fastest when interpreted, and when
+# compiled they are constants.
 
 import math
 from collections.abc import Callable, Sequence
@@ -29,12 +33,12 @@ Rates = Callable[..., tuple[Any, ...]]
 
 def constants(machine: Machine) -> dict[str, float]:
     """Return all numbers of the right-hand side, in the units of the module's head."""
-    law = machine.valve.law
+    valve = machine.valve
     names = {
         "supply": machine.pump.supply_pressure / PRESSURE,
-        "deadband": law.deadband_voltage,
-        "per_volt": 1.0 / (law.rated_voltage - law.deadband_voltage),
-        "resistance": law.minimum_resistance * FLOW**2 / PRESSURE,
+        "deadband": valve.deadband_voltage,
+        "per_volt": 1.0 / (valve.rated_voltage - valve.deadband_voltage),
+        "resistance": valve.minimum_resistance * FLOW**2 / PRESSURE,
     }
     names |= _motor(machine) | _cylinder(machine, machine.boom, 1) | _cylinder(machine, machine.stick, 2)
     for axis in range(3):
@@ -60,7 +64,9 @@ def _motor(machine: Machine) -> dict[str, float]:
     outlet = (p[1] - np.array([0.0, 0.0, 1.0])) / r_2 * unit / FLOW
     torque = d * (p[0] - p[1]) * unit - np.array([drive.damping, 0.0, 0.0])
     rows = {"inlet": inlet, "outlet": outlet, "torque": torque}
-    return {f"{row}_{k}": float(v) for row, values in rows.items() for k, v in zip("u12", values, strict=True)}
+    return {
+        f"{row}_{k}": float(v) for row, values in rows.items() for k, v in zip("u12", values, strict=True)
+    }
 
 
 def _cylinder(machine: Machine, drive: CylinderDrive, axis: int) -> dict[str, float]:

@@ -14,9 +14,8 @@ import numpy as np
 import work as benchmark
 from forest_description.machine import load_machine
 from forest_sim.compiled import compiled_advance
-from forest_sim.integrator import Simulation
+from forest_sim.equilibrium import equilibrium
 from forest_sim.parameters import plant_parameters
-from forest_sim.plant import from_array
 from peers import Run
 from work import SAMPLE, Floats, Work
 
@@ -30,8 +29,8 @@ def _integrate(simulation, voltages, h, count, states, p):  # type: ignore[no-un
         for j in range(voltages.shape[1]):
             v = (voltages[k, j, 0], voltages[k, j, 1], voltages[k, j, 2])
             simulation = _advance(simulation, v, h, count, p)
-        column = 0
-        for axis in simulation.plant:
+        column, plant = 0, simulation.plant
+        for axis in (plant.swing, plant.boom, plant.stick):
             for value in axis:
                 states[k + 1, column] = value
                 column += 1
@@ -43,7 +42,7 @@ def prepare(work: Work, start: Floats, tolerance: float) -> Callable[[], Run]:
     steps = round(SAMPLE / tolerance)
     calls = 1 if work.mode == "held" else steps
     voltages = benchmark.step_voltages(work, calls).reshape(work.samples, calls, 3)
-    simulation = Simulation(from_array(start), (0.0, 0.0, 0.0))
+    simulation = equilibrium(benchmark.START, p)  # `start` is its 18 states
 
     def integrate() -> Run:
         states = np.empty((work.samples + 1, 18))

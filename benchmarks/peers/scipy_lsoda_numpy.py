@@ -1,7 +1,7 @@
 """scipy's LSODA (odeint, whose loop over steps is compiled) with an interpreted right-hand side.
 
-The right-hand side works on Python floats between two NumPy arrays: for 18 states that is several times faster
-than array operations. LSODA's own differences give the Jacobian.
+The right-hand side works on Python floats between two NumPy arrays: for 18 states that is several times
+faster than array operations. LSODA's own differences give the Jacobian.
 """
 
 from collections.abc import Callable
