@@ -79,13 +79,18 @@ def table(rows: Iterable[Row]) -> Iterable[str]:
         factor = row["real_time_factor"]
         if row["contestant"] == "ours":
             ours[row["mode"]] = factor
-        ratio = f"{ours[row['mode']] / factor:.3g}×" if row["mode"] in ours else ""
+        ratio = f"{_figures(ours[row['mode']] / factor)}×" if row["mode"] in ours else ""
         flag = "" if accurate(row) else " (misses the limit)"
         yield (
-            f"| {row['name']} | {row['tolerance']:.0e} | {row['mode']}{_share(row)} | {factor:.3g} | {ratio} "
+            f"| {row['name']} | {row['tolerance']:.0e} | {row['mode']}{_share(row)} | {_figures(factor)} | {ratio} "
             f"| {row['error_rad']:.1e}{flag} | {row['error_mpa']:.3f} "
             f"| {row['start_cold_s']:.1f} | {row['start_cached_s']:.2f} |"
         )
+
+
+def _figures(value: float) -> str:
+    """Return three figures, never an exponent."""
+    return f"{float(f'{value:.3g}'):.10g}"
 
 
 def accurate(row: Row) -> bool:
