@@ -82,8 +82,8 @@ def table(rows: Iterable[Row]) -> Iterable[str]:
         ratio = f"{_figures(ours[row['mode']] / factor)}×" if row["mode"] in ours else ""
         flag = "" if accurate(row) else " (misses the limit)"
         yield (
-            f"| {row['name']} | {row['tolerance']:.0e} | {row['mode']}{_share(row)} | {_figures(factor)} | {ratio} "
-            f"| {row['error_rad']:.1e}{flag} | {row['error_mpa']:.3f} "
+            f"| {row['name']} | {row['tolerance']:.0e} | {row['mode']}{_share(row)} "
+            f"| {_figures(factor)} | {ratio} | {row['error_rad']:.1e}{flag} | {row['error_mpa']:.3f} "
             f"| {row['start_cold_s']:.1f} | {row['start_cached_s']:.2f} |"
         )
 
