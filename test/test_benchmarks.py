@@ -1,0 +1,90 @@
+"""The benchmark runs, says what it must, and compares equal things. No time is asserted."""
+
+import importlib
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import appendix_b
+import numpy as np
+import pytest
+
+pytest.importorskip("numba")
+
+from forest_description.machine import load_machine
+from forest_description.valve import edges
+
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+FIELDS = {"real_time_factor", "error_rad", "error_mpa", "cpu_seconds", "start_cold_s", "start_cached_s"}
+
+
+@pytest.fixture
+def benchmark(monkeypatch):
+    """Imports a module of benchmarks/."""
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    yield importlib.import_module
+    for name in [n for n in sys.modules if n.split(".")[0] in {"plant", "peers", "work", "reference"}]:
+        del sys.modules[name]
+
+
+def test_short_work_runs_in_both_modes_and_reports_all_fields(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))  # so that the reference is made, too
+    report = tmp_path / "report.json"
+    command = [sys.executable, BENCHMARKS / "plant.py", "--seconds", "0.6", "--peers", "lsoda-numpy"]
+    done = subprocess.run([*command, "--json", report], check=True, capture_output=True, text=True)
+    rows = json.loads(report.read_text())["rows"]
+    assert [(r["contestant"], r["mode"]) for r in rows] == [
+        ("ours", "open"), ("ours", "held"), ("lsoda-numpy", "open"), ("lsoda-numpy", "held"),
+    ]  # fmt: skip
+    for row in rows:
+        assert row.keys() >= FIELDS
+        assert row["error_rad"] <= 1e-5
+        assert row["error_mpa"] <= 0.04
+        assert row["name"] in done.stdout
+
+
+def test_peer_that_is_not_installed_is_named(benchmark):
+    plant, peers = benchmark("plant"), benchmark("peers")
+    peers.CONTESTANTS["ghost"] = peers.Contestant("Ghost", "ghost", ("scipy", "no_such_solver"), {})
+    rows = plant.run_contestant("ghost", ["open"], 0.1, None)
+    assert rows == [{"contestant": "ghost", "name": "Ghost", "mode": "open", "missing": ["no_such_solver"]}]
+    assert "missing: no_such_solver" in "".join(plant.table(rows))
+
+
+def test_peers_equations_are_those_of_appendix_b(benchmark):
+    equations = benchmark("peers.equations")
+    machine, rng = load_machine("c180_thesis"), np.random.default_rng(7)
+    for _ in range(50):
+        y = rng.uniform(-1.0, 1.0, 18)
+        y[[6, 12]] = rng.uniform(-0.5, 1.0), rng.uniform(-2.0, -0.9)
+        volts = rng.uniform(1.5, 9.0, 3)
+        c_r = [edges(v, machine.valve.law).supply_1 for v in volts for _ in range(2)]
+        wave = [x for v in volts for x in (v, 0.0, 0.0, 0.0)]
+        expected = appendix_b.state_derivative(y * equations.SCALE, c_r, machine.pump.supply_pressure)
+        actual = equations.right_hand_side(0.0, y, wave) * equations.SCALE
+        np.testing.assert_allclose(actual / equations.SCALE, expected / equations.SCALE, rtol=1e-9, atol=1e-9)
+
+
+def test_negative_voltage_swaps_supply_and_tank(benchmark):
+    valve, supply = benchmark("peers.equations").valve, benchmark("peers.equations").supply
+    p_1, p_2, q_1, q_2 = 0.7, 1.1, 0.2, -0.1
+    forward, backward = valve(3.0, p_1, p_2, q_1, q_2, 1.0, 1.0), valve(-3.0, p_1, p_2, q_1, q_2, 1.0, 1.0)
+    np.testing.assert_allclose(np.subtract(forward, backward), [supply, supply])
+
+
+def test_input_opens_valves_by_steps_but_closes_them_smoothly(benchmark):
+    work = benchmark("work")
+    volts = work.step_voltages(work.open_loop(), 50)  # every 0.1 ms
+    jump = np.diff(volts, axis=0)
+    sudden = np.abs(jump) > 0.1
+    assert np.all(sudden.any(axis=0)), "every axis has a step"
+    assert np.all(np.abs(volts[:-1][sudden]) <= load_machine("c180_thesis").valve.deadband_voltage)
+
+
+def test_held_commands_are_the_open_loop_s_at_every_sample(benchmark):
+    work = benchmark("work")
+    held = work.held(0.6)
+    sampled = np.array([segment.wave[[0, 4, 8]] for segment in held.segments])
+    np.testing.assert_array_equal(sampled, work.held_commands(work.open_loop(0.6)))
+    np.testing.assert_array_equal(work.step_voltages(held, 5)[::5], sampled)
