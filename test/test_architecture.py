@@ -120,14 +120,16 @@ def test_the_manifest_names_every_ros_and_own_package_that_is_imported(package):
 
 def test_colcon_and_pip_install_the_same_executables():
     pip = dict(
-        re.findall(r'^(\w+_node) = "(.+)"$', (ROOT / "pyproject.toml").read_text("utf-8"), re.MULTILINE)
+        re.findall(
+            r'^([\w-]+) = "([\w.]+:main)"$', (ROOT / "pyproject.toml").read_text("utf-8"), re.MULTILINE
+        )
     )
     colcon = {}
     for package in PACKAGES:
         colcon |= re.findall(
-            r'"(\w+) = ([\w.]+:main)"', (ROOT / "src" / package / "setup.py").read_text("utf-8")
+            r'"([\w-]+) = ([\w.]+:main)"', (ROOT / "src" / package / "setup.py").read_text("utf-8")
         )
-    assert len(pip) == 5
+    assert len(pip) == 6
     assert colcon == pip
 
 

@@ -10,11 +10,16 @@ setup(
     description="How the crane moves: hydraulics, manipulator, integrator, sensors, the simulator node",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),
-    package_data={package: ["py.typed"]},
+    package_data={package: ["py.typed", "pumps/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
     ],
     zip_safe=False,
-    entry_points={"console_scripts": ["simulator_node = forest_sim.simulator_node:main"]},
+    entry_points={
+        "console_scripts": [
+            "forest-sim = forest_sim.cli:main",
+            "simulator_node = forest_sim.simulator_node:main",
+        ]
+    },
 )

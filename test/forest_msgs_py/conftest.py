@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from forest_ident.recorder import Recorder
+from forest_msgs_py.bag_writer import BagWriter
 from forest_msgs_py.topics import Topic, message_class
 
 Stamped = tuple[int, Any]  # log time [ns], message
@@ -21,7 +21,7 @@ def make_bag(tmp_path: Path) -> Iterator[Callable[..., Path]]:
     serialization = pytest.importorskip("rclpy.serialization")
 
     def make(content: dict[Topic, Sequence[Stamped]], namespace: str = "", closed: bool = True) -> Path:
-        recorder = opened.enter_context(contextlib.closing(Recorder(tmp_path / "bag")))
+        recorder = opened.enter_context(contextlib.closing(BagWriter(tmp_path / "bag")))
         for topic, messages in content.items():
             name = topic.name if topic.name.startswith("/") else f"{namespace}/{topic.name}"
             recorder.add_topic(name, topic.type, [], "")

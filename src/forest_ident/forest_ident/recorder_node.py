@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from forest_ident.recorder import FLUSH_PERIOD_S, Recorder
+from forest_msgs_py.bag_writer import FLUSH_PERIOD_S, BagWriter
 from forest_msgs_py.inbox import Inbox
 from forest_msgs_py.node import NodeFailure, run_node, timer
 from forest_msgs_py.parameters import ParameterError, declare
@@ -48,7 +48,7 @@ class RecorderNode(Node):
             raise ParameterError("parameter 'output' is ''; allowed: a directory that does not exist yet")
         self._excluded = {self.resolve_topic_name(name) for name in excluded if name}
         try:
-            self._recorder = Recorder(output)
+            self._recorder = BagWriter(output)
         except OSError as error:
             raise ParameterError(
                 f"parameter 'output' is {output!r}: {error}; allowed: a directory that does not exist yet"

@@ -16,7 +16,7 @@ The wished path starts at the true tip where the first command was given, and in
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -82,13 +82,16 @@ def tip_error(bag: Bag) -> tuple[Floats, Floats, Floats]:
     return time, moved[0] + np.vstack([np.zeros(3), travel]), moved
 
 
-def draw_all(bag: Bag, out_dir: str | Path, limits: Limits | None = None) -> list[Path]:
+def draw_all(
+    bag: Bag, out_dir: str | Path, limits: Limits | None = None, leave_out: Collection[str] = ()
+) -> list[Path]:
     """Draw every standard picture for which the bag has the topics; the others are reported in the log.
 
     Args:
         bag: a recorded session.
         out_dir: directory for the PNG files; made if it is not there.
         limits: joint angles to show as limits, rad.
+        leave_out: pictures not to draw, like "tip_error.png".
 
     Returns:
         The files drawn.
@@ -103,7 +106,8 @@ def draw_all(bag: Bag, out_dir: str | Path, limits: Limits | None = None) -> lis
         "hydraulics.png": lambda: draw_hydraulics(bag),
     }
     drawn = []
-    for name, draw in pictures.items():
+    for name in sorted(pictures.keys() - set(leave_out), key=list(pictures).index):
+        draw = pictures[name]
         try:
             figure = draw()
         except NotInBag as missing:
@@ -121,7 +125,7 @@ def draw_tip_path(bag: Bag) -> Figure:
         _, wished, moved = tip_error(bag)
     except NotInBag:
         moved = _need(bag, GROUND_TRUTH_TIP_POSE).values
-    figure, (top, side) = _figure(1, 2, 5.2, "Path of the tip")
+    figure, (top, side) = new_figure(1, 2, 5.2, "Path of the tip")
     for axes, project in ((top, _from_above), (side, _from_the_side)):
         axes.plot(*project(moved), label="moved", color="C0")
         axes.plot(*(values[:1] for values in project(moved)), "o", color="C2", label="start")
@@ -144,12 +148,12 @@ def draw_tip_error(bag: Bag) -> Figure:
     norm = np.linalg.norm(error, axis=1)
     rms, largest = float(np.sqrt(np.mean(norm**2))), float(norm.max())
     title = f"Tip error: true minus wished ({rms:.0f} mm RMS, {largest:.0f} mm at most)"
-    figure, (by_axis, whole) = _figure(2, 1, 6.0, title)
+    figure, (by_axis, whole) = new_figure(2, 1, 6.0, title)
     for place, name in enumerate("xyz"):
         by_axis.plot(time, error[:, place], label=name)
     whole.plot(time, norm, color="0.2", label="norm")
-    _finish(by_axis, "error [mm]")
-    _finish(whole, "error [mm]", "time since the first command [s]")
+    finish_axes(by_axis, "error [mm]")
+    finish_axes(whole, "error [mm]", "time since the first command [s]")
     return figure
 
 
@@ -157,28 +161,34 @@ def draw_joints(bag: Bag, limits: Limits | None = None) -> Figure:
     """Measured joint angles with their limits, and joint speeds."""
     joints = _need(bag, JOINT_STATES)
     time = _seconds(joints.time_ns, int(joints.time_ns[0]))
-    figure, (angles, speeds) = _figure(2, 1, 6.5, "Joints")
+    figure, (angles, speeds) = new_figure(2, 1, 6.5, "Joints")
     for place, name in enumerate(JOINTS):
         angles.plot(time, np.degrees(joints.column(f"{name}.position")), f"C{place}", label=name)
         if f"{name}.velocity" in joints.labels:
             speeds.plot(time, np.degrees(joints.column(f"{name}.velocity")), f"C{place}", label=name)
         for limit in (limits or {}).get(name, ()):
             angles.axhline(np.degrees(limit), color=f"C{place}", linestyle=":", linewidth=1.0)
-    _finish(angles, "angle [°]" + (", limits dotted" if limits else ""))
-    _finish(speeds, "speed [°/s]", "time [s]")
+    finish_axes(angles, "angle [°]" + (", limits dotted" if limits else ""))
+    finish_axes(speeds, "speed [°/s]", "time [s]")
     return figure
 
 
 def draw_voltages(bag: Bag) -> Figure:
-    """What the controller wished of an ideal valve, and what the driver gave the amplifier."""
-    voltage = _need(bag, VALVE_VOLTAGES)
-    command = _need(bag, VALVE_COMMANDS)
-    start = int(min(voltage.time_ns[0], command.time_ns[0]))
-    figure, panels = _figure(3, 1, 7.0, "Valves: command (ideal valve) and voltage (amplifier)")
+    """What the controller wished of an ideal valve, if there was one, and what the amplifier was given."""
+    voltage, command = _need(bag, VALVE_VOLTAGES), _have(bag, VALVE_COMMANDS)
+    start = int(min(series.time_ns[0] for series in (voltage, command) if series is not None))
+    title = (
+        "Valves: command (ideal valve) and voltage (amplifier)"
+        if command is not None
+        else "Voltages at the valves"
+    )
+    figure, panels = new_figure(3, 1, 7.0, title)
     for axes, name in zip(panels, JOINTS, strict=False):
         axes.plot(_seconds(voltage.time_ns, start), voltage.column(name), color="C3", label="voltage")
-        axes.plot(_seconds(command.time_ns, start), command.column(name), label="command", **WISHED)
-        _finish(axes, f"{name} [V]", "time [s]" if name == JOINTS[-1] else "")
+        if command is not None:
+            axes.plot(_seconds(command.time_ns, start), command.column(name), label="command", **WISHED)
+        widen(axes, 1.0)
+        finish_axes(axes, f"{name} [V]", "time [s]" if name == JOINTS[-1] else "")
     return figure
 
 
@@ -187,7 +197,7 @@ def draw_hydraulics(bag: Bag) -> Figure:
     pressure = _need(bag, PRESSURES)
     supply, flow = _have(bag, SUPPLY), _have(bag, FLOWS)
     start = int(pressure.time_ns[0])
-    figure, panels = _figure(4, 1, 9.0, "Hydraulics")
+    figure, panels = new_figure(4, 1, 9.0, "Hydraulics")
     for axes, name in zip(panels, JOINTS, strict=False):
         for port in (1, 2):
             label = f"{name}_{port}_actuator"
@@ -198,13 +208,13 @@ def draw_hydraulics(bag: Bag) -> Figure:
         if supply is not None:
             line = 1e-6 * supply.column("pressure")
             axes.plot(_seconds(supply.time_ns, start), line, "k:", linewidth=1.0, label="supply")
-        _finish(axes, f"{name} [MPa]")
+        finish_axes(axes, f"{name} [MPa]")
     if flow is not None:
         for label in flow.labels:
             _plot_flow(panels[3], flow, label, label.replace("_", " port "), start)
     if supply is not None:
         _plot_flow(panels[3], supply, "flow", "pump", start)
-    _finish(panels[3], "flow [L/min]", "time [s]")
+    finish_axes(panels[3], "flow [L/min]", "time [s]")
     return figure
 
 
@@ -238,7 +248,7 @@ def _from_the_side(points: Floats) -> tuple[Floats, Floats]:
     return np.hypot(points[:, 0], points[:, 1]), points[:, 2]
 
 
-def _figure(rows: int, columns: int, height_in: float, title: str) -> tuple[Figure, Sequence[Axes]]:
+def new_figure(rows: int, columns: int, height_in: float, title: str) -> tuple[Figure, Sequence[Axes]]:
     """A figure that belongs to no window and no global state; panels above each other share their time."""
     figure = Figure(figsize=(WIDTH_IN, height_in), dpi=DPI, layout="tight")
     panels = figure.subplots(rows, columns, sharex=rows > 1, squeeze=False).ravel()
@@ -246,9 +256,18 @@ def _figure(rows: int, columns: int, height_in: float, title: str) -> tuple[Figu
     return figure, list(panels)
 
 
-def _finish(axes: Axes, ylabel: str, xlabel: str = "") -> None:
+def widen(axes: Axes, span: float) -> None:
+    """Show no less than a span of y, so that a line at rest is not magnified into noise."""
+    low, high = axes.get_ylim()
+    if high - low < span:
+        middle = 0.5 * (low + high)
+        axes.set_ylim(middle - span, middle + span)
+
+
+def finish_axes(axes: Axes, ylabel: str, xlabel: str = "", legend: bool = True) -> None:
+    """Label the axes, draw their grid and, where anything has a name, their legend."""
     axes.set_ylabel(ylabel)
     axes.set_xlabel(xlabel)
     axes.grid(alpha=0.3)
-    if axes.get_legend_handles_labels()[0]:
+    if legend and axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper right", fontsize="small", ncols=3)

@@ -15,7 +15,7 @@ The file is read as a stream, front to back, so that a bag whose recorder was ki
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -105,6 +105,17 @@ class Bag:
         if name not in self._series:
             self._series[name] = _series(name, self.topics[name].type, self._messages[name])
         return self._series[name]
+
+
+def bag_of(series: Mapping[Topic, Series]) -> Bag:
+    """A session in memory that was never a file: its pictures are drawn like a recorded one's."""
+    bag = Bag({}, {}, complete=True)
+    for topic, values in series.items():
+        times = values.log_time_ns
+        first, last = (int(times[0]), int(times[-1])) if len(times) else (0, 0)
+        bag.topics[topic.name] = TopicInfo(topic.type, len(times), first, last, 0)
+        bag._series[topic.name] = values
+    return bag
 
 
 def read_bag(path: str | Path) -> Bag:

@@ -218,6 +218,22 @@ def qos(topic: Topic, reading: bool = False) -> QoSProfile:
     return QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=durability)
 
 
+def offered_qos(topic: Topic) -> dict[str, Any]:
+    """What our publisher of a topic offers, with the keys and words of rosbag2's metadata."""
+    never = {"sec": 9223372036, "nsec": 854775807}
+    return {
+        "history": "keep_last",
+        "depth": queue_depth(topic),
+        "reliability": "reliable",
+        "durability": "transient_local" if topic.latched else "volatile",
+        "deadline": never,
+        "lifespan": never,
+        "liveliness": "automatic",
+        "liveliness_lease_duration": never,
+        "avoid_ros_namespace_conventions": False,
+    }
+
+
 def message_class(topic: Topic) -> Any:
     """The Python class of the topic's messages.
 

@@ -10,7 +10,7 @@ import yaml
 from mcap.exceptions import EndOfFile
 from mcap.reader import NonSeekingReader, make_reader
 
-from forest_ident.recorder import Recorder, message_definition
+from forest_msgs_py.bag_writer import BagWriter, message_definition
 
 START = 1_700_000_000_000_000_000
 HASH = "RIHS01_705ba9c3d1a09df43737eb67095534de36fd426c0587779bda2bc51fe790182a"
@@ -30,7 +30,7 @@ ONE = b"\x00\x01\x00\x00" + bytes(6) + b"\xf0\x3f"  # std_msgs/Float64 1.0 as li
 
 
 def record(directory, count=100):
-    recorder = Recorder(directory)
+    recorder = BagWriter(directory)
     recorder.add_topic("/depth", "std_msgs/msg/Float64", [QOS], HASH)
     recorder.add_topic("/quiet", "std_msgs/msg/Float64", [QOS, QOS], HASH)
     for step in range(count):
@@ -117,8 +117,8 @@ def test_a_killed_recorder_leaves_what_was_flushed(tmp_path):
     code = f"""
         import os, sys
         sys.path[:0] = {sys.path!r}
-        from forest_ident.recorder import Recorder
-        recorder = Recorder({str(tmp_path / "bag")!r})
+        from forest_msgs_py.bag_writer import BagWriter
+        recorder = BagWriter({str(tmp_path / "bag")!r})
         recorder.add_topic("/depth", "std_msgs/msg/Float64", [], "")
         for step in range(100):
             recorder.write("/depth", {ONE!r}, step, step, step + 1)
@@ -140,7 +140,7 @@ def test_a_killed_recorder_leaves_what_was_flushed(tmp_path):
 def test_an_existing_directory_is_refused_and_left_alone(tmp_path):
     (tmp_path / "bag").mkdir()
     with pytest.raises(FileExistsError, match="bag exists; allowed: a directory to be made"):
-        Recorder(tmp_path / "bag")
+        BagWriter(tmp_path / "bag")
     assert list((tmp_path / "bag").iterdir()) == []
 
 
@@ -158,7 +158,7 @@ def test_a_full_disk_is_an_error_and_the_file_is_closed(tmp_path, monkeypatch):
     def full(_descriptor):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("forest_ident.recorder.os.fsync", full)
+    monkeypatch.setattr("forest_msgs_py.bag_writer.os.fsync", full)
     with pytest.raises(OSError, match="No space left"):
         recorder.close()
     recorder.close()  # closed: nothing more to fail
@@ -176,7 +176,7 @@ def test_a_definition_brings_the_types_within_it_once(needs_message_files):
 
 
 def test_a_type_without_files_is_recorded_all_the_same(tmp_path):
-    recorder = Recorder(tmp_path / "bag")
+    recorder = BagWriter(tmp_path / "bag")
     assert not recorder.add_topic("/odd", "nobodys_msgs/msg/Odd", [], "")
     recorder.write("/odd", b"bytes", START, START)
     recorder.close()

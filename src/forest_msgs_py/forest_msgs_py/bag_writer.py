@@ -3,7 +3,7 @@
 ===============  ===========================================================================================
 symbol           meaning
 ===============  ===========================================================================================
-log time         when the recorder received a message, system time, ns
+log time         when a recorder received a message, system time, ns; a simulation: its stamp
 publish time     when its publisher sent it (DDS source timestamp), ns
 sequence         the publisher's count of its messages; gaps are losses
 QoS profile      dict with the keys of rosbag2's metadata version 9
@@ -28,7 +28,7 @@ from mcap.writer import CompressionType, Writer
 CHUNK_BYTES = 64 * 1024
 FLUSH_PERIOD_S = 0.1  # what a killed recorder loses at most
 METADATA_VERSION = 9
-LIBRARY = "forest_ident recorder"
+LIBRARY = "forest_msgs_py bag_writer"
 SEPARATOR = "=" * 80
 
 _PRIMITIVES = frozenset(
@@ -88,11 +88,16 @@ def _message_text(package: str, name: str) -> str:
     raise FileNotFoundError(f"{package}/msg/{name}.msg is in no share directory of this environment")
 
 
-class Recorder:
+class BagWriter:
     """Writes one bag: a new directory with ``<name>_0.mcap`` and, once closed, ``metadata.yaml``."""
 
-    def __init__(self, directory: str | Path) -> None:
+    def __init__(self, directory: str | Path, chunk_bytes: int = CHUNK_BYTES) -> None:
         """Create the directory and open the file.
+
+        Args:
+            directory: to be made.
+            chunk_bytes: size of a chunk; what writes for hours without a live reader takes larger ones,
+                because the file's index, an entry for each chunk, stays in memory until the end.
 
         Raises:
             FileExistsError: the directory exists: a record is never overwritten.
@@ -106,11 +111,12 @@ class Recorder:
         self.file_name = f"{self.directory.name}_0.mcap"
         self.counts: dict[str, int] = {}
         self.lost: dict[str, int] = {}
-        self._first_ns = self._last_ns = 0
+        self._first_ns: int | None = None
+        self._last_ns = 0
         self._topics: dict[str, _Recorded] = {}
         self._schemas: dict[str, int] = {}
         self._stream = (self.directory / self.file_name).open("wb")
-        self._writer = Writer(self._stream, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
+        self._writer = Writer(self._stream, chunk_size=chunk_bytes, compression=CompressionType.ZSTD)
         self._writer.start(profile="ros2", library=LIBRARY)
         self._stream.flush()
 
@@ -154,7 +160,7 @@ class Recorder:
             OSError: the disk is full, or the file cannot be written.
         """
         self._writer.add_message(self._topics[name].channel, log_ns, data, publish_ns, sequence & 0xFFFFFFFF)
-        self._first_ns = min(self._first_ns or log_ns, log_ns)
+        self._first_ns = log_ns if self._first_ns is None else min(self._first_ns, log_ns)
         self._last_ns = max(self._last_ns, log_ns)
         self.counts[name] += 1
 
@@ -182,9 +188,10 @@ class Recorder:
 
     def _information(self) -> dict[str, Any]:
         """rosbag2's metadata, key by key in its order."""
+        first = self._first_ns or 0
         span = {
-            "duration": {"nanoseconds": self._last_ns - self._first_ns},
-            "starting_time": {"nanoseconds_since_epoch": self._first_ns},
+            "duration": {"nanoseconds": self._last_ns - first},
+            "starting_time": {"nanoseconds_since_epoch": first},
             "message_count": self.message_count,
         }
         file = {

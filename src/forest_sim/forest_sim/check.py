@@ -1,0 +1,136 @@
+"""What a machine file amounts to: the components it chooses, and figures that tell whether they fit."""
+
+import dataclasses
+import importlib
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from forest_description.actuation import rated_speeds
+from forest_description.limits import joint_limits, workspace_limits
+from forest_description.machine import AXES, Machine
+from forest_description.parameter import choice_of, parameter_of
+from forest_sim.equilibrium import equilibrium
+from forest_sim.integrator import Triple
+from forest_sim.modes import modes, operating_point, slow_modes, unguarded
+from forest_sim.parameters import plant_parameters
+from forest_sim.simulation import START_TIP, RunError, start_angles
+
+MPA = 1e6
+GRID = 8  # poses of boom and of stick, less one
+
+
+def components(machine: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Give every component that a machine could choose otherwise, and what it has: sort, word, or none."""
+    for field in dataclasses.fields(machine):
+        name, value = prefix + field.name, getattr(machine, field.name)
+        if choice_of(field) is not None:
+            yield name, str(value)
+        elif value is None:
+            yield name, "none"
+        elif dataclasses.is_dataclass(value):
+            if hasattr(value, "kind"):
+                yield name, str(value.kind)
+            elif "None" in str(field.type):
+                yield name, "yes"
+            yield from components(value, f"{name}.")
+        elif parameter_of(field) is not None and "None" in str(field.type):
+            yield name, f"{value}"
+
+
+def usual_pose(machine: Machine) -> Triple:
+    """Return the joint angles [rad] of the simulator's start, or those in the middle where it cannot be."""
+    try:
+        return start_angles(machine, START_TIP)
+    except RunError:
+        low_high = joint_limits(machine)
+        return tuple(0.5 * (low + high) for low, high in low_high)  # type: ignore[return-value]
+
+
+def full_speeds(machine: Machine, angles: Triple) -> dict[str, tuple[float, float]]:
+    """Return the steady joint speeds [rad/s] at a pose, each axis alone at full voltage to both sides."""
+    p = unguarded(plant_parameters(machine))
+    speeds = {}
+    for place, axis in enumerate(AXES):
+        rated = machine.valve_of(place).rated_voltage
+        both = []
+        for sign in (1.0, -1.0):
+            spools = tuple(sign * rated if i == place else 0.0 for i in range(3))
+            point = operating_point(angles, (spools[0], spools[1], spools[2]), p)
+            both.append(point.plant[place].rate)  # type: ignore[union-attr]
+        speeds[axis] = (both[0], both[1])
+    return speeds
+
+
+def warnings(machine: Machine) -> list[str]:
+    """Return what is allowed but not wise; each a sentence."""
+    p = plant_parameters(machine)
+    found = []
+    for place, name in ((1, "boom"), (2, "stick")):
+        highest, boom, stick = max(_holding_pressures(machine, place))
+        where = f"with the boom at {math.degrees(boom):.0f} and the stick at {math.degrees(stick):.0f} deg"
+        for limit, whose in (
+            (p.supply.set_pressure, "the pump's"),
+            (p.guard.relief_pressure, "the relief valve's"),
+        ):
+            if highest > limit:
+                found.append(
+                    f"{name}: holding the crane still takes {highest / MPA:.1f} MPa {where}, "
+                    f"more than {whose} {limit / MPA:.1f} MPa"
+                )
+    return found + _hose_warnings(machine)
+
+
+def _holding_pressures(machine: Machine, place: int) -> Iterator[tuple[float, float, float]]:
+    """Give a resting cylinder's greater pressure [Pa] over the joint limits, with boom and stick angle."""
+    p, (_, boom, stick) = plant_parameters(machine), joint_limits(machine)
+    for q_2 in (boom[0] + (boom[1] - boom[0]) * k / GRID for k in range(GRID + 1)):
+        for q_3 in (stick[0] + (stick[1] - stick[0]) * k / GRID for k in range(GRID + 1)):
+            state = equilibrium((0.0, q_2, q_3), p).plant
+            axis = state.boom if place == 1 else state.stick
+            yield max(axis.pressure_1, axis.pressure_2), q_2, q_3
+
+
+def _hose_warnings(machine: Machine) -> list[str]:
+    """Return forest_description's own warnings about hoses too long for one lump, where it has them."""
+    for module in ("hose", "hydraulics"):
+        try:
+            tell = getattr(importlib.import_module(f"forest_description.{module}"), "one_lump_warnings", None)
+        except ModuleNotFoundError:
+            continue
+        if tell is not None:
+            return list(tell(machine))
+    return []
+
+
+def report(machine: Machine) -> str:
+    """Return the machine in words and numbers."""
+    angles = usual_pose(machine)
+    limits, w = joint_limits(machine), workspace_limits(machine)
+    slow = slow_modes(modes(angles, (0.0, 0.0, 0.0), plant_parameters(machine)))
+    speeds, rated = full_speeds(machine, angles), rated_speeds(machine)
+    lines = [f"{machine.name}: {machine.description}", "components"]
+    lines += [f"  {name:<24} {what}" for name, what in components(machine)]
+    lines.append("joints")
+    for place, axis in enumerate(AXES):
+        low, high = (math.degrees(limit) for limit in limits[place])
+        plus, minus = speeds[axis]
+        mode = slow[axis]
+        told = (
+            "no oscillation" if mode is None else f"{mode.frequency:.2f} Hz, damping ratio {mode.damping:.3f}"
+        )
+        lines.append(f"  {axis:<6} {low:7.1f} .. {high:6.1f} deg, {plus:+.2f}/{minus:+.2f} rad/s, {told}")
+    lines.append(
+        f"  speeds at full voltage, oscillations with shut valves; boom at {math.degrees(angles[1]):.1f}, "
+        f"stick at {math.degrees(angles[2]):.1f} deg"
+    )
+    lines += [
+        "workspace",
+        f"  reach  {w.reach_min:.2f} .. {w.reach_max:.2f} m from the swing axis",
+        f"  height {w.height_min:.2f} .. {w.height_max:.2f} m over the boom pivot",
+        "actuators without load at full voltage",
+        f"  swing {rated[0]:.2f} rad/s, boom {rated[1]:.2f} m/s, stick {rated[2]:.2f} m/s",
+    ]
+    told_warnings = warnings(machine)
+    lines += ["warnings", *(f"  {text}" for text in told_warnings)] if told_warnings else ["no warnings"]
+    return "\n".join(lines)

@@ -1,0 +1,240 @@
+"""`forest-sim`: the simulator without a graph, from the command line.
+
+Every error is one sentence on standard error. Exit codes: 0 well, 1 failed, 2 wrong arguments, 130 stopped.
+"""
+
+import argparse
+import contextlib
+import math
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from forest_description.machine import Machine, MachineError, load_machine
+from forest_sim import inputs
+from forest_sim.inputs import InputError, Voltages
+from forest_sim.integrator import Triple
+from forest_sim.simulation import START_TIP, Run, RunError, checked_angles, start_angles
+
+PROGRAM = "forest-sim"
+LONGEST = 7.0 * 86400.0  # [s]
+EPILOGUE = (
+    "Machines: the name of a shipped one (c180, c180_thesis) or a YAML file. Lengths in m, angles in deg."
+)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one subcommand; return its exit code."""
+    options = _parser().parse_args(arguments)
+    command: Callable[[argparse.Namespace], int] = options.command
+    try:
+        return command(options)
+    except KeyboardInterrupt:
+        print(f"\n{PROGRAM}: stopped; what was written until now is kept", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader of our output has left
+        with contextlib.suppress(OSError):
+            sys.stdout.close()
+        return 0
+    except OSError as error:
+        named = f"{error.filename}: " if error.filename else ""
+        print(f"{PROGRAM}: {named}{error.strerror or error}", file=sys.stderr)
+    except (InputError, MachineError, RunError) as error:
+        print(f"{PROGRAM}: {error}", file=sys.stderr)
+    return 1
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=PROGRAM, description="Simulate and examine a crane without a running graph.", epilog=EPILOGUE
+    )
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    simulate = _command(commands, "simulate", _simulate, "run a machine over an input: MCAP, CSV, pictures")
+    _add_run(simulate)
+    pumps = _command(commands, "pumps", _pumps, "the same input on the four sorts of pump: power and energy")
+    _add_run(pumps)
+    rest = _command(commands, "equilibrium", _equilibrium, "pressures, forces and torques at rest at a pose")
+    _add_pose(rest)
+    rest.add_argument("--json", action="store_true", help="print JSON in SI units")
+    modes = _command(
+        commands, "modes", _modes, "natural frequencies and damping at a pose or over the workspace"
+    )
+    _add_pose(modes)
+    modes.add_argument(
+        "--voltages",
+        nargs=3,
+        type=_number(-inputs.GREATEST, inputs.GREATEST, "V"),
+        default=(0.0, 0.0, 0.0),
+        metavar=("SWING", "BOOM", "STICK"),
+        help="spool positions [V], the crane moving steadily through the pose; default: shut",
+    )
+    modes.add_argument("--json", action="store_true", help="print JSON in SI units")
+    modes.add_argument("--map", action="store_true", help="over the workspace, valves shut; needs --out")
+    modes.add_argument(
+        "--spacing", type=_number(0.02, 2.0, "m"), default=0.1, help="of the map; default: 0.1"
+    )
+    modes.add_argument("--out", type=Path, metavar="DIR", help="directory to be made for the map")
+    check = _command(commands, "check", _check, "load a machine file and tell what it amounts to")
+    check.add_argument("machine", metavar="FILE", help="machine file or name")
+    return parser
+
+
+def _command(
+    commands: "argparse._SubParsersAction[argparse.ArgumentParser]",
+    name: str,
+    function: Callable[[argparse.Namespace], int],
+    text: str,
+) -> argparse.ArgumentParser:
+    parser = commands.add_parser(
+        name, help=text, description=text[0].upper() + text[1:] + ".", epilog=EPILOGUE
+    )
+    parser.set_defaults(command=function, parser=parser)
+    if name != "check":
+        parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
+    return parser
+
+
+def _add_run(parser: argparse.ArgumentParser) -> None:
+    volts, hertz = _number(0.0, inputs.GREATEST, "V"), _number(1e-3, 1000.0, "Hz")
+    parser.add_argument(
+        "--voltages",
+        default="step",
+        metavar="step|chirp|thesis|FILE.csv",
+        help="what drives the valves (default: %(default)s); a CSV has the columns time,swing,boom,stick "
+        "in s and V, and each row holds until the next",
+    )
+    parser.add_argument(
+        "--duration",
+        type=_number(0.01, LONGEST, "s"),
+        metavar="S",
+        help="default: as long as the input, 60 for chirp",
+    )
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="directory to be made")
+    parser.add_argument(
+        "--start-tip",
+        nargs=3,
+        type=_number(-100.0, 100.0, "m"),
+        default=START_TIP,
+        metavar=("X", "Y", "Z"),
+        help="where the tip starts, at rest; default: 5.5 0 1",
+    )
+    parser.add_argument(
+        "--rate", type=_number(0.1, 10_000.0, "Hz"), default=200.0, help="of the rows [Hz]; default: 200"
+    )
+    parser.add_argument(
+        "--step", type=_number(1e-6, 0.1, "s"), default=1e-3, help="of the integrator [s]; default: 0.001"
+    )
+    parser.add_argument("--amplitude", type=volts, help="of step (4), chirp (4) and thesis (5) [V]")
+    parser.add_argument("--chirp-from", type=hertz, default=0.1, metavar="HZ", help="default: 0.1")
+    parser.add_argument("--chirp-to", type=hertz, default=5.0, metavar="HZ", help="default: 5")
+
+
+def _add_pose(parser: argparse.ArgumentParser) -> None:
+    pose = parser.add_mutually_exclusive_group()
+    pose.add_argument(
+        "--tip",
+        nargs=3,
+        type=_number(-100.0, 100.0, "m"),
+        metavar=("X", "Y", "Z"),
+        help="where the tip is; default: 5.5 0 1",
+    )
+    pose.add_argument(
+        "--angles",
+        nargs=3,
+        type=_number(-720.0, 720.0, "deg"),
+        metavar=("SWING", "BOOM", "STICK"),
+        help="the joints' angles [deg]",
+    )
+
+
+def _number(low: float, high: float, unit: str) -> Callable[[str], float]:
+    """Return an argument's type: a number in a range."""
+
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not low <= value <= high:  # false for NaN as well
+            raise argparse.ArgumentTypeError(f"{text!r}; allowed: {low:g} .. {high:g} {unit}")
+        return value
+
+    return read
+
+
+def _simulate(options: argparse.Namespace) -> int:
+    from forest_sim.commands import simulate
+
+    return simulate(*_run(options), options.out)
+
+
+def _pumps(options: argparse.Namespace) -> int:
+    from forest_sim.commands import compare_pumps
+
+    return compare_pumps(*_run(options), options.out)
+
+
+def _equilibrium(options: argparse.Namespace) -> int:
+    from forest_sim.commands import show_equilibrium
+
+    machine = load_machine(options.machine)
+    return show_equilibrium(machine, _pose(options, machine), options.json)
+
+
+def _modes(options: argparse.Namespace) -> int:
+    from forest_sim.commands import map_modes, show_modes
+
+    if options.map and (options.out is None or options.json or any(options.voltages)):
+        options.parser.error("--map needs --out DIR, and goes with neither --json nor --voltages")
+    if options.out is not None and not options.map:
+        options.parser.error("--out goes with --map only")
+    machine = load_machine(options.machine)
+    if options.map:
+        return map_modes(machine, options.spacing, options.out)
+    return show_modes(machine, _pose(options, machine), tuple(options.voltages), options.json)
+
+
+def _check(options: argparse.Namespace) -> int:
+    from forest_sim.commands import show_check
+
+    return show_check(load_machine(options.machine))
+
+
+def _run(options: argparse.Namespace) -> tuple[Machine, Voltages, Triple, Run]:
+    machine = load_machine(options.machine)
+    voltages = _voltages(options)
+    duration = options.duration or voltages.duration
+    if duration <= 0.0:
+        raise InputError(f"{options.voltages}: its only row is at time 0; allowed: also a --duration")
+    angles = start_angles(machine, tuple(options.start_tip))
+    return machine, voltages, angles, Run(duration, options.rate, options.step)
+
+
+def _voltages(options: argparse.Namespace) -> Voltages:
+    name, amplitude = options.voltages, options.amplitude
+    if name == "step":
+        return inputs.steps(4.0 if amplitude is None else amplitude)
+    if name == "chirp":
+        length = options.duration or 60.0
+        return inputs.chirp(
+            4.0 if amplitude is None else amplitude, options.chirp_from, options.chirp_to, length
+        )
+    if name == "thesis":
+        return inputs.thesis(5.0 if amplitude is None else amplitude)
+    path = Path(name)
+    if not path.is_file():
+        options.parser.error(
+            f"argument --voltages: no file {name!r}; allowed: {', '.join(inputs.NAMES)} or a CSV file"
+        )
+    return inputs.read_voltages(path)
+
+
+def _pose(options: argparse.Namespace, machine: Machine) -> Triple:
+    if options.angles is not None:
+        a, b, c = (math.radians(angle) for angle in options.angles)
+        return checked_angles(machine, (a, b, c))
+    return start_angles(machine, START_TIP if options.tip is None else tuple(options.tip))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,208 @@
+"""What the subcommands of `forest-sim` do, once their arguments are read; each returns the exit code."""
+
+import json
+import math
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from forest_description.kinematics import tip_position
+from forest_description.machine import AXES, Machine
+from forest_sim import check, modes, pumps, summary
+from forest_sim.compiled import have_compiler
+from forest_sim.energy import account
+from forest_sim.equilibrium import equilibrium
+from forest_sim.inputs import Voltages
+from forest_sim.integrator import Triple
+from forest_sim.observation import Observer
+from forest_sim.parameters import plant_parameters
+from forest_sim.sensors import true_joints
+from forest_sim.simulation import Run, RunError, blocks, substeps
+from forest_sim.trajectory_files import Thinned, trajectory_files
+
+QUIET = 2.0  # [s] after which a run begins to say how far it is
+TOLD_EVERY = 1.0  # [s] on a terminal; elsewhere ten times rarer
+
+
+class Progress:
+    """Says how far a long run is; on a terminal a line that overwrites itself."""
+
+    def __init__(self, duration: float) -> None:
+        self._duration = duration
+        self._began = time.monotonic()
+        self._next = self._began + QUIET
+        self._every = TOLD_EVERY if sys.stdout.isatty() else 10.0 * TOLD_EVERY
+
+    def __call__(self, simulated: float) -> None:
+        """Tell the simulated time [s] when it is time to."""
+        now = time.monotonic()
+        if now < self._next or simulated >= self._duration:
+            return
+        self._next = now + self._every
+        speed = simulated / (now - self._began)
+        left = (self._duration - simulated) / speed
+        end = "\r" if sys.stdout.isatty() else "\n"
+        text = f"  {simulated:.0f} / {self._duration:g} s, {speed:.3g} x real time, {left:.0f} s to go  "
+        print(text, end=end, flush=True)
+
+
+def new_directory(out: Path) -> None:
+    """Make the directory for results.
+
+    Raises:
+        RunError: it is there already: results are never overwritten.
+        OSError: it cannot be made.
+    """
+    if out.exists():
+        raise RunError(f"{out} exists already; choose another --out or remove it")
+    out.mkdir(parents=True)
+
+
+def simulate(machine: Machine, voltages: Voltages, angles: Triple, run: Run, out: Path) -> int:
+    """Run a machine over an input; write trajectory, pictures and `summary.json`."""
+    substeps(run)
+    new_directory(out)
+    _tell_about_the_compiler()
+    observer, kept, total = Observer(machine, run.rate), Thinned(), summary.Summary(machine)
+    progress = Progress(run.duration)
+    with trajectory_files(out, machine, run.rate) as files:
+        for block in blocks(machine, voltages, angles, run):
+            observed = observer.observe(block)
+            files.write(block, observed)
+            power = np.column_stack(account(block.energies)) * run.rate
+            kept.add({"time": block.time, "power": power, **observed})
+            total.add(block)
+            progress(float(block.time[-1]))
+    result = total.result(run, voltages.name, angles)
+    (out / "summary.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+    from forest_sim.figures import (
+        draw_run,
+    )  # matplotlib takes half a second that a bad argument need not wait
+
+    drawn = draw_run(kept.columns(), machine, out)
+    print(summary.table(result))
+    print("\n".join(f"  {path}" for path in (files.bag, files.csv, out / "summary.json", *drawn)))
+    return 0
+
+
+def compare_pumps(machine: Machine, voltages: Voltages, angles: Triple, run: Run, out: Path) -> int:
+    """Run the same input on the four sorts of pump; write table, picture and `pumps.json`."""
+    substeps(run)
+    new_directory(out)
+    _tell_about_the_compiler()
+    comparison = pumps.compare(machine, voltages, angles, run)
+    from forest_sim.figures import draw_pumps
+
+    result = {
+        "machine": machine.name,
+        "voltages": voltages.name,
+        "duration_s": run.duration,
+        "energy_j": comparison.energies,
+        "tip_path_m": comparison.paths,
+    }
+    (out / "pumps.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+    picture = draw_pumps(
+        comparison.time, comparison.powers, comparison.energies, comparison.paths, out / "pumps.png"
+    )
+    print(pumps.table(comparison))
+    print("\n".join(f"  {path}" for path in (out / "pumps.json", picture)))
+    return 0
+
+
+def show_equilibrium(machine: Machine, angles: Triple, as_json: bool) -> int:
+    """Print how the machine rests at a pose with its valves shut."""
+    p = plant_parameters(machine)
+    rest = equilibrium(angles, p)
+    held = true_joints(rest, p)
+    plant = rest.plant
+    forces = [
+        axis.actuator.displacement_1 * state.pressure_1 - axis.actuator.displacement_2 * state.pressure_2
+        for state, axis in zip(plant[:3], (p.swing, p.boom, p.stick), strict=True)
+    ]
+    tip = tip_position(angles, machine.manipulator.links)
+    result: dict[str, Any] = {
+        "machine": machine.name,
+        "tip_m": list(tip),
+        "supply_pressure_pa": plant.supply.pressure,
+    }
+    for place, (axis, state) in enumerate(zip(AXES, plant[:3], strict=True)):
+        result[axis] = {
+            "angle_rad": state.angle,
+            "pressure_1_pa": state.pressure_1,
+            "pressure_2_pa": state.pressure_2,
+            "swing_motor_torque_nm" if place == 0 else "cylinder_force_n": forces[place],
+            "joint_torque_nm": held.effort[place],
+        }
+    if as_json:
+        print(json.dumps(result, indent=2))
+        return 0
+    print(f"  tip ({', '.join(f'{x:.3f}' for x in tip)}) m, supply {plant.supply.pressure / 1e6:.2f} MPa")
+    print(f"  {'':<6} {'angle':>9} {'port 1':>10} {'port 2':>10} {'cylinder':>11} {'joint':>12}")
+    for place, (axis, state) in enumerate(zip(AXES, plant[:3], strict=True)):
+        force = "" if place == 0 else f"{forces[place] / 1e3:.1f} kN"
+        print(
+            f"  {axis:<6} {math.degrees(state.angle):5.1f} deg {state.pressure_1 / 1e6:6.2f} MPa "
+            f"{state.pressure_2 / 1e6:6.2f} MPa {force:>11} {held.effort[place] / 1e3:7.1f} kN m"
+        )
+    return 0
+
+
+def show_modes(machine: Machine, angles: Triple, spools: Triple, as_json: bool) -> int:
+    """Print the natural frequencies and damping ratios at a pose."""
+    found = modes.modes(angles, spools, plant_parameters(machine))
+    if as_json:
+        told = [
+            {
+                "frequency_hz": mode.frequency,
+                "damping_ratio": mode.damping,
+                "kind": mode.kind,
+                "participation": {**dict(zip(AXES, mode.axes, strict=True)), **mode.parts},
+            }
+            for mode in found
+        ]
+        print(json.dumps({"machine": machine.name, "angles_rad": list(angles), "modes": told}, indent=2))
+        return 0
+    pose = ", ".join(f"{axis} {math.degrees(q):.1f}" for axis, q in zip(AXES, angles, strict=True))
+    volts = ", ".join(f"{v:g}" for v in spools)
+    print(f"  {machine.name}, {pose} deg, spools at {volts} V")
+    print(modes.table(found) if found else "  no oscillations: everything is overdamped")
+    return 0
+
+
+def map_modes(machine: Machine, spacing: float, out: Path) -> int:
+    """Write the slow modes over the workspace as CSV and picture."""
+    new_directory(out)
+    points = modes.mode_map(machine, spacing)
+    from forest_sim.figures import draw_map
+
+    file = out / "modes.csv"
+    file.write_text(modes.map_csv(points), encoding="utf-8")
+    for axis in AXES:
+        rows = [(m.frequency, m.damping) for point in points if (m := point.modes[axis]) is not None]
+        if rows:
+            frequency, damping = zip(*rows, strict=True)
+            print(
+                f"  {axis:<6} {min(frequency):6.2f} .. {max(frequency):6.2f} Hz, "
+                f"damping ratio {min(damping):.3f} .. {max(damping):.3f}"
+            )
+    picture = draw_map(points, spacing, machine, out / "modes.png")
+    print(f"  {len(points)} poses\n  {file}\n  {picture}")
+    return 0
+
+
+def show_check(machine: Machine) -> int:
+    """Print what a machine file amounts to."""
+    print(check.report(machine))
+    return 0
+
+
+def _tell_about_the_compiler() -> None:
+    if not have_compiler():
+        print(
+            "numba is not installed, so the equations are interpreted, some hundred times slower than "
+            "compiled; pip install 'forest-crane[fast]' brings it",
+            file=sys.stderr,
+        )

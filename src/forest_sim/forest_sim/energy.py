@@ -1,0 +1,95 @@
+"""The energy account of a run: what the engine gave and where it went. Thesis section 2.2, fig. 2.3.
+
+| entry | is |
+|---|---|
+| engine | work of the shaft |
+| pump | lost in the pump: friction, leakage, main relief valve |
+| throttling | lost in the valves' edges |
+| port_valves | lost over relief and anti-cavitation valves |
+| hoses | lost to the hoses' resistance |
+| leakage | lost in the swing motor |
+| friction | lost to viscous and dry friction and in cushions |
+| stops | taken by the end stops |
+| mechanical | handed to the links, less what they gave back on their way down |
+| stored | in the pressure and the motion of the oil, less what was there at the start |
+
+engine = the sum of the others: `power` closes at every instant, so the integrals close as well. What the
+integration itself leaves open shows in `stored`: the oil's state at the end tells it a second time.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_description.machine import Line
+from forest_sim.integrator import Simulation
+from forest_sim.parameters import PlantParameters
+from forest_sim.recording import AXES, ENERGY
+
+Floats = NDArray[np.float64]
+
+
+class Account(NamedTuple):
+    """Energies [J], or powers [W]; shape () or [N]."""
+
+    engine: Floats
+    pump: Floats
+    throttling: Floats
+    port_valves: Floats
+    hoses: Floats
+    leakage: Floats
+    friction: Floats
+    stops: Floats
+    mechanical: Floats
+    stored: Floats
+
+
+_PARTS = {
+    "engine": ("pump_engine",),
+    "pump": ("pump_pump_friction", "pump_pump_leakage", "pump_main_relief"),
+    "throttling": ("throttling",),
+    "port_valves": ("port_valves",),
+    "hoses": ("resistance",),
+    "leakage": ("leakage",),
+    "friction": ("damping", "dry_friction", "cushion"),
+    "stops": ("stop",),
+    "mechanical": ("joint",),
+    "stored": ("pump_manifold", "hose"),
+}
+
+
+def account(energies: Floats) -> Account:
+    """Return the account of recorded energies [..., 42], `recording.ENERGY`."""
+    parts = {
+        entry: sum(energies[..., place] for name in names for place in _places(name))
+        for entry, names in _PARTS.items()
+    }
+    return Account(**parts)  # type: ignore[arg-type]
+
+
+def _places(name: str) -> list[int]:
+    """Return the columns of a flow: of the pump, or of all three axes."""
+    if name in ENERGY:
+        return [ENERGY.index(name)]
+    return [ENERGY.index(f"{axis}_{name}") for axis in AXES]
+
+
+def gap(a: Account) -> float:
+    """Return what the account leaves open, as a share of the engine's work."""
+    return float(a.engine - sum(a[1:])) / max(1.0, abs(float(a.engine)))
+
+
+def oil_energy(simulation: Simulation, p: PlantParameters) -> float:
+    """Return the energy [J] in manifold and hoses, C P^2/2 and I Q^2/2."""
+    plant = simulation.plant
+    supply = 0.0 if p.supply.ideal else 0.5 * p.supply.capacitance * plant.supply.pressure**2
+    return supply + sum(
+        _hose(axis.line_1, state.pressure_1, state.flow_1)
+        + _hose(axis.line_2, state.pressure_2, state.flow_2)
+        for state, axis in zip(plant[:3], (p.swing, p.boom, p.stick), strict=True)
+    )
+
+
+def _hose(line: Line, pressure: float, flow: float) -> float:
+    return 0.5 * line.capacitance * pressure**2 + 0.5 * line.inertance * flow**2

@@ -1,0 +1,140 @@
+"""A machine driven by given voltages, without a graph: in blocks, so that a day of it fits into memory.
+
+One row per sampling period, at its end, and one for the start. Times are multiples of the period.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_description.kinematics import inverse_kinematics
+from forest_description.limits import joint_limits, workspace_limits
+from forest_description.machine import AXES, Machine
+from forest_sim.compiled import fastest_record
+from forest_sim.equilibrium import equilibrium
+from forest_sim.inputs import Voltages
+from forest_sim.integrator import Simulation, Triple
+from forest_sim.parameters import plant_parameters
+from forest_sim.recording import ENERGY, STATE, store
+
+Floats = NDArray[np.float64]
+
+START_TIP: Triple = (5.5, 0.0, 1.0)  # [m], as the simulator node
+BLOCK = 1.0  # [s]
+LIMIT_TOLERANCE = 1e-9  # [rad]
+
+
+class RunError(ValueError):
+    """A run that cannot be: the message names the value and what is allowed."""
+
+
+class Run(NamedTuple):
+    """How long and how finely a machine is simulated."""
+
+    duration: float  # [s]
+    rate: float = 200.0  # [Hz] of the rows
+    step: float = 1e-3  # [s] of the integrator
+
+
+class Block(NamedTuple):
+    """Some rows of a run; `recording` names the columns of states and energies."""
+
+    time: Floats  # [N] s
+    voltages: Floats  # [N, 3] V, that act from the row's time on
+    states: Floats  # [N, 29]
+    energies: Floats  # [N, 42] J, over the period before the row
+
+
+def start_angles(machine: Machine, tip: Triple) -> Triple:
+    """Return the joint angles [rad] that put the tip at a place [m].
+
+    Raises:
+        RunError: the crane does not reach it; the message says what it reaches.
+    """
+    given = f"tip at ({', '.join(f'{x:g}' for x in tip)}) m"
+    w = workspace_limits(machine)
+    reach = (
+        f"allowed: reach {w.reach_min:.2f} .. {w.reach_max:.2f} m from the swing axis, "
+        f"height {w.height_min:.2f} .. {w.height_max:.2f} m over the boom pivot"
+    )
+    try:
+        angles = inverse_kinematics(tip, machine.manipulator.links)
+    except ValueError as error:
+        raise RunError(f"{given} is out of reach; {reach}") from error
+    try:
+        return checked_angles(machine, angles)
+    except RunError as error:
+        raise RunError(f"{given} is out of reach: it needs the {error}") from error
+
+
+def checked_angles(machine: Machine, angles: Triple) -> Triple:
+    """Return joint angles [rad] if they lie within the joints' limits.
+
+    Raises:
+        RunError: one does not; the message names it with its limits.
+    """
+    for name, angle, (low, high) in zip(AXES, angles, joint_limits(machine), strict=True):
+        if not low - LIMIT_TOLERANCE <= angle <= high + LIMIT_TOLERANCE:
+            needed, least, most = (f"{math.degrees(a):.1f}" for a in (angle, low, high))
+            raise RunError(f"{name} at {needed} deg, allowed there: {least} .. {most} deg")
+    return angles
+
+
+def substeps(run: Run) -> int:
+    """Return how many steps a period has.
+
+    Raises:
+        RunError: it has no whole number of steps.
+    """
+    count = 1.0 / (run.rate * run.step)
+    if round(count) < 1 or abs(count - round(count)) > 1e-6:
+        raise RunError(
+            f"a step of {run.step:g} s at {run.rate:g} Hz; allowed: steps of which a whole number makes "
+            f"the period, {1.0 / run.rate:g} s"
+        )
+    return round(count)
+
+
+def blocks(machine: Machine, voltages: Voltages, angles: Triple, run: Run) -> Iterator[Block]:
+    """Simulate, and give the rows as they come; the first block is the start alone.
+
+    Args:
+        machine: what is simulated, at rest at the start.
+        voltages: what drives it.
+        angles: joint angles at the start [rad].
+        run: how long and how finely.
+
+    Raises:
+        RunError: step and rate do not fit.
+    """
+    p = plant_parameters(machine)
+    per_row, rows = substeps(run), round(run.duration * run.rate)
+    per_block = max(1, round(BLOCK * run.rate))
+    simulation, advance = equilibrium(angles, p), fastest_record()
+    # Compiled here, so that whoever times the rows times the simulation alone.
+    advance(simulation, np.zeros((1, 3)), run.step, p, np.zeros((1, len(STATE))), np.zeros((1, len(ENERGY))))
+    yield _start(simulation, voltages)
+    for first in range(0, rows, per_block):
+        count = min(per_block, rows - first)
+        times = np.arange(first * per_row, (first + count) * per_row) / (per_row * run.rate)
+        states, energies = np.zeros((count, len(STATE))), np.zeros((count, len(ENERGY)))
+        volts = np.ascontiguousarray(voltages.at(times))
+        simulation = advance(simulation, volts, run.step, p, states, energies)
+        after = np.arange(first + 1, first + count + 1) / run.rate
+        yield Block(after, voltages.at(after), states, energies)
+
+
+def _start(simulation: Simulation, voltages: Voltages) -> Block:
+    states = np.zeros((1, len(STATE)))
+    store(simulation, states[0])
+    time = np.zeros(1)
+    return Block(time, voltages.at(time), states, np.zeros((1, len(ENERGY))))
+
+
+def whole(machine: Machine, voltages: Voltages, angles: Triple, run: Run) -> Block:
+    """Return a whole run as one block, for runs that fit into memory."""
+    parts = list(blocks(machine, voltages, angles, run))
+    return Block(*(np.concatenate(column) for column in zip(*parts, strict=True)))

@@ -1,0 +1,46 @@
+"""Messages encoded by the thousand are byte for byte those encoded one by one."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("rclpy")
+
+from forest_msgs_py import messages, topics
+from forest_msgs_py.cdr import to_cdr
+from forest_msgs_py.encoding import Encoder, columns
+
+STAMPS = np.array([0, 5_000_000, 1_700_000_000_123_456_789])
+
+
+def one(topic, stamp, values):
+    if topic.type == topics.JOINT_STATE:
+        n = len(topic.labels)
+        return messages.joint_state(topic.labels, stamp, values[:n], values[n : 2 * n], values[2 * n :])
+    make = {topics.POSE: messages.pose_stamped, topics.TWIST: messages.twist_stamped}.get(topic.type)
+    return messages.float_array(topic, stamp, values) if make is None else make(stamp, "base_link", values)
+
+
+@pytest.mark.parametrize(
+    "topic",
+    [
+        topics.JOINT_STATES,
+        topics.ACTUATOR_STATES,
+        topics.PRESSURES,
+        topics.AUXILIARY,
+        topics.GROUND_TRUTH_TIP_POSE,
+        topics.GROUND_TRUTH_TIP_TWIST,
+    ],
+    ids=lambda topic: topic.name,
+)
+def test_bytes_are_those_of_single_messages(topic):
+    values = np.random.default_rng(1).normal(size=(len(STAMPS), len(columns(topic))))
+    encoded = Encoder(topic, "base_link").encode(STAMPS, values)
+    expected = [
+        to_cdr(one(topic, stamp, row)) for stamp, row in zip(STAMPS.tolist(), values.tolist(), strict=True)
+    ]
+    assert encoded == expected
+
+
+def test_a_message_that_is_not_numbers_is_refused():
+    with pytest.raises(ValueError, match="robot_description: std_msgs/msg/String is not a stamp and numbers"):
+        columns(topics.ROBOT_DESCRIPTION)

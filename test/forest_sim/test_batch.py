@@ -1,0 +1,52 @@
+"""Many runs over all cores are the serial ones, in order."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from forest_description.machine import load_machine
+from forest_sim import inputs
+from forest_sim.batch import Job, simulate_many, simulate_one
+from forest_sim.recording import STATE
+from forest_sim.simulation import Run, RunError
+
+C180 = load_machine("c180")
+RUN = Run(0.5, 100.0)
+
+
+def last_swing_angle(run):
+    return float(run.states[-1, STATE.index("swing_angle")])
+
+
+def jobs(count):
+    generator = np.random.default_rng(3)
+    draws = generator.uniform(0.5, 1.5, count).tolist()
+    manipulator = C180.manipulator
+    machines = [
+        replace(C180, manipulator=replace(manipulator, head_mass=manipulator.head_mass * draw))
+        for draw in draws
+    ]
+    return [Job(machine, inputs.chirp(8.0, 1.0, 4.0, 3.0)) for machine in machines]
+
+
+def test_parallel_runs_are_the_serial_ones_in_order():
+    given = jobs(5)
+    serial = [simulate_one(job, RUN, lambda run: run) for job in given]
+    together = simulate_many(given, RUN, workers=2)
+    for one, other in zip(serial, together, strict=True):
+        for a, b in zip(one, other, strict=True):
+            np.testing.assert_array_equal(a, b)
+    assert len({last_swing_angle(run) for run in together}) == 5
+
+
+def test_one_worker_needs_no_process_and_keeps_what_is_asked():
+    kept = simulate_many(jobs(2), RUN, lambda run: last_swing_angle(run), workers=1)
+    assert kept == [last_swing_angle(simulate_one(job, RUN, lambda run: run)) for job in jobs(2)]
+
+
+def test_a_job_that_cannot_be_is_told():
+    job = jobs(1)[0]._replace(angles=None)
+    far = replace(C180.manipulator, boom_length=1.0)
+    with pytest.raises(RunError, match="out of reach"):
+        simulate_many([job._replace(machine=replace(C180, manipulator=far))], RUN)

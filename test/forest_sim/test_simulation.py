@@ -1,0 +1,108 @@
+"""A run in blocks is the integrator's own steps; its energy account closes."""
+
+import math
+
+import numpy as np
+import pytest
+
+from forest_description.machine import load_machine
+from forest_sim import inputs, recording
+from forest_sim.compiled import compiled_advance, compiled_record
+from forest_sim.energy import Account, account, gap, oil_energy
+from forest_sim.equilibrium import equilibrium
+from forest_sim.parameters import plant_parameters
+from forest_sim.recording import ENERGY, STATE, restore
+from forest_sim.simulation import (
+    START_TIP,
+    Run,
+    RunError,
+    blocks,
+    checked_angles,
+    start_angles,
+    substeps,
+    whole,
+)
+
+C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
+START = start_angles(C180, START_TIP)
+
+
+def test_rows_are_the_integrators_states_under_the_voltages_of_each_step():
+    voltages, p = inputs.chirp(6.0, 1.0, 5.0, 3.0), plant_parameters(C180)
+    run = whole(C180, voltages, START, Run(2.5))
+    now, advance = equilibrium(START, p), compiled_advance()
+    assert restore(run.states[0]) == now
+    for k in range(2500):
+        (v,) = voltages.at(np.array([k * 1e-3])).tolist()
+        now = advance(now, tuple(v), 1e-3, 1, p)
+        if k % 500 == 499:
+            there = restore(run.states[(k + 1) // 5])
+            np.testing.assert_allclose(there.plant.boom, now.plant.boom, rtol=1e-9, atol=1e-12)
+            assert there.events == now.events
+    np.testing.assert_allclose(run.time, np.arange(501) / 200.0, rtol=0.0, atol=1e-12)
+
+
+def test_blocks_hold_the_same_rows_whatever_the_length_of_the_run():
+    long = whole(C180, inputs.steps(), START, Run(2.37))
+    parts = list(blocks(C180, inputs.steps(), START, Run(2.37)))
+    assert [len(part.time) for part in parts] == [1, 200, 200, 74]
+    np.testing.assert_array_equal(np.concatenate([part.states for part in parts]), long.states)
+    short = whole(C180, inputs.steps(), START, Run(1.0))
+    np.testing.assert_array_equal(short.states, long.states[:201])
+
+
+def test_a_block_without_numba_is_the_same_one():
+    p, volts = plant_parameters(C180), inputs.steps().at(0.5 + np.arange(100) * 1e-3)
+    one, other = (np.zeros((20, len(STATE))) for _ in range(2))
+    energy, other_energy = (np.zeros((20, len(ENERGY))) for _ in range(2))
+    recording.record(equilibrium(START, p), volts, 1e-3, p, one, energy)
+    compiled_record()(equilibrium(START, p), volts, 1e-3, p, other, other_energy)
+    np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(energy, other_energy, rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize("machine", [THESIS, C180], ids=["thesis", "c180"])
+@pytest.mark.parametrize("voltages", [inputs.steps(10.0), inputs.chirp(), inputs.thesis()])
+def test_the_energy_account_closes_within_half_a_percent_of_the_input(machine, voltages):
+    """At every instant exactly; over a run also against what the oil holds at its end, and at a finer step."""
+    p = plant_parameters(machine)
+    run = whole(machine, voltages, START, Run(voltages.duration))
+    total = account(run.energies.sum(axis=0))
+    assert abs(gap(total)) < 1e-9
+    stored = oil_energy(restore(run.states[-1]), p) - oil_energy(restore(run.states[0]), p)
+    assert abs(float(total.stored) - stored) < 0.005 * total.engine
+    finely = whole(machine, voltages, START, Run(voltages.duration, 200.0, 2.5e-4))
+    fine = account(finely.energies.sum(axis=0))
+    for entry, coarse, finer in zip(Account._fields, total, fine, strict=True):
+        assert abs(coarse - finer) < 0.005 * total.engine, entry
+
+
+def test_a_resting_crane_takes_nothing_from_an_ideal_pump():
+    run = whole(THESIS, inputs.Voltages("rest", lambda t: np.zeros((len(t), 3)), 1.0), START, Run(1.0))
+    assert np.abs(account(run.energies.sum(axis=0))).max() < 1e-3
+    np.testing.assert_allclose(run.states[-1, :18], run.states[0, :18], atol=1e-6)
+
+
+@pytest.mark.parametrize(("rate", "step", "count"), [(200.0, 1e-3, 5), (1000.0, 1e-3, 1), (50.0, 2.5e-4, 80)])
+def test_a_period_has_a_whole_number_of_steps(rate, step, count):
+    assert substeps(Run(1.0, rate, step)) == count
+
+
+@pytest.mark.parametrize(("rate", "step"), [(200.0, 2e-3), (2000.0, 1e-3), (300.0, 1e-3)])
+def test_other_steps_are_refused(rate, step):
+    with pytest.raises(RunError, match="allowed: steps of which a whole number makes the period"):
+        substeps(Run(1.0, rate, step))
+
+
+def test_a_tip_out_of_reach_is_told_with_the_reach():
+    with pytest.raises(
+        RunError, match=r"tip at \(9, 0, 1\) m is out of reach; allowed: reach -0.53 .. 7.78 m"
+    ):
+        start_angles(C180, (9.0, 0.0, 1.0))
+    with pytest.raises(RunError, match=r"tip at \(1, 0, 1\) m is out of reach: it needs the boom at .* deg"):
+        start_angles(C180, (1.0, 0.0, 1.0))
+
+
+def test_an_angle_beyond_a_limit_is_told_with_the_limits():
+    with pytest.raises(RunError, match=r"boom at 80.0 deg, allowed there: -36.7 .. 72.0 deg"):
+        checked_angles(C180, (0.0, math.radians(80.0), math.radians(-90.0)))
