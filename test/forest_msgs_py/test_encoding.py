@@ -41,6 +41,24 @@ def test_bytes_are_those_of_single_messages(topic):
     assert encoded == expected
 
 
+def test_a_reading_that_is_missing_has_no_label_and_an_empty_message_is_none():
+    values = np.zeros((3, 12))
+    values[1, 4:], values[2, :] = np.nan, np.nan
+    whole, part, nothing = Encoder(topics.PRESSURES).encode(STAMPS, values)
+    assert nothing is None
+    assert whole == to_cdr(one(topics.PRESSURES, 0, [0.0] * 12))
+    labels = topics.PRESSURES.labels[:4]
+    assert part == to_cdr(messages.float_array(topics.PRESSURES, 5_000_000, [0.0] * 4, labels=labels))
+
+
+def test_a_joint_that_is_missing_is_left_out():
+    values = np.zeros((3, 9))
+    values[:, [1, 4, 7]] = np.nan
+    encoded = Encoder(topics.JOINT_STATES).encode(STAMPS, values)
+    expected = messages.joint_state(("swing", "stick"), 0, (0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
+    assert encoded[0] == to_cdr(expected)
+
+
 def test_a_message_that_is_not_numbers_is_refused():
     with pytest.raises(ValueError, match="robot_description: std_msgs/msg/String is not a stamp and numbers"):
         columns(topics.ROBOT_DESCRIPTION)

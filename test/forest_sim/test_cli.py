@@ -2,10 +2,13 @@
 
 import json
 
+import numpy as np
 import pytest
 
 pytest.importorskip("rclpy")
 
+from forest_msgs_py import topics
+from forest_msgs_py.series import read_bag
 from forest_sim import cli, commands
 from forest_sim.cli import main
 from forest_sim.compiled import fastest_record
@@ -68,6 +71,33 @@ def test_simulate_takes_voltages_from_a_file(forest_sim, tmp_path):
     assert len((tmp_path / "run" / "trajectory.csv").read_text().splitlines()) == 52
 
 
+def test_sensors_err_by_seed_and_fail_as_told(forest_sim, tmp_path):
+    def joints(name, *options):
+        code, _, _ = forest_sim("simulate", "--duration", "0.5", "--out", tmp_path / name, *options)
+        assert code == 0
+        return read_bag(tmp_path / name / "trajectory")
+
+    exact, one = joints("exact"), joints("one", "--sensor-noise", "--seed", "4")
+    again, other = joints("again", "--sensor-noise", "--seed", "4"), joints("other", "--sensor-noise")
+    angles = [bag.series(topics.JOINT_STATES).column("boom.position") for bag in (exact, one, again, other)]
+    assert np.array_equal(angles[1], angles[2])
+    assert not np.array_equal(angles[0], angles[1])
+    assert not np.array_equal(angles[1], angles[3])
+    np.testing.assert_allclose(angles[1], angles[0], atol=0.02)
+    truths = [bag.series(topics.GROUND_TRUTH_JOINT_STATES).values for bag in (exact, one)]
+    assert np.array_equal(*truths)
+    blind = joints("blind", "--sensor-faults", "swing_flow: absent")
+    assert blind.series(topics.FLOWS).labels == ("stick_1",)
+
+
+def test_cold_oil_is_another_machine(forest_sim):
+    cold, warm = (forest_sim("modes", "--temperature", degrees)[1] for degrees in ("0", "40"))
+    assert cold != warm
+    code, _, err = forest_sim("check", "c180", "--temperature", "150")
+    assert code == 1
+    assert len(err.splitlines()) == 1
+
+
 def test_pumps_is_one_command(forest_sim, tmp_path):
     code, told, _ = forest_sim("pumps", "--duration", "2", "--out", tmp_path / "pumps")
     assert code == 0
@@ -110,7 +140,12 @@ def test_modes_over_the_workspace(forest_sim, tmp_path):
 def test_check_tells_components_and_figures(forest_sim):
     code, told, _ = forest_sim("check", "c180")
     assert code == 0
-    for part in ("pressure_compensated", "-36.7 ..   72.0 deg", "reach  -0.53 .. 7.78 m", "no warnings"):
+    for part in (
+        "pressure_compensated",
+        "-36.7 ..   72.0 deg",
+        "reach  -0.53 .. 7.78 m",
+        "one lump stands for",
+    ):
         assert part in told
 
 
@@ -146,6 +181,8 @@ def test_check_of_an_unusable_file_says_why(forest_sim, tmp_path):
         (("simulate", "--out", "{new}", "--duration", "0"), 2, "'0'; allowed: 0.01 .. 604800 s"),
         (("simulate", "--out", "{new}", "--voltages", "chirp", "--chirp-to", "0.05"), 1, "0 < from < to"),
         (("simulate",), 2, "--out"),
+        (("simulate", "--out", "{new}", "--sensor-faults", "eyes: absent"), 2, "there is no sensor 'eyes'"),
+        (("simulate", "--out", "{new}", "--seed", "-1"), 2, "allowed: 0, 1, 2"),
         (("pumps", "--out", "{old}"), 1, "exists already"),
         (("equilibrium", "--tip", "1", "0", "1"), 1, "it needs the boom at"),
         (("equilibrium", "--angles", "0", "80", "-90"), 1, "boom at 80.0 deg, allowed there: -36.7 .. 72.0"),

@@ -64,7 +64,7 @@ def test_a_block_without_numba_is_the_same_one():
 @pytest.mark.parametrize("machine", [THESIS, C180], ids=["thesis", "c180"])
 @pytest.mark.parametrize("voltages", [inputs.steps(10.0), inputs.chirp(), inputs.thesis()])
 def test_the_energy_account_closes_within_half_a_percent_of_the_input(machine, voltages):
-    """At every instant exactly; over a run also against what the oil holds at its end, and at a finer step."""
+    """At every instant exactly; over a run against what the oil holds at its end, and at a finer step."""
     p = plant_parameters(machine)
     run = whole(machine, voltages, START, Run(voltages.duration))
     total = account(run.energies.sum(axis=0))

@@ -21,7 +21,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_msgs_py.cdr import to_cdr
-from forest_msgs_py.messages import NS_PER_S, float_array, joint_state, pose_stamped, twist_stamped
+from forest_msgs_py.messages import (
+    NS_PER_S,
+    float_array,
+    joint_state,
+    pose_stamped,
+    sensor_array,
+    sensor_joint_state,
+    twist_stamped,
+)
 from forest_msgs_py.topics import FLOAT_ARRAY, JOINT_STATE, POSE, TWIST, Topic
 
 MARKED_STAMP = 1_234_567_891_987_654_321  # [ns]
@@ -51,6 +59,7 @@ class Encoder:
             topic: row of the topic table.
             frame: frame of poses and twists.
         """
+        self._topic = topic
         self._marks = [MARK * (place + 1) for place in range(len(columns(topic)))]
         data = to_cdr(_message(topic, frame, self._marks))
         self._template = np.frombuffer(data, dtype=np.uint8)
@@ -60,8 +69,12 @@ class Encoder:
         stamp = struct.pack("<iI", sec, nanosec) if self._in_header else struct.pack("<dd", sec, nanosec)
         self._stamp_place = _place(data, stamp)
 
-    def encode(self, stamps_ns: NDArray[np.int64], values: NDArray[np.float64]) -> list[bytes]:
-        """Messages with these stamps [N] and numbers [N, k], in SI units, volts at the valves."""
+    def encode(self, stamps_ns: NDArray[np.int64], values: NDArray[np.float64]) -> list[bytes | None]:
+        """Messages with these stamps [N] and numbers [N, k], in SI units, volts at the valves.
+
+        A row with NaN in it, a sensor without a sample, becomes a message without that sensor; None if
+        nothing is left.
+        """
         buffer = np.tile(self._template, (len(stamps_ns), 1))
         sec, nanosec = np.divmod(stamps_ns, NS_PER_S)
         kinds = ("<i4", "<u4") if self._in_header else ("<f8", "<f8")
@@ -70,7 +83,11 @@ class Encoder:
             place = _put(buffer, place, numbers.astype(kind))
         for column, place in enumerate(self._places):
             _put(buffer, place, values[:, column].astype("<f8"))
-        return [row.tobytes() for row in buffer]
+        encoded: list[bytes | None] = [row.tobytes() for row in buffer]
+        for row in np.flatnonzero(np.isnan(values).any(axis=1)).tolist():
+            message = _partial_message(self._topic, int(stamps_ns[row]), values[row].tolist())
+            encoded[row] = None if message is None else to_cdr(message)
+        return encoded
 
 
 def _message(topic: Topic, frame: str, values: list[float]) -> Any:
@@ -82,6 +99,13 @@ def _message(topic: Topic, frame: str, values: list[float]) -> Any:
     if topic.type == TWIST:
         return twist_stamped(MARKED_STAMP, frame, values)
     return float_array(topic, MARKED_STAMP, values)
+
+
+def _partial_message(topic: Topic, stamp_ns: int, values: list[float]) -> Any:
+    if topic.type == JOINT_STATE:
+        n = len(topic.labels)
+        return sensor_joint_state(topic.labels, stamp_ns, values[:n], values[n : 2 * n], values[2 * n :])
+    return sensor_array(topic, stamp_ns, values)
 
 
 def _place(data: bytes, wanted: bytes) -> int:

@@ -1,17 +1,17 @@
 """What a machine file amounts to: the components it chooses, and figures that tell whether they fit."""
 
 import dataclasses
-import importlib
 import math
 from collections.abc import Iterator
 from typing import Any
 
 from forest_description.actuation import rated_speeds
 from forest_description.limits import joint_limits, workspace_limits
+from forest_description.lump import one_lump_warnings
 from forest_description.machine import AXES, Machine
 from forest_description.parameter import choice_of, parameter_of
 from forest_sim.equilibrium import equilibrium
-from forest_sim.integrator import Triple
+from forest_sim.manipulator import Triple
 from forest_sim.modes import modes, operating_point, slow_modes, unguarded
 from forest_sim.parameters import plant_parameters
 from forest_sim.simulation import START_TIP, RunError, start_angles
@@ -24,18 +24,18 @@ def components(machine: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
     """Give every component that a machine could choose otherwise, and what it has: sort, word, or none."""
     for field in dataclasses.fields(machine):
         name, value = prefix + field.name, getattr(machine, field.name)
+        parameter, optional = parameter_of(field), "None" in str(field.type)
         if choice_of(field) is not None:
             yield name, str(value)
         elif value is None:
             yield name, "none"
+        elif parameter is not None and optional:
+            yield name, f"{value:g} {parameter.unit}"
         elif dataclasses.is_dataclass(value):
-            if hasattr(value, "kind"):
-                yield name, str(value.kind)
-            elif "None" in str(field.type):
-                yield name, "yes"
-            yield from components(value, f"{name}.")
-        elif parameter_of(field) is not None and "None" in str(field.type):
-            yield name, f"{value}"
+            if optional or hasattr(value, "kind"):
+                yield name, str(getattr(value, "kind", "yes"))
+            if not prefix.startswith("sensors."):  # what a sensor is like is a table of its own
+                yield from components(value, f"{name}.")
 
 
 def usual_pose(machine: Machine) -> Triple:
@@ -92,15 +92,10 @@ def _holding_pressures(machine: Machine, place: int) -> Iterator[tuple[float, fl
 
 
 def _hose_warnings(machine: Machine) -> list[str]:
-    """Return forest_description's own warnings about hoses too long for one lump, where it has them."""
-    for module in ("hose", "hydraulics"):
-        try:
-            tell = getattr(importlib.import_module(f"forest_description.{module}"), "one_lump_warnings", None)
-        except ModuleNotFoundError:
-            continue
-        if tell is not None:
-            return list(tell(machine))
-    return []
+    """Return a sentence for each hose that one lump does not describe up to the crane's fastest mode."""
+    found = modes(usual_pose(machine), (0.0, 0.0, 0.0), plant_parameters(machine))
+    fastest = max((mode.frequency for mode in found if mode.kind == "links on oil"), default=0.0)
+    return one_lump_warnings(machine, fastest)
 
 
 def report(machine: Machine) -> str:

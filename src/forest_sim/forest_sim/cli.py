@@ -11,12 +11,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from forest_description.machine import Machine, MachineError, load_machine
+from forest_description.temperature import at_temperature
 from forest_sim import inputs
 from forest_sim.inputs import InputError, Voltages
-from forest_sim.integrator import Triple
+from forest_sim.manipulator import Triple
 from forest_sim.simulation import START_TIP, Run, RunError, checked_angles, start_angles
 
 PROGRAM = "forest-sim"
+ZERO_CELSIUS = 273.15  # [K]
 LONGEST = 7.0 * 86400.0  # [s]
 EPILOGUE = (
     "Machines: the name of a shipped one (c180, c180_thesis) or a YAML file. Lengths in m, angles in deg."
@@ -51,6 +53,18 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     simulate = _command(commands, "simulate", _simulate, "run a machine over an input: MCAP, CSV, pictures")
     _add_run(simulate)
+    simulate.add_argument(
+        "--sensor-noise", action="store_true", help="errors, noise, lag and rate of sensors"
+    )
+    simulate.add_argument(
+        "--seed", type=_whole, default=0, help="of the sensors' errors and noise; default: 0"
+    )
+    simulate.add_argument(
+        "--sensor-faults",
+        default="",
+        metavar="TEXT",
+        help="such as 'boom_resolver: frozen from 2 s; swing_flow: absent'",
+    )
     pumps = _command(commands, "pumps", _pumps, "the same input on the four sorts of pump: power and energy")
     _add_run(pumps)
     rest = _command(commands, "equilibrium", _equilibrium, "pressures, forces and torques at rest at a pose")
@@ -91,6 +105,10 @@ def _command(
     parser.set_defaults(command=function, parser=parser)
     if name != "check":
         parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
+    celsius = _number(-60.0, 200.0, "degC")
+    parser.add_argument(
+        "--temperature", type=celsius, metavar="C", help="of all oil [degC]; default: the file's"
+    )
     return parser
 
 
@@ -164,8 +182,17 @@ def _number(low: float, high: float, unit: str) -> Callable[[str], float]:
 
 def _simulate(options: argparse.Namespace) -> int:
     from forest_sim.commands import simulate
+    from forest_sim.observation import Sensing
+    from forest_sim.sensor_faults import parse_faults
 
-    return simulate(*_run(options), options.out)
+    machine, voltages, angles, run = _run(options)
+    try:
+        faults = parse_faults(options.sensor_faults)
+    except ValueError as error:
+        options.parser.error(f"argument --sensor-faults: {error}")
+    temperature = None if options.temperature is None else options.temperature + ZERO_CELSIUS
+    sensing = Sensing(options.sensor_noise, options.seed, faults, temperature)
+    return simulate(machine, voltages, angles, run, options.out, sensing)
 
 
 def _pumps(options: argparse.Namespace) -> int:
@@ -177,7 +204,7 @@ def _pumps(options: argparse.Namespace) -> int:
 def _equilibrium(options: argparse.Namespace) -> int:
     from forest_sim.commands import show_equilibrium
 
-    machine = load_machine(options.machine)
+    machine = _machine(options)
     return show_equilibrium(machine, _pose(options, machine), options.json)
 
 
@@ -188,7 +215,7 @@ def _modes(options: argparse.Namespace) -> int:
         options.parser.error("--map needs --out DIR, and goes with neither --json nor --voltages")
     if options.out is not None and not options.map:
         options.parser.error("--out goes with --map only")
-    machine = load_machine(options.machine)
+    machine = _machine(options)
     if options.map:
         return map_modes(machine, options.spacing, options.out)
     return show_modes(machine, _pose(options, machine), tuple(options.voltages), options.json)
@@ -197,11 +224,27 @@ def _modes(options: argparse.Namespace) -> int:
 def _check(options: argparse.Namespace) -> int:
     from forest_sim.commands import show_check
 
-    return show_check(load_machine(options.machine))
+    return show_check(_machine(options))
+
+
+def _whole(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0, 1, 2, ...")
+    return int(text)
+
+
+def _machine(options: argparse.Namespace) -> Machine:
+    """Return the machine, its oil at the temperature asked for."""
+    machine = load_machine(options.machine)
+    if options.temperature is None:
+        return machine
+    if machine.oil is None:
+        raise MachineError(f"{machine.name} has no oil section, so --temperature means nothing to it")
+    return at_temperature(machine, options.temperature + ZERO_CELSIUS)
 
 
 def _run(options: argparse.Namespace) -> tuple[Machine, Voltages, Triple, Run]:
-    machine = load_machine(options.machine)
+    machine = _machine(options)
     voltages = _voltages(options)
     duration = options.duration or voltages.duration
     if duration <= 0.0:

@@ -16,8 +16,8 @@ from forest_sim.compiled import have_compiler
 from forest_sim.energy import account
 from forest_sim.equilibrium import equilibrium
 from forest_sim.inputs import Voltages
-from forest_sim.integrator import Triple
-from forest_sim.observation import Observer
+from forest_sim.manipulator import Triple
+from forest_sim.observation import EXACT, Observer, Sensing
 from forest_sim.parameters import plant_parameters
 from forest_sim.sensors import true_joints
 from forest_sim.simulation import Run, RunError, blocks, substeps
@@ -39,7 +39,7 @@ class Progress:
     def __call__(self, simulated: float) -> None:
         """Tell the simulated time [s] when it is time to."""
         now = time.monotonic()
-        if now < self._next or simulated >= self._duration:
+        if now < self._next or not 0.0 < simulated < self._duration:
             return
         self._next = now + self._every
         speed = simulated / (now - self._began)
@@ -61,12 +61,19 @@ def new_directory(out: Path) -> None:
     out.mkdir(parents=True)
 
 
-def simulate(machine: Machine, voltages: Voltages, angles: Triple, run: Run, out: Path) -> int:
+def simulate(
+    machine: Machine,
+    voltages: Voltages,
+    angles: Triple,
+    run: Run,
+    out: Path,
+    sensing: Sensing = EXACT,
+) -> int:
     """Run a machine over an input; write trajectory, pictures and `summary.json`."""
     substeps(run)
     new_directory(out)
     _tell_about_the_compiler()
-    observer, kept, total = Observer(machine, run.rate), Thinned(), summary.Summary(machine)
+    observer, kept, total = Observer(machine, run.rate, sensing), Thinned(), summary.Summary(machine)
     progress = Progress(run.duration)
     with trajectory_files(out, machine, run.rate) as files:
         for block in blocks(machine, voltages, angles, run):

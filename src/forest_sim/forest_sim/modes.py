@@ -25,8 +25,10 @@ from forest_description.limits import workspace_limits
 from forest_description.machine import Machine
 from forest_sim.end_stop import UNCUSHIONED, EndStop
 from forest_sim.equilibrium import equilibrium
-from forest_sim.integrator import Simulation, Triple, step
+from forest_sim.integrator import Simulation, step
 from forest_sim.line import is_shut
+from forest_sim.manipulator import Triple
+from forest_sim.mechanics import HeadState
 from forest_sim.parameters import NO_GUARD, Axis, PlantParameters, plant_parameters
 from forest_sim.plant import AxisState, PlantState, ports_at, state_derivative
 from forest_sim.recording import AXES
@@ -37,7 +39,6 @@ from forest_sim.supply import SupplyState
 Floats = NDArray[np.float64]
 
 NO_STOP = EndStop(-math.inf, math.inf, 0.0, 0.0)
-STATES = (*(f"{axis} {field}" for axis in AXES for field in AxisState._fields), *SupplyState._fields)
 DIFFERENCE = (1e-6, 1e-6, 10.0, 10.0, 1e-8, 1e-8)  # rad, rad/s, Pa, m^3/s: rounding and curvature both small
 PARTS = {"angle": "links", "rate": "links", "pressure_1": "oil", "pressure_2": "oil"}
 SETTLING, SETTLING_STEP = 3.0, 5e-3  # [s] over which the steady motion at a pose is found
@@ -50,7 +51,7 @@ class Mode(NamedTuple):
     frequency: float  # w_n/2pi [Hz]
     damping: float  # zeta
     axes: Triple  # participation of swing, boom, stick
-    parts: dict[str, float]  # participation of links, oil, hoses (flow), pump
+    parts: dict[str, float]  # participation of links, oil, hoses (flow), pump, hanging head
 
     @property
     def axis(self) -> str:
@@ -60,7 +61,9 @@ class Mode(NamedTuple):
     @property
     def kind(self) -> str:
         """What swings on what."""
-        links, hoses, pump = (self.parts[name] for name in ("links", "hoses", "pump"))
+        links, hoses, pump, head = (self.parts[name] for name in ("links", "hoses", "pump", "head"))
+        if head > 0.5:
+            return "hanging head"
         if links >= max(hoses, pump):
             return "links on oil"
         return "oil in hoses" if hoses >= pump else "oil and pump"
@@ -99,17 +102,19 @@ def operating_point(angles: Triple, spools: Triple, p: PlantParameters) -> Simul
 
 
 def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int, ...]]:
-    """Return A [n, n] about an operating point and which places of `STATES` its n states are."""
+    """Return A [n, n] about an operating point and the places of its n states in `recording.STATE`."""
     ports = ports_at(point.spools, p)
     kept = [i for i in range(18) if i % 6 < 4 or not is_shut(ports[i // 6][i % 6 - 4])]
     if not p.supply.ideal:
         kept += [18] if p.supply.rate == 0.0 else [18, 19]
+    if p.head.mass > 0.0:
+        kept += [20, 21, 22, 23]
     x = _flat(point.plant)
     columns = []
     for place in kept:
         d = _difference(place)
         up, down = (
-            _flat(state_derivative(_shaped(x + sign * d * np.eye(20)[place]), ports, p)) for sign in (1, -1)
+            _flat(state_derivative(_shaped(x + sign * d * np.eye(24)[place]), ports, p)) for sign in (1, -1)
         )
         columns.append((up - down)[kept] / (2.0 * d))
     return np.column_stack(columns), tuple(kept)
@@ -138,13 +143,13 @@ def modes(angles: Triple, spools: Triple, p: PlantParameters) -> list[Mode]:
 def _mode(value: complex, weights: Floats, kept: tuple[int, ...]) -> Mode:
     weights = weights / np.sum(weights)
     axes = [0.0, 0.0, 0.0]
-    parts = dict.fromkeys(("links", "oil", "hoses", "pump"), 0.0)
+    parts = dict.fromkeys(("links", "oil", "hoses", "pump", "head"), 0.0)
     for place, weight in zip(kept, weights.tolist(), strict=True):
         if place < 18:
             axes[place // 6] += weight
             parts[PARTS.get(AxisState._fields[place % 6], "hoses")] += weight
         else:
-            parts["pump"] += weight
+            parts["pump" if place < 20 else "head"] += weight
     natural = abs(value)
     return Mode(natural / (2.0 * math.pi), -value.real / natural, (axes[0], axes[1], axes[2]), parts)
 
@@ -168,18 +173,19 @@ def slow_modes(found: list[Mode]) -> dict[str, Mode | None]:
 
 
 def _difference(place: int) -> float:
-    return DIFFERENCE[place % 6] if place < 18 else DIFFERENCE[2]
+    if place < 18:
+        return DIFFERENCE[place % 6]
+    return DIFFERENCE[2] if place < 20 else DIFFERENCE[0]
 
 
 def _flat(state: PlantState) -> Floats:
-    return np.array([*state.swing, *state.boom, *state.stick, *state.supply])
+    return np.array([*state.swing, *state.boom, *state.stick, *state.supply, *state.head])
 
 
 def _shaped(x: Floats) -> PlantState:
     v = x.tolist()
-    return PlantState(
-        AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]), SupplyState(v[18], v[19])
-    )
+    axes = AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18])
+    return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]))
 
 
 class MapPoint(NamedTuple):
@@ -223,6 +229,6 @@ def table(found: list[Mode]) -> str:
     for mode in found:
         shares = {**dict(zip(AXES, mode.axes, strict=True)), **mode.parts}
         told = ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares.items() if share >= 0.05)
-        axis = mode.axis if max(mode.axes) > mode.parts["pump"] else "-"
+        axis = mode.axis if max(mode.axes) > mode.parts["pump"] + mode.parts["head"] else "-"
         lines.append(f"  {mode.frequency:8.2f} {mode.damping:8.3f}  {axis:<6} {mode.kind:<13} {told}")
     return "\n".join(lines)

@@ -3,6 +3,8 @@
 The one place of offline runs that knows the sensors; columns as `forest_msgs_py.encoding.columns` has them.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,8 +14,10 @@ from forest_msgs_py import topics
 from forest_msgs_py.topics import Topic
 from forest_sim import sensors
 from forest_sim.integrator import Simulation
+from forest_sim.measurement import Motion
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import restore
+from forest_sim.sensor_suite import NO_DRAWS, Fault, draw, noise_generator, sensor_suite
 from forest_sim.simulation import Block
 
 Floats = NDArray[np.float64]
@@ -33,13 +37,31 @@ OBSERVED = (
 )
 
 
-class Observer:
-    """Sensors along a run; they remember, so blocks come in order."""
+class Sensing(NamedTuple):
+    """How the sensors work: exact or as the machine file says of them, and what is wrong with them."""
 
-    def __init__(self, machine: Machine, rate: float) -> None:
+    noise: bool = False
+    seed: int = 0
+    faults: tuple[Fault, ...] = ()
+    temperature: float | None = None  # [K] of all oil; None: warm as usual
+
+
+EXACT = Sensing()
+
+
+class Observer:
+    """Sensors along a run; they remember, so blocks come in order. NaN: there is no reading."""
+
+    def __init__(self, machine: Machine, rate: float, sensing: Sensing = EXACT) -> None:
         self._plant, self._links = plant_parameters(machine), machine.manipulator.links
         self._period = 1.0 / rate
-        self._estimate: sensors.SpeedEstimate | None = None
+        self._suite = sensor_suite(machine, sensing.noise, sensing.seed, sensing.faults)
+        self._generator = noise_generator(self._suite)
+        self._draws = sensing.noise or len(sensing.faults) > 0
+        self._around = sensors.surroundings(machine)
+        if sensing.temperature is not None:
+            self._around = self._around._replace(temperatures=(sensing.temperature,) * 3)
+        self._sensors: sensors.SensorState | None = None
 
     def observe(self, block: Block) -> Observed:
         """Return the numbers of every topic, one row per row of the block."""
@@ -53,23 +75,27 @@ class Observer:
 
     def _sample(self, simulation: Simulation) -> tuple[tuple[float, ...], ...]:
         """Return one row of every topic but the voltages."""
-        if self._estimate is None:
-            self._estimate = sensors.at_rest(simulation, self._plant)
-        self._estimate, seen = sensors.measure(simulation, self._estimate, self._plant, self._period)
-        true = sensors.true_joints(simulation, self._plant)
-        spools = (spool.position for spool in simulation.spools)
+        p, suite, around = self._plant, self._suite, self._around
+        if self._sensors is None:
+            self._sensors = sensors.at_rest(simulation, p, suite, around)
+        draws = draw(self._generator) if self._draws else NO_DRAWS
+        self._sensors, seen = sensors.measure(
+            simulation, self._sensors, p, self._period, suite, draws, around
+        )
+        true = sensors.true_joints(simulation, p)
+        auxiliary = (*seen.spools, seen.case_drain_flow, *seen.temperatures, seen.engine_speed, *seen.tilt)
         return (
             _motion(seen.joints),
             _motion(seen.actuators),
             seen.pressures,
             seen.flows,
             (seen.supply_pressure, seen.supply_flow, seen.supply_saturation),
-            (*spools, seen.case_drain_flow, 0.0),
+            (*auxiliary, 0.0),
             _motion(true),
             tip_position(true.position, self._links),
             tip_velocity(true.position, true.speed, self._links),
         )
 
 
-def _motion(motion: sensors.Motion) -> tuple[float, ...]:
+def _motion(motion: Motion) -> tuple[float, ...]:
     return (*motion.position, *motion.speed, *motion.effort)

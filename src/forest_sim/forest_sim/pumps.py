@@ -22,7 +22,7 @@ from forest_description.pump import (
 )
 from forest_sim.energy import Account, account
 from forest_sim.inputs import Voltages
-from forest_sim.integrator import Triple
+from forest_sim.manipulator import Triple
 from forest_sim.simulation import Run, blocks
 from forest_sim.summary import Summary
 

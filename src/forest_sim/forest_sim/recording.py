@@ -6,7 +6,7 @@ The power flows of `power` are integrated over the integrator's own steps with t
 | array | shape | holds |
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
-| states | N, 29 | what `STATE` names, one row per period of M/N steps |
+| states | N, 33 | what `STATE` names, one row per period of M/N steps |
 | energies | N, 42 | J over the period through what `ENERGY` names |
 """
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_sim.integrator import Events, Simulation, step
+from forest_sim.mechanics import HeadState
 from forest_sim.parameters import PlantParameters
 from forest_sim.plant import AxisState, PlantState
 from forest_sim.power import AxisPower, PowerFlows, SupplyPower, power_flows
@@ -26,6 +27,7 @@ AXES = ("swing", "boom", "stick")
 STATE = (
     *(f"{axis}_{field}" for axis in AXES for field in AxisState._fields),
     *(f"supply_{field}" for field in SupplyState._fields),
+    *(f"head_{field}" for field in HeadState._fields),
     *(f"{axis}_spool_{field}" for axis in AXES for field in Spool._fields),
     *Events._fields,
 )
@@ -33,7 +35,7 @@ ENERGY = (
     *(f"pump_{field}" for field in SupplyPower._fields),
     *(f"{axis}_{field}" for axis in AXES for field in AxisPower._fields),
 )
-_SPOOLS, _EVENTS = 20, 26  # columns
+_HEAD, _SPOOLS, _EVENTS = 20, 24, 30  # columns
 _PUMP, _AXIS = len(SupplyPower._fields), len(AxisPower._fields)
 
 
@@ -63,13 +65,15 @@ def _add(total: Floats, before: PowerFlows, after: PowerFlows, weight: float) ->
 
 
 def store(simulation: Simulation, row: Floats) -> None:
-    """Write a machine's state into a row of 29 numbers."""
+    """Write a machine's state into a row of 33 numbers."""
     plant, spools, events = simulation.plant, simulation.spools, simulation.events
     for i in range(6):
         row[i] = plant.swing[i]
         row[6 + i] = plant.boom[i]
         row[12 + i] = plant.stick[i]
     row[18], row[19] = plant.supply.pressure, plant.supply.reference
+    for i in range(4):
+        row[_HEAD + i] = plant.head[i]
     for i in range(3):
         row[_SPOOLS + 2 * i] = spools[i].position
         row[_SPOOLS + 2 * i + 1] = spools[i].rate
@@ -79,8 +83,7 @@ def store(simulation: Simulation, row: Floats) -> None:
 def restore(row: Floats) -> Simulation:
     """Return the machine that `store` wrote."""
     v = row.tolist()
-    spools = Spool(v[20], v[21]), Spool(v[22], v[23]), Spool(v[24], v[25])
-    plant = PlantState(
-        AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]), SupplyState(v[18], v[19])
-    )
-    return Simulation(plant, spools, Events(int(v[26]), int(v[27]), int(v[28])))
+    spools = Spool(*v[24:26]), Spool(*v[26:28]), Spool(*v[28:30])
+    axes = AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18])
+    plant = PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]))
+    return Simulation(plant, spools, Events(int(v[30]), int(v[31]), int(v[32])))

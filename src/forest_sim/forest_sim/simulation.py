@@ -16,7 +16,8 @@ from forest_description.machine import AXES, Machine
 from forest_sim.compiled import fastest_record
 from forest_sim.equilibrium import equilibrium
 from forest_sim.inputs import Voltages
-from forest_sim.integrator import Simulation, Triple
+from forest_sim.integrator import Simulation
+from forest_sim.manipulator import Triple
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import ENERGY, STATE, store
 
@@ -44,7 +45,7 @@ class Block(NamedTuple):
 
     time: Floats  # [N] s
     voltages: Floats  # [N, 3] V, that act from the row's time on
-    states: Floats  # [N, 29]
+    states: Floats  # [N, 33]
     energies: Floats  # [N, 42] J, over the period before the row
 
 

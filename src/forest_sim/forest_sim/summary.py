@@ -11,7 +11,8 @@ from forest_description.kinematics import tip_position
 from forest_description.limits import joint_limits
 from forest_description.machine import AXES, Machine
 from forest_sim.energy import Account, account, oil_energy
-from forest_sim.integrator import Events, Triple
+from forest_sim.integrator import Events
+from forest_sim.manipulator import Triple
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import ENERGY, STATE, restore
 from forest_sim.simulation import Block, Run

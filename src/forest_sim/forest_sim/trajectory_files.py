@@ -27,15 +27,17 @@ Rows = dict[Any, Floats]  # by topic or name, each [N, ...]
 
 FRAME = "base_link"
 CHUNK_BYTES = 4 * 1024 * 1024  # 10 000 entries in the bag's index after a day at 200 Hz
-UNITS = {
-    "angle": "rad",
+UNITS = {  # by a word of the name; the first that is in it
     "rate": "rad/s",
-    "pressure": "Pa",
-    "flow": "m3/s",
+    "angle": "rad",
+    "alpha": "rad",
+    "beta": "rad",
     "position": "V",
+    "pressure": "Pa",
     "reference": "Pa",
+    "flow": "m3/s",
 }
-COLUMNS = tuple(name for name in STATE[:25] if not name.endswith("spool_rate"))
+COLUMNS = tuple(name for name in STATE[:-3] if not name.endswith("spool_rate"))
 _PLACES = [STATE.index(name) for name in COLUMNS]
 
 
@@ -48,7 +50,7 @@ def csv_header() -> str:
 
 
 def _unit(name: str) -> str:
-    return next(unit for word, unit in UNITS.items() if word in name.removeprefix("supply_").split("_"))
+    return next(unit for word, unit in UNITS.items() if word in name.split("_"))
 
 
 class TrajectoryFiles:
@@ -80,7 +82,9 @@ class TrajectoryFiles:
         for row, stamp in enumerate(stamps.tolist()):
             self._sequence += 1
             for name, messages in encoded:
-                self._writer.write(name, messages[row], stamp, stamp, self._sequence)
+                message = messages[row]
+                if message is not None:
+                    self._writer.write(name, message, stamp, stamp, self._sequence)
 
     def _write_csv(self, block: Block, tip: Floats) -> None:
         powers = np.column_stack(account(block.energies)) * self._rate
