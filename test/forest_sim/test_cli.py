@@ -93,9 +93,9 @@ def test_sensors_err_by_seed_and_fail_as_told(forest_sim, tmp_path):
 def test_cold_oil_is_another_machine(forest_sim):
     cold, warm = (forest_sim("modes", "--temperature", degrees)[1] for degrees in ("0", "40"))
     assert cold != warm
-    code, _, err = forest_sim("check", "c180", "--temperature", "150")
+    code, _, err = forest_sim("modes", "--machine", "c180_thesis", "--temperature", "20")
     assert code == 1
-    assert len(err.splitlines()) == 1
+    assert err == "forest-sim: c180_thesis has no oil section, so --temperature means nothing to it\n"
 
 
 def test_pumps_is_one_command(forest_sim, tmp_path):
