@@ -11,7 +11,7 @@ from forest_msgs_py import topics
 from forest_msgs_py.series import read_bag
 from forest_sim import cli, commands
 from forest_sim.cli import main
-from forest_sim.compiled import fastest_record
+from forest_sim.compiled_recording import fastest_record
 
 PICTURES = {"tip_path.png", "joints.png", "voltages.png", "hydraulics.png", "spools.png", "power.png"}
 
@@ -210,7 +210,7 @@ def test_a_bad_voltage_file_is_told_by_line(forest_sim, tmp_path):
 
 
 def test_without_numba_it_runs_and_says_once_how_to_be_faster(forest_sim, tmp_path, monkeypatch):
-    for module in ("compiled", "commands"):
+    for module in ("compiled_recording", "commands"):
         monkeypatch.setattr(f"forest_sim.{module}.have_compiler", lambda: False)
     assert fastest_record().__module__ == "forest_sim.recording"
     code, _, err = forest_sim("simulate", "--duration", "0.2", "--out", tmp_path / "run")

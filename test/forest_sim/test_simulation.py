@@ -7,7 +7,8 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_sim import inputs, recording
-from forest_sim.compiled import compiled_advance, compiled_record
+from forest_sim.compiled import compiled_advance
+from forest_sim.compiled_recording import compiled_record
 from forest_sim.energy import Account, account, gap, oil_energy
 from forest_sim.equilibrium import equilibrium
 from forest_sim.parameters import plant_parameters

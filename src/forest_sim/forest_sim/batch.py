@@ -12,7 +12,7 @@ from multiprocessing import get_context
 from typing import NamedTuple, TypeVar
 
 from forest_description.machine import Machine
-from forest_sim.compiled import have_compiler
+from forest_sim.compiled_recording import have_compiler
 from forest_sim.inputs import Voltages
 from forest_sim.manipulator import Triple
 from forest_sim.simulation import START_TIP, Block, Run, start_angles, whole

@@ -12,7 +12,7 @@ import numpy as np
 from forest_description.kinematics import tip_position
 from forest_description.machine import AXES, Machine
 from forest_sim import check, modes, pumps, summary
-from forest_sim.compiled import have_compiler
+from forest_sim.compiled_recording import have_compiler
 from forest_sim.energy import account
 from forest_sim.equilibrium import equilibrium
 from forest_sim.inputs import Voltages

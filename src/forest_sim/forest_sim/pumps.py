@@ -45,8 +45,6 @@ def with_pump(machine: Machine, sort: type[Any]) -> Machine:
     other = load_machine(SORTS[sort]).pump
     own = {f.name: getattr(machine.pump, f.name) for f in dataclasses.fields(machine.pump)}
     known = {f.name: own[f.name] for f in dataclasses.fields(other) if f.name in own}
-    if sort is ConstantFlowPump:
-        known["relief_pressure"] = machine.pump.supply_pressure
     pump: Pump = dataclasses.replace(other, **known)
     return dataclasses.replace(machine, pump=pump)
 

@@ -6,7 +6,7 @@ The power flows of `power` are integrated over the integrator's own steps with t
 | array | shape | holds |
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
-| states | N, 33 | what `STATE` names, one row per period of M/N steps |
+| states | N, 36 | what `STATE` names, one row per period of M/N steps |
 | energies | N, 42 | J over the period through what `ENERGY` names |
 """
 
@@ -29,13 +29,14 @@ STATE = (
     *(f"supply_{field}" for field in SupplyState._fields),
     *(f"head_{field}" for field in HeadState._fields),
     *(f"{axis}_spool_{field}" for axis in AXES for field in Spool._fields),
+    *(f"{axis}_acceleration" for axis in AXES),
     *Events._fields,
 )
 ENERGY = (
     *(f"pump_{field}" for field in SupplyPower._fields),
     *(f"{axis}_{field}" for axis in AXES for field in AxisPower._fields),
 )
-_HEAD, _SPOOLS, _EVENTS = 20, 24, 30  # columns
+_HEAD, _SPOOLS, _ACCELERATIONS, _EVENTS = 20, 24, 30, 33  # columns
 _PUMP, _AXIS = len(SupplyPower._fields), len(AxisPower._fields)
 
 
@@ -65,7 +66,7 @@ def _add(total: Floats, before: PowerFlows, after: PowerFlows, weight: float) ->
 
 
 def store(simulation: Simulation, row: Floats) -> None:
-    """Write a machine's state into a row of 33 numbers."""
+    """Write a machine's state into a row of 36 numbers."""
     plant, spools, events = simulation.plant, simulation.spools, simulation.events
     for i in range(6):
         row[i] = plant.swing[i]
@@ -77,6 +78,7 @@ def store(simulation: Simulation, row: Floats) -> None:
     for i in range(3):
         row[_SPOOLS + 2 * i] = spools[i].position
         row[_SPOOLS + 2 * i + 1] = spools[i].rate
+        row[_ACCELERATIONS + i] = simulation.accelerations[i]
         row[_EVENTS + i] = events[i]
 
 
@@ -86,4 +88,5 @@ def restore(row: Floats) -> Simulation:
     spools = Spool(*v[24:26]), Spool(*v[26:28]), Spool(*v[28:30])
     axes = AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18])
     plant = PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]))
-    return Simulation(plant, spools, Events(int(v[30]), int(v[31]), int(v[32])))
+    events = Events(int(v[33]), int(v[34]), int(v[35]))
+    return Simulation(plant, spools, events, (v[30], v[31], v[32]))

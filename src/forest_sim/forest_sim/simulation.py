@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from forest_description.kinematics import inverse_kinematics
 from forest_description.limits import joint_limits, workspace_limits
 from forest_description.machine import AXES, Machine
-from forest_sim.compiled import fastest_record
+from forest_sim.compiled_recording import fastest_record
 from forest_sim.equilibrium import equilibrium
 from forest_sim.inputs import Voltages
 from forest_sim.integrator import Simulation
@@ -45,7 +45,7 @@ class Block(NamedTuple):
 
     time: Floats  # [N] s
     voltages: Floats  # [N, 3] V, that act from the row's time on
-    states: Floats  # [N, 33]
+    states: Floats  # [N, 36]
     energies: Floats  # [N, 42] J, over the period before the row
 
 

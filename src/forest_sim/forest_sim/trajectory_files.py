@@ -37,7 +37,7 @@ UNITS = {  # by a word of the name; the first that is in it
     "reference": "Pa",
     "flow": "m3/s",
 }
-COLUMNS = tuple(name for name in STATE[:-3] if not name.endswith("spool_rate"))
+COLUMNS = tuple(name for name in STATE[:-6] if not name.endswith("spool_rate"))
 _PLACES = [STATE.index(name) for name in COLUMNS]
 
 
