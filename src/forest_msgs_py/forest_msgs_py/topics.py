@@ -107,10 +107,11 @@ AUXILIARY = Topic(
     (
         *("swing_spool", "boom_spool", "stick_spool", "case_drain_flow"),
         *("tank_temperature", "pump_temperature", "motor_temperature"),
-        *("engine_speed", "platform_pitch", "platform_roll", "missed_deadlines"),
+        *("engine_speed", "platform_pitch", "platform_roll", "relief_openings"),
+        *("anticavitation_openings", "unconverged_stages", "missed_deadlines"),
     ),
-    ("V", "V", "V", "m³/s", "K", "K", "K", "rad/s", "rad", "rad", "1"), _RATE,
-    "Spools as the voltage that holds them, case drain, oil temperatures, engine, tilt, missed deadlines.",
+    ("V", "V", "V", "m³/s", "K", "K", "K", "rad/s", "rad", "rad", "1", "1", "1", "1"), _RATE,
+    "Spools as the voltage that holds them, case drain, oil temperatures, engine, tilt; counts since start.",
     (_SIMULATOR,), _NOBODY,
 )
 VALVE_COMMANDS = Topic(

@@ -90,7 +90,7 @@ class Observer:
             seen.pressures,
             seen.flows,
             (seen.supply_pressure, seen.supply_flow, seen.supply_saturation),
-            (*auxiliary, 0.0),
+            (*auxiliary, *map(float, simulation.events), 0.0),
             _motion(true),
             tip_position(true.position, self._links),
             tip_velocity(true.position, true.speed, self._links),

@@ -4,18 +4,21 @@ Physics at 1 kHz inside, topics at 200 Hz. Deadlines stand on the monotonic cloc
 with correctly stamped samples, and counted. Voltages older than the machine's command timeout count as zero.
 
 Sensors are exact unless `sensor_noise` is set; `sensor_faults` hold either way. A sensor that is absent, or
-drops its sample, is missing from its message; a message of which nothing is left is not sent.
+drops its sample, is missing from its message; a message of which nothing is left is not sent. `stuck_spools`
+and `tip_force` may be set while the node runs.
 """
 
 import math
 import sys
 import time
+from typing import Any
 
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 
 from forest_description.kinematics import tip_position, tip_velocity
 from forest_description.limits import pose_at, start_tip
-from forest_description.machine import load_machine
+from forest_description.machine import Machine, load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.inbox import inbox
@@ -30,37 +33,34 @@ from forest_msgs_py.messages import (
 from forest_msgs_py.node import publisher, run_node, timer
 from forest_msgs_py.parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.topics import ACTUATORS, JOINTS, message_class
-from forest_sim import sensors
-from forest_sim.equilibrium import equilibrium
-from forest_sim.integrator import advance
 from forest_sim.manipulator import Triple
 from forest_sim.measurement import Measurement, Motion
-from forest_sim.parameters import plant_parameters
 from forest_sim.sensor_faults import parse_faults
-from forest_sim.sensor_suite import Suite, draw, noise_generator, sensor_suite
+from forest_sim.sensor_suite import Suite, sensor_suite
+from forest_sim.simulated_machine import Disturbance, SimulatedMachine, parse_stuck_spools
 
 FRAME = "base_link"
 PERIOD_NS = 5_000_000
-SUBSTEPS = 5
-SUBSTEP = PERIOD_NS * 1e-9 / SUBSTEPS  # [s]
 CATCH_UP = 20  # periods; what is later than that is left out rather than rushed through
 ZERO: Triple = (0.0, 0.0, 0.0)
 
 
 class SimulatorNode(Node):
-    """Shell around `integrator.step` and `sensors.measure`."""
+    """Shell around `SimulatedMachine`."""
 
     def __init__(self) -> None:
         super().__init__("simulator")
         machine = load_machine(declare(self, "machine", "c180", "shipped machine, or path of a machine file"))
         start = declare_triple(self, "initial_tip", start_tip(machine), "tip position at the start", "m")
         self._plain = declare(self, "plain_arrays", False, "publish Float64MultiArray without stamp")
-        self._machine = machine
-        self._plant = plant_parameters(machine)
-        self._simulation = equilibrium(self._start_angles(start), self._plant)
-        self._suite = self._sensor_suite()
-        self._generator, self._around = noise_generator(self._suite), sensors.surroundings(machine)
-        self._sensors = sensors.at_rest(self._simulation, self._plant, self._suite, self._around)
+        self._machine = SimulatedMachine(
+            machine, _start_angles(machine, start), self._sensor_suite(machine), PERIOD_NS * 1e-9
+        )
+        if not self._machine.is_compiled:
+            self.get_logger().info(
+                "the plant is interpreted; `python -m forest_sim.compiled` makes it fast, once"
+            )
+        self._declare_disturbance()
         self._voltages, self._received = ZERO, -math.inf
         self._missed = 0
         self._outputs = {
@@ -73,20 +73,32 @@ class SimulatorNode(Node):
         self._next = time.monotonic_ns() + PERIOD_NS
         timer(self, PERIOD_NS * 1e-9, self._on_timer)
 
-    def _sensor_suite(self) -> Suite:
+    def _sensor_suite(self, machine: Machine) -> Suite:
         noise = declare(self, "sensor_noise", False, "errors, noise, lag and rate as in the machine file")
         seed = declare(self, "seed", 0, "of the sensors' errors and noise", low=0)
         faults = declare(self, "sensor_faults", "", "e.g. boom_resolver: frozen from 2 s; swing_flow: absent")
         try:
-            return sensor_suite(self._machine, noise, seed, parse_faults(faults))
+            return sensor_suite(machine, noise, seed, parse_faults(faults))
         except ValueError as error:
             raise ParameterError(f"parameter 'sensor_faults': {error}") from error
 
-    def _start_angles(self, tip: Triple) -> Triple:
+    def _declare_disturbance(self) -> None:
+        stuck = declare(self, "stuck_spools", "", "axes whose spools do not move", read_only=False)
+        force = declare(self, "tip_force", [0.0, 0.0, 0.0], "on the tip, base frame", "N", read_only=False)
         try:
-            return pose_at(tip, self._machine)
+            self._machine.disturb(_disturbance(stuck, force))
         except ValueError as error:
-            raise ParameterError(f"parameter 'initial_tip' is {list(tip)}: {error}") from error
+            raise ParameterError(f"parameter {error}") from error
+        self.add_on_set_parameters_callback(self._on_parameters)
+
+    def _on_parameters(self, changed: list[Any]) -> SetParametersResult:
+        values = {name: self.get_parameter(name).value for name in ("stuck_spools", "tip_force")}
+        values.update((parameter.name, parameter.value) for parameter in changed if parameter.name in values)
+        try:
+            self._machine.disturb(_disturbance(values["stuck_spools"], values["tip_force"]))
+        except ValueError as error:
+            return SetParametersResult(successful=False, reason=f"parameter {error}")
+        return SetParametersResult(successful=True)
 
     def _read_voltages(self) -> None:
         """Take the newest command; a bad one, and one that is too old, centres the valves."""
@@ -97,7 +109,7 @@ class SimulatorNode(Node):
                 self.get_logger().warning(f"valves centred: {reading.problem}", throttle_duration_sec=1.0)
             self._voltages = ZERO if reading.problem else reading.values
             self._received = arrival.time
-        if time.monotonic() - self._received > self._machine.command_timeout:
+        if time.monotonic() - self._received > self._machine.machine.command_timeout:
             self._voltages = ZERO
 
     def _on_timer(self) -> None:
@@ -113,12 +125,7 @@ class SimulatorNode(Node):
 
     def _advance(self) -> None:
         self._read_voltages()
-        self._simulation = advance(self._simulation, self._voltages, SUBSTEP, SUBSTEPS, self._plant)
-        self._sensors, seen = sensors.measure(
-            *(self._simulation, self._sensors, self._plant, PERIOD_NS * 1e-9),
-            *(self._suite, draw(self._generator), self._around),
-        )
-        self._publish(seen)
+        self._publish(self._machine.step(self._voltages))
 
     def _publish(self, seen: Measurement) -> None:
         """Publish one sample; what the driver needs goes before what makes the controller step."""
@@ -128,12 +135,11 @@ class SimulatorNode(Node):
         self._publish_motion(topics.JOINT_STATES, JOINTS, seen.joints)
         self._publish_motion(topics.ACTUATOR_STATES, ACTUATORS, seen.actuators)
         self._publish_array(topics.FLOWS, seen.flows)
-        self._publish_array(topics.AUXILIARY, (*auxiliary, float(self._missed)))
+        self._publish_array(topics.AUXILIARY, (*auxiliary, *map(float, self._machine.events), self._missed))
         self._publish_truth()
 
     def _publish_truth(self) -> None:
-        true = sensors.true_joints(self._simulation, self._plant)
-        links = self._machine.manipulator.links
+        true, links = self._machine.true_joints(), self._machine.machine.manipulator.links
         state = joint_state(JOINTS, self._stamp, true.position, true.speed, true.effort)
         self._outputs[topics.GROUND_TRUTH_JOINT_STATES].publish(state)
         pose = pose_stamped(self._stamp, FRAME, tip_position(true.position, links))
@@ -150,6 +156,23 @@ class SimulatorNode(Node):
         message = sensor_joint_state(names, self._stamp, motion.position, motion.speed, motion.effort)
         if message is not None:
             self._outputs[topic].publish(message)
+
+
+def _start_angles(machine: Machine, tip: Triple) -> Triple:
+    try:
+        return pose_at(tip, machine)
+    except ValueError as error:
+        raise ParameterError(f"parameter 'initial_tip' is {list(tip)}: {error}") from error
+
+
+def _disturbance(stuck_spools: str, tip_force: list[float]) -> Disturbance:
+    try:
+        stuck = parse_stuck_spools(stuck_spools)
+    except ValueError as error:
+        raise ValueError(f"'stuck_spools': {error}") from error
+    if len(tip_force) != 3 or not all(map(math.isfinite, tip_force)):
+        raise ValueError(f"'tip_force' is {list(tip_force)}; allowed: 3 finite numbers [N]")
+    return Disturbance(stuck, (tip_force[0], tip_force[1], tip_force[2]))
 
 
 def main() -> None:

@@ -1,0 +1,116 @@
+"""A machine that runs on and on: plant, oil and sensors together, one sampling period at a time.
+
+What the simulator node wraps. Faults and the force on the tip may change between two periods.
+"""
+
+from typing import NamedTuple
+
+from forest_description.machine import AXES, Machine
+from forest_sim import sensors
+from forest_sim.compiled import ready_advance
+from forest_sim.equilibrium import equilibrium
+from forest_sim.integrator import Events, advance
+from forest_sim.manipulator import Triple
+from forest_sim.measurement import Measurement, Motion
+from forest_sim.parameters import PlantParameters, plant_parameters
+from forest_sim.power import power_flows
+from forest_sim.sensor_suite import Suite, draw, noise_generator
+from forest_sim.spool import STUCK
+from forest_sim.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after
+
+STEP = 1e-3  # [s] of the integrator
+LOSS_SAMPLES = 10  # in an update of the oil's temperature
+
+
+class Disturbance(NamedTuple):
+    """What is done to a machine from outside."""
+
+    stuck_spools: tuple[str, ...] = ()  # of `AXES`
+    tip_force: Triple = (0.0, 0.0, 0.0)  # [N] in the base frame
+
+
+UNDISTURBED = Disturbance()
+
+
+def parse_stuck_spools(text: str) -> tuple[str, ...]:
+    """Return the axes that a text names, separated by commas or spaces.
+
+    Raises:
+        ValueError: it names something else.
+    """
+    names = tuple(text.replace(",", " ").split())
+    for name in names:
+        if name not in AXES:
+            raise ValueError(f"there is no spool '{name}'; allowed: {', '.join(AXES)}, separated by commas")
+    return names
+
+
+class SimulatedMachine:
+    """State of plant, oil and sensors."""
+
+    def __init__(self, machine: Machine, angles: Triple, suite: Suite, period: float) -> None:
+        """Start at rest at the joint angles [rad]; a period [s] is a whole number of steps."""
+        self.machine, self._suite, self._period = machine, suite, period
+        self._substeps = round(period / STEP)
+        compiled = ready_advance()
+        self.is_compiled = compiled is not None
+        self._advance = compiled or advance
+        self._undisturbed = self._plant = plant_parameters(machine)
+        self._disturbance = UNDISTURBED
+        self._simulation = equilibrium(angles, self._plant)
+        self._around = sensors.surroundings(machine)
+        self._generator = noise_generator(suite)
+        self._sensors = sensors.at_rest(self._simulation, self._plant, suite, self._around)
+        self._temperature = machine.oil.reference_temperature if machine.oil else None
+        self._losses: list[float] = []
+        self._periods = 0
+
+    @property
+    def events(self) -> Events:
+        """What has been counted since the start."""
+        return self._simulation.events
+
+    def disturb(self, disturbance: Disturbance) -> None:
+        """Let spools be stuck and a force act on the tip, from now on."""
+        self._disturbance = disturbance
+        self._plant = _disturbed(self._undisturbed, disturbance)
+
+    def step(self, voltages: Triple) -> Measurement:
+        """Move on by a period under held valve voltages [V], and return what the sensors say then."""
+        p = self._plant
+        self._simulation = self._advance(self._simulation, voltages, STEP, self._substeps, p)
+        self._periods += 1
+        if self._temperature is not None:
+            self._warm(self._temperature)
+        self._sensors, seen = sensors.measure(
+            *(self._simulation, self._sensors, p, self._period),
+            *(self._suite, draw(self._generator), self._around),
+        )
+        return seen
+
+    def true_joints(self) -> Motion:
+        """Return the joints' true angles [rad], rates [rad/s] and torques [N m]."""
+        return sensors.true_joints(self._simulation, self._plant)
+
+    def _warm(self, temperature: float) -> None:
+        """Sample what the machine loses; every UPDATE_PERIOD the oil is warmer by that."""
+        oil, periods = self.machine.oil, round(UPDATE_PERIOD / self._period)
+        if oil is None or self._periods % (periods // LOSS_SAMPLES) != 0:
+            return
+        self._losses.append(heat(power_flows(self._simulation, self._plant)))
+        if self._periods % periods == 0:
+            mean = sum(self._losses) / len(self._losses)
+            self._losses.clear()
+            self._temperature = temperature_after(temperature, mean, oil, UPDATE_PERIOD)
+            self._undisturbed = parameters_at(self.machine, self._temperature)
+            self._around = self._around._replace(temperatures=(self._temperature,) * 3)
+            self.disturb(self._disturbance)
+
+
+def _disturbed(p: PlantParameters, disturbance: Disturbance) -> PlantParameters:
+    """Return the plant with spools that do not move and with a force on its tip."""
+    swing, boom, stick = (
+        valve._replace(lag=STUCK) if axis in disturbance.stuck_spools else valve
+        for axis, valve in zip(AXES, p.valves, strict=True)
+    )
+    return p._replace(valves=(swing, boom, stick), tip_force=disturbance.tip_force)
