@@ -96,6 +96,9 @@ def test_cold_oil_is_another_machine(forest_sim):
     code, _, err = forest_sim("check", "c180", "--temperature", "400")
     assert code == 2
     assert "allowed: -60 .. 200 degC" in err
+    code, _, err = forest_sim("modes", "--machine", "c180_thesis", "--temperature", "20")
+    assert code == 1
+    assert err == "forest-sim: c180_thesis has no oil section, so --temperature means nothing to it\n"
 
 
 def test_pumps_is_one_command(forest_sim, tmp_path):

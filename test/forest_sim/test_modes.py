@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from forest_description.linkage import lever_arm
-from forest_description.machine import load_machine
+from forest_description.load import Pendulum
+from forest_description.machine import Friction, load_machine
 from forest_sim.compiled import compiled_advance
 from forest_sim.manipulator import dynamics
 from forest_sim.modes import mode_map, modes, operating_point, slow_modes, unguarded
@@ -116,10 +117,21 @@ def test_more_extension_makes_the_swing_slower():
 
 
 def test_a_friction_that_sticks_leaves_no_oscillation_of_its_axis():
-    from forest_description.machine import Friction
-
     sticky = replace(C180, boom=replace(C180.boom, friction=Friction(4e3, 7e3, 5e-3, 1e-4)))
     assert slow_modes(modes(START, SHUT, plant_parameters(sticky)))["boom"] is None
+
+
+def test_a_hanging_head_swings_as_a_pendulum_beside_the_cranes_own_modes():
+    hanging = replace(C180.manipulator, pendulum=Pendulum(0.9, 60.0, 50.0))
+    found = modes(START, SHUT, plant_parameters(replace(C180, manipulator=hanging)))
+    swings = [mode for mode in found if mode.kind == "hanging head"]
+    # A rigid pendulum on a fixed point: w^2 = m g l/(m l^2 + I); the crane under it gives way a little.
+    mass = C180.manipulator.head_mass
+    alone = math.sqrt(mass * 9.81 * 0.9 / (mass * 0.9**2 + 60.0)) / (2.0 * math.pi)
+    assert len(swings) == 2
+    for mode in swings:
+        assert mode.frequency == pytest.approx(alone, rel=0.1)
+    assert [mode.axis for mode in found if mode.kind == "links on oil"] == ["swing", "boom", "stick"]
 
 
 def test_the_map_stays_inside_the_workspace():

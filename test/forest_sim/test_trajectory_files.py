@@ -134,6 +134,8 @@ def test_a_long_run_is_thinned_evenly_and_stays_small(monkeypatch):
         thinned.add({"a": np.arange(count, count + length, dtype=float)})
         count += length
         assert len(thinned.columns()["a"]) <= 100 + 1
+        assert all(rows["a"].base is None for rows in thinned._kept)  # no view keeps a whole block alive
+    assert all(len(rows["a"]) for rows in thinned._kept)
     kept = thinned.columns()["a"]
     assert len(kept) >= 50
     assert set(np.diff(kept).tolist()) == {8.0}

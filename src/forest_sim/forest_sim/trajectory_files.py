@@ -114,11 +114,14 @@ class Thinned:
         count = len(next(iter(rows.values())))
         first = -self._seen % self._every
         self._seen += count
-        self._keep({name: values[first :: self._every] for name, values in rows.items()})
+        if first >= count:
+            return
+        # Copies: a slice would keep the whole block that it is a view of.
+        self._keep({name: values[first :: self._every].copy() for name, values in rows.items()})
         if self._rows > self.LIMIT:
             kept = self.columns()
             self._kept, self._rows, self._every = [], 0, 2 * self._every
-            self._keep({name: values[::2] for name, values in kept.items()})
+            self._keep({name: values[::2].copy() for name, values in kept.items()})
 
     def _keep(self, rows: Rows) -> None:
         self._kept.append(rows)
