@@ -1,6 +1,7 @@
 """A run in blocks is the integrator's own steps; its energy account closes."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from forest_description.machine import load_machine
 from forest_sim import inputs, recording
 from forest_sim.compiled import compiled_advance, compiled_record
-from forest_sim.energy import Account, account, gap, oil_energy
+from forest_sim.energy import Account, account, gap, heat_in, oil_energy
 from forest_sim.equilibrium import equilibrium
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import ENERGY, STATE, restore
@@ -28,8 +29,9 @@ START = start_angles(C180, START_TIP)
 
 
 def test_rows_are_the_integrators_states_under_the_voltages_of_each_step():
-    voltages, p = inputs.chirp(6.0, 1.0, 5.0, 3.0), plant_parameters(C180)
-    run = whole(C180, voltages, START, Run(2.5))
+    dry = replace(C180, oil=None)
+    voltages, p = inputs.chirp(6.0, 1.0, 5.0, 3.0), plant_parameters(dry)
+    run = whole(dry, voltages, START, Run(2.5))
     now, advance = equilibrium(START, p), compiled_advance()
     assert restore(run.states[0]) == now
     for k in range(2500):
@@ -40,6 +42,21 @@ def test_rows_are_the_integrators_states_under_the_voltages_of_each_step():
             np.testing.assert_allclose(there.plant.boom, now.plant.boom, rtol=1e-9, atol=1e-12)
             assert there.events == now.events
     np.testing.assert_allclose(run.time, np.arange(501) / 200.0, rtol=0.0, atol=1e-12)
+
+
+def test_the_oil_warms_by_what_the_machine_loses_and_the_run_goes_on_with_it():
+    voltages, oil = inputs.chirp(9.0, 0.2, 0.4, 20.0), C180.oil
+    small = replace(C180, oil=replace(oil, volume=0.005))
+    run = whole(small, voltages, START, Run(20.0))
+    warmed = run.temperature[-1] - run.temperature[0]
+    heat = heat_in(run.energies[:3801])  # the last block warms nothing that is seen
+    within = 0.5 * (run.temperature[:-200] + run.temperature[200:])
+    lost = oil.heat_loss_coefficient * np.mean(within - oil.ambient_temperature) * 19.0
+    assert warmed == pytest.approx((heat - lost) / small.oil.heat_capacity, rel=0.01)
+    assert warmed > 5.0
+    constant = whole(replace(C180, oil=None), voltages, START, Run(20.0))
+    assert np.all(np.isnan(constant.temperature))
+    assert abs(run.states[-1, 0] - constant.states[-1, 0]) > 1e-4  # thin oil leaks more in the swing motor
 
 
 def test_blocks_hold_the_same_rows_whatever_the_length_of_the_run():

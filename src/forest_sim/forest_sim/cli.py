@@ -190,8 +190,7 @@ def _simulate(options: argparse.Namespace) -> int:
         faults = parse_faults(options.sensor_faults)
     except ValueError as error:
         options.parser.error(f"argument --sensor-faults: {error}")
-    temperature = None if options.temperature is None else options.temperature + ZERO_CELSIUS
-    sensing = Sensing(options.sensor_noise, options.seed, faults, temperature)
+    sensing = Sensing(options.sensor_noise, options.seed, faults)
     return simulate(machine, voltages, angles, run, options.out, sensing)
 
 

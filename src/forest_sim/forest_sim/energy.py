@@ -59,6 +59,12 @@ _PARTS = {
 }
 
 
+def heat_in(energies: Floats) -> float:
+    """Return what rows of energies turned into heat [J]: all but work on the links and what is stored."""
+    total = account(np.sum(energies, axis=0))
+    return float(total.engine - total.mechanical - total.stops - total.stored)
+
+
 def account(energies: Floats) -> Account:
     """Return the account of recorded energies [..., 42], `recording.ENERGY`."""
     parts = {

@@ -3,6 +3,7 @@
 The one place of offline runs that knows the sensors; columns as `forest_msgs_py.encoding.columns` has them.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from forest_sim.parameters import plant_parameters
 from forest_sim.recording import restore
 from forest_sim.sensor_suite import NO_DRAWS, Fault, draw, noise_generator, sensor_suite
 from forest_sim.simulation import Block
+from forest_sim.thermal import parameters_at
 
 Floats = NDArray[np.float64]
 Observed = dict[Topic, Floats]
@@ -43,7 +45,6 @@ class Sensing(NamedTuple):
     noise: bool = False
     seed: int = 0
     faults: tuple[Fault, ...] = ()
-    temperature: float | None = None  # [K] of all oil; None: warm as usual
 
 
 EXACT = Sensing()
@@ -53,18 +54,21 @@ class Observer:
     """Sensors along a run; they remember, so blocks come in order. NaN: there is no reading."""
 
     def __init__(self, machine: Machine, rate: float, sensing: Sensing = EXACT) -> None:
-        self._plant, self._links = plant_parameters(machine), machine.manipulator.links
+        self._machine, self._links = machine, machine.manipulator.links
+        self._plant = plant_parameters(machine)
         self._period = 1.0 / rate
         self._suite = sensor_suite(machine, sensing.noise, sensing.seed, sensing.faults)
         self._generator = noise_generator(self._suite)
         self._draws = sensing.noise or len(sensing.faults) > 0
         self._around = sensors.surroundings(machine)
-        if sensing.temperature is not None:
-            self._around = self._around._replace(temperatures=(sensing.temperature,) * 3)
         self._sensors: sensors.SensorState | None = None
 
     def observe(self, block: Block) -> Observed:
         """Return the numbers of every topic, one row per row of the block."""
+        temperature = float(block.temperature[0])
+        if math.isfinite(temperature):
+            self._plant = parameters_at(self._machine, temperature)
+            self._around = self._around._replace(temperatures=(temperature,) * 3)
         rows = [self._sample(restore(row)) for row in block.states]
         observed = {
             topic: np.array(column, dtype=np.float64)

@@ -1,6 +1,7 @@
 """A machine driven by given voltages, without a graph: in blocks, so that a day of it fits into memory.
 
-One row per sampling period, at its end, and one for the start. Times are multiples of the period.
+One row per sampling period, at its end, and one for the start. Times are multiples of the period. The oil
+warms from block to block by what the machine loses.
 """
 
 import math
@@ -14,17 +15,19 @@ from forest_description.kinematics import inverse_kinematics
 from forest_description.limits import joint_limits, workspace_limits
 from forest_description.machine import AXES, Machine
 from forest_sim.compiled import fastest_record
+from forest_sim.energy import heat_in
 from forest_sim.equilibrium import equilibrium
 from forest_sim.inputs import Voltages
 from forest_sim.integrator import Simulation
 from forest_sim.manipulator import Triple
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import ENERGY, STATE, store
+from forest_sim.thermal import UPDATE_PERIOD, parameters_at, temperature_after
 
 Floats = NDArray[np.float64]
 
 START_TIP: Triple = (5.5, 0.0, 1.0)  # [m], as the simulator node
-BLOCK = 1.0  # [s]
+BLOCK = UPDATE_PERIOD  # [s]
 LIMIT_TOLERANCE = 1e-9  # [rad]
 
 
@@ -47,6 +50,7 @@ class Block(NamedTuple):
     voltages: Floats  # [N, 3] V, that act from the row's time on
     states: Floats  # [N, 36]
     energies: Floats  # [N, 42] J, over the period before the row
+    temperature: Floats  # [N] K, of the oil; NaN for a machine without
 
 
 def start_angles(machine: Machine, tip: Triple) -> Triple:
@@ -111,13 +115,14 @@ def blocks(machine: Machine, voltages: Voltages, angles: Triple, run: Run) -> It
     Raises:
         RunError: step and rate do not fit.
     """
-    p = plant_parameters(machine)
+    p, oil = plant_parameters(machine), machine.oil
+    temperature = math.nan if oil is None else oil.reference_temperature
     per_row, rows = substeps(run), round(run.duration * run.rate)
     per_block = max(1, round(BLOCK * run.rate))
     simulation, advance = equilibrium(angles, p), fastest_record()
     # Compiled here, so that whoever times the rows times the simulation alone.
     advance(simulation, np.zeros((1, 3)), run.step, p, np.zeros((1, len(STATE))), np.zeros((1, len(ENERGY))))
-    yield _start(simulation, voltages)
+    yield _start(simulation, voltages, temperature)
     for first in range(0, rows, per_block):
         count = min(per_block, rows - first)
         times = np.arange(first * per_row, (first + count) * per_row) / (per_row * run.rate)
@@ -125,14 +130,18 @@ def blocks(machine: Machine, voltages: Voltages, angles: Triple, run: Run) -> It
         volts = np.ascontiguousarray(voltages.at(times))
         simulation = advance(simulation, volts, run.step, p, states, energies)
         after = np.arange(first + 1, first + count + 1) / run.rate
-        yield Block(after, voltages.at(after), states, energies)
+        yield Block(after, voltages.at(after), states, energies, np.full(count, temperature))
+        if oil is not None:
+            time = count / run.rate
+            temperature = temperature_after(temperature, heat_in(energies) / time, oil, time)
+            p = parameters_at(machine, temperature)
 
 
-def _start(simulation: Simulation, voltages: Voltages) -> Block:
+def _start(simulation: Simulation, voltages: Voltages, temperature: float) -> Block:
     states = np.zeros((1, len(STATE)))
     store(simulation, states[0])
     time = np.zeros(1)
-    return Block(time, voltages.at(time), states, np.zeros((1, len(ENERGY))))
+    return Block(time, voltages.at(time), states, np.zeros((1, len(ENERGY))), np.full(1, temperature))
 
 
 def whole(machine: Machine, voltages: Voltages, angles: Triple, run: Run) -> Block:

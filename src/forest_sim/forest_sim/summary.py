@@ -33,6 +33,7 @@ class Summary:
         self._limits = np.array(joint_limits(machine))
         self._first: Floats | None = None
         self._last: Floats = np.zeros(len(STATE))
+        self._temperature = math.nan
         self._time = 0.0
         self._energies = np.zeros(len(ENERGY))
         self._highest = np.full(len(_PRESSURES), -np.inf)
@@ -47,6 +48,7 @@ class Summary:
         if self._first is None:
             self._first, self._began = block.states[0], time.monotonic()
         self._last, self._time = block.states[-1], float(block.time[-1])
+        self._temperature = float(block.temperature[-1])
         self._energies += block.energies.sum(axis=0)
         pressures, angles = block.states[:, _PRESSURES], block.states[:, _ANGLES]
         self._highest = np.maximum(self._highest, pressures.max(axis=0))
@@ -85,6 +87,7 @@ class Summary:
             "pump": self._machine.pump.kind,
             "voltages": voltages,
             "duration_s": self._time,
+            "oil_temperature_k": None if math.isnan(self._temperature) else _round(self._temperature),
             "rate_hz": run.rate,
             "step_s": run.step,
             "real_time_factor": _round(self._time / wall),
