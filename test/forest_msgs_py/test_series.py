@@ -99,13 +99,15 @@ def test_an_array_without_a_stamp_is_placed_by_its_log_time(make_bag):
     assert series.labels == topics.JOINTS
 
 
-def test_messages_with_other_labels_than_the_first_are_counted_as_skipped(make_bag):
-    good = messages.float_array(topics.FLOWS, START, (1.0, 2.0))
-    other = messages.float_array(topics.FLOWS, START, (1.0,), labels=("swing_1",))
-    series = read_bag(make_bag({topics.FLOWS: [(START, good), (START, other), (START, good)]})).series(
-        topics.FLOWS
-    )
-    assert (len(series.time_ns), series.skipped) == (2, 1)
+@pytest.mark.parametrize("first", [0, 1])
+def test_a_sensor_that_drops_out_leaves_a_gap_and_nothing_else(make_bag, first):
+    whole = messages.float_array(topics.FLOWS, START, (1.0, 2.0))
+    partial = messages.float_array(topics.FLOWS, START, (3.0,), labels=("stick_1",))
+    recorded = [(START, message) for message in (whole, partial, whole)[first:]]
+    series = read_bag(make_bag({topics.FLOWS: recorded})).series(topics.FLOWS)
+    np.testing.assert_array_equal(series.column("swing_1"), [1.0, np.nan, 1.0][first:])
+    np.testing.assert_array_equal(series.column("stick_1"), [2.0, 3.0, 2.0][first:])
+    assert (series.incomplete, len(series.time_ns)) == (1, 3 - first)
 
 
 def test_what_is_not_in_the_bag_is_named(content, make_bag, tmp_path):

@@ -54,14 +54,14 @@ class TopicInfo:
 
 
 class Series(NamedTuple):
-    """One topic over time; ``skipped`` messages did not have the labels of the first one."""
+    """One topic over time; NaN where a message lacks a column, as ``incomplete`` of them do."""
 
     time_ns: NDArray[np.int64]
     log_time_ns: NDArray[np.int64]
     values: NDArray[np.float64]
     labels: tuple[str, ...]
     units: tuple[str, ...]
-    skipped: int
+    incomplete: int
 
     def column(self, label: str) -> NDArray[np.float64]:
         """The values of one label, [N].
@@ -201,12 +201,18 @@ def _series(name: str, type_name: str, messages: list[Message]) -> Series:
     kind = row if row is not None and row.type == type_name else unlisted(name, type_name)
     message_type = message_class(kind)
     rows = [take(kind, deserialize_message(message.data, message_type)) for message in messages]
-    good = [place for place, row_ in enumerate(rows) if row_.labels == rows[0].labels]
-    labels, units = (rows[0].labels, rows[0].units) if rows else (kind.labels, kind.units)
-    log_time = np.array([messages[place].log_time for place in good], dtype=np.int64)
-    stamps = [rows[place].stamp_ns for place in good]
+    columns = dict(zip(kind.labels, kind.units, strict=True)) if not rows else {}
+    for row_ in rows:
+        if row_.labels != tuple(columns):
+            columns |= dict(zip(row_.labels, row_.units, strict=True))
+    places = {label: place for place, label in enumerate(columns)}
+    values = np.full((len(rows), len(columns)), np.nan)
+    for line, row_ in zip(values, rows, strict=True):
+        line[[places[label] for label in row_.labels]] = row_.values
+    log_time = np.array([message.log_time for message in messages], dtype=np.int64)
     time = np.array(
-        [log if stamp is None else stamp for stamp, log in zip(stamps, log_time, strict=True)], dtype=np.int64
+        [log if r.stamp_ns is None else r.stamp_ns for r, log in zip(rows, log_time, strict=True)],
+        dtype=np.int64,
     )
-    values = np.array([rows[place].values for place in good], dtype=float).reshape(len(good), len(labels))
-    return Series(time, log_time, values, labels, units, len(rows) - len(good))
+    incomplete = sum(len(r.labels) < len(columns) for r in rows)
+    return Series(time, log_time, values, tuple(columns), tuple(columns.values()), incomplete)

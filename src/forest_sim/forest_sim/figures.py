@@ -65,7 +65,7 @@ def _bag(kept: Rows) -> Bag:
     """Return the kept rows as a session that `forest_msgs_py.pictures` can draw."""
     stamps = np.round(kept["time"] * 1e9).astype(np.int64)
     return bag_of(
-        {topic: Series(stamps, stamps, kept[topic], columns(topic), (), skipped=0) for topic in OBSERVED}
+        {topic: Series(stamps, stamps, kept[topic], columns(topic), (), incomplete=0) for topic in OBSERVED}
     )
 
 
