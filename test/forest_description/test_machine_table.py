@@ -5,9 +5,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+from forest_description import machine_reference
 from forest_description.hydraulics import TableCurve
-from forest_description.machine import load_machine
-from forest_description.machine_file import Quantity
+from forest_description.machine import Machine, load_machine
+from forest_description.machine_file import Quantity, parameters
 from forest_description.machine_table import choices, document, number, table
 
 ROOT = Path(__file__).parents[2]
@@ -45,3 +46,10 @@ def test_the_module_prints_the_table():
         timeout=60,
     )
     assert done.stdout.decode("utf-8") == document()
+
+
+def test_the_documented_reference_is_up_to_date_and_knows_every_key():
+    text = machine_reference.document()
+    assert (ROOT / "docs" / "machine-file.md").read_text("utf-8") == text
+    for key in parameters(Machine):
+        assert f"| `{key.rpartition('.')[2]}` |" in text, key

@@ -53,7 +53,7 @@ def build(kind: type[T], tree: Branch, prefix: str = "") -> T:
         MachineError: Unknown or missing key, wrong unit, out of range, not a number, no source, or
             inconsistent values.
     """
-    fields = _field_kinds(kind)
+    fields = field_kinds(kind)
     known = (*fields, "kind") if hasattr(kind, "kind") else tuple(fields)
     unknown = [key for key in tree.children if key not in known]
     if unknown:
@@ -112,7 +112,7 @@ def _keys(field: FieldKind) -> str:
         return (
             f"kind ({', '.join(str(getattr(kind, 'kind', '')) for kind in field.kinds)}) and the kind's own"
         )
-    return ", ".join(_field_kinds(field.kinds[0]))
+    return ", ".join(field_kinds(field.kinds[0]))
 
 
 def _what(field: FieldKind) -> str:
@@ -212,7 +212,7 @@ def _number(where: str, text: str, allowed: Parameter) -> float:
 def quantities(kind: type, tree: Branch, prefix: str = "") -> list[Quantity]:
     """Return all numbers of a tree as the file has them, in the order of the dataclass' fields."""
     found: list[Quantity] = []
-    for name, field in _field_kinds(kind).items():
+    for name, field in field_kinds(kind).items():
         item, key = tree.children[name], prefix + name
         if isinstance(item, Branch) and field.allowed is not None:
             found.append(_quantity(key, item, field.allowed, field.row))
@@ -224,7 +224,7 @@ def quantities(kind: type, tree: Branch, prefix: str = "") -> list[Quantity]:
 def parameters(kind: type, prefix: str = "") -> dict[str, Parameter]:
     """Return the parameters that a machine dataclass declares, of every sort of component, by dotted key."""
     found: dict[str, Parameter] = {}
-    for name, field in _field_kinds(kind).items():
+    for name, field in field_kinds(kind).items():
         if field.allowed is not None:
             found[prefix + name] = field.allowed
         for sort in field.kinds:
@@ -233,7 +233,7 @@ def parameters(kind: type, prefix: str = "") -> dict[str, Parameter]:
     return found
 
 
-def _field_kinds(kind: type) -> dict[str, FieldKind]:
+def field_kinds(kind: type) -> dict[str, FieldKind]:
     """Return what each field of a dataclass may hold, by name."""
     hints = typing.get_type_hints(kind)
     kinds: dict[str, FieldKind] = {}

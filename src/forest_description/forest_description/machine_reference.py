@@ -1,0 +1,101 @@
+"""What a machine file may say, as Markdown: docs/machine-file.md, made from the dataclasses that read it."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from forest_description.machine import Machine
+from forest_description.machine_file import FieldKind, field_kinds
+from forest_description.units import units_for
+
+INTRODUCTION = """# Machine files
+
+Made by `python -m forest_description.machine_reference` from the code that reads the files; do not edit by
+hand. What the shipped machines say is in [machine.md](machine.md).
+
+A machine is a YAML file. A number is written with its unit and where it comes from, a row of numbers alike:
+
+```yaml
+based_on: c180            # optional: a shipped machine or another file; then only what differs is given
+name: my_crane            # optional: the file's name without suffix
+description: A crane with smaller hoses and an underlapped swing valve
+swing:
+  valve:                  # an axis' own valve: what differs from the one that all share
+    deadband_voltage: {value: -0.2, unit: V, source: "measured"}
+hose:
+  kind: measured          # a component of several sorts says which
+  length: {value: 13, unit: ft, source: "..."}    # refused: unit 'ft' does not fit; allowed: m, mm, in
+manipulator:
+  log: null               # an optional component that is not there
+```
+
+Without `based_on` every key must be given; *or null* marks those that may be `null`. Every slip is answered
+with file, line, key and what is allowed: `forest-sim check my_crane.yaml`. Units may be any of the quantity's;
+ranges are wide and in SI: they catch a slipped decimal point, not an unusual crane.
+"""
+
+
+def document() -> str:
+    """Return the whole docs/machine-file.md."""
+    places: dict[tuple[type, ...], list[str]] = {}
+    _collect(Machine, "", places)
+    whole = ["## The whole", "", *_table(Machine)]
+    return "\n".join(
+        [INTRODUCTION, *whole, *(line for kinds in places for line in _section(places[kinds], kinds))]
+    )
+
+
+def _collect(kind: type, prefix: str, places: dict[tuple[type, ...], list[str]]) -> None:
+    """Note at which keys each component may stand, in the order of the fields."""
+    for name, field in field_kinds(kind).items():
+        if _is_section(field):
+            places.setdefault(field.kinds, []).append(prefix + name)
+            for sort in field.kinds:
+                _collect(sort, f"{prefix}{name}.", places)
+
+
+def _section(keys: list[str], kinds: tuple[type, ...]) -> list[str]:
+    """Return the lines of a component, each of its sorts in a table of its own."""
+    title, lines = ", ".join(f"`{key}`" for key in dict.fromkeys(keys)), []
+    for kind in kinds:
+        lines += [f"## {title}{f', kind: {kind.kind}' if hasattr(kind, 'kind') else ''}", "", *_table(kind)]
+    return lines
+
+
+def _table(kind: type) -> list[str]:
+    """Return the lines that tell what a dataclass holds."""
+    rows = [_row(name, field) for name, field in field_kinds(kind).items()]
+    head = (kind.__doc__ or "").split("\n", 1)[0]
+    return [head, "", "| key | unit | range | meaning |", "|---|---|---|---|", *rows, ""]
+
+
+def _is_section(field: FieldKind) -> bool:
+    return any(dataclasses.is_dataclass(kind) for kind in field.kinds)
+
+
+def _row(name: str, field: FieldKind) -> str:
+    """Return a key's line of the table."""
+    null = " or null" if field.optional else ""
+    if field.allowed is not None:
+        unit = ", ".join(units_for(field.allowed.unit))
+        row = "row of numbers, each " if field.row else ""
+        low, high = f"{field.allowed.low:g}", f"{field.allowed.high:g}"
+        return (
+            f"| `{name}` | {unit} | {row}{low} .. {high} {field.allowed.unit}{null} | {field.allowed.doc} |"
+        )
+    if field.choice is not None:
+        return f"| `{name}` | | {', '.join(field.choice.words)}{null} | {field.choice.doc} |"
+    if not _is_section(field):
+        return f"| `{name}` | | a text{null} | |"
+    sorts = [kind.kind for kind in field.kinds if hasattr(kind, "kind")]
+    kind = f", kind: {', '.join(sorts)}" if sorts else ""
+    return f"| `{name}` | | a section{kind}{null} | below |"
+
+
+def main() -> None:
+    """Print the document."""
+    print(document(), end="")
+
+
+if __name__ == "__main__":
+    main()
