@@ -30,7 +30,7 @@ manipulator:
 ```
 
 Without `based_on` every key must be given; *or null* marks those that may be `null`. Every slip is answered
-with file, line, key and what is allowed: `forest-sim check my_crane.yaml`. Units may be any of the quantity's;
+with file, line, key and what is allowed: `forest-sim check my_crane.yaml`. Units may be any of the quantity;
 ranges are wide and in SI: they catch a slipped decimal point, not an unusual crane.
 """
 

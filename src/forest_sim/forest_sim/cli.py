@@ -60,6 +60,17 @@ def _parser() -> argparse.ArgumentParser:
         "--seed", type=_whole, default=0, help="of the sensors' errors and noise; default: 0"
     )
     simulate.add_argument(
+        "--stuck-spools", default="", metavar="AXES", help="axes whose spools do not move, e.g. 'boom, stick'"
+    )
+    simulate.add_argument(
+        "--tip-force",
+        nargs=3,
+        type=_number(-1e6, 1e6, "N"),
+        default=(0.0, 0.0, 0.0),
+        metavar=("X", "Y", "Z"),
+        help="on the tip all the time, in the base frame [N]",
+    )
+    simulate.add_argument(
         "--sensor-faults",
         default="",
         metavar="TEXT",
@@ -182,6 +193,7 @@ def _number(low: float, high: float, unit: str) -> Callable[[str], float]:
 
 def _simulate(options: argparse.Namespace) -> int:
     from forest_sim.commands import simulate
+    from forest_sim.disturbance import Disturbance, parse_stuck_spools
     from forest_sim.observation import Sensing
     from forest_sim.sensor_faults import parse_faults
 
@@ -190,8 +202,13 @@ def _simulate(options: argparse.Namespace) -> int:
         faults = parse_faults(options.sensor_faults)
     except ValueError as error:
         options.parser.error(f"argument --sensor-faults: {error}")
+    try:
+        stuck = parse_stuck_spools(options.stuck_spools)
+    except ValueError as error:
+        options.parser.error(f"argument --stuck-spools: {error}")
+    disturbance = Disturbance(stuck, (options.tip_force[0], options.tip_force[1], options.tip_force[2]))
     sensing = Sensing(options.sensor_noise, options.seed, faults)
-    return simulate(machine, voltages, angles, run, options.out, sensing)
+    return simulate(machine, voltages, angles, run, options.out, sensing, disturbance)
 
 
 def _pumps(options: argparse.Namespace) -> int:

@@ -13,6 +13,7 @@ from forest_description.kinematics import tip_position
 from forest_description.machine import AXES, Machine
 from forest_sim import check, modes, pumps, summary
 from forest_sim.compiled import can_compile
+from forest_sim.disturbance import UNDISTURBED, Disturbance
 from forest_sim.energy import account
 from forest_sim.equilibrium import equilibrium
 from forest_sim.inputs import Voltages
@@ -68,6 +69,7 @@ def simulate(
     run: Run,
     out: Path,
     sensing: Sensing = EXACT,
+    disturbance: Disturbance = UNDISTURBED,
 ) -> int:
     """Run a machine over an input; write trajectory, pictures and `summary.json`."""
     substeps(run)
@@ -76,7 +78,7 @@ def simulate(
     observer, kept, total = Observer(machine, run.rate, sensing), Thinned(), summary.Summary(machine)
     progress = Progress(run.duration)
     with trajectory_files(out, machine, run.rate) as files:
-        for block in blocks(machine, voltages, angles, run):
+        for block in blocks(machine, voltages, angles, run, disturbance):
             observed = observer.observe(block)
             files.write(block, observed)
             power = np.column_stack(account(block.energies)) * run.rate

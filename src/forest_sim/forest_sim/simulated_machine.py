@@ -3,46 +3,21 @@
 What the simulator node wraps. Faults and the force on the tip may change between two periods.
 """
 
-from typing import NamedTuple
-
-from forest_description.machine import AXES, Machine
+from forest_description.machine import Machine
 from forest_sim import sensors
 from forest_sim.compiled import ready_advance
+from forest_sim.disturbance import UNDISTURBED, Disturbance, disturbed
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Events, advance
 from forest_sim.manipulator import Triple
 from forest_sim.measurement import Measurement, Motion
-from forest_sim.parameters import PlantParameters, plant_parameters
+from forest_sim.parameters import plant_parameters
 from forest_sim.power import power_flows
 from forest_sim.sensor_suite import Suite, draw, noise_generator
-from forest_sim.spool import STUCK
 from forest_sim.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after
 
 STEP = 1e-3  # [s] of the integrator
 LOSS_SAMPLES = 10  # in an update of the oil's temperature
-
-
-class Disturbance(NamedTuple):
-    """What is done to a machine from outside."""
-
-    stuck_spools: tuple[str, ...] = ()  # of `AXES`
-    tip_force: Triple = (0.0, 0.0, 0.0)  # [N] in the base frame
-
-
-UNDISTURBED = Disturbance()
-
-
-def parse_stuck_spools(text: str) -> tuple[str, ...]:
-    """Return the axes that a text names, separated by commas or spaces.
-
-    Raises:
-        ValueError: it names something else.
-    """
-    names = tuple(text.replace(",", " ").split())
-    for name in names:
-        if name not in AXES:
-            raise ValueError(f"there is no spool '{name}'; allowed: {', '.join(AXES)}, separated by commas")
-    return names
 
 
 class SimulatedMachine:
@@ -73,7 +48,7 @@ class SimulatedMachine:
     def disturb(self, disturbance: Disturbance) -> None:
         """Let spools be stuck and a force act on the tip, from now on."""
         self._disturbance = disturbance
-        self._plant = _disturbed(self._undisturbed, disturbance)
+        self._plant = disturbed(self._undisturbed, disturbance)
 
     def step(self, voltages: Triple) -> Measurement:
         """Move on by a period under held valve voltages [V], and return what the sensors say then."""
@@ -105,12 +80,3 @@ class SimulatedMachine:
             self._undisturbed = parameters_at(self.machine, self._temperature)
             self._around = self._around._replace(temperatures=(self._temperature,) * 3)
             self.disturb(self._disturbance)
-
-
-def _disturbed(p: PlantParameters, disturbance: Disturbance) -> PlantParameters:
-    """Return the plant with spools that do not move and with a force on its tip."""
-    swing, boom, stick = (
-        valve._replace(lag=STUCK) if axis in disturbance.stuck_spools else valve
-        for axis, valve in zip(AXES, p.valves, strict=True)
-    )
-    return p._replace(valves=(swing, boom, stick), tip_force=disturbance.tip_force)

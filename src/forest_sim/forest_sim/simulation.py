@@ -15,6 +15,7 @@ from forest_description.kinematics import inverse_kinematics
 from forest_description.limits import joint_limits, workspace_limits
 from forest_description.machine import AXES, Machine
 from forest_sim.compiled import fastest_record
+from forest_sim.disturbance import UNDISTURBED, Disturbance, disturbed
 from forest_sim.energy import heat_in
 from forest_sim.equilibrium import equilibrium
 from forest_sim.inputs import Voltages
@@ -103,7 +104,13 @@ def substeps(run: Run) -> int:
     return round(count)
 
 
-def blocks(machine: Machine, voltages: Voltages, angles: Triple, run: Run) -> Iterator[Block]:
+def blocks(
+    machine: Machine,
+    voltages: Voltages,
+    angles: Triple,
+    run: Run,
+    disturbance: Disturbance = UNDISTURBED,
+) -> Iterator[Block]:
     """Simulate, and give the rows as they come; the first block is the start alone.
 
     Args:
@@ -111,11 +118,12 @@ def blocks(machine: Machine, voltages: Voltages, angles: Triple, run: Run) -> It
         voltages: what drives it.
         angles: joint angles at the start [rad].
         run: how long and how finely.
+        disturbance: what else acts on it, all the time.
 
     Raises:
         RunError: step and rate do not fit.
     """
-    p, oil = plant_parameters(machine), machine.oil
+    p, oil = disturbed(plant_parameters(machine), disturbance), machine.oil
     temperature = math.nan if oil is None else oil.reference_temperature
     per_row, rows = substeps(run), round(run.duration * run.rate)
     per_block = max(1, round(BLOCK * run.rate))
@@ -134,7 +142,7 @@ def blocks(machine: Machine, voltages: Voltages, angles: Triple, run: Run) -> It
         if oil is not None:
             time = count / run.rate
             temperature = temperature_after(temperature, heat_in(energies) / time, oil, time)
-            p = parameters_at(machine, temperature)
+            p = disturbed(parameters_at(machine, temperature), disturbance)
 
 
 def _start(simulation: Simulation, voltages: Voltages, temperature: float) -> Block:

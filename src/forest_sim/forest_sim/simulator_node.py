@@ -33,11 +33,12 @@ from forest_msgs_py.messages import (
 from forest_msgs_py.node import publisher, run_node, timer
 from forest_msgs_py.parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.topics import ACTUATORS, JOINTS, message_class
+from forest_sim.disturbance import Disturbance, parse_stuck_spools
 from forest_sim.manipulator import Triple
 from forest_sim.measurement import Measurement, Motion
 from forest_sim.sensor_faults import parse_faults
 from forest_sim.sensor_suite import Suite, sensor_suite
-from forest_sim.simulated_machine import Disturbance, SimulatedMachine, parse_stuck_spools
+from forest_sim.simulated_machine import SimulatedMachine
 
 FRAME = "base_link"
 PERIOD_NS = 5_000_000

@@ -1,0 +1,40 @@
+"""What is done to a machine from outside: spools that are stuck, a force on the tip."""
+
+from typing import NamedTuple
+
+from forest_description.machine import AXES
+from forest_sim.manipulator import Triple
+from forest_sim.parameters import PlantParameters
+from forest_sim.spool import STUCK
+
+
+class Disturbance(NamedTuple):
+    """Spools that stay where they are, and the force [N] on the tip in the base frame."""
+
+    stuck_spools: tuple[str, ...] = ()  # of `AXES`
+    tip_force: Triple = (0.0, 0.0, 0.0)
+
+
+UNDISTURBED = Disturbance()
+
+
+def parse_stuck_spools(text: str) -> tuple[str, ...]:
+    """Return the axes that a text names, separated by commas or spaces.
+
+    Raises:
+        ValueError: it names something else.
+    """
+    names = tuple(text.replace(",", " ").split())
+    for name in names:
+        if name not in AXES:
+            raise ValueError(f"there is no spool '{name}'; allowed: {', '.join(AXES)}, separated by commas")
+    return names
+
+
+def disturbed(p: PlantParameters, disturbance: Disturbance) -> PlantParameters:
+    """Return the plant under a disturbance."""
+    swing, boom, stick = (
+        valve._replace(lag=STUCK) if axis in disturbance.stuck_spools else valve
+        for axis, valve in zip(AXES, p.valves, strict=True)
+    )
+    return p._replace(valves=(swing, boom, stick), tip_force=disturbance.tip_force)
