@@ -29,7 +29,7 @@ def test_oil_goes_round_and_the_joint_turns_as_the_voltage_says(machine, axis, d
     state, ports = now.plant[axis], ports_at(now.spools, p)[axis]
     assert direction * state.rate > 0.01
     assert direction * (state.angle - start[axis]) > 0.001
-    # Hose 1 counts from the valve, hose 2 to the valve: in positive motion oil goes out through 1 and home by 2.
+    # Hose 1 counts from the valve, hose 2 to the valve: in positive motion oil goes out by 1, home by 2.
     assert direction * state.flow_1 > 0.0
     assert direction * state.flow_2 > 0.0
     # Whichever port it is, the axis takes from the supply what goes out.
