@@ -14,7 +14,6 @@ from forest_sim.equilibrium import equilibrium
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import ENERGY, STATE, restore
 from forest_sim.simulation import (
-    START_TIP,
     Run,
     RunError,
     blocks,
@@ -25,7 +24,7 @@ from forest_sim.simulation import (
 )
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
-START = start_angles(C180, START_TIP)
+START = start_angles(C180)
 
 
 def test_rows_are_the_integrators_states_under_the_voltages_of_each_step():

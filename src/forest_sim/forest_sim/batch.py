@@ -15,7 +15,7 @@ from forest_description.machine import Machine
 from forest_sim.compiled import can_compile
 from forest_sim.inputs import Voltages
 from forest_sim.manipulator import Triple
-from forest_sim.simulation import START_TIP, Block, Run, start_angles, whole
+from forest_sim.simulation import Block, Run, start_angles, whole
 
 T = TypeVar("T")
 
@@ -35,7 +35,7 @@ def everything(run: Block) -> Block:
 
 def simulate_one(job: Job, run: Run, keep: Callable[[Block], T]) -> T:
     """Return what `keep` makes of one run."""
-    angles = start_angles(job.machine, START_TIP) if job.angles is None else job.angles
+    angles = start_angles(job.machine) if job.angles is None else job.angles
     return keep(whole(job.machine, job.voltages, angles, run))
 
 
