@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 class Job(NamedTuple):
-    """One run: a machine, what drives it, the joint angles [rad] where it starts (None: as the node starts)."""
+    """One run: a machine, what drives it, the joint angles [rad] at its start (None: as the node starts)."""
 
     machine: Machine
     voltages: Voltages
