@@ -31,6 +31,13 @@ def test_nothing_flows_inside_the_overlap(voltage):
     assert edges(voltage, LAW) == (math.inf,) * 4
 
 
+@pytest.mark.parametrize("voltage", [1e-7, 1e-30, 1e-170, -1e-170])
+def test_a_spool_that_comes_ever_nearer_to_a_critical_centre_shuts(voltage):
+    critical = symmetric_valve(0.0, 10.0, 1.04e12)
+    assert edges(voltage, critical) == (math.inf,) * 4
+    assert edges(math.copysign(1e-5, voltage), critical) != (math.inf,) * 4
+
+
 @pytest.mark.parametrize(
     ("voltage", "times_minimum"), [(10.0, 1.0), (5.5, 4.0), (4.0, 9.0), (1.9, 100.0), (2.0, 81.0)]
 )

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from forest_description.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_sim import inputs
 from forest_sim.batch import Job, simulate_many, simulate_one
@@ -46,7 +47,12 @@ def test_one_worker_needs_no_process_and_keeps_what_is_asked():
 
 
 def test_a_job_that_cannot_be_is_told():
-    job = jobs(1)[0]._replace(angles=None)
-    far = replace(C180.manipulator, boom_length=1.0)
-    with pytest.raises(RunError, match="out of reach"):
-        simulate_many([job._replace(machine=replace(C180, manipulator=far))], RUN)
+    beyond = jobs(1)[0]._replace(angles=(0.0, 2.0, -1.5))
+    with pytest.raises(RunError, match=r"boom at 114.6 deg, allowed there: -36.7 .. 72.0 deg"):
+        simulate_many([beyond], RUN)
+
+
+def test_a_job_without_a_pose_starts_where_its_machine_can_be():
+    short = replace(C180, manipulator=replace(C180.manipulator, boom_length=1.0))
+    kept = simulate_many([jobs(1)[0]._replace(machine=short, angles=None)], RUN)
+    assert kept[0].states[0, STATE.index("boom_angle")] == pytest.approx(sum(joint_limits(short)[1]) / 2)

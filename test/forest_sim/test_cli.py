@@ -7,6 +7,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from forest_description.machine_tree import shipped_machines
 from forest_msgs_py import topics
 from forest_msgs_py.series import read_bag
 from forest_sim import cli, commands
@@ -69,6 +70,18 @@ def test_simulate_takes_voltages_from_a_file(forest_sim, tmp_path):
     assert (summary["duration_s"], summary["rate_hz"], summary["step_s"]) == (0.5, 100.0, 0.0005)
     assert summary["end_tip_m"][2] < summary["start_tip_m"][2] - 0.1
     assert len((tmp_path / "run" / "trajectory.csv").read_text().splitlines()) == 52
+
+
+@pytest.mark.parametrize("machine", shipped_machines())
+def test_every_shipped_machine_starts_where_it_can_be_without_being_told(forest_sim, tmp_path, machine):
+    code, told, err = forest_sim("equilibrium", "--machine", machine)
+    assert (code, err) == (0, ""), told
+    code, told, err = forest_sim("modes", "--machine", machine)
+    assert (code, err) == (0, ""), told
+    where = ("--duration", "0.05", "--out", tmp_path / "run")
+    code, told, err = forest_sim("simulate", "--machine", machine, *where)
+    assert (code, err) == (0, ""), told
+    assert machine in forest_sim("check", "--help")[1]
 
 
 def test_sensors_err_by_seed_and_fail_as_told(forest_sim, tmp_path):

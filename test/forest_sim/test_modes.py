@@ -15,10 +15,10 @@ from forest_sim.manipulator import dynamics
 from forest_sim.modes import mode_map, modes, operating_point, slow_modes, unguarded
 from forest_sim.parameters import plant_parameters
 from forest_sim.plant import ports_at, state_derivative
-from forest_sim.simulation import START_TIP, start_angles
+from forest_sim.simulation import start_angles
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
-START = start_angles(C180, START_TIP)
+START = start_angles(C180)
 SHUT = (0.0, 0.0, 0.0)
 
 

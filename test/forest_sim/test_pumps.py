@@ -7,14 +7,14 @@ import pytest
 from forest_description.machine import load_machine
 from forest_sim import inputs
 from forest_sim.pumps import SORTS, compare, table, with_pump
-from forest_sim.simulation import START_TIP, Run, start_angles
+from forest_sim.simulation import Run, start_angles
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 
 
 @pytest.fixture(scope="module")
 def comparison():
-    return compare(C180, inputs.thesis(), start_angles(C180, START_TIP), Run(9.5))
+    return compare(C180, inputs.thesis(), start_angles(C180), Run(9.5))
 
 
 @pytest.mark.parametrize("machine", [C180, THESIS], ids=["c180", "c180_thesis"])

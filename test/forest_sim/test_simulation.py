@@ -14,7 +14,6 @@ from forest_sim.equilibrium import equilibrium
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import ENERGY, STATE, restore
 from forest_sim.simulation import (
-    START_TIP,
     Run,
     RunError,
     blocks,
@@ -25,7 +24,7 @@ from forest_sim.simulation import (
 )
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
-START = start_angles(C180, START_TIP)
+START = start_angles(C180)
 
 
 def test_rows_are_the_integrators_states_under_the_voltages_of_each_step():
@@ -42,6 +41,15 @@ def test_rows_are_the_integrators_states_under_the_voltages_of_each_step():
             np.testing.assert_allclose(there.plant.boom, now.plant.boom, rtol=1e-9, atol=1e-12)
             assert there.events == now.events
     np.testing.assert_allclose(run.time, np.arange(501) / 200.0, rtol=0.0, atol=1e-12)
+
+
+def test_a_critical_centre_and_a_lagging_spool_hold_and_keep_account_after_the_voltage_is_gone():
+    """Without overlap the spool's opening went on to fall, until nothing finite was left of a shut valve."""
+    critical = replace(C180, valve=replace(C180.valve, deadband_voltage=0.0))
+    run = whole(critical, inputs.steps(8.0), START, Run(15.0))
+    assert np.all(np.isfinite(run.states))
+    assert np.all(run.states[-1, STATE.index("swing_spool_position")] < 1e-170)
+    assert abs(gap(account(run.energies.sum(axis=0)))) < 0.005
 
 
 def test_the_oil_warms_by_what_the_machine_loses_and_the_run_goes_on_with_it():

@@ -19,11 +19,11 @@ from forest_sim import inputs
 from forest_sim.energy import account
 from forest_sim.observation import OBSERVED, Observer
 from forest_sim.recording import STATE
-from forest_sim.simulation import START_TIP, Run, blocks, start_angles, whole
+from forest_sim.simulation import Run, blocks, start_angles, whole
 from forest_sim.trajectory_files import Thinned, trajectory_files
 
 C180 = load_machine("c180")
-START = start_angles(C180, START_TIP)
+START = start_angles(C180)
 VOLTAGES, RUN = inputs.steps(), Run(1.6)
 ROWS = 321  # the start and 1.6 s at 200 Hz
 
@@ -150,12 +150,12 @@ def test_memory_does_not_grow_with_the_length_of_a_run(tmp_path):
         from forest_description.machine import load_machine
         from forest_sim import inputs
         from forest_sim.commands import simulate
-        from forest_sim.simulation import START_TIP, Run, start_angles
+        from forest_sim.simulation import Run, start_angles
         from forest_sim.trajectory_files import Thinned
         Thinned.LIMIT = 1000
         machine, seconds = load_machine("c180"), float(sys.argv[1])
         run = Run(seconds)
-        simulate(machine, inputs.steps(), start_angles(machine, START_TIP), run, Path(sys.argv[2]))
+        simulate(machine, inputs.steps(), start_angles(machine), run, Path(sys.argv[2]))
         print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
     """
     peaks = []

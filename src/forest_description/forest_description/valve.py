@@ -65,6 +65,9 @@ class Edges(NamedTuple):
     tank_2: float
 
 
+SHUT = 1e-7
+"""Opening below which an edge is shut: with the whole pump pressure across it, 2 mL an hour."""
+
 CURVE_SIZE = 12
 _UNUSED: Knots = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 LINEAR_AREA = Curve(LINEAR, _UNUSED, _UNUSED)
@@ -118,8 +121,12 @@ def opening_at(s: float, curve: Curve) -> float:
 
 
 def resistance_at(opening: float, minimum_resistance: float) -> float:
-    """Return C_R = C_Rmin / u² [Pa·s²/m⁶]; infinite when shut. Thesis eq. 3.1, 3.2, 4.1, 4.2."""
-    if opening == 0.0:
+    """Return C_R = C_Rmin / u² [Pa·s²/m⁶]; infinite when shut. Thesis eq. 3.1, 3.2, 4.1, 4.2.
+
+    An opening below ``SHUT`` is shut. A lagging spool that is centred without overlap comes ever nearer to
+    shut and never there: u² would vanish in rounding, and C_R Q|Q| be made of what is left of a flow.
+    """
+    if opening < SHUT:
         return math.inf
     return minimum_resistance / (opening * opening)
 

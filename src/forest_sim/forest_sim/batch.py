@@ -15,13 +15,13 @@ from forest_description.machine import Machine
 from forest_sim.compiled import can_compile
 from forest_sim.inputs import Voltages
 from forest_sim.manipulator import Triple
-from forest_sim.simulation import START_TIP, Block, Run, start_angles, whole
+from forest_sim.simulation import Block, Run, checked_angles, start_angles, whole
 
 T = TypeVar("T")
 
 
 class Job(NamedTuple):
-    """One run: a machine, what drives it, the joint angles [rad] where it starts (None: the usual tip)."""
+    """One run: a machine, what drives it, the joint angles [rad] at its start (None: as the node starts)."""
 
     machine: Machine
     voltages: Voltages
@@ -35,8 +35,9 @@ def everything(run: Block) -> Block:
 
 def simulate_one(job: Job, run: Run, keep: Callable[[Block], T]) -> T:
     """Return what `keep` makes of one run."""
-    angles = start_angles(job.machine, START_TIP) if job.angles is None else job.angles
-    return keep(whole(job.machine, job.voltages, angles, run))
+    m, angles = job.machine, job.angles
+    start = start_angles(m) if angles is None else checked_angles(m, angles)
+    return keep(whole(m, job.voltages, start, run))
 
 
 def simulate_many(

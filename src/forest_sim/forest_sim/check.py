@@ -14,7 +14,7 @@ from forest_sim.equilibrium import equilibrium
 from forest_sim.manipulator import Triple
 from forest_sim.modes import modes, operating_point, slow_modes, unguarded
 from forest_sim.parameters import plant_parameters
-from forest_sim.simulation import START_TIP, RunError, start_angles
+from forest_sim.simulation import start_angles
 
 MPA = 1e6
 GRID = 8  # poses of boom and of stick, less one
@@ -36,15 +36,6 @@ def components(machine: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
                 yield name, str(getattr(value, "kind", "yes"))
             if not prefix.startswith("sensors."):  # what a sensor is like is a table of its own
                 yield from components(value, f"{name}.")
-
-
-def usual_pose(machine: Machine) -> Triple:
-    """Return the joint angles [rad] of the simulator's start, or those in the middle where it cannot be."""
-    try:
-        return start_angles(machine, START_TIP)
-    except RunError:
-        low_high = joint_limits(machine)
-        return tuple(0.5 * (low + high) for low, high in low_high)  # type: ignore[return-value]
 
 
 def full_speeds(machine: Machine, angles: Triple) -> dict[str, tuple[float, float]]:
@@ -93,14 +84,14 @@ def _holding_pressures(machine: Machine, place: int) -> Iterator[tuple[float, fl
 
 def _hose_warnings(machine: Machine) -> list[str]:
     """Return a sentence for each hose that one lump does not describe up to the crane's fastest mode."""
-    found = modes(usual_pose(machine), (0.0, 0.0, 0.0), plant_parameters(machine))
+    found = modes(start_angles(machine), (0.0, 0.0, 0.0), plant_parameters(machine))
     fastest = max((mode.frequency for mode in found if mode.kind == "links on oil"), default=0.0)
     return one_lump_warnings(machine, fastest)
 
 
 def report(machine: Machine) -> str:
     """Return the machine in words and numbers."""
-    angles = usual_pose(machine)
+    angles = start_angles(machine)
     limits, w = joint_limits(machine), workspace_limits(machine)
     slow = slow_modes(modes(angles, (0.0, 0.0, 0.0), plant_parameters(machine)))
     speeds, rated = full_speeds(machine, angles), rated_speeds(machine)

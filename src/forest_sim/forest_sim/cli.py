@@ -11,18 +11,21 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from forest_description.machine import Machine, MachineError, load_machine
+from forest_description.machine_tree import shipped_machines
 from forest_description.temperature import at_temperature
 from forest_sim import inputs
 from forest_sim.inputs import InputError, Voltages
 from forest_sim.manipulator import Triple
-from forest_sim.simulation import START_TIP, Run, RunError, checked_angles, start_angles
+from forest_sim.simulation import Run, RunError, checked_angles, start_angles
 
 PROGRAM = "forest-sim"
 ZERO_CELSIUS = 273.15  # [K]
 LONGEST = 7.0 * 86400.0  # [s]
 EPILOGUE = (
-    "Machines: the name of a shipped one (c180, c180_thesis) or a YAML file. Lengths in m, angles in deg."
+    f"Machines: the name of a shipped one ({', '.join(shipped_machines())}) or a YAML file. "
+    "Lengths in m, angles in deg."
 )
+START = "5.5 0 1, or the middle of its range for a crane that does not reach there"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -143,9 +146,8 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
         "--start-tip",
         nargs=3,
         type=_number(-100.0, 100.0, "m"),
-        default=START_TIP,
         metavar=("X", "Y", "Z"),
-        help="where the tip starts, at rest; default: 5.5 0 1",
+        help=f"where the tip starts, at rest; default: {START}",
     )
     parser.add_argument(
         "--rate", type=_number(0.1, 10_000.0, "Hz"), default=200.0, help="of the rows [Hz]; default: 200"
@@ -165,7 +167,7 @@ def _add_pose(parser: argparse.ArgumentParser) -> None:
         nargs=3,
         type=_number(-100.0, 100.0, "m"),
         metavar=("X", "Y", "Z"),
-        help="where the tip is; default: 5.5 0 1",
+        help=f"where the tip is; default: {START}",
     )
     pose.add_argument(
         "--angles",
@@ -265,7 +267,7 @@ def _run(options: argparse.Namespace) -> tuple[Machine, Voltages, Triple, Run]:
     duration = options.duration or voltages.duration
     if duration <= 0.0:
         raise InputError(f"{options.voltages}: its only row is at time 0; allowed: also a --duration")
-    angles = start_angles(machine, tuple(options.start_tip))
+    angles = start_angles(machine, _tip(options.start_tip))
     return machine, voltages, angles, Run(duration, options.rate, options.step)
 
 
@@ -288,11 +290,15 @@ def _voltages(options: argparse.Namespace) -> Voltages:
     return inputs.read_voltages(path)
 
 
+def _tip(given: Sequence[float] | None) -> Triple | None:
+    return None if given is None else (given[0], given[1], given[2])
+
+
 def _pose(options: argparse.Namespace, machine: Machine) -> Triple:
     if options.angles is not None:
         a, b, c = (math.radians(angle) for angle in options.angles)
         return checked_angles(machine, (a, b, c))
-    return start_angles(machine, START_TIP if options.tip is None else tuple(options.tip))
+    return start_angles(machine, _tip(options.tip))
 
 
 if __name__ == "__main__":

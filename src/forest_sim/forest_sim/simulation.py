@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_description.kinematics import inverse_kinematics
-from forest_description.limits import joint_limits, workspace_limits
+from forest_description.limits import joint_limits, start_tip, workspace_limits
 from forest_description.machine import AXES, Machine
 from forest_sim.compiled import fastest_record
 from forest_sim.disturbance import UNDISTURBED, Disturbance, disturbed
@@ -27,7 +27,6 @@ from forest_sim.thermal import UPDATE_PERIOD, parameters_at, temperature_after
 
 Floats = NDArray[np.float64]
 
-START_TIP: Triple = (5.5, 0.0, 1.0)  # [m], as the simulator node
 BLOCK = UPDATE_PERIOD  # [s]
 LIMIT_TOLERANCE = 1e-9  # [rad]
 
@@ -54,12 +53,14 @@ class Block(NamedTuple):
     temperature: Floats  # [N] K, of the oil; NaN for a machine without
 
 
-def start_angles(machine: Machine, tip: Triple) -> Triple:
-    """Return the joint angles [rad] that put the tip at a place [m].
+def start_angles(machine: Machine, tip: Triple | None = None) -> Triple:
+    """Return the joint angles [rad] that put the tip at a place [m]; by default as the simulator node starts.
 
     Raises:
         RunError: the crane does not reach it; the message says what it reaches.
     """
+    if tip is None:
+        tip = start_tip(machine)
     given = f"tip at ({', '.join(f'{x:g}' for x in tip)}) m"
     w = workspace_limits(machine)
     reach = (
