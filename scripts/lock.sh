@@ -17,11 +17,11 @@ compile() {
 }
 
 # EmPy is published as source only and needed only where messages are generated, so never here.
-compile --universal --python-version 3.10 --extra ros --extra test --no-emit-package empy "$@" \
+compile --universal --python-version 3.10 --extra ros --extra fast --extra test --no-emit-package empy "$@" \
     --output-file requirements.lock pyproject.toml - <<<"$build_requirement"
 
 # The message extensions of Ubuntu 24.04's Jazzy were compiled for its own numpy, which must never be shadowed.
-compile --python-version 3.12 --python-platform x86_64-manylinux_2_28 --extra test --no-emit-package numpy \
+compile --python-version 3.12 --python-platform x86_64-manylinux_2_28 --extra fast --extra test --no-emit-package numpy \
     --constraint <(printf 'numpy==1.26.4\n') "$@" \
     --output-file requirements-jazzy.lock pyproject.toml - <<<"$build_requirement"
 

@@ -14,6 +14,7 @@ venv=$root/.venv
 log=$venv/pip.log
 step_pid=""
 step_output=""
+step_text=""
 
 say() { printf 'setup: %s\n' "$*" >&2; }
 
@@ -136,7 +137,7 @@ explain_failure() { # explain_failure WHAT OUTPUT
     local output=$2 kept="its log is $log"
     printf '%s\n' "$output" >>"$log" 2>/dev/null || kept="its last words: ${output##*$'\n'}"
     if [[ $output == *"No space left on device"* || $output == *"Disk quota"* ]] || disk_is_full; then
-        die "the disk is full: .venv needs about 900 MB in $root and downloads go to ${TMPDIR:-/tmp};" \
+        die "the disk is full: .venv needs about 1.3 GB in $root and downloads go to ${TMPDIR:-/tmp};" \
             "make room and run this again."
     elif [[ $output =~ NewConnectionError|Temporary\ failure|Name\ or\ service|ConnectTimeout|ReadTimeout ||
         $output =~ refused|unreachable|ProxyError|Max\ retries|Connection\ (aborted|broken)|SSLError ]]; then
@@ -145,9 +146,8 @@ explain_failure() { # explain_failure WHAT OUTPUT
     die "$1 failed ($kept)."
 }
 
-run_step() { # run_step WHAT COMMAND...: quiet, interruptible; its output is kept only to explain a failure
-    local what=$1 text status=0
-    shift
+run_quietly() { # run_quietly COMMAND... -> step_text, all it printed; interruptible, and so never in a subshell
+    local status=0
     step_output=$(mktemp "${TMPDIR:-/tmp}/forest-crane-setup.XXXXXX") ||
         die "cannot write to ${TMPDIR:-/tmp}: is the disk full?"
     set -m # a process group of its own, so that what the step starts can be stopped with it
@@ -156,10 +156,16 @@ run_step() { # run_step WHAT COMMAND...: quiet, interruptible; its output is kep
     set +m
     wait "$step_pid" || status=$?
     step_pid=""
-    text=$(<"$step_output")
+    step_text=$(<"$step_output")
     rm -f -- "$step_output"
     step_output=""
-    ((status == 0)) || explain_failure "$what" "$text"
+    return "$status"
+}
+
+run_step() { # run_step WHAT COMMAND...: its output is kept only to explain a failure
+    local what=$1
+    shift
+    run_quietly "$@" || explain_failure "$what" "$step_text"
 }
 
 pip_install() { # pip_install WHAT ARGUMENTS...
@@ -177,8 +183,20 @@ make_venv() {
     fi
     mkdir -- "$venv" 2>/dev/null || die "cannot write to $root: is it read-only, or the disk full?"
     printf '%s\n' "$python" >"$venv/.python" || die "cannot write to $venv: is the disk full?"
-    say "Installing into .venv (first time only, about a minute) …"
+    say "Installing into .venv (first time only, a minute or two) …"
     run_step "making .venv" "$python" -m venv "${options[@]}" "$venv"
+}
+
+compile_plant() { # once, for the simulator node, which never compiles; studies do by themselves, so nothing is fatal
+    local code
+    say "Compiling the plant (a quarter of a minute) …"
+    if run_quietly "$venv/bin/python" -m forest_sim.compiled; then
+        code=${step_text##*$'\n'}
+        [[ -s $code ]] || say "the compiled plant cannot be kept in ${code%/*}; the simulator node runs interpreted."
+    else
+        printf '%s\n' "$step_text" >>"$log" 2>/dev/null || true
+        say "the plant could not be compiled, so the simulator node runs interpreted (${step_text##*$'\n'})."
+    fi
 }
 
 install_run() {
@@ -187,6 +205,7 @@ install_run() {
     make_venv
     pip_install "installing ${lock##*/}" --require-hashes --only-binary=:all: -r "$lock"
     pip_install "installing the packages of src/" --no-build-isolation -e "$root"
+    compile_plant
     printf '%s\n' "$mode" >"$venv/.mode"
     printf '%s\n' "$run_key" >"$venv/.stamp-run"
     say "Done."
