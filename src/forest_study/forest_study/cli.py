@@ -1,0 +1,90 @@
+"""`forest-study`: studies of machine and control together, from the command line.
+
+Each subcommand is a module with a function that takes its arguments and returns the exit code; this one reads
+arguments, makes the directory for results and turns errors into one sentence on standard error. Exit codes:
+0 well, 1 failed, 2 wrong arguments, 130 stopped.
+"""
+
+import argparse
+import contextlib
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from forest_description.machine import MachineError
+
+PROGRAM = "forest-study"
+
+
+class StudyError(Exception):
+    """A study cannot be made; the message is one sentence for the user."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one subcommand; return its exit code."""
+    options = _parser().parse_args(arguments)
+    command: Callable[[argparse.Namespace], int] = options.command
+    try:
+        return command(options)
+    except KeyboardInterrupt:
+        print(f"\n{PROGRAM}: stopped; what was written until now is kept", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader of our output has left
+        with contextlib.suppress(OSError):
+            sys.stdout.close()
+        return 0
+    except OSError as error:
+        named = f"{error.filename}: " if error.filename else ""
+        print(f"{PROGRAM}: {named}{error.strerror or error}", file=sys.stderr)
+    except (MachineError, StudyError) as error:
+        print(f"{PROGRAM}: {error}", file=sys.stderr)
+    return 1
+
+
+def new_directory(out: Path) -> None:
+    """Make the directory for results, or take an empty one.
+
+    Raises:
+        StudyError: something is in it: results are never overwritten.
+        OSError: it cannot be made, or is a file.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    if any(out.iterdir()):
+        raise StudyError(f"{out} is not empty; choose another --out or remove it")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog=PROGRAM, description="Study machine and control together.")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    _command(
+        commands,
+        "thesis",
+        _thesis,
+        "the thesis' evaluation of its control schemes on a linear plant (section 5.2): numbers and pictures",
+    )
+    return parser
+
+
+def _command(
+    commands: "argparse._SubParsersAction[argparse.ArgumentParser]",
+    name: str,
+    function: Callable[[argparse.Namespace], int],
+    text: str,
+) -> argparse.ArgumentParser:
+    parser = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
+    parser.set_defaults(command=function)
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="directory to be made, or empty"
+    )
+    return parser
+
+
+def _thesis(options: argparse.Namespace) -> int:
+    from forest_study.thesis_report import report
+
+    new_directory(options.out)
+    return report(options.out)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

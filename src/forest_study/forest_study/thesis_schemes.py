@@ -1,0 +1,151 @@
+"""The four schemes of Thesis fig. 5.2 around the linear plant of `thesis_plant`, as its text can be read.
+
+| scheme | wish | servo |
+|---|---|---|
+| (a) `ik_velocity` | x_d = x(0) + ∫ẋ_d; θ_d = IK(x_d); a = dθ_d/dt | velocity: k u = W0 K_v (K* a - v) |
+| (b) `ik_position` | x_d and r = IK(x_d) as in (a) | position: k u = W0 (K_p (r - s) - K_d v) |
+| (c) `jacobian_velocity` | a = J^-1(s) ẋ_d, at the measured angles | velocity |
+| (d) `jacobian_position` | a as in (c); r = s(0) + ∫a | position, K* = 1 |
+
+The diagrams are lost. The text has a differentiator in (a), and tip positions fed by forward kinematics to the
+integrators of the wish. Fed at every instant, they would make r = s and (b) would stand still, and (a) would
+be (c); so the tip is fed once, at the start. The differentiator is ideal, dθ_d/dt = J^-1(θ_d) ẋ_d; the noise
+that a real one amplifies is not in this study.
+
+| symbol | name | unit |
+|---|---|---|
+| s, v, r, a, x_d | as in `thesis_plant` and `forest_control.schemes` | |
+| p | closed-loop pole of the velocity servo, natural frequency of the position servo | 1/s |
+| ζ | damping ratio of the position servo | |
+| W0 | the plant's input gain `DRIVE` | rad/s |
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from forest_control import schemes
+from forest_description.kinematics import Links, Vector, inverse_kinematics, joint_rates
+from forest_study.thesis_plant import DRIVE, Control, Scheme, State
+
+ZERO: Vector = (0.0, 0.0, 0.0)
+DAMPING_RATIO = 1.64  # as read in docs/equations.md
+
+
+class Servo(NamedTuple):
+    """Both servos' gains, the same for every joint, made for one natural frequency of the plant."""
+
+    natural_frequency: float  # that the gains are made for [rad/s]
+    pole: float  # p [1/s]
+    velocity_gain: float  # K_v
+    pre_loop_gain: float  # K*
+    position_gain: float  # K_p [1/s]
+    damping_gain: float  # K_d
+
+
+def servo(natural_frequency: float, pole: float) -> Servo:
+    """Return the gains with which both loops have one closed-loop frequency. Thesis section 5.2.1, fig. 5.3.
+
+    K_v = (p - w_n)/W0, K* = p/(W0 K_v), K_p = p²/W0, K_d = (2 ζ p - w_n)/W0.
+
+    Args:
+        natural_frequency: the plant's w_n as the designer knows it [rad/s].
+        pole: p [1/s], above w_n.
+    """
+    velocity_gain = (pole - natural_frequency) / DRIVE
+    return Servo(
+        natural_frequency,
+        pole,
+        velocity_gain,
+        pole / (DRIVE * velocity_gain),
+        pole * pole / DRIVE,
+        (2.0 * DAMPING_RATIO * pole - natural_frequency) / DRIVE,
+    )
+
+
+def poles(gains: Servo, natural_frequency: float) -> dict[str, list[float]]:
+    """Return the closed-loop poles [1/s] of both servos around a plant of a natural frequency [rad/s].
+
+    Velocity: -(w_n + W0 K_v); position: the roots of s² + (w_n + W0 K_d) s + W0 K_p, real at the damping
+    ratios of this study. Thesis section 5.2.2.
+    """
+    half = 0.5 * (natural_frequency + DRIVE * gains.damping_gain)
+    apart = math.sqrt(half * half - DRIVE * gains.position_gain)
+    return {
+        "velocity": [-(natural_frequency + DRIVE * gains.velocity_gain)],
+        "position": [-half + apart, -half - apart],
+    }
+
+
+def ik_velocity(gains: Servo, links: Links) -> Scheme:
+    """Scheme (a), inverse kinematics, velocity servo; its differentiator is ideal. Thesis fig. 5.2."""
+
+    def control(state: State, wished: Vector) -> Control:
+        a = joint_rates(inverse_kinematics(state.wished_tip, links), wished, links)
+        return Control(_velocity_servo(a, state, gains), ZERO)
+
+    return control
+
+
+def ik_position(gains: Servo, links: Links) -> Scheme:
+    """Scheme (b), inverse kinematics, position servo. Thesis fig. 5.2."""
+
+    def control(state: State, _: Vector) -> Control:
+        return Control(_position_servo(inverse_kinematics(state.wished_tip, links), state, gains), ZERO)
+
+    return control
+
+
+def jacobian_velocity(gains: Servo, links: Links) -> Scheme:
+    """Scheme (c), inverse Jacobian at the measured angles, velocity servo. Thesis fig. 5.2."""
+
+    def control(state: State, wished: Vector) -> Control:
+        return Control(_velocity_servo(joint_rates(state.angles, wished, links), state, gains), ZERO)
+
+    return control
+
+
+def jacobian_position(gains: Servo, links: Links) -> Scheme:
+    """Scheme (d), inverse Jacobian at the measured angles, position servo. Thesis fig. 5.2."""
+
+    def control(state: State, wished: Vector) -> Control:
+        a = joint_rates(state.angles, wished, links)
+        return Control(_position_servo(state.reference, state, gains), a)
+
+    return control
+
+
+SCHEMES: dict[str, Callable[[Servo, Links], Scheme]] = {
+    "a": ik_velocity,
+    "b": ik_position,
+    "c": jacobian_velocity,
+    "d": jacobian_position,
+}
+
+
+def _velocity_servo(a: Vector, state: State, gains: Servo) -> Vector:
+    """Return k u = W0 K_v (K* a - v) [rad/s²] of the three joints. Thesis fig. 5.3.
+
+    `forest_control.schemes` writes the servo for a plant v' = w_n (u - v); its gain is W0 K_v / w_n, and it
+    derives K* = (1 + gain)/gain from that. A `pre_loop_gain` that is not this one scales the wish.
+    """
+    w_n = gains.natural_frequency
+    k_v = DRIVE * gains.velocity_gain / w_n
+    shaping = gains.pre_loop_gain * k_v / (1.0 + k_v)
+    v = state.rates
+    return (
+        w_n * schemes.jacobian_velocity(shaping * a[0], v[0], k_v),
+        w_n * schemes.jacobian_velocity(shaping * a[1], v[1], k_v),
+        w_n * schemes.jacobian_velocity(shaping * a[2], v[2], k_v),
+    )
+
+
+def _position_servo(r: Vector, state: State, gains: Servo) -> Vector:
+    """Return k u = W0 (K_p (r - s) - K_d v) [rad/s²] of the three joints. Thesis fig. 5.3."""
+    k_p, k_d = DRIVE * gains.position_gain, DRIVE * gains.damping_gain
+    s, v = state.angles, state.rates
+    return (
+        schemes.jacobian_position(r[0], s[0], v[0], k_p, k_d),
+        schemes.jacobian_position(r[1], s[1], v[1], k_p, k_d),
+        schemes.jacobian_position(r[2], s[2], v[2], k_p, k_d),
+    )
