@@ -1,9 +1,9 @@
 """Figures 5.4 to 5.9 of the thesis' evaluation, in its layout: four graphs of signals, four of errors.
 
 In the signals' graphs the wish is solid, scheme (c) dashed, scheme (d) dotted; in the errors' graphs (c) is
-solid and (d) dashed. Where a figure has two cases, -20 % and +20 %, each has its colours. Positions count from
-the start. The thesis' pictures are lost: that their fourth graph is the magnitude is a guess. Here it is the
-speed or the distance from the start, and beside it the length of the error.
+solid and (d) dashed. Where a figure has two cases, -20 % and +20 %, each has its colours. Positions count
+from the start. The thesis' pictures are lost: that their fourth graph is the magnitude is a guess. Here it is
+the speed or the distance from the start, and beside it the length of the error.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,7 +34,7 @@ def draw_figures(out: Path) -> list[Path]:
 
 
 def draw_figure(number: str, file: Path) -> Path:
-    """Draw one of the six figures. Thesis section 5.2.1-5.2.3.
+    """Draw one of the six figures. Thesis section 5.2.1, 5.2.2, 5.2.3.
 
     Args:
         number: "5.4" to "5.9".

@@ -7,10 +7,10 @@
 | (c) `jacobian_velocity` | a = J^-1(s) ẋ_d, at the measured angles | velocity |
 | (d) `jacobian_position` | a as in (c); r = s(0) + ∫a | position, K* = 1 |
 
-The diagrams are lost. The text has a differentiator in (a), and tip positions fed by forward kinematics to the
-integrators of the wish. Fed at every instant, they would make r = s and (b) would stand still, and (a) would
-be (c); so the tip is fed once, at the start. The differentiator is ideal, dθ_d/dt = J^-1(θ_d) ẋ_d; the noise
-that a real one amplifies is not in this study.
+The diagrams are lost. The text has a differentiator in (a), and tip positions fed by forward kinematics to
+the integrators of the wish. Fed at every instant, they would make r = s and (b) would stand still, and (a)
+would be (c); so the tip is fed once, at the start. The differentiator is ideal, dθ_d/dt = J^-1(θ_d) ẋ_d; the
+noise that a real one amplifies is not in this study.
 
 | symbol | name | unit |
 |---|---|---|

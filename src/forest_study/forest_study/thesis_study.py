@@ -114,7 +114,7 @@ def largest_position_error(scheme: str, case: Case, axes: str = AXES) -> float:
 def figure(number: str) -> dict[str, Any]:
     """Return a figure's numbers: by scheme, of several cases the worst with its sign, and each case alone.
 
-    Thesis section 5.2.1-5.2.3.
+    Thesis section 5.2.1, 5.2.2, 5.2.3.
     """
     shows, cases = FIGURES[number]
     by_case = {case: {name: metrics(motion(name, case)) for name in "cd"} for case in cases}
