@@ -30,6 +30,12 @@ def forest_sim(capsys):
     return run
 
 
+@pytest.fixture
+def no_pictures(monkeypatch):
+    """Leave out what takes longest where pictures are not the claim."""
+    monkeypatch.setattr("forest_sim.figures.draw_run", lambda *_: [])
+
+
 def png_size(path):
     data = path.read_bytes()
     assert data.startswith(b"\x89PNG")
@@ -61,7 +67,7 @@ def test_simulate_leaves_trajectory_pictures_and_summary(forest_sim, tmp_path):
     assert summary["beyond_joint_limit_deg"] == {"swing": 0.0, "boom": 0.0, "stick": 0.0}
 
 
-def test_simulate_takes_voltages_from_a_file(forest_sim, tmp_path):
+def test_simulate_takes_voltages_from_a_file(forest_sim, no_pictures, tmp_path):
     (tmp_path / "v.csv").write_text("time,swing,boom,stick\n0,0,0,0\n0.2,0,-4,0\n0.5,0,0,0\n")
     arguments = ("--voltages", tmp_path / "v.csv", "--out", tmp_path / "run", "--machine", "c180_thesis")
     code, _, _ = forest_sim("simulate", *arguments, "--rate", "100", "--step", "0.0005")
@@ -73,7 +79,9 @@ def test_simulate_takes_voltages_from_a_file(forest_sim, tmp_path):
 
 
 @pytest.mark.parametrize("machine", shipped_machines())
-def test_every_shipped_machine_starts_where_it_can_be_without_being_told(forest_sim, tmp_path, machine):
+def test_every_shipped_machine_starts_where_it_can_be_without_being_told(
+    forest_sim, no_pictures, tmp_path, machine
+):
     code, told, err = forest_sim("equilibrium", "--machine", machine)
     assert (code, err) == (0, ""), told
     code, told, err = forest_sim("modes", "--machine", machine)
@@ -84,7 +92,7 @@ def test_every_shipped_machine_starts_where_it_can_be_without_being_told(forest_
     assert machine in forest_sim("check", "--help")[1]
 
 
-def test_sensors_err_by_seed_and_fail_as_told(forest_sim, tmp_path):
+def test_sensors_err_by_seed_and_fail_as_told(forest_sim, no_pictures, tmp_path):
     def joints(name, *options):
         code, _, _ = forest_sim("simulate", "--duration", "0.5", "--out", tmp_path / name, *options)
         assert code == 0
