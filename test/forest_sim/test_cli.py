@@ -1,6 +1,10 @@
 """`forest-sim` as a user meets it: files, tables, one sentence for each error, and its exit code."""
 
+import contextlib
 import json
+import signal
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -241,6 +245,24 @@ def test_without_numba_it_runs_and_says_once_how_to_be_faster(forest_sim, tmp_pa
     assert code == 0
     assert err.count("pip install 'forest-crane[fast]'") == 1
     assert len(err.splitlines()) == 1
+
+
+def test_a_run_that_is_terminated_leaves_a_bag_that_opens(tmp_path):
+    """`timeout` and batch systems say SIGTERM, which used to leave an MCAP without index or metadata."""
+    arguments = ("--duration", "100000", "--out", str(tmp_path / "run"))
+    command = [sys.executable, "-m", "forest_sim.cli", "simulate", *arguments]
+    run = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    rows = tmp_path / "run" / "trajectory.csv"
+    for _ in range(1200):
+        if (rows.is_file() and rows.stat().st_size > 300_000) or run.poll() is not None:
+            break
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            run.wait(0.05)
+    run.send_signal(signal.SIGTERM)
+    _, err = run.communicate(timeout=60.0)
+    assert run.returncode == 130, err
+    assert "what was written until now is kept" in err
+    assert len(read_bag(tmp_path / "run" / "trajectory").series(topics.JOINT_STATES).values) > 10
 
 
 def test_stopping_a_run_keeps_what_was_written(forest_sim, tmp_path, monkeypatch):

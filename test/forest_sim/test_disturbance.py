@@ -1,12 +1,21 @@
 """Claims about what is done to a machine from outside."""
 
+import math
+
 import numpy as np
 import pytest
 
 from forest_description.kinematics import tip_position
+from forest_description.limits import pose_at, start_tip
 from forest_description.machine import AXES, load_machine
 from forest_sim.compiled import compiled_advance
-from forest_sim.disturbance import Disturbance, disturbed, parse_stuck_spools
+from forest_sim.disturbance import (
+    GREATEST_FORCE,
+    Disturbance,
+    checked_tip_force,
+    disturbed,
+    parse_stuck_spools,
+)
 from forest_sim.equilibrium import equilibrium
 from forest_sim.parameters import plant_parameters
 
@@ -59,3 +68,23 @@ def test_a_machine_that_starts_under_a_force_holds_it_with_its_trapped_oil():
 def test_no_disturbance_changes_nothing():
     p = plant_parameters(C180)
     assert after(disturbed(p, Disturbance()), (3.0, -2.0, 4.0)) == after(p, (3.0, -2.0, 4.0))
+
+
+@pytest.mark.parametrize("force", [[1.0, 2.0], [0.0, math.nan, 0.0], [math.inf, 0.0, 0.0], [0.0, 0.0, 1e12]])
+def test_a_force_that_no_machine_bears_is_refused_with_what_is_allowed(force):
+    with pytest.raises(ValueError, match=r"allowed: 3 numbers in \+-1e\+06 N"):
+        checked_tip_force(force)
+
+
+@pytest.mark.parametrize("name", ["c180", "loader"])
+@pytest.mark.parametrize("place", [0, 1, 2])
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_the_greatest_force_leaves_every_state_finite(name, place, sign):
+    machine = load_machine(name)
+    force = [0.0, 0.0, 0.0]
+    force[place] = sign * GREATEST_FORCE
+    p = plant_parameters(machine)._replace(tip_force=checked_tip_force(force))
+    now = compiled_advance()(
+        equilibrium(pose_at(start_tip(machine), machine), p), (0.0, 0.0, 0.0), 1e-3, 100, p
+    )
+    assert all(np.all(np.isfinite(axis)) for axis in now.plant[:3])

@@ -6,8 +6,9 @@ Every error is one sentence on standard error. Exit codes: 0 well, 1 failed, 2 w
 import argparse
 import contextlib
 import math
+import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from forest_description.machine import Machine, MachineError, load_machine
@@ -33,7 +34,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     command: Callable[[argparse.Namespace], int] = options.command
     try:
-        return command(options)
+        with _stopped_alike():
+            return command(options)
     except KeyboardInterrupt:
         print(f"\n{PROGRAM}: stopped; what was written until now is kept", file=sys.stderr)
         return 130
@@ -47,6 +49,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (InputError, MachineError, RunError) as error:
         print(f"{PROGRAM}: {error}", file=sys.stderr)
     return 1
+
+
+@contextlib.contextmanager
+def _stopped_alike() -> Iterator[None]:
+    """Let SIGTERM (`timeout`, a batch system) stop a run as Ctrl-C does, so that its bag is closed, too."""
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _parser() -> argparse.ArgumentParser:

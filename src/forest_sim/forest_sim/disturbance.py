@@ -1,5 +1,6 @@
 """What is done to a machine from outside: spools that are stuck, a force on the tip."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from forest_description.machine import AXES
@@ -16,6 +17,7 @@ class Disturbance(NamedTuple):
 
 
 UNDISTURBED = Disturbance()
+GREATEST_FORCE = 1e6  # [N] on the tip, thirty times what the C-180 weighs; far above it end stops give way
 
 
 def parse_stuck_spools(text: str) -> tuple[str, ...]:
@@ -29,6 +31,17 @@ def parse_stuck_spools(text: str) -> tuple[str, ...]:
         if name not in AXES:
             raise ValueError(f"there is no spool '{name}'; allowed: {', '.join(AXES)}, separated by commas")
     return names
+
+
+def checked_tip_force(force: Sequence[float]) -> Triple:
+    """Return the force on the tip [N] that a list gives.
+
+    Raises:
+        ValueError: it has not three numbers, or greater ones than the plant is made for.
+    """
+    if len(force) != 3 or not all(abs(part) <= GREATEST_FORCE for part in force):  # false for NaN as well
+        raise ValueError(f"{list(force)}; allowed: 3 numbers in +-{GREATEST_FORCE:g} N")
+    return force[0], force[1], force[2]
 
 
 def disturbed(p: PlantParameters, disturbance: Disturbance) -> PlantParameters:

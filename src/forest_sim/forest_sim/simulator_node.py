@@ -33,7 +33,7 @@ from forest_msgs_py.messages import (
 from forest_msgs_py.node import publisher, run_node, timer
 from forest_msgs_py.parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.topics import ACTUATORS, JOINTS, message_class
-from forest_sim.disturbance import Disturbance, parse_stuck_spools
+from forest_sim.disturbance import Disturbance, checked_tip_force, parse_stuck_spools
 from forest_sim.manipulator import Triple
 from forest_sim.measurement import Measurement, Motion
 from forest_sim.sensor_faults import parse_faults
@@ -171,9 +171,10 @@ def _disturbance(stuck_spools: str, tip_force: list[float]) -> Disturbance:
         stuck = parse_stuck_spools(stuck_spools)
     except ValueError as error:
         raise ValueError(f"'stuck_spools': {error}") from error
-    if len(tip_force) != 3 or not all(map(math.isfinite, tip_force)):
-        raise ValueError(f"'tip_force' is {list(tip_force)}; allowed: 3 finite numbers [N]")
-    return Disturbance(stuck, (tip_force[0], tip_force[1], tip_force[2]))
+    try:
+        return Disturbance(stuck, checked_tip_force(tip_force))
+    except ValueError as error:
+        raise ValueError(f"'tip_force' is {error}") from error
 
 
 def main() -> None:
