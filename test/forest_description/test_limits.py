@@ -37,6 +37,13 @@ def wide_machine():
     )
 
 
+def test_a_stick_that_goes_past_straight_starts_folded():
+    short = dataclasses.replace(wide_machine().manipulator, boom_length=1.0)
+    machine = dataclasses.replace(wide_machine(), manipulator=short)
+    low = joint_limits(machine)[2][0]
+    assert pose_at(start_tip(machine), machine)[2] == pytest.approx(0.5 * low)
+
+
 @pytest.mark.parametrize("machine", [MACHINE, wide_machine()], ids=["c180", "wide joints"])
 def test_workspace_limits_are_the_extremes_of_a_dense_grid_of_poses(machine):
     _, boom, stick = joint_limits(machine)

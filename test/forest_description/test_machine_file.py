@@ -150,6 +150,7 @@ def thesis_text():
         ("swing:\n  upper_limit: {value: -200, unit: deg, source: x}\n", 3, "swing.lower_limit"),
         ("boom:\n  stroke: {value: 2, unit: m, source: x}\n", 3, "boom.retracted_length, stroke"),
         ("stick:\n  rod_area: {value: 190, unit: cm2, source: x}\n", 3, "stick.rod_area"),
+        ("stick:\n  angle_offset: {value: 18, unit: deg, source: x}\n", 3, "stick.angle_offset: over the"),
         ("valve:\n  rated_voltage: {value: 1, unit: V, source: x}\n", 3, "valve.deadband_voltage"),
     ],
 )

@@ -60,14 +60,15 @@ def start_tip(machine: Machine) -> Vector:
     """Return where a session begins unless somebody says otherwise, the tip [m].
 
     That is the start of Thesis section 5.2 if the machine reaches it, or else where boom and stick are in the
-    middle of their ranges and the swing is straight ahead, or as near to that as it goes.
+    middle of their ranges (of the stick's, what is folded) and the swing is straight ahead, or as near to
+    that as it goes.
     """
     try:
         pose_at(THESIS_START, machine)
     except ValueError:
-        (right, left), boom, stick = joint_limits(machine)
-        ahead = max(right, min(left, 0.0))
-        return tip_position((ahead, 0.5 * sum(boom), 0.5 * sum(stick)), machine.manipulator.links)
+        (right, left), boom, (low, high) = joint_limits(machine)
+        ahead, folded = max(right, min(left, 0.0)), 0.5 * (max(low, -math.pi) + min(high, 0.0))
+        return tip_position((ahead, 0.5 * sum(boom), folded), machine.manipulator.links)
     return THESIS_START
 
 

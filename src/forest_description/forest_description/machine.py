@@ -8,6 +8,7 @@ forest_description.machine_table`` (docs/machine.md).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from forest_description import machine_file, machine_tree
 from forest_description.hose import GeometricHose, Hose, Line, MeasuredHose
 from forest_description.hydraulics import PortValves, Valve
 from forest_description.kinematics import Links
-from forest_description.linkage import Linkage
+from forest_description.linkage import Linkage, joint_angle
 from forest_description.load import Log, Pendulum
 from forest_description.oil import Oil
 from forest_description.parameter import (
@@ -243,8 +244,9 @@ class Machine(ParameterSet):
     command_timeout: float = parameter("s", 0.005, 10.0, "age at which a voltage command counts as zero")
 
     def __post_init__(self) -> None:
-        """Check ranges, and that hoses known by their bore have what else they need."""
+        """Check ranges, that the stick folds, and that hoses known by their bore have what else they need."""
         super().__post_init__()
+        self._check_fold()
         for axis, name in enumerate(AXES):
             drive = self.drives[axis]
             if not isinstance(self.hose_of(axis), GeometricHose):
@@ -258,6 +260,17 @@ class Machine(ParameterSet):
                     f"{name}.length_exponent ({drive.length_exponent:g}) must be 1 with a geometric hose: "
                     "there is no measured length to go by"
                 )
+
+    def _check_fold(self) -> None:
+        """Raise unless the stick can be on the side of the boom for which the kinematics are made."""
+        drive = self.stick
+        ends = (drive.retracted_length, drive.retracted_length + drive.stroke)
+        low, high = sorted(joint_angle(length, drive.linkage) for length in ends)
+        if not (low < 0.0 and high > -math.pi):
+            raise MachineError(
+                f"stick.angle_offset: over the stroke the stick goes from {math.degrees(low):.1f} to "
+                f"{math.degrees(high):.1f} deg; allowed: some of -180 .. 0 deg (0 straight, negative folded)"
+            )
 
     @property
     def drives(self) -> tuple[SwingDrive, CylinderDrive, CylinderDrive]:
