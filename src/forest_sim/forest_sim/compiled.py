@@ -61,12 +61,13 @@ LAWS: tuple[ModuleType, ...] = (
     power,
 )
 SELDOM = ("_two_edges", "pendulum_dynamics", "_second_order", "power_flows")
-# state, voltages, stride, h, rows, substeps, recorded, parameters, states, energies
+# state, voltages, stride, h, rows, substeps, recorded (0: nothing, 1: states, 2: energies, too), parameters,
+# states, energies
 ARGUMENTS = "ppidiiippp"
 
 Floats = NDArray[np.float64]
 Advance = Callable[[Simulation, Triple, float, int, PlantParameters], Simulation]
-Record = Callable[[Simulation, Floats, float, PlantParameters, Floats, Floats], Simulation]
+Record = Callable[[Simulation, Floats, float, PlantParameters, Floats, Floats | None], Simulation]
 
 
 def compiled_advance() -> Advance:
@@ -148,11 +149,12 @@ def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
         h: float,
         p: PlantParameters,
         states: Floats,
-        energies: Floats,
+        energies: Floats | None,
     ) -> Simulation:
         table, rows = np.ascontiguousarray(voltages, dtype=np.float64), len(states)
-        into = states.ctypes.data, energies.ctypes.data
-        return run(simulation, p, table.ctypes.data, 3, h, rows, len(table) // rows, 1, *into)
+        recorded, filled = (1, states) if energies is None else (2, energies)
+        into = states.ctypes.data, filled.ctypes.data
+        return run(simulation, p, table.ctypes.data, 3, h, rows, len(table) // rows, recorded, *into)
 
     return advance, record
 
@@ -176,13 +178,14 @@ def _kernel() -> Callable[..., None]:
         "def kernel(state, voltages, stride, h, rows, substeps, recorded, parameters, states, energies):",
         f"    p = {flat.construction(p, 'parameters', names)}",
         f"    simulation = {flat.construction(simulation, 'state', names)}",
-        "    before = power_flows(simulation, p)",
+        "    if recorded > 1:",
+        "        before = power_flows(simulation, p)",
         "    for row in range(rows):",
         "        for k in range(row * substeps, (row + 1) * substeps):",
         "            i = stride * k",
         "            held = (voltages[i], voltages[i + 1], voltages[i + 2])",
         "            simulation = step(simulation, held, h, p)",
-        "            if recorded:",
+        "            if recorded > 1:",
         "                after = power_flows(simulation, p)",
         f"                e = row * {len(flows)}",
         *(
