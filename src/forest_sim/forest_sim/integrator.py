@@ -117,23 +117,27 @@ def step(simulation: Simulation, voltages: Triple, h: float, p: PlantParameters)
     plant, c = simulation.plant, GAMMA * h
     middle = spools_after(simulation.spools, voltages, c, p)
     rates = _rates_after(plant, simulation.accelerations, c)
-    first, failed_1 = _solve_stage(plant, plant, rates, ports_at(middle, p), c, p)
+    ports = ports_at(middle, p)
+    first, failed_1 = _solve_stage(plant, plant, rates, ports, c, p)
     # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
     base = _blend(plant, first, (1.0 - GAMMA) / GAMMA)
     end = spools_after(simulation.spools, voltages, h, p)
     ahead = _blend(plant, first, 1.0 / GAMMA)
     rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
-    after, failed_2 = _solve_stage(base, ahead, rates, ports_at(end, p), c, p)
+    if end != middle:
+        ports = ports_at(end, p)
+    after, failed_2 = _solve_stage(base, ahead, rates, ports, c, p)
     events = _count(simulation.events, plant, after, failed_1 + failed_2, p.guard)
     return Simulation(after, end, events, _mean_accelerations(base, after, c))
 
 
 def _mean_accelerations(before: PlantState, after: PlantState, time: float) -> Triple:
     """Return the joints' mean accelerations [rad/s^2] over a time [s]."""
+    per_time = 1.0 / time
     return (
-        (after.swing.rate - before.swing.rate) / time,
-        (after.boom.rate - before.boom.rate) / time,
-        (after.stick.rate - before.stick.rate) / time,
+        per_time * (after.swing.rate - before.swing.rate),
+        per_time * (after.boom.rate - before.boom.rate),
+        per_time * (after.stick.rate - before.stick.rate),
     )
 
 

@@ -260,14 +260,15 @@ def _solve_with_port_valve(
     step: float,
 ) -> LineSolution:
     """Solve the stage with all outflow linear: outflow + leakage P."""
+    # Of step and constants alone come all quotients here: compiled, they are taken once for many steps.
     yielding = line.capacitance + step * leakage
-    slope = step / yielding  # dP/dQ
-    offset = (line.capacitance * pressure - step * outflow) / yielding  # P at Q = 0
+    slope, kept = step / yielding, line.capacitance / yielding  # dP/dQ; dP/d(pressure)
+    offset = kept * pressure - slope * outflow  # P at Q = 0
     if is_shut(port):
         return LineSolution(offset, 0.0, slope, 0.0, offset, slope, slope)
     gain = step / line.inertance
-    alpha = 1.0 + gain * slope
-    intercept, admittance = (flow - gain * offset) / alpha, gain / alpha
+    share = 1.0 / (1.0 + gain * slope)
+    intercept, admittance = share * (flow - gain * offset), share * gain
     p, passed = meet(intercept, admittance, port, supply)
     q = intercept + admittance * p
     follows = passed * admittance * slope
