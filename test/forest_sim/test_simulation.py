@@ -8,7 +8,7 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_sim import inputs, recording
-from forest_sim.compiled import compiled_advance, compiled_record
+from forest_sim.compiled import compiled_advance, compiled_record, fastest_record
 from forest_sim.energy import Account, account, gap, heat_in, oil_energy
 from forest_sim.equilibrium import equilibrium
 from forest_sim.parameters import plant_parameters
@@ -84,6 +84,15 @@ def test_a_block_without_numba_is_the_same_one():
     compiled_record()(equilibrium(START, p), volts, 1e-3, p, other, other_energy)
     np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(energy, other_energy, rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize("record", [recording.record, fastest_record()], ids=["interpreted", "fastest"])
+def test_states_are_the_same_with_and_without_energies(record):
+    p, volts = plant_parameters(C180), inputs.steps().at(0.5 + np.arange(20) * 1e-3)
+    one, other = (np.zeros((4, len(STATE))) for _ in range(2))
+    record(equilibrium(START, p), volts, 1e-3, p, one, np.zeros((4, len(ENERGY))))
+    record(equilibrium(START, p), volts, 1e-3, p, other, None)
+    np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize("machine", [THESIS, C180], ids=["thesis", "c180"])

@@ -72,5 +72,16 @@ def lever_arm(angle: float, linkage: Linkage) -> float:
         angle: Joint angle q [rad].
         linkage: The cylinder's pivots.
     """
-    a, b = linkage.pivot_to_base, linkage.pivot_to_rod
-    return a * b * math.sin(angle + linkage.angle_offset) / cylinder_length(angle, linkage)
+    return length_and_arm(math.cos(angle), math.sin(angle), linkage)[1]
+
+
+def length_and_arm(cosine: float, sine: float, linkage: Linkage) -> tuple[float, float]:
+    """Return cylinder length and lever arm [m] from the cosine and sine of the joint angle.
+
+    Thesis eq. 3.16, App. A, as `cylinder_length` and `lever_arm`.
+    """
+    product = linkage.pivot_to_base * linkage.pivot_to_rod
+    c, s = math.cos(linkage.angle_offset), math.sin(linkage.angle_offset)
+    squares = linkage.pivot_to_base * linkage.pivot_to_base + linkage.pivot_to_rod * linkage.pivot_to_rod
+    length = math.sqrt(squares - 2.0 * product * (cosine * c - sine * s))
+    return length, product * (sine * c + cosine * s) / length

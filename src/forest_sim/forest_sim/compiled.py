@@ -61,12 +61,13 @@ LAWS: tuple[ModuleType, ...] = (
     power,
 )
 SELDOM = ("_two_edges", "pendulum_dynamics", "_second_order", "power_flows")
-# state, voltages, stride, h, rows, substeps, recorded, parameters, states, energies
+# state, voltages, stride, h, rows, substeps, recorded (0: nothing, 1: states, 2: energies, too), parameters,
+# states, energies
 ARGUMENTS = "ppidiiippp"
 
 Floats = NDArray[np.float64]
 Advance = Callable[[Simulation, Triple, float, int, PlantParameters], Simulation]
-Record = Callable[[Simulation, Floats, float, PlantParameters, Floats, Floats], Simulation]
+Record = Callable[[Simulation, Floats, float, PlantParameters, Floats, Floats | None], Simulation]
 
 
 def compiled_advance() -> Advance:
@@ -85,6 +86,20 @@ def compiled_record() -> Record:
         ModuleNotFoundError: as `compiled_advance`.
     """
     return _compiled()[1]
+
+
+@lru_cache(maxsize=1)
+def loaded_kernel() -> machine_code.Kernel:
+    """Return the compiled kernel, which moves a flat machine in place (`stepper`); it is made if need be.
+
+    Raises:
+        ModuleNotFoundError: as `compiled_advance`.
+    """
+    code = _cached()
+    if code is None:
+        code = machine_code.translate(_kernel(), ARGUMENTS, SELDOM)
+        machine_code.write(_cache_file(), code)
+    return machine_code.load(code, ARGUMENTS)
 
 
 def ready_advance() -> Advance | None:
@@ -110,11 +125,7 @@ def fastest_record() -> Record:
 
 @lru_cache(maxsize=1)
 def _compiled() -> tuple[Advance, Record]:
-    code = _cached()
-    if code is None:
-        code = machine_code.translate(_kernel(), ARGUMENTS, SELDOM)
-        machine_code.write(_cache_file(), code)
-    return _around(machine_code.load(code, ARGUMENTS))
+    return _around(loaded_kernel())
 
 
 def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
@@ -122,25 +133,28 @@ def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
     simulation, p = _example()
     pack, unpack, pack_parameters = flat.packer(simulation), flat.unpacker(simulation), flat.packer(p)
     state, volts = np.empty(len(pack(simulation))), np.empty(3)
-    known: dict[str, Any] = {"p": None, "row": np.empty(0)}  # parameters seldom change
+    # What lies flat already: parameters seldom change, and a loop hands back what it was given.
+    known: dict[str, Any] = {"p": None, "row": np.empty(0), "at": 0, "moved": None}
+    state_at, volts_at = state.ctypes.data, volts.ctypes.data
 
     def run(simulation: Simulation, p: PlantParameters, *arguments: Any) -> Simulation:
         if known["p"] is not p:
-            known.update(p=p, row=np.array(pack_parameters(p), dtype=np.float64))
-        state[:] = pack(simulation)
+            row = np.array(pack_parameters(p), dtype=np.float64)
+            known.update(p=p, row=row, at=row.ctypes.data)
+        if known["moved"] is not simulation:
+            state[:] = pack(simulation)
+        known["moved"] = None  # the kernel overwrites it
         before, after = arguments[:6], arguments[6:]
-        status = kernel(state.ctypes.data, *before, known["row"].ctypes.data, *after)
-        if status != 0:
-            raise ArithmeticError(f"the compiled plant stopped with status {status}")
+        machine_code.check(kernel(state_at, *before, known["at"], *after))
         moved: Simulation = unpack(state.tolist())
+        known["moved"] = moved
         return moved
 
     def advance(
         simulation: Simulation, voltages: Triple, h: float, count: int, p: PlantParameters
     ) -> Simulation:
         volts[:] = voltages
-        nowhere = state.ctypes.data
-        return run(simulation, p, volts.ctypes.data, 0, h, 1, count, 0, nowhere, nowhere)
+        return run(simulation, p, volts_at, 0, h, 1, count, 0, state_at, state_at)
 
     def record(
         simulation: Simulation,
@@ -148,11 +162,12 @@ def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
         h: float,
         p: PlantParameters,
         states: Floats,
-        energies: Floats,
+        energies: Floats | None,
     ) -> Simulation:
         table, rows = np.ascontiguousarray(voltages, dtype=np.float64), len(states)
-        into = states.ctypes.data, energies.ctypes.data
-        return run(simulation, p, table.ctypes.data, 3, h, rows, len(table) // rows, 1, *into)
+        recorded, filled = (1, states) if energies is None else (2, energies)
+        into = states.ctypes.data, filled.ctypes.data
+        return run(simulation, p, table.ctypes.data, 3, h, rows, len(table) // rows, recorded, *into)
 
     return advance, record
 
@@ -167,7 +182,9 @@ def _kernel() -> Callable[..., None]:
     for module in LAWS:
         for _, function in inspect.getmembers(module, inspect.isfunction):
             if function.__module__ == module.__name__:
-                register_jitable(error_model="numpy")(function)
+                register_jitable(error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)(
+                    function
+                )
     simulation, p = _example()
     names: dict[str, Any] = {"step": integrator.step, "power_flows": power.power_flows}
     state = [path for path, _ in flat.leaves(simulation, "simulation")]
@@ -176,13 +193,14 @@ def _kernel() -> Callable[..., None]:
         "def kernel(state, voltages, stride, h, rows, substeps, recorded, parameters, states, energies):",
         f"    p = {flat.construction(p, 'parameters', names)}",
         f"    simulation = {flat.construction(simulation, 'state', names)}",
-        "    before = power_flows(simulation, p)",
+        "    if recorded > 1:",
+        "        before = power_flows(simulation, p)",
         "    for row in range(rows):",
         "        for k in range(row * substeps, (row + 1) * substeps):",
         "            i = stride * k",
         "            held = (voltages[i], voltages[i + 1], voltages[i + 2])",
         "            simulation = step(simulation, held, h, p)",
-        "            if recorded:",
+        "            if recorded > 1:",
         "                after = power_flows(simulation, p)",
         f"                e = row * {len(flows)}",
         *(

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from forest_sim.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.end_stop import cushion_resistance, end_stop_resistance
 from forest_sim.friction import friction_slope
-from forest_sim.line import LineSolution, PortGuard, solve_line, supply_coupling
+from forest_sim.line import LineSolution, PortGuard, drained, solve_line, supply_coupling
 from forest_sim.manipulator import Pair, Triple
 from forest_sim.mechanics import HeadState, Inertia, mechanics, resisted, solve, times
 from forest_sim.parameters import Axis, PlantParameters, SpoolValve
@@ -34,10 +34,12 @@ from forest_sim.spool import Spool, Spools, spool_after
 from forest_sim.supply import SupplyState, pump_flow, reference_after
 
 GAMMA = 1.0 - math.sqrt(0.5)
-TOLERANCE = 0.1  # [rad/s^3] of Newton's last correction over h^2; the next would be a thousand times smaller
-SUPPLY_TOLERANCE = 1.0  # [Pa] as above
+TOLERANCE = 1e-4  # [rad/s] of Newton's last correction; the next one would be a thousandth of it at 1 ms
+SUPPLY_TOLERANCE = 1e3  # [Pa] of P_s, as above
+REFERENCE_TOLERANCE = 1.0  # [Pa] of P_r, which is not corrected but found anew
 BOUNDED = 6  # iterations after which the supply's pressure is kept between bounds, for its pump's kinks
 UNBOUNDED = (-math.inf, math.inf)
+UNFED = ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
 ITERATIONS = 60
 DAMPED, FULL = 12, 24  # iterations between which kinks (dry friction, a relief valve) are met by half steps
 
@@ -70,13 +72,24 @@ class AxisSolution(NamedTuple):
     resistance: float  # -d(torque)/d(rate) [N m s]
 
 
+class AxisDraw(NamedTuple):
+    """What one axis asks of the supply within a stage."""
+
+    flow: float  # [m^3/s]
+    conductance: float  # d(flow)/dP_s [m^3/(s Pa)]
+    gain: float  # d(flow)/d(actuator speed) [m^2; m^3/rad]
+    load: float  # that it shows [Pa]
+    feeds: Pair  # d(flow into hose 1, 2)/dP_s [m^3/(s Pa)]
+
+
 class SupplyError(NamedTuple):
     """The manifold's equation of a stage and its slopes."""
 
     residual: float  # [m^3]
     slope: float  # by P_s [m^3/Pa]
     by_rate: Triple  # by the joint rates [m^3 s], which is also -d(residual of the joints)/dP_s
-    reference: float  # P_r [Pa]
+    feeds: tuple[Pair, Pair, Pair]  # d(flow into hose 1, 2)/dP_s of swing, boom, stick [m^3/(s Pa)]
+    state: SupplyState  # P_s [Pa] of the guess, and the P_r that follows from it
 
 
 class Guess(NamedTuple):
@@ -104,22 +117,27 @@ def step(simulation: Simulation, voltages: Triple, h: float, p: PlantParameters)
     plant, c = simulation.plant, GAMMA * h
     middle = spools_after(simulation.spools, voltages, c, p)
     rates = _rates_after(plant, simulation.accelerations, c)
-    first, failed_1 = _solve_stage(plant, plant, rates, ports_at(middle, p), c, p)
+    ports = ports_at(middle, p)
+    first, failed_1 = _solve_stage(plant, plant, rates, ports, c, p)
     # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
     base = _blend(plant, first, (1.0 - GAMMA) / GAMMA)
     end = spools_after(simulation.spools, voltages, h, p)
-    rates = _rates_after(plant, _mean_accelerations(plant, first, c), h)
-    after, failed_2 = _solve_stage(base, first, rates, ports_at(end, p), c, p)
+    ahead = _blend(plant, first, 1.0 / GAMMA)
+    rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
+    if end != middle:
+        ports = ports_at(end, p)
+    after, failed_2 = _solve_stage(base, ahead, rates, ports, c, p)
     events = _count(simulation.events, plant, after, failed_1 + failed_2, p.guard)
     return Simulation(after, end, events, _mean_accelerations(base, after, c))
 
 
 def _mean_accelerations(before: PlantState, after: PlantState, time: float) -> Triple:
     """Return the joints' mean accelerations [rad/s^2] over a time [s]."""
+    per_time = 1.0 / time
     return (
-        (after.swing.rate - before.swing.rate) / time,
-        (after.boom.rate - before.boom.rate) / time,
-        (after.stick.rate - before.stick.rate) / time,
+        per_time * (after.swing.rate - before.swing.rate),
+        per_time * (after.boom.rate - before.boom.rate),
+        per_time * (after.stick.rate - before.stick.rate),
     )
 
 
@@ -227,27 +245,37 @@ def _solve_stage(
 
     Newton starts from the joint rates given and from all else of `start`. Its matrix leaves out what the
     configuration's change contributes (of order h), so that it converges by about three decimal places an
-    iteration.
+    iteration at 1 ms. From rates that follow the last accelerations, off by order h^2, the first correction
+    is mostly the last: the next would be of order h^3, as the step's own error is.
     """
     guess = Guess(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply)
-    trial = _try(base, guess, (start.swing.pressure_1, start.swing.pressure_2), ports, h, p)
+    trial = _try(base, guess, ports, h, p)
     failed, bounds = 1, UNBOUNDED
     for iteration in range(ITERATIONS):
         before, share = guess.supply.pressure, 0.5 if DAMPED <= iteration < FULL else 1.0
+        reference_change = trial.supply.state.reference - guess.supply.reference
         guess, size, supply_change = _correct(guess, trial, share, bounds, p)
-        if size < TOLERANCE * h * h and abs(supply_change) < SUPPLY_TOLERANCE:
+        if share == 1.0 and _is_small(size, supply_change, reference_change):
             failed = 0
             break
         if iteration >= BOUNDED:
             bounds = _tightened(bounds, before, supply_change)
-        trial = _try(base, guess, (trial.swing.one.pressure, trial.swing.two.pressure), ports, h, p)
+        trial = _try(base, guess, ports, h, p)
+    fed, feeds = guess.supply.pressure - trial.supply.state.pressure, trial.supply.feeds
     return PlantState(
-        _assemble(base.swing, guess.rates[0], trial.swing, p.swing, h),
-        _assemble(base.boom, guess.rates[1], trial.boom, p.boom, h),
-        _assemble(base.stick, guess.rates[2], trial.stick, p.stick, h),
+        _assemble(base.swing, guess.rates[0], trial.swing, feeds[0], fed, p.swing, h),
+        _assemble(base.boom, guess.rates[1], trial.boom, feeds[1], fed, p.boom, h),
+        _assemble(base.stick, guess.rates[2], trial.stick, feeds[2], fed, p.stick, h),
         guess.supply,
         _head_at(base.head, guess.head_rates, h),
     ), failed
+
+
+def _is_small(rates: float, supply: float, reference: float) -> bool:
+    """Tell whether corrections [rad/s; Pa; Pa] leave nothing to speak of for the next iteration."""
+    if not rates < TOLERANCE:
+        return False
+    return abs(supply) < SUPPLY_TOLERANCE and abs(reference) < REFERENCE_TOLERANCE
 
 
 def _tightened(bounds: Pair, pressure: float, change: float) -> Pair:
@@ -267,7 +295,6 @@ def _head_at(base: HeadState, rates: Pair, h: float) -> HeadState:
 def _try(
     base: PlantState,
     guess: Guess,
-    cross: tuple[float, float],
     ports: tuple[Ports, Ports, Ports],
     h: float,
     p: PlantParameters,
@@ -276,16 +303,16 @@ def _try(
     u, w, supply = guess.rates, guess.head_rates, guess.supply.pressure
     angles = base.swing.angle + h * u[0], base.boom.angle + h * u[1], base.stick.angle + h * u[2]
     t_1, t_2, t_3 = transmissions(angles[0], angles[1], angles[2], p)
-    swing = _solve_axis(base.swing, u[0], t_1, ports[0], supply, cross, p.swing, p.guard, h)
-    boom = _solve_axis(base.boom, u[1], t_2, ports[1], supply, (0.0, 0.0), p.boom, p.guard, h)
-    stick = _solve_axis(base.stick, u[2], t_3, ports[2], supply, (0.0, 0.0), p.stick, p.guard, h)
+    swing = _solve_axis(base.swing, u[0], t_1, ports[0], supply, p.swing, p.guard, h)
+    boom = _solve_axis(base.boom, u[1], t_2, ports[1], supply, p.boom, p.guard, h)
+    stick = _solve_axis(base.stick, u[2], t_3, ports[2], supply, p.stick, p.guard, h)
     m = mechanics(angles, u, _head_at(base.head, w, h), p)
     gained, head_gained = times(
         m.inertia,
         (u[0] - base.swing.rate, u[1] - base.boom.rate, u[2] - base.stick.rate),
         (w[0] - base.head.alpha_rate, w[1] - base.head.beta_rate),
     )
-    error = SupplyError(0.0, 1.0, (0.0, 0.0, 0.0), guess.supply.reference)
+    error = SupplyError(0.0, 1.0, (0.0, 0.0, 0.0), UNFED, guess.supply)
     if not p.supply.ideal:
         error = _supply_error(
             base.supply, supply, (swing, boom, stick), ports, (t_1.arm, t_2.arm, t_3.arm), h, p
@@ -332,7 +359,7 @@ def _correct(
     after = Guess(
         (u[0] - share * c[0], u[1] - share * c[1], u[2] - share * c[2]),
         (w[0] - share * d[0], w[1] - share * d[1]),
-        SupplyState(guess.supply.pressure - share * pressure, trial.supply.reference),
+        SupplyState(guess.supply.pressure - share * pressure, trial.supply.state.reference),
     )
     return after, max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1])), change
 
@@ -347,50 +374,78 @@ def _supply_error(
     p: PlantParameters,
 ) -> SupplyError:
     """Return the manifold's equation, C (P_s - base) = h (delivered - drawn), at a guess."""
-    flow_1, conductance_1, gain_1, load_1 = _draw(axes[0], ports[0], supply, p.swing, h)
-    flow_2, conductance_2, gain_2, load_2 = _draw(axes[1], ports[1], supply, p.boom, h)
-    flow_3, conductance_3, gain_3, load_3 = _draw(axes[2], ports[2], supply, p.stick, h)
-    reference = reference_after(base.reference, max(load_1, load_2, load_3), p.supply, h)
+    one = _draw(axes[0], ports[0], supply, p.swing, h)
+    two = _draw(axes[1], ports[1], supply, p.boom, h)
+    three = _draw(axes[2], ports[2], supply, p.stick, h)
+    reference = reference_after(base.reference, max(one.load, two.load, three.load), p.supply, h)
     pump = pump_flow(supply, reference, p.supply)
-    drawn = flow_1 + flow_2 + flow_3
-    conductance = conductance_1 + conductance_2 + conductance_3
+    drawn = one.flow + two.flow + three.flow
+    conductance = one.conductance + two.conductance + three.conductance
     return SupplyError(
         residual=p.supply.capacitance * (supply - base.pressure) + h * (drawn - pump.delivered),
         slope=p.supply.capacitance + h * (conductance - pump.slope),
-        by_rate=(h * arms[0] * gain_1, h * arms[1] * gain_2, h * arms[2] * gain_3),
-        reference=reference,
+        by_rate=(h * arms[0] * one.gain, h * arms[1] * two.gain, h * arms[2] * three.gain),
+        feeds=(one.feeds, two.feeds, three.feeds),
+        state=SupplyState(supply, reference),
     )
 
 
-def _draw(
-    axis: AxisSolution, ports: Ports, supply: float, a: Axis, h: float
-) -> tuple[float, float, float, float]:
-    """Return an axis' flow from the supply, its slopes by P_s and actuator speed, and the load it shows."""
+def _draw(axis: AxisSolution, ports: Ports, supply: float, a: Axis, h: float) -> AxisDraw:
+    """Return what an axis asks of the supply within a stage."""
     one = supply_coupling(axis.one, ports.port_1, supply, a.line_1, h)
     two = supply_coupling(axis.two, ports.port_2, supply, a.line_2, h)
     gain = a.actuator.displacement_1 * one.gain - a.actuator.displacement_2 * two.gain
     load = max(
         sensed_load(axis.one.port_pressure, ports.port_1), sensed_load(axis.two.port_pressure, ports.port_2)
     )
-    return one.draw + two.draw, one.conductance + two.conductance, gain, load
+    feeds = one.gain / axis.one.slope, two.gain / axis.two.slope
+    return AxisDraw(one.draw + two.draw, one.conductance + two.conductance, gain, load, feeds)
 
 
-def _assemble(base: AxisState, rate: float, solution: AxisSolution, axis: Axis, h: float) -> AxisState:
-    """Return an axis at the stage's end: the hoses follow Newton's last correction of the joint rate.
+def _assemble(
+    base: AxisState, rate: float, solution: AxisSolution, feeds: Pair, fed: float, axis: Axis, h: float
+) -> AxisState:
+    """Return an axis at the stage's end: the hoses follow Newton's last correction to first order.
 
     Without that the oil that this correction moves would be lost, step after step.
+
+    Args:
+        base: the stage's known part.
+        rate: the joint's, corrected [rad/s].
+        solution: the axis before the correction.
+        feeds: d(flow into hose 1, 2)/dP_s [m^3/(s Pa)].
+        fed: the correction of P_s [Pa].
+        axis: its constants.
+        h: the stage's implicit step [s].
     """
-    moved, one, two = solution.arm * (rate - solution.rate), solution.one, solution.two
-    # What the pressure yields is what the hose delivers: dP = -stiffness dq, dQ = (1 - stiffness/slope) dq.
-    q_1, q_2 = axis.actuator.displacement_1 * moved, -axis.actuator.displacement_2 * moved
+    a, moved = axis.actuator, solution.arm * (rate - solution.rate)
+    q_1, q_2 = feeds[0] * fed, feeds[1] * fed
+    p_1, p_2 = solution.one.slope * q_1, solution.two.slope * q_2
+    more_1 = a.displacement_1 * moved - a.leakage_12 * p_2
+    more_2 = -a.displacement_2 * moved - a.leakage_12 * p_1
+    one, two = _both_drained(solution.one, solution.two, more_1, more_2, a.leakage_12)
     return AxisState(
         base.angle + h * rate,
         rate,
-        one.pressure - one.stiffness * q_1,
-        two.pressure - two.stiffness * q_2,
-        one.flow + (1.0 - one.stiffness / one.slope) * q_1,
-        -two.flow - (1.0 - two.stiffness / two.slope) * q_2,
+        one.pressure + p_1,
+        two.pressure + p_2,
+        one.flow + q_1,
+        -two.flow - q_2,
     )
+
+
+def _both_drained(
+    one: LineSolution, two: LineSolution, flow_1: float, flow_2: float, leakage: float
+) -> tuple[LineSolution, LineSolution]:
+    """Return both hoses after the actuator takes more by small flows [m^3/s], as they leak into each other.
+
+    dP_1 = -z_1 (dq_1 - g dP_2) and dP_2 = -z_2 (dq_2 - g dP_1), z their stiffness, g the cross leakage.
+    """
+    if leakage != 0.0:
+        z_1, z_2 = leakage * one.stiffness, leakage * two.stiffness
+        closing = 1.0 / (1.0 - z_1 * z_2)
+        flow_1, flow_2 = (flow_1 + z_2 * flow_2) * closing, (flow_2 + z_1 * flow_1) * closing
+    return drained(one, flow_1), drained(two, flow_2)
 
 
 def _solve_axis(
@@ -399,26 +454,24 @@ def _solve_axis(
     t: Transmission,
     ports: Ports,
     supply: float,
-    cross: tuple[float, float],
     axis: Axis,
     guard: PortGuard,
     h: float,
 ) -> AxisSolution:
     """Solve both hoses of an axis at a guessed joint rate.
 
-    The motor's small cross leakage takes the other hose's pressure from the last iteration (`cross`); it
-    couples them by a thousandth, so that it converges along with Newton.
+    The motor's small cross leakage is taken at the stage's known pressures, and its change after that to
+    first order: it couples the hoses by a thousandth.
     """
     a = axis.actuator
-    speed = t.arm * rate
+    speed, p_1, p_2 = t.arm * rate, base.pressure_1, base.pressure_2
     # Each actuator flow without its own hose's pressure, which solve_line eliminates through the leakage.
-    q_1, q_2 = inlet_flow(speed, 0.0, cross[1], a), outlet_flow(speed, cross[0], 0.0, a)
-    one = solve_line(
-        base.pressure_1, base.flow_1, q_1, a.leakage_11, ports.port_1, supply, axis.line_1, guard, h
-    )
-    two = solve_line(
-        base.pressure_2, -base.flow_2, -q_2, a.leakage_22, ports.port_2, supply, axis.line_2, guard, h
-    )
+    q_1, q_2 = inlet_flow(speed, 0.0, p_2, a), outlet_flow(speed, p_1, 0.0, a)
+    one = solve_line(p_1, base.flow_1, q_1, a.leakage_11, ports.port_1, supply, axis.line_1, guard, h)
+    two = solve_line(p_2, -base.flow_2, -q_2, a.leakage_22, ports.port_2, supply, axis.line_2, guard, h)
+    if a.leakage_12 != 0.0:
+        more_1, more_2 = -a.leakage_12 * (two.pressure - p_2), -a.leakage_12 * (one.pressure - p_1)
+        one, two = _both_drained(one, two, more_1, more_2, a.leakage_12)
     force = actuator_force(speed, one.pressure, two.pressure, a) + passive_force(t.position, speed, axis)
     return AxisSolution(
         rate, t.arm, one, two, t.arm * force, t.arm * t.arm * _resistance(speed, t, one, two, axis, h)

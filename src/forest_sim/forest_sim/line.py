@@ -58,7 +58,9 @@ class LineSolution(NamedTuple):
     pressure: float  # [Pa]
     flow: float  # [m^3/s]
     stiffness: float  # -dP/dq [Pa s/m^3], how the pressure answers the actuator's flow
+    follows: float  # dQ/dq, how much of that flow comes through the valve
     port_pressure: float  # p [Pa]
+    port_stiffness: float  # -dp/dq [Pa s/m^3]
     slope: float  # dP/dQ [Pa s/m^3], how the oil between valve and actuator yields
 
 
@@ -163,10 +165,10 @@ def _one_edge(
     """Return `meet` with one edge open, from the pressure `source`; what leaks is linear and goes along."""
     yielding = 2.0 * leakage + admittance
     y = intercept - leakage * supply + yielding * source
-    o = 2.0 * y / (1.0 + math.sqrt(1.0 + 4.0 * yielding * resistance * abs(y)))
+    root = math.sqrt(1.0 + 4.0 * yielding * resistance * abs(y))  # = 1 + yielding d(drop)/do
+    o = 2.0 * y / (1.0 + root)
     slope = 2.0 * resistance * abs(o)  # d(drop)/do
-    follows = (1.0 + 2.0 * leakage * slope) / (1.0 + yielding * slope)
-    return PortSolution(source - resistance * o * abs(o), follows)
+    return PortSolution(source - resistance * o * abs(o), 1.0 - admittance * slope / root)
 
 
 def _two_edges(intercept: float, admittance: float, port: Port, supply: float) -> PortSolution:
@@ -258,17 +260,37 @@ def _solve_with_port_valve(
     step: float,
 ) -> LineSolution:
     """Solve the stage with all outflow linear: outflow + leakage P."""
+    # Of step and constants alone come all quotients here: compiled, they are taken once for many steps.
     yielding = line.capacitance + step * leakage
-    slope = step / yielding  # dP/dQ
-    offset = (line.capacitance * pressure - step * outflow) / yielding  # P at Q = 0
+    slope, kept = step / yielding, line.capacitance / yielding  # dP/dQ; dP/d(pressure)
+    offset = kept * pressure - slope * outflow  # P at Q = 0
     if is_shut(port):
-        return LineSolution(offset, 0.0, slope, offset, slope)
+        return LineSolution(offset, 0.0, slope, 0.0, offset, slope, slope)
     gain = step / line.inertance
-    alpha = 1.0 + gain * slope
-    intercept, admittance = (flow - gain * offset) / alpha, gain / alpha
-    p, follows = meet(intercept, admittance, port, supply)
+    share = 1.0 / (1.0 + gain * slope)
+    intercept, admittance = share * (flow - gain * offset), share * gain
+    p, passed = meet(intercept, admittance, port, supply)
     q = intercept + admittance * p
-    return LineSolution(offset + slope * q, q, slope * (1.0 - follows * admittance * slope), p, slope)
+    follows = passed * admittance * slope
+    return LineSolution(
+        offset + slope * q, q, slope * (1.0 - follows), follows, p, slope * (1.0 - passed), slope
+    )
+
+
+def drained(line: LineSolution, flow: float) -> LineSolution:
+    """Return a hose from which the actuator takes more by a small flow [m^3/s], to first order.
+
+    What the pressure yields is what the valve does not deliver, so that no oil is lost or made.
+    """
+    return LineSolution(
+        line.pressure - line.stiffness * flow,
+        line.flow + line.follows * flow,
+        line.stiffness,
+        line.follows,
+        line.port_pressure - line.port_stiffness * flow,
+        line.port_stiffness,
+        line.slope,
+    )
 
 
 def supply_coupling(solution: LineSolution, port: Port, supply: float, line: Line, step: float) -> Coupling:

@@ -96,6 +96,12 @@ def load(code: bytes, arguments: str) -> Kernel:
     return kernel
 
 
+def check(status: int) -> None:
+    """Raise ArithmeticError if a kernel did not return zero."""
+    if status != 0:
+        raise ArithmeticError(f"the compiled plant stopped with status {status}")
+
+
 def processor() -> str:
     """Return what object code is bound to: LLVM's version and this processor's name and abilities.
 

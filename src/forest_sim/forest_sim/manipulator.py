@@ -111,7 +111,7 @@ def dynamics(q: Triple, rates: Triple, body: Body) -> Dynamics:
 
     u_1, u_2, u_3 = rates
     g_y, g_z = b.gravity_across, b.gravity_down
-    s_1, c_1 = math.sin(q[0]), math.cos(q[0])
+    s_1, c_1 = (math.sin(q[0]), math.cos(q[0])) if g_y != 0.0 else (0.0, 1.0)
     first_moment = b.stick_mass * r_s + b.boom_mass * r_b + b.base_moment
     return Dynamics(
         m_11=b.stick_mass * r_s**2

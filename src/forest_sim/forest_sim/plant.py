@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from forest_description.linkage import cylinder_length, lever_arm
+from forest_description.linkage import Linkage, length_and_arm
 from forest_description.machine import Machine
 from forest_description.valve import ValveLaw, edges
 from forest_sim.actuator import actuator_force, inlet_flow, outlet_flow
@@ -94,11 +94,13 @@ def transmissions(
     swing: float, boom: float, stick: float, p: PlantParameters
 ) -> tuple[Transmission, Transmission, Transmission]:
     """Return actuator positions and lever arms at the joint angles [rad]. Thesis eq. 3.16, App. A."""
-    return (
-        Transmission(swing, 1.0),
-        Transmission(cylinder_length(boom, p.boom_linkage), lever_arm(boom, p.boom_linkage)),
-        Transmission(cylinder_length(stick, p.stick_linkage), lever_arm(stick, p.stick_linkage)),
-    )
+    return Transmission(swing, 1.0), _cylinder(boom, p.boom_linkage), _cylinder(stick, p.stick_linkage)
+
+
+def _cylinder(angle: float, linkage: Linkage) -> Transmission:
+    # From the angle's cosine and sine, which the dynamics need as well: compiled, they are taken once.
+    length, arm = length_and_arm(math.cos(angle), math.sin(angle), linkage)
+    return Transmission(length, arm)
 
 
 def joint_torque(state: AxisState, transmission: Transmission, axis: Axis) -> float:

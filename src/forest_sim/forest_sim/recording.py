@@ -40,18 +40,27 @@ ENERGY = (
 
 
 def record(
-    simulation: Simulation, voltages: Floats, h: float, p: PlantParameters, states: Floats, energies: Floats
+    simulation: Simulation,
+    voltages: Floats,
+    h: float,
+    p: PlantParameters,
+    states: Floats,
+    energies: Floats | None,
 ) -> Simulation:
-    """Advance the machine by one step of h [s] for each row of voltages; fill `states` and `energies`."""
+    """Advance the machine by one step of h [s] for each row of voltages; fill `states` and `energies`.
+
+    Without an array for them the energies, which take as long as the steps themselves, are left out.
+    """
     substeps = len(voltages) // len(states)
     before = power_flows(simulation, p)
     pack_flows = flat.packer(before)
     for row in range(len(states)):
         for volts in voltages[row * substeps : (row + 1) * substeps].tolist():
             simulation = step(simulation, (volts[0], volts[1], volts[2]), h, p)
-            after = power_flows(simulation, p)
-            energies[row] += 0.5 * h * (np.array(pack_flows(before)) + np.array(pack_flows(after)))
-            before = after
+            if energies is not None:
+                after = power_flows(simulation, p)
+                energies[row] += 0.5 * h * (np.array(pack_flows(before)) + np.array(pack_flows(after)))
+                before = after
         store(simulation, states[row])
     return simulation
 

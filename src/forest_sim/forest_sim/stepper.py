@@ -1,0 +1,53 @@
+"""A machine that stays laid out flat between calls, for control loops that look at few of its numbers.
+
+`compiled_advance` takes and gives a `Simulation`, whose packing costs more than some steps; here the state
+lies in an array that the machine code moves in place.
+"""
+
+import ctypes
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_sim import flat, machine_code
+from forest_sim.compiled import loaded_kernel
+from forest_sim.integrator import Simulation
+from forest_sim.manipulator import Triple
+from forest_sim.parameters import PlantParameters
+from forest_sim.recording import restore, store
+
+NO_STRIDE, ONE_ROW, UNRECORDED = 0, 1, 0
+
+
+class Stepper:
+    """One machine under way."""
+
+    def __init__(self, simulation: Simulation, p: PlantParameters) -> None:
+        """Lay a machine out flat.
+
+        Raises:
+            ModuleNotFoundError: there is no compiled code for this version, and numba is not installed.
+        """
+        self._kernel = loaded_kernel()
+        self.state: NDArray[np.float64] = np.array(flat.packer(simulation)(simulation), dtype=np.float64)
+        """What `recording.STATE` names; it may be read and written between calls."""
+        self._parameters = np.array(flat.packer(p)(p), dtype=np.float64)
+        self._voltages = (ctypes.c_double * 3)()
+        self._at = self.state.ctypes.data, self._parameters.ctypes.data, ctypes.addressof(self._voltages)
+
+    def advance(self, voltages: Triple, h: float, count: int) -> None:
+        """Advance by `count` steps of h [s] with the valve voltages [V] held."""
+        self._voltages[0], self._voltages[1], self._voltages[2] = voltages
+        state, parameters, volts = self._at
+        machine_code.check(
+            self._kernel(state, volts, NO_STRIDE, h, ONE_ROW, count, UNRECORDED, parameters, state, state)
+        )
+
+    @property
+    def simulation(self) -> Simulation:
+        """The machine as the laws take it."""
+        return restore(self.state)
+
+    @simulation.setter
+    def simulation(self, simulation: Simulation) -> None:
+        store(simulation, self.state)
