@@ -24,10 +24,14 @@ swing:
     deadband_voltage: {value: -0.2, unit: V, source: "measured"}
 hose:
   kind: measured          # a component of several sorts says which
-  length: {value: 13, unit: ft, source: "..."}    # refused: unit 'ft' does not fit; allowed: m, mm, in
+  length: {value: 160, unit: in, source: "measured"}
 manipulator:
   log: null               # an optional component that is not there
 ```
+
+A section whose `kind` is another one than the base's is given anew, with all its keys. A constant flow pump's
+relief valve opens at its `supply_pressure`. A polynomial C_R must fall from `deadband_voltage` (negative, if the
+valve is underlapped) to `rated_voltage`.
 
 Without `based_on` every key must be given; *or null* marks those that may be `null`. Every slip is answered
 with file, line, key and what is allowed: `forest-sim check my_crane.yaml`. Units may be any of the quantity;

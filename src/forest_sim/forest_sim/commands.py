@@ -93,6 +93,8 @@ def simulate(
 
     drawn = draw_run(kept.columns(), machine, out)
     print(summary.table(result))
+    for doubt in summary.doubts(result):
+        print(f"forest-sim: {doubt}", file=sys.stderr)
     print("\n".join(f"  {path}" for path in (files.bag, files.csv, out / "summary.json", *drawn)))
     return 0
 

@@ -19,6 +19,8 @@ from forest_sim.simulation import Block, Run
 
 Floats = NDArray[np.float64]
 
+ENERGY_GAP = 0.005  # of the energy that passed through, above which an account is in doubt
+BEYOND_LIMIT = 3.0  # [deg]
 _EVENTS = [STATE.index(name) for name in Events._fields]
 _ANGLES = [STATE.index(f"{axis}_angle") for axis in AXES]
 _PRESSURES = [place for place, name in enumerate(STATE) if "_pressure" in name]
@@ -132,6 +134,26 @@ def table(result: dict[str, Any]) -> str:
     if events["unconverged_stages"]:
         rows.append(("unconverged", f"{events['unconverged_stages']} stages of the integrator"))
     return "\n".join(f"  {name:<18} {value}" for name, value in rows)
+
+
+def doubts(result: dict[str, Any]) -> list[str]:
+    """Return, a sentence each, why a run should not be believed; none for a sound one."""
+    energy, unconverged = result["energy_j"], result["events"]["unconverged_stages"]
+    passed = max(energy["engine"], sum(abs(energy[name]) for name in Account._fields[1:]) / 2.0)
+    found = []
+    if abs(energy["unaccounted"]) > ENERGY_GAP * passed + 1.0:
+        found.append(
+            f"{energy['unaccounted'] / 1e3:.3g} of {passed / 1e3:.3g} kJ are unaccounted for: the steps of "
+            f"{result['step_s']:g} s are too long for what happened; try --step {result['step_s'] / 4.0:g}"
+        )
+    if unconverged:
+        found.append(f"{unconverged} stages of the integrator did not converge; try shorter steps")
+    found += [
+        f"the {axis} went {angle:.1f} deg beyond its limits; a machine without end stops, or stops too soft"
+        for axis, angle in result["beyond_joint_limit_deg"].items()
+        if angle > BEYOND_LIMIT
+    ]
+    return found
 
 
 def _place(point: list[float]) -> str:
