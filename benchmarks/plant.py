@@ -30,8 +30,13 @@ HEAD = (
 )
 
 
-def run_contestant(key: str, modes: list[str], seconds: float, tolerance: float | None) -> list[Row]:
-    """Return one row for each mode; a contestant that is not installed or fails says so in its row."""
+def run_contestant(
+    key: str, modes: list[str], seconds: float, tolerance: float | None, warm: bool = False
+) -> list[Row]:
+    """Return one row for each mode; a contestant that is not installed or fails says so in its row.
+
+    Warm, ours takes its object code from where it lies, and its first step is no cold start.
+    """
     contestant = CONTESTANTS[key]
     row: Row = {"contestant": key, "name": contestant.name}
     if missing := contestant.missing():
@@ -46,8 +51,8 @@ def run_contestant(key: str, modes: list[str], seconds: float, tolerance: float 
             arguments = [key, "--mode", mode, "--seconds", str(share), "--tolerance", str(setting)]
             arguments += ["--reference", str(reference.cached(mode, seconds))]
             try:
-                cold = cold or _process([*arguments, "--first-step"], cache)
-                result = _process(arguments, cache)
+                cold = cold or _process([*arguments, "--first-step"], cache, warm)
+                result = _process(arguments, cache, warm)
             except subprocess.CalledProcessError as error:
                 rows.append(start | {"failed": error.stderr.strip().splitlines()[-1:]})
                 continue
@@ -56,10 +61,12 @@ def run_contestant(key: str, modes: list[str], seconds: float, tolerance: float 
     return rows
 
 
-def _process(arguments: list[str], cache: str) -> Row:
+def _process(arguments: list[str], cache: str, warm: bool) -> Row:
     """Return what a contestant's process prints."""
     program = str(Path(__file__).resolve().with_name("contest.py"))
     environment = os.environ | dict.fromkeys(THREADS, "1") | {"NUMBA_CACHE_DIR": cache}
+    if not warm:
+        environment["XDG_CACHE_HOME"] = cache  # where ours keeps its object code
     # The folder is also where CasADi leaves its C files.
     command = [sys.executable, program, *arguments, "--spawned", repr(time.time())]
     done = subprocess.run(command, env=environment, cwd=cache, check=True, capture_output=True, text=True)
@@ -112,12 +119,15 @@ def main(argv: list[str] | None = None) -> None:
     parser.add_argument("--modes", nargs="+", choices=benchmark.MODES, default=list(benchmark.MODES))
     parser.add_argument("--seconds", type=float, default=benchmark.SECONDS, help="length of the work [s]")
     parser.add_argument("--tolerance", type=float, help="for the peers, instead of each one's own")
+    parser.add_argument("--warm", action="store_true", help="ours need not be compiled anew")
     args = parser.parse_args(argv)
 
     rows: list[Row] = []
     print(HEAD)
     for key in ["ours", *args.peers]:
-        rows += run_contestant(key, args.modes, args.seconds, None if key == "ours" else args.tolerance)
+        rows += run_contestant(
+            key, args.modes, args.seconds, None if key == "ours" else args.tolerance, args.warm
+        )
         for line in list(table(rows))[-len(args.modes) :]:
             print(line, flush=True)
     if args.json:
