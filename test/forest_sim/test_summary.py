@@ -28,7 +28,7 @@ def test_a_sound_run_leaves_no_doubt():
 @pytest.mark.parametrize(
     ("part", "key", "value", "said"),
     [
-        ("energy_j", "unaccounted", -2.6e6, "kJ are unaccounted for"),
+        ("energy_j", "unaccounted", -2.6e6, "are unaccounted for"),
         ("events", "unconverged_stages", 3, "3 stages of the integrator did not converge"),
         ("beyond_joint_limit_deg", "boom", 89.0, "the boom went 89.0 deg beyond its limits"),
     ],

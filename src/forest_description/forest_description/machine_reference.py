@@ -30,8 +30,8 @@ manipulator:
 ```
 
 A section whose `kind` is another one than the base's is given anew, with all its keys. A constant flow pump's
-relief valve opens at its `supply_pressure`. A polynomial C_R must fall from `deadband_voltage` (negative, if the
-valve is underlapped) to `rated_voltage`.
+relief valve opens at its `supply_pressure`. A polynomial C_R must fall from `deadband_voltage` (negative, if
+the valve is underlapped) to `rated_voltage`.
 
 Without `based_on` every key must be given; *or null* marks those that may be `null`. Every slip is answered
 with file, line, key and what is allowed: `forest-sim check my_crane.yaml`. Units may be any of the quantity;
