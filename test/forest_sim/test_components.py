@@ -19,12 +19,12 @@ from full_machine import (
 )
 
 from forest_description.hydraulics import BackwardValve
-from forest_sim import integrator
 from forest_sim.compiled import compiled_advance
 from forest_sim.equilibrium import equilibrium
-from forest_sim.integrator import GAMMA, step
+from forest_sim.integrator import GAMMA, spools_after, step
 from forest_sim.parameters import plant_parameters
 from forest_sim.plant import ports_at, state_derivative
+from forest_sim.stage import solve_stage
 
 MODERATE, WIDE = (3.0, 2.5, -3.5), (9.0, 9.0, 9.0)
 CASES = {
@@ -40,7 +40,7 @@ def in_motion(machine, voltages, seconds=0.25):
     """A machine under way, its spools where the voltages hold them."""
     p = plant_parameters(machine)
     now = advance(equilibrium(START, p), voltages, 1e-3, round(1000 * seconds), p)
-    return p, now._replace(spools=integrator.spools_after(now.spools, voltages, 100.0, p))
+    return p, now._replace(spools=spools_after(now.spools, voltages, 100.0, p))
 
 
 @each_case
@@ -61,9 +61,7 @@ def test_every_stage_solves_the_law_of_the_machine(case):
     machine, voltages = case
     p, y = in_motion(machine, voltages)
     ports, h = ports_at(y.spools, p), 1e-3
-    first, failed = integrator._solve_stage(
-        y.plant, y.plant, tuple(a.rate for a in y.plant[:3]), ports, GAMMA * h, p
-    )
+    first, failed = solve_stage(y.plant, y.plant, tuple(a.rate for a in y.plant[:3]), ports, GAMMA * h, p)
     assert not failed
     k_1 = pack(state_derivative(first, ports, p))
     np.testing.assert_allclose(pack(first), pack(y.plant) + GAMMA * h * k_1, rtol=0.0, atol=1e-7)

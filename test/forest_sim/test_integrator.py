@@ -8,14 +8,14 @@ from scipy.integrate import solve_ivp
 
 from forest_description.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
-from forest_sim import integrator
 from forest_sim.compiled import compiled_advance
 from forest_sim.equilibrium import equilibrium
-from forest_sim.integrator import GAMMA, Simulation, step
+from forest_sim.integrator import GAMMA, Simulation, spools_after, step
 from forest_sim.line import is_shut
 from forest_sim.parameters import plant_parameters
 from forest_sim.plant import from_array, state_derivative, thesis_state_derivative, to_array, valve_ports
 from forest_sim.spool import Spool
+from forest_sim.stage import solve_stage
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 SCALE = np.tile([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3], 3)
@@ -48,7 +48,7 @@ def test_a_stage_solves_the_law_that_thesis_state_derivative_gives(voltages):
     p, h = plant_parameters(THESIS), 1e-3
     y = steps(THESIS, equilibrium(START, p), voltages, 300)
     ports = tuple(valve_ports(v, p.valves[0].law) for v in voltages)
-    first, failed = integrator._solve_stage(y.plant, y.plant, rates(y), ports, GAMMA * h, p)
+    first, failed = solve_stage(y.plant, y.plant, rates(y), ports, GAMMA * h, p)
     assert not failed
     k_1 = to_array(state_derivative(first, ports, p))
     assert_same_state(to_array(first), to_array(y.plant) + GAMMA * h * k_1)
@@ -67,7 +67,7 @@ def test_forward_stages_use_the_very_thesis_derivative():
     p, h = plant_parameters(THESIS), 1e-3
     y = steps(THESIS, equilibrium(START, p), (3.0, 2.5, 2.5), 300)
     ports = tuple(valve_ports(v, p.valves[0].law) for v in (3.0, 2.5, 2.5))
-    stage, _ = integrator._solve_stage(y.plant, y.plant, rates(y), ports, GAMMA * h, p)
+    stage, _ = solve_stage(y.plant, y.plant, rates(y), ports, GAMMA * h, p)
     c_r = [c for axis in ports for c in (axis.port_1.to_supply, axis.port_2.to_tank)]
     slope = thesis_state_derivative(to_array(stage), c_r, p.supply.set_pressure, THESIS)
     assert_same_state(to_array(stage), to_array(y.plant) + GAMMA * h * slope)
@@ -188,11 +188,11 @@ def test_full_swing_speed_balances_orifices_hoses_and_damping():
 
 def test_spool_lag_is_the_exact_first_order_response():
     begin = (Spool(0.0, 0.0), Spool(2.0, 0.0), Spool(-1.0, 0.0))
-    spools = integrator.spools_after(begin, (10.0, 0.0, 3.0), 0.01, plant_parameters(C180))
+    spools = spools_after(begin, (10.0, 0.0, 3.0), 0.01, plant_parameters(C180))
     keep = math.exp(-2 * math.pi * 12.0 * 0.01)
     expected = (10.0 * (1 - keep), 2.0 * keep, 3.0 - 4.0 * keep)
     np.testing.assert_allclose([spool.position for spool in spools], expected, rtol=1e-12)
-    at_once = integrator.spools_after(begin, (10.0, 0.0, 3.0), 1e-6, plant_parameters(THESIS))
+    at_once = spools_after(begin, (10.0, 0.0, 3.0), 1e-6, plant_parameters(THESIS))
     assert [spool.position for spool in at_once] == [10.0, 0.0, 3.0]
 
 

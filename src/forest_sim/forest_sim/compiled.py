@@ -37,6 +37,7 @@ from forest_sim import (
     power,
     recording,
     spool,
+    stage,
     supply,
 )
 from forest_sim.equilibrium import equilibrium
@@ -57,6 +58,7 @@ LAWS: tuple[ModuleType, ...] = (
     pendulum,
     mechanics,
     plant,
+    stage,
     integrator,
     power,
 )
