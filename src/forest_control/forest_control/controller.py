@@ -9,6 +9,8 @@ the command is zero and the reference rests on the machine.
 
 from typing import NamedTuple
 
+from forest_control import coordination
+from forest_control.coordination import CoordinationParameters
 from forest_control.governor import Governed, GovernorParameters, Limit, govern
 from forest_control.levers import Levers, joint_rate_wish, tip_velocity_wish
 from forest_control.schemes import Gains, Scheme, jacobian_position, jacobian_velocity, joint
@@ -34,6 +36,10 @@ class Settings(NamedTuple):
     position_gain: Triple = (2.5, 5.0, 5.0)  # K_p [1/s]
     damping_gain: Triple = (0.0, 0.0, 0.0)  # K_d
     lead: float = 0.2  # [rad]
+    feedback_gain: Triple = (2.5, 5.0, 5.0)  # K_p of the coordinated scheme [1/s]
+    integral_gain: Triple = (1.0, 4.0, 4.0)  # K_i of the coordinated scheme [1/s^2]
+    lead_time: Triple = (0.03, 0.03, 0.03)  # T [s]
+    tip_acceleration: float = 4.0  # [m/s^2] of the coordinated scheme's reference: steps become ramps
     joint_margin: float = 0.0175  # [rad] kept from every joint limit
     approach: Triple = (1.0, 2.0, 2.0)  # [1/s] allowed rate per remaining angle before a joint limit
 
@@ -50,6 +56,7 @@ class Parameters(NamedTuple):
     linkages: Linkages
     rated_speeds: Triple  # [rad/s, m/s, m/s] of an ideal valve at its rated voltage
     rated_voltages: Triple  # [V] of each axis' valve
+    coordinated: CoordinationParameters
 
 
 class State(NamedTuple):
@@ -57,6 +64,7 @@ class State(NamedTuple):
 
     reference: Triple  # [rad]
     enabled: bool
+    memory: coordination.Memory = coordination.REST
 
 
 class Inputs(NamedTuple):
@@ -84,6 +92,8 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
     if not inputs.enabled:
         return State(inputs.angles, False), Output(ZERO, ZERO, Governed(0.0, Limit.NONE))
     reference = state.reference if state.enabled else inputs.angles
+    if p.scheme is Scheme.COORDINATED:
+        return _coordinated_step(reference, state.memory, inputs, p, dt)
     # Scheme (d) holds a reference: with J^-1 taken there, it integrates the wish free of the joints' lag.
     pose = reference if p.scheme is Scheme.JACOBIAN_POSITION else inputs.angles
     wished, limit = _wished_rates(pose, inputs.levers, p)
@@ -93,6 +103,29 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
     command = _to_voltage(_servo(a, reference, inputs, p), inputs.angles, p)
     wish = ZERO if p.scheme is Scheme.JOINT else tip_velocity(pose, a, p.links)
     return State(reference, True), Output(command, wish, governed)
+
+
+def _coordinated_step(
+    reference: Triple, memory: coordination.Memory, inputs: Inputs, p: Parameters, dt: float
+) -> tuple[State, Output]:
+    """Advance the coordinated scheme: the tip's wish, ramped, governed, moves the pose that it is held at."""
+    c = p.coordinated
+    wish = coordination.ramped(memory.velocity, tip_velocity_wish(inputs.levers, p.tip_speed), c.acceleration, dt)
+    if wish == ZERO and memory.rates == ZERO and memory.samples >= 0:
+        reference, memory = coordination.settle(reference, inputs.angles, memory)
+        return State(reference, True, memory), Output(ZERO, ZERO, Governed(1.0, Limit.NONE))
+    memory = memory._replace(samples=-1)
+    governed = Governed(0.0, Limit.SINGULARITY)
+    if not is_singular(reference, p.links):
+        governed = govern(reference, joint_rates(reference, wish, p.links), p.governor)
+    velocity = _scale(wish, governed.factor)
+    a = joint_rates(reference, velocity, p.links)
+    # The rates half a step on: the tip's reference then stays on the integral of its velocity.
+    middle = _plus(reference, a, 0.5 * dt)
+    after = _advance(reference, joint_rates(middle, velocity, p.links), inputs.angles, p, dt)
+    memory, u = coordination.servo(memory._replace(velocity=velocity), a, reference, inputs.angles, c, dt)
+    command = _to_voltage(u, inputs.angles, p)
+    return State(after, True, memory), Output(command, velocity, governed)
 
 
 def implausible(angles: tuple[float, ...], rates: tuple[float, ...], p: Parameters) -> str:
@@ -159,6 +192,11 @@ def _to_voltage(rates: Triple, angles: Triple, p: Parameters) -> Triple:
     return volts[0], volts[1], volts[2]
 
 
+def _plus(angles: Triple, rates: Triple, dt: float) -> Triple:
+    """Return angles [rad] moved on at rates [rad/s]."""
+    return angles[0] + dt * rates[0], angles[1] + dt * rates[1], angles[2] + dt * rates[2]
+
+
 def _scale(values: Triple, factor: float) -> Triple:
     return factor * values[0], factor * values[1], factor * values[2]
 
@@ -185,5 +223,14 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
             machine.valve_of(0).rated_voltage,
             machine.valve_of(1).rated_voltage,
             machine.valve_of(2).rated_voltage,
+        ),
+        coordinated=CoordinationParameters(
+            feedback=settings.feedback_gain,
+            integral=settings.integral_gain,
+            lead_time=settings.lead_time,
+            acceleration=settings.tip_acceleration,
+            integral_limit=0.1,
+            hold_error=5e-4,
+            release_error=1.5e-3,
         ),
     )

@@ -9,6 +9,9 @@
 | K* | pre-loop gain, 1 / (closed-loop gain at rest) | |
 | K_v | velocity servo gain | |
 | K_p, K_d | position servo gains | 1/s, 1 |
+| b | rate of change of a | rad/s^2 |
+| T | lead: what spool, hoses and sampling lag behind the command | s |
+| w | integral of K_i (r - s) | rad/s |
 
 The thesis writes its servos around a plant v' = -w_n v + k u; here the driver makes the plant's gain one (u
 is a rate, and the machine settles at it), so the servos' W_0/k is one and K* = (1 + K_v)/K_v.
@@ -26,6 +29,7 @@ class Scheme(str, Enum):
     JOINT = "joint"
     JACOBIAN_VELOCITY = "jacobian_velocity"
     JACOBIAN_POSITION = "jacobian_position"
+    COORDINATED = "coordinated"
 
 
 class Gains(NamedTuple):
@@ -56,3 +60,12 @@ def jacobian_position(r: float, s: float, v: float, k_p: float, k_d: float) -> f
     Thesis section 5.2, fig. 5.2, 5.3.
     """
     return k_p * (r - s) - k_d * v
+
+
+def coordinated(a: float, b: float, r: float, s: float, w: float, lead: float, k_p: float) -> float:
+    """Reference velocity with lead, closed on the tip's position: u = a + T b + K_p (r - s) + w.
+
+    The wish passes straight through, earlier by the lead; the error only carries what valve and model are
+    wrong by. r is the pose that holds the tip on its path, so an error of the tip is one of the joints.
+    """
+    return a + lead * b + k_p * (r - s) + w

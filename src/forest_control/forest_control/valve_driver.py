@@ -39,6 +39,8 @@ class AxisDriver(NamedTuple):
     displacement_2: float
     rated_speed: float  # at `rated_voltage` of the ideal valve
     valve: ValveLaw
+    hose_linear: float = 0.0  # [N s/m; N m s] both hoses' loss that goes with the speed, at the actuator
+    hose_square: float = 0.0  # [N s^2/m^2; N m s^2] and with its square
 
 
 class Settings(NamedTuple):
@@ -139,7 +141,8 @@ def required_opening(speed: float, load: float, supply: float, axis: AxisDriver,
     inlet = axis.displacement_1 if speed > 0.0 else axis.displacement_2
     nominal = inlet * supply
     opposing = load if speed > 0.0 else -load
-    drive = max(p.minimum_drop * inlet * p.supply_pressure, nominal - opposing)
+    hoses = (axis.hose_linear + axis.hose_square * abs(speed)) * abs(speed)
+    drive = max(p.minimum_drop * inlet * p.supply_pressure, nominal - opposing - hoses)
     way = axis.valve.forward if speed > 0.0 else axis.valve.backward
     orifices = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
     return max(-1.0, min(1.0, speed * math.sqrt(orifices / drive)))
@@ -148,7 +151,7 @@ def required_opening(speed: float, load: float, supply: float, axis: AxisDriver,
 def parameters(machine: Machine, settings: Settings) -> Parameters:
     """Return the core's parameters for a machine."""
     axes = [
-        AxisDriver(*displacements(machine, axis), speed, machine.valve_of(axis).law)
+        AxisDriver(*displacements(machine, axis), speed, machine.valve_of(axis).law, *_hoses(machine, axis))
         for axis, speed in enumerate(rated_speeds(machine))
     ]
     return Parameters(
@@ -160,3 +163,14 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
         load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
         minimum_drop=settings.minimum_drop,
     )
+
+
+def _hoses(machine: Machine, axis: int) -> tuple[float, float]:
+    """Return what both hoses take at unit speed, linear and square part (AxisDriver). Thesis section 4.3.3."""
+    parts = [
+        (displacement, machine.line(axis, port).resistance)
+        for port, displacement in zip((1, 2), displacements(machine, axis), strict=True)
+    ]
+    if machine.drives[axis].flow_regime == "laminar":
+        return sum(d**2 * resistance for d, resistance in parts), 0.0
+    return 0.0, sum(d**3 * resistance for d, resistance in parts)
