@@ -1,0 +1,90 @@
+"""What the coordinated scheme remembers between steps: a smooth reference, the integral, who holds still.
+
+| symbol | name | unit |
+|---|---|---|
+| x' | reference velocity of the tip | m/s |
+| a, b | reference joint rates, their rate of change | rad/s, rad/s^2 |
+| r, s | reference and measured joint angle | rad |
+| w | integral of K_i (r - s) | rad/s |
+
+The reference is the operator's wish with its steps turned into ramps, so that b is finite. A joint whose
+reference rests and that is near it holds: its valve stays shut until the error has grown, or noise would
+open it back and forth through the overlap for ever.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_control.schemes import coordinated
+
+Triple = tuple[float, float, float]
+Flags = tuple[bool, bool, bool]
+ZERO: Triple = (0.0, 0.0, 0.0)
+
+REST_RATE = 1e-4  # [rad/s] a reference slower than this rests
+HIGHEST_ACCELERATION = 2.0  # [rad/s^2] a jump of the governor's must not kick the valves
+
+
+class CoordinationParameters(NamedTuple):
+    """Gains and bounds, per joint where triples: swing, boom, stick."""
+
+    feedback: Triple  # K_p [1/s]
+    integral: Triple  # K_i [1/s^2]
+    lead_time: Triple  # T [s]
+    acceleration: float  # [m/s^2] of the tip's reference
+    integral_limit: float  # [rad/s]
+    hold_error: float  # [rad] a resting joint this near holds
+    release_error: float  # [rad] and moves again beyond this
+
+
+class Memory(NamedTuple):
+    """State between steps."""
+
+    velocity: Triple  # x' [m/s], governed
+    rates: Triple  # a [rad/s]
+    integral: Triple  # w [rad/s]
+    holding: Flags
+    samples: int = 0  # of the pose that the mean has, before the first motion
+
+
+REST = Memory(ZERO, ZERO, ZERO, (True, True, True))
+MOST_SAMPLES = 200
+
+
+def settle(reference: Triple, s: Triple, memory: Memory) -> tuple[Triple, Memory]:
+    """Return the pose [rad] to start from: the mean of what was measured at rest; one sample is too noisy."""
+    count = min(memory.samples + 1, MOST_SAMPLES)
+    q = tuple(r + (x - r) / count for r, x in zip(reference, s, strict=True))
+    return (q[0], q[1], q[2]), memory._replace(samples=count)
+
+
+def ramped(velocity: Triple, wish: Triple, acceleration: float, dt: float) -> Triple:
+    """Return the reference velocity [m/s] after dt [s] on the way to a wish, at most so accelerated."""
+    change = tuple(w - v for v, w in zip(velocity, wish, strict=True))
+    size, most = math.hypot(*change), acceleration * dt
+    if size <= most:
+        return wish
+    x, y, z = (v + most / size * c for v, c in zip(velocity, change, strict=True))
+    return x, y, z
+
+
+def servo(
+    memory: Memory, a: Triple, r: Triple, s: Triple, p: CoordinationParameters, dt: float
+) -> tuple[Memory, Triple]:
+    """Return the memory one step on, and the commanded joint rates u [rad/s]."""
+    u, w, holding = [], [], []
+    for i in range(3):
+        b = (a[i] - memory.rates[i]) / dt
+        b = max(-HIGHEST_ACCELERATION, min(HIGHEST_ACCELERATION, b))
+        error = r[i] - s[i]
+        near = abs(error) < (p.release_error if memory.holding[i] else p.hold_error)
+        holds = near and max(abs(a[i]), abs(memory.rates[i])) < REST_RATE
+        # What the integral has learnt of the valve at speed is kept while the joint holds.
+        grown = memory.integral[i] if holds else memory.integral[i] + dt * p.integral[i] * error
+        w.append(max(-p.integral_limit, min(p.integral_limit, grown)))
+        u.append(0.0 if holds else coordinated(a[i], b, r[i], s[i], w[i], p.lead_time[i], p.feedback[i]))
+        holding.append(holds)
+    after = memory._replace(
+        rates=a, integral=(w[0], w[1], w[2]), holding=(holding[0], holding[1], holding[2])
+    )
+    return after, (u[0], u[1], u[2])
