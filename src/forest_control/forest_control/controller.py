@@ -7,6 +7,7 @@ valve gives at no load (`rated_speeds`); the driver makes the real valve behave 
 the command is zero and the reference rests on the machine.
 """
 
+import math
 from typing import NamedTuple
 
 from forest_control import coordination
@@ -14,6 +15,7 @@ from forest_control.coordination import CoordinationParameters
 from forest_control.governor import Governed, GovernorParameters, Limit, govern
 from forest_control.levers import Levers, joint_rate_wish, tip_velocity_wish
 from forest_control.schemes import Gains, Scheme, jacobian_position, jacobian_velocity, joint
+from forest_control.swing_load import swing_load
 from forest_description.actuation import Linkages, joint_rates_to_actuator_speeds, rated_speeds
 from forest_description.kinematics import Links, is_singular, joint_rates, tip_velocity
 from forest_description.limits import joint_limits
@@ -38,7 +40,11 @@ class Settings(NamedTuple):
     lead: float = 0.2  # [rad]
     feedback_gain: Triple = (2.5, 5.0, 5.0)  # K_p of the coordinated scheme [1/s]
     integral_gain: Triple = (1.0, 4.0, 4.0)  # K_i of the coordinated scheme [1/s^2]
-    lead_time: Triple = (0.03, 0.03, 0.03)  # T [s]
+    lead_time: Triple = (0.045, 0.013, 0.013)  # T [s]
+    load_bandwidth: float = 1.0  # [Hz] of the valve driver's
+    qa: float=1.0
+    qb: float=1.0
+    smoothing: float = 0.01  # [s]
     tip_acceleration: float = 4.0  # [m/s^2] of the coordinated scheme's reference: steps become ramps
     joint_margin: float = 0.0175  # [rad] kept from every joint limit
     approach: Triple = (1.0, 2.0, 2.0)  # [1/s] allowed rate per remaining angle before a joint limit
@@ -228,6 +234,10 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
             feedback=settings.feedback_gain,
             integral=settings.integral_gain,
             lead_time=settings.lead_time,
+            swing=swing_load(machine),
+            load_bandwidth=2.0*math.pi*settings.load_bandwidth,
+            qa=settings.qa,qb=settings.qb,
+            smoothing=settings.smoothing,
             acceleration=settings.tip_acceleration,
             integral_limit=0.1,
             hold_error=5e-4,

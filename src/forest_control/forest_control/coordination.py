@@ -16,6 +16,7 @@ import math
 from typing import NamedTuple
 
 from forest_control.schemes import coordinated
+from forest_control.swing_load import SwingLoad, inertia
 
 Triple = tuple[float, float, float]
 Flags = tuple[bool, bool, bool]
@@ -31,8 +32,13 @@ class CoordinationParameters(NamedTuple):
     feedback: Triple  # K_p [1/s]
     integral: Triple  # K_i [1/s^2]
     lead_time: Triple  # T [s]
+    swing: SwingLoad
+    load_bandwidth: float  # [rad/s] at which the valve driver learns a load
+    smoothing: float  # [s] of b
     acceleration: float  # [m/s^2] of the tip's reference
     integral_limit: float  # [rad/s]
+    qa: float
+    qb: float
     hold_error: float  # [rad] a resting joint this near holds
     release_error: float  # [rad] and moves again beyond this
 
@@ -42,12 +48,14 @@ class Memory(NamedTuple):
 
     velocity: Triple  # x' [m/s], governed
     rates: Triple  # a [rad/s]
+    accelerations: Triple  # b [rad/s^2]
     integral: Triple  # w [rad/s]
     holding: Flags
+    torque: float = 0.0  # [N m] of the swing that the driver knows by now
     samples: int = 0  # of the pose that the mean has, before the first motion
 
 
-REST = Memory(ZERO, ZERO, ZERO, (True, True, True))
+REST = Memory(ZERO, ZERO, ZERO, ZERO, (True, True, True))
 MOST_SAMPLES = 200
 
 
@@ -72,19 +80,28 @@ def servo(
     memory: Memory, a: Triple, r: Triple, s: Triple, p: CoordinationParameters, dt: float
 ) -> tuple[Memory, Triple]:
     """Return the memory one step on, and the commanded joint rates u [rad/s]."""
-    u, w, holding = [], [], []
+    u, w, holding, b = [], [], [], []
     for i in range(3):
-        b = (a[i] - memory.rates[i]) / dt
-        b = max(-HIGHEST_ACCELERATION, min(HIGHEST_ACCELERATION, b))
+        change = (a[i] - memory.rates[i]) / dt
+        change = max(-HIGHEST_ACCELERATION, min(HIGHEST_ACCELERATION, change))
+        jerk = (change - memory.accelerations[i]) / p.smoothing
+        b.append(memory.accelerations[i] + (1-math.exp(-dt/p.smoothing))*p.smoothing * jerk)
         error = r[i] - s[i]
         near = abs(error) < (p.release_error if memory.holding[i] else p.hold_error)
         holds = near and max(abs(a[i]), abs(memory.rates[i])) < REST_RATE
         # What the integral has learnt of the valve at speed is kept while the joint holds.
         grown = memory.integral[i] if holds else memory.integral[i] + dt * p.integral[i] * error
         w.append(max(-p.integral_limit, min(p.integral_limit, grown)))
-        u.append(0.0 if holds else coordinated(a[i], b, r[i], s[i], w[i], p.lead_time[i], p.feedback[i]))
+        extra = 0.0
+        if i == 0:
+            m11 = inertia(r, p.swing)
+            full = m11 * b[0] + p.swing.damping * a[0]
+            torque = memory.torque + (1.0 - math.exp(-p.load_bandwidth * dt)) * (full - memory.torque)
+            extra = p.qa * m11/p.swing.stiffness * jerk + p.qb * abs(a[0]) * (full - torque) / (2.0 * p.swing.greatest_torque)
+        u.append(0.0 if holds else extra + coordinated(a[i], b[i], r[i], s[i], w[i], p.lead_time[i], p.feedback[i]))
         holding.append(holds)
     after = memory._replace(
-        rates=a, integral=(w[0], w[1], w[2]), holding=(holding[0], holding[1], holding[2])
+        torque=torque,
+        rates=a, accelerations=(b[0],b[1],b[2]), integral=(w[0], w[1], w[2]), holding=(holding[0], holding[1], holding[2])
     )
     return after, (u[0], u[1], u[2])
