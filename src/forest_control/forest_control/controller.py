@@ -38,9 +38,9 @@ class Settings(NamedTuple):
     position_gain: Triple = (2.5, 5.0, 5.0)  # K_p [1/s]
     damping_gain: Triple = (0.0, 0.0, 0.0)  # K_d
     lead: float = 0.2  # [rad]
-    feedback_gain: Triple = (2.5, 5.0, 5.0)  # K_p of the coordinated scheme [1/s]
-    integral_gain: Triple = (1.0, 4.0, 4.0)  # K_i of the coordinated scheme [1/s^2]
-    lead_time: Triple = (0.045, 0.013, 0.013)  # T [s]
+    feedback_gain: Triple = (4.0, 5.0, 5.0)  # K_p of the coordinated scheme [1/s]
+    integral_gain: Triple = (2.0, 4.0, 4.0)  # K_i of the coordinated scheme [1/s^2]
+    lead_time: Triple = (0.02, 0.013, 0.013)  # T [s]
     load_bandwidth: float = 1.0  # [Hz] of the valve driver's
     qa: float=1.0
     qb: float=1.0

@@ -29,6 +29,7 @@ Loads = Triple
 
 LOWEST_SUPPLY = 0.25  # of the idle supply pressure: below, the pump is off or its transducer broken
 HIGHEST = 2.0  # of the nominal supply pressure
+FILL=60.0
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than nothing for a moment
 
 
@@ -70,6 +71,7 @@ class State(NamedTuple):
 
     loads: Loads
     primed: bool
+    means: Triple = (0.0, 0.0, 0.0)  # [Pa] of both ports
 
 
 class Pressures(NamedTuple):
@@ -100,7 +102,7 @@ def step(
         pressures = None
     state = _filter_loads(state, pressures, p, dt)
     supply = pressures.supply if pressures is not None else p.idle_pressure
-    volts = tuple(_axis_voltage(command[i], state.loads[i], supply, p.axes[i], p) for i in range(3))
+    volts = tuple(_axis_voltage(command[i], state.loads[i], state.means[i] if pressures is not None and i == 0 else None, supply, p.axes[i], p) for i in range(3))
     return state, (volts[0], volts[1], volts[2])
 
 
@@ -120,10 +122,12 @@ def _filter_loads(state: State, pressures: Pressures | None, p: Parameters, dt: 
     )
     weight = 1.0 - math.exp(-p.load_bandwidth * dt) if state.primed else 1.0
     loads = tuple(old + weight * (new - old) for old, new in zip(state.loads, measured, strict=True))
-    return State((loads[0], loads[1], loads[2]), True)
+    fast = 1.0 - math.exp(-FILL * dt) if state.primed else 1.0
+    means = tuple(m+ fast*(0.5*(a+b)-m) for m,a,b in zip(state.means, pressures.port_1, pressures.port_2))
+    return State((loads[0], loads[1], loads[2]), True, means)
 
 
-def _axis_voltage(command: float, load: float, supply: float, axis: AxisDriver, p: Parameters) -> float:
+def _axis_voltage(command: float, load: float, mean, supply: float, axis: AxisDriver, p: Parameters) -> float:
     """Return one valve's voltage [V]."""
     rated = axis.valve.forward.rated_voltage
     if not p.compensate:
@@ -132,6 +136,10 @@ def _axis_voltage(command: float, load: float, supply: float, axis: AxisDriver, 
         return 0.0
     speed = axis.rated_speed * command / rated + axis.slip * load
     opening = required_opening(speed, load, supply, axis, p)
+    if mean is not None:
+        half = 0.5*math.copysign(load, load*speed)/axis.displacement_1
+        n = max(0.1*supply, supply - 2*half)
+        opening *= math.sqrt(2*n)/(math.sqrt(max(0.01*n, supply-mean-half)) + math.sqrt(max(0.01*n, mean-half)))
     return voltage_for_opening(opening, axis.valve)
 
 
