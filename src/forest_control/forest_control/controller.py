@@ -11,11 +11,13 @@ import math
 from typing import NamedTuple
 
 from forest_control import coordination
+from forest_control.capacity import Capacity, capacity, greatest_rates
 from forest_control.coordination import CoordinationParameters
 from forest_control.governor import Governed, GovernorParameters, Limit, govern
 from forest_control.levers import Levers, joint_rate_wish, tip_velocity_wish
 from forest_control.schemes import Gains, Scheme, jacobian_position, jacobian_velocity, joint
 from forest_control.swing_load import swing_load
+from forest_control.valve_driver import axis_drivers
 from forest_description.actuation import Linkages, joint_rates_to_actuator_speeds, rated_speeds
 from forest_description.kinematics import Links, is_singular, joint_rates, tip_velocity
 from forest_description.limits import joint_limits
@@ -63,6 +65,7 @@ class Parameters(NamedTuple):
     rated_speeds: Triple  # [rad/s, m/s, m/s] of an ideal valve at its rated voltage
     rated_voltages: Triple  # [V] of each axis' valve
     coordinated: CoordinationParameters
+    capacity: Capacity
 
 
 class State(NamedTuple):
@@ -123,7 +126,8 @@ def _coordinated_step(
     memory = memory._replace(samples=-1)
     governed = Governed(0.0, Limit.SINGULARITY)
     if not is_singular(reference, p.links):
-        governed = govern(reference, joint_rates(reference, wish, p.links), p.governor)
+        wished = joint_rates(reference, wish, p.links)
+        governed = govern(reference, wished, governor_at(reference, wished, p))
     velocity = _scale(wish, governed.factor)
     a = joint_rates(reference, velocity, p.links)
     # The rates half a step on: the tip's reference then stays on the integral of its velocity.
@@ -132,6 +136,17 @@ def _coordinated_step(
     memory, u = coordination.servo(memory._replace(velocity=velocity), a, reference, inputs.angles, c, dt)
     command = _to_voltage(u, inputs.angles, p)
     return State(after, True, memory), Output(command, velocity, governed)
+
+
+def governor_at(angles: Triple, wished: Triple, p: Parameters) -> GovernorParameters:
+    """Return the governor's limits at a pose [rad]: the coordinated scheme asks the valves for no more than
+    they can give against the crane's weight, where the others leave them saturated.
+    """
+    if p.scheme is not Scheme.COORDINATED:
+        return p.governor
+    most = greatest_rates(angles, wished, p.capacity)
+    rates = tuple(min(rate, limit) for rate, limit in zip(p.governor.rates, most, strict=True))
+    return p.governor._replace(rates=(rates[0], rates[1], rates[2]))
 
 
 def implausible(angles: tuple[float, ...], rates: tuple[float, ...], p: Parameters) -> str:
@@ -230,6 +245,7 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
             machine.valve_of(1).rated_voltage,
             machine.valve_of(2).rated_voltage,
         ),
+        capacity=capacity(machine, axis_drivers(machine)),
         coordinated=CoordinationParameters(
             feedback=settings.feedback_gain,
             integral=settings.integral_gain,

@@ -160,12 +160,8 @@ def required_opening(speed: float, load: float, supply: float, axis: AxisDriver,
 
 def parameters(machine: Machine, settings: Settings) -> Parameters:
     """Return the core's parameters for a machine."""
-    axes = [
-        AxisDriver(*displacements(machine, axis), speed, machine.valve_of(axis).law, *_hoses(machine, axis), _slip(machine, axis))
-        for axis, speed in enumerate(rated_speeds(machine))
-    ]
     return Parameters(
-        axes=(axes[0], axes[1], axes[2]),
+        axes=axis_drivers(machine),
         supply_pressure=machine.pump.supply_pressure,
         idle_pressure=machine.pump.idle_pressure,
         compensate=settings.compensate,
@@ -173,6 +169,15 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
         load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
         minimum_drop=settings.minimum_drop,
     )
+
+
+def axis_drivers(machine: Machine) -> tuple[AxisDriver, AxisDriver, AxisDriver]:
+    """Return what a driver knows of a machine's actuators."""
+    axes = [
+        AxisDriver(*displacements(machine, axis), speed, machine.valve_of(axis).law, *_hoses(machine, axis), _slip(machine, axis))
+        for axis, speed in enumerate(rated_speeds(machine))
+    ]
+    return axes[0], axes[1], axes[2]
 
 
 def _hoses(machine: Machine, axis: int) -> tuple[float, float]:

@@ -138,7 +138,7 @@ def _limit(place: Triple, along: Triple, path: TipPath, p: controller.Parameters
 def _allowed(angles: Triple, along: Triple, p: controller.Parameters) -> float:
     fast = 100.0  # [m/s] more than any limit: what the governor leaves of it is the limit
     rates = joint_rates(angles, (fast * along[0], fast * along[1], fast * along[2]), p.links)
-    return fast * govern(angles, rates, p.governor).factor
+    return fast * govern(angles, rates, controller.governor_at(angles, rates, p)).factor
 
 
 def _angles(place: Triple, path: TipPath, machine: Machine) -> Triple:
