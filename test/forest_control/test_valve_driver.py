@@ -38,8 +38,9 @@ SIDES = [
 ]
 
 
-def parameters(**settings):
-    return valve_driver.parameters(MACHINE, Settings(**settings))
+def parameters(machine=MACHINE, **settings):
+    """The driver of the valve alone: what lies beyond it is tested at the end."""
+    return valve_driver.parameters(machine, Settings(**{"beyond_valve": False, **settings}))
 
 
 def on_axis(axis, value):
@@ -227,7 +228,7 @@ def test_a_load_sensing_pump_at_rest_is_believed_and_one_that_is_off_is_not():
 
 
 def test_without_pressures_a_load_sensing_pump_is_taken_to_be_at_rest():
-    p = valve_driver.parameters(load_machine("loader"), Settings())
+    p = parameters(load_machine("loader"))
     resting = Pressures(ZERO_COMMAND, ZERO_COMMAND, p.idle_pressure)
     for axis in range(3):
         assert voltage(axis, 1.5, None, p) == voltage(axis, 1.5, resting, p)

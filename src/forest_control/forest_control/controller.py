@@ -27,6 +27,9 @@ Triple = tuple[float, float, float]
 ZERO: Triple = (0.0, 0.0, 0.0)
 BEYOND_LIMIT = 0.1  # [rad] outside the joint limits: end stops give, encoders are not perfect
 FASTEST = 5.0  # [rad/s] no joint of such a crane moves faster
+SMOOTHING = 0.01  # [s] of the reference's acceleration
+INTEGRAL_LIMIT = 0.1  # [rad/s] more than any valve is wrong by
+HOLD_ERROR, RELEASE_ERROR = 5e-4, 1.5e-3  # [rad] above the resolvers' jitter; 3 and 10 mm of the tip
 REST_RATE = 2e-3  # [rad/s] a smaller wish counts as none in scheme (c)
 
 
@@ -44,9 +47,6 @@ class Settings(NamedTuple):
     integral_gain: Triple = (2.0, 4.0, 4.0)  # K_i of the coordinated scheme [1/s^2]
     lead_time: Triple = (0.02, 0.013, 0.013)  # T [s]
     load_bandwidth: float = 1.0  # [Hz] of the valve driver's
-    qa: float=1.0
-    qb: float=1.0
-    smoothing: float = 0.01  # [s]
     tip_acceleration: float = 4.0  # [m/s^2] of the coordinated scheme's reference: steps become ramps
     joint_margin: float = 0.0175  # [rad] kept from every joint limit
     approach: Triple = (1.0, 2.0, 2.0)  # [1/s] allowed rate per remaining angle before a joint limit
@@ -119,11 +119,13 @@ def _coordinated_step(
 ) -> tuple[State, Output]:
     """Advance the coordinated scheme: the tip's wish, ramped, governed, moves the pose that it is held at."""
     c = p.coordinated
-    wish = coordination.ramped(memory.velocity, tip_velocity_wish(inputs.levers, p.tip_speed), c.acceleration, dt)
-    if wish == ZERO and memory.rates == ZERO and memory.samples >= 0:
+    wish = coordination.ramped(
+        memory.velocity, tip_velocity_wish(inputs.levers, p.tip_speed), c.acceleration, dt
+    )
+    if wish == ZERO and memory.samples != coordination.MOVED:
         reference, memory = coordination.settle(reference, inputs.angles, memory)
         return State(reference, True, memory), Output(ZERO, ZERO, Governed(1.0, Limit.NONE))
-    memory = memory._replace(samples=-1)
+    memory = memory._replace(samples=coordination.MOVED)
     governed = Governed(0.0, Limit.SINGULARITY)
     if not is_singular(reference, p.links):
         wished = joint_rates(reference, wish, p.links)
@@ -139,8 +141,10 @@ def _coordinated_step(
 
 
 def governor_at(angles: Triple, wished: Triple, p: Parameters) -> GovernorParameters:
-    """Return the governor's limits at a pose [rad]: the coordinated scheme asks the valves for no more than
-    they can give against the crane's weight, where the others leave them saturated.
+    """Return the governor's limits at a pose [rad] for wished joint rates [rad/s].
+
+    The coordinated scheme asks the valves for no more than they can give against the crane's weight, where
+    the others leave them saturated.
     """
     if p.scheme is not Scheme.COORDINATED:
         return p.governor
@@ -251,12 +255,11 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
             integral=settings.integral_gain,
             lead_time=settings.lead_time,
             swing=swing_load(machine),
-            load_bandwidth=2.0*math.pi*settings.load_bandwidth,
-            qa=settings.qa,qb=settings.qb,
-            smoothing=settings.smoothing,
+            load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
+            smoothing=SMOOTHING,
             acceleration=settings.tip_acceleration,
-            integral_limit=0.1,
-            hold_error=5e-4,
-            release_error=1.5e-3,
+            integral_limit=INTEGRAL_LIMIT,
+            hold_error=HOLD_ERROR,
+            release_error=RELEASE_ERROR,
         ),
     )

@@ -32,13 +32,11 @@ class CoordinationParameters(NamedTuple):
     feedback: Triple  # K_p [1/s]
     integral: Triple  # K_i [1/s^2]
     lead_time: Triple  # T [s]
-    swing: SwingLoad
+    swing: SwingLoad  # what is fed forward to it
     load_bandwidth: float  # [rad/s] at which the valve driver learns a load
     smoothing: float  # [s] of b
     acceleration: float  # [m/s^2] of the tip's reference
     integral_limit: float  # [rad/s]
-    qa: float
-    qb: float
     hold_error: float  # [rad] a resting joint this near holds
     release_error: float  # [rad] and moves again beyond this
 
@@ -52,11 +50,12 @@ class Memory(NamedTuple):
     integral: Triple  # w [rad/s]
     holding: Flags
     torque: float = 0.0  # [N m] of the swing that the driver knows by now
-    samples: int = 0  # of the pose that the mean has, before the first motion
+    samples: int = 0  # in the mean pose before the first motion; MOVED after it
 
 
 REST = Memory(ZERO, ZERO, ZERO, ZERO, (True, True, True))
 MOST_SAMPLES = 200
+MOVED = -1
 
 
 def settle(reference: Triple, s: Triple, memory: Memory) -> tuple[Triple, Memory]:
@@ -80,28 +79,52 @@ def servo(
     memory: Memory, a: Triple, r: Triple, s: Triple, p: CoordinationParameters, dt: float
 ) -> tuple[Memory, Triple]:
     """Return the memory one step on, and the commanded joint rates u [rad/s]."""
-    u, w, holding, b = [], [], [], []
+    b, jerk = _smooth_acceleration(memory, a, p, dt)
+    torque, extra = _swing_forward(memory.torque, a[0], b[0], jerk[0], inertia(r, p.swing), p, dt)
+    forward = extra, 0.0, 0.0
+    u, w, holding = [], [], []
     for i in range(3):
-        change = (a[i] - memory.rates[i]) / dt
-        change = max(-HIGHEST_ACCELERATION, min(HIGHEST_ACCELERATION, change))
-        jerk = (change - memory.accelerations[i]) / p.smoothing
-        b.append(memory.accelerations[i] + (1-math.exp(-dt/p.smoothing))*p.smoothing * jerk)
         error = r[i] - s[i]
         near = abs(error) < (p.release_error if memory.holding[i] else p.hold_error)
         holds = near and max(abs(a[i]), abs(memory.rates[i])) < REST_RATE
         # What the integral has learnt of the valve at speed is kept while the joint holds.
         grown = memory.integral[i] if holds else memory.integral[i] + dt * p.integral[i] * error
         w.append(max(-p.integral_limit, min(p.integral_limit, grown)))
-        extra = 0.0
-        if i == 0:
-            m11 = inertia(r, p.swing)
-            full = m11 * b[0] + p.swing.damping * a[0]
-            torque = memory.torque + (1.0 - math.exp(-p.load_bandwidth * dt)) * (full - memory.torque)
-            extra = p.qa * m11/p.swing.stiffness * jerk + p.qb * abs(a[0]) * (full - torque) / (2.0 * p.swing.greatest_torque)
-        u.append(0.0 if holds else extra + coordinated(a[i], b[i], r[i], s[i], w[i], p.lead_time[i], p.feedback[i]))
+        wish = a[i] + forward[i]
+        u.append(0.0 if holds else coordinated(wish, b[i], r[i], s[i], w[i], p.lead_time[i], p.feedback[i]))
         holding.append(holds)
     after = memory._replace(
+        rates=a,
+        accelerations=b,
+        integral=(w[0], w[1], w[2]),
+        holding=(holding[0], holding[1], holding[2]),
         torque=torque,
-        rates=a, accelerations=(b[0],b[1],b[2]), integral=(w[0], w[1], w[2]), holding=(holding[0], holding[1], holding[2])
     )
     return after, (u[0], u[1], u[2])
+
+
+def _smooth_acceleration(
+    memory: Memory, a: Triple, p: CoordinationParameters, dt: float
+) -> tuple[Triple, Triple]:
+    """Return b [rad/s^2], low-passed so that its own rate is finite, and that rate [rad/s^3]."""
+    weight, b, jerk = 1.0 - math.exp(-dt / p.smoothing), [], []
+    for i in range(3):
+        change = (a[i] - memory.rates[i]) / dt
+        gap = max(-HIGHEST_ACCELERATION, min(HIGHEST_ACCELERATION, change)) - memory.accelerations[i]
+        b.append(memory.accelerations[i] + weight * gap)
+        jerk.append(gap / p.smoothing)
+    return (b[0], b[1], b[2]), (jerk[0], jerk[1], jerk[2])
+
+
+def _swing_forward(
+    known: float, a: float, b: float, jerk: float, m_11: float, p: CoordinationParameters, dt: float
+) -> tuple[float, float]:
+    """Return the torque [N m] that the driver knows of by now, and the rate [rad/s] to add to the swing's.
+
+    The hoses yield under the torque M_11 b: their oil takes jerk / w_0^2. And the driver learns the load
+    slowly: what it does not know yet makes the valve slower by half its share of the greatest torque.
+    """
+    torque = m_11 * b + p.swing.damping * a
+    known += (1.0 - math.exp(-p.load_bandwidth * dt)) * (torque - known)
+    slower = abs(a) * (torque - known) / (2.0 * p.swing.greatest_torque)
+    return known, m_11 / p.swing.stiffness * jerk + slower

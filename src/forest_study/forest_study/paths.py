@@ -106,7 +106,9 @@ def is_closed(path: TipPath) -> bool:
     return math.dist(path.at(0.0), path.at(path.length)) < SHORTEST
 
 
-def fastest(path: TipPath, speed: float, acceleration: float, limit: Callable[[Triple, Triple], float]) -> Profile:
+def fastest(
+    path: TipPath, speed: float, acceleration: float, limit: Callable[[Triple, Triple], float]
+) -> Profile:
     """Return the fastest profile that stands at the path's stops.
 
     Args:
@@ -139,7 +141,9 @@ def _direction(path: TipPath, s: float) -> Triple:
 def _circle(name: str) -> TipPath:
     x, y, z = CENTRE
     if name == "circle_h":
-        return TipPath(name, 2.0 * math.pi, lambda s: (x - math.cos(s), y + math.sin(s), z), (0.0, 2.0 * math.pi))
+        return TipPath(
+            name, 2.0 * math.pi, lambda s: (x - math.cos(s), y + math.sin(s), z), (0.0, 2.0 * math.pi)
+        )
     return TipPath(name, 2.0 * math.pi, lambda s: (x - math.cos(s), y, z + math.sin(s)), (0.0, 2.0 * math.pi))
 
 

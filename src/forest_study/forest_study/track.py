@@ -262,7 +262,10 @@ def _run_all(
 
 def table(report: dict[str, Any]) -> str:
     """Return a Markdown table: per path the mean RMS and the greatest error of all its runs."""
-    runs, lines = report["runs"], ["| path | RMS, mm | max, mm | velocity RMS, m/s | duration, s | saturated, s |"]
+    runs, lines = (
+        report["runs"],
+        ["| path | RMS, mm | max, mm | velocity RMS, m/s | duration, s | saturated, s |"],
+    )
     lines.append("|---|---|---|---|---|---|")
     for name in dict.fromkeys(run["path"] for run in runs):
         of = [run for run in runs if run["path"] == name]
