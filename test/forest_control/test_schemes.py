@@ -104,4 +104,5 @@ def test_joint_scheme_passes_the_wish_open_loop():
 
 
 def test_schemes_have_the_names_that_users_type():
-    assert [scheme.value for scheme in Scheme] == ["joint", "jacobian_velocity", "jacobian_position"]
+    names = ["joint", "jacobian_velocity", "jacobian_position", "coordinated"]
+    assert [scheme.value for scheme in Scheme] == names

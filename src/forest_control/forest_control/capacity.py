@@ -3,9 +3,9 @@
 | symbol | name | unit |
 |---|---|---|
 | G | torque of gravity on boom, stick | N m |
-| F | load of a cylinder, G over its lever arm; positive when it is pushed together | N |
+| F | load of a cylinder, G over its lever arm; positive against extending | N |
 | N | force left for valve and hoses: A_in P_s - sgn(v) F | N |
-| S, S_h | resistance of the open valve, of both hoses, reduced to the actuator; h its linear part | N s^2/m^2 |
+| S, S_h | resistance of the open valve, of both hoses, at the actuator; h its linear part | N s^2/m^2 |
 
 The greatest speed solves (S + S_h) v^2 + h v = N.
 """

@@ -29,7 +29,10 @@ BEYOND_LIMIT = 0.1  # [rad] outside the joint limits: end stops give, encoders a
 FASTEST = 5.0  # [rad/s] no joint of such a crane moves faster
 SMOOTHING = 0.01  # [s] of the reference's acceleration
 INTEGRAL_LIMIT = 0.1  # [rad/s] more than any valve is wrong by
-HOLD_ERROR, RELEASE_ERROR = 5e-4, 1.5e-3  # [rad] above the resolvers' jitter; 3 and 10 mm of the tip
+HOLD_ERROR, RELEASE_ERROR = (
+    1.5e-4,
+    5e-4,
+)  # [rad] above the resolvers' low-passed jitter; 1 and 3 mm of the tip
 REST_RATE = 2e-3  # [rad/s] a smaller wish counts as none in scheme (c)
 
 
@@ -122,10 +125,10 @@ def _coordinated_step(
     wish = coordination.ramped(
         memory.velocity, tip_velocity_wish(inputs.levers, p.tip_speed), c.acceleration, dt
     )
-    if wish == ZERO and memory.samples != coordination.MOVED:
+    if wish == ZERO and memory.samples < coordination.MOST_SAMPLES:
         reference, memory = coordination.settle(reference, inputs.angles, memory)
         return State(reference, True, memory), Output(ZERO, ZERO, Governed(1.0, Limit.NONE))
-    memory = memory._replace(samples=coordination.MOVED)
+    memory = memory._replace(samples=coordination.MOST_SAMPLES)
     governed = Governed(0.0, Limit.SINGULARITY)
     if not is_singular(reference, p.links):
         wished = joint_rates(reference, wish, p.links)

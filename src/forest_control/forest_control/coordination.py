@@ -7,8 +7,8 @@
 | r, s | reference and measured joint angle | rad |
 | w | integral of K_i (r - s) | rad/s |
 
-The reference is the operator's wish with its steps turned into ramps, so that b is finite. A joint whose
-reference rests and that is near it holds: its valve stays shut until the error has grown, or noise would
+The reference is the operator's wish with its steps turned into ramps, so that b is finite. While the
+reference rests, a joint that is near it holds: its valve stays shut until the error has grown, or noise would
 open it back and forth through the overlap for ever.
 """
 
@@ -23,6 +23,7 @@ Flags = tuple[bool, bool, bool]
 ZERO: Triple = (0.0, 0.0, 0.0)
 
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests
+ERROR_LAG = 0.05  # [s] of the low-pass through which an error decides about holding
 HIGHEST_ACCELERATION = 2.0  # [rad/s^2] a jump of the governor's must not kick the valves
 
 
@@ -49,18 +50,18 @@ class Memory(NamedTuple):
     accelerations: Triple  # b [rad/s^2]
     integral: Triple  # w [rad/s]
     holding: Flags
+    errors: Triple = ZERO  # [rad] r - s, low-passed
     torque: float = 0.0  # [N m] of the swing that the driver knows by now
-    samples: int = 0  # in the mean pose before the first motion; MOVED after it
+    samples: int = 0  # in the mean pose that the reference starts from
 
 
 REST = Memory(ZERO, ZERO, ZERO, ZERO, (True, True, True))
-MOST_SAMPLES = 200
-MOVED = -1
+MOST_SAMPLES = 50
 
 
 def settle(reference: Triple, s: Triple, memory: Memory) -> tuple[Triple, Memory]:
     """Return the pose [rad] to start from: the mean of what was measured at rest; one sample is too noisy."""
-    count = min(memory.samples + 1, MOST_SAMPLES)
+    count = memory.samples + 1
     q = tuple(r + (x - r) / count for r, x in zip(reference, s, strict=True))
     return (q[0], q[1], q[2]), memory._replace(samples=count)
 
@@ -82,11 +83,14 @@ def servo(
     b, jerk = _smooth_acceleration(memory, a, p, dt)
     torque, extra = _swing_forward(memory.torque, a[0], b[0], jerk[0], inertia(r, p.swing), p, dt)
     forward = extra, 0.0, 0.0
-    u, w, holding = [], [], []
+    still = max(map(abs, (*a, *memory.rates))) < REST_RATE
+    u, w, holding, errors = [], [], [], []
     for i in range(3):
         error = r[i] - s[i]
-        near = abs(error) < (p.release_error if memory.holding[i] else p.hold_error)
-        holds = near and max(abs(a[i]), abs(memory.rates[i])) < REST_RATE
+        seen = memory.errors[i] + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.errors[i])
+        errors.append(seen)
+        near = abs(seen) < (p.release_error if memory.holding[i] else p.hold_error)
+        holds = near and still
         # What the integral has learnt of the valve at speed is kept while the joint holds.
         grown = memory.integral[i] if holds else memory.integral[i] + dt * p.integral[i] * error
         w.append(max(-p.integral_limit, min(p.integral_limit, grown)))
@@ -99,6 +103,7 @@ def servo(
         integral=(w[0], w[1], w[2]),
         holding=(holding[0], holding[1], holding[2]),
         torque=torque,
+        errors=(errors[0], errors[1], errors[2]),
     )
     return after, (u[0], u[1], u[2])
 

@@ -45,7 +45,7 @@ def inertia(q: Triple, load: SwingLoad) -> float:
 
 
 def _link_inertia(offset: float, c: float, s: float, body: tuple[float, ...]) -> float:
-    """Return a link's part of M_11; its joint is `offset` [m] from the swing axis, c and s of its elevation."""
+    """Return a link's part of M_11; joint `offset` [m] from the axis, c and s of its elevation."""
     mass, x, y, xx, yy, _, xy = body
     r = offset + x * c - y * s
     return mass * r**2 + yy * c**2 + xx * s**2 - 2.0 * xy * s * c

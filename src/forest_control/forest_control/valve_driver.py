@@ -170,9 +170,11 @@ def _axis_voltage(
     rated = axis.valve.forward.rated_voltage
     if not p.compensate:
         return max(-rated, min(rated, command))
-    if abs(command) <= p.hold_zone:
+    # A leaking motor under load must be fed to stand still: that counts as a command, but none is none.
+    fed = command + rated * axis.slip * load / axis.rated_speed
+    if command == 0.0 or abs(fed) <= p.hold_zone:
         return 0.0
-    speed = axis.rated_speed * command / rated + axis.slip * load
+    speed = axis.rated_speed * fed / rated
     opening = required_opening(speed, load, supply, axis, p)
     if mean is not None:
         opening *= _while_filling(math.copysign(1.0, speed) * load, mean, supply, axis)
@@ -244,7 +246,7 @@ def _spool_lag(machine: Machine, axis: int) -> float:
 
 
 def _hoses(machine: Machine, axis: int) -> tuple[float, float]:
-    """Return what both hoses take at unit speed, linear and square part (AxisDriver). Thesis section 4.3.3."""
+    """Return what both hoses take at unit speed, linear and square part. Thesis section 4.3.3."""
     parts = [
         (displacement, machine.line(axis, port).resistance)
         for port, displacement in zip((1, 2), displacements(machine, axis), strict=True)

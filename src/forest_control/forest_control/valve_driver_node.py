@@ -56,6 +56,7 @@ class ValveDriverNode(Node):
         get = partial(declare, self)
         return valve_driver.Settings(
             compensate=get("compensate", d.compensate, "false: commands pass, for experiments"),
+            beyond_valve=get("beyond_valve", d.beyond_valve, "allow for hoses, leakage and the spool's lag"),
             hold_zone=get("hold_zone", d.hold_zone, "commands that leave the spool centred", "V", 0.0, 1.0),
             load_bandwidth=get("load_bandwidth", d.load_bandwidth, "low-pass of the loads", "Hz", 0.01, 50.0),
             minimum_drop=get("minimum_drop", d.minimum_drop, "least share of pressure left", "", 0.01, 1.0),

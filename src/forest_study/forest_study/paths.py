@@ -6,8 +6,8 @@
 | v | speed along it | m/s |
 | a | its acceleration on ramps | m/s^2 |
 
-A profile is the fastest that speed, ramps and the governor's limits allow: v(s) is bounded at every place, and
-v^2 may change by at most 2 a per metre. At corners the tip stops.
+A profile is the fastest that speed, ramps and the governor's limits allow: v(s) is bounded at every place,
+and v^2 may change by at most 2 a per metre. At corners the tip stops.
 """
 
 import csv

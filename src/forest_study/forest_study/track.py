@@ -2,7 +2,8 @@
 
 The reference generator plays the operator: it wishes the tip velocity of the fastest profile along the path.
 The machine may be another one than controller and driver believe. The error is the true tip minus the
-governed reference at every sample from the reference's first motion to its last.
+governed reference at every sample from the reference's first motion to its last; the reference starts where
+the tip is at the first motion.
 """
 
 import argparse
@@ -23,7 +24,8 @@ from forest_control.schemes import Scheme
 from forest_description.kinematics import inverse_kinematics, is_singular, joint_rates
 from forest_description.machine import Machine, MachineError, load_machine
 from forest_sim.sensor_suite import Suite, sensor_suite
-from forest_study.closed_loop import PERIOD, Operator, Trajectory, run as run_loop
+from forest_study.closed_loop import PERIOD, Operator, Trajectory
+from forest_study.closed_loop import run as run_loop
 from forest_study.paths import (
     NAMES,
     PathError,
@@ -39,7 +41,7 @@ Triple = tuple[float, float, float]
 Floats = NDArray[np.float64]
 
 RAMP = 0.5  # [m/s^2]
-REST = 0.2  # [s] before the first lap and after every lap
+REST = 1.0  # [s] before the first lap and after every lap
 RESERVE = 0.98  # of the governor's limits that the profile takes, so that the governor need not act
 SATURATED = 0.999  # of the rated voltage
 
@@ -106,8 +108,9 @@ def track(
     )
     rated = np.array([machine.valve_of(axis).rated_voltage for axis in range(3)])
     spans = [_span(lap) for lap in runs]
-    scores = tuple(_score(moved, np.arange(*span), rated) for span in spans)
-    total = _score(moved, np.concatenate([np.arange(*span) for span in spans]), rated)
+    first = spans[0][0]
+    scores = tuple(_score(moved, first, np.arange(*span), rated) for span in spans)
+    total = _score(moved, first, np.concatenate([np.arange(*span) for span in spans]), rated)
     return Session(runs, moved, scores, total)
 
 
@@ -162,8 +165,10 @@ def _span(lap: Lap) -> tuple[int, int]:
     return round(lap.start / PERIOD), math.ceil((lap.start + lap.profile.duration) / PERIOD) + 1
 
 
-def _score(moved: Trajectory, rows: NDArray[np.int_], rated: Floats) -> Score:
-    error = np.linalg.norm(moved.tip_error(), axis=1)[rows]
+def _score(moved: Trajectory, first: int, rows: NDArray[np.int_], rated: Floats) -> Score:
+    """Return the score of some rows; the reference starts where the tip is at the first motion of all."""
+    error = moved.tip_error()
+    error = np.linalg.norm(error - error[first], axis=1)[rows]
     velocity = np.gradient(moved.tip, PERIOD, axis=0) - moved.tip_wish
     saturated = np.any(np.abs(moved.voltages[rows]) >= SATURATED * rated, axis=1)
     return Score(
@@ -176,7 +181,7 @@ def _score(moved: Trajectory, rows: NDArray[np.int_], rated: Floats) -> Score:
 
 
 def noisy(machine: Machine, seed: int, static_errors: bool = False) -> Suite:
-    """Return sensors that jitter. Their static errors, which a calibration takes out, are left out unless asked."""
+    """Return sensors that jitter; without their static errors, which calibration takes out, unless asked."""
     suite = sensor_suite(machine, noise=True, seed=seed)
     if static_errors:
         return suite

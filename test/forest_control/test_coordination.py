@@ -1,0 +1,64 @@
+"""Claims about the coordinated scheme's servo: lead, closing the loop, holding."""
+
+import math
+
+import pytest
+
+from forest_control import controller, coordination
+from forest_control.controller import Inputs, Settings, parameters, step
+from forest_control.levers import REST, Levers
+from forest_control.schemes import Scheme, coordinated
+from forest_description.kinematics import inverse_kinematics, tip_position
+from forest_description.machine import load_machine
+
+C180 = load_machine("c180")
+P = parameters(C180, Settings(scheme=Scheme.COORDINATED))
+LINKS = C180.manipulator.links
+START = inverse_kinematics((5.5, 0.0, 1.0), LINKS)
+ZERO = (0.0, 0.0, 0.0)
+PERIOD = 0.005
+
+
+def test_the_reference_velocity_passes_earlier_by_the_lead():
+    assert coordinated(0.2, 0.0, 1.0, 1.0, 0.0, 0.03, 5.0) == 0.2
+    assert coordinated(0.2, 0.1, 1.0, 1.0, 0.0, 0.03, 5.0) == pytest.approx(0.203)
+
+
+def test_an_error_of_the_tip_is_closed_and_the_integral_adds():
+    assert coordinated(0.0, 0.0, 1.01, 1.0, 0.002, 0.03, 5.0) == pytest.approx(0.052)
+
+
+def test_a_step_of_the_wish_becomes_a_ramp():
+    velocity = coordination.ramped(ZERO, (0.3, 0.0, 0.4), 4.0, PERIOD)
+    assert math.hypot(*velocity) == pytest.approx(4.0 * PERIOD)
+    assert coordination.ramped((0.3, 0.0, 0.39), (0.3, 0.0, 0.4), 4.0, PERIOD) == (0.3, 0.0, 0.4)
+
+
+def test_the_reference_is_the_integral_of_the_governed_wish_without_drift():
+    state, place = controller.REST, list(tip_position(START, LINKS))
+    for k in range(1500):
+        levers = Levers(math.sin(0.01 * k), 0.3 * math.cos(0.02 * k), 0.5 * math.sin(0.015 * k))
+        # A machine that follows exactly.
+        state, output = step(state, Inputs(state.reference if k else START, ZERO, levers, True), P, PERIOD)
+        place = [x + PERIOD * v for x, v in zip(place, output.tip_wish, strict=True)]
+    assert tip_position(state.reference, LINKS) == pytest.approx(place, abs=1e-4)
+
+
+def test_a_resting_joint_holds_until_its_error_has_grown():
+    c, memory = P.coordinated, coordination.REST
+    for _ in range(200):
+        memory, u = coordination.servo(memory, ZERO, (4e-4, 0.0, 0.0), ZERO, c, PERIOD)
+        assert u == ZERO
+    for _ in range(200):
+        memory, u = coordination.servo(memory, ZERO, (6e-4, 0.0, 0.0), ZERO, c, PERIOD)
+    assert u[0] > 0.0
+    assert u[1:] == (0.0, 0.0)
+
+
+def test_the_reference_starts_from_the_mean_of_what_was_measured_at_rest():
+    state = controller.REST
+    for k in range(40):
+        noisy = tuple(q + (2e-4 if k % 2 else -2e-4) for q in START)
+        state, output = step(state, Inputs(noisy, ZERO, REST, True), P, PERIOD)
+        assert output.command == ZERO
+    assert state.reference == pytest.approx(START, abs=1e-9)

@@ -1,0 +1,40 @@
+"""The controller's idea of the crane as a load agrees with the plant's dynamics."""
+
+import numpy as np
+import pytest
+
+from forest_control.capacity import capacity, gravity_torques, greatest_rates
+from forest_control.swing_load import inertia, swing_load
+from forest_control.valve_driver import axis_drivers
+from forest_description.limits import joint_limits
+from forest_description.machine import load_machine
+from forest_sim.manipulator import dynamics, fold_head
+
+C180 = load_machine("c180")
+BODY = fold_head(C180.manipulator)
+CAPACITY = capacity(C180, axis_drivers(C180))
+
+
+def poses(count=20):
+    low, high = np.array(joint_limits(C180)).T
+    return [tuple(q) for q in np.random.default_rng(5).uniform(low, high, (count, 3)).tolist()]
+
+
+def test_inertia_about_the_swing_axis_is_the_plants():
+    load = swing_load(C180)
+    for q in poses():
+        assert inertia(q, load) == pytest.approx(dynamics(q, (0.0, 0.0, 0.0), BODY).m_11, rel=1e-12)
+
+
+def test_gravity_torques_are_the_plants():
+    for q in poses():
+        bias = dynamics(q, (0.0, 0.0, 0.0), BODY).bias
+        assert gravity_torques(q, CAPACITY) == pytest.approx(bias[1:], rel=1e-9, abs=1e-6)
+
+
+def test_a_boom_falls_faster_than_it_rises():
+    q = (0.0, 0.3, -1.5)
+    up = greatest_rates(q, (0.1, 0.1, 0.1), CAPACITY)
+    down = greatest_rates(q, (-0.1, -0.1, -0.1), CAPACITY)
+    assert 0.0 < up[1] < down[1]
+    assert up[0] == pytest.approx(down[0])
