@@ -37,16 +37,19 @@ def volts(message):
 
 
 def compensated(measured=None, values=COMMAND, **settings):
-    p = valve_driver.parameters(load_machine(), Settings(**settings))
+    p = valve_driver.parameters(load_machine(), Settings(**{"beyond_valve": False, **settings}))
     return valve_driver.step(valve_driver.REST, values, measured, p, 0.005)[1]
 
 
 class Rig:
-    """A valve driver and somebody who commands it; what is said can be changed at any time."""
+    """A valve driver and somebody who commands it; what is said can be changed at any time.
+
+    It knows the valve alone: its answer to a held command is then one voltage from the first on.
+    """
 
     def __init__(self, peer, start_node, *ros_args):
         self.peer = peer
-        self.process = start_node("valve_driver_node", *ros_args)
+        self.process = start_node("valve_driver_node", "-p", "beyond_valve:=false", *ros_args)
         self.voltages = peer.hear(topics.VALVE_VOLTAGES)
         self.command = command
 

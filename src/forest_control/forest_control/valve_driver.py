@@ -216,7 +216,7 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
         supply_pressure=machine.pump.supply_pressure,
         idle_pressure=machine.pump.idle_pressure,
         compensate=settings.compensate,
-        beyond_valve=settings.beyond_valve,
+        beyond_valve=settings.compensate and settings.beyond_valve,
         hold_zone=settings.hold_zone,
         load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
         minimum_drop=settings.minimum_drop,
