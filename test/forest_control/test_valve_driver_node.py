@@ -205,7 +205,7 @@ def test_a_shadow_publishes_no_voltage(rig, peer):
 def test_namespace_remaps_and_plain_arrays_work(peer, start_node):
     heard, elsewhere = peer.hear(topics.VALVE_VOLTAGES, "/crane1/amplifier"), peer.hear(topics.VALVE_VOLTAGES)
     options = ("-r", "__ns:=/crane1", "-r", "valve_commands:=x", "-r", "valve_voltages:=amplifier")
-    start_node("valve_driver_node", *options, "-p", "plain_arrays:=true")
+    start_node("valve_driver_node", *options, "-p", "plain_arrays:=true", "-p", "beyond_valve:=false")
     speaker = peer.speak(topics.VALVE_COMMANDS, "/crane1/x")
 
     def answered():

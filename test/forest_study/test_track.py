@@ -127,7 +127,7 @@ def test_the_command_writes_scores_and_a_picture(tmp_path, capsys):
     assert (out / "way.png").stat().st_size > 1000
     assert "| way |" in capsys.readouterr().out
     assert cli.main(arguments) == 1
-    assert "exists already" in capsys.readouterr().err
+    assert "is not empty" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from forest_description.machine import MachineError
+from forest_study import track
+from forest_study.paths import PathError
 
 PROGRAM = "forest-study"
 
@@ -62,6 +64,10 @@ def _parser() -> argparse.ArgumentParser:
         _thesis,
         "the thesis' evaluation of its control schemes on a linear plant (section 5.2): numbers and pictures",
     )
+    tracking = _command(
+        commands, "track", _track, "the tip along a path, closed loop: how far it is from where it should be"
+    )
+    track.add_arguments(tracking)
     return parser
 
 
@@ -84,6 +90,13 @@ def _thesis(options: argparse.Namespace) -> int:
 
     new_directory(options.out)
     return report(options.out)
+
+
+def _track(options: argparse.Namespace) -> int:
+    try:
+        return track.run(options)
+    except PathError as error:
+        raise StudyError(f"track: {error}") from error
 
 
 if __name__ == "__main__":

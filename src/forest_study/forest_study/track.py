@@ -10,7 +10,6 @@ import argparse
 import dataclasses
 import json
 import math
-import sys
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,7 +21,7 @@ from forest_control.governor import govern
 from forest_control.levers import levers_for_tip_velocity
 from forest_control.schemes import Scheme
 from forest_description.kinematics import inverse_kinematics, is_singular, joint_rates
-from forest_description.machine import Machine, MachineError, load_machine
+from forest_description.machine import Machine, load_machine
 from forest_sim.sensor_suite import Suite, sensor_suite
 from forest_study.closed_loop import PERIOD, Operator, Trajectory
 from forest_study.closed_loop import run as run_loop
@@ -201,7 +200,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--seed", type=int, default=0, metavar="N", help="of the first run (default: %(default)s)")
     add("--seeds", type=_count, default=1, metavar="N", help="runs per path (default: %(default)s)")
     add("--laps", type=_count, default=1, metavar="N", help="default: %(default)s")
-    add("--out", type=Path, required=True, metavar="DIR", help="for track.json and pictures; must be new")
 
 
 def _speed(text: str) -> float:
@@ -219,20 +217,20 @@ def _count(text: str) -> int:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the command; return its exit code."""
-    try:
-        machine = load_machine(options.machine)
-        model = load_machine(options.model) if options.model else machine
-        paths = [path_named(name) for name in (NAMES if options.path == "all" else (options.path,))]
-        options.out.mkdir(parents=True)
-        report = _run_all(paths, machine, model, options)
-        (options.out / "track.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    except FileExistsError:
-        print(f"track: {options.out} exists already; choose another --out or remove it", file=sys.stderr)
-        return 1
-    except (PathError, MachineError) as error:
-        print(f"track: {error}", file=sys.stderr)
-        return 1
+    """Run the command; return its exit code.
+
+    Raises:
+        PathError: the path cannot be read or followed.
+        MachineError: a machine's file cannot be.
+    """
+    from forest_study.cli import new_directory  # which imports this module
+
+    machine = load_machine(options.machine)
+    model = load_machine(options.model) if options.model else machine
+    paths = [path_named(name) for name in (NAMES if options.path == "all" else (options.path,))]
+    new_directory(options.out)
+    report = _run_all(paths, machine, model, options)
+    (options.out / "track.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
     print(table(report))
     print(f"  {options.out / 'track.json'}")
     return 0
