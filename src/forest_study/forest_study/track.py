@@ -10,7 +10,6 @@ import argparse
 import dataclasses
 import json
 import math
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
