@@ -1,9 +1,12 @@
 """What the subcommands of `forest-sim` do, once their arguments are read; each returns the exit code."""
 
+import contextlib
 import json
 import math
+import signal
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +65,19 @@ def new_directory(out: Path) -> None:
     out.mkdir(parents=True)
 
 
+@contextlib.contextmanager
+def _stops_noted() -> Iterator[list[int]]:
+    """Note SIGINT and SIGTERM instead of stopping at once, which might be in the middle of a bag's record."""
+    noted: list[int] = []
+    numbers = signal.SIGINT, signal.SIGTERM
+    before = [signal.signal(number, lambda number, _: noted.append(number)) for number in numbers]
+    try:
+        yield noted
+    finally:
+        for number, handler in zip(numbers, before, strict=True):
+            signal.signal(number, handler)
+
+
 def simulate(
     machine: Machine,
     voltages: Voltages,
@@ -77,7 +93,7 @@ def simulate(
     _tell_about_the_compiler()
     observer, kept, total = Observer(machine, run.rate, sensing), Thinned(), summary.Summary(machine)
     progress = Progress(run.duration)
-    with trajectory_files(out, machine, run.rate) as files:
+    with _stops_noted() as stopped, trajectory_files(out, machine, run.rate) as files:
         for block in blocks(machine, voltages, angles, run, disturbance):
             observed = observer.observe(block)
             files.write(block, observed)
@@ -85,6 +101,8 @@ def simulate(
             kept.add({"time": block.time, "power": power, **observed})
             total.add(block)
             progress(float(block.time[-1]))
+            if stopped:
+                raise KeyboardInterrupt
     result = total.result(run, voltages.name, angles)
     (out / "summary.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
     from forest_sim.figures import (
