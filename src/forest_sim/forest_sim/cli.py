@@ -14,7 +14,7 @@ from pathlib import Path
 from forest_description.machine import Machine, MachineError, load_machine
 from forest_description.machine_tree import shipped_machines
 from forest_description.temperature import at_temperature
-from forest_sim import inputs
+from forest_sim import command_line, inputs
 from forest_sim.inputs import InputError, Voltages
 from forest_sim.manipulator import Triple
 from forest_sim.simulation import Run, RunError, checked_angles, start_angles
@@ -32,23 +32,8 @@ START = "5.5 0 1, or the middle of its range for a crane that does not reach the
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one subcommand; return its exit code."""
     options = _parser().parse_args(arguments)
-    command: Callable[[argparse.Namespace], int] = options.command
-    try:
-        with _stopped_alike():
-            return command(options)
-    except KeyboardInterrupt:
-        print(f"\n{PROGRAM}: stopped; what was written until now is kept", file=sys.stderr)
-        return 130
-    except BrokenPipeError:  # the reader of our output has left
-        with contextlib.suppress(OSError):
-            sys.stdout.close()
-        return 0
-    except OSError as error:
-        named = f"{error.filename}: " if error.filename else ""
-        print(f"{PROGRAM}: {named}{error.strerror or error}", file=sys.stderr)
-    except (InputError, MachineError, RunError) as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
-    return 1
+    with _stopped_alike():
+        return command_line.run(PROGRAM, options, (InputError, MachineError, RunError))
 
 
 @contextlib.contextmanager

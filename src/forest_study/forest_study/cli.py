@@ -6,12 +6,12 @@ arguments, makes the directory for results and turns errors into one sentence on
 """
 
 import argparse
-import contextlib
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from forest_description.machine import MachineError
+from forest_sim import command_line
 from forest_study import track
 from forest_study.paths import PathError
 
@@ -25,22 +25,7 @@ class StudyError(Exception):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one subcommand; return its exit code."""
     options = _parser().parse_args(arguments)
-    command: Callable[[argparse.Namespace], int] = options.command
-    try:
-        return command(options)
-    except KeyboardInterrupt:
-        print(f"\n{PROGRAM}: stopped; what was written until now is kept", file=sys.stderr)
-        return 130
-    except BrokenPipeError:  # the reader of our output has left
-        with contextlib.suppress(OSError):
-            sys.stdout.close()
-        return 0
-    except OSError as error:
-        named = f"{error.filename}: " if error.filename else ""
-        print(f"{PROGRAM}: {named}{error.strerror or error}", file=sys.stderr)
-    except (MachineError, StudyError) as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
-    return 1
+    return command_line.run(PROGRAM, options, (MachineError, StudyError))
 
 
 def new_directory(out: Path) -> None:
