@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Runs the whole test suite; arguments go to pytest.
+# Runs the whole test suite, on every core; arguments go to pytest, which then runs in one process.
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" run
 export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST # tests talk to nobody outside this machine
 export OMP_NUM_THREADS=1                       # threads of BLAS only disturb the timing of the nodes
 cd "$root"
+[[ $# -gt 0 ]] || set -- -p xdist --numprocesses auto --maxprocesses 8 --dist loadfile
 exec "$venv/bin/python" -m pytest "$@"
