@@ -158,7 +158,7 @@ def test_a_full_disk_is_an_error_and_the_file_is_closed(tmp_path, monkeypatch):
     def full(_descriptor):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("forest_msgs_py.bag_writer.os.fsync", full)
+    monkeypatch.setattr("forest_msgs_py.append_file.os.fsync", full)
     with pytest.raises(OSError, match="No space left"):
         recorder.close()
     recorder.close()  # closed: nothing more to fail

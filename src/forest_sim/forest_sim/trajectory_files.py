@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from forest_description.machine import AXES, Machine
 from forest_description.urdf import robot_description
-from forest_msgs_py.bag_writer import BagWriter
+from forest_msgs_py.bag_writer import BagWriter, Layout
 from forest_msgs_py.cdr import to_cdr
 from forest_msgs_py.encoding import Encoder
 from forest_msgs_py.topics import GROUND_TRUTH_TIP_POSE, ROBOT_DESCRIPTION, Topic, message_class, offered_qos
@@ -66,7 +66,7 @@ class TrajectoryFiles:
         self.csv = directory / "trajectory.csv"
         self._csv = self.csv.open("w", encoding="utf-8", newline="\n")
         self._csv.write(csv_header() + "\n")
-        self._writer = BagWriter(self.bag, CHUNK_BYTES)
+        self._writer = BagWriter(self.bag, Layout(chunk_bytes=CHUNK_BYTES))
         self._encoders = {topic: Encoder(topic, FRAME) for topic in OBSERVED}
         for topic in (ROBOT_DESCRIPTION, *OBSERVED):
             self._writer.add_topic(_resolved(topic), topic.type, [offered_qos(topic)], "")

@@ -1,0 +1,57 @@
+"""The messages that every file of a bag begins with: what a subscriber who comes late is told first."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+FOREVER_S = 1_000_000_000  # rosbag2 writes "no limit" as 9223372036 s, others as 2147483647 s
+MANY = 1000  # messages kept of a topic whose publishers are several: whose a message is, nobody says
+
+
+class Sample(NamedTuple):
+    """One message as it is recorded."""
+
+    name: str
+    data: bytes
+    log_ns: int
+    publish_ns: int
+    sequence: int
+
+
+def is_latched(qos: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether a publisher keeps its last messages for those who come late, for good (/rosout's expire)."""
+    return any(
+        profile["durability"] == "transient_local" and _lifespan(profile) in (0, FOREVER_S) for profile in qos
+    )
+
+
+def _lifespan(profile: Mapping[str, Any]) -> int:
+    return min(int(profile["lifespan"]["sec"]), FOREVER_S)
+
+
+class Latched:
+    """Keeps what the latched topics hold at present."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, deque[Sample]] = {}
+
+    def watch(self, name: str, qos: Sequence[Mapping[str, Any]]) -> None:
+        """Learn what the publishers of a topic offer."""
+        if is_latched(qos):
+            depth = max(1, min(MANY, int(qos[0]["depth"]))) if len(qos) == 1 else MANY
+            self._kept[name] = deque(self._kept.get(name, ()), maxlen=depth)
+
+    def keep(self, sample: Sample) -> None:
+        """Take in a message; forgotten at once if its topic is not latched."""
+        kept = self._kept.get(sample.name)
+        if kept is not None:
+            kept.append(sample)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._kept
+
+    def __iter__(self) -> Iterator[Sample]:
+        for kept in self._kept.values():
+            yield from kept

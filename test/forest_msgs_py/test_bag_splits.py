@@ -1,0 +1,142 @@
+"""Every split of a bag is whole by itself; together they are one bag to readers that nobody here wrote."""
+
+import random
+
+import pytest
+import yaml
+from mcap.reader import make_reader
+
+from forest_msgs_py.bag_files import bag_files
+from forest_msgs_py.bag_writer import Attached, BagWriter, Layout
+
+FOREVER = {"sec": 9223372036, "nsec": 854775807}
+ONE = b"\x00\x01\x00\x00" + bytes(6) + b"\xf0\x3f"  # std_msgs/Float64 1.0 as little-endian CDR
+URDF = b"\x00\x01\x00\x00\x09\x00\x00\x00<robot/>\x00"  # std_msgs/String
+
+
+def offers(durability="volatile", depth=10, **others):
+    never = {"deadline": FOREVER, "lifespan": FOREVER, "liveliness_lease_duration": FOREVER}
+    words = {"history": "keep_last", "reliability": "reliable", "liveliness": "automatic"}
+    plain = {"depth": depth, "durability": durability, "avoid_ros_namespace_conventions": False}
+    return {**words, **never, **plain, **others}
+
+
+def contents(file):
+    with file.open("rb") as stream:
+        return [(channel.topic, m) for _, channel, m in make_reader(stream).iter_messages()]
+
+
+def crane(directory, layout, seconds=10, hz=100):
+    """A robot description first, then depths that no compression makes smaller."""
+    bag, generator = BagWriter(directory, layout), random.Random(3)
+    bag.add_topic("/robot_description", "std_msgs/msg/String", [offers("transient_local", 1)], "")
+    bag.add_topic("/depth", "std_msgs/msg/Float64", [offers()], "")
+    bag.attach(Attached("machine.yaml", "application/yaml", b"name: c180", 5))
+    bag.note("versions", {"python": "3"})
+    bag.write("/robot_description", URDF, 10**9, 10**9, 1)
+    for step in range(seconds * hz):
+        time = 10**9 + step * 10**9 // hz
+        bag.write("/depth", ONE[:4] + generator.randbytes(8), time, time, step + 1)
+    return bag
+
+
+def test_a_longest_duration_begins_the_next_file_with_everything_it_needs(tmp_path):
+    crane(tmp_path / "bag", Layout(max_ns=3 * 10**9)).close()
+    files = bag_files(tmp_path / "bag")
+    assert [file.name for file in files] == [f"bag_{n}.mcap" for n in range(4)]
+    for file in files:
+        messages = contents(file)
+        times = [m.log_time for _, m in messages]
+        assert max(times) - min(times) < 3 * 10**9
+        topic, first = messages[0]
+        assert (topic, first.data, first.publish_time) == ("/robot_description", URDF, 10**9)
+        with file.open("rb") as stream:
+            reader = make_reader(stream)
+            assert [a.data for a in reader.iter_attachments()] == [b"name: c180"]
+            assert [m.name for m in reader.iter_metadata()] == ["versions", "rosbag2"]
+    depths = [m.sequence for file in files for topic, m in contents(file) if topic == "/depth"]
+    assert depths == list(range(1, 1001))
+
+
+@pytest.mark.parametrize("compression", ["none", "zstd"])
+def test_a_largest_size_is_kept_to(tmp_path, compression):
+    limit = 20_000
+    layout = Layout(compression, max_bytes=limit, chunk_bytes=1000)
+    crane(tmp_path / "bag", layout).close()
+    files = bag_files(tmp_path / "bag")
+    assert len(files) > 2
+    assert max(file.stat().st_size for file in files) <= limit
+    assert min(file.stat().st_size for file in files[:-1]) > 0.7 * limit
+
+
+def test_metadata_lists_all_splits_and_rosbags_reads_them_as_one(tmp_path):
+    highlevel = pytest.importorskip("rosbags.highlevel")
+    crane(tmp_path / "bag", Layout(max_ns=3 * 10**9)).close()
+    about = yaml.safe_load((tmp_path / "bag/metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert about["relative_file_paths"] == [f"bag_{n}.mcap" for n in range(4)]
+    assert [f["message_count"] for f in about["files"]] == [301, 301, 301, 101]
+    assert about["message_count"] == 1004
+    assert about["duration"]["nanoseconds"] == 9_990_000_000
+    with highlevel.AnyReader([tmp_path / "bag"]) as reader:
+        counts = {connection.topic: connection.msgcount for connection in reader.connections}
+        assert counts == {"/robot_description": 4, "/depth": 1000}
+        assert sum(1 for _ in reader.messages()) == 1004
+
+
+def test_a_split_before_anything_came_and_an_empty_last_file_leave_nothing_behind(tmp_path):
+    bag = crane(tmp_path / "bag", Layout(), seconds=1)
+    bag.split()
+    bag.split()
+    bag.close()
+    assert [file.name for file in bag_files(tmp_path / "bag")] == ["bag_0.mcap"]
+
+
+def test_a_late_publisher_that_offers_something_new_gets_a_channel_that_says_so(tmp_path):
+    bag = BagWriter(tmp_path / "bag")
+    early, late = offers(), offers(reliability="best_effort")
+    for number, publishers in enumerate(([early], [early, early], [early, early, late])):
+        bag.add_topic("/depth", "std_msgs/msg/Float64", publishers, "RIHS01_b")
+        bag.write("/depth", ONE, number, number, 1)
+    bag.close()
+    with (tmp_path / "bag/bag_0.mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    said = [yaml.safe_load(c.metadata["offered_qos_profiles"]) for c in summary.channels.values()]
+    assert said == [[early], [early, early, late]]
+    about = yaml.safe_load((tmp_path / "bag/metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    (topic,) = about["topics_with_message_count"]
+    assert topic["message_count"] == 3
+    assert topic["topic_metadata"]["offered_qos_profiles"] == [early, early, late]
+
+
+def test_what_expires_is_not_repeated_and_of_what_is_latched_the_last(tmp_path):
+    bag = BagWriter(tmp_path / "bag")
+    expiring = offers("transient_local", 1000, lifespan={"sec": 10, "nsec": 0})
+    bag.add_topic("/rosout", "std_msgs/msg/String", [expiring], "")
+    bag.add_topic("/map", "std_msgs/msg/String", [offers("transient_local", 2)], "")
+    for number in range(5):
+        bag.write("/rosout", URDF, number, number, number + 1)
+        bag.write("/map", URDF, number, number, number + 1)
+    bag.split()
+    bag.write("/rosout", URDF, 9, 9, 6)
+    bag.close()
+    last = contents(bag_files(tmp_path / "bag")[-1])
+    assert [(topic, m.sequence, m.log_time) for topic, m in last] == [
+        ("/map", 4, 9),
+        ("/map", 5, 9),
+        ("/rosout", 6, 9),
+    ]
+
+
+def test_a_day_of_chunks_does_not_grow_the_memory(tmp_path, monkeypatch):
+    """What a file keeps for its index is bounded, because its number of chunks is."""
+    monkeypatch.setattr("forest_msgs_py.bag_writer.CHUNKS_PER_FILE", 50)
+    bag = BagWriter(tmp_path / "bag")
+    bag.add_topic("/depth", "std_msgs/msg/Float64", [offers()], "")
+    sizes = []
+    for step in range(500):
+        bag.write("/depth", ONE, step, step, step + 1)
+        bag.flush()
+        sizes.append(len(bag._file._chunk_index))
+    bag.close()
+    assert len(bag_files(tmp_path / "bag")) == 10
+    assert max(sizes) == max(sizes[:60])

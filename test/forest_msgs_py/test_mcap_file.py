@@ -1,0 +1,144 @@
+"""An MCAP file is whole at every instant, to readers that nobody here wrote."""
+
+import contextlib
+import errno
+import os
+import random
+
+import pytest
+from mcap.reader import NonSeekingReader, make_reader
+from mcap.stream_reader import StreamReader
+
+from forest_msgs_py.mcap_file import COMPRESSIONS, McapFile
+
+
+def written(path, count=300, **options):
+    file = McapFile(path, chunk_bytes=2000, **options)
+    schema = file.add_schema("std_msgs/msg/String", "ros2msg", "string data")
+    channels = [file.add_channel(f"/text_{number}", schema, {"key": "värde"}) for number in range(3)]
+    generator = random.Random(7)
+    for step in range(count):
+        data = generator.randbytes(generator.randrange(200))
+        file.add_message(channels[step % 2], 1000 + step, data, 900 + step, step)
+    return file
+
+
+@pytest.mark.parametrize("compression", COMPRESSIONS)
+def test_mcap_s_readers_find_every_message_by_the_index_and_in_the_stream(tmp_path, compression):
+    file = written(tmp_path / "a.mcap", compression=compression, durable=True)
+    file.attach("machine.yaml", "application/yaml", b"name: c180", 5)
+    file.note("versions", {"python": "3"})
+    file.finish()
+    with (tmp_path / "a.mcap").open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        statistics = reader.get_summary().statistics
+        chosen = [m.sequence for _, _, m in reader.iter_messages(topics=["/text_1"])]
+        (attachment,) = reader.iter_attachments()
+        (note,) = reader.iter_metadata()
+    assert chosen == list(range(1, 300, 2))
+    assert (statistics.message_count, statistics.channel_count) == (300, 3)
+    assert statistics.channel_message_counts == {1: 150, 2: 150, 3: 0}
+    assert (statistics.message_start_time, statistics.message_end_time) == (1000, 1299)
+    assert statistics.chunk_count > 5
+    assert (attachment.data, note.metadata) == (b"name: c180", {"python": "3"})
+    with (tmp_path / "a.mcap").open("rb") as stream:
+        found = NonSeekingReader(stream, validate_crcs=True).iter_messages(log_time_order=False)
+        assert [(m.log_time, m.publish_time) for _, _, m in found] == [
+            (1000 + step, 900 + step) for step in range(300)
+        ]
+
+
+def test_summary_offsets_and_message_indexes_point_at_their_records(tmp_path):
+    written(tmp_path / "a.mcap").finish()
+    data = (tmp_path / "a.mcap").read_bytes()
+    with (tmp_path / "a.mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+        stream.seek(0)
+        offsets = [r for r in StreamReader(stream).records if hasattr(r, "group_opcode")]
+    for chunk in summary.chunk_indexes:
+        assert data[chunk.chunk_start_offset] == 0x06
+        after = chunk.chunk_start_offset + chunk.chunk_length
+        assert min(chunk.message_index_offsets.values()) == after
+        for channel, place in chunk.message_index_offsets.items():
+            assert data[place] == 0x07
+            assert int.from_bytes(data[place + 9 : place + 11], "little") == channel
+    for offset in offsets:
+        assert data[offset.group_start] == offset.group_opcode
+
+
+class FullDisk:
+    """Takes so many bytes, and of a write that does not fit the part that does, as a disk does."""
+
+    def __init__(self, left):
+        self.left, self.write = left, os.write
+
+    def __call__(self, descriptor, data):
+        if self.left <= 0:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        taken = self.write(descriptor, data[: self.left])
+        self.left -= taken
+        return taken
+
+
+@pytest.mark.parametrize("left", [0, 1, 500, 3000, 20_000])
+def test_on_a_full_disk_the_file_ends_after_its_last_whole_record(tmp_path, monkeypatch, left):
+    file = written(tmp_path / "a.mcap", 50)
+    file.flush()
+    before = file.message_count
+    monkeypatch.setattr("forest_msgs_py.append_file.os.write", FullDisk(left))
+
+    def fill():
+        for step in range(1000):
+            file.add_message(1, 2000 + step, bytes(100) + random.Random(step).randbytes(99), 0, step)
+
+    with pytest.raises(OSError, match="No space left") as raised:
+        fill()
+    assert raised.value.filename == str(tmp_path / "a.mcap")
+    kept = file.message_count
+    assert kept >= before == 50
+    with contextlib.suppress(OSError):
+        file.finish()
+    with (tmp_path / "a.mcap").open("rb") as stream:
+        reader = NonSeekingReader(stream).iter_messages(log_time_order=False)
+        assert len([next(reader) for _ in range(kept)]) == kept
+
+
+def test_the_space_held_for_the_summary_lets_a_file_on_a_full_disk_end_well(tmp_path, monkeypatch):
+    """The disk is full for messages, but not once the reserve was given back."""
+    file = written(tmp_path / "a.mcap", 50)
+    file.flush()
+    disk, reserve = FullDisk(0), file._file._reserve
+    monkeypatch.setattr("forest_msgs_py.append_file.os.write", disk)
+    release = reserve.close
+
+    def give_back():
+        disk.left += 0 if reserve.closed else 16 * 1024
+        release()
+
+    monkeypatch.setattr(file._file, "release", give_back)
+    file.add_message(1, 2000, b"refused", 0, 0)
+    with pytest.raises(OSError, match="No space left"):
+        file.finish()
+    with (tmp_path / "a.mcap").open("rb") as stream:
+        assert make_reader(stream).get_summary().statistics.message_count == 50
+
+
+def test_the_disk_s_refusal_to_sync_is_told_at_a_later_flush(tmp_path, monkeypatch, wait_until):
+    def broken(_descriptor):
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr("forest_msgs_py.append_file.os.fdatasync", broken)
+    file = written(tmp_path / "a.mcap", 10, durable=True)
+    file.flush()
+    syncer = file._file._syncer
+    wait_until(lambda: syncer._error)
+    file.add_message(1, 2000, b"", 0, 0)
+    with pytest.raises(OSError, match="Input/output error"):
+        file.flush()
+    file.finish()
+
+
+def test_an_unknown_compression_is_refused_with_those_there_are(tmp_path):
+    with pytest.raises(ValueError, match="'gzip'; allowed: none, lz4, zstd"):
+        McapFile(tmp_path / "a.mcap", compression="gzip")
+    assert not (tmp_path / "a.mcap").exists()
