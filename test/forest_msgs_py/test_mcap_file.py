@@ -14,7 +14,7 @@ from forest_msgs_py.mcap_file import COMPRESSIONS, McapFile
 
 def written(path, count=300, **options):
     file = McapFile(path, chunk_bytes=2000, **options)
-    schema = file.add_schema("std_msgs/msg/String", "ros2msg", "string data")
+    schema = file.add_schema("std_msgs/msg/String", "ros2msg", b"string data")
     channels = [file.add_channel(f"/text_{number}", schema, {"key": "värde"}) for number in range(3)]
     generator = random.Random(7)
     for step in range(count):

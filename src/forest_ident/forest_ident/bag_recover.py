@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from forest_msgs_py.bag_files import BagError, bag_files
+from forest_msgs_py.recovery import Recovered, recover
 
 
 def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -20,6 +21,35 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
 
 
 def run(options: argparse.Namespace) -> int:
-    """Recover; return the exit code."""
-    bag_files(options.bag)
-    raise BagError("recover is being written")
+    """Recover and say what there was; return the exit code.
+
+    Raises:
+        BagError: there is nothing to recover.
+        OSError: the output exists, or the disk is full.
+    """
+    files = bag_files(options.bag)
+    output = options.output or options.bag.resolve().with_name(f"{options.bag.resolve().stem}_recovered")
+    if output.exists():
+        raise BagError(f"{output} exists; allowed: a directory to be made (-o DIR)")
+    recovered = recover(files, output)
+    print("\n".join(_report(recovered)))
+    print(f"recovered {recovered.messages} messages of {len(recovered.topics)} topics: {output}")
+    return 0
+
+
+def _report(recovered: Recovered) -> list[str]:
+    """One line for each file: whole, cut off, or with holes."""
+    lines = []
+    for path, salvage in recovered.files:
+        skipped = sum(damage.length for damage in salvage.damages)
+        if not salvage.path.stat().st_size:
+            words = "empty"
+        elif not salvage.damages:
+            words = "whole" if salvage.complete else "whole, but not ended"
+        else:
+            first = salvage.damages[0].start
+            words = f"{skipped} bytes not readable, the first of them at byte {first}"
+        lines.append(f"{salvage.path.name}: {words}" + (f" -> {path.name}" if path else ""))
+    if recovered.nameless:
+        lines.append(f"{recovered.nameless} messages belong to topics whose definition was damaged: left out")
+    return lines

@@ -238,7 +238,7 @@ class BagWriter:
                 text, encoding = message_definition(topic.type), "ros2msg"
             except FileNotFoundError:
                 text, encoding, known = "", "", False
-            self._schemas[topic.type] = self._file.add_schema(topic.type, encoding, text)
+            self._schemas[topic.type] = self._file.add_schema(topic.type, encoding, text.encode())
         metadata = {"offered_qos_profiles": dump(topic.qos), "topic_type_hash": topic.type_hash}
         topic.channel = self._file.add_channel(name, self._schemas[topic.type], metadata)
         self._names[topic.channel] = name

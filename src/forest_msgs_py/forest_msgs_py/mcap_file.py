@@ -125,9 +125,9 @@ class McapFile:
         """Messages written; those of the open chunk are not."""
         return sum(self.counts.values())
 
-    def add_schema(self, name: str, encoding: str, text: str) -> int:
+    def add_schema(self, name: str, encoding: str, data: bytes) -> int:
         """Write a message type's definition; return its number."""
-        schema = Schema(id=len(self._schemas) + 1, data=text.encode(), encoding=encoding, name=name)
+        schema = Schema(id=len(self._schemas) + 1, data=data, encoding=encoding, name=name)
         self._define(schema)
         self._schemas.append(schema)
         return schema.id

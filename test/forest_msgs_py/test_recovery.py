@@ -1,0 +1,190 @@
+"""From a damaged bag comes a whole one, with every message of every whole chunk, for readers of others."""
+
+import contextlib
+import random
+
+import pytest
+import yaml
+from mcap.reader import make_reader
+from mcap.writer import CompressionType, Writer
+
+from forest_msgs_py.bag_files import BagError, bag_files
+from forest_msgs_py.bag_writer import Attached, BagWriter, Layout
+from forest_msgs_py.recovery import recover
+
+FOREVER = {"sec": 9223372036, "nsec": 854775807}
+QOS = {
+    "history": "keep_last",
+    "depth": 10,
+    "reliability": "reliable",
+    "durability": "volatile",
+    "deadline": FOREVER,
+    "lifespan": FOREVER,
+    "liveliness": "automatic",
+    "liveliness_lease_duration": FOREVER,
+    "avoid_ros_namespace_conventions": False,
+}
+ONE = b"\x00\x01\x00\x00" + bytes(6) + b"\xf0\x3f"  # std_msgs/Float64 1.0 as little-endian CDR
+
+
+@pytest.fixture(autouse=True)
+def quick_disk(monkeypatch):
+    """Nobody pulls the plug here."""
+    for module in ("append_file", "bag_metadata"):
+        monkeypatch.setattr(f"forest_msgs_py.{module}.os.fsync", lambda _: None)
+
+
+def recorded(directory, compression="zstd", close=True, count=400):
+    bag = BagWriter(directory, Layout(compression))
+    for name in ("/depth", "/height"):
+        bag.add_topic(name, "std_msgs/msg/Float64", [QOS], "")
+    bag.attach(Attached("machine.yaml", "application/yaml", b"name: c180", 5))
+    for step in range(count):
+        bag.write("/depth" if step % 3 else "/height", ONE, 10**9 + step, 10**9 + step, step + 1)
+        if step % 25 == 24:
+            bag.flush()
+    file = directory / f"{directory.name}_0.mcap"
+    as_killed = file.read_bytes()
+    bag.close()
+    if not close:
+        file.write_bytes(as_killed)
+        (directory / "metadata.yaml").unlink()
+    return file
+
+
+def chunks_of(file):
+    """Where each chunk ends, and how many messages it has."""
+    with file.open("rb") as stream:
+        reader = make_reader(stream)
+        indexes = reader.get_summary().chunk_indexes
+        times = [m.log_time for _, _, m in reader.iter_messages()]
+    return [
+        (
+            chunk.chunk_start_offset + chunk.chunk_length,
+            sum(chunk.message_start_time <= t <= chunk.message_end_time for t in times),
+        )
+        for chunk in indexes
+    ]
+
+
+def sequences(file):
+    with file.open("rb") as stream:
+        return [m.sequence for _, _, m in make_reader(stream, validate_crcs=True).iter_messages()]
+
+
+def count_by_rosbags(directory):
+    highlevel = pytest.importorskip("rosbags.highlevel")
+    with highlevel.AnyReader([directory]) as reader:
+        values = [reader.deserialize(raw, c.msgtype).data for c, _, raw in reader.messages()]
+        assert sum(c.msgcount for c in reader.connections) == len(values)
+    return len(values)
+
+
+def count_by_mcap_ros2_support(file):
+    reader = pytest.importorskip("mcap_ros2.reader")
+    return sum(1 for _ in reader.read_ros2_messages(str(file)))
+
+
+@pytest.mark.parametrize("compression", ["none", "lz4", "zstd"])
+def test_a_bag_cut_off_anywhere_keeps_every_whole_chunk(tmp_path, compression):
+    whole = recorded(tmp_path / "bag", compression)
+    data, chunks = whole.read_bytes(), chunks_of(whole)
+    generator = random.Random(11)
+    near = [end + d for end, _ in chunks[:3] for d in (-1, 0, 1)]
+    for number, cut in enumerate([8, 9, 40, *near, *generator.sample(range(8, len(data)), 40)]):
+        file = tmp_path / f"cut_{number}.mcap"
+        file.write_bytes(data[:cut])
+        out = tmp_path / f"out_{number}"
+        recovered = recover([file], out)
+        expected = sum(count for end, count in chunks if end <= cut)
+        assert recovered.messages == expected
+        assert sequences(out / f"out_{number}_0.mcap") == list(range(1, expected + 1))
+        if number % 10 == 0 and expected:
+            assert count_by_rosbags(out) == expected
+            assert count_by_mcap_ros2_support(out / f"out_{number}_0.mcap") == expected
+
+
+def test_a_bag_that_was_never_closed_recovers_as_what_was_flushed(tmp_path):
+    recorded(tmp_path / "bag", close=False, count=110)
+    out = tmp_path / "out"
+    assert recover(bag_files(tmp_path / "bag"), out).messages == 100
+    assert count_by_rosbags(out) == count_by_mcap_ros2_support(out / "out_0.mcap") == 100
+    about = yaml.safe_load((out / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    counts = {t["topic_metadata"]["name"]: t["message_count"] for t in about["topics_with_message_count"]}
+    assert counts == {"/depth": 66, "/height": 34}
+    assert about["topics_with_message_count"][0]["topic_metadata"]["offered_qos_profiles"] == [QOS]
+    with (out / "out_0.mcap").open("rb") as stream:
+        (attachment,) = make_reader(stream).iter_attachments()
+    assert attachment.data == b"name: c180"
+
+
+@pytest.mark.parametrize("compression", ["none", "zstd"])
+def test_damage_in_the_middle_costs_the_chunks_that_it_hit_and_no_other(tmp_path, compression):
+    whole = recorded(tmp_path / "bag", compression)
+    chunks, generator = chunks_of(whole), random.Random(5)
+    for number in range(30):
+        data = bytearray(whole.read_bytes())
+        start = generator.randrange(8, len(data) - 300)
+        length = generator.choice([1, 3, 300])
+        data[start : start + length] = bytes(length) if number % 2 else generator.randbytes(length)
+        file = tmp_path / f"hit_{number}.mcap"
+        file.write_bytes(data)
+        begin, expected = 0, 0
+        for end, count in chunks:
+            expected += 0 if start < end and begin < start + length else count
+            begin = end
+        assert recover([file], tmp_path / f"out_{number}").messages >= expected
+
+
+def test_no_bytes_make_it_crash(tmp_path):
+    data, generator = recorded(tmp_path / "bag").read_bytes(), random.Random(9)
+    for number in range(60):
+        damaged = bytearray(data[: generator.randrange(1, len(data))])
+        for _ in range(generator.randrange(20)):
+            damaged[generator.randrange(len(damaged))] = generator.randrange(256)
+        file = tmp_path / f"random_{number}.mcap"
+        file.write_bytes(damaged)
+        with contextlib.suppress(BagError):
+            assert recover([file], tmp_path / f"out_{number}").messages <= 400
+
+
+def test_a_zeroed_tail_as_a_power_cut_leaves_it_is_skipped(tmp_path):
+    whole = recorded(tmp_path / "bag", close=False)
+    whole.write_bytes(whole.read_bytes() + bytes(100_000))
+    recovered = recover([whole], tmp_path / "out")
+    assert recovered.messages == 400
+    ((_, salvage),) = recovered.files
+    assert [damage.length for damage in salvage.damages] == [100_000]
+
+
+def test_a_file_of_mcap_s_own_writer_recovers_too(tmp_path):
+    with (tmp_path / "a.mcap").open("wb") as stream:
+        writer = Writer(stream, chunk_size=500, compression=CompressionType.LZ4)
+        writer.start("ros2")
+        schema = writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data")
+        channel = writer.register_channel("/depth", "cdr", schema, {})
+        for step in range(100):
+            writer.add_message(channel, step, ONE, step, step)
+        writer.finish()
+    data = (tmp_path / "a.mcap").read_bytes()
+    (tmp_path / "cut.mcap").write_bytes(data[: len(data) // 2])
+    assert recover([tmp_path / "a.mcap"], tmp_path / "out").messages == 100
+    assert 0 < recover([tmp_path / "cut.mcap"], tmp_path / "less").messages < 100
+
+
+def test_of_several_files_the_empty_one_is_left_out(tmp_path):
+    first, second = recorded(tmp_path / "a"), recorded(tmp_path / "b", close=False)
+    (tmp_path / "nothing.mcap").touch()
+    recovered = recover([first, second, tmp_path / "nothing.mcap"], tmp_path / "out")
+    assert recovered.messages == 800
+    assert [path and path.name for path, _ in recovered.files] == ["out_0.mcap", "out_1.mcap", None]
+    assert [salvage.complete for _, salvage in recovered.files] == [True, False, False]
+    assert count_by_rosbags(tmp_path / "out") == 800
+
+
+@pytest.mark.parametrize("content", [b"", b"what is this?"])
+def test_what_is_no_mcap_file_is_refused_and_makes_no_directory(tmp_path, content):
+    (tmp_path / "a.mcap").write_bytes(content)
+    with pytest.raises(BagError, match=r"a\.mcap: nothing in it can be read"):
+        recover([tmp_path / "a.mcap"], tmp_path / "out")
+    assert not (tmp_path / "out").exists()
