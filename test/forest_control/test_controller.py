@@ -76,7 +76,7 @@ def test_no_step_when_enabled_again():
     moved = (0.3, 0.1, -1.2)
     state, output = controller.step(state, inputs(angles=moved), p, PERIOD)
     assert output.command == ZERO
-    assert state == State(moved, True)
+    assert (state.reference, state.enabled, state.rates) == (moved, True, ZERO)
 
 
 def test_the_reference_runs_no_further_ahead_than_the_lead():

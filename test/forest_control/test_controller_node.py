@@ -4,6 +4,7 @@ import math
 import signal
 import time
 
+import numpy as np
 import pytest
 
 pytest.importorskip("rclpy")
@@ -74,7 +75,7 @@ def rig(peer, start_node):
 
 REFUSED = {
     "tip_speed:=-3.0": "parameter 'tip_speed' is -3.0; allowed: 0.01 .. 3 m/s",
-    "scheme:=telepathy": "'telepathy'; allowed: one of joint, jacobian_velocity, jacobian_position",
+    "scheme:=telepathy": "'telepathy'; allowed: one of joint, ik_velocity, ik_position",
     "position_gain:=[1.0,2.0]": "parameter 'position_gain' is [1.0, 2.0]; allowed: 3 numbers",
 }
 
@@ -107,7 +108,7 @@ def test_with_the_deadman_held_it_commands_and_each_command_has_its_states_stamp
 
     r.joints = stamped
     r.hold_the_deadman()
-    peer.until(lambda: wishes and wishes[-1].twist.linear.y > 0.0)
+    peer.until(lambda: wishes and wishes[-1].twist.linear.y > 0.2499)  # the wish is a ramp
     assert wishes[-1].twist.linear.y == pytest.approx(0.25, rel=1e-6)
     driven = [message for message in r.commands if volts(message)[0] > 0.0]
     assert {read_float_array(topics.VALVE_COMMANDS, message, 0).stamp_ns for message in driven} <= stamps
@@ -246,3 +247,37 @@ def test_degrees_for_radians_move_nothing(rig, peer):
     assert "allowed: -3.2" in r.process.text()
     r.joints = joints
     peer.until(r.moving)
+
+
+def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig, peer):
+    from rclpy.parameter import Parameter
+    from rclpy.parameter_client import AsyncParameterClient
+
+    wishes = peer.hear(topics.TIP_TWIST_COMMAND)
+    r = rig("-p", "scheme:=joint", "-p", "joint_rates:=[1, 1, 1]").hold_the_deadman()
+    client = AsyncParameterClient(peer.node, "controller")
+    peer.until(client.services_are_ready)
+
+    def answer(name, value):
+        future = client.set_parameters([Parameter(name, value=value)])
+        peer.until(future.done)
+        return future.result().results[0]
+
+    assert not wishes
+    r.commands.clear()
+    assert answer("scheme", "coordinated").successful
+    peer.until(lambda: wishes and r.moving())
+    assert answer("tip_speed", 1).successful  # a whole number, as people type it
+    assert answer("feedback_gain", [3.0, 4.0, 4.0]).successful
+    commands = np.array([volts(message) for message in r.commands])
+    assert np.abs(np.diff(commands, axis=0)).max() < 0.5  # of 4 V
+    refused = {
+        ("scheme", "telepathy"): "allowed: one of joint, ik_velocity",
+        ("joint_rates", (1.0, 2.0, 30.0)): "allowed: 0.01 .. 3 rad/s",
+        ("lead_time", (0.1, 0.1)): "allowed: 3 numbers",
+    }
+    for (name, value), said in refused.items():
+        found = answer(name, value)
+        assert not found.successful
+        assert said in found.reason
+    assert r.process.poll() is None

@@ -7,7 +7,7 @@ import pytest
 from forest_control import controller, coordination
 from forest_control.controller import Inputs, Settings, parameters, step
 from forest_control.levers import REST, Levers
-from forest_control.schemes import Scheme, coordinated
+from forest_control.schemes import Gains, Scheme, Signals, coordinated
 from forest_description.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
 
@@ -20,12 +20,14 @@ PERIOD = 0.005
 
 
 def test_the_reference_velocity_passes_earlier_by_the_lead():
-    assert coordinated(0.2, 0.0, 1.0, 1.0, 0.0, 0.03, 5.0) == 0.2
-    assert coordinated(0.2, 0.1, 1.0, 1.0, 0.0, 0.03, 5.0) == pytest.approx(0.203)
+    gains = Gains(0.0, 0.0, 0.0, feedback=5.0, lead_time=0.03)
+    assert coordinated(Signals(0.2, 0.0, 1.0, 1.0, 0.0, 0.0), gains) == 0.2
+    assert coordinated(Signals(0.2, 0.1, 1.0, 1.0, 0.0, 0.0), gains) == pytest.approx(0.203)
 
 
 def test_an_error_of_the_tip_is_closed_and_the_integral_adds():
-    assert coordinated(0.0, 0.0, 1.01, 1.0, 0.002, 0.03, 5.0) == pytest.approx(0.052)
+    gains = Gains(0.0, 0.0, 0.0, feedback=5.0, lead_time=0.03)
+    assert coordinated(Signals(0.0, 0.0, 1.01, 1.0, 0.0, 0.002), gains) == pytest.approx(0.052)
 
 
 def test_a_step_of_the_wish_becomes_a_ramp():

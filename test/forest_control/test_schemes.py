@@ -10,7 +10,16 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from forest_control.schemes import Scheme, jacobian_position, jacobian_velocity, joint
+from forest_control.schemes import (
+    LABELS,
+    Gains,
+    Scheme,
+    Signals,
+    joint,
+    position_servo,
+    scheme_named,
+    velocity_servo,
+)
 
 W_0 = 2.0 * math.pi * 2.0
 DAMPING_RATIO = 1.64
@@ -36,6 +45,16 @@ class Design(NamedTuple):
 
 
 DESIGNS = [Design(2.0, 16.5, 0.313, 4.195, 21.66, 3.307), Design(0.2, 11.5, 0.815, 1.123, 10.52, 2.902)]
+
+
+def jacobian_velocity(a, v, k_v):
+    return velocity_servo(Signals(a, 0.0, 0.0, 0.0, v, 0.0), Gains(k_v, 0.0, 0.0, 0.0, 0.0))
+
+
+def jacobian_position(r, s, v, k_p, k_d):
+    return position_servo(Signals(0.0, 0.0, r, s, v, 0.0), Gains(0.0, k_p, k_d, 0.0, 0.0))
+
+
 each_design = pytest.mark.parametrize("design", DESIGNS, ids=["2 Hz", "0.2 Hz"])
 
 
@@ -100,9 +119,10 @@ def test_velocity_servo_passes_a_wish_that_is_met():
 
 
 def test_joint_scheme_passes_the_wish_open_loop():
-    assert joint(0.3) == 0.3
+    assert joint(Signals(0.3, 0.1, 1.0, 0.9, 0.2, 0.1), Gains(0.3, 5.0, 1.0, 5.0, 0.1)) == 0.3
 
 
 def test_schemes_have_the_names_that_users_type():
-    names = ["joint", "jacobian_velocity", "jacobian_position", "coordinated"]
-    assert [scheme.value for scheme in Scheme] == names
+    names = "joint", "ik_velocity", "ik_position", "jacobian_velocity", "jacobian_position", "coordinated"
+    assert names == LABELS
+    assert [scheme_named(name) for name in names] == list(Scheme)

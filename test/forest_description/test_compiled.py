@@ -39,6 +39,7 @@ def compiled(function):
         (kinematics.is_singular, (Q, LINKS)),
         (kinematics.tip_velocity, (Q, RATES, LINKS)),
         (kinematics.joint_rates, (Q, RATES, LINKS)),
+        (kinematics.nearest_pose, ((5.0, 1.0, 0.5), Q, LINKS)),
         (linkage.cylinder_length, (0.5, MACHINE.boom.linkage)),
         (linkage.lever_arm, (0.5, MACHINE.boom.linkage)),
         (valve.stroke, (3.0, MACHINE.valve.law.forward)),

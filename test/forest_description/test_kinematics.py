@@ -12,6 +12,7 @@ from forest_description.kinematics import (
     jacobian,
     jacobian_determinant,
     joint_rates,
+    nearest_pose,
     tip_position,
     tip_velocity,
 )
@@ -143,3 +144,20 @@ def test_singular_pose_is_recognised_and_its_joint_rates_are_zero(q):
 
 def test_no_working_pose_is_singular():
     assert not any(is_singular(q, LINKS) for q in POSES)
+
+
+def test_nearest_pose_stays_on_its_branch():
+    rng = np.random.default_rng(8)
+    for _ in range(500):  # both elbows, behind the swing axis, swung by more than half a turn
+        q = rng.uniform((-4.0, -1.5, -3.0), (4.0, 2.8, 3.0))
+        near = tuple((q + rng.uniform(-0.02, 0.02, 3)).tolist())
+        tip = tip_position(tuple(q.tolist()), LINKS)
+        if abs(math.sin(q[2])) < 0.1 or abs(reach(q)) < 0.5:
+            continue
+        assert nearest_pose(tip, near, LINKS) == pytest.approx(q, abs=1e-9)
+
+
+def test_nearest_pose_of_a_tip_out_of_reach_points_there_stretched():
+    swing, boom, stick = nearest_pose((50.0, 50.0, 0.0), (0.5, 0.1, -0.2), LINKS)
+    assert swing == pytest.approx(math.pi / 4.0)
+    assert (boom, stick) == pytest.approx((0.0, 0.0), abs=1e-9)

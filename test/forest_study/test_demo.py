@@ -29,7 +29,7 @@ def session(tmp_path_factory, session_domain_id):
 def test_summary_tells_the_session(session):
     _, _, summary = session
     assert summary["duration_s"] == 3.0
-    assert summary["scheme"] == "jacobian_position"
+    assert summary["scheme"] == "coordinated"
     assert summary["lost_messages"] == 0
     assert summary["exit_codes"] == dict.fromkeys(NODES, 0)
     assert 0.0 < summary["tip_error_mm"]["rms"] <= summary["tip_error_mm"]["max"]

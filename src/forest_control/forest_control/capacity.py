@@ -48,13 +48,18 @@ def gravity_torques(q: Triple, c: Capacity) -> tuple[float, float]:
 
 def greatest_rates(q: Triple, wished: Triple, c: Capacity) -> Triple:
     """Return the joint rates [rad/s], not negative, that the valves can give in the wished directions."""
-    arms = 1.0, lever_arm(q[1], c.linkages[0]), lever_arm(q[2], c.linkages[1])
-    loads = 0.0, *(g / arm for g, arm in zip(gravity_torques(q, c), arms[1:], strict=True))
-    rates = [
-        RESERVE * _greatest_speed(math.copysign(1.0, arm * rate), load, axis, c) / abs(arm)
-        for arm, rate, load, axis in zip(arms, wished, loads, c.axes, strict=True)
-    ]
-    return rates[0], rates[1], rates[2]
+    boom_load, stick_load = gravity_torques(q, c)
+    boom, stick = lever_arm(q[1], c.linkages[0]), lever_arm(q[2], c.linkages[1])
+    return (
+        _greatest_rate(wished[0], 1.0, 0.0, c.axes[0], c),
+        _greatest_rate(wished[1], boom, boom_load, c.axes[1], c),
+        _greatest_rate(wished[2], stick, stick_load, c.axes[2], c),
+    )
+
+
+def _greatest_rate(wished: float, arm: float, torque: float, axis: AxisDriver, c: Capacity) -> float:
+    """Return one joint's greatest rate [rad/s] in the wished direction, against a torque [N m]."""
+    return RESERVE * _greatest_speed(math.copysign(1.0, arm * wished), torque / arm, axis, c) / abs(arm)
 
 
 def _greatest_speed(direction: float, load: float, axis: AxisDriver, c: Capacity) -> float:

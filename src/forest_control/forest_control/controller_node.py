@@ -15,6 +15,7 @@ from rclpy.node import Node
 from forest_control import controller
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, RIGHT_Y, Levers, Triple, levers_from_axes
 from forest_control.schemes import Scheme
+from forest_control.tunables import TUNABLES, as_typed, settings_from
 from forest_description.kinematics import tip_position, tip_velocity
 from forest_description.machine import load_machine
 from forest_description.urdf import robot_description
@@ -22,7 +23,7 @@ from forest_msgs_py import topics
 from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.messages import float_array, pose_stamped, read_joint_state, read_joy, twist_stamped
 from forest_msgs_py.node import publisher, run_node, subscription, timer
-from forest_msgs_py.parameters import declare, declare_triple
+from forest_msgs_py.parameters import Tunables, declare
 from forest_msgs_py.stamped_period import StampedPeriod
 from forest_msgs_py.topics import message_class
 
@@ -38,13 +39,18 @@ class ControllerNode(Node):
         super().__init__("controller")
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
-        self._core = controller.parameters(machine, self._settings())
+        self._machine, defaults = machine, controller.Settings()
+        tunables = Tunables(self)
+        for one in TUNABLES:
+            tunables.declare(one.name, as_typed(one.name, defaults), *one[1:])
+        self._core = controller.parameters(machine, settings_from(tunables.values))
         self._period = StampedPeriod(get("period", 0.005, "nominal period of the state", "s", 1e-4, 0.1))
         self._joy_timeout = get("joy_timeout", 0.15, "age at which the joystick is lost", "s", 0.01, 2.0)
         self._state_timeout = get("state_timeout", 0.1, "age at which the state is lost", "s", 0.01, 0.2)
         self._deadman = get("deadman_button", LEFT_SHOULDER, "button to hold", low=0, high=BUTTON_COUNT - 1)
         self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
         self._state = controller.REST
+        tunables.watch(self._tune)
         self._state_received = self._joy_received = -math.inf
         self._levers, self._held = REST, False
         self._command = publisher(self, topics.VALVE_COMMANDS)
@@ -59,21 +65,10 @@ class ControllerNode(Node):
         subscription(self, topics.JOINT_STATES, self._on_joint_states)
         timer(self, WATCHDOG_PERIOD, self._watch)
 
-    def _settings(self) -> controller.Settings:
-        d = controller.Settings()
-        get, triple = partial(declare, self), partial(declare_triple, self)
-        schemes = [scheme.value for scheme in Scheme]
-        return controller.Settings(
-            scheme=Scheme(get("scheme", d.scheme.value, "control scheme", choices=schemes)),
-            tip_speed=get("tip_speed", d.tip_speed, "tip speed at full deflection", "m/s", 0.01, 3.0),
-            joint_rates=triple("joint_rates", d.joint_rates, "largest joint rates", "rad/s", 0.01, 3.0),
-            velocity_gain=triple("velocity_gain", d.velocity_gain, "K_v of scheme (c)", "", 0.01, 10.0),
-            position_gain=triple("position_gain", d.position_gain, "K_p of scheme (d)", "1/s", 0.0, 50.0),
-            damping_gain=triple("damping_gain", d.damping_gain, "K_d of scheme (d)", "", -0.9, 10.0),
-            lead=get("lead", d.lead, "how far the reference may run ahead of a joint", "rad", 0.001, 1.0),
-            joint_margin=get("joint_margin", d.joint_margin, "kept from joint limits", "rad", 0.0, 0.2),
-            approach=triple("approach", d.approach, "rate per angle left to a limit", "1/s", 0.1, 20.0),
-        )
+    def _tune(self, values: dict[str, Any]) -> None:
+        """Follow parameters that were set while the machine may be moving."""
+        self._core = controller.parameters(self._machine, settings_from(values))
+        self._state = self._state._replace(changed=True)
 
     def _read_joy(self) -> None:
         """Take the newest joystick sample, if there is one."""
@@ -120,7 +115,7 @@ class ControllerNode(Node):
         self._command.publish(float_array(topics.VALVE_COMMANDS, stamp, output.command, self._plain))
         self._pose.publish(pose_stamped(stamp, FRAME, tip_position(angles, links)))
         self._twist.publish(twist_stamped(stamp, FRAME, tip_velocity(angles, rates, links)))
-        if self._core.scheme is not Scheme.JOINT:
+        if self._core.scheme != Scheme.JOINT:
             self._wish.publish(twist_stamped(stamp, FRAME, output.tip_wish))
 
     def _watch(self) -> None:

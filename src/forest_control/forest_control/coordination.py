@@ -15,11 +15,10 @@ open it back and forth through the overlap for ever.
 import math
 from typing import NamedTuple
 
-from forest_control.schemes import coordinated
+from forest_control.schemes import Gains, Signals, coordinated
 from forest_control.swing_load import SwingLoad, inertia
 
 Triple = tuple[float, float, float]
-Flags = tuple[bool, bool, bool]
 ZERO: Triple = (0.0, 0.0, 0.0)
 
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests
@@ -30,9 +29,8 @@ HIGHEST_ACCELERATION = 2.0  # [rad/s^2] a jump of the governor's must not kick t
 class CoordinationParameters(NamedTuple):
     """Gains and bounds, per joint where triples: swing, boom, stick."""
 
-    feedback: Triple  # K_p [1/s]
+    gains: tuple[Gains, Gains, Gains]
     integral: Triple  # K_i [1/s^2]
-    lead_time: Triple  # T [s]
     swing: SwingLoad  # what is fed forward to it
     load_bandwidth: float  # [rad/s] at which the valve driver learns a load
     smoothing: float  # [s] of b
@@ -42,83 +40,94 @@ class CoordinationParameters(NamedTuple):
     release_error: float  # [rad] and moves again beyond this
 
 
+class Joint(NamedTuple):
+    """One joint's state between steps."""
+
+    a: float = 0.0  # [rad/s]
+    b: float = 0.0  # [rad/s^2]
+    w: float = 0.0  # [rad/s]
+    error: float = 0.0  # r - s, low-passed [rad]
+    holding: bool = True
+
+
+AT_REST = Joint()
+
+
 class Memory(NamedTuple):
     """State between steps."""
 
     velocity: Triple  # x' [m/s], governed
-    rates: Triple  # a [rad/s]
-    accelerations: Triple  # b [rad/s^2]
-    integral: Triple  # w [rad/s]
-    holding: Flags
-    errors: Triple = ZERO  # [rad] r - s, low-passed
+    swing: Joint = AT_REST
+    boom: Joint = AT_REST
+    stick: Joint = AT_REST
     torque: float = 0.0  # [N m] of the swing that the driver knows by now
     samples: int = 0  # in the mean pose that the reference starts from
 
 
-REST = Memory(ZERO, ZERO, ZERO, ZERO, (True, True, True))
+REST = Memory(ZERO)
 MOST_SAMPLES = 50
+
+
+def in_motion(velocity: Triple, a: Triple, samples: int) -> Memory:
+    """Return the memory of a scheme that takes over at a tip velocity [m/s] and joint rates [rad/s]."""
+    return Memory(velocity, Joint(a[0]), Joint(a[1]), Joint(a[2]), 0.0, samples)
 
 
 def settle(reference: Triple, s: Triple, memory: Memory) -> tuple[Triple, Memory]:
     """Return the pose [rad] to start from: the mean of what was measured at rest; one sample is too noisy."""
     count = memory.samples + 1
-    q = tuple(r + (x - r) / count for r, x in zip(reference, s, strict=True))
-    return (q[0], q[1], q[2]), memory._replace(samples=count)
+    (r_1, r_2, r_3), (s_1, s_2, s_3) = reference, s
+    q = r_1 + (s_1 - r_1) / count, r_2 + (s_2 - r_2) / count, r_3 + (s_3 - r_3) / count
+    return q, memory._replace(samples=count)
 
 
 def ramped(velocity: Triple, wish: Triple, acceleration: float, dt: float) -> Triple:
     """Return the reference velocity [m/s] after dt [s] on the way to a wish, at most so accelerated."""
-    change = tuple(w - v for v, w in zip(velocity, wish, strict=True))
-    size, most = math.hypot(*change), acceleration * dt
+    x, y, z = wish[0] - velocity[0], wish[1] - velocity[1], wish[2] - velocity[2]
+    size, most = math.sqrt(x * x + y * y + z * z), acceleration * dt
     if size <= most:
         return wish
-    x, y, z = (v + most / size * c for v, c in zip(velocity, change, strict=True))
-    return x, y, z
+    part = most / size
+    return velocity[0] + part * x, velocity[1] + part * y, velocity[2] + part * z
 
 
 def servo(
     memory: Memory, a: Triple, r: Triple, s: Triple, p: CoordinationParameters, dt: float
 ) -> tuple[Memory, Triple]:
     """Return the memory one step on, and the commanded joint rates u [rad/s]."""
-    b, jerk = _smooth_acceleration(memory, a, p, dt)
-    torque, extra = _swing_forward(memory.torque, a[0], b[0], jerk[0], inertia(r, p.swing), p, dt)
-    forward = extra, 0.0, 0.0
-    still = max(map(abs, (*a, *memory.rates))) < REST_RATE
-    u, w, holding, errors = [], [], [], []
-    for i in range(3):
-        error = r[i] - s[i]
-        seen = memory.errors[i] + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.errors[i])
-        errors.append(seen)
-        near = abs(seen) < (p.release_error if memory.holding[i] else p.hold_error)
-        holds = near and still
-        # What the integral has learnt of the valve at speed is kept while the joint holds.
-        grown = memory.integral[i] if holds else memory.integral[i] + dt * p.integral[i] * error
-        w.append(max(-p.integral_limit, min(p.integral_limit, grown)))
-        wish = a[i] + forward[i]
-        u.append(0.0 if holds else coordinated(wish, b[i], r[i], s[i], w[i], p.lead_time[i], p.feedback[i]))
-        holding.append(holds)
-    after = memory._replace(
-        rates=a,
-        accelerations=b,
-        integral=(w[0], w[1], w[2]),
-        holding=(holding[0], holding[1], holding[2]),
-        torque=torque,
-        errors=(errors[0], errors[1], errors[2]),
-    )
-    return after, (u[0], u[1], u[2])
+    m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
+    still = max(abs(a[0]), abs(a[1]), abs(a[2]), abs(m_1.a), abs(m_2.a), abs(m_3.a)) < REST_RATE
+    b_1, jerk = _smooth_acceleration(m_1, a[0], p, dt)
+    b_2, _ = _smooth_acceleration(m_2, a[1], p, dt)
+    b_3, _ = _smooth_acceleration(m_3, a[2], p, dt)
+    torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, inertia(r, p.swing), p, dt)
+    swing, u_1 = _joint_servo(m_1, Signals(a[0], b_1, r[0], s[0], 0.0, extra), still, 0, p, dt)
+    boom, u_2 = _joint_servo(m_2, Signals(a[1], b_2, r[1], s[1], 0.0, 0.0), still, 1, p, dt)
+    stick, u_3 = _joint_servo(m_3, Signals(a[2], b_3, r[2], s[2], 0.0, 0.0), still, 2, p, dt)
+    return Memory(memory.velocity, swing, boom, stick, torque, memory.samples), (u_1, u_2, u_3)
+
+
+def _joint_servo(
+    memory: Joint, x: Signals, still: bool, i: int, p: CoordinationParameters, dt: float
+) -> tuple[Joint, float]:
+    """Return one joint's memory one step on, and its u [rad/s]; `x.w` is what else is fed forward."""
+    error = x.r - x.s
+    seen = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
+    holds = still and abs(seen) < (p.release_error if memory.holding else p.hold_error)
+    # What the integral has learnt of the valve at speed is kept while the joint holds.
+    grown = memory.w if holds else memory.w + dt * p.integral[i] * error
+    w = max(-p.integral_limit, min(p.integral_limit, grown))
+    u = 0.0 if holds else coordinated(Signals(x.a, x.b, x.r, x.s, x.v, x.w + w), p.gains[i])
+    return Joint(x.a, x.b, w, seen, holds), u
 
 
 def _smooth_acceleration(
-    memory: Memory, a: Triple, p: CoordinationParameters, dt: float
-) -> tuple[Triple, Triple]:
+    memory: Joint, a: float, p: CoordinationParameters, dt: float
+) -> tuple[float, float]:
     """Return b [rad/s^2], low-passed so that its own rate is finite, and that rate [rad/s^3]."""
-    weight, b, jerk = 1.0 - math.exp(-dt / p.smoothing), [], []
-    for i in range(3):
-        change = (a[i] - memory.rates[i]) / dt
-        gap = max(-HIGHEST_ACCELERATION, min(HIGHEST_ACCELERATION, change)) - memory.accelerations[i]
-        b.append(memory.accelerations[i] + weight * gap)
-        jerk.append(gap / p.smoothing)
-    return (b[0], b[1], b[2]), (jerk[0], jerk[1], jerk[2])
+    change = max(-HIGHEST_ACCELERATION, min(HIGHEST_ACCELERATION, (a - memory.a) / dt))
+    gap = change - memory.b
+    return memory.b + (1.0 - math.exp(-dt / p.smoothing)) * gap, gap / p.smoothing
 
 
 def _swing_forward(

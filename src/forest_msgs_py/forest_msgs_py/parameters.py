@@ -6,10 +6,10 @@ The type of a parameter is the type of its default: bool, int, float, str, or a 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -72,6 +72,89 @@ def declare_triple(
     if len(values) != 3:
         raise ParameterError(f"parameter '{name}' is {values!r}; allowed: 3 numbers")
     return values[0], values[1], values[2]
+
+
+class Tunables:
+    """Parameters that may be set while the node runs, checked at the start and later by the same rule.
+
+    Args:
+        node: whose parameters they are.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._defaults: dict[str, Any] = {}
+        self._rules: dict[str, tuple[str, float | None, float | None, Sequence[Any] | None]] = {}
+        self.values: dict[str, Any] = {}
+
+    def declare(
+        self,
+        name: str,
+        default: Any,
+        doc: str,
+        unit: str = "",
+        low: float | None = None,
+        high: float | None = None,
+        choices: Sequence[Any] | None = None,
+    ) -> Any:
+        """Declare a parameter, as `declare` does; a default of three numbers (a tuple) makes it a triple.
+
+        Raises:
+            ParameterError: as `declare` and `declare_triple`.
+        """
+        given = list(default) if isinstance(default, tuple) else default
+        self._defaults[name], self._rules[name] = default, (unit, low, high, choices)
+        found = declare(self._node, name, given, doc, unit, low, high, choices, read_only=False)
+        self.values[name] = self._checked(name, found)
+        return self.values[name]
+
+    def watch(self, changed: Callable[[dict[str, Any]], None]) -> None:
+        """Follow what is set from now on.
+
+        Args:
+            changed: is called with all values once some were set; a ValueError of its refuses them.
+        """
+
+        def on_set(parameters: list[Parameter]) -> SetParametersResult:
+            mine = [parameter for parameter in parameters if parameter.name in self._defaults]
+            try:
+                values = self.values | {one.name: self._checked(one.name, one.value) for one in mine}
+                if mine:
+                    changed(values)
+            except ValueError as error:
+                return SetParametersResult(successful=False, reason=str(error))
+            self.values = values
+            return SetParametersResult(successful=True)
+
+        self._node.add_pre_set_parameters_callback(self._as_declared)
+        self._node.add_on_set_parameters_callback(on_set)
+
+    def _as_declared(self, parameters: list[Parameter]) -> list[Parameter]:
+        """Whole numbers become floats where those were declared."""
+        return [
+            parameter
+            if parameter.name not in self._defaults
+            or (value := _converted(self._defaults[parameter.name], parameter.value)) is None
+            else Parameter(parameter.name, value=value)
+            for parameter in parameters
+        ]
+
+    def _checked(self, name: str, given: Any) -> Any:
+        """The value in the default's type.
+
+        Raises:
+            ParameterError: it is not allowed.
+        """
+        default, (unit, low, high, choices) = self._defaults[name], self._rules[name]
+        value = _converted(default, given)
+        if value is None or not _inside(value, low, high, choices):
+            allowed = _allowed(default, unit, low, high, choices)
+            raise ParameterError(f"parameter '{name}' is {given!r}; allowed: {allowed}")
+        if not isinstance(default, tuple):
+            return value
+        if len(value) != len(default):
+            raise ParameterError(f"parameter '{name}' is {value!r}; allowed: {len(default)} numbers")
+        return tuple(value)
 
 
 def _converted(default: Any, given: Any) -> Any:

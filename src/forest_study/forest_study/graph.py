@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from forest_control.schemes import Scheme
+from forest_control.schemes import LABELS, Scheme
 from forest_study.exclusive import Failure
 from forest_study.supervisor import NodeSpec, Stopped, Supervisor
 
@@ -20,8 +20,8 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--scheme",
-        choices=[scheme.value for scheme in Scheme],
-        default=Scheme.JACOBIAN_POSITION.value,
+        choices=LABELS,
+        default=Scheme.COORDINATED.label,
         help="control scheme (default: %(default)s)",
     )
     parser.add_argument(

@@ -132,20 +132,24 @@ def _velocity_servo(a: Vector, state: State, gains: Servo) -> Vector:
     w_n = gains.natural_frequency
     k_v = DRIVE * gains.velocity_gain / w_n
     shaping = gains.pre_loop_gain * k_v / (1.0 + k_v)
-    v = state.rates
+    v, made = state.rates, schemes.Gains(k_v, 0.0, 0.0, 0.0, 0.0)
     return (
-        w_n * schemes.jacobian_velocity(shaping * a[0], v[0], k_v),
-        w_n * schemes.jacobian_velocity(shaping * a[1], v[1], k_v),
-        w_n * schemes.jacobian_velocity(shaping * a[2], v[2], k_v),
+        w_n * schemes.velocity_servo(_signals(shaping * a[0], 0.0, 0.0, v[0]), made),
+        w_n * schemes.velocity_servo(_signals(shaping * a[1], 0.0, 0.0, v[1]), made),
+        w_n * schemes.velocity_servo(_signals(shaping * a[2], 0.0, 0.0, v[2]), made),
     )
 
 
 def _position_servo(r: Vector, state: State, gains: Servo) -> Vector:
     """Return k u = W0 (K_p (r - s) - K_d v) [rad/s²] of the three joints. Thesis fig. 5.3."""
-    k_p, k_d = DRIVE * gains.position_gain, DRIVE * gains.damping_gain
+    made = schemes.Gains(0.0, DRIVE * gains.position_gain, DRIVE * gains.damping_gain, 0.0, 0.0)
     s, v = state.angles, state.rates
     return (
-        schemes.jacobian_position(r[0], s[0], v[0], k_p, k_d),
-        schemes.jacobian_position(r[1], s[1], v[1], k_p, k_d),
-        schemes.jacobian_position(r[2], s[2], v[2], k_p, k_d),
+        schemes.position_servo(_signals(0.0, r[0], s[0], v[0]), made),
+        schemes.position_servo(_signals(0.0, r[1], s[1], v[1]), made),
+        schemes.position_servo(_signals(0.0, r[2], s[2], v[2]), made),
     )
+
+
+def _signals(a: float, r: float, s: float, v: float) -> schemes.Signals:
+    return schemes.Signals(a, 0.0, r, s, v, 0.0)

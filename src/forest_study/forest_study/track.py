@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from forest_control import controller, valve_driver
 from forest_control.governor import govern
 from forest_control.levers import levers_for_tip_velocity
-from forest_control.schemes import Scheme
+from forest_control.schemes import LABELS, Scheme, scheme_named
 from forest_description.kinematics import inverse_kinematics, is_singular, joint_rates
 from forest_description.machine import Machine, load_machine
 from forest_sim.sensor_suite import Suite, sensor_suite
@@ -191,7 +191,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("--path", required=True, help=f"{', '.join(NAMES)}, all, or a CSV of waypoints x,y,z [m]")
     add("--speed", type=_speed, default=0.5, metavar="V", help="m/s (default: %(default)s)")
-    add("--scheme", choices=[s.value for s in Scheme if s is not Scheme.JOINT], default="coordinated")
+    add("--scheme", choices=[label for label in LABELS if label != "joint"], default="coordinated")
     add("--machine", default="c180", help="what is simulated: shipped machine or file (default: %(default)s)")
     add("--model", help="what controller and driver believe (default: the machine)")
     add("--noise", action="store_true", help="sensors jitter")
@@ -253,7 +253,7 @@ def _run_all(
     for path in paths:
         for seed in range(options.seed, options.seed + options.seeds):
             suite = noisy(machine, seed, options.static_errors) if options.noise else None
-            scheme = Scheme(options.scheme)
+            scheme = scheme_named(options.scheme)
             session = track(path, options.speed, scheme, machine, model, suite, options.laps)
             laps = [score._asdict() for score in session.scores]
             report["runs"].append({"path": path.name, "seed": seed, **session.total._asdict(), "laps": laps})

@@ -1,0 +1,112 @@
+"""What a user may set of the controller, and what its core makes of that and of the machine."""
+
+import math
+from typing import NamedTuple
+
+from forest_control.capacity import Capacity, capacity
+from forest_control.coordination import CoordinationParameters
+from forest_control.governor import GovernorParameters
+from forest_control.schemes import Gains, Scheme
+from forest_control.swing_load import swing_load
+from forest_control.valve_driver import axis_drivers
+from forest_description.actuation import Linkages, rated_speeds
+from forest_description.kinematics import Links
+from forest_description.limits import joint_limits
+from forest_description.machine import Machine
+
+Triple = tuple[float, float, float]
+
+SMOOTHING = 0.01  # [s] of the reference's acceleration
+INTEGRAL_LIMIT = 0.1  # [rad/s] more than any valve is wrong by
+HOLD_ERROR = 1.5e-4  # [rad] above the resolvers' low-passed jitter; 1 mm of the tip
+RELEASE_ERROR = 5e-4  # [rad] 3 mm
+
+
+class Settings(NamedTuple):
+    """What a user may set: the node's parameters and their defaults. Triples are swing, boom, stick."""
+
+    scheme: Scheme = Scheme.COORDINATED
+    tip_speed: float = 0.5  # [m/s] wished at full deflection, tip schemes
+    joint_rates: Triple = (0.8, 0.25, 0.25)  # [rad/s] largest wish; at full deflection in the joint scheme
+    velocity_gain: Triple = (0.313, 0.313, 0.313)  # K_v
+    position_gain: Triple = (2.5, 5.0, 5.0)  # K_p [1/s]
+    damping_gain: Triple = (0.0, 0.0, 0.0)  # K_d
+    jacobian_at_joints: bool = False  # scheme (d) takes J^-1 at the measured angles, as the thesis does
+    lead: float = 0.2  # [rad]
+    feedback_gain: Triple = (4.0, 5.0, 5.0)  # K_p of the coordinated scheme [1/s]
+    integral_gain: Triple = (2.0, 4.0, 4.0)  # K_i of the coordinated scheme [1/s^2]
+    lead_time: Triple = (0.02, 0.013, 0.013)  # T [s]
+    load_bandwidth: float = 1.0  # [Hz] of the valve driver's
+    tip_acceleration: float = 4.0  # [m/s^2] of the coordinated scheme's reference: steps become ramps
+    joint_margin: float = 0.0175  # [rad] kept from every joint limit
+    approach: Triple = (1.0, 2.0, 2.0)  # [1/s] allowed rate per remaining angle before a joint limit
+
+
+class Parameters(NamedTuple):
+    """What the controller knows of machine and operator; numbers only, for a compiler."""
+
+    scheme: Scheme
+    tip_speed: float  # [m/s] at full deflection
+    gains: tuple[Gains, Gains, Gains]
+    jacobian_at_joints: bool
+    governor: GovernorParameters
+    lead: float  # [rad] the reference may run ahead of the joint, so that a stalled joint does not wind up
+    links: Links
+    linkages: Linkages
+    rated_speeds: Triple  # [rad/s, m/s, m/s] of an ideal valve at its rated voltage
+    rated_voltages: Triple  # [V] of each axis' valve
+    coordinated: CoordinationParameters
+    capacity: Capacity
+
+
+def parameters(machine: Machine, settings: Settings) -> Parameters:
+    """Return the core's parameters for a machine."""
+    gains = _gains(settings, 0), _gains(settings, 1), _gains(settings, 2)
+    return Parameters(
+        scheme=settings.scheme,
+        tip_speed=settings.tip_speed,
+        gains=gains,
+        jacobian_at_joints=settings.jacobian_at_joints,
+        governor=_governor(machine, settings),
+        lead=settings.lead,
+        links=machine.manipulator.links,
+        linkages=machine.linkages,
+        rated_speeds=rated_speeds(machine),
+        rated_voltages=(
+            machine.valve_of(0).rated_voltage,
+            machine.valve_of(1).rated_voltage,
+            machine.valve_of(2).rated_voltage,
+        ),
+        capacity=capacity(machine, axis_drivers(machine)),
+        coordinated=CoordinationParameters(
+            gains=gains,
+            integral=settings.integral_gain,
+            swing=swing_load(machine),
+            load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
+            smoothing=SMOOTHING,
+            acceleration=settings.tip_acceleration,
+            integral_limit=INTEGRAL_LIMIT,
+            hold_error=HOLD_ERROR,
+            release_error=RELEASE_ERROR,
+        ),
+    )
+
+
+def _gains(settings: Settings, i: int) -> Gains:
+    return Gains(
+        velocity=settings.velocity_gain[i],
+        position=settings.position_gain[i],
+        damping=settings.damping_gain[i],
+        feedback=settings.feedback_gain[i],
+        lead_time=settings.lead_time[i],
+    )
+
+
+def _governor(machine: Machine, settings: Settings) -> GovernorParameters:
+    limits, margin = joint_limits(machine), settings.joint_margin
+    return GovernorParameters(
+        lower=(limits[0][0] + margin, limits[1][0] + margin, limits[2][0] + margin),
+        upper=(limits[0][1] - margin, limits[1][1] - margin, limits[2][1] - margin),
+        rates=settings.joint_rates,
+        approach=settings.approach,
+    )

@@ -1,0 +1,79 @@
+"""Claims about changing scheme, mode and gains while the machine stands or moves: nobody feels a jump."""
+
+import math
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+from forest_control import controller
+from forest_control.controller import REST, ZERO, Inputs, Settings
+from forest_control.levers import Levers
+from forest_control.schemes import Scheme
+from forest_description.actuation import actuator_speeds_to_joint_rates, rated_speeds
+from forest_description.kinematics import inverse_kinematics, tip_position
+from forest_description.machine import load_machine
+
+MACHINE = load_machine()
+LINKS = MACHINE.manipulator.links
+PERIOD = 0.005
+START = inverse_kinematics((5.5, 0.0, 1.0), LINKS)
+BANDWIDTH = 4.0 * math.pi  # [rad/s] of the joints
+MOVING = Levers(0.5, 0.3, -0.3)
+EVERY_PAIR = list(permutations(Scheme, 2))
+
+
+class Crane:
+    """Joints of a bandwidth behind ideal valves, and the controller, one after the other."""
+
+    def __init__(self, settings):
+        self.p, self.state = controller.parameters(MACHINE, settings), REST
+        self.angles, self.rates, self.commands = START, ZERO, []
+
+    def play(self, levers, seconds):
+        """Hold levers; return commands [N, 3] V and tips [N, 3] m."""
+        weight, speeds = 1.0 - math.exp(-BANDWIDTH * PERIOD), rated_speeds(MACHINE)
+        commands, tips = [], []
+        for _ in range(round(seconds / PERIOD)):
+            inputs = Inputs(self.angles, self.rates, levers, True)
+            self.state, output = controller.step(self.state, inputs, self.p, PERIOD)
+            moving = tuple(c / 10.0 * v for c, v in zip(output.command, speeds, strict=True))
+            wanted = actuator_speeds_to_joint_rates(self.angles, moving, MACHINE.linkages)
+            self.rates = tuple(v + weight * (u - v) for v, u in zip(self.rates, wanted, strict=True))
+            self.angles = tuple(q + PERIOD * v for q, v in zip(self.angles, self.rates, strict=True))
+            commands.append(output.command)
+            tips.append(tip_position(self.angles, LINKS))
+        return np.array(commands), np.array(tips)
+
+    def set(self, **settings):
+        """Change parameters as the node does."""
+        self.p = controller.parameters(MACHINE, Settings(**settings))
+        self.state = self.state._replace(changed=True)
+
+
+def largest_change(commands):
+    return float(np.abs(np.diff(commands, axis=0)).max())
+
+
+@pytest.fixture(scope="module")
+def normal():
+    """The largest change of a command in a period when a lever, held for a while, is let go [V]."""
+    crane = Crane(Settings(scheme=Scheme.COORDINATED))
+    before, _ = crane.play(MOVING, 1.0)
+    after, _ = crane.play(Levers(0.0, 0.0, 0.0), 0.5)
+    return largest_change(np.vstack([before[-1:], after]))
+
+
+@pytest.mark.parametrize(("old", "new"), EVERY_PAIR)
+@pytest.mark.parametrize("levers", [MOVING, Levers(0.0, 0.0, 0.0)], ids=["moving", "resting"])
+def test_a_scheme_takes_over_without_a_jump(old, new, levers, normal):
+    crane = Crane(Settings(scheme=old))
+    crane.play(MOVING, 0.6)
+    before, _ = crane.play(levers, 1.0)
+    crane.set(scheme=new)
+    after, tips = crane.play(levers, 2.0)
+    joined = np.vstack([before[-1:], after])
+    assert np.abs(joined[1] - joined[0]).max() < 0.2 * normal
+    assert largest_change(joined) < normal
+    if levers != MOVING:
+        assert np.linalg.norm(tips[-1] - tips[0]) < 0.005
