@@ -16,6 +16,11 @@ class Talker(Node):
     def __init__(self):
         super().__init__("talker")
         self.fault = declare(self, "fault", "", "what goes wrong", choices=("", *FAULTS))
+        loop = declare(
+            self, "loop", "", "how a loop of its own ends", choices=("", "wait", "return", *FAULTS)
+        )
+        if loop:
+            self.run = lambda stopping: self.keep_time(loop, stopping)
         self.joints = publisher(self, topics.JOINT_STATES)
         self.voltages = publisher(self, topics.VALVE_VOLTAGES)
         self.matched = False
@@ -30,6 +35,13 @@ class Talker(Node):
             print("matched", flush=True)
         if self.fault:
             raise FAULTS[self.fault]
+
+    def keep_time(self, end, stopping):
+        if end == "wait":
+            stopping.wait()
+        elif end != "return":
+            raise FAULTS[end]
+        print("loop ended", flush=True)
 
     def stop(self):
         self.voltages.publish(messages.float_array(topics.VALVE_VOLTAGES, 0, (0.0, 0.0, 0.0)))

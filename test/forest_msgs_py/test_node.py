@@ -69,6 +69,29 @@ def test_a_node_that_is_done_ends_with_0(talker):
 
 
 @pytest.mark.parametrize(
+    ("end", "code", "words"),
+    [
+        ("bug", 1, "ZeroDivisionError: a bug"),
+        ("failure", 1, "talker: pump is gone\n"),
+        ("done", 0, "last words"),
+        ("return", 0, "loop ended"),
+    ],
+)
+def test_a_loop_of_its_own_ends_the_node_as_a_callback_does(talker, end, code, words):
+    process = talker("-p", f"loop:={end}")
+    assert process.wait(10) == code
+    assert words in process.text()
+    assert process.text().count("last words") == 1
+
+
+def test_a_loop_of_its_own_ends_before_the_last_words(talker, wait_until):
+    process = talker("-p", "loop:=wait")
+    wait_until(lambda: "up" in process.text())
+    assert process.stop() == 0
+    assert process.text().index("loop ended") < process.text().index("last words")
+
+
+@pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (("-p", "fault:=fire"), "talker: parameter 'fault' is 'fire'; allowed: one of , bug, failure, done"),

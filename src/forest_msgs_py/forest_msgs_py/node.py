@@ -10,6 +10,10 @@ exit code    meaning
 
 A node that defines ``stop()`` is given its last words: it is called once, before the node is destroyed, while
 publishing still works. That is why rclpy's own signal handlers, which end the context at once, stay off.
+
+A node that defines ``run(stopping)`` keeps its own time: it is called in a thread of its own, and the
+executor is left with parameters and timers. When it returns, which it does soon after the event ``stopping``
+is set, the node ends; what it raises counts as raised in a callback.
 """
 
 from __future__ import annotations
@@ -129,7 +133,8 @@ def _spin(node: Node, signals: _StopSignals) -> int:
     signals.react = wake.trigger
     if signals.requested.is_set():
         wake.trigger()
-    code = _outcome(executor.spin)
+    loop = _Loop(node, wake.trigger)
+    code = max(_outcome(executor.spin), loop.end())
     signals.react = lambda: None
     last_words: Callable[[], None] | None = getattr(node, "stop", None)
     if last_words is not None:
@@ -137,6 +142,30 @@ def _spin(node: Node, signals: _StopSignals) -> int:
         _let_arrive(node)
     executor.shutdown(timeout_sec=0.0)
     return code
+
+
+class _Loop:
+    """Runs ``node.run`` beside the executor, if the node has it; ``wake`` is called when it has ended."""
+
+    def __init__(self, node: Node, wake: Callable[[], None]) -> None:
+        self._stopping = threading.Event()
+        self._code, self._wake = 0, wake
+        self._thread: threading.Thread | None = None
+        run: Callable[[threading.Event], None] | None = getattr(node, "run", None)
+        if run is not None:
+            self._thread = threading.Thread(target=self._main, args=(run,), name="loop", daemon=True)
+            self._thread.start()
+
+    def _main(self, run: Callable[[threading.Event], None]) -> None:
+        self._code = _outcome(lambda: run(self._stopping))
+        self._wake()
+
+    def end(self) -> int:
+        """Have it stop, wait until it has, and give its code."""
+        self._stopping.set()
+        if self._thread is not None:
+            self._thread.join()
+        return self._code
 
 
 def _let_arrive(node: Node) -> None:

@@ -1,7 +1,9 @@
 """The machine as a node: takes /valve_voltages, keeps the graph's time, publishes what its sensors report.
 
-Physics at 1 kHz inside, topics at 200 Hz. Deadlines stand on the monotonic clock; a late wake-up is caught up
-with correctly stamped samples, and counted. Voltages older than the machine's command timeout count as zero.
+Physics at 1 kHz inside, topics at 200 Hz, in a thread that sleeps from deadline to deadline: an executor
+would spend more on waking up than the machine costs. Deadlines stand on the monotonic clock; a late wake-up
+is caught up with correctly stamped samples, and counted. Voltages older than the machine's command timeout
+count as zero.
 
 Sensors are exact unless `sensor_noise` is set; `sensor_faults` hold either way. A sensor that is absent, or
 drops its sample, is missing from its message; a message of which nothing is left is not sent. `stuck_spools`
@@ -10,6 +12,7 @@ and `tip_force` may be set while the node runs.
 
 import math
 import sys
+import threading
 import time
 from typing import Any
 
@@ -22,17 +25,11 @@ from forest_description.machine import Machine, load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.inbox import inbox
-from forest_msgs_py.messages import (
-    joint_state,
-    pose_stamped,
-    read_float_array,
-    sensor_array,
-    sensor_joint_state,
-    twist_stamped,
-)
-from forest_msgs_py.node import publisher, run_node, timer
+from forest_msgs_py.messages import read_float_array
+from forest_msgs_py.node import publisher, run_node
+from forest_msgs_py.packing import Packer
 from forest_msgs_py.parameters import ParameterError, declare, declare_triple
-from forest_msgs_py.topics import ACTUATORS, JOINTS, message_class
+from forest_msgs_py.topics import message_class
 from forest_sim.disturbance import Disturbance, checked_tip_force, parse_stuck_spools
 from forest_sim.manipulator import Triple
 from forest_sim.measurement import Measurement, Motion
@@ -61,18 +58,23 @@ class SimulatorNode(Node):
             self.get_logger().info(
                 "the plant is interpreted; `python -m forest_sim.compiled` makes it fast, once"
             )
+        self._changing = threading.Lock()  # parameters come in the executor's thread
         self._declare_disturbance()
         self._voltages, self._received = ZERO, -math.inf
         self._missed = 0
         self._outputs = {
             topic: publisher(self, topic) for topic in topics.TOPICS if "simulator" in topic.publishers
         }
+        self._packers = {
+            topic: Packer(topic, FRAME if topic.type in (topics.POSE, topics.TWIST) else "", self._plain)
+            for topic in self._outputs
+            if topic != topics.ROBOT_DESCRIPTION
+        }
         text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
         self._outputs[topics.ROBOT_DESCRIPTION].publish(text)
         self._voltage_inbox = inbox(self, topics.VALVE_VOLTAGES)
         self._stamp = self.get_clock().now().nanoseconds
         self._next = time.monotonic_ns() + PERIOD_NS
-        timer(self, PERIOD_NS * 1e-9, self._on_timer)
 
     def _sensor_suite(self, machine: Machine) -> Suite:
         noise = declare(self, "sensor_noise", False, "errors, noise, lag and rate as in the machine file")
@@ -96,7 +98,9 @@ class SimulatorNode(Node):
         values = {name: self.get_parameter(name).value for name in ("stuck_spools", "tip_force")}
         values.update((parameter.name, parameter.value) for parameter in changed if parameter.name in values)
         try:
-            self._machine.disturb(_disturbance(values["stuck_spools"], values["tip_force"]))
+            disturbance = _disturbance(values["stuck_spools"], values["tip_force"])
+            with self._changing:
+                self._machine.disturb(disturbance)
         except ValueError as error:
             return SetParametersResult(successful=False, reason=f"parameter {error}")
         return SetParametersResult(successful=True)
@@ -113,7 +117,13 @@ class SimulatorNode(Node):
         if time.monotonic() - self._received > self._machine.machine.command_timeout:
             self._voltages = ZERO
 
-    def _on_timer(self) -> None:
+    def run(self, stopping: threading.Event) -> None:
+        """Keep the time until the node stops."""
+        while not stopping.is_set():
+            time.sleep(max(0, self._next - time.monotonic_ns()) * 1e-9)
+            self._catch_up()
+
+    def _catch_up(self) -> None:
         due = max(0, (time.monotonic_ns() - self._next) // PERIOD_NS + 1)
         self._missed += max(0, due - 1)
         skipped = max(0, due - CATCH_UP)
@@ -126,37 +136,35 @@ class SimulatorNode(Node):
 
     def _advance(self) -> None:
         self._read_voltages()
-        self._publish(self._machine.step(self._voltages))
+        with self._changing:
+            seen = self._machine.step(self._voltages)
+        self._publish(seen)
 
     def _publish(self, seen: Measurement) -> None:
         """Publish one sample; what the driver needs goes before what makes the controller step."""
         auxiliary = (*seen.spools, seen.case_drain_flow, *seen.temperatures, seen.engine_speed, *seen.tilt)
-        self._publish_array(topics.PRESSURES, seen.pressures)
-        self._publish_array(topics.SUPPLY, (seen.supply_pressure, seen.supply_flow, seen.supply_saturation))
-        self._publish_motion(topics.JOINT_STATES, JOINTS, seen.joints)
-        self._publish_motion(topics.ACTUATOR_STATES, ACTUATORS, seen.actuators)
-        self._publish_array(topics.FLOWS, seen.flows)
-        self._publish_array(topics.AUXILIARY, (*auxiliary, *map(float, self._machine.events), self._missed))
+        self._say(topics.PRESSURES, seen.pressures)
+        self._say(topics.SUPPLY, (seen.supply_pressure, seen.supply_flow, seen.supply_saturation))
+        self._say(topics.JOINT_STATES, _flat(seen.joints))
+        self._say(topics.ACTUATOR_STATES, _flat(seen.actuators))
+        self._say(topics.FLOWS, seen.flows)
+        self._say(topics.AUXILIARY, (*auxiliary, *map(float, self._machine.events), float(self._missed)))
         self._publish_truth()
 
     def _publish_truth(self) -> None:
         true, links = self._machine.true_joints(), self._machine.machine.manipulator.links
-        state = joint_state(JOINTS, self._stamp, true.position, true.speed, true.effort)
-        self._outputs[topics.GROUND_TRUTH_JOINT_STATES].publish(state)
-        pose = pose_stamped(self._stamp, FRAME, tip_position(true.position, links))
-        twist = twist_stamped(self._stamp, FRAME, tip_velocity(true.position, true.speed, links))
-        self._outputs[topics.GROUND_TRUTH_TIP_POSE].publish(pose)
-        self._outputs[topics.GROUND_TRUTH_TIP_TWIST].publish(twist)
+        self._say(topics.GROUND_TRUTH_JOINT_STATES, _flat(true))
+        self._say(topics.GROUND_TRUTH_TIP_POSE, tip_position(true.position, links))
+        self._say(topics.GROUND_TRUTH_TIP_TWIST, tip_velocity(true.position, true.speed, links))
 
-    def _publish_array(self, topic: topics.Topic, values: tuple[float, ...]) -> None:
-        message = sensor_array(topic, self._stamp, values, self._plain)
-        if message is not None:
-            self._outputs[topic].publish(message)
+    def _say(self, topic: topics.Topic, values: tuple[float, ...]) -> None:
+        data = self._packers[topic].pack(self._stamp, values)
+        if data is not None:
+            self._outputs[topic].publish(data)
 
-    def _publish_motion(self, topic: topics.Topic, names: tuple[str, ...], motion: Motion) -> None:
-        message = sensor_joint_state(names, self._stamp, motion.position, motion.speed, motion.effort)
-        if message is not None:
-            self._outputs[topic].publish(message)
+
+def _flat(motion: Motion) -> tuple[float, ...]:
+    return *motion.position, *motion.speed, *motion.effort
 
 
 def _start_angles(machine: Machine, tip: Triple) -> Triple:
