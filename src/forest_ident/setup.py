@@ -16,5 +16,10 @@ setup(
         (f"share/{package}", ["package.xml"]),
     ],
     zip_safe=False,
-    entry_points={"console_scripts": ["recorder_node = forest_ident.recorder_node:main"]},
+    entry_points={
+        "console_scripts": [
+            "forest-bag = forest_ident.bag_cli:main",
+            "recorder_node = forest_ident.recorder_node:main",
+        ]
+    },
 )
