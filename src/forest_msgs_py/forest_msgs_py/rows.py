@@ -21,6 +21,7 @@ from forest_msgs_py.topics import (
 )
 
 NS_PER_S = 1_000_000_000
+LONGEST_ARRAY = 256
 
 
 class Row(NamedTuple):
@@ -87,6 +88,52 @@ def _named(names: tuple[str, ...], kind: str, count: int) -> tuple[str, ...]:
 def _take_clock(_topic: Topic, message: Any) -> Row:
     stamp = int(message.clock.sec) * NS_PER_S + int(message.clock.nanosec)
     return Row(stamp, CLOCK.labels, CLOCK.units, (stamp / NS_PER_S,))
+
+
+def take_any(_topic: Topic, message: Any) -> Row:
+    """Every number of a message of any type, by its path like ``twist.linear.x``; units nobody knows.
+
+    Texts and arrays of more than LONGEST_ARRAY elements (pictures, point clouds) are left out.
+    """
+    header = getattr(message, "header", None)
+    found: dict[str, float] = {}
+    _collect_numbers(message, "", found)
+    stamp = _stamp(message) if hasattr(header, "stamp") else None
+    return Row(stamp, tuple(found), ("",) * len(found), tuple(found.values()))
+
+
+def _collect_numbers(value: Any, path: str, found: dict[str, float]) -> None:
+    if hasattr(value, "get_fields_and_field_types"):
+        for name in value.get_fields_and_field_types():
+            if path or name != "header":
+                _collect_numbers(getattr(value, name), f"{path}.{name}" if path else name, found)
+    elif isinstance(value, (bool, int, float)):
+        found[path] = float(value)
+    elif isinstance(value, bytes) and len(value) == 1:  # an octet
+        found[path] = float(value[0])
+    elif not isinstance(value, str) and len(value) <= LONGEST_ARRAY:
+        for place, element in enumerate(value):
+            _collect_numbers(element, f"{path}_{place}", found)
+
+
+def texts(message: Any) -> dict[str, Any]:
+    """What `take_any` leaves out of a message, by its path: texts, and long arrays."""
+    found: dict[str, Any] = {}
+    _collect_texts(message, "", found)
+    return found
+
+
+def _collect_texts(value: Any, path: str, found: dict[str, Any]) -> None:
+    if hasattr(value, "get_fields_and_field_types"):
+        for name in value.get_fields_and_field_types():
+            _collect_texts(getattr(value, name), f"{path}.{name}" if path else name, found)
+    elif isinstance(value, str):
+        found[path] = value
+    elif hasattr(value, "__len__") and len(value) > LONGEST_ARRAY:
+        found[path] = bytes(value) if hasattr(value, "itemsize") else str(value)
+    elif isinstance(value, (list, tuple)):
+        for place, element in enumerate(value):
+            _collect_texts(element, f"{path}_{place}", found)
 
 
 TAKERS: dict[str, Callable[[Topic, Any], Row]] = {

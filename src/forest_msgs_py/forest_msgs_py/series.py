@@ -8,26 +8,25 @@ log_time_ns   when the recorder received it, system time, int64 [N]
 values        float64 [N, k], one column per label
 ============  ==============================================================================================
 
-The file is read as a stream, front to back, so that a bag whose recorder was killed (no footer, no index, no
-``metadata.yaml``) gives every finished chunk.
+A bag whose recorder was killed (no footer, no index, no ``metadata.yaml``) gives every finished chunk.
 """
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
-from mcap.exceptions import McapError
-from mcap.records import Channel, Footer, Message, Schema
-from mcap.stream_reader import StreamReader
 from numpy.typing import NDArray
 
-from forest_msgs_py.rows import NS_PER_S, TAKERS
+from forest_msgs_py.bag_files import BagError
+from forest_msgs_py.bag_reader import BagReader
+from forest_msgs_py.mcap_pieces import Channel, RawMessage
+from forest_msgs_py.qos_profiles import offered
+from forest_msgs_py.rows import NS_PER_S, TAKERS, Row, take_any, texts
 from forest_msgs_py.sequences import SequenceGaps
 from forest_msgs_py.topics import Topic, find, message_class, unlisted
 
@@ -78,7 +77,7 @@ class Bag:
     """A recorded session in memory."""
 
     def __init__(
-        self, topics: dict[str, TopicInfo], messages: dict[str, list[Message]], complete: bool
+        self, topics: dict[str, TopicInfo], messages: dict[str, list[RawMessage]], complete: bool
     ) -> None:
         self.topics = topics
         self.complete = complete  # False: the recorder was killed, the file has no footer
@@ -118,56 +117,33 @@ def bag_of(series: Mapping[Topic, Series]) -> Bag:
     return bag
 
 
-def read_bag(path: str | Path) -> Bag:
-    """Read a bag directory or one .mcap file.
+def read_bag(path: str | Path, topics: Collection[str] | None = None) -> Bag:
+    """Read a bag into memory: what is whole of it.
+
+    Args:
+        path: directory or file, of any kind that `BagReader` reads.
+        topics: keep the messages of these only; None: of all.
 
     Raises:
-        FileNotFoundError: there is no .mcap file.
+        FileNotFoundError: there is no bag.
     """
     path = Path(path)
-    files = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
-    if not files or not files[0].is_file():
-        raise FileNotFoundError(f"no .mcap file in {path}")
-    channels: dict[str, Channel] = {}
-    types: dict[str, str] = {}
-    messages: dict[str, list[Message]] = {}
-    complete = True
-    for file in files:
-        complete &= _read_file(file, channels, types, messages)
+    messages: dict[str, list[RawMessage]] = {}
+    try:
+        with BagReader(path, lenient=True) as reader:
+            for message in reader.messages():
+                if topics is None or message.channel.topic in topics:
+                    messages.setdefault(message.channel.topic, []).append(message)
+            channels = {name: found[0] for name, found in reader.channels.items()}
+            complete = reader.complete
+    except BagError as error:
+        raise FileNotFoundError(str(error)) from error
     lost = _recorded_losses(path)
-    topics = {
-        name: _info(types[name], messages[name], lost.get(name), channels[name]) for name in sorted(channels)
+    infos = {
+        name: _info(channel, messages.setdefault(name, []), lost.get(name))
+        for name, channel in channels.items()
     }
-    return Bag(topics, messages, complete)
-
-
-def _read_file(
-    file: Path, channels: dict[str, Channel], types: dict[str, str], messages: dict[str, list[Message]]
-) -> bool:
-    """Collect one file's messages by topic; True if it ends as a finished file does."""
-    schemas: dict[int, Schema] = {}
-    names: dict[int, str] = {}
-    with file.open("rb") as stream:
-        try:
-            for record in _records(stream):
-                if isinstance(record, Schema):
-                    schemas[record.id] = record
-                elif isinstance(record, Channel):
-                    names[record.id] = record.topic
-                    channels.setdefault(record.topic, record)
-                    types.setdefault(record.topic, schemas[record.schema_id].name)
-                    messages.setdefault(record.topic, [])
-                elif isinstance(record, Message):
-                    messages[names[record.channel_id]].append(record)
-                elif isinstance(record, Footer):
-                    return True
-        except (McapError, struct.error):
-            pass  # cut off in the middle of a record: what came before is whole
-    return False
-
-
-def _records(stream: Any) -> Iterator[Any]:
-    yield from StreamReader(stream).records
+    return Bag(infos, messages, complete)
 
 
 def _recorded_losses(path: Path) -> dict[str, int]:
@@ -180,36 +156,66 @@ def _recorded_losses(path: Path) -> dict[str, int]:
     return {key[len(prefix) :]: int(value) for key, value in custom.items() if key.startswith(prefix)}
 
 
-def _info(type_name: str, messages: list[Message], lost: int | None, channel: Channel) -> TopicInfo:
-    times = [message.log_time for message in messages]
+def _info(channel: Channel, messages: list[RawMessage], lost: int | None) -> TopicInfo:
+    times = [message.log_ns for message in messages]
     if lost is None:
-        publishers = len(yaml.safe_load(channel.metadata.get("offered_qos_profiles", "")) or [None])
+        publishers = max(1, len(offered(channel.qos)))
         gaps = SequenceGaps()
         for message in messages:
             gaps.observe(message.sequence, lambda: publishers)
         lost = gaps.lost
-    return TopicInfo(type_name, len(times), min(times, default=0), max(times, default=0), lost)
+    return TopicInfo(channel.type, len(times), min(times, default=0), max(times, default=0), lost)
 
 
-def _series(name: str, type_name: str, messages: list[Message]) -> Series:
-    take = TAKERS.get(type_name)
-    if take is None:
-        raise ValueError(f"{name}: {type_name} has no series; allowed: {', '.join(sorted(TAKERS))}")
+def row_reader(name: str, type_name: str) -> Callable[[bytes], Row]:
+    """Return what turns a topic's CDR bytes into a row of labelled numbers.
+
+    Raises:
+        ValueError: the type is not installed here.
+    """
+    kind, decode = _decoder(name, type_name)
+    take = TAKERS.get(type_name, take_any)
+    return lambda data: take(kind, decode(data))
+
+
+def text_reader(name: str, type_name: str) -> Callable[[bytes], dict[str, Any]]:
+    """Return what finds in a topic's CDR bytes that which is no number: see `rows.texts`.
+
+    Raises:
+        ValueError: the type is not installed here.
+    """
+    _, decode = _decoder(name, type_name)
+    return lambda data: texts(decode(data))
+
+
+def _decoder(name: str, type_name: str) -> tuple[Topic, Callable[[bytes], Any]]:
     from rclpy.serialization import deserialize_message  # only here: counting needs no ROS
 
     row = find(name)
     kind = row if row is not None and row.type == type_name else unlisted(name, type_name)
-    message_type = message_class(kind)
-    rows = [take(kind, deserialize_message(message.data, message_type)) for message in messages]
+    try:
+        message_type = message_class(kind)
+    except (ImportError, AttributeError, ValueError):
+        raise ValueError(f"{name}: {type_name or 'its type'} is not installed here") from None
+    return kind, lambda data: deserialize_message(data, message_type)
+
+
+def _series(name: str, type_name: str, messages: list[RawMessage]) -> Series:
+    read = row_reader(name, type_name)
+    rows = [read(message.data) for message in messages]
+    row = find(name)
+    kind = row if row is not None and row.type == type_name else unlisted(name, type_name)
     columns = dict(zip(kind.labels, kind.units, strict=True)) if not rows else {}
     for row_ in rows:
         if row_.labels != tuple(columns):
             columns |= dict(zip(row_.labels, row_.units, strict=True))
+    if rows and not columns:
+        raise ValueError(f"{name}: {type_name} has no series; allowed: messages with numbers in them")
     places = {label: place for place, label in enumerate(columns)}
     values = np.full((len(rows), len(columns)), np.nan)
     for line, row_ in zip(values, rows, strict=True):
         line[[places[label] for label in row_.labels]] = row_.values
-    log_time = np.array([message.log_time for message in messages], dtype=np.int64)
+    log_time = np.array([message.log_ns for message in messages], dtype=np.int64)
     time = np.array(
         [log if r.stamp_ns is None else r.stamp_ns for r, log in zip(rows, log_time, strict=True)],
         dtype=np.int64,

@@ -1,0 +1,196 @@
+"""Two bags as two streams side by side: messages of the same topic and stamp make a pair and are compared.
+
+Only what still waits for its partner is in memory. Messages are decoded only where bytes differ; of a type
+that is not installed, bytes are all that counts.
+
+Not compared: publish times and sequence numbers, which belong to the middleware, `WALL_CLOCK_TOPICS`, and
+`WALL_CLOCK_COLUMNS` where nothing else of a message differs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Collection, Iterator
+from typing import Any
+
+from forest_ident.comparison import Comparison, SignalDifference, TopicDifference
+from forest_msgs_py.bag_reader import BagReader
+from forest_msgs_py.mcap_pieces import RawMessage
+from forest_msgs_py.rows import NS_PER_S, Row
+from forest_msgs_py.series import row_reader, text_reader
+from forest_msgs_py.topics import AUXILIARY, find
+
+WALL_CLOCK_TOPICS = ("/rosout", "/parameter_events")  # stamped by the system's clock in any run
+WALL_CLOCK_COLUMNS = {AUXILIARY.name: frozenset(("missed_deadlines",))}
+
+
+def compare(
+    a: BagReader, b: BagReader, ignore: Collection[str] = (), only: Collection[str] | None = None
+) -> Comparison:
+    """Compare two bags on their stamps.
+
+    Args:
+        a: one bag.
+        b: the other.
+        ignore: topics to leave out beside those of the wall clock.
+        only: topics to compare; None: all.
+
+    Raises:
+        Damaged: bytes of a bag were changed.
+    """
+    topics, alone, ignored = common_topics(a, b, ignore, only)
+    pairings = {name: _Pairing(*kinds) for name, kinds in topics.items()}
+    streams = [reader.messages(pairings.keys()) for reader in (a, b)]
+    for side, message in _by_turns(streams):
+        pairings[message.channel.topic].add(side, message)
+    found = {name: pairing.finish() for name, pairing in pairings.items()}
+    start = min(a.span[0], b.span[0])
+    return Comparison(found, alone, ignored, (start, start))
+
+
+def common_topics(
+    a: BagReader, b: BagReader, ignore: Collection[str], only: Collection[str] | None
+) -> tuple[
+    dict[str, tuple[TopicDifference, str, str]], tuple[tuple[str, ...], tuple[str, ...]], tuple[str, ...]
+]:
+    """What both bags have, with the types; what one of them has; what is left out."""
+    kinds = [
+        {name: channels[0].type for name, channels in reader.channels.items() if only is None or name in only}
+        for reader in (a, b)
+    ]
+    left_out = kinds[0].keys() | kinds[1].keys()
+    left_out &= {*WALL_CLOCK_TOPICS, *ignore} - set(only or ())
+    names = [kind.keys() - left_out for kind in kinds]
+    both = {
+        name: (TopicDifference(name, kinds[0][name]), kinds[0][name], kinds[1][name])
+        for name in sorted(names[0] & names[1])
+    }
+    alone = (tuple(sorted(names[0] - names[1])), tuple(sorted(names[1] - names[0])))
+    return both, alone, tuple(sorted(left_out))
+
+
+def _by_turns(streams: list[Iterator[RawMessage]]) -> Iterator[tuple[int, RawMessage]]:
+    """Messages of both, one of each by turns, so that little waits for its partner."""
+    running = dict(enumerate(streams))
+    while running:
+        for side in list(running):
+            message = next(running[side], None)
+            if message is None:
+                del running[side]
+            else:
+                yield side, message
+
+
+class _Pairing:
+    """One topic: messages of both bags find their partners."""
+
+    def __init__(self, result: TopicDifference, type_a: str, type_b: str) -> None:
+        self._result = result
+        self._waiting: tuple[deque[RawMessage], deque[RawMessage]] = (deque(), deque())
+        self._taken = [0, 0]
+        self._read: Callable[[bytes], Row] | None = None
+        self._texts: Callable[[bytes], dict[str, Any]] | None = None
+        row = find(result.topic)
+        self._wall_clock = WALL_CLOCK_COLUMNS.get(row.name, frozenset()) if row else frozenset()
+        if type_a != type_b:
+            result.structure += 1
+            result.note(0, 0, f"type {type_a or 'unknown'} and {type_b or 'unknown'}")
+            return
+        try:
+            self._read = row_reader(result.topic, type_a)
+            self._texts = text_reader(result.topic, type_a)
+        except ValueError:
+            pass  # not installed: bytes are compared
+
+    def add(self, side: int, message: RawMessage) -> None:
+        """Take in a message of bag a (side 0) or b (side 1)."""
+        self._result.counts[side] += 1
+        self._waiting[side].append(message)
+        while all(self._waiting):
+            self._match(self._waiting[0][0], self._waiting[1][0])
+
+    def finish(self) -> TopicDifference:
+        """What still waits has no partner."""
+        for side in (0, 1):
+            while self._waiting[side]:
+                self._leave_alone(side)
+        return self._result
+
+    def _match(self, a: RawMessage, b: RawMessage) -> None:
+        if a.data == b.data and a.log_ns == b.log_ns:
+            self._pair()
+            return
+        row_a, row_b = (None, None) if self._read is None else (self._read(a.data), self._read(b.data))
+        stamps = [None if row is None else row.stamp_ns for row in (row_a, row_b)]
+        if None not in stamps and stamps[0] != stamps[1]:
+            self._leave_alone(0 if stamps[0] < stamps[1] else 1)  # type: ignore[operator]
+            return
+        self._judge(a, b, row_a, row_b)
+        self._pair()
+
+    def _pair(self) -> None:
+        self._result.pairs += 1
+        for side in (0, 1):
+            self._waiting[side].popleft()
+            self._taken[side] += 1
+
+    def _leave_alone(self, side: int) -> None:
+        message = self._waiting[side].popleft()
+        self._result.alone[side] += 1
+        row = None if self._read is None else self._read(message.data)
+        stamp = message.log_ns if row is None or row.stamp_ns is None else row.stamp_ns
+        self._result.note(self._taken[0], stamp, f"a message that is only in {'AB'[side]}")
+        self._taken[side] += 1
+
+    def _judge(self, a: RawMessage, b: RawMessage, row_a: Row | None, row_b: Row | None) -> None:
+        """Compare a pair that is not the same."""
+        result, index = self._result, self._taken[0]
+        stamp = a.log_ns if row_a is None or row_a.stamp_ns is None else row_a.stamp_ns
+        if a.data != b.data:
+            what = self._difference(a, b, row_a, row_b, stamp)
+            if what:
+                result.differing += 1
+                result.note(index, stamp, what)
+        if a.log_ns != b.log_ns:
+            result.log_times += 1
+            result.note(index, stamp, f"log time {_seconds(a.log_ns)} and {_seconds(b.log_ns)}")
+
+    def _difference(
+        self, a: RawMessage, b: RawMessage, row_a: Row | None, row_b: Row | None, stamp: int
+    ) -> str:
+        """Say what differs between two messages of different bytes; "" if only wall-clock measurements."""
+        result = self._result
+        if row_a is None or row_b is None or self._texts is None:
+            result.structure += 1
+            place = next((i for i, (x, y) in enumerate(zip(a.data, b.data, strict=False)) if x != y), 0)
+            return f"bytes, from byte {place} on ({len(a.data)} and {len(b.data)} bytes)"
+        texts = self._texts(a.data), self._texts(b.data)
+        if row_a.labels != row_b.labels or texts[0] != texts[1]:
+            result.structure += 1
+            return _structure(row_a, row_b, *texts)
+        changed = []
+        for label, unit, x, y in zip(row_a.labels, row_a.units, row_a.values, row_b.values, strict=True):
+            signal = result.signals.setdefault(label, SignalDifference(label, unit))
+            if x == y or (math.isnan(x) and math.isnan(y)):
+                continue
+            if label in self._wall_clock:
+                changed.append("")
+                continue
+            signal.add(y - x, stamp)
+            changed.append(f"{label} {x:.9g} and {y:.9g} {unit}".rstrip())
+        return next(filter(None, changed), "" if changed else "the same values in other bytes")
+
+
+def _structure(row_a: Row, row_b: Row, texts_a: dict[str, Any], texts_b: dict[str, Any]) -> str:
+    if row_a.labels != row_b.labels:
+        missing = [name for name in row_a.labels if name not in row_b.labels]
+        added = [name for name in row_b.labels if name not in row_a.labels]
+        told = [f"{', '.join(names)} only in {bag}" for names, bag in ((missing, "A"), (added, "B")) if names]
+        return "; ".join(told) or "the labels in another order"
+    path = next(path for path in texts_a | texts_b if texts_a.get(path) != texts_b.get(path))
+    return f"{path} {str(texts_a.get(path))[:40]!r} and {str(texts_b.get(path))[:40]!r}"
+
+
+def _seconds(time_ns: int) -> str:
+    return f"{time_ns // NS_PER_S}.{time_ns % NS_PER_S:09d} s"

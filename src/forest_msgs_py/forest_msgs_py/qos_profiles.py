@@ -1,0 +1,108 @@
+"""QoS profiles as bags tell them: every version of rosbag2's metadata, as one kind of profile.
+
+Up to version 8 of ``metadata.yaml`` policies are numbers (those of rmw's enumerations) and the list is a text
+of YAML inside the YAML; from 9 on they are words and a list. MCAP channels hold the text in either form.
+A depth of 0 or a history ``unknown`` is what publishers told before DDS said more: a default stands in.
+
+No ROS in here.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import yaml
+
+NEVER_S = 9223372036  # rmw's infinite duration
+DEFAULT_DEPTH = 10
+MOST_DEPTH = 10_000  # a publisher keeps its whole queue in memory
+HISTORY = ("system_default", "keep_last", "keep_all", "unknown")
+RELIABILITY = ("system_default", "reliable", "best_effort", "unknown", "best_available")
+DURABILITY = ("system_default", "transient_local", "volatile", "unknown", "best_available")
+LIVELINESS = ("system_default", "automatic", "manual_by_node", "manual_by_topic", "unknown", "best_available")
+
+
+class Qos(NamedTuple):
+    """What a publisher offers; durations in ns, 0: without limit."""
+
+    depth: int = DEFAULT_DEPTH
+    keep_all: bool = False
+    reliable: bool = True
+    latched: bool = False
+    deadline_ns: int = 0
+    lifespan_ns: int = 0
+    manual: bool = False  # liveliness manual_by_topic
+    lease_ns: int = 0
+
+    def text(self) -> str:
+        """For people, in the words of the topic table."""
+        reliability = "reliable" if self.reliable else "best effort"
+        durability = "latched" if self.latched else "volatile"
+        return f"{reliability}, {durability}, {'keep all' if self.keep_all else f'depth {self.depth}'}"
+
+
+def offered(qos: Any) -> list[Qos]:
+    """The profiles of a topic's publishers; [] where the bag tells none, or nothing that can be read.
+
+    Args:
+        qos: ``offered_qos_profiles`` of a bag: a list, or a text of YAML.
+    """
+    if isinstance(qos, str):
+        try:
+            qos = yaml.safe_load(qos)
+        except yaml.YAMLError:
+            return []
+    if not isinstance(qos, list):
+        return []
+    return [_profile(entry) for entry in qos if isinstance(entry, dict)]
+
+
+def for_replay(profiles: list[Qos]) -> Qos:
+    """One profile that serves every reader which the recorded publishers together served.
+
+    Reliable or latched if one of them was; the queue holds what all their queues held. Deadline, lifespan and
+    liveliness are those of the first, if all agree: one of several is no promise for all.
+    """
+    if not profiles:
+        return Qos()
+    depths = [profile.depth for profile in profiles]
+    latched = any(profile.latched for profile in profiles)
+    joint = Qos(
+        min(sum(depths) if latched else max(depths), MOST_DEPTH),
+        any(profile.keep_all for profile in profiles),
+        any(profile.reliable for profile in profiles),
+        latched,
+    )
+    limits = {profile[4:] for profile in profiles}
+    return Qos(*joint[:4], *profiles[0][4:]) if len(limits) == 1 else joint
+
+
+def _profile(entry: dict[str, Any]) -> Qos:
+    history = _word(entry.get("history"), HISTORY)
+    depth = entry.get("depth")
+    lifespan = _duration(entry.get("lifespan"))
+    return Qos(
+        min(depth, MOST_DEPTH) if isinstance(depth, int) and depth > 0 else DEFAULT_DEPTH,
+        history == "keep_all",
+        _word(entry.get("reliability"), RELIABILITY) != "best_effort",
+        _word(entry.get("durability"), DURABILITY) == "transient_local",
+        _duration(entry.get("deadline")),
+        lifespan,
+        _word(entry.get("liveliness"), LIVELINESS) == "manual_by_topic",
+        _duration(entry.get("liveliness_lease_duration")),
+    )
+
+
+def _word(value: Any, words: tuple[str, ...]) -> str:
+    if isinstance(value, int) and not isinstance(value, bool):
+        return words[value] if 0 <= value < len(words) else "unknown"
+    return str(value).lower()
+
+
+def _duration(value: Any) -> int:
+    if not isinstance(value, dict):
+        return 0
+    sec, nsec = value.get("sec", 0), value.get("nsec", 0)
+    if not (isinstance(sec, int) and isinstance(nsec, int)) or not 0 <= sec < NEVER_S:
+        return 0
+    return sec * 1_000_000_000 + nsec

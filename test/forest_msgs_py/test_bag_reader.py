@@ -1,0 +1,153 @@
+"""A bag's messages come in the order of their log times from any file, and a damaged one says so."""
+
+import itertools
+import sqlite3
+
+import pytest
+import zstandard
+from mcap.writer import CompressionType, Writer
+
+from forest_msgs_py.bag_files import BagError
+from forest_msgs_py.bag_reader import BagReader
+from forest_msgs_py.mcap_pieces import Damaged
+
+TEXT = "std_msgs/msg/String"
+
+
+def write_mcap(path, times, topics=("/a", "/b"), body=bytes, **options):
+    """A file as somebody else's writer makes it: each time a message, the topics by turns."""
+    with path.open("wb") as stream:
+        writer = Writer(stream, chunk_size=200, **options)
+        writer.start("ros2", "somebody else")
+        schema = writer.register_schema(TEXT, "ros2msg", b"string data")
+        metadata = {"offered_qos_profiles": "- depth: 3\n  durability: 1"}
+        channels = [writer.register_channel(topic, "cdr", schema, metadata) for topic in topics]
+        for number, time in enumerate(times):
+            writer.add_message(channels[number % len(channels)], time, body([number % 256]), time + 1, number)
+        writer.finish()
+    return path
+
+
+def logged(path, **options):
+    with BagReader(path) as bag:
+        return [message.log_ns for message in bag.messages(**options)]
+
+
+SHUFFLED = [30, 10, 20, 60, 50, 40, 90, 70, 80, 5] * 3
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"compression": CompressionType.ZSTD},
+        {"compression": CompressionType.LZ4},
+        {"compression": CompressionType.NONE},
+        {"use_chunking": False},
+        {"use_statistics": False, "use_summary_offsets": False},
+        {"index_types": 0},
+    ],
+    ids=["zstd", "lz4", "plain", "loose", "no statistics", "no index"],
+)
+def test_messages_come_in_the_order_of_their_log_times(tmp_path, options):
+    if "index_types" in options:
+        from mcap.writer import IndexType
+
+        options = {"index_types": IndexType.NONE}
+    file = write_mcap(tmp_path / "a.mcap", SHUFFLED, **options)
+    assert logged(file) == sorted(SHUFFLED)
+    assert logged(file, start_ns=60) == [time for time in sorted(SHUFFLED) if time >= 60]
+    assert logged(file, topics={"/a"}) == sorted(SHUFFLED[::2])
+    with BagReader(file) as bag:
+        assert bag.span == (5, 90)
+        assert bag.complete
+        assert [channel.type for channel in bag.channels["/b"]] == [TEXT]
+
+
+def test_splits_overlap_and_are_counted_as_people_count(tmp_path):
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    for number in range(12):
+        write_mcap(bag / f"bag_{number}.mcap", [10 * number, 10 * number + 25])
+    assert logged(bag) == sorted(itertools.chain(range(0, 120, 10), range(25, 145, 10)))
+    with BagReader(bag) as reader:
+        assert [file.path.name for file in reader.files] == [f"bag_{number}.mcap" for number in range(12)]
+
+
+def test_whole_files_and_single_messages_may_be_compressed(tmp_path):
+    bag = tmp_path / "bag"
+    bag.mkdir()
+    plain = write_mcap(tmp_path / "plain.mcap", [1, 2, 3]).read_bytes()
+    (bag / "bag_0.mcap.zstd").write_bytes(zstandard.compress(plain))
+    assert logged(bag) == [1, 2, 3]
+    by_message = tmp_path / "by_message"
+    by_message.mkdir()
+    write_mcap(by_message / "x_0.mcap", [1, 2], body=lambda data: zstandard.compress(bytes(data)))
+    (by_message / "metadata.yaml").write_text(
+        "rosbag2_bagfile_information: {compression_mode: MESSAGE, relative_file_paths: [x_0.mcap]}"
+    )
+    with BagReader(by_message) as reader:
+        assert [message.data for message in reader.messages()] == [b"\x00", b"\x01"]
+
+
+@pytest.mark.parametrize("columns", ["", ", offered_qos_profiles TEXT, type_description_hash TEXT"])
+def test_a_database_of_rosbag2_reads_as_a_file_does(tmp_path, columns):
+    file = tmp_path / "bag_0.db3"
+    with sqlite3.connect(file) as database:
+        database.execute(f"CREATE TABLE topics (id, name, type, serialization_format{columns})")
+        database.execute("CREATE TABLE messages (id, topic_id, timestamp, data)")
+        values = [1, "/a", TEXT, "cdr", "- depth: 3", "RIHS01_0"][: 6 if columns else 4]
+        database.execute(f"INSERT INTO topics VALUES ({','.join('?' * len(values))})", values)
+        rows = [(number, 1, time, b"x") for number, time in enumerate([7] * 2500 + [3, 9])]
+        database.executemany("INSERT INTO messages VALUES (?,?,?,?)", rows)
+    database.close()
+    assert logged(file) == [3] + [7] * 2500 + [9]
+    with BagReader(file) as bag:
+        assert bag.channels["/a"][0].qos == ("- depth: 3" if columns else "")
+
+
+def test_a_damaged_bag_is_refused_and_gives_what_is_whole_when_asked(tmp_path):
+    whole = write_mcap(tmp_path / "whole.mcap", range(0, 1000, 10)).read_bytes()
+    cut = tmp_path / "cut.mcap"
+    counts = []
+    for length in range(0, len(whole), 97):
+        cut.write_bytes(whole[:length])
+        with pytest.raises(Damaged, match=r"forest-bag recover .*cut.mcap'"):
+            BagReader(cut)
+        with BagReader(cut, lenient=True) as bag:
+            times = [message.log_ns for message in bag.messages()]
+            assert times == list(range(0, 10 * len(times), 10))
+            assert not bag.complete
+            counts.append(len(times))
+    assert counts == sorted(counts)
+    assert counts[-1] == 100
+
+
+def test_a_changed_byte_in_a_chunk_is_noticed(tmp_path):
+    file = write_mcap(tmp_path / "a.mcap", range(100), compression=CompressionType.NONE)
+    with BagReader(file) as bag:
+        piece = bag.files[0].pieces[2]
+    data = bytearray(file.read_bytes())
+    data[piece.offset + piece.length - 1] ^= 1
+    file.write_bytes(data)
+    with pytest.raises(Damaged, match="recover"):
+        logged(file)
+    with BagReader(file, lenient=True) as bag:
+        times = [message.log_ns for message in bag.messages()]
+        assert 90 < len(times) < 100
+        assert not bag.complete
+
+
+def test_what_is_no_bag_is_named(tmp_path):
+    (tmp_path / "a.txt").write_text("hello")
+    (tmp_path / "b.mcap").write_text("hello, this is text")
+    (tmp_path / "c.db3").write_text("hello, this is text")
+    (tmp_path / "empty").mkdir()
+    for name, problem in [
+        ("nowhere", "does not exist"),
+        ("a.txt", "is no bag; allowed"),
+        ("b.mcap", "is not an MCAP file"),
+        ("c.db3", "is not an SQLite"),
+        ("empty", "no .mcap file in"),
+    ]:
+        with pytest.raises(BagError, match=problem):
+            BagReader(tmp_path / name)
