@@ -189,7 +189,7 @@ make_venv() {
 
 compile_plant() { # once, for the simulator node, which never compiles; studies do by themselves, so nothing is fatal
     local code
-    say "Compiling the plant (a quarter of a minute) …"
+    say "Compiling the plant (some seconds) …"
     if run_quietly "$venv/bin/python" -m forest_sim.compiled; then
         code=${step_text##*$'\n'}
         [[ -s $code ]] || say "the compiled plant cannot be kept in ${code%/*}; the simulator node runs interpreted."

@@ -2,7 +2,7 @@
 
 import pytest
 
-pytest.importorskip("numba")
+pytest.importorskip("llvmlite")
 
 from forest_description.machine import load_machine
 from forest_sim.compiled import compiled_advance

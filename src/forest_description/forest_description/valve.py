@@ -108,6 +108,11 @@ def opening_at(s: float, curve: Curve) -> float:
     """
     if s <= 0.0 or curve.sort == LINEAR:
         return s
+    return _curved_opening(s, curve)
+
+
+def _curved_opening(s: float, curve: Curve) -> float:
+    """Return the opening u(s), 0 < s <= 1, of a polynomial or a table."""
     if curve.sort == POLYNOMIAL:
         ratio = 0.0
         for k in range(CURVE_SIZE - 1, -1, -1):

@@ -231,7 +231,7 @@ def show_check(machine: Machine) -> int:
 def _tell_about_the_compiler() -> None:
     if not can_compile():
         print(
-            "numba is not installed, so the equations are interpreted, some hundred times slower than "
+            "llvmlite is not installed, so the equations are interpreted, some hundred times slower than "
             "compiled; pip install 'forest-crane[fast]' brings it",
             file=sys.stderr,
         )

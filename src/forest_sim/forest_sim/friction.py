@@ -41,14 +41,14 @@ def friction_force(speed: float, f: Friction) -> float:
     """Return the friction [N] at a speed [m/s], with the speed's sign (it opposes the motion)."""
     if f.breakaway == 0.0:
         return 0.0
-    return _magnitude(speed, f) * speed / math.hypot(speed, f.smoothing_speed)
+    return _magnitude(speed, f) * speed / math.sqrt(speed * speed + f.smoothing_speed * f.smoothing_speed)
 
 
 def friction_slope(speed: float, f: Friction) -> float:
     """Return dF/du [N s/m]; negative where the Stribeck effect falls faster than the sign rises."""
     if f.breakaway == 0.0:
         return 0.0
-    root = math.hypot(speed, f.smoothing_speed)
+    root = math.sqrt(speed * speed + f.smoothing_speed * f.smoothing_speed)
     ratio = speed / f.stribeck_speed
     falling = (f.breakaway - f.coulomb) * math.exp(-ratio * ratio) * 2.0 * ratio / f.stribeck_speed
     sign_slope = f.smoothing_speed * f.smoothing_speed / (root * root * root)

@@ -246,7 +246,23 @@ def solve_line(
     else:
         return shut
     outflow = actuator_flow - conductance * opening
-    return _solve_with_port_valve(pressure, flow, outflow, leakage + conductance, port, supply, line, step)
+    return _solve_with_open_port_valve(
+        pressure, flow, outflow, leakage + conductance, port, supply, line, step
+    )
+
+
+def _solve_with_open_port_valve(
+    pressure: float,
+    flow: float,
+    outflow: float,
+    leakage: float,
+    port: Port,
+    supply: float,
+    line: Line,
+    step: float,
+) -> LineSolution:
+    """Solve the stage as `_solve_with_port_valve`; seldom, hence kept apart in the compiled plant."""
+    return _solve_with_port_valve(pressure, flow, outflow, leakage, port, supply, line, step)
 
 
 def _solve_with_port_valve(

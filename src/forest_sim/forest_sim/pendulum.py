@@ -20,7 +20,8 @@ d_i, the columns of the tip's and of d's Jacobian,
 and the bias is the same sum with t_j, d_j replaced by the accelerations that are there when no joint
 accelerates, less gravity. At β = ±π/2 the angles are singular: α has no inertia there.
 
-Everything in this module but `hanging_head` is in the subset of Python that Numba compiles.
+Everything in this module but `hanging_head` is in the subset of Python that Numba compiles, and what the
+plant needs in that of `translate`.
 """
 
 import math

@@ -9,8 +9,8 @@ negative one the reverse. Tank is zero pressure. Actuator coordinates are the sw
 cylinders' lengths.
 
 The laws of the parts live in `line`, `actuator`, `supply`, `mechanics`, `friction` and `end_stop`; here they
-are put together. Everything in this module is pure and stays in the subset of Python that Numba compiles
-(`compiled`).
+are put together. Everything in this module is pure and stays in the subset of Python that `translate` makes
+machine code of.
 """
 
 import math

@@ -104,8 +104,19 @@ def solve_stage(
     """
     guess = Guess(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply)
     trial = _try(base, guess, ports, h, p)
+    after, size, supply_change = _correct(guess, trial, 1.0, UNBOUNDED, p)
+    if _is_small(size, supply_change, trial.supply.state.reference - guess.supply.reference):
+        return _finished(base, after, trial, h, p), 0
+    return _solve_further(base, after, ports, h, p)
+
+
+def _solve_further(
+    base: PlantState, guess: Guess, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
+) -> tuple[PlantState, int]:
+    """Return what `solve_stage` does, from the second iteration on; seldom, hence apart when compiled."""
     failed, bounds = 1, UNBOUNDED
-    for iteration in range(ITERATIONS):
+    trial = _try_again(base, guess, ports, h, p)
+    for iteration in range(1, ITERATIONS):
         before, share = guess.supply.pressure, 0.5 if DAMPED <= iteration < FULL else 1.0
         reference_change = trial.supply.state.reference - guess.supply.reference
         guess, size, supply_change = _correct(guess, trial, share, bounds, p)
@@ -114,7 +125,12 @@ def solve_stage(
             break
         if iteration >= BOUNDED:
             bounds = _tightened(bounds, before, supply_change)
-        trial = _try(base, guess, ports, h, p)
+        trial = _try_again(base, guess, ports, h, p)
+    return _finished(base, guess, trial, h, p), failed
+
+
+def _finished(base: PlantState, guess: Guess, trial: Trial, h: float, p: PlantParameters) -> PlantState:
+    """Return the state at a stage's end, from the last guess and the equations one correction before it."""
     fed, feeds = guess.supply.pressure - trial.supply.state.pressure, trial.supply.feeds
     return PlantState(
         _assemble(base.swing, guess.rates[0], trial.swing, feeds[0], fed, p.swing, h),
@@ -122,7 +138,7 @@ def solve_stage(
         _assemble(base.stick, guess.rates[2], trial.stick, feeds[2], fed, p.stick, h),
         guess.supply,
         _head_at(base.head, guess.head_rates, h),
-    ), failed
+    )
 
 
 def _is_small(rates: float, supply: float, reference: float) -> bool:
@@ -184,6 +200,13 @@ def _try(
         (head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
         error,
     )
+
+
+def _try_again(
+    base: PlantState, guess: Guess, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
+) -> Trial:
+    """Return what `_try` does; kept apart when compiled."""
+    return _try(base, guess, ports, h, p)
 
 
 def _correct(

@@ -1,0 +1,244 @@
+"""LLVM's text, block by block: what `translate` writes a function of the laws into.
+
+| word | meaning |
+|---|---|
+| Scalar | a number in a register, or a constant: `double`, `i64` or `i1` |
+| Record | a tuple, NamedTuple or not: no place in memory, only its numbers |
+| Stored | a tuple that lies flat in a row of doubles (`flat`); its numbers are loaded where they are used |
+| Row | an array of doubles |
+| block | a stretch of instructions that is entered at its label alone and left at its end alone |
+"""
+
+import struct
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+DOUBLE, WHOLE, TRUTH = "double", "i64", "i1"
+
+
+class Scalar(NamedTuple):
+    """A number: its kind, and the register or constant that holds it."""
+
+    kind: str
+    text: str
+
+
+class Record(NamedTuple):
+    """A tuple of values; `sort` is its NamedTuple, or None."""
+
+    sort: type | None
+    items: "tuple[Value, ...]"
+
+
+class Stored(NamedTuple):
+    """A tuple in memory: an example of it, the row's register, and where in the row it begins."""
+
+    example: tuple[Any, ...]
+    row: str
+    offset: int
+
+
+class Row(NamedTuple):
+    """An array of doubles, by its register."""
+
+    text: str
+
+
+Value = Scalar | Record | Stored | Row
+
+
+def constant(value: Any) -> Value:
+    """Return a number or a nested tuple of numbers as it stands in the text.
+
+    Raises:
+        TypeError: it is something else.
+    """
+    if isinstance(value, bool):
+        return Scalar(TRUTH, "true" if value else "false")
+    if isinstance(value, int):
+        return Scalar(WHOLE, str(value))
+    if isinstance(value, float):
+        return Scalar(DOUBLE, f"0x{struct.pack('>d', value).hex().upper()}")
+    if isinstance(value, tuple):
+        sort = type(value) if hasattr(value, "_fields") else None
+        return Record(sort, tuple(constant(item) for item in value))
+    raise TypeError(f"{value!r} is no number")
+
+
+def size(example: Any) -> int:
+    """Return how many numbers a nested tuple holds."""
+    return sum(size(item) for item in example) if isinstance(example, tuple) else 1
+
+
+def scalars(value: Value) -> Iterator[Scalar]:
+    """Yield the numbers of a value that does not lie in memory, depth first."""
+    if isinstance(value, Record):
+        for item in value.items:
+            yield from scalars(item)
+    elif isinstance(value, Scalar):
+        yield value
+    else:
+        raise TypeError(f"{value} lies in memory")
+
+
+def rebuilt(value: Value, numbers: Iterator[Scalar]) -> Value:
+    """Return a value of the same shape made of other numbers."""
+    if isinstance(value, Record):
+        return Record(value.sort, tuple(rebuilt(item, numbers) for item in value.items))
+    return next(numbers)
+
+
+class Function:
+    """One function under way: its blocks, and the one that is being written."""
+
+    def __init__(self, *, early: bool = False) -> None:
+        """Begin a function; early, it loads what lies in memory once, at its start."""
+        self._early: dict[tuple[str, int], Scalar] | None = {} if early else None
+        self._bodies: dict[str, list[str]] = {}
+        self._ends: dict[str, str] = {}
+        self._count = 0
+        self.block = ""
+        self.open = False
+        self._entry = self.label()
+        self.start(self._entry)
+
+    def label(self) -> str:
+        """Return a name that no block has yet."""
+        self._count += 1
+        return f"b{self._count}"
+
+    def start(self, label: str) -> None:
+        """Go on in a new block, or in one that has no end yet."""
+        self._bodies.setdefault(label, [])
+        self.block, self.open = label, True
+
+    def emit(self, kind: str, text: str, block: str | None = None) -> Scalar:
+        """Write an instruction, and return its result."""
+        self._count += 1
+        name = f"%v{self._count}"
+        self._bodies[block or self.block].append(f"{name} = {text}")
+        return Scalar(kind, name)
+
+    def do(self, text: str) -> None:
+        """Write an instruction without result."""
+        self._bodies[self.block].append(text)
+
+    def end(self, text: str, block: str | None = None) -> None:
+        """End a block, by default the one that is being written."""
+        self._ends[block or self.block] = text
+        if block in (None, self.block):
+            self.open = False
+
+    def jump(self, label: str) -> None:
+        """Go on elsewhere."""
+        self.end(f"br label %{label}")
+
+    def branch(self, condition: Scalar, yes: str, no: str) -> None:
+        """Go on at one label or the other."""
+        self.end(f"br i1 {condition.text}, label %{yes}, label %{no}")
+
+    def text(self) -> Iterator[str]:
+        """Yield the function's lines."""
+        for label, body in self._bodies.items():
+            yield f"{label}:"
+            yield from body
+            yield self._ends[label]
+
+    def element(self, row: str, index: Scalar | int, block: str | None = None) -> Scalar:
+        """Return the address of a number of a row."""
+        at = str(index) if isinstance(index, int) else index.text
+        return self.emit("ptr", f"getelementptr double, ptr {row}, i64 {at}", block)
+
+    def load(self, row: str, index: Scalar | int, block: str | None = None) -> Scalar:
+        """Return a number of a row."""
+        at = self.element(row, index, block)
+        return self.emit(DOUBLE, f"load double, ptr {at.text}, align 8", block)
+
+    def converted(self, value: Scalar, kind: str, block: str | None = None) -> Scalar:
+        """Return a number as one of another kind; a double is cut to a whole number as int() does."""
+        if value.kind == kind:
+            return value
+        ways = {
+            (WHOLE, DOUBLE): "sitofp",
+            (DOUBLE, WHOLE): "fptosi",
+            (TRUTH, WHOLE): "zext",
+            (TRUTH, DOUBLE): "uitofp",
+        }
+        return self.emit(kind, f"{ways[value.kind, kind]} {value.kind} {value.text} to {kind}", block)
+
+    def member(self, value: Value, index: int, block: str | None = None) -> Value:
+        """Return an item of a tuple."""
+        if isinstance(value, Record):
+            return value.items[index]
+        if not isinstance(value, Stored):
+            raise TypeError(f"{value} is no tuple")
+        index %= len(value.example)
+        item = value.example[index]
+        offset = value.offset + size(value.example[:index])
+        if isinstance(item, tuple):
+            return Stored(item, value.row, offset)
+        kind = WHOLE if isinstance(item, int) else DOUBLE
+        if self._early is None:
+            return self.converted(self.load(value.row, offset, block), kind, block)
+        if (value.row, offset) not in self._early:
+            loaded = self.converted(self.load(value.row, offset, self._entry), kind, self._entry)
+            self._early[value.row, offset] = loaded
+        return self._early[value.row, offset]
+
+    def taken(self, value: Value, block: str | None = None) -> Value:
+        """Return a value with all its numbers loaded."""
+        if isinstance(value, Record):
+            return Record(value.sort, tuple(self.taken(item, block) for item in value.items))
+        if isinstance(value, Stored):
+            items = (self.taken(self.member(value, i, block), block) for i in range(len(value.example)))
+            sort = type(value.example) if hasattr(value.example, "_fields") else None
+            return Record(sort, tuple(items))
+        return value
+
+    def joined(self, arrivals: Sequence[tuple[str, Value]]) -> Value:
+        """Return what a value is in the block being written, to which others lead with values of theirs."""
+        values = [value for _, value in arrivals]
+        if all(value == values[0] for value in values):
+            return values[0]
+        blocks = [block for block, _ in arrivals]
+        taken = [self.taken(value, block) for block, value in arrivals]
+        numbers = [list(scalars(value)) for value in taken]
+        joined = (self._joined(blocks, column) for column in zip(*numbers, strict=True))
+        return rebuilt(taken[0], joined)
+
+    def _joined(self, blocks: Sequence[str], numbers: Sequence[Scalar]) -> Scalar:
+        if all(number == numbers[0] for number in numbers):
+            return numbers[0]
+        kind = DOUBLE if any(number.kind == DOUBLE for number in numbers) else numbers[0].kind
+        numbers = [self.converted(n, kind, block) for n, block in zip(numbers, blocks, strict=True)]
+        return self._first(kind, _phi(kind, zip(blocks, numbers, strict=True)))
+
+    def repeated(self, value: Value, before: str) -> tuple[Value, Callable[[str, Value], None]]:
+        """Return what a value is at the head of a loop, entered from a block `before`.
+
+        The function that comes with it is to be told from which block the loop goes round with which value.
+        """
+        taken = self.taken(value, before)
+        heads = [self._first(number.kind, "") for number in scalars(taken)]
+        head, numbers = self.block, list(scalars(taken))
+
+        def close(block: str, after: Value) -> None:
+            around = scalars(self.taken(after, block))
+            for place, first, again in zip(heads, numbers, around, strict=True):
+                again = self.converted(again, place.kind, block)
+                text = _phi(place.kind, [(before, first), (block, again)])
+                at = self._bodies[head].index(f"{place.text} = ")
+                self._bodies[head][at] += text
+
+        return rebuilt(taken, iter(heads)), close
+
+    def _first(self, kind: str, text: str) -> Scalar:
+        """Write an instruction at the beginning of the block."""
+        self._count += 1
+        name = f"%v{self._count}"
+        self._bodies[self.block].insert(0, f"{name} = {text}")
+        return Scalar(kind, name)
+
+
+def _phi(kind: str, arrivals: Iterable[tuple[str, Scalar]]) -> str:
+    return f"phi {kind} " + ", ".join(f"[{number.text}, %{block}]" for block, number in arrivals)

@@ -1,0 +1,133 @@
+"""The laws, which are ordinary Python, as LLVM's text: one function that takes rows of doubles.
+
+The subset: functions of numbers and nested tuples of numbers, without effects; assignment, `if`, `for` over a
+range, `while`, `break`, `return`; arithmetic, comparison, and the functions in `translate_expressions`.
+Each call is written out where it stands, so that LLVM sees the plant in one piece, except of functions that
+are named as seldom called or large: those stay functions. A compiler for all of Python needs five times as
+long, and for machine code that is no faster.
+"""
+
+import ast
+from collections.abc import Iterator, Mapping
+from types import FunctionType
+from typing import Any
+
+from forest_sim.llvm_text import (
+    DOUBLE,
+    WHOLE,
+    Function,
+    Record,
+    Row,
+    Scalar,
+    Stored,
+    Value,
+    rebuilt,
+    scalars,
+    size,
+)
+from forest_sim.translate_expressions import ONE_ARGUMENT, TWO_ARGUMENTS, Frame, NotTranslatedError
+from forest_sim.translate_statements import Statements, Variables
+
+KINDS = {"p": "ptr noalias", "d": DOUBLE, "i": WHOLE}
+
+
+class Library:
+    """The functions that stay functions, and the text of all."""
+
+    def __init__(self, apart: tuple[str, ...]) -> None:
+        """Keep functions of these names apart."""
+        self._apart = apart
+        self._known: dict[Any, tuple[str, list[str], Value]] = {}
+        self._lines: list[str] = []
+
+    def text(self) -> Iterator[str]:
+        """Yield all lines."""
+        for names, given in ((ONE_ARGUMENT, "double"), (TWO_ARGUMENTS, "double, double")):
+            for name in sorted(set(names.values())):
+                yield f"declare double @{name}({given}) #0"
+        yield from self._lines
+        yield "attributes #0 = { nounwind willreturn speculatable memory(none) }"
+        yield "attributes #1 = { nounwind noinline }"
+
+    def entry(
+        self,
+        name: str,
+        text: str,
+        names: dict[str, Any],
+        arguments: str,
+        views: Mapping[str, tuple[str, Any]],
+    ) -> None:
+        """Add the function that the world calls.
+
+        Args:
+            name: of it.
+            text: its source in Python; it returns nothing.
+            names: what names in the source mean.
+            arguments: a letter for each: p pointer to doubles, d double, i whole number.
+            views: names of tuples that lie flat in an argument: the argument's name, and an example.
+        """
+        (node,) = ast.parse(text).body
+        if not isinstance(node, ast.FunctionDef):
+            raise NotTranslatedError("the entry's source is no function")
+        into, kinds = Function(early=True), []
+        variables: Variables = {}
+        for letter, argument in zip(arguments, [a.arg for a in node.args.args], strict=True):
+            register = f"%{argument}"
+            seen = [example for under, example in views.values() if under == argument]
+            behind = f"dereferenceable({8 * size(seen[0])}) align 8 " if seen else ""
+            kinds.append(f"{KINDS[letter]} {behind}{register}")
+            variables[argument] = Row(register) if letter == "p" else Scalar(KINDS[letter], register)
+        for view, (under, example) in views.items():
+            variables[view] = Stored(example, f"%{under}", 0)
+        Statements(into, self).run(node.body, Frame(variables, names))
+        into.end("ret void")
+        self._lines += [f"define void @{name}({', '.join(kinds)}) nounwind {{", *into.text(), "}"]
+
+    def is_apart(self, function: FunctionType) -> bool:
+        """Tell whether calls of a function stay calls."""
+        return function.__name__ in self._apart
+
+    def function(self, function: FunctionType, arguments: list[Value]) -> tuple[str, list[str], Value]:
+        """Return name, kinds of results and result of a function that stays one, for such arguments."""
+        key = function, tuple(_shape(argument) for argument in arguments)
+        if key not in self._known:
+            self._known[key] = self._define(function, arguments)
+        return self._known[key]
+
+    def _define(self, function: FunctionType, arguments: list[Value]) -> tuple[str, list[str], Value]:
+        into, kinds = Function(), []
+        inner: list[Value] = []
+        for i, argument in enumerate(arguments):
+            if isinstance(argument, Stored):
+                kinds.append(
+                    f"ptr noalias readonly dereferenceable({8 * size(argument.example)}) align 8 %a{i}"
+                )
+                inner.append(Stored(argument.example, f"%a{i}", 0))
+                continue
+            given = [Scalar(number.kind, f"%a{i}_{k}") for k, number in enumerate(scalars(argument))]
+            kinds += [f"{number.kind} {number.text}" for number in given]
+            inner.append(rebuilt(argument, iter(given)))
+        result = into.taken(Statements(into, self).written_out(function, inner))
+        numbers = list(scalars(result))
+        results = [number.kind for number in numbers]
+        whole = "{ " + ", ".join(results) + " }"
+        built = "undef"
+        for k, number in enumerate(numbers):
+            text = f"insertvalue {whole} {built}, {number.kind} {number.text}, {k}"
+            built = into.emit(whole, text).text
+        into.end(f"ret {whole} {built}")
+        name = f"{function.__name__}.{len(self._known)}.{len(self._lines)}"
+        head = f"define internal {whole} @{name}({', '.join(kinds)}) #1 {{"
+        self._lines += [head, *into.text(), "}"]
+        return name, results, result
+
+
+def _shape(value: Any) -> Any:
+    """Return what of a value, or of a stored tuple's example, decides how a function of it is written."""
+    if isinstance(value, Scalar):
+        return value.kind
+    if isinstance(value, Record):
+        return value.sort, tuple(_shape(item) for item in value.items)
+    if isinstance(value, Stored):
+        return Stored, _shape(value.example)
+    return (type(value), *map(_shape, value)) if isinstance(value, tuple) else type(value)

@@ -1,0 +1,174 @@
+"""Claims that what is translated means what Python means, to the last bit, and that all else is refused."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+pytest.importorskip("llvmlite")
+
+from forest_sim import flat, machine_code
+from forest_sim.translate import Library
+from forest_sim.translate_expressions import NotTranslatedError
+
+LIMITS = (-1.0, 2.0)
+POWERS = (1.0, 0.5, 0.25, 0.125)
+
+
+class Point(NamedTuple):
+    x: float
+    y: float
+    count: int
+
+
+def translated(function, example, apart=()):
+    """Return a function of a flat tuple as machine code; it returns a flat row."""
+    result = function(example)
+    library, paths = Library(apart), [path for path, _ in flat.leaves(result, "result")]
+    lines = ["def kernel(given, results):", "    result = function(value)"]
+    lines += [f"    results[{i}] = {path}" for i, path in enumerate(paths)]
+    views = {"value": ("given", example)}
+    library.entry(machine_code.ENTRY, "\n".join(lines), {"function": function}, "pp", views)
+    kernel = machine_code.load(machine_code.optimised("\n".join(library.text())), "pp")
+
+    def run(value):
+        given, results = np.array(flat.packer(example)(value), dtype=float), np.empty(len(paths))
+        kernel(given.ctypes.data, results.ctypes.data)
+        return results
+
+    return run
+
+
+def assert_translated(function, values, apart=()):
+    run = translated(function, values[0], apart)
+    for value in values:
+        result = function(value)
+        np.testing.assert_array_equal(run(value), [number for _, number in flat.leaves(result, "")])
+
+
+def points(count=30):
+    draws = np.random.default_rng(5).normal(0.0, 2.0, (count, 2)).tolist()
+    return [Point(x, y, i % 5 - 1) for i, (x, y) in enumerate(draws)]
+
+
+def arithmetic(p):
+    total = p.x + 2 * p.y - p.count
+    total -= p.x / (1 + p.y**2)
+    return total, -p.x, -p.count, 3 - p.count * 2, abs(p.x), math.copysign(math.sqrt(abs(p.y)), p.x)
+
+
+def functions(p):
+    clipped = min(LIMITS[1], max(LIMITS[0], p.x))
+    return clipped, max(p.x, p.y, p.count), min(p.count, 1), math.sin(p.x), math.cos(p.x), math.exp(p.y)
+
+
+def choices(p):
+    if p.x < 0.0 and not p.y < 0.0:
+        side, name = -1.0, 1
+    elif p.x < p.y < 1.0 or p.count == 2:
+        return 7.0, p.count, Point(p.y, p.x, 0)
+    else:
+        side, name = (0.5, 2) if p.count else (p.y, 3)
+    steep = p.y > 1.0 and p.x > 0.0
+    return side, name + int(steep) + int(p.x >= 0.0), p
+
+
+def loops(p):
+    total, last = 0.0, 0
+    for k in range(p.count + 2):
+        if k == 3:
+            break
+        total += p.x * k
+        last = k
+    ratio = 0.0
+    for k in range(len_of_powers() - 1, -1, -1):
+        ratio = ratio * p.y + POWERS[-1] * k
+    k = 0
+    while k < 10 and total > -4.0:
+        total -= 1.0
+        if total < p.y:
+            return total, k, ratio
+        k += 1
+    return total, last, ratio
+
+
+def len_of_powers():
+    return 4
+
+
+def search(row):
+    k = 1
+    while row.knots[k] < row.at:
+        k += 1
+    return row.knots[k - 1], k
+
+
+class Table(NamedTuple):
+    at: float
+    knots: tuple[float, float, float, float]
+
+
+def tuples(p):
+    (a, b), c = swapped((p.x, p.y)), Point(count=p.count, x=p.y, y=p.x)
+    same, other = (a, (b, 1)) == (p.y, (p.x, 1)), swapped((a, b)) != (p.x, p.y + 1.0)
+    return c, int(same), int(other), (a, b)[1], c[0]
+
+
+def swapped(pair):
+    return pair[1], pair[0]
+
+
+def not_numbers(p):
+    nan = p.x * math.inf - p.x * math.inf
+    return int(nan < 1.0), int(not nan >= 1.0), int(nan != nan), int(math.isfinite(nan)), max(1.0, nan)
+
+
+@pytest.mark.parametrize("law", [arithmetic, functions, choices, loops, tuples, not_numbers])
+def test_machine_code_is_python_to_the_last_bit(law):
+    assert_translated(law, points())
+
+
+def test_a_stored_row_takes_a_variable_index():
+    assert_translated(search, [Table(at, (0.0, 0.5, 1.5, 9.0)) for at in (0.2, 0.5, 1.4, 8.0)])
+
+
+def test_a_function_kept_apart_is_the_same():
+    assert_translated(tuples, points(), ("swapped", "len_of_powers"))
+    assert_translated(nested, points(), ("choices", "loops"))
+
+
+def nested(p):
+    return choices(p), loops(Point(p.y, p.x, 1)), loops(p)
+
+
+def cubes(p):
+    return p.x**3
+
+
+def listed(p):
+    return [p.x]
+
+
+def unknown(p):
+    return math.erf(p.x)
+
+
+def misspelt(p):
+    return p.z
+
+
+@pytest.mark.parametrize(
+    ("law", "complaint"),
+    [
+        (cubes, r"'p.x \*\* 3': only squares"),
+        (listed, r"'\[p.x\]': List is not translated"),
+        (unknown, r"test_translate.unknown: 'math.erf\(p.x\)' is not translated"),
+        (misspelt, "'p.z': there is no such field"),
+    ],
+)
+def test_what_is_outside_the_subset_is_refused_by_name(law, complaint):
+    library = Library(())
+    text = "def kernel(given):\n    result = law(value)"
+    with pytest.raises(NotTranslatedError, match=complaint):
+        library.entry("kernel", text, {"law": law}, "p", {"value": ("given", points(1)[0])})
