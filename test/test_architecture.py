@@ -22,6 +22,7 @@ ROS = {
     "rosidl_runtime_py",
     "sensor_msgs",
     "std_msgs",
+    "std_srvs",
 }
 
 

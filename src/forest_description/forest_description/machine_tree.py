@@ -7,6 +7,7 @@ about.
 
 from __future__ import annotations
 
+import functools
 from importlib import resources
 from pathlib import Path
 from typing import NamedTuple
@@ -55,10 +56,20 @@ def read(name_or_path: str | Path) -> Branch:
     Raises:
         MachineError: No such machine, unreadable file, not YAML, or a circle of ``based_on``.
     """
-    return _read(str(name_or_path), Path(), ())
+    trees = [tree for _, _, tree in _layers(str(name_or_path), Path(), ())]
+    return functools.reduce(overlay, reversed(trees))
 
 
-def _read(name: str, folder: Path, derived: tuple[str, ...]) -> Branch:
+def texts(name_or_path: str | Path) -> list[tuple[str, str]]:
+    """Return label and text of a machine's file, then of those that it is based on.
+
+    Raises:
+        MachineError: As ``read``.
+    """
+    return [(label, text) for label, text, _ in _layers(str(name_or_path), Path(), ())]
+
+
+def _layers(name: str, folder: Path, derived: tuple[str, ...]) -> list[tuple[str, str, Branch]]:
     """Read a machine named in a file of ``folder``; ``derived`` are the machines that are based on it."""
     shipped = Path(name).suffix == "" and Path(name).name == name
     identity = name if shipped else str((folder / name).resolve())
@@ -69,11 +80,11 @@ def _read(name: str, folder: Path, derived: tuple[str, ...]) -> Branch:
     tree.children.setdefault("name", Leaf(tree.place, Path(name).stem))
     base = tree.children.pop("based_on", None)
     if base is None:
-        return tree
+        return [(label, text, tree)]
     if not isinstance(base, Leaf) or not base.text:
         raise MachineError(f"{base.place}: based_on must be the name or the file of a machine")
-    below = _read(base.text, folder if shipped else (folder / name).parent, (*derived, identity))
-    return overlay(below, tree)
+    below = _layers(base.text, folder if shipped else (folder / name).parent, (*derived, identity))
+    return [(label, text, tree), *below]
 
 
 def _shipped_text(name: str) -> tuple[str, str]:

@@ -4,27 +4,90 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import time
 from pathlib import Path
+from typing import Any
+
+from forest_ident.topic_choice import ChoiceError, compiled
+from forest_msgs_py.mcap_file import COMPRESSIONS
+
+SERVICES = "While it records, the services /recorder/start, stop, split, snapshot and mark act on it."
 
 
 def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the verb and its flags."""
     text = "record topics into a bag until Ctrl-C"
-    parser = verbs.add_parser("record", help=text, description=text.capitalize() + ".")
+    parser = verbs.add_parser("record", help=text, description=f"{text.capitalize()}. {SERVICES}")
     parser.set_defaults(command=run)
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="to be made (default: rosbag2_ and the time)"
-    )
-    parser.add_argument("--exclude", nargs="+", default=[], metavar="TOPIC", help="topics not to record")
+    _add_choice(parser)
+    add = parser.add_argument
+    add("-o", "--output", type=Path, metavar="DIR", help="to be made (default: rosbag2_ and the time)")
+    add("--compression", choices=COMPRESSIONS, default="none", help="default: %(default)s")
+    add("-d", "--max-duration", "--max-bag-duration", type=_above_zero, metavar="S",
+        help="begin another file after so many seconds")  # fmt: skip
+    add("--max-size", type=_above_zero, metavar="MB", help="begin another file before one is larger")
+    add("-b", "--max-bag-size", type=_above_zero, metavar="BYTES", help="the same in bytes")
+    add("--snapshot-seconds", type=_above_zero, metavar="S",
+        help="keep the last seconds in memory; /recorder/snapshot writes them")  # fmt: skip
+    add("--start-paused", action="store_true", help="record nothing before /recorder/start")
+    add("--namespace", default="", metavar="NS", help="of the recorder, for relative names (default: /)")
+
+
+def _add_choice(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("names", nargs="*", metavar="TOPIC", help="record only these; --topics says the same")
+    add("--topics", nargs="+", default=[], metavar="TOPIC", help="record only these")
+    add("-e", "--regex", type=_regex, default="", help="record topics whose name contains this")
+    add("-a", "--all", action="store_true", help="record every topic; so does no choice at all")
+    add("-x", "--exclude", nargs="+", type=_regex, default=[], metavar="TOPIC",
+        help="but not these: names, or regular expressions that a name contains")  # fmt: skip
+
+
+def _above_zero(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value <= 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: a number above 0")
+    return value
+
+
+def _regex(text: str) -> str:
+    try:
+        compiled(text)
+    except ChoiceError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    return text
+
+
+def parameters(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the recorder's parameters that the flags ask for."""
+    topics = [] if options.all else [*options.names, *options.topics]
+    size = (options.max_size or 0.0) or (options.max_bag_size or 0.0) * 1e-6
+    asked = {
+        "output": str(options.output or time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S")),
+        "topics": topics,
+        "regex": "" if options.all else options.regex,
+        "exclude": options.exclude,
+        "everything": True,
+        "compression": options.compression,
+        "max_duration": options.max_duration,
+        "max_size": size,
+        "snapshot_seconds": options.snapshot_seconds,
+        "start_paused": options.start_paused,
+    }
+    return {name: value for name, value in asked.items() if value}
 
 
 def run(options: argparse.Namespace) -> int:
     """Record; return the recorder's exit code."""
     from forest_ident import recorder_node
 
-    output = options.output or Path(time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S"))
-    told = ["-p", f"output:={json.dumps(str(output))}"]
-    if options.exclude:
-        told += ["-p", f"exclude:={json.dumps(options.exclude)}"]
-    return recorder_node.main(["--ros-args", *told])
+    arguments = ["--ros-args"]
+    for name, value in parameters(options).items():  # rcl reads them as YAML, of which JSON is one
+        arguments += ["-p", f"{name}:={json.dumps(value)}"]
+    if options.namespace:
+        arguments += ["-r", f"__ns:=/{options.namespace.strip('/')}"]
+    return recorder_node.main(arguments)

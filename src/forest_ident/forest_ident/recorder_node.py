@@ -2,39 +2,40 @@
 
 It watches the graph, subscribes to each topic with its publishers' QoS, and copies bytes; it decodes nothing.
 In a namespace it records that namespace, and the topics of the ROS graph (absolute in the topic table).
+
+A thread of its own copies and writes; the executor is left with looking for topics and with the services
+`~/start`, `~/stop`, `~/split`, `~/snapshot` and `~/mark`, which says the parameter `event` on /events. The
+thread that writes never waits for the disk: a third one syncs.
 """
 
 from __future__ import annotations
 
 import sys
-from operator import itemgetter
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.topic_endpoint_info import TopicEndpointInfo
+from std_srvs.srv import Trigger
 
-from forest_msgs_py.bag_writer import FLUSH_PERIOD_S, BagWriter
-from forest_msgs_py.inbox import Inbox
-from forest_msgs_py.node import NodeFailure, run_node, timer
+from forest_ident.recording import Recording, Refusal
+from forest_ident.run_context import RunContext, versions
+from forest_ident.topic_choice import ChoiceError, TopicChoice
+from forest_msgs_py import topics
+from forest_msgs_py.bag_session import Session
+from forest_msgs_py.bag_writer import Layout
+from forest_msgs_py.graph_listener import GraphListener, Offer
+from forest_msgs_py.mcap_file import COMPRESSIONS
+from forest_msgs_py.node import NodeFailure, publisher, run_node, timer
+from forest_msgs_py.parameter_survey import ParameterSurvey
 from forest_msgs_py.parameters import ParameterError, declare
-from forest_msgs_py.sequences import SequenceGaps
-from forest_msgs_py.topics import TOPICS, find, message_class, unlisted
+from forest_msgs_py.topics import message_class
 
-QUEUE_DEPTH = 1000  # messages: five seconds of a 200 Hz topic while the disk thinks
 DRAIN_PERIOD_S = 0.01  # waking up once for all that arrived is several times cheaper than for each message
 QUICK_POLL_S, SLOW_POLL_S = 0.05, 0.25
 QUICK_POLLS = 100  # the first five seconds, while a graph comes up
-
-
-class _Watched:
-    """One topic being recorded: its publishers so far, the QoS that suits them all, and the gaps."""
-
-    def __init__(self) -> None:
-        self.publishers: dict[bytes, TopicEndpointInfo] = {}
-        self.inbox: Inbox | None = None
-        self.qos: tuple[ReliabilityPolicy, DurabilityPolicy] | None = None
-        self.gaps = SequenceGaps()
 
 
 class RecorderNode(Node):
@@ -42,171 +43,101 @@ class RecorderNode(Node):
 
     def __init__(self) -> None:
         super().__init__("recorder")
-        output = declare(self, "output", "", "Directory to be made for the bag")
-        excluded = declare(self, "exclude", [""], "Topics not to record")
-        if not output:
-            raise ParameterError("parameter 'output' is ''; allowed: a directory that does not exist yet")
-        self._excluded = {self.resolve_topic_name(name) for name in excluded if name}
-        try:
-            self._recorder = BagWriter(output)
-        except OSError as error:
-            raise ParameterError(
-                f"parameter 'output' is {output!r}: {error}; allowed: a directory that does not exist yet"
-            ) from error
-        self._watched: dict[str, _Watched] = {}
-        self._refused: set[str] = set()
-        self._failed = False
+        choice, session = self._choice(), self._new_session()
+        self._listener = GraphListener(self, choice.wants, self._offered, self._refused)
+        self._recording = Recording(session, self._listener.take, self.get_logger().info)
+        declare(self, "event", "mark", "what the next `mark` says on /events", read_only=False)
+        self._events = publisher(self, topics.EVENTS)
+        answers = {name: getattr(self._recording, name) for name in ("start", "stop", "split", "snapshot")}
+        for name, verb in (answers | {"mark": self._mark}).items():
+            self.create_service(Trigger, f"~/{name}", self._service(verb))
+        self._run_context = RunContext(session.attach, session.note, self.get_logger().warning)
+        session.note("forest_versions", versions())
+        self._survey = ParameterSurvey(self, self._learn)
         self._polls = 0
         self._poll_timer = timer(self, QUICK_POLL_S, self._poll)
-        timer(self, DRAIN_PERIOD_S, self._drain)
-        timer(self, FLUSH_PERIOD_S, self._flush)
-        self.get_logger().info(f"recording to {output}")
+
+    def _choice(self) -> TopicChoice:
+        chosen = declare(self, "topics", [""], "record only these")
+        regex = declare(self, "regex", "", "record only, or also, topics whose name contains this")
+        excluded = declare(self, "exclude", [""], "names, or regular expressions, of topics not to record")
+        everything = declare(self, "everything", False, "record all namespaces, not only the recorder's")
+        if any(chosen) or regex:
+            chosen = [*chosen, topics.EVENTS.name]
+        resolve, namespace = self.resolve_topic_name, self.get_namespace()
+        try:
+            return TopicChoice(resolve, namespace, chosen, regex, excluded, everything)
+        except ChoiceError as error:
+            raise ParameterError(f"parameter 'regex' or 'exclude': {error}") from error
+
+    def _new_session(self) -> Session:
+        output = declare(self, "output", "", "Directory to be made for the bag")
+        compression = declare(self, "compression", "none", "of the chunks", choices=COMPRESSIONS)
+        duration = declare(self, "max_duration", 0.0, "longest file; 0: no limit", "s", 0.0, 1e9)
+        size = declare(self, "max_size", 0.0, "largest file; 0: no limit", "MB", 0.0, 1e9)
+        last = "keep so much in memory and write it on ~/snapshot; 0: write everything"
+        snapshot = declare(self, "snapshot_seconds", 0.0, last, "s", 0.0, 3600.0)
+        paused = declare(self, "start_paused", False, "record nothing before ~/start")
+        refused = f"parameter 'output' is {output!r}: %s; allowed: a directory that does not exist yet"
+        if not output:
+            raise ParameterError(refused % "no directory")
+        if Path(output).exists():
+            raise ParameterError(refused % f"{output} exists")
+        layout = Layout(compression, int(size * 1e6), int(duration * 1e9), durable=True)
+        session = Session(output, layout, int(snapshot * 1e9))
+        try:
+            if not paused:
+                session.start()
+        except OSError as error:
+            raise ParameterError(refused % error) from error
+        self.get_logger().info(f"{'paused, will record' if paused else 'recording'} to {output}")
+        return session
+
+    def run(self, stopping: threading.Event) -> None:
+        """Copy what arrives until the node is to stop."""
+        while not stopping.wait(DRAIN_PERIOD_S):
+            self._recording.turn()
 
     def stop(self) -> None:
         """Close the bag; the last chunk, the footer and the metadata are written here."""
-        if not self._failed:
-            self._drain()
-        try:
-            self._recorder.close()
-        except OSError as error:
-            if not self._failed:
-                raise self._disk_failure(error) from error
-        if not self._failed:
-            lost = sum(self._recorder.lost.values())
-            self.get_logger().info(
-                f"recorded {self._recorder.message_count} messages, {len(self._watched)} topics, lost {lost}"
-            )
+        self._recording.end()
 
     def _poll(self) -> None:
-        """Subscribe to what has appeared since the last look."""
+        """Subscribe to what has appeared since the last look, and ask new nodes for their parameters."""
         self._polls += 1
         if self._polls == QUICK_POLLS:
             self._poll_timer.timer_period_ns = int(SLOW_POLL_S * 1e9)
-        # The joystick last: a source that waits for listeners then waits for the other topics, too.
-        for name, types in sorted(
-            self.get_topic_names_and_types(), key=lambda found: found[0].endswith("/joy")
-        ):
-            if self._wanted(name, types):
-                self._follow(name, types[0])
+        self._recording.guard(self._listener.look)
+        self._survey.look()
 
-    def _wanted(self, name: str, types: list[str]) -> bool:
-        hidden = any(part.startswith("_") for part in name.split("/"))
-        if hidden or name in self._excluded or name in self._refused:
-            return False
-        row = find(name)
-        if row is not None and not row.recorded:
-            return False
-        if len(types) != 1:
-            self._refuse(name, f"has {len(types)} types ({', '.join(types)}); allowed: one")
-            return False
-        namespace = self.get_namespace().rstrip("/") + "/"
-        return name.startswith(namespace) or name in {row.name for row in TOPICS}
+    def _offered(self, offer: Offer) -> None:
+        self._recording.session.add_topic(*offer)
 
-    def _follow(self, name: str, type_name: str) -> None:
-        """Learn the topic's publishers, and subscribe, or subscribe anew if a new one offers less."""
-        watched = self._watched.get(name) or _Watched()
-        self._meet_publishers(name, watched)
-        if not watched.publishers:
-            return
-        wanted = _common_qos(list(watched.publishers.values()))
-        if wanted == watched.qos:
-            return
-        if name not in self._watched and not self._open_topic(name, type_name, watched):
-            return
-        if watched.inbox is not None:
-            self._drain()
-            self.destroy_subscription(watched.inbox.subscription)
-        watched.qos = wanted
-        qos = QoSProfile(depth=QUEUE_DEPTH, reliability=wanted[0], durability=wanted[1])
-        watched.inbox = Inbox(self, message_class(unlisted(name, type_name)), name, qos, raw=True)
-
-    def _meet_publishers(self, name: str, watched: _Watched) -> int:
-        for endpoint in self.get_publishers_info_by_topic(name):
-            watched.publishers.setdefault(bytes(endpoint.endpoint_gid), endpoint)
-        return len(watched.publishers)
-
-    def _open_topic(self, name: str, type_name: str, watched: _Watched) -> bool:
-        try:
-            message_class(unlisted(name, type_name))
-        except (ImportError, AttributeError, ValueError):
-            self._refuse(name, f"is of {type_name}, whose package is not installed here")
-            return False
-        endpoints = list(watched.publishers.values())
-        profiles = [_profile(endpoint.qos_profile) for endpoint in endpoints]
-        self._recorder.add_topic(name, type_name, profiles, str(endpoints[0].topic_type_hash))
-        self._watched[name] = watched
-        return True
-
-    def _refuse(self, name: str, reason: str) -> None:
-        self._refused.add(name)
+    def _refused(self, name: str, reason: str) -> None:
         self.get_logger().info(f"not recorded: {name} {reason}")
 
-    def _drain(self) -> None:
-        """Write what has arrived since the last time, in the order of arrival."""
-        arrived = [
-            (info["received_timestamp"], name, data, info)
-            for name, watched in self._watched.items()
-            if watched.inbox is not None
-            for data, info in watched.inbox.take()
-        ]
-        arrived.sort(key=itemgetter(0))
-        for received, name, data, info in arrived:
-            sequence = info.get("publication_sequence_number") or 0
-            self._count_gaps(name, sequence)
+    def _learn(self, name: str, parameters: dict[str, Any]) -> None:
+        self._recording.guard(lambda: self._run_context.node(name, parameters, time.time_ns()))
+
+    def _mark(self) -> str:
+        """Say an event on /events, which is recorded as every topic is."""
+        self._recording.demand_take()
+        if not self._events.get_subscription_count():
+            raise Refusal("the recorder does not hear /events: not yet, or it is told to exclude it")
+        text = str(self.get_parameter("event").value)
+        self._events.publish(message_class(topics.EVENTS)(data=text))
+        return f"marked: {text}"
+
+    def _service(self, verb: Callable[[], str]) -> Callable[[Any, Any], Any]:
+        def answer(_request: Any, response: Any) -> Any:
             try:
-                self._recorder.write(name, data, received, info["source_timestamp"], sequence)
-            except OSError as error:
-                raise self._disk_failure(error) from error
+                response.message, response.success = verb(), True
+            except (NodeFailure, Refusal) as error:  # a failure ends the node at its next turn
+                response.message, response.success = str(error), False
+            self.get_logger().info(response.message)
+            return response
 
-    def _count_gaps(self, name: str, sequence: int) -> None:
-        """Look for a gap before a message; the graph is asked only when a number does not follow on."""
-        watched = self._watched[name]
-        watched.gaps.observe(sequence, lambda: self._meet_publishers(name, watched))
-        self._recorder.lost[name] = watched.gaps.lost
-
-    def _flush(self) -> None:
-        try:
-            self._recorder.flush()
-        except OSError as error:
-            raise self._disk_failure(error) from error
-
-    def _disk_failure(self, error: OSError) -> NodeFailure:
-        self._failed = True
-        place, count = self._recorder.directory, self._recorder.message_count
-        return NodeFailure(
-            f"cannot write the bag in {place}: {error.strerror}; it ends after {count} messages"
-        )
-
-
-def _common_qos(endpoints: list[TopicEndpointInfo]) -> tuple[ReliabilityPolicy, DurabilityPolicy]:
-    """The most that every publisher offers: asking for more than one of them offers would not match it."""
-    profiles = [endpoint.qos_profile for endpoint in endpoints]
-    reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in profiles)
-    latched = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in profiles)
-    return (
-        ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
-    )
-
-
-def _profile(qos: QoSProfile) -> dict[str, Any]:
-    """A QoS profile with the keys and words of rosbag2's metadata."""
-
-    def duration(value: Any) -> dict[str, int]:
-        sec, nsec = divmod(value.nanoseconds, 1_000_000_000)
-        return {"sec": sec, "nsec": nsec}
-
-    return {
-        "history": qos.history.short_key,
-        "depth": qos.depth,
-        "reliability": qos.reliability.short_key,
-        "durability": qos.durability.short_key,
-        "deadline": duration(qos.deadline),
-        "lifespan": duration(qos.lifespan),
-        "liveliness": qos.liveliness.short_key,
-        "liveliness_lease_duration": duration(qos.liveliness_lease_duration),
-        "avoid_ros_namespace_conventions": qos.avoid_ros_namespace_conventions,
-    }
+        return answer
 
 
 def main(args: list[str] | None = None) -> int:

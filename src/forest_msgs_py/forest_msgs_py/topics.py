@@ -159,6 +159,11 @@ ROBOT_DESCRIPTION = Topic(
     "URDF made from the machine file.",
     (_SIMULATOR,), _NOBODY, latched=True,
 )
+EVENTS = Topic(
+    "events", "std_msgs/msg/String", (), (), 0.0,
+    "What the operator wants to be remembered; the recorder's service `mark` says it, anybody may.",
+    ("recorder",), _NOBODY,
+)
 DIAGNOSTICS = Topic(
     "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", (), (), 1.0,
     "Health of hardware and other nodes, where somebody tells it; recorded.",
@@ -189,7 +194,7 @@ TOPICS: tuple[Topic, ...] = (
         VALVE_VOLTAGES,
     ),
     *(TIP_POSE, TIP_TWIST, TIP_TWIST_COMMAND, GROUND_TRUTH_JOINT_STATES, GROUND_TRUTH_TIP_POSE),
-    *(GROUND_TRUTH_TIP_TWIST, ROBOT_DESCRIPTION, DIAGNOSTICS, CLOCK, ROSOUT),
+    *(GROUND_TRUTH_TIP_TWIST, ROBOT_DESCRIPTION, EVENTS, DIAGNOSTICS, CLOCK, ROSOUT),
 )
 
 
