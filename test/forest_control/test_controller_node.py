@@ -76,6 +76,7 @@ def rig(peer, start_node):
 REFUSED = {
     "tip_speed:=-3.0": "parameter 'tip_speed' is -3.0; allowed: 0.01 .. 3 m/s",
     "scheme:=telepathy": "'telepathy'; allowed: one of joint, ik_velocity, ik_position",
+    "profile:=nobody": "profile 'nobody': neither shipped (default, fine, operator)",
     "position_gain:=[1.0,2.0]": "parameter 'position_gain' is [1.0, 2.0]; allowed: 3 numbers",
 }
 
@@ -269,12 +270,18 @@ def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig,
     peer.until(lambda: wishes and r.moving())
     assert answer("tip_speed", 1).successful  # a whole number, as people type it
     assert answer("feedback_gain", [3.0, 4.0, 4.0]).successful
+    assert answer("profile", "operator").successful
+    told = client.get_parameters(["tip_speed", "axis_frame"])
+    peer.until(told.done)
+    assert [value.double_value for value in told.result().values] == [0.8, 0.0]
+    assert told.result().values[1].string_value == "cylindrical"
     commands = np.array([volts(message) for message in r.commands])
     assert np.abs(np.diff(commands, axis=0)).max() < 0.5  # of 4 V
     refused = {
         ("scheme", "telepathy"): "allowed: one of joint, ik_velocity",
         ("joint_rates", (1.0, 2.0, 30.0)): "allowed: 0.01 .. 3 rad/s",
         ("lead_time", (0.1, 0.1)): "allowed: 3 numbers",
+        ("profile", "nobody"): "profile 'nobody': neither shipped",
     }
     for (name, value), said in refused.items():
         found = answer(name, value)

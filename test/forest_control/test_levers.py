@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from forest_control.hand import tip_rate
 from forest_control.levers import (
     AXIS_COUNT,
     BUTTON_COUNT,
@@ -15,9 +16,17 @@ from forest_control.levers import (
     joint_rate_wish,
     levers_for_tip_velocity,
     levers_from_axes,
-    tip_velocity_wish,
 )
+from forest_control.settings import Settings, parameters
+from forest_description.machine import load_machine
 from forest_msgs_py.topics import JOY_AXES, JOY_BUTTONS
+
+MACHINE = load_machine()
+
+
+def wish(levers, speed):
+    """The tip velocity that levers wish at a full deflection's speed."""
+    return tip_rate(levers, (0.0, 0.4, -1.5), parameters(MACHINE, Settings(tip_speed=speed)).hand)
 
 
 def random_levers(count=200):
@@ -31,7 +40,7 @@ def test_levers_come_back_from_axes():
 
 def test_levers_come_back_from_the_tip_velocity_that_they_wish():
     for levers in random_levers():
-        again = levers_for_tip_velocity(tip_velocity_wish(levers, 0.7), 0.7)
+        again = levers_for_tip_velocity(wish(levers, 0.7), 0.7)
         assert again == pytest.approx(levers, abs=1e-15)
 
 
@@ -45,7 +54,7 @@ def test_each_axis_moves_one_joint_or_one_direction_of_the_tip(axis, joint, dire
     assert joint_rate_wish(levers, (0.8, 0.3, 0.2)) == tuple(
         rate if i == joint else 0.0 for i, rate in enumerate((0.8, 0.3, 0.2))
     )
-    assert tip_velocity_wish(levers, 0.5) == tuple(0.5 if i == direction else 0.0 for i in range(3))
+    assert wish(levers, 0.5) == tuple(0.5 if i == direction else 0.0 for i in range(3))
 
 
 def test_deflections_beyond_one_count_as_one():

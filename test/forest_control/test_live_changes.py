@@ -8,6 +8,7 @@ import pytest
 
 from forest_control import controller
 from forest_control.controller import REST, ZERO, Inputs, Settings
+from forest_control.hand import Mode
 from forest_control.levers import Levers
 from forest_control.schemes import Scheme
 from forest_description.actuation import actuator_speeds_to_joint_rates, rated_speeds
@@ -77,3 +78,48 @@ def test_a_scheme_takes_over_without_a_jump(old, new, levers, normal):
     assert largest_change(joined) < normal
     if levers != MOVING:
         assert np.linalg.norm(tips[-1] - tips[0]) < 0.005
+
+
+@pytest.mark.parametrize("scheme", list(Scheme))
+@pytest.mark.parametrize(("old", "new"), list(permutations(Mode)), ids=["to position", "to rate"])
+def test_a_mode_takes_over_without_a_jump(scheme, old, new, normal):
+    crane = Crane(Settings(scheme=scheme, mode=old))
+    before, _ = crane.play(MOVING, 0.8)
+    crane.set(scheme=scheme, mode=new)
+    after, _ = crane.play(MOVING, 2.0)
+    assert largest_change(np.vstack([before[-1:], after])) < normal
+
+
+@pytest.mark.parametrize("scheme", [s for s in Scheme if s != Scheme.JOINT])
+def test_in_position_mode_a_deflection_is_a_place_about_where_the_deadman_was_pressed(scheme):
+    crane = Crane(Settings(scheme=scheme, mode=Mode.POSITION, position_span=0.4))
+    _, tips = crane.play(Levers(0.5, 0.0, -0.25), 6.0)  # left, back
+    assert tips[-1] - tips[0] == pytest.approx([-0.1, 0.2, 0.0], abs=0.004)
+    speeds = np.linalg.norm(np.diff(tips, axis=0), axis=1) / PERIOD
+    assert speeds.max() < 0.55  # of 0.5 m/s
+    _, tips = crane.play(Levers(0.0, 0.0, 0.0), 6.0)
+    assert tips[-1] == pytest.approx([5.5, 0.0, 1.0], abs=0.004)
+
+
+def test_in_position_mode_of_the_joint_scheme_a_deflection_is_an_angle():
+    crane = Crane(Settings(scheme=Scheme.JOINT, mode=Mode.POSITION, joint_span=(0.2, 0.1, 0.1)))
+    crane.play(Levers(0.5, -0.5, 0.3), 6.0)
+    assert np.subtract(crane.angles, START) == pytest.approx([0.1, -0.05, 0.03], abs=1e-3)
+
+
+def test_the_clutch_follows_the_deadman():
+    crane = Crane(Settings(mode=Mode.POSITION))
+    crane.play(Levers(0.0, 0.0, 0.5), 4.0)
+    off = Inputs(crane.angles, ZERO, Levers(0.0, 0.0, 0.5), False)
+    crane.state, _ = controller.step(crane.state, off, crane.p, PERIOD)
+    _, tips = crane.play(Levers(0.0, 0.0, 0.0), 1.0)  # centred again, it stays where it was let go
+    assert tips[-1][0] == pytest.approx(5.75, abs=0.004)
+
+
+@pytest.mark.parametrize("change", [{"feedback_gain": (8.0, 8.0, 8.0)}, {"tip_speed": 0.2}, {"lead": 0.05}])
+def test_gains_and_speeds_change_without_a_jump(change, normal):
+    crane = Crane(Settings())
+    before, _ = crane.play(MOVING, 1.0)
+    crane.set(**change)
+    after, _ = crane.play(MOVING, 1.0)
+    assert largest_change(np.vstack([before[-1:], after])) < normal

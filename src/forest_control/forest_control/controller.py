@@ -16,7 +16,8 @@ from typing import NamedTuple
 from forest_control import coordination
 from forest_control.capacity import greatest_rates
 from forest_control.governor import Governed, GovernorParameters, Limit, govern
-from forest_control.levers import Levers, joint_rate_wish, tip_velocity_wish
+from forest_control.hand import JOINT_ACCELERATION, Mode, joint_following, shaped, tip_following, tip_rate
+from forest_control.levers import Levers, joint_rate_wish
 from forest_control.schemes import (
     Scheme,
     Signals,
@@ -40,7 +41,7 @@ ZERO: Triple = (0.0, 0.0, 0.0)
 BEYOND_LIMIT = 0.1  # [rad] outside the joint limits: end stops give, encoders are not perfect
 FASTEST = 5.0  # [rad/s] no joint of such a crane moves faster
 HAND_OVER = 0.2  # [s] in which the difference between two schemes' commands fades
-NO_SCHEME = -1
+NO_SCHEME = NO_MODE = -1
 
 
 class State(NamedTuple):
@@ -52,6 +53,8 @@ class State(NamedTuple):
     scheme: int = NO_SCHEME  # that was in charge
     rates: Triple = ZERO  # u [rad/s], commanded last
     offset: Triple = ZERO  # [rad/s] added to the servo's, and fading
+    mode: int = NO_MODE  # that was in force
+    clutch: Triple = ZERO  # [rad] the pose that position mode moves about
     changed: bool = False  # somebody changed a parameter: what it does to the command shall fade, too
 
 
@@ -86,50 +89,83 @@ REST = State(ZERO, False)
 def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Output]:
     """Advance the controller by dt [s]."""
     if not inputs.enabled:
-        return State(inputs.angles, False), Output(ZERO, ZERO, Governed(0.0, Limit.NONE))
+        return _begun(inputs.angles, False), Output(ZERO, ZERO, Governed(0.0, Limit.NONE))
     if not state.enabled:
-        state = State(inputs.angles, True)
+        state = _begun(inputs.angles, True)
     elif state.scheme != NO_SCHEME and state.scheme != p.scheme:
         state = _taken_over(state, inputs, p)
+    state = _clutched(state, inputs.angles, p)
     pose = jacobian_pose(p.scheme, state.reference, inputs.angles, p.jacobian_at_joints)
-    velocity = _wished_velocity(state.memory.velocity, inputs.levers, p, dt)
+    velocity = _wished_velocity(state, pose, inputs, p, dt)
     if (
         p.scheme == Scheme.COORDINATED
         and velocity == ZERO
         and state.memory.samples < coordination.MOST_SAMPLES
     ):
         reference, memory = coordination.settle(state.reference, inputs.angles, state.memory)
-        return State(reference, True, memory, p.scheme), Output(ZERO, ZERO, Governed(1.0, Limit.NONE))
-    wish = _governed_wish(pose, inputs.angles, velocity, inputs.levers, p)
+        state = State(reference, True, memory, p.scheme, ZERO, ZERO, p.hand.mode, reference, False)
+        return state, Output(ZERO, ZERO, Governed(1.0, Limit.NONE))
+    rates = _wished_rates(state, pose, velocity, inputs, p, dt)
+    wish = _governed_wish(pose, inputs.angles, rates, velocity, p)
     return _commanded(state, wish, pose, inputs, p, dt)
 
 
-def _wished_velocity(before: Triple, levers: Levers, p: Parameters, dt: float) -> Triple:
-    """Return the tip velocity [m/s] that the levers ask for; the coordinated scheme ramps it."""
+def _begun(angles: Triple, enabled: bool) -> State:
+    """Return the state of a machine at rest; a compiler knows no defaults."""
+    return State(angles, enabled, coordination.REST, NO_SCHEME, ZERO, ZERO, NO_MODE, ZERO, False)
+
+
+def _clutched(state: State, s: Triple, p: Parameters) -> State:
+    """Return the state with the clutch where the machine is, if another mode was in force."""
+    if state.mode == p.hand.mode:
+        return state
+    clutch = state.reference if closes_on_position(p.scheme) else s
+    changed = state.changed or state.mode != NO_MODE
+    r, m, u = state.reference, state.memory, state.rates
+    return State(r, True, m, state.scheme, u, state.offset, p.hand.mode, clutch, changed)
+
+
+def _wished_velocity(state: State, pose: Triple, inputs: Inputs, p: Parameters, dt: float) -> Triple:
+    """Return the tip velocity [m/s] that the levers ask for; a ramp in position mode or coordinated."""
     if p.scheme == Scheme.JOINT:
         return ZERO
-    wish = tip_velocity_wish(levers, p.tip_speed)
-    if p.scheme == Scheme.COORDINATED:
-        return coordination.ramped(before, wish, p.coordinated.acceleration, dt)
-    return wish
+    levers = shaped(inputs.levers, p.hand)
+    if p.hand.mode == Mode.POSITION:
+        here = state.reference if closes_on_position(p.scheme) else inputs.angles
+        wish = tip_following(levers, state.clutch, here, p.hand, p.links)
+    else:
+        wish = tip_rate(levers, pose, p.hand)
+        if p.scheme != Scheme.COORDINATED:
+            return wish
+    return coordination.ramped(state.memory.velocity, wish, p.coordinated.acceleration, dt)
 
 
-def _governed_wish(pose: Triple, angles: Triple, velocity: Triple, levers: Levers, p: Parameters) -> Wish:
-    """Return what the scheme shall do at a pose [rad], governed.
+def _wished_rates(
+    state: State, pose: Triple, velocity: Triple, inputs: Inputs, p: Parameters, dt: float
+) -> Triple:
+    """Return the joint rates [rad/s] of a wished tip velocity, or in the joint scheme the levers' own."""
+    if p.scheme != Scheme.JOINT:
+        return joint_rates(pose, velocity, p.links)
+    levers = shaped(inputs.levers, p.hand)
+    if p.hand.mode == Mode.RATE:
+        return joint_rate_wish(levers, p.governor.rates)
+    wish = joint_following(levers, state.clutch, inputs.angles, p.hand, p.governor.rates)
+    before = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
+    return coordination.ramped(before, wish, JOINT_ACCELERATION, dt)
+
+
+def _governed_wish(pose: Triple, angles: Triple, rates: Triple, velocity: Triple, p: Parameters) -> Wish:
+    """Return what the scheme shall do, governed.
 
     Args:
-        pose: where J^-1 is taken.
+        pose: where J^-1 is taken [rad].
         angles: measured; the limits count from here for a scheme that does not hold its reference.
-        velocity: of the tip [m/s].
-        levers: of the joint scheme.
+        rates: wished of the joints [rad/s].
+        velocity: wished of the tip [m/s].
         p: parameters.
     """
-    if p.scheme == Scheme.JOINT:
-        rates = joint_rate_wish(levers, p.governor.rates)
-    elif is_singular(pose, p.links):
+    if p.scheme != Scheme.JOINT and is_singular(pose, p.links):
         return Wish(ZERO, ZERO, Governed(0.0, Limit.SINGULARITY))
-    else:
-        rates = joint_rates(pose, velocity, p.links)
     place = pose if closes_on_position(p.scheme) else angles
     governed = govern(place, rates, governor_at(place, rates, p))
     return Wish(_scale(rates, governed.factor), _scale(velocity, governed.factor), governed)
@@ -142,7 +178,7 @@ def _commanded(
     r, s, a = state.reference, inputs.angles, wish.rates
     after = _held(advanced(p.scheme, r, a, wish.velocity, p.links, dt), s, p)
     if p.scheme == Scheme.COORDINATED:
-        before = state.memory._replace(velocity=wish.velocity, samples=coordination.MOST_SAMPLES)
+        before = coordination.going(state.memory, wish.velocity)
         memory, u = coordination.servo(before, a, r, s, p.coordinated, dt)
     else:
         memory = coordination.in_motion(wish.velocity, a, 0)
@@ -162,7 +198,7 @@ def _commanded(
         decayed(offset[2], dt, HAND_OVER),
     )
     output = Output(_to_voltage(u, s, p), tip_wish, wish.governed)
-    return State(after, True, memory, p.scheme, u, fading), output
+    return State(after, True, memory, p.scheme, u, fading, p.hand.mode, state.clutch, False), output
 
 
 def _taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
@@ -182,7 +218,8 @@ def _taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
     r = _held(r, s, p)
     if state.scheme != Scheme.JOINT:
         a = joint_rates(r, velocity, p.links)  # else the lead would take the other pose's rates for a jerk
-    return state._replace(reference=r, memory=coordination.in_motion(velocity, a, samples))
+    memory = coordination.in_motion(velocity, a, samples)
+    return State(r, True, memory, state.scheme, u, state.offset, state.mode, state.clutch, state.changed)
 
 
 def _is_rest(memory: coordination.Memory) -> bool:
@@ -200,7 +237,7 @@ def governor_at(angles: Triple, wished: Triple, p: Parameters) -> GovernorParame
         return p.governor
     most, rates = greatest_rates(angles, wished, p.capacity), p.governor.rates
     least = min(rates[0], most[0]), min(rates[1], most[1]), min(rates[2], most[2])
-    return p.governor._replace(rates=least)
+    return GovernorParameters(p.governor.lower, p.governor.upper, least, p.governor.approach)
 
 
 def implausible(angles: tuple[float, ...], rates: tuple[float, ...], p: Parameters) -> str:

@@ -14,6 +14,7 @@ from rclpy.node import Node
 
 from forest_control import controller
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, RIGHT_Y, Levers, Triple, levers_from_axes
+from forest_control.profile import load_profile, shipped
 from forest_control.schemes import Scheme
 from forest_control.tunables import TUNABLES, as_typed, settings_from
 from forest_description.kinematics import tip_position, tip_velocity
@@ -40,9 +41,11 @@ class ControllerNode(Node):
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
         self._machine, defaults = machine, controller.Settings()
-        tunables = Tunables(self)
+        tunables = Tunables(self, {"profile": load_profile})
+        text = f"operator's profile: {', '.join(shipped())}, or path of a file; what is also given wins"
+        profile = load_profile(tunables.declare("profile", "default", text))
         for one in TUNABLES:
-            tunables.declare(one.name, as_typed(one.name, defaults), *one[1:])
+            tunables.declare(one.name, profile.get(one.name, as_typed(one.name, defaults)), *one[1:])
         self._core = controller.parameters(machine, settings_from(tunables.values))
         self._period = StampedPeriod(get("period", 0.005, "nominal period of the state", "s", 1e-4, 0.1))
         self._joy_timeout = get("joy_timeout", 0.15, "age at which the joystick is lost", "s", 0.01, 2.0)

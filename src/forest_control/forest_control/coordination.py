@@ -70,7 +70,16 @@ MOST_SAMPLES = 50
 
 def in_motion(velocity: Triple, a: Triple, samples: int) -> Memory:
     """Return the memory of a scheme that takes over at a tip velocity [m/s] and joint rates [rad/s]."""
-    return Memory(velocity, Joint(a[0]), Joint(a[1]), Joint(a[2]), 0.0, samples)
+    return Memory(velocity, _going(a[0]), _going(a[1]), _going(a[2]), 0.0, samples)
+
+
+def _going(a: float) -> Joint:
+    return Joint(a, 0.0, 0.0, 0.0, True)
+
+
+def going(memory: Memory, velocity: Triple) -> Memory:
+    """Return the memory with the tip's governed velocity [m/s]: from now on the reference is not a mean."""
+    return Memory(velocity, memory.swing, memory.boom, memory.stick, memory.torque, MOST_SAMPLES)
 
 
 def settle(reference: Triple, s: Triple, memory: Memory) -> tuple[Triple, Memory]:
@@ -78,7 +87,7 @@ def settle(reference: Triple, s: Triple, memory: Memory) -> tuple[Triple, Memory
     count = memory.samples + 1
     (r_1, r_2, r_3), (s_1, s_2, s_3) = reference, s
     q = r_1 + (s_1 - r_1) / count, r_2 + (s_2 - r_2) / count, r_3 + (s_3 - r_3) / count
-    return q, memory._replace(samples=count)
+    return q, Memory(memory.velocity, memory.swing, memory.boom, memory.stick, memory.torque, count)
 
 
 def ramped(velocity: Triple, wish: Triple, acceleration: float, dt: float) -> Triple:

@@ -46,13 +46,8 @@ def axes_from_levers(levers: Levers) -> tuple[float, ...]:
     return tuple(axes)
 
 
-def tip_velocity_wish(levers: Levers, speed: float) -> Triple:
-    """Return the wished tip velocity (x, y, z) [m/s]; a full deflection of one lever is `speed` [m/s]."""
-    return speed * levers.stick, speed * levers.swing, speed * levers.boom
-
-
 def levers_for_tip_velocity(velocity: Triple, speed: float) -> Levers:
-    """Return the levers that wish a tip velocity [m/s]; the inverse of `tip_velocity_wish`."""
+    """Return the levers that wish a tip velocity [m/s]; straight stick curves, Cartesian frame."""
     return Levers(velocity[1] / speed, velocity[2] / speed, velocity[0] / speed)
 
 

@@ -32,6 +32,7 @@ from typing import NamedTuple
 from forest_description.kinematics import Links, joint_rates, nearest_pose, tip_position
 
 Triple = tuple[float, float, float]
+ZERO: Triple = (0.0, 0.0, 0.0)
 
 REST_RATE = 2e-3  # [rad/s] a smaller wish counts as none for a velocity servo
 
@@ -155,6 +156,8 @@ def advanced(scheme: int, r: Triple, a: Triple, velocity: Triple, links: Links, 
         dt: [s].
     """
     if scheme == Scheme.IK_VELOCITY or scheme == Scheme.IK_POSITION:
+        if velocity == ZERO:
+            return r  # exactly
         x, y, z = tip_position(r, links)
         wished = x + dt * velocity[0], y + dt * velocity[1], z + dt * velocity[2]
         return nearest_pose(wished, r, links)

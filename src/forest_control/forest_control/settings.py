@@ -6,6 +6,7 @@ from typing import NamedTuple
 from forest_control.capacity import Capacity, capacity
 from forest_control.coordination import CoordinationParameters
 from forest_control.governor import GovernorParameters
+from forest_control.hand import Frame, Hand, Mode
 from forest_control.schemes import Gains, Scheme
 from forest_control.swing_load import swing_load
 from forest_control.valve_driver import axis_drivers
@@ -26,7 +27,14 @@ class Settings(NamedTuple):
     """What a user may set: the node's parameters and their defaults. Triples are swing, boom, stick."""
 
     scheme: Scheme = Scheme.COORDINATED
+    mode: Mode = Mode.RATE
+    axis_frame: Frame = Frame.CARTESIAN
+    deadzone: Triple = (0.0, 0.0, 0.0)  # of the levers
+    expo: Triple = (0.0, 0.0, 0.0)
     tip_speed: float = 0.5  # [m/s] wished at full deflection, tip schemes
+    axis_speed: Triple = (3.0, 3.0, 3.0)  # [m/s] largest wish of each lever, tip schemes
+    position_span: float = 0.5  # [m] of the tip about the clutch point at full deflection, position mode
+    joint_span: Triple = (0.1, 0.1, 0.1)  # [rad] of the joints, joint scheme in position mode
     joint_rates: Triple = (0.8, 0.25, 0.25)  # [rad/s] largest wish; at full deflection in the joint scheme
     velocity_gain: Triple = (0.313, 0.313, 0.313)  # K_v
     position_gain: Triple = (2.5, 5.0, 5.0)  # K_p [1/s]
@@ -45,8 +53,8 @@ class Settings(NamedTuple):
 class Parameters(NamedTuple):
     """What the controller knows of machine and operator; numbers only, for a compiler."""
 
-    scheme: Scheme
-    tip_speed: float  # [m/s] at full deflection
+    scheme: int  # a `Scheme`
+    hand: Hand
     gains: tuple[Gains, Gains, Gains]
     jacobian_at_joints: bool
     governor: GovernorParameters
@@ -63,8 +71,8 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
     """Return the core's parameters for a machine."""
     gains = _gains(settings, 0), _gains(settings, 1), _gains(settings, 2)
     return Parameters(
-        scheme=settings.scheme,
-        tip_speed=settings.tip_speed,
+        scheme=int(settings.scheme),
+        hand=_hand(settings),
         gains=gains,
         jacobian_at_joints=settings.jacobian_at_joints,
         governor=_governor(machine, settings),
@@ -89,6 +97,19 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
             hold_error=HOLD_ERROR,
             release_error=RELEASE_ERROR,
         ),
+    )
+
+
+def _hand(settings: Settings) -> Hand:
+    v, most = settings.tip_speed, settings.axis_speed
+    return Hand(
+        mode=int(settings.mode),
+        frame=int(settings.axis_frame),
+        deadzone=settings.deadzone,
+        expo=settings.expo,
+        speeds=(min(v, most[0]), min(v, most[1]), min(v, most[2])),
+        tip_span=settings.position_span,
+        joint_span=settings.joint_span,
     )
 
 

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from enum import IntEnum
 from typing import Any, NamedTuple
 
-from forest_control.schemes import LABELS, Scheme, scheme_named
+from forest_control.hand import Frame, Mode
+from forest_control.schemes import LABELS, Scheme
 from forest_control.settings import Settings
 
 
@@ -22,9 +23,17 @@ class Tunable(NamedTuple):
     choices: tuple[str, ...] | None = None
 
 
+ENUMERATIONS: dict[str, type[IntEnum]] = {"scheme": Scheme, "mode": Mode, "axis_frame": Frame}
 TUNABLES = (
     Tunable("scheme", "control scheme", choices=LABELS),
+    Tunable("mode", "what a deflection means", choices=("rate", "position")),
+    Tunable("axis_frame", "along what the tip's axes lie", choices=("cartesian", "cylindrical")),
+    Tunable("deadzone", "deflection of each lever that counts as none", "", 0.0, 0.5),
+    Tunable("expo", "how much of each lever's curve is cubic", "", 0.0, 1.0),
     Tunable("tip_speed", "tip speed at full deflection", "m/s", 0.01, 3.0),
+    Tunable("axis_speed", "largest tip speed of each lever", "m/s", 0.01, 3.0),
+    Tunable("position_span", "of the tip at full deflection in position mode", "m", 0.01, 3.0),
+    Tunable("joint_span", "of the joints at full deflection in position mode", "rad", 0.001, 1.0),
     Tunable("joint_rates", "largest joint rates", "rad/s", 0.01, 3.0),
     Tunable("velocity_gain", "K_v of schemes (a) and (c)", "", 0.01, 10.0),
     Tunable("position_gain", "K_p of schemes (b) and (d)", "1/s", 0.0, 50.0),
@@ -48,5 +57,7 @@ def as_typed(name: str, settings: Settings) -> Any:
 
 
 def settings_from(typed: Mapping[str, Any]) -> Settings:
-    """Return the settings that were typed, one value for each of `TUNABLES`."""
-    return Settings(**{**typed, "scheme": Scheme(scheme_named(typed["scheme"]))})
+    """Return the settings that were typed, a value for each of `TUNABLES`."""
+    settings = {name: value for name, value in typed.items() if name in Settings._fields}
+    members = {name: kind[typed[name].upper()] for name, kind in ENUMERATIONS.items()}
+    return Settings(**{**settings, **members})

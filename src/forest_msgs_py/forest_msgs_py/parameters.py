@@ -5,8 +5,9 @@ The type of a parameter is the type of its default: bool, int, float, str, or a 
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
@@ -79,10 +80,15 @@ class Tunables:
 
     Args:
         node: whose parameters they are.
+        bundles: by parameter: what its value stands for, as values of other parameters. To set it sets
+            those, too; a ValueError of the function's refuses it.
     """
 
-    def __init__(self, node: Node) -> None:
+    def __init__(
+        self, node: Node, bundles: Mapping[str, Callable[[Any], dict[str, Any]]] | None = None
+    ) -> None:
         self._node = node
+        self._bundles = dict(bundles or {})
         self._defaults: dict[str, Any] = {}
         self._rules: dict[str, tuple[str, float | None, float | None, Sequence[Any] | None]] = {}
         self.values: dict[str, Any] = {}
@@ -126,18 +132,23 @@ class Tunables:
             self.values = values
             return SetParametersResult(successful=True)
 
-        self._node.add_pre_set_parameters_callback(self._as_declared)
+        self._node.add_pre_set_parameters_callback(self._unbundled)
         self._node.add_on_set_parameters_callback(on_set)
 
-    def _as_declared(self, parameters: list[Parameter]) -> list[Parameter]:
-        """Whole numbers become floats where those were declared."""
-        return [
-            parameter
-            if parameter.name not in self._defaults
-            or (value := _converted(self._defaults[parameter.name], parameter.value)) is None
-            else Parameter(parameter.name, value=value)
-            for parameter in parameters
-        ]
+    def _unbundled(self, parameters: list[Parameter]) -> list[Parameter]:
+        """Whole numbers become floats where those were declared, a bundle brings what it stands for."""
+        given = {parameter.name for parameter in parameters}
+        result = []
+        for parameter in parameters:
+            value = _converted(self._defaults.get(parameter.name), parameter.value)
+            result.append(parameter if value is None else Parameter(parameter.name, value=value))
+            if parameter.name in self._bundles:
+                with contextlib.suppress(ValueError):  # which refuses it when it comes to the check
+                    inside = self._bundles[parameter.name](parameter.value).items()
+                    result += [
+                        Parameter(name, value=_listed(one)) for name, one in inside if name not in given
+                    ]
+        return result
 
     def _checked(self, name: str, given: Any) -> Any:
         """The value in the default's type.
@@ -146,6 +157,8 @@ class Tunables:
             ParameterError: it is not allowed.
         """
         default, (unit, low, high, choices) = self._defaults[name], self._rules[name]
+        if name in self._bundles:
+            self._bundles[name](given)
         value = _converted(default, given)
         if value is None or not _inside(value, low, high, choices):
             allowed = _allowed(default, unit, low, high, choices)
@@ -155,6 +168,10 @@ class Tunables:
         if len(value) != len(default):
             raise ParameterError(f"parameter '{name}' is {value!r}; allowed: {len(default)} numbers")
         return tuple(value)
+
+
+def _listed(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value
 
 
 def _converted(default: Any, given: Any) -> Any:

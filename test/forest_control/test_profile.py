@@ -1,0 +1,61 @@
+"""Claims about operator profiles: files that say what is wrong with them."""
+
+import pytest
+
+from forest_control.profile import KEYS, ProfileError, load_profile, shipped
+from forest_control.settings import Settings
+from forest_control.tunables import TUNABLES, as_typed, settings_from
+
+
+def test_every_shipped_profile_loads_into_settings():
+    assert shipped() == ("default", "fine", "operator")
+    for name in shipped():
+        profile = load_profile(name)
+        assert set(profile) == set(KEYS)
+        typed = {one.name: as_typed(one.name, Settings()) for one in TUNABLES} | profile
+        made = settings_from(typed)
+        assert {key: as_typed(key, made) for key in KEYS} == profile
+
+
+def test_the_default_profile_is_the_default():
+    assert load_profile("default") == {key: as_typed(key, Settings()) for key in KEYS}
+
+
+def test_what_a_file_does_not_name_keeps_its_default_and_one_number_serves_three_levers(tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text("expo: 0.4\ndeadzone: [0, 0.1, 0.2]\ntip_speed: 1\n")
+    profile = load_profile(str(file))
+    assert profile["expo"] == (0.4, 0.4, 0.4)
+    assert profile["deadzone"] == (0.0, 0.1, 0.2)
+    assert profile["tip_speed"] == 1.0
+    assert profile["mode"] == "rate"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("gain: 1", "unknown key 'gain'; allowed: mode, axis_frame, deadzone"),
+        ("expo: 1.5", r"expo is 1.5; allowed: one number for all levers or three .*, each 0 .. 1"),
+        ("expo: [0.1, 0.2]", r"expo is \[0.1, 0.2\]; allowed"),
+        ("tip_speed: fast", "tip_speed is 'fast'; allowed: 0.01 .. 3 m/s"),
+        ("tip_speed: .nan", "tip_speed is nan; allowed"),
+        ("tip_speed: yes", "tip_speed is True; allowed"),
+        ("mode: fly", "mode is 'fly'; allowed: rate, position"),
+        ("mode: [rate]", r"mode is \['rate'\]; allowed: rate, position"),
+        ("- 1", "allowed: a mapping of mode"),
+        ("", "allowed: a mapping of mode"),
+        ("a: [", "not YAML"),
+    ],
+)
+def test_a_wrong_profile_names_file_key_and_what_is_allowed(tmp_path, text, said):
+    file = tmp_path / "mine.yaml"
+    file.write_text(text)
+    with pytest.raises(ProfileError, match=said) as error:
+        load_profile(str(file))
+    assert "mine.yaml" in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_an_unknown_profile_is_told_which_are_shipped():
+    with pytest.raises(ProfileError, match=r"'nobody': neither shipped \(default, fine, operator\)"):
+        load_profile("nobody")
