@@ -20,8 +20,8 @@ def moving_graph(start_graph, valves, wait_until, tmp_path):
     return graph
 
 
-@pytest.mark.parametrize("victim", NODES)
-def test_killing_any_node_shuts_the_valves_and_ends_the_graph_with_its_name(
+@pytest.mark.parametrize("victim", [name for name in NODES if name != "recorder"])
+def test_killing_any_node_but_the_recorder_shuts_the_valves_and_ends_the_graph_with_its_name(
     moving_graph, valves, wait_until, victim
 ):
     nodes = nodes_of(moving_graph)
@@ -33,6 +33,20 @@ def test_killing_any_node_shuts_the_valves_and_ends_the_graph_with_its_name(
     assert f"graph: {victim} was killed by SIGKILL" in moving_graph.text()
     assert valves.opened - died < ZERO_WITHIN
     assert valves.shut > died
+    assert not [name for name, pid in nodes.items() if alive(pid)]
+
+
+def test_the_graph_goes_on_without_the_recorder_and_says_so(moving_graph, valves, wait_until):
+    nodes = nodes_of(moving_graph)
+    kill(nodes["recorder"], signal.SIGKILL)
+    wait_until(lambda: "the graph goes on" in moving_graph.text(), 10.0, valves.executor)
+    seen, opened = valves.count, valves.opened
+    wait_until(lambda: valves.count > seen + 100 and valves.opened > opened, 10.0, valves.executor)
+    assert moving_graph.poll() is None
+    kill(moving_graph.pid, signal.SIGTERM)
+    wait_until(lambda: moving_graph.poll() is not None, 15.0, valves.executor)
+    assert moving_graph.returncode == 1
+    assert moving_graph.text().count("recorder was killed by SIGKILL") == 1
     assert not [name for name, pid in nodes.items() if alive(pid)]
 
 

@@ -23,12 +23,12 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     _add_choice(parser)
     add = parser.add_argument
     add("-o", "--output", type=Path, metavar="DIR", help="to be made (default: rosbag2_ and the time)")
-    add("--compression", choices=COMPRESSIONS, default="none", help="default: %(default)s")
-    add("-d", "--max-duration", "--max-bag-duration", type=_above_zero, metavar="S",
+    add("--compression", choices=COMPRESSIONS, default="zstd", help="default: %(default)s")
+    add("-d", "--max-duration", "--max-bag-duration", type=_limit, metavar="S",
         help="begin another file after so many seconds")  # fmt: skip
-    add("--max-size", type=_above_zero, metavar="MB", help="begin another file before one is larger")
-    add("-b", "--max-bag-size", type=_above_zero, metavar="BYTES", help="the same in bytes")
-    add("--snapshot-seconds", type=_above_zero, metavar="S",
+    add("--max-size", type=_limit, metavar="MB", help="begin another file before one is larger")
+    add("-b", "--max-bag-size", type=_limit, metavar="BYTES", help="the same in bytes")
+    add("--snapshot-seconds", type=_limit, metavar="S",
         help="keep the last seconds in memory; /recorder/snapshot writes them")  # fmt: skip
     add("--start-paused", action="store_true", help="record nothing before /recorder/start")
     add("--namespace", default="", metavar="NS", help="of the recorder, for relative names (default: /)")
@@ -44,13 +44,13 @@ def _add_choice(parser: argparse.ArgumentParser) -> None:
         help="but not these: names, or regular expressions that a name contains")  # fmt: skip
 
 
-def _above_zero(text: str) -> float:
+def _limit(text: str) -> float:
     try:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not 0.0 < value <= 1e9:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: a number above 0")
+    if not 0.0 <= value <= 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0 (no limit) or more")
     return value
 
 

@@ -72,7 +72,7 @@ class RecorderNode(Node):
 
     def _new_session(self) -> Session:
         output = declare(self, "output", "", "Directory to be made for the bag")
-        compression = declare(self, "compression", "none", "of the chunks", choices=COMPRESSIONS)
+        compression = declare(self, "compression", "zstd", "of the chunks", choices=COMPRESSIONS)
         duration = declare(self, "max_duration", 0.0, "longest file; 0: no limit", "s", 0.0, 1e9)
         size = declare(self, "max_size", 0.0, "largest file; 0: no limit", "MB", 0.0, 1e9)
         last = "keep so much in memory and write it on ~/snapshot; 0: write everything"

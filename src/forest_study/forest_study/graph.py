@@ -104,7 +104,8 @@ def simulator(machine: str) -> NodeSpec:
 
 def recorder(bag: Path) -> NodeSpec:
     """Return the recorder."""
-    return NodeSpec("recorder", "forest_ident.recorder_node", parameter("output", str(bag.resolve())))
+    output = parameter("output", str(bag.resolve()))
+    return NodeSpec("recorder", "forest_ident.recorder_node", output, needed=False)
 
 
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:

@@ -5,6 +5,8 @@ What it promises:
 - one graph per ROS domain and namespace;
 - when a node ends unasked, the valves go to zero (the guard itself says so, should the driver be the one
   that died), the rest is stopped, and `Failure` names the node and the reason;
+- but a crane does not stop because nobody writes down what it does: the end of a node that is not needed is
+  told, and the others do not notice;
 - nodes are stopped from the operator towards the recorder, so that the last thing in the bag is a machine
   at rest;
 - no orphans: a stopped node has 5 s before SIGKILL, and nodes end with their parent, even one that is
@@ -33,6 +35,7 @@ GRACE = 5.0  # [s] between SIGTERM and SIGKILL
 DISCOVERY = 0.6  # [s] in which another graph in the domain can show itself before ours starts
 LOOK_PERIOD = 1.0  # [s] between later looks
 COMMANDING = ("joystick", "controller", "valve_driver")
+COULD_NOT_START = 2  # exit code
 ZERO_TIME = 0.3  # [s] for which the supervisor repeats zero voltage after a death
 
 
@@ -41,11 +44,12 @@ class Stopped(Exception):
 
 
 class NodeSpec(NamedTuple):
-    """A node to start: its ROS name, module, and ROS arguments."""
+    """A node to start: its ROS name, module, and ROS arguments, and whether the others need it."""
 
     name: str
     module: str
     arguments: tuple[str, ...] = ()
+    needed: bool = True
 
 
 class _Process(NamedTuple):
@@ -116,7 +120,7 @@ class Supervisor:
         """Watch the graph until the node `until` has finished by itself, or forever.
 
         Raises:
-            Failure: a node ended unasked.
+            Failure: a node that is needed ended unasked.
             Stopped: the user asked to stop.
         """
         while not self._stop_requested:
@@ -126,7 +130,7 @@ class Supervisor:
                     continue
                 if process.spec.name == until and code == 0:
                     return
-                self._fail(process, code)
+                self._bear(process, code)
             self._look_around()
             self._pass_on_logs()
             if progress is not None:
@@ -190,13 +194,19 @@ class Supervisor:
                     process.popen.stdin.write(b"\n")
                     process.popen.stdin.flush()
 
-    def _fail(self, process: _Process, code: int) -> None:
-        """Bring the valves to zero, stop the rest, and raise the Failure that names the node."""
-        self._end_at_zero()
-        reason = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
-        log = process.log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
-        last = [line for line in log if "[INFO]" not in line][-1:]
-        raise Failure(f"{process.spec.name} {reason}" + (f": {last[0].strip()}" if last else ""))
+    def _bear(self, process: _Process, code: int) -> None:
+        """Go on without a node that is not needed, and say so once; end the graph without another.
+
+        Raises:
+            Failure: the node is needed, or could not even start.
+        """
+        if process.spec.needed or code == COULD_NOT_START:
+            self._end_at_zero()
+            raise Failure(_obituary(process, code))
+        if process.spec.name not in self._warned:
+            self._warned.add(process.spec.name)
+            text = f"warning: {_obituary(process, code)}; the graph goes on without it"
+            print(text, file=sys.stderr, flush=True)
 
     def _end_at_zero(self) -> None:
         """Bring the valves to zero, then stop everything."""
@@ -268,6 +278,14 @@ class Supervisor:
     def _present_more_often_than(self, count: int) -> list[str]:
         """Return our nodes' names that the namespace holds more often than this."""
         return [spec.name for spec in self._specs if self._guard.count(spec.name) > count]
+
+
+def _obituary(process: _Process, code: int) -> str:
+    """Which node ended, how, and what it said last."""
+    reason = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
+    log = process.log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+    last = [line for line in log if "[INFO]" not in line][-1:]
+    return f"{process.spec.name} {reason}" + (f": {last[0].strip()}" if last else "")
 
 
 def _reap(popen: "subprocess.Popen[bytes]") -> bool:
