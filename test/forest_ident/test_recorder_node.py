@@ -7,13 +7,16 @@ import struct
 from pathlib import Path
 
 import pytest
+import yaml
 
 rclpy = pytest.importorskip("rclpy")
 
 from mcap.exceptions import McapError
-from mcap.reader import NonSeekingReader
+from mcap.reader import NonSeekingReader, make_reader
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float64, String
+from std_srvs.srv import Trigger
 
 from forest_msgs_py import messages, node, topics
 from forest_msgs_py.series import read_bag
@@ -33,6 +36,23 @@ def record(domain_id, start_process, tmp_path):
         return start_process(["-m", "forest_ident.recorder_node", "--ros-args", *where, *arguments])
 
     return start
+
+
+@pytest.fixture
+def ask(speaker, ros_context, wait_until):
+    """Calls a service of the recorder; returns whether it did it, and its message."""
+    executor = SingleThreadedExecutor(context=ros_context)
+    executor.add_node(speaker)
+
+    def call(verb):
+        client = speaker.create_client(Trigger, f"/recorder/{verb}")
+        wait_until(client.service_is_ready)
+        answer = client.call_async(Trigger.Request())
+        wait_until(answer.done, executor=executor)
+        return answer.result().success, answer.result().message
+
+    yield call
+    executor.shutdown()
 
 
 def memory_mb(pid):
@@ -93,6 +113,63 @@ def test_a_killed_recorder_leaves_a_readable_file(record, speaker, wait_until, t
     assert not bag.complete
     assert list(bag.series(topics.JOINT_STATES).column("swing.position")) == list(range(100))
     assert bag.topics["/joint_states"].lost == 0
+
+
+def test_services_mark_split_stop_and_start_again(record, ask, wait_until, tmp_path):
+    process = record("-p", "event:='log dropped'", "-p", "topics:=[rosout]")
+    wait_until(lambda: ask("mark") == (True, "marked: log dropped"))
+    wait_until(lambda: messages_in(tmp_path / "bag/bag_0.mcap", "/events") == 1)
+    assert ask("snapshot") == (
+        False,
+        "no message waits; allowed: with parameter 'snapshot_seconds' above 0",
+    )
+    assert ask("split") == (True, f"the next file of {tmp_path / 'bag'} begins")
+    assert ask("mark")[0]
+    assert ask("start") == (False, f"recording already, to {tmp_path / 'bag'}")
+    done, message = ask("stop")
+    assert done
+    assert message.startswith("recorded ")
+    assert ask("mark") == ask("split") == ask("stop") == (False, "not recording")
+    assert ask("start") == (True, f"recording to {tmp_path / 'bag_2'}")
+    assert process.stop() == 0
+    assert messages_in(tmp_path / "bag/bag_1.mcap", "/events") == 1
+    assert read_bag(tmp_path / "bag").topics["/events"].count == 2
+    assert read_bag(tmp_path / "bag_2").complete
+
+
+def test_a_snapshot_is_what_came_in_the_last_seconds(record, speaker, ask, wait_until, tmp_path):
+    depth = speaker.create_publisher(Float64, "depth", 10)
+    process = record("-p", "snapshot_seconds:=60.0", "-p", "topics:=[depth]")
+    wait_until(depth.get_subscription_count)
+    for step in range(5):
+        depth.publish(Float64(data=float(step)))
+    wait_until(lambda: "wrote the last" in ask("snapshot")[1])
+    assert process.stop() == 0
+    assert 1 <= read_bag(tmp_path / "bag").topics["/depth"].count <= 5
+
+
+def test_the_parameters_of_every_node_and_its_machine_are_in_the_bag(
+    record, speaker, ros_context, wait_until, tmp_path
+):
+    speaker.declare_parameter("machine", "loader")
+    speaker.declare_parameter("seed", 7)
+    executor = SingleThreadedExecutor(context=ros_context)
+    executor.add_node(speaker)
+    process = record()
+    file = tmp_path / "bag/bag_0.mcap"
+    wait_until(lambda: file.exists() and b"machine/loader.yaml" in file.read_bytes(), executor=executor)
+    executor.shutdown()
+    assert process.stop() == 0
+    with file.open("rb") as stream:
+        reader = make_reader(stream)
+        attached = {attachment.name: attachment.data.decode() for attachment in reader.iter_attachments()}
+        notes = {note.name: note.metadata for note in reader.iter_metadata()}
+    told = yaml.safe_load(attached["parameters/speaker.yaml"])["/speaker"]["ros__parameters"]
+    assert (told["machine"], told["seed"]) == ("loader", 7)
+    assert "parameters/recorder.yaml" in attached
+    assert yaml.safe_load(attached["machine/loader.yaml"])
+    assert notes["forest_seeds"] == {"/speaker": "7"}
+    assert "python" in notes["forest_versions"]
 
 
 def test_a_namespace_and_the_excluded_are_kept_to(record, speaker, wait_until, tmp_path):

@@ -68,14 +68,16 @@ class Recording:
                 raise self._failure from error
 
     def _give_up(self, error: OSError) -> NodeFailure:
-        place, count = self.session.directory, self.session.message_count
+        place = self.session.directory
         hint = ""
         try:
             self.session.stop()
         except OSError:
             hint = f"; `forest-bag recover {place}` makes it whole"
         reason = error.strerror or error
-        return NodeFailure(f"cannot write the bag in {place}: {reason}; it ends after {count} messages{hint}")
+        return NodeFailure(
+            f"cannot write the bag in {place}: {reason}; it ends after {self.session.written} messages{hint}"
+        )
 
     def end(self) -> None:
         """Close the bag and say what was lost of which topic.
@@ -110,12 +112,14 @@ class Recording:
         """
         with self._lock:
             self._drained()
-            session, count, lost = self.session, self.session.message_count, self.session.lost
+            session, lost = self.session, self.session.lost
             self.guard(session.stop)
         each = "".join(f", {missed} of {name}" for name, missed in sorted(lost.items()) if missed)
         total = sum(lost.values())
         place = session.directory
-        return f"recorded {count} messages, {session.topic_count} topics, lost {total}{each}: {place}"
+        return (
+            f"recorded {session.written} messages, {session.topic_count} topics, lost {total}{each}: {place}"
+        )
 
     def split(self) -> str:
         """Begin the next file; refusals and failures as `stop`."""

@@ -38,6 +38,7 @@ class Session:
 
     def __init__(self, output: str | Path, layout: Layout, snapshot_ns: int = 0) -> None:
         self.lost: dict[str, int] = {}  # in this take, by topic
+        self.written = 0  # messages in the bag that was closed last
         self._output = Path(output).absolute()
         self._layout, self._snapshot_ns = layout, snapshot_ns
         self._takes = 0
@@ -103,7 +104,10 @@ class Session:
         writer, self._writer = self._writer, None
         self._forget_ring()
         if writer is not None:
-            writer.close()
+            try:
+                writer.close()
+            finally:
+                self.written = writer.written
 
     def add_topic(self, name: str, type_name: str, qos: Sequence[Mapping[str, Any]], type_hash: str) -> bool:
         """Learn of a topic, or of a further publisher of it, as `BagWriter.add_topic`."""

@@ -113,6 +113,11 @@ class BagWriter:
         return sum(self.counts.values())
 
     @property
+    def written(self) -> int:
+        """Messages in finished files."""
+        return sum(file.messages for file in self.files)
+
+    @property
     def size(self) -> int:
         """Bytes of all files."""
         return self._size_before + (0 if self._file.finished else self._file.size)
