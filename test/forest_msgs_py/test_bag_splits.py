@@ -115,7 +115,8 @@ def test_what_expires_is_not_repeated_and_of_what_is_latched_the_last(tmp_path):
     bag.add_topic("/map", "std_msgs/msg/String", [offers("transient_local", 2)], "")
     for number in range(5):
         bag.write("/rosout", URDF, number, number, number + 1)
-        bag.write("/map", URDF, number, number, number + 1)
+        for _ in range(2):
+            bag.write("/map", URDF + bytes([number]), number, number, number + 1)
     bag.split()
     bag.write("/rosout", URDF, 9, 9, 6)
     bag.close()

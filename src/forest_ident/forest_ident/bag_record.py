@@ -12,7 +12,8 @@ from typing import Any
 from forest_ident.topic_choice import ChoiceError, compiled
 from forest_msgs_py.mcap_file import COMPRESSIONS
 
-SERVICES = "While it records, the services /recorder/start, stop, split, snapshot and mark act on it."
+NODE = "bag_recorder"  # not the name of a graph's own recorder: both may record
+SERVICES = f"While it records, the services /{NODE}/start, stop, split, snapshot and mark act on it."
 
 
 def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -29,8 +30,9 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     add("--max-size", type=_limit, metavar="MB", help="begin another file before one is larger")
     add("-b", "--max-bag-size", type=_limit, metavar="BYTES", help="the same in bytes")
     add("--snapshot-seconds", type=_limit, metavar="S",
-        help="keep the last seconds in memory; /recorder/snapshot writes them")  # fmt: skip
-    add("--start-paused", action="store_true", help="record nothing before /recorder/start")
+        help=f"keep the last seconds in memory; /{NODE}/snapshot writes them")  # fmt: skip
+    add("--start-paused", action="store_true", help=f"record nothing before /{NODE}/start")
+    add("--node-name", default=NODE, metavar="NAME", help="default: %(default)s")
     add("--namespace", default="", metavar="NS", help="of the recorder, for relative names (default: /)")
 
 
@@ -85,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
     """Record; return the recorder's exit code."""
     from forest_ident import recorder_node
 
-    arguments = ["--ros-args"]
+    arguments = ["--ros-args", "-r", f"__node:={options.node_name}"]
     for name, value in parameters(options).items():  # rcl reads them as YAML, of which JSON is one
         arguments += ["-p", f"{name}:={json.dumps(value)}"]
     if options.namespace:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import tempfile
 import threading
 from pathlib import Path
 from typing import IO
+
+CANNOT_RESERVE = (errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS)  # file systems that do not know how
 
 
 class AppendFile:
@@ -65,7 +68,11 @@ class AppendFile:
             OSError: there is not that much.
         """
         if size > self._reserved:
-            os.posix_fallocate(self._reserve.fileno(), 0, 2 * size)
+            try:
+                os.posix_fallocate(self._reserve.fileno(), 0, 2 * size)
+            except OSError as error:
+                if error.errno not in CANNOT_RESERVE:
+                    raise
             self._reserved = 2 * size
 
     def release(self) -> None:

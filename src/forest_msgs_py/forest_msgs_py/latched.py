@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 FOREVER_S = 1_000_000_000  # rosbag2 writes "no limit" as 9223372036 s, others as 2147483647 s
-MANY = 1000  # messages kept of a topic whose publishers are several: whose a message is, nobody says
+MANY = 100  # messages kept of a topic whose publishers are several: whose a message is, nobody says
 
 
 class Sample(NamedTuple):
@@ -31,23 +30,41 @@ def _lifespan(profile: Mapping[str, Any]) -> int:
     return min(int(profile["lifespan"]["sec"]), FOREVER_S)
 
 
+class _Kept:
+    """The last messages of one topic, each content once."""
+
+    def __init__(self, limit: int) -> None:
+        self.limit = limit
+        self._samples: dict[bytes, Sample] = {}
+
+    def add(self, sample: Sample) -> None:
+        self._samples.pop(sample.data, None)  # said again: now the last
+        self._samples[sample.data] = sample
+        if len(self._samples) > self.limit:
+            del self._samples[next(iter(self._samples))]
+
+    def __iter__(self) -> Iterator[Sample]:
+        yield from self._samples.values()
+
+
 class Latched:
     """Keeps what the latched topics hold at present."""
 
     def __init__(self) -> None:
-        self._kept: dict[str, deque[Sample]] = {}
+        self._kept: dict[str, _Kept] = {}
 
     def watch(self, name: str, qos: Sequence[Mapping[str, Any]]) -> None:
         """Learn what the publishers of a topic offer."""
         if is_latched(qos):
-            depth = max(1, min(MANY, int(qos[0]["depth"]))) if len(qos) == 1 else MANY
-            self._kept[name] = deque(self._kept.get(name, ()), maxlen=depth)
+            depth = int(qos[0]["depth"]) if len(qos) == 1 else MANY  # 0: the middleware does not tell
+            kept = self._kept.setdefault(name, _Kept(1))
+            kept.limit = max(1, min(MANY, depth))
 
     def keep(self, sample: Sample) -> None:
         """Take in a message; forgotten at once if its topic is not latched."""
         kept = self._kept.get(sample.name)
         if kept is not None:
-            kept.append(sample)
+            kept.add(sample)
 
     def __contains__(self, name: str) -> bool:
         return name in self._kept

@@ -276,8 +276,9 @@ class Supervisor:
             self._note_memory(process)
 
     def _present_more_often_than(self, count: int) -> list[str]:
-        """Return our nodes' names that the namespace holds more often than this."""
-        return [spec.name for spec in self._specs if self._guard.count(spec.name) > count]
+        """Return names of needed nodes that the namespace holds more often than this."""
+        needed = [spec.name for spec in self._specs if spec.needed]
+        return [name for name in needed if self._guard.count(name) > count]
 
 
 def _obituary(process: _Process, code: int) -> str:
