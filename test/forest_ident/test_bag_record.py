@@ -52,6 +52,8 @@ def test_the_words_of_ros2_bag_are_understood():
         (["--max-size", "much"], "'much'; allowed: 0 (no limit) or more"),
         (["--max-duration", "-1"], "'-1'; allowed: 0 (no limit) or more"),
         (["--compression", "gzip"], "lz4"),
+        (["--node-name", "1x"], "'1x'; allowed: letters, digits and _, not a digit first"),
+        (["--namespace", "/crane/2"], "'2'; allowed: letters, digits and _, not a digit first"),
     ],
 )
 def test_a_wrong_flag_says_what_is_allowed(flags, words, capsys):

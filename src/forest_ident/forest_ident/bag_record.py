@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import re
 import time
 from pathlib import Path
 from typing import Any
@@ -32,8 +33,8 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     add("--snapshot-seconds", type=_limit, metavar="S",
         help=f"keep the last seconds in memory; /{NODE}/snapshot writes them")  # fmt: skip
     add("--start-paused", action="store_true", help=f"record nothing before /{NODE}/start")
-    add("--node-name", default=NODE, metavar="NAME", help="default: %(default)s")
-    add("--namespace", default="", metavar="NS", help="of the recorder, for relative names (default: /)")
+    add("--node-name", type=_name, default=NODE, metavar="NAME", help="default: %(default)s")
+    add("--namespace", type=_namespace, default="", metavar="NS", help="for relative names (default: /)")
 
 
 def _add_choice(parser: argparse.ArgumentParser) -> None:
@@ -54,6 +55,16 @@ def _limit(text: str) -> float:
     if not 0.0 <= value <= 1e9:
         raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0 (no limit) or more")
     return value
+
+
+def _name(text: str) -> str:
+    if not re.fullmatch(r"[A-Za-z_]\w*", text, re.ASCII):
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: letters, digits and _, not a digit first")
+    return text
+
+
+def _namespace(text: str) -> str:
+    return "/" + "/".join(map(_name, text.strip("/").split("/"))) if text.strip("/") else ""
 
 
 def _regex(text: str) -> str:
@@ -91,5 +102,5 @@ def run(options: argparse.Namespace) -> int:
     for name, value in parameters(options).items():  # rcl reads them as YAML, of which JSON is one
         arguments += ["-p", f"{name}:={json.dumps(value)}"]
     if options.namespace:
-        arguments += ["-r", f"__ns:=/{options.namespace.strip('/')}"]
+        arguments += ["-r", f"__ns:={options.namespace}"]
     return recorder_node.main(arguments)
