@@ -1,7 +1,9 @@
 """A measured log becomes a bag of our topics, in SI units; what is wrong with it is named with its line."""
 
 import math
+import re
 import textwrap
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_ident.bag_cli import main
+from forest_ident.log_map import read_map
 from forest_msgs_py import topics
 from forest_msgs_py.series import read_bag
 
@@ -139,3 +142,15 @@ def test_an_existing_bag_is_kept(convert):
     code, _, text = convert()
     assert code == 1
     assert "exists; allowed: a directory to be made" in text
+
+
+def test_the_documented_maps_are_read(tmp_path):
+    text = (Path(__file__).resolve().parents[2] / "docs" / "bags.md").read_text(encoding="utf-8")
+    examples = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    assert len(examples) == 2
+    for number, example in enumerate(examples):
+        file = tmp_path / f"{number}.yaml"
+        file.write_text(example, encoding="utf-8")
+        mapping = read_map(file)
+        assert topics.JOY in mapping.topics
+    assert mapping.topics[topics.JOY]["right_y"].column == "boom"
