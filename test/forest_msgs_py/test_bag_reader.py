@@ -10,6 +10,7 @@ from mcap.writer import CompressionType, Writer
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
 from forest_msgs_py.mcap_pieces import Damaged
+from forest_msgs_py.qos_profiles import offered
 
 TEXT = "std_msgs/msg/String"
 
@@ -87,6 +88,37 @@ def test_whole_files_and_single_messages_may_be_compressed(tmp_path):
     )
     with BagReader(by_message) as reader:
         assert [message.data for message in reader.messages()] == [b"\x00", b"\x01"]
+
+
+@pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
+@pytest.mark.parametrize("mode", ["NONE", "MESSAGE", "FILE"])
+@pytest.mark.parametrize("version", [8, 9])
+def test_bags_of_the_rosbags_library_are_read(tmp_path, storage, mode, version):
+    rosbag2 = pytest.importorskip("rosbags.rosbag2")
+    from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
+    from rosbags.typesys import Stores, get_typestore
+
+    never = QosTime(2147483647, 4294967295)
+    qos = Qos(
+        *(QosHistory.KEEP_LAST, 4, QosReliability.BEST_EFFORT, QosDurability.TRANSIENT_LOCAL),
+        *(never, never, QosLiveliness.AUTOMATIC, never, False),
+    )
+    writer = rosbag2.Writer(
+        tmp_path / "bag", version=version, storage_plugin=getattr(rosbag2.StoragePlugin, storage)
+    )
+    if mode != "NONE":
+        compression = getattr(rosbag2.CompressionMode, mode)
+        writer.set_compression(compression, rosbag2.CompressionFormat.ZSTD)
+    with writer:
+        store = get_typestore(Stores.ROS2_JAZZY)
+        connection = writer.add_connection("/a", TEXT, typestore=store, offered_qos_profiles=[qos])
+        for time in (3, 1, 2):
+            writer.write(connection, time, f"message {time}".encode())
+    with BagReader(tmp_path / "bag") as bag:
+        assert [m.data for m in bag.messages()] == [b"message 1", b"message 2", b"message 3"]
+        (channel,) = bag.channels["/a"]
+        assert (channel.type, channel.encoding) == (TEXT, "cdr")
+        assert [(p.depth, p.reliable, p.latched) for p in offered(channel.qos)] == [(4, False, True)]
 
 
 @pytest.mark.parametrize("columns", ["", ", offered_qos_profiles TEXT, type_description_hash TEXT"])

@@ -11,12 +11,24 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from forest_ident import bag_compare, bag_record, bag_recover
+from forest_ident import (
+    bag_compare,
+    bag_convert,
+    bag_import,
+    bag_info,
+    bag_play,
+    bag_plot,
+    bag_record,
+    bag_recover,
+)
 from forest_msgs_py.bag_files import BagError
 from forest_sim import command_line
 
 PROGRAM = "forest-bag"
-VERBS = (bag_record, bag_recover, bag_compare)
+VERBS = (
+    *(bag_record, bag_recover, bag_play, bag_info, bag_compare),
+    *(bag_convert, bag_plot, bag_import),
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,0 +1,116 @@
+"""`forest-bag play`: a bag's messages onto their topics again, in their time."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+
+from forest_ident.play_options import PlayOptions
+
+CLOCK_HZ = 40.0  # as `ros2 bag play`
+
+
+def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the verb and its flags."""
+    text = "publish a bag's messages again, in their time"
+    parser = verbs.add_parser(
+        "play",
+        help=text,
+        description=text.capitalize() + ".",
+        epilog="Keys: space pause, right next message, left 5 s back, up or + faster, down or - "
+        "slower. Services ~/pause, ~/resume, ~/toggle_paused, ~/play_next (std_srvs/Trigger); parameters "
+        "rate and seek.",
+    )
+    parser.set_defaults(command=run)
+    parser.add_argument("bag", type=Path, metavar="BAG", help="a directory, .mcap or .db3")
+    parser.add_argument(
+        "-r", "--rate", type=_Number(0.0, 1e6), default=1.0, help="default: 1; 0: as fast as possible"
+    )
+    parser.add_argument("-l", "--loop", action="store_true", help="again and again")
+    parser.add_argument("--start-offset", type=_Number(0.0), default=0.0, metavar="S", help="begin there")
+    parser.add_argument(
+        "--duration", type=_Number(0.0), metavar="S", help="of the bag's time (default: to its end)"
+    )
+    parser.add_argument("--topics", nargs="+", default=[], metavar="TOPIC", help="only these")
+    parser.add_argument("--exclude", nargs="+", default=[], metavar="TOPIC", help="all but these")
+    parser.add_argument(
+        "-m",
+        "--remap",
+        nargs="+",
+        type=_remap,
+        default=[],
+        metavar="OLD:=NEW",
+        help="publish under another name",
+    )
+    parser.add_argument(
+        "--clock",
+        nargs="?",
+        type=_Number(0.1, 1e4),
+        const=CLOCK_HZ,
+        default=0.0,
+        metavar="HZ",
+        help="publish the bag's time on /clock (default rate: 40)",
+    )
+    parser.add_argument("-p", "--start-paused", action="store_true", help="wait for space, or ~/resume")
+    parser.add_argument(
+        "--wait-for-subscribers", action="store_true", help="begin when every topic that is played has one"
+    )
+    parser.add_argument(
+        "-d",
+        "--delay",
+        type=_Number(0.0, 3600.0),
+        default=0.5,
+        metavar="S",
+        help="before the first message, for readers to find the player (default: 0.5)",
+    )
+    parser.add_argument("--stats", action="store_true", help="tell at the end how late messages were")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Play; return the exit code."""
+    from forest_ident.player_node import PlayerNode
+    from forest_msgs_py.node import run_node
+
+    chosen = PlayOptions(
+        options.bag,
+        options.rate,
+        options.loop,
+        options.start_offset,
+        options.duration,
+        tuple(options.topics),
+        tuple(options.exclude),
+        tuple(options.remap),
+        options.clock,
+        options.start_paused,
+        options.wait_for_subscribers,
+        options.delay,
+        options.stats,
+    )
+    return run_node(lambda: PlayerNode(chosen), [])
+
+
+class _Number:
+    """A number within bounds."""
+
+    def __init__(self, low: float, high: float = math.inf) -> None:
+        self._low, self._high = low, high
+
+    def __call__(self, text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not (self._low <= value <= self._high and math.isfinite(value)):
+            bounds = (
+                f"{self._low:g} .. {self._high:g}" if math.isfinite(self._high) else f"{self._low:g} or more"
+            )
+            raise argparse.ArgumentTypeError(f"{text!r}; allowed: {bounds}")
+        return value
+
+
+def _remap(text: str) -> tuple[str, str]:
+    old, mark, new = text.partition(":=")
+    if not (old and mark and new) or ":=" in new:
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: OLD:=NEW")
+    return old, new

@@ -1,0 +1,118 @@
+"""The player process sends a bag's bytes again, obeys services and parameters, says what it cannot play."""
+
+import signal
+
+import pytest
+
+rclpy = pytest.importorskip("rclpy")
+
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+from forest_msgs_py import messages, topics
+
+PERIOD = 5_000_000
+N = 60
+START = 10**18
+
+
+def joints(step):
+    return messages.joint_state(topics.JOINTS, START + PERIOD * step, (float(step), 0.0, 0.0))
+
+
+@pytest.fixture
+def bag(make_bag):
+    return make_bag(
+        "bag",
+        {
+            topics.JOINT_STATES: [(START + PERIOD * step, joints(step)) for step in range(N)],
+            topics.ROBOT_DESCRIPTION: [(START + PERIOD, String(data="<robot/>"))],
+            topics.unlisted("/theirs", "nobody_msgs/msg/Secret"): [(START, b"\x00\x01\x00\x00abc")],
+        },
+    )
+
+
+@pytest.fixture
+def play(domain_id, start_process):
+    return lambda *arguments: start_process(["-m", "forest_ident.bag_cli", "play", *map(str, arguments)])
+
+
+def test_a_bag_is_heard_as_it_was_recorded(bag, play, peer):
+    heard, moved = peer.hear(topics.ROBOT_DESCRIPTION), peer.hear(topics.JOINT_STATES, "/elsewhere")
+    times = peer.hear(topics.CLOCK)
+    process = play(
+        bag, "-m", "/joint_states:=/elsewhere", "--clock", "100", "--wait-for-subscribers", "--stats"
+    )
+    peer.until(lambda: process.poll() is not None)
+    peer.until(lambda: len(moved) == N)
+    assert process.returncode == 0, process.text()
+    assert moved == [joints(step) for step in range(N)]
+    assert [message.data for message in heard] == ["<robot/>"]
+    clock = [messages.stamp_to_ns(message.clock) for message in times]
+    assert clock == sorted(clock)
+    assert START <= clock[0] < clock[-1] <= START + PERIOD * N
+    assert "/theirs is not played: its type nobody_msgs/msg/Secret is not installed" in process.text()
+    assert f"played {N + 1} messages; late by p50" in process.text()
+
+
+def test_services_and_parameters_steer_it(bag, play, peer):
+    heard, stream = peer.hear(topics.ROBOT_DESCRIPTION), peer.hear(topics.JOINT_STATES)
+    process = play(bag, "--start-paused", "--loop", "--wait-for-subscribers")
+
+    def call(kind, name, request):
+        client = peer.node.create_client(kind, name)
+        peer.until(client.service_is_ready)
+        future = client.call_async(request)
+        peer.until(future.done)
+        return future.result()
+
+    def trigger(name):
+        return call(Trigger, f"/player/{name}", Trigger.Request())
+
+    def put(name, number):
+        value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=number)
+        request = SetParameters.Request(parameters=[Parameter(name=name, value=value)])
+        return call(SetParameters, "/player/set_parameters", request).results[0]
+
+    assert trigger("play_next").success
+    peer.until(lambda: len(stream) == 1)
+    assert not heard
+    assert trigger("resume").success
+    peer.until(lambda: len(stream) > N)  # once around
+    assert heard
+    assert trigger("pause").message.startswith("paused at 0.")
+    refused = put("rate", -1.0)
+    assert (refused.successful, "allowed: 0 .. 1e+06" in refused.reason) == (False, True)
+    assert not put("seek", 1.0).successful  # the bag is 0.3 s long
+    before = len(heard)
+    assert put("seek", 0.25).successful
+    peer.until(lambda: len(heard) == before + 1)
+    last = len(stream)
+    assert trigger("play_next").success
+    peer.until(lambda: len(stream) == last + 1)
+    assert stream[-1].position[0] == 50.0
+    assert process.stop(signal.SIGINT) == 0
+    assert "played" in process.text()
+
+
+def test_as_fast_as_possible_loses_nothing(make_bag, play, peer):
+    count = 2000
+    rows = [(START + PERIOD * step, joints(step)) for step in range(count)]
+    heard = []
+    name, kind = topics.JOINT_STATES.name, topics.message_class(topics.JOINT_STATES)
+    peer.node.create_subscription(kind, name, heard.append, count, raw=True)
+    process = play(make_bag("long", {topics.JOINT_STATES: rows}), "-r", "0", "--wait-for-subscribers")
+    peer.until(lambda: len(heard) == count, 30.0)
+    peer.until(lambda: process.poll() is not None)
+    assert process.returncode == 0, process.text()
+    assert "late" not in process.text()
+
+
+def test_a_damaged_bag_is_refused_with_advice(make_bag, play):
+    bag = make_bag("bag", {topics.JOINT_STATES: [(START, joints(0))]}, closed=False)
+    process = play(bag)
+    assert process.wait(20) == 2
+    assert f"forest-bag recover {bag}" in process.text()
+    assert process.text().count("\n") == 1
