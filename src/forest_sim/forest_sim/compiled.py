@@ -9,6 +9,7 @@ import hashlib
 import importlib.util
 import os
 import sys
+import threading
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -150,33 +151,51 @@ def _compiled() -> tuple[Advance, Record]:
     return _around(loaded_kernel())
 
 
+class _Flat(threading.local):
+    """What one thread has lying flat: parameters seldom change, and a loop hands back what it was given."""
+
+    def __init__(self) -> None:
+        self.state, self.voltages = np.empty(len(recording.STATE)), np.empty(3)
+        self.state_at, self.voltages_at = self.state.ctypes.data, self.voltages.ctypes.data
+        self._moved: Simulation | None = None
+        self._p: PlantParameters | None = None
+        self._row, self._row_at = np.empty(0), 0
+
+    def run(
+        self, kernel: machine_code.Kernel, simulation: Simulation, p: PlantParameters, *arguments: Any
+    ) -> Simulation:
+        """Return what a kernel moves a machine to."""
+        if self._p is not p:
+            self._p, self._row = p, np.array(_pack_parameters(p), dtype=np.float64)
+            self._row_at = self._row.ctypes.data
+        if self._moved is not simulation:
+            recording.store(simulation, self.state)
+        self._moved = None  # the kernel overwrites it
+        kernel(self.state_at, *arguments[:6], self._row_at, *arguments[6:])
+        self._moved = recording.restore(self.state)
+        return self._moved
+
+
+def _pack_parameters(p: PlantParameters) -> flat.Row:
+    """Return parameters laid out flat; all machines' are of one shape."""
+    if not _packers:
+        _packers.append(flat.packer(p))
+    return _packers[0](p)
+
+
+_packers: list[Callable[[PlantParameters], flat.Row]] = []
+
+
 def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
     """Return `integrator.advance` and `recording.record` around a kernel that moves a flat state in place."""
-    simulation, p = _example()
-    pack, unpack, pack_parameters = flat.packer(simulation), flat.unpacker(simulation), flat.packer(p)
-    state, volts = np.empty(len(pack(simulation))), np.empty(3)
-    # What lies flat already: parameters seldom change, and a loop hands back what it was given.
-    known: dict[str, Any] = {"p": None, "row": np.empty(0), "at": 0, "moved": None}
-    state_at, volts_at = state.ctypes.data, volts.ctypes.data
-
-    def run(simulation: Simulation, p: PlantParameters, *arguments: Any) -> Simulation:
-        if known["p"] is not p:
-            row = np.array(pack_parameters(p), dtype=np.float64)
-            known.update(p=p, row=row, at=row.ctypes.data)
-        if known["moved"] is not simulation:
-            state[:] = pack(simulation)
-        known["moved"] = None  # the kernel overwrites it
-        before, after = arguments[:6], arguments[6:]
-        kernel(state_at, *before, known["at"], *after)
-        moved: Simulation = unpack(state.tolist())
-        known["moved"] = moved
-        return moved
+    here = _Flat()
 
     def advance(
         simulation: Simulation, voltages: Triple, h: float, count: int, p: PlantParameters
     ) -> Simulation:
-        volts[:] = voltages
-        return run(simulation, p, volts_at, 0, h, 1, count, 0, state_at, state_at)
+        here.voltages[:] = voltages
+        unused = here.state_at
+        return here.run(kernel, simulation, p, here.voltages_at, 0, h, 1, count, 0, unused, unused)
 
     def record(
         simulation: Simulation,
@@ -189,7 +208,8 @@ def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
         table, rows = np.ascontiguousarray(voltages, dtype=np.float64), len(states)
         recorded, filled = (1, states) if energies is None else (2, energies)
         into = states.ctypes.data, filled.ctypes.data
-        return run(simulation, p, table.ctypes.data, 3, h, rows, len(table) // rows, recorded, *into)
+        moves = table.ctypes.data, 3, h, rows, len(table) // rows, recorded
+        return here.run(kernel, simulation, p, *moves, *into)
 
     return advance, record
 
@@ -223,8 +243,11 @@ def kernel_text() -> str:
         *(f"    state[{i}] = {path}" for i, path in enumerate(state)),
     ]
     library = translate.Library(APART)
-    views = {"simulation": ("state", simulation), "p": ("parameters", p)}
-    library.entry(machine_code.ENTRY, "\n".join(lines), names, ARGUMENTS, views)
+    library.entry(
+        *(machine_code.ENTRY, "\n".join(lines), names, ARGUMENTS),
+        views={"p": ("parameters", p)},
+        copies={"simulation": ("state", simulation)},
+    )
     return "\n".join(library.text())
 
 
