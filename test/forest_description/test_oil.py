@@ -82,4 +82,4 @@ def test_a_temperature_that_no_oil_has_is_refused(temperature):
 
 def test_oil_that_would_have_no_stiffness_left_keeps_the_least():
     soft = dataclasses.replace(OIL, bulk_modulus_slope=-3e7)
-    assert soft.at(353.15).bulk_modulus == 1e8
+    assert soft.at(373.15).bulk_modulus == 1e8
