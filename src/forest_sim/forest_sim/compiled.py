@@ -46,6 +46,7 @@ from forest_sim import (
 )
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation
+from forest_sim.llvm_text import number
 from forest_sim.manipulator import Triple
 from forest_sim.parameters import PlantParameters, plant_parameters
 
@@ -214,8 +215,13 @@ def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
     return advance, record
 
 
-def kernel_text() -> str:
-    """Return the kernel as LLVM's text: it steps a machine that lies flat, and records it if asked to."""
+def kernel_text(fixed: Callable[[str], bool] = lambda _: False) -> str:
+    """Return the kernel as LLVM's text: it steps a machine that lies flat, and records it if asked to.
+
+    Args:
+        fixed: tells which parameters ("p.guard.relief_pressure") are taken for granted as `c180_thesis` has
+            them: what a component costs that this machine lacks, is what that saves.
+    """
     simulation, p = _example()
     none = power.power_flows(simulation, p)
     names = {"step": integrator.step, "power_flows": power.power_flows, "NOTHING": none}
@@ -247,6 +253,11 @@ def kernel_text() -> str:
         *(machine_code.ENTRY, "\n".join(lines), names, ARGUMENTS),
         views={"p": ("parameters", p)},
         copies={"simulation": ("state", simulation)},
+        fixed={
+            ("parameters", at): number(value)
+            for at, (path, value) in enumerate(flat.leaves(p, "p"))
+            if fixed(path)
+        },
     )
     return "\n".join(library.text())
 

@@ -57,6 +57,7 @@ class Library:
         arguments: str,
         views: Mapping[str, tuple[str, Any]],
         copies: Mapping[str, tuple[str, Any]],
+        fixed: Mapping[tuple[str, int], Scalar] | None = None,
     ) -> None:
         """Add the function that the world calls.
 
@@ -67,11 +68,13 @@ class Library:
             arguments: a letter for each: p pointer to doubles, d double, i whole number.
             views: names of tuples that lie flat in an argument: the argument's name, and an example.
             copies: the same, of arguments that the function writes to.
+            fixed: numbers that LLVM may take for granted: an argument's name, and where in it.
         """
         (node,) = ast.parse(text).body
         if not isinstance(node, ast.FunctionDef):
             raise NotTranslatedError("the entry's source is no function")
-        into, kinds = Function(early=True), []
+        known = {(f"%{argument}", at): number for (argument, at), number in (fixed or {}).items()}
+        into, kinds = Function(known), []
         variables: Variables = {}
         for letter, argument in zip(arguments, [a.arg for a in node.args.args], strict=True):
             register = f"%{argument}"
