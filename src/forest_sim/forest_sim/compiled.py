@@ -48,6 +48,7 @@ from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation
 from forest_sim.llvm_text import number
 from forest_sim.manipulator import Triple
+from forest_sim.pace import Pace
 from forest_sim.parameters import PlantParameters, plant_parameters
 
 LAWS: tuple[ModuleType, ...] = (
@@ -88,13 +89,14 @@ APART = (
     "_axis_power",
     "_axis_derivative",
 )
-# state, voltages, stride, h, rows, substeps, recorded (0: nothing, 1: states, 2: energies, too), parameters,
-# states, energies
-ARGUMENTS = "ppidiiippp"
+# state, voltages and their stride, length and count of each row's steps and their stride, rows, recorded (0:
+# nothing, 1: states, 2: energies, too), parameters, states, energies
+ARGUMENTS = "ppippiiippp"
+NAMES = "state, voltages, stride, steps, counts, pace, rows, recorded, parameters, states, energies"
 
 Floats = NDArray[np.float64]
 Advance = Callable[[Simulation, Triple, float, int, PlantParameters], Simulation]
-Record = Callable[[Simulation, Floats, float, PlantParameters, Floats, Floats | None], Simulation]
+Record = Callable[[Simulation, Floats, Pace, PlantParameters, Floats, Floats | None], Simulation]
 
 
 def compiled_advance() -> Advance:
@@ -157,7 +159,9 @@ class _Flat(threading.local):
 
     def __init__(self) -> None:
         self.state, self.voltages = np.empty(len(recording.STATE)), np.empty(3)
+        self.pace = np.empty(2)  # length and count of steps
         self.state_at, self.voltages_at = self.state.ctypes.data, self.voltages.ctypes.data
+        self.pace_at = self.pace.ctypes.data, self.pace.ctypes.data + self.pace.itemsize
         self._moved: Simulation | None = None
         self._p: PlantParameters | None = None
         self._row, self._row_at = np.empty(0), 0
@@ -172,7 +176,7 @@ class _Flat(threading.local):
         if self._moved is not simulation:
             recording.store(simulation, self.state)
         self._moved = None  # the kernel overwrites it
-        kernel(self.state_at, *arguments[:6], self._row_at, *arguments[6:])
+        kernel(self.state_at, *arguments[:7], self._row_at, *arguments[7:])
         self._moved = recording.restore(self.state)
         return self._moved
 
@@ -195,21 +199,23 @@ def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
         simulation: Simulation, voltages: Triple, h: float, count: int, p: PlantParameters
     ) -> Simulation:
         here.voltages[:] = voltages
+        here.pace[:] = h, count
         unused = here.state_at
-        return here.run(kernel, simulation, p, here.voltages_at, 0, h, 1, count, 0, unused, unused)
+        return here.run(kernel, simulation, p, here.voltages_at, 0, *here.pace_at, 0, 1, 0, unused, unused)
 
     def record(
         simulation: Simulation,
         voltages: Floats,
-        h: float,
+        pace: Pace,
         p: PlantParameters,
         states: Floats,
         energies: Floats | None,
     ) -> Simulation:
         table, rows = np.ascontiguousarray(voltages, dtype=np.float64), len(states)
+        steps, counts = (np.ascontiguousarray(column, dtype=np.float64) for column in pace)
         recorded, filled = (1, states) if energies is None else (2, energies)
         into = states.ctypes.data, filled.ctypes.data
-        moves = table.ctypes.data, 3, h, rows, len(table) // rows, recorded
+        moves = table.ctypes.data, 3, steps.ctypes.data, counts.ctypes.data, 1, rows, recorded
         return here.run(kernel, simulation, p, *moves, *into)
 
     return advance, record
@@ -228,13 +234,14 @@ def kernel_text(fixed: Callable[[str], bool] = lambda _: False) -> str:
     state = [path for path, _ in flat.leaves(simulation, "simulation")]
     flows = [path for path, _ in flat.leaves(none, "")]
     lines = [
-        "def kernel(state, voltages, stride, h, rows, substeps, recorded, parameters, states, energies):",
-        "    before = power_flows(simulation, p) if recorded > 1 else NOTHING",
+        f"def kernel({NAMES}):",
+        "    before, i = power_flows(simulation, p) if recorded > 1 else NOTHING, 0",
         "    for row in range(rows):",
-        "        for k in range(row * substeps, (row + 1) * substeps):",
-        "            i = stride * k",
+        "        h = steps[pace * row]",
+        "        for _ in range(int(counts[pace * row])):",
         "            held = (voltages[i], voltages[i + 1], voltages[i + 2])",
         "            simulation = step(simulation, held, h, p)",
+        "            i += stride",
         "            if recorded > 1:",
         "                after = power_flows(simulation, p)",
         f"                e = row * {len(flows)}",
