@@ -112,7 +112,8 @@ def _share(row: Row) -> str:
 
 def main(argv: list[str] | None = None) -> None:
     """Run the contest."""
-    peers = [key for key in CONTESTANTS if key != "ours"]
+    ours = [key for key in CONTESTANTS if key.startswith("ours")]
+    peers = [key for key in CONTESTANTS if key not in ours]
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--json", type=Path, help="also write all numbers to this file")
     parser.add_argument("--peers", nargs="*", choices=peers, default=peers, help="default: all")
@@ -124,10 +125,9 @@ def main(argv: list[str] | None = None) -> None:
 
     rows: list[Row] = []
     print(HEAD)
-    for key in ["ours", *args.peers]:
-        rows += run_contestant(
-            key, args.modes, args.seconds, None if key == "ours" else args.tolerance, args.warm
-        )
+    for key in [*ours, *args.peers]:
+        tolerance = None if key in ours else args.tolerance
+        rows += run_contestant(key, args.modes, args.seconds, tolerance, args.warm)
         for line in list(table(rows))[-len(args.modes) :]:
             print(line, flush=True)
     if args.json:

@@ -35,7 +35,8 @@ def test_short_work_runs_in_both_modes_and_reports_all_fields(tmp_path):
     done = subprocess.run([*command, "--json", report], check=True, capture_output=True, text=True)
     rows = json.loads(report.read_text())["rows"]
     assert [(r["contestant"], r["mode"]) for r in rows] == [
-        ("ours", "open"), ("ours", "held"), ("lsoda-numpy", "open"), ("lsoda-numpy", "held"),
+        ("ours", "open"), ("ours", "held"), ("ours-even", "open"), ("ours-even", "held"),
+        ("lsoda-numpy", "open"), ("lsoda-numpy", "held"),
     ]  # fmt: skip
     for row in rows:
         assert row.keys() >= FIELDS

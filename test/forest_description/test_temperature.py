@@ -155,14 +155,11 @@ def test_a_machine_comes_back_from_any_temperature_by_any_way(temperature):
     assert flat(detour) == pytest.approx(flat(there), rel=1e-12, abs=0.0)
 
 
-def test_a_number_that_leaves_its_range_is_named_with_machine_and_temperature():
+def test_a_number_at_the_edge_of_its_range_follows_the_oil_beyond_it():
     tight = dataclasses.replace(C180.swing, internal_leakage_resistance=1e9)
-    machine = dataclasses.replace(C180, swing=tight)
-    with pytest.raises(
-        MachineError,
-        match=r"c180 with its oil at 353\.15 K: SwingDrive\.internal_leakage_resistance: .* is out",
-    ):
-        at_temperature(machine, WARM)
+    hot = at_temperature(dataclasses.replace(C180, swing=tight), WARM)
+    thinner = C180.oil.absolute_viscosity(WARM) / C180.oil.absolute_viscosity(313.15)
+    assert hot.swing.internal_leakage_resistance == pytest.approx(1e9 * thinner)
 
 
 def test_a_temperature_that_no_oil_has_is_refused_with_the_range():

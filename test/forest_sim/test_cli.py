@@ -1,6 +1,7 @@
 """`forest-sim` as a user meets it: files, tables, one sentence for each error, and its exit code."""
 
 import contextlib
+import errno
 import json
 import signal
 import subprocess
@@ -245,6 +246,16 @@ def test_without_llvm_it_runs_and_says_once_how_to_be_faster(forest_sim, tmp_pat
     assert code == 0
     assert err.count("pip install 'forest-crane[fast]'") == 1
     assert len(err.splitlines()) == 1
+
+
+def test_a_full_disk_is_told_with_the_place(forest_sim, tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("forest_sim.trajectory_files.TrajectoryFiles.write", full)
+    code, _, err = forest_sim("simulate", "--duration", "0.2", "--out", tmp_path / "run")
+    assert code == 1
+    assert err == f"forest-sim: {tmp_path}/run: No space left on device\n"
 
 
 def test_a_run_that_is_terminated_leaves_a_bag_that_opens(tmp_path):

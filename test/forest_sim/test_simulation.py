@@ -11,6 +11,7 @@ from forest_sim import inputs, recording
 from forest_sim.compiled import compiled_advance, compiled_record, fastest_record
 from forest_sim.energy import Account, account, gap, heat_in, oil_energy
 from forest_sim.equilibrium import equilibrium
+from forest_sim.pace import even
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import ENERGY, STATE, restore
 from forest_sim.simulation import (
@@ -76,12 +77,12 @@ def test_blocks_hold_the_same_rows_whatever_the_length_of_the_run():
     np.testing.assert_array_equal(short.states, long.states[:201])
 
 
-def test_a_block_without_numba_is_the_same_one():
+def test_a_block_without_llvm_is_the_same_one():
     p, volts = plant_parameters(C180), inputs.steps().at(0.5 + np.arange(100) * 1e-3)
     one, other = (np.zeros((20, len(STATE))) for _ in range(2))
     energy, other_energy = (np.zeros((20, len(ENERGY))) for _ in range(2))
-    recording.record(equilibrium(START, p), volts, 1e-3, p, one, energy)
-    compiled_record()(equilibrium(START, p), volts, 1e-3, p, other, other_energy)
+    recording.record(equilibrium(START, p), volts, even(1e-3, 20, 5), p, one, energy)
+    compiled_record()(equilibrium(START, p), volts, even(1e-3, 20, 5), p, other, other_energy)
     np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(energy, other_energy, rtol=1e-6, atol=1e-6)
 
@@ -90,8 +91,8 @@ def test_a_block_without_numba_is_the_same_one():
 def test_states_are_the_same_with_and_without_energies(record):
     p, volts = plant_parameters(C180), inputs.steps().at(0.5 + np.arange(20) * 1e-3)
     one, other = (np.zeros((4, len(STATE))) for _ in range(2))
-    record(equilibrium(START, p), volts, 1e-3, p, one, np.zeros((4, len(ENERGY))))
-    record(equilibrium(START, p), volts, 1e-3, p, other, None)
+    record(equilibrium(START, p), volts, even(1e-3, 4, 5), p, one, np.zeros((4, len(ENERGY))))
+    record(equilibrium(START, p), volts, even(1e-3, 4, 5), p, other, None)
     np.testing.assert_array_equal(one, other)
 
 

@@ -57,6 +57,11 @@ def test_the_kernel_gets_the_warm_machine_and_at_the_reference_the_same_one():
     assert parameters_at(load_machine("c180_thesis"), 353.15) == plant_parameters(load_machine("c180_thesis"))
 
 
+def test_a_boiling_machine_keeps_the_oil_of_the_hottest_law():
+    assert parameters_at(MACHINE, 500.0) == parameters_at(MACHINE, 423.15)
+    assert parameters_at(MACHINE, 100.0) == parameters_at(MACHINE, 223.15)
+
+
 def test_at_rest_the_heat_is_what_the_pump_needs_for_itself():
     p = plant_parameters(MACHINE)
     flows = power_flows(equilibrium((0.0, 0.5, -1.5), p), p)

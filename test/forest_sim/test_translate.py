@@ -29,7 +29,7 @@ def translated(function, example, apart=()):
     lines = ["def kernel(given, results):", "    result = function(value)"]
     lines += [f"    results[{i}] = {path}" for i, path in enumerate(paths)]
     views = {"value": ("given", example)}
-    library.entry(machine_code.ENTRY, "\n".join(lines), {"function": function}, "pp", views)
+    library.entry(machine_code.ENTRY, "\n".join(lines), {"function": function}, "pp", views, {})
     kernel = machine_code.load(machine_code.optimised("\n".join(library.text())), "pp")
 
     def run(value):
@@ -171,4 +171,4 @@ def test_what_is_outside_the_subset_is_refused_by_name(law, complaint):
     library = Library(())
     text = "def kernel(given):\n    result = law(value)"
     with pytest.raises(NotTranslatedError, match=complaint):
-        library.entry("kernel", text, {"law": law}, "p", {"value": ("given", points(1)[0])})
+        library.entry("kernel", text, {"law": law}, "p", {"value": ("given", points(1)[0])}, {})

@@ -108,7 +108,7 @@ def _file_text(path: Path) -> tuple[str, str]:
 def _parse(text: str, label: str) -> Branch:
     """Parse YAML text into a tree whose places are "label:line"."""
     try:
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
+        node = _composed(text)
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 1
         raise MachineError(f"{label}:{line}: not valid YAML: {error.problem}") from error
@@ -117,6 +117,14 @@ def _parse(text: str, label: str) -> Branch:
     if not isinstance(node, yaml.MappingNode):
         raise MachineError(f"{label}:1: a machine file is a mapping of keys, this one is not")
     return _branch(node, label, "")
+
+
+def _composed(text: str) -> yaml.Node | None:
+    """Return YAML text as nodes: by the parser in C, or for its complaints by Python's, which says more."""
+    try:
+        return yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    except yaml.YAMLError:
+        return yaml.compose(text, Loader=yaml.SafeLoader)
 
 
 def _branch(mapping: yaml.MappingNode, label: str, prefix: str) -> Branch:

@@ -16,10 +16,11 @@ import dataclasses
 import math
 from dataclasses import dataclass
 
-from forest_description.parameter import ParameterSet, parameter, require_order
+from forest_description.parameter import ParameterSet, derived, parameter, require_order
 
 WALTHER_OFFSET = 0.7  # [mm²/s] added to the viscosity in ASTM D341, from 2 mm²/s upwards
 SQUARE_MILLIMETRES = 1e6  # in a square metre
+SOFTEST = 1e8  # [Pa] half air
 COLDEST, HOTTEST = 223.15, 423.15  # [K] -50 and 150 °C, beyond which no hydraulic oil works
 
 
@@ -32,7 +33,7 @@ class Oil(ParameterSet):
     )
     density: float = parameter("kg/m3", 500.0, 2000.0, "density ρ")
     thermal_expansion: float = parameter("1/K", 0.0, 5e-3, "relative growth of volume per temperature")
-    bulk_modulus: float = parameter("Pa", 1e8, 1e10, "β of the oil alone, without walls")
+    bulk_modulus: float = parameter("Pa", SOFTEST, 1e10, "β of the oil alone, without walls")
     bulk_modulus_slope: float = parameter("Pa/K", -5e7, 5e7, "slope dβ/dT over temperature")
     cold_temperature: float = parameter("K", COLDEST, HOTTEST, "where cold_viscosity was measured")
     cold_viscosity: float = parameter("m2/s", 2e-6, 0.1, "kinematic viscosity there")
@@ -82,15 +83,14 @@ class Oil(ParameterSet):
         """Return the same oil described at another reference temperature [K]; its mass stays.
 
         Raises:
-            MachineError: The temperature, or what the oil is there, is outside its range.
+            MachineError: The temperature is outside its range.
         """
         density = self.density_at(temperature)
-        return dataclasses.replace(
-            self,
-            reference_temperature=temperature,
+        softer = self.bulk_modulus + self.bulk_modulus_slope * (temperature - self.reference_temperature)
+        return derived(
+            dataclasses.replace(self, reference_temperature=temperature),
             density=density,
-            bulk_modulus=self.bulk_modulus
-            + self.bulk_modulus_slope * (temperature - self.reference_temperature),
+            bulk_modulus=max(SOFTEST, softer),  # a straight line ends somewhere: no oil has less than none
             volume=self.volume * self.density / density,
         )
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 
 class MachineError(ValueError):
@@ -97,6 +97,21 @@ class ParameterSet:
                 object.__setattr__(self, field.name, numbers)
             else:
                 object.__setattr__(self, field.name, _checked(where, value, allowed))
+
+
+_Set = TypeVar("_Set", bound=ParameterSet)
+
+
+def derived(base: _Set, **changes: Any) -> _Set:
+    """Return a copy with numbers that physics makes of checked ones; they may lie beyond the ranges.
+
+    The ranges are for what somebody writes down. A machine at the edge of one must not stop because its oil
+    warms.
+    """
+    copy = object.__new__(type(base))
+    for field in dataclasses.fields(base):
+        object.__setattr__(copy, field.name, changes.get(field.name, getattr(base, field.name)))
+    return copy
 
 
 def _checked(where: str, value: object, allowed: Parameter) -> float:

@@ -21,14 +21,13 @@ gal/min has Re = 4600 at 40 °C, 1600 at 20 °C.
 
 from __future__ import annotations
 
-import dataclasses
 from typing import NamedTuple
 
 from forest_description.hose import Hose, MeasuredHose
 from forest_description.hydraulics import Valve
 from forest_description.machine import CylinderDrive, Machine, SwingDrive
 from forest_description.oil import Oil
-from forest_description.parameter import MachineError
+from forest_description.parameter import MachineError, derived
 from forest_description.pump import IdealPump, Pump
 
 
@@ -52,14 +51,14 @@ def at_temperature(machine: Machine, temperature: float) -> Machine:
         temperature: Of the oil, everywhere the same [K].
 
     Raises:
-        MachineError: The temperature, or a number of the machine there, is outside its range.
+        MachineError: The temperature is outside its range; other numbers may leave theirs (`derived`).
     """
     oil = machine.oil
     if oil is None or temperature == oil.reference_temperature:
         return machine
     try:
         change = change_of(oil, oil.at(temperature))
-        return dataclasses.replace(
+        return derived(
             machine,
             oil=oil.at(temperature),
             pump=_pump(machine.pump, change),
@@ -87,7 +86,7 @@ def change_of(was: Oil, now: Oil) -> Change:
 def _pump(pump: Pump, change: Change) -> Pump:
     if isinstance(pump, IdealPump):
         return pump
-    return dataclasses.replace(
+    return derived(
         pump,
         leakage_resistance=pump.leakage_resistance * change.viscosity,
         manifold_capacitance=pump.manifold_capacitance / change.bulk_modulus,
@@ -98,8 +97,8 @@ def _valve(valve: Valve, change: Change) -> Valve:
     backward = valve.backward
     if backward is not None:
         c_r = backward.minimum_resistance * change.density
-        backward = dataclasses.replace(backward, minimum_resistance=c_r)
-    return dataclasses.replace(
+        backward = derived(backward, minimum_resistance=c_r)
+    return derived(
         valve,
         minimum_resistance=valve.minimum_resistance * change.density,
         leakage_conductance=valve.leakage_conductance / change.viscosity,
@@ -113,7 +112,7 @@ def _hose(hose: Hose, change: Change) -> Hose:
         return hose
     share = hose.oil_share(change.was.bulk_modulus)
     turbulent = change.viscosity**0.25 * change.density**0.75
-    return dataclasses.replace(
+    return derived(
         hose,
         turbulent_resistance=hose.turbulent_resistance * turbulent,
         laminar_resistance=hose.laminar_resistance * change.viscosity,
@@ -123,7 +122,7 @@ def _hose(hose: Hose, change: Change) -> Hose:
 
 
 def _swing(drive: SwingDrive, change: Change) -> SwingDrive:
-    return dataclasses.replace(
+    return derived(
         drive,
         internal_leakage_resistance=drive.internal_leakage_resistance * change.viscosity,
         external_leakage_resistance=drive.external_leakage_resistance * change.viscosity,
@@ -135,8 +134,8 @@ def _swing(drive: SwingDrive, change: Change) -> SwingDrive:
 def _cylinder(drive: CylinderDrive, change: Change) -> CylinderDrive:
     cushion = drive.cushion
     if cushion is not None:
-        cushion = dataclasses.replace(cushion, resistance=cushion.resistance * change.density)
-    return dataclasses.replace(
+        cushion = derived(cushion, resistance=cushion.resistance * change.density)
+    return derived(
         drive,
         valve=None if drive.valve is None else _valve(drive.valve, change),
         hose=None if drive.hose is None else _hose(drive.hose, change),

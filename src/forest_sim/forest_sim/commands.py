@@ -25,7 +25,7 @@ from forest_sim.observation import EXACT, Observer, Sensing
 from forest_sim.parameters import plant_parameters
 from forest_sim.sensors import true_joints
 from forest_sim.simulation import Run, RunError, blocks, substeps
-from forest_sim.trajectory_files import Thinned, trajectory_files
+from forest_sim.trajectory_files import Thinned, naming, trajectory_files
 
 QUIET = 2.0  # [s] after which a run begins to say how far it is
 TOLD_EVERY = 1.0  # [s] on a terminal; elsewhere ten times rarer
@@ -93,7 +93,7 @@ def simulate(
     _tell_about_the_compiler()
     observer, kept, total = Observer(machine, run.rate, sensing), Thinned(), summary.Summary(machine)
     progress = Progress(run.duration)
-    with _stops_noted() as stopped, trajectory_files(out, machine, run.rate) as files:
+    with naming(out), _stops_noted() as stopped, trajectory_files(out, machine, run.rate) as files:
         for block in blocks(machine, voltages, angles, run, disturbance):
             observed = observer.observe(block)
             files.write(block, observed)
@@ -104,12 +104,11 @@ def simulate(
             if stopped:
                 raise KeyboardInterrupt
     result = total.result(run, voltages.name, angles)
-    (out / "summary.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
-    from forest_sim.figures import (
-        draw_run,
-    )  # matplotlib takes half a second that a bad argument need not wait
+    from forest_sim.figures import draw_run  # matplotlib takes half a second: no bad argument waits for it
 
-    drawn = draw_run(kept.columns(), machine, out)
+    with naming(out):
+        (out / "summary.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+        drawn = draw_run(kept.columns(), machine, out)
     print(summary.table(result))
     for doubt in summary.doubts(result):
         print(f"forest-sim: {doubt}", file=sys.stderr)

@@ -9,6 +9,7 @@ import hashlib
 import importlib.util
 import os
 import sys
+import threading
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -45,7 +46,9 @@ from forest_sim import (
 )
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation
+from forest_sim.llvm_text import number
 from forest_sim.manipulator import Triple
+from forest_sim.pace import Pace
 from forest_sim.parameters import PlantParameters, plant_parameters
 
 LAWS: tuple[ModuleType, ...] = (
@@ -86,13 +89,14 @@ APART = (
     "_axis_power",
     "_axis_derivative",
 )
-# state, voltages, stride, h, rows, substeps, recorded (0: nothing, 1: states, 2: energies, too), parameters,
-# states, energies
-ARGUMENTS = "ppidiiippp"
+# state, voltages and their stride, length and count of each row's steps and their stride, rows, recorded (0:
+# nothing, 1: states, 2: energies, too), parameters, states, energies
+ARGUMENTS = "ppippiiippp"
+NAMES = "state, voltages, stride, steps, counts, pace, rows, recorded, parameters, states, energies"
 
 Floats = NDArray[np.float64]
 Advance = Callable[[Simulation, Triple, float, int, PlantParameters], Simulation]
-Record = Callable[[Simulation, Floats, float, PlantParameters, Floats, Floats | None], Simulation]
+Record = Callable[[Simulation, Floats, Pace, PlantParameters, Floats, Floats | None], Simulation]
 
 
 def compiled_advance() -> Advance:
@@ -150,65 +154,94 @@ def _compiled() -> tuple[Advance, Record]:
     return _around(loaded_kernel())
 
 
+class _Flat(threading.local):
+    """What one thread has lying flat: parameters seldom change, and a loop hands back what it was given."""
+
+    def __init__(self) -> None:
+        self.state, self.voltages = np.empty(len(recording.STATE)), np.empty(3)
+        self.pace = np.empty(2)  # length and count of steps
+        self.state_at, self.voltages_at = self.state.ctypes.data, self.voltages.ctypes.data
+        self.pace_at = self.pace.ctypes.data, self.pace.ctypes.data + self.pace.itemsize
+        self._moved: Simulation | None = None
+        self._p: PlantParameters | None = None
+        self._row, self._row_at = np.empty(0), 0
+
+    def run(
+        self, kernel: machine_code.Kernel, simulation: Simulation, p: PlantParameters, *arguments: Any
+    ) -> Simulation:
+        """Return what a kernel moves a machine to."""
+        if self._p is not p:
+            self._p, self._row = p, np.array(_pack_parameters(p), dtype=np.float64)
+            self._row_at = self._row.ctypes.data
+        if self._moved is not simulation:
+            recording.store(simulation, self.state)
+        self._moved = None  # the kernel overwrites it
+        kernel(self.state_at, *arguments[:7], self._row_at, *arguments[7:])
+        self._moved = recording.restore(self.state)
+        return self._moved
+
+
+def _pack_parameters(p: PlantParameters) -> flat.Row:
+    """Return parameters laid out flat; all machines' are of one shape."""
+    if not _packers:
+        _packers.append(flat.packer(p))
+    return _packers[0](p)
+
+
+_packers: list[Callable[[PlantParameters], flat.Row]] = []
+
+
 def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
     """Return `integrator.advance` and `recording.record` around a kernel that moves a flat state in place."""
-    simulation, p = _example()
-    pack, unpack, pack_parameters = flat.packer(simulation), flat.unpacker(simulation), flat.packer(p)
-    state, volts = np.empty(len(pack(simulation))), np.empty(3)
-    # What lies flat already: parameters seldom change, and a loop hands back what it was given.
-    known: dict[str, Any] = {"p": None, "row": np.empty(0), "at": 0, "moved": None}
-    state_at, volts_at = state.ctypes.data, volts.ctypes.data
-
-    def run(simulation: Simulation, p: PlantParameters, *arguments: Any) -> Simulation:
-        if known["p"] is not p:
-            row = np.array(pack_parameters(p), dtype=np.float64)
-            known.update(p=p, row=row, at=row.ctypes.data)
-        if known["moved"] is not simulation:
-            state[:] = pack(simulation)
-        known["moved"] = None  # the kernel overwrites it
-        before, after = arguments[:6], arguments[6:]
-        kernel(state_at, *before, known["at"], *after)
-        moved: Simulation = unpack(state.tolist())
-        known["moved"] = moved
-        return moved
+    here = _Flat()
 
     def advance(
         simulation: Simulation, voltages: Triple, h: float, count: int, p: PlantParameters
     ) -> Simulation:
-        volts[:] = voltages
-        return run(simulation, p, volts_at, 0, h, 1, count, 0, state_at, state_at)
+        here.voltages[:] = voltages
+        here.pace[:] = h, count
+        unused = here.state_at
+        return here.run(kernel, simulation, p, here.voltages_at, 0, *here.pace_at, 0, 1, 0, unused, unused)
 
     def record(
         simulation: Simulation,
         voltages: Floats,
-        h: float,
+        pace: Pace,
         p: PlantParameters,
         states: Floats,
         energies: Floats | None,
     ) -> Simulation:
         table, rows = np.ascontiguousarray(voltages, dtype=np.float64), len(states)
+        steps, counts = (np.ascontiguousarray(column, dtype=np.float64) for column in pace)
         recorded, filled = (1, states) if energies is None else (2, energies)
         into = states.ctypes.data, filled.ctypes.data
-        return run(simulation, p, table.ctypes.data, 3, h, rows, len(table) // rows, recorded, *into)
+        moves = table.ctypes.data, 3, steps.ctypes.data, counts.ctypes.data, 1, rows, recorded
+        return here.run(kernel, simulation, p, *moves, *into)
 
     return advance, record
 
 
-def kernel_text() -> str:
-    """Return the kernel as LLVM's text: it steps a machine that lies flat, and records it if asked to."""
+def kernel_text(fixed: Callable[[str], bool] = lambda _: False) -> str:
+    """Return the kernel as LLVM's text: it steps a machine that lies flat, and records it if asked to.
+
+    Args:
+        fixed: tells which parameters ("p.guard.relief_pressure") are taken for granted as `c180_thesis` has
+            them: what a component costs that this machine lacks, is what that saves.
+    """
     simulation, p = _example()
     none = power.power_flows(simulation, p)
     names = {"step": integrator.step, "power_flows": power.power_flows, "NOTHING": none}
     state = [path for path, _ in flat.leaves(simulation, "simulation")]
     flows = [path for path, _ in flat.leaves(none, "")]
     lines = [
-        "def kernel(state, voltages, stride, h, rows, substeps, recorded, parameters, states, energies):",
-        "    before = power_flows(simulation, p) if recorded > 1 else NOTHING",
+        f"def kernel({NAMES}):",
+        "    before, i = power_flows(simulation, p) if recorded > 1 else NOTHING, 0",
         "    for row in range(rows):",
-        "        for k in range(row * substeps, (row + 1) * substeps):",
-        "            i = stride * k",
+        "        h = steps[pace * row]",
+        "        for _ in range(int(counts[pace * row])):",
         "            held = (voltages[i], voltages[i + 1], voltages[i + 2])",
         "            simulation = step(simulation, held, h, p)",
+        "            i += stride",
         "            if recorded > 1:",
         "                after = power_flows(simulation, p)",
         f"                e = row * {len(flows)}",
@@ -223,8 +256,16 @@ def kernel_text() -> str:
         *(f"    state[{i}] = {path}" for i, path in enumerate(state)),
     ]
     library = translate.Library(APART)
-    views = {"simulation": ("state", simulation), "p": ("parameters", p)}
-    library.entry(machine_code.ENTRY, "\n".join(lines), names, ARGUMENTS, views)
+    library.entry(
+        *(machine_code.ENTRY, "\n".join(lines), names, ARGUMENTS),
+        views={"p": ("parameters", p)},
+        copies={"simulation": ("state", simulation)},
+        fixed={
+            ("parameters", at): number(value)
+            for at, (path, value) in enumerate(flat.leaves(p, "p"))
+            if fixed(path)
+        },
+    )
     return "\n".join(library.text())
 
 

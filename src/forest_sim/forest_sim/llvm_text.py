@@ -65,6 +65,12 @@ def constant(value: Any) -> Value:
     raise TypeError(f"{value!r} is no number")
 
 
+def number(value: float) -> Scalar:
+    """Return a number as it stands in the text."""
+    (scalar,) = scalars(constant(value))
+    return scalar
+
+
 def size(example: Any) -> int:
     """Return how many numbers a nested tuple holds."""
     return sum(size(item) for item in example) if isinstance(example, tuple) else 1
@@ -91,9 +97,13 @@ def rebuilt(value: Value, numbers: Iterator[Scalar]) -> Value:
 class Function:
     """One function under way: its blocks, and the one that is being written."""
 
-    def __init__(self, *, early: bool = False) -> None:
-        """Begin a function; early, it loads what lies in memory once, at its start."""
-        self._early: dict[tuple[str, int], Scalar] | None = {} if early else None
+    def __init__(self, loaded: dict[tuple[str, int], Scalar] | None = None) -> None:
+        """Begin a function.
+
+        Args:
+            loaded: known numbers of rows; given, even without any, all else is loaded once, at the start.
+        """
+        self._early = loaded
         self._bodies: dict[str, list[str]] = {}
         self._ends: dict[str, str] = {}
         self._count = 0

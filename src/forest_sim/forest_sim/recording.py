@@ -6,7 +6,8 @@ of `power` are integrated over the integrator's own steps with the trapezoidal r
 | array | shape | holds |
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
-| states | N, 36 | what `STATE` names, one row per period of M/N steps |
+| pace | N | how many steps of which length [s] each period has; M in all |
+| states | N, 36 | what `STATE` names, one row per period |
 | energies | N, 42 | J over the period through what `ENERGY` names |
 """
 
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from forest_sim import flat
 from forest_sim.integrator import Events, Simulation, step
 from forest_sim.mechanics import HANGING_STILL, HeadState
+from forest_sim.pace import Pace
 from forest_sim.parameters import PlantParameters
 from forest_sim.plant import AxisState, PlantState
 from forest_sim.power import AxisPower, SupplyPower, power_flows
@@ -42,20 +44,20 @@ ENERGY = (
 def record(
     simulation: Simulation,
     voltages: Floats,
-    h: float,
+    pace: Pace,
     p: PlantParameters,
     states: Floats,
     energies: Floats | None,
 ) -> Simulation:
-    """Advance the machine by one step of h [s] for each row of voltages; fill `states` and `energies`.
+    """Advance the machine by one step for each row of voltages; fill `states` and `energies`.
 
     Without an array for them the energies, which take as long as the steps themselves, are left out.
     """
-    substeps = len(voltages) // len(states)
+    after_row = np.cumsum(pace.counts).astype(int).tolist()
     before = power_flows(simulation, p)
     pack_flows = flat.packer(before)
-    for row in range(len(states)):
-        for volts in voltages[row * substeps : (row + 1) * substeps].tolist():
+    for row, (h, count, end) in enumerate(zip(*map(np.ndarray.tolist, pace), after_row, strict=True)):
+        for volts in voltages[end - round(count) : end].tolist():
             simulation = step(simulation, (volts[0], volts[1], volts[2]), h, p)
             if energies is not None:
                 after = power_flows(simulation, p)

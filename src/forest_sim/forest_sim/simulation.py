@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from forest_description.kinematics import inverse_kinematics
 from forest_description.limits import joint_limits, start_tip, workspace_limits
 from forest_description.machine import AXES, Machine
+from forest_sim import pace
 from forest_sim.compiled import fastest_record
 from forest_sim.disturbance import UNDISTURBED, Disturbance, disturbed
 from forest_sim.energy import heat_in
@@ -21,6 +22,7 @@ from forest_sim.equilibrium import equilibrium
 from forest_sim.inputs import Voltages
 from forest_sim.integrator import Simulation
 from forest_sim.manipulator import Triple
+from forest_sim.pace import Pace
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import ENERGY, STATE, store
 from forest_sim.thermal import UPDATE_PERIOD, parameters_at, temperature_after
@@ -41,6 +43,7 @@ class Run(NamedTuple):
     duration: float  # [s]
     rate: float = 200.0  # [Hz] of the rows
     step: float = 1e-3  # [s] of the integrator
+    paced: bool = False  # instead: long steps, and short ones after a command jumps (`pace`)
 
 
 class Block(NamedTuple):
@@ -126,24 +129,46 @@ def blocks(
     """
     p, oil = disturbed(plant_parameters(machine), disturbance), machine.oil
     temperature = math.nan if oil is None else oil.reference_temperature
-    per_row, rows = substeps(run), round(run.duration * run.rate)
+    rows = round(run.duration * run.rate)
+    commanded = _paced if run.paced else _stepped
     per_block = max(1, round(BLOCK * run.rate))
     simulation, advance = equilibrium(angles, p), fastest_record()
     # Compiled here, so that whoever times the rows times the simulation alone.
-    advance(simulation, np.zeros((1, 3)), run.step, p, np.zeros((1, len(STATE))), np.zeros((1, len(ENERGY))))
+    first = pace.even(run.step, 1, 1)
+    advance(simulation, np.zeros((1, 3)), first, p, np.zeros((1, len(STATE))), np.zeros((1, len(ENERGY))))
     yield _start(simulation, voltages, temperature)
-    for first in range(0, rows, per_block):
-        count = min(per_block, rows - first)
-        times = np.arange(first * per_row, (first + count) * per_row) / (per_row * run.rate)
+    for begin in range(0, rows, per_block):
+        count = min(per_block, rows - begin)
+        given, volts = commanded(voltages, run, begin, count)
         states, energies = np.zeros((count, len(STATE))), np.zeros((count, len(ENERGY)))
-        volts = np.ascontiguousarray(voltages.at(times))
-        simulation = advance(simulation, volts, run.step, p, states, energies)
-        after = np.arange(first + 1, first + count + 1) / run.rate
+        simulation = advance(simulation, volts, given, p, states, energies)
+        after = np.arange(begin + 1, begin + count + 1) / run.rate
         yield Block(after, voltages.at(after), states, energies, np.full(count, temperature))
         if oil is not None:
             time = count / run.rate
             temperature = temperature_after(temperature, heat_in(energies) / time, oil, time)
             p = disturbed(parameters_at(machine, temperature), disturbance)
+
+
+def _stepped(voltages: Voltages, run: Run, begin: int, rows: int) -> tuple[Pace, Floats]:
+    """Return even steps for some rows, and the voltages at their beginnings [V]."""
+    per_row = substeps(run)
+    times = np.arange(begin * per_row, (begin + rows) * per_row) / (per_row * run.rate)
+    return pace.even(run.step, rows, per_row), voltages.at(times)
+
+
+def _paced(voltages: Voltages, run: Run, begin: int, rows: int) -> tuple[Pace, Floats]:
+    """Return long and short steps for some rows, and the voltages in their middles [V]."""
+    period = 1.0 / run.rate
+    early = min(begin, pace.ringing_rows(period))  # rows before, whose jumps may still ring
+    count = pace.long_steps(period)
+    even = pace.even(period / count, early + rows, count)
+    table = voltages.at(pace.middles(even, (begin - early) * period))
+    before = voltages.at(np.array([(begin - early) * period - 0.5 * period / count]))[0]
+    jumped = pace.jumps(table, before if begin > early else np.zeros(3), early + rows)
+    whole = pace.after_jumps(jumped, period)
+    kept = Pace(whole.steps[early:], whole.counts[early:])
+    return kept, voltages.at(pace.middles(kept, begin * period))
 
 
 def _start(simulation: Simulation, voltages: Voltages, temperature: float) -> Block:

@@ -33,13 +33,19 @@ class Stepper:
         """What `recording.STATE` names; it may be read and written between calls."""
         self._parameters = np.array(flat.packer(p)(p), dtype=np.float64)
         self._voltages = (ctypes.c_double * 3)()
-        self._at = self.state.ctypes.data, self._parameters.ctypes.data, ctypes.addressof(self._voltages)
+        self._pace = (ctypes.c_double * 2)()  # length and count of steps
+        pace = ctypes.addressof(self._pace)
+        self._moves = (
+            *(self.state.ctypes.data, ctypes.addressof(self._voltages), NO_STRIDE),
+            *(pace, pace + ctypes.sizeof(ctypes.c_double), NO_STRIDE, ONE_ROW, UNRECORDED),
+            *(self._parameters.ctypes.data, self.state.ctypes.data, self.state.ctypes.data),
+        )
 
     def advance(self, voltages: Triple, h: float, count: int) -> None:
         """Advance by `count` steps of h [s] with the valve voltages [V] held."""
         self._voltages[0], self._voltages[1], self._voltages[2] = voltages
-        state, parameters, volts = self._at
-        self._kernel(state, volts, NO_STRIDE, h, ONE_ROW, count, UNRECORDED, parameters, state, state)
+        self._pace[0], self._pace[1] = h, count
+        self._kernel(*self._moves)
 
     @property
     def simulation(self) -> Simulation:

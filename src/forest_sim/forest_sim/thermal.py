@@ -18,7 +18,7 @@ heat is not counted: a machine warms slower than its oil alone. The thesis has n
 import math
 
 from forest_description.machine import Machine
-from forest_description.oil import Oil
+from forest_description.oil import COLDEST, HOTTEST, Oil
 from forest_description.temperature import at_temperature
 from forest_sim.parameters import PlantParameters, plant_parameters
 from forest_sim.power import PowerFlows
@@ -65,7 +65,7 @@ def temperature_after(temperature: float, loss_power: float, oil: Oil, time: flo
 def parameters_at(machine: Machine, temperature: float) -> PlantParameters:
     """Return the kernel's parameters of a machine with its oil at a temperature [K].
 
-    Raises:
-        MachineError: the temperature, or a number of the machine there, is outside its range.
+    Beyond the temperatures for which there are laws of the oil, they are those at the nearest one: a run does
+    not end because a machine boils.
     """
-    return plant_parameters(at_temperature(machine, temperature))
+    return plant_parameters(at_temperature(machine, min(HOTTEST, max(COLDEST, temperature))))

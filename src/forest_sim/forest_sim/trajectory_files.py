@@ -137,6 +137,17 @@ def _resolved(topic: Topic) -> str:
 
 
 @contextlib.contextmanager
+def naming(directory: Path) -> Iterator[None]:
+    """Have errors say where something could not be written; that of a full disk does not by itself."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is not None or error.errno is None:
+            raise
+        raise OSError(error.errno, error.strerror, str(directory)) from error
+
+
+@contextlib.contextmanager
 def trajectory_files(directory: Path, machine: Machine, rate: float) -> Iterator[TrajectoryFiles]:
     """Open the files of a run, and finish them however it ends."""
     files = TrajectoryFiles(directory, machine, rate)

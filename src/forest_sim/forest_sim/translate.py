@@ -56,6 +56,8 @@ class Library:
         names: dict[str, Any],
         arguments: str,
         views: Mapping[str, tuple[str, Any]],
+        copies: Mapping[str, tuple[str, Any]],
+        fixed: Mapping[tuple[str, int], Scalar] | None = None,
     ) -> None:
         """Add the function that the world calls.
 
@@ -65,20 +67,25 @@ class Library:
             names: what names in the source mean.
             arguments: a letter for each: p pointer to doubles, d double, i whole number.
             views: names of tuples that lie flat in an argument: the argument's name, and an example.
+            copies: the same, of arguments that the function writes to.
+            fixed: numbers that LLVM may take for granted: an argument's name, and where in it.
         """
         (node,) = ast.parse(text).body
         if not isinstance(node, ast.FunctionDef):
             raise NotTranslatedError("the entry's source is no function")
-        into, kinds = Function(early=True), []
+        known = {(f"%{argument}", at): number for (argument, at), number in (fixed or {}).items()}
+        into, kinds = Function(known), []
         variables: Variables = {}
         for letter, argument in zip(arguments, [a.arg for a in node.args.args], strict=True):
             register = f"%{argument}"
-            seen = [example for under, example in views.values() if under == argument]
+            seen = [example for under, example in (*views.values(), *copies.values()) if under == argument]
             behind = f"dereferenceable({8 * size(seen[0])}) align 8 " if seen else ""
             kinds.append(f"{KINDS[letter]} {behind}{register}")
             variables[argument] = Row(register) if letter == "p" else Scalar(KINDS[letter], register)
         for view, (under, example) in views.items():
             variables[view] = Stored(example, f"%{under}", 0)
+        for copy, (under, example) in copies.items():
+            variables[copy] = into.taken(Stored(example, f"%{under}", 0))
         Statements(into, self).run(node.body, Frame(variables, names))
         into.end("ret void")
         self._lines += [f"define void @{name}({', '.join(kinds)}) nounwind {{", *into.text(), "}"]

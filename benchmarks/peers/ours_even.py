@@ -1,4 +1,4 @@
-"""Ours: `forest_sim.compiled`, one call for the whole work, as a study would do it.
+"""Ours with even steps: `forest_sim.compiled`, one call for the whole work, as a study would do it.
 
 The tolerance is the step [s]. Open loop: each step holds the voltage in its middle, read from a table made
 beforehand. Held commands: the table repeats each command for every step until the next one.
@@ -13,6 +13,7 @@ import work as benchmark
 from forest_description.machine import load_machine
 from forest_sim.compiled import compiled_record
 from forest_sim.equilibrium import equilibrium
+from forest_sim.pace import even
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import STATE
 from peers import Run
@@ -29,7 +30,7 @@ def prepare(work: Work, start: Floats, tolerance: float) -> Callable[[], Run]:
     def integrate() -> Run:
         began = time.process_time()
         states = np.empty((work.samples, len(STATE)))
-        record(simulation, voltages, SAMPLE / steps, p, states, None)
+        record(simulation, voltages, even(SAMPLE / steps, work.samples, steps), p, states, None)
         spent = time.process_time() - began
         return Run(np.vstack([start, states[:, : len(start)]]), spent)
 
