@@ -73,7 +73,8 @@ def test_no_step_when_enabled_again():
     for _ in range(400):  # the machine stalls: the reference runs ahead
         state, output = controller.step(state, inputs((0.0, 1.0, 0.0)), p, PERIOD)
     assert abs(output.command[1]) > 1.0
-    state, _ = controller.step(state, inputs((0.0, 1.0, 0.0), enabled=False), p, PERIOD)
+    for _ in range(round(0.25 / PERIOD)):  # in which it stops
+        state, _ = controller.step(state, inputs((0.0, 1.0, 0.0), enabled=False), p, PERIOD)
     moved = (0.3, 0.1, -1.2)
     state, output = controller.step(state, inputs(angles=moved), p, PERIOD)
     assert output.command == ZERO

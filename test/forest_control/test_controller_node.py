@@ -1,5 +1,6 @@
 """Claims about the controller as a process: whatever happens, it commands zero or what is wished."""
 
+import itertools
 import math
 import signal
 import time
@@ -8,6 +9,8 @@ import numpy as np
 import pytest
 
 pytest.importorskip("rclpy")
+
+from std_srvs.srv import Trigger
 
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
 from forest_description.kinematics import tip_position
@@ -31,6 +34,18 @@ def joy(levers=(0.5, 0.0, 0.0), held=True, axes=None, buttons=BUTTON_COUNT):
     return message
 
 
+def centred():
+    return joy((0.0, 0.0, 0.0))
+
+
+def is_armed(status):
+    return read_float_array(topics.CONTROLLER_STATUS, status, 0, ("armed",)).values == (1.0,)
+
+
+def is_heard(status):
+    return read_float_array(topics.CONTROLLER_STATUS, status, 0, ("joystick",)).values == (1.0,)
+
+
 def joints(now, angles=ANGLES, names=topics.JOINTS, velocity=(0.0, 0.0, 0.0)):
     return joint_state(names, now, angles, velocity)
 
@@ -48,11 +63,21 @@ class Rig:
         self.peer = peer
         self.process = start_node("controller_node", *ros_args)
         self.commands = peer.hear(topics.VALVE_COMMANDS)
+        self.statuses = peer.hear(topics.CONTROLLER_STATUS)
         self.joy, self.joints = joy, joints
         self.joints_timer = peer.repeat(topics.JOINT_STATES, lambda now: self.joints(now), 200.0)
 
     def hold_the_deadman(self):
+        self.joy = centred
         self.joy_timer = self.peer.repeat(topics.JOY, lambda now: self.joy())
+        return self.push()
+
+    def push(self):
+        """Centre the stick until that has armed, then push it."""
+        self.joy = centred
+        heard = len(self.statuses)
+        self.peer.until(lambda: any(is_armed(status) for status in self.statuses[heard:]))
+        self.joy = joy
         self.peer.until(self.moving)
         return self
 
@@ -141,7 +166,7 @@ def test_when_the_machines_state_stops_the_command_goes_to_zero_in_time(rig, pee
     assert peer.until(r.standing) < 0.05 + MARGIN
     assert "standing still: no state of the machine" in r.process.text()
     r.joints_timer.reset()
-    peer.until(r.moving)
+    r.push()
 
 
 def test_a_joystick_that_fell_silent_before_the_state_came_back_moves_nothing(rig, peer):
@@ -172,7 +197,7 @@ def test_a_bad_state_gives_zero_and_the_node_lives(rig, peer):
         r.joints = bad
         peer.until(r.standing)
         r.joints = joints
-        peer.until(r.moving)
+        r.push()
     assert r.process.poll() is None
 
 
@@ -195,9 +220,82 @@ def test_a_bad_joystick_gives_zero_and_the_node_lives(rig, peer):
     ):
         r.joy = bad
         peer.until(r.standing)
-        r.joy = joy
-        peer.until(r.moving)
+        r.push()
     assert r.process.poll() is None
+
+
+def test_enabling_with_a_deflected_stick_moves_nothing_until_it_is_centred(rig, peer):
+    r = rig()
+    peer.repeat(topics.JOY, lambda now: r.joy())
+    peer.until(lambda: any(is_heard(status) for status in r.statuses))
+    heard = len(r.commands)
+    peer.until(lambda: len(r.commands) > heard + 40)
+    assert all(volts(message) == (0.0, 0.0, 0.0) for message in r.commands)
+    r.push()
+
+
+@pytest.mark.parametrize("how", ["content", "stamp", "heartbeat"])
+def test_a_frozen_joystick_moves_nothing_and_is_named(rig, peer, how):
+    r = rig("-p", "frozen_timeout:=0.3").hold_the_deadman()
+    frozen, count = joy(), itertools.count()
+    if how == "stamp":
+        frozen.header.stamp.sec = 5
+    elif how == "heartbeat":
+        frozen.header.frame_id = "heartbeat:77"
+
+    def wobbling():
+        if how != "content":
+            frozen.axes[1] = 0.001 * (next(count) % 50)
+        return frozen
+
+    r.joy = wobbling
+    assert peer.until(r.standing) < 0.3 + MARGIN
+    said = "held still" if how == "content" else "nothing new"
+    peer.until(lambda: f"standing still: joystick: {said}" in r.process.text())
+
+
+def test_a_trouble_comes_as_a_diagnostic(rig, peer):
+    heard = peer.hear(topics.DIAGNOSTICS)
+    r = rig().hold_the_deadman()
+    r.joy = lambda: joy(axes=[0.5, 0.0, 0.0, math.nan, 0.0, 0.0])
+    peer.until(lambda: any(said("controller: joystick", m).startswith("joy: axes are") for m in heard))
+    r.joints = lambda now: joints(now, (0.2, math.nan, -1.5))
+    peer.until(lambda: any(said("controller: machine", m).startswith("joint state: posi") for m in heard))
+    assert said("controller: joystick", heard[0]) == "well"
+
+
+def said(part, message):
+    return next((status.message for status in message.status if status.name == part), "")
+
+
+def test_states_from_the_past_move_nothing(rig, peer):
+    r = rig("-p", "state_timeout:=0.2").hold_the_deadman()
+    newest = max(stamp_to_ns(joints(0).header.stamp), peer.node.get_clock().now().nanoseconds)
+    r.joints = lambda now: joints(newest - 1_000_000_000)
+    assert peer.until(r.standing) < 0.2 + MARGIN
+    peer.until(lambda: "joint state: the stamp goes back" in r.process.text())
+
+
+def test_an_emergency_stop_moves_nothing_until_it_is_reset_with_the_deadman_released(rig, peer):
+    r = rig().hold_the_deadman()
+    stop, reset = (peer.node.create_client(Trigger, f"{verb}emergency_stop") for verb in ("", "reset_"))
+    peer.until(lambda: stop.service_is_ready() and reset.service_is_ready())
+    assert answer(peer, stop).success
+    peer.until(r.standing)
+    for wrong in (joy, centred, lambda: joy(held=False)):
+        r.joy = wrong
+        heard = len(r.statuses)
+        peer.until(lambda start=heard: len(r.statuses) > start + 10)
+        assert "deadman released" in answer(peer, reset).message
+    r.joy = lambda: joy((0.0, 0.0, 0.0), held=False)
+    peer.until(lambda: answer(peer, reset).success)
+    r.push()
+
+
+def answer(peer, client):
+    future = client.call_async(Trigger.Request())
+    peer.until(future.done)
+    return future.result()
 
 
 def test_namespace_remaps_and_plain_arrays_work(peer, start_node):
@@ -247,7 +345,7 @@ def test_degrees_for_radians_move_nothing(rig, peer):
     peer.until(r.standing)
     assert "allowed: -3.2" in r.process.text()
     r.joints = joints
-    peer.until(r.moving)
+    r.push()
 
 
 def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig, peer):

@@ -8,6 +8,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from std_srvs.srv import Trigger
+
 from forest_control import valve_driver
 from forest_control.valve_driver import Pressures, Settings
 from forest_description.machine import load_machine
@@ -249,3 +251,41 @@ def test_a_driver_that_was_frozen_obeys_nothing_from_before(rig, peer):
     peer.until(lambda: r.standing(10))
     # One at most: the command that it was working on when it froze had been fresh.
     assert sum(volts(message) != ZERO for message in r.voltages) <= 1
+
+
+def test_an_emergency_stop_centres_the_valves_whatever_the_controller_does(rig, peer):
+    r, said = rig().drive(), peer.hear(topics.DIAGNOSTICS)
+    stop, reset = (
+        peer.node.create_client(Trigger, f"valve_driver/{verb}emergency_stop") for verb in ("", "reset_")
+    )
+    peer.until(lambda: stop.service_is_ready() and reset.service_is_ready())
+    assert answer(peer, stop).success
+    peer.until(r.standing)
+    heard = len(r.voltages)
+    assert "release the deadman" in answer(peer, reset).message
+    peer.until(lambda: len(r.voltages) > heard + 20)
+    assert all(volts(message) == ZERO for message in r.voltages[heard:])
+    stopped = "valve_driver: emergency stop", "emergency stop pressed"
+    peer.until(lambda: any(stopped == (s.name, s.message) for m in said for s in m.status))
+    r.command = lambda now: command(now, ZERO)
+    peer.until(lambda: answer(peer, reset).success)
+    r.command = command
+    peer.until(r.moving)
+
+
+def answer(peer, client):
+    future = client.call_async(Trigger.Request())
+    peer.until(future.done)
+    return future.result()
+
+
+def test_commands_from_the_past_move_nothing_but_a_zero_is_obeyed(rig, peer):
+    r = rig("-p", "command_timeout:=0.2").drive()
+    past = peer.node.get_clock().now().nanoseconds - 1_000_000_000
+    r.command = lambda now: command(past, ZERO)
+    assert peer.until(r.standing) < MARGIN
+    r.command = command
+    peer.until(r.moving)
+    r.command = lambda now: command(past)
+    assert peer.until(r.standing) < 0.2 + MARGIN
+    peer.until(lambda: "valve_commands: the stamp goes back" in r.process.text())

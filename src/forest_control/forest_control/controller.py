@@ -3,8 +3,9 @@
     levers -> wish -> J^-1 or IK -> governor -> servo -> lever arms -> ideal valve voltage
 
 A command of the valve's rated voltage (10 V on the C-180) asks for the actuator speed that the fully open
-valve gives at no load (`rated_speeds`); the driver makes the real valve behave so. Without an enabled wish
-the command is zero and the reference rests on the machine.
+valve gives at no load (`rated_speeds`); the driver makes the real valve behave so. When the wish is no longer
+enabled the tip stops along its path (`stopping`); then the command is zero and the reference rests on the
+machine.
 
 **Live changes.** All schemes remember the same: a reference pose and what was commanded last. A scheme that
 takes over starts from the pose at which it would command just that, where there is one; what remains of the
@@ -13,7 +14,7 @@ difference is added to its command and fades (`HAND_OVER`).
 
 from typing import NamedTuple
 
-from forest_control import coordination
+from forest_control import coordination, stopping
 from forest_control.capacity import greatest_rates
 from forest_control.governor import Governed, GovernorParameters, Limit, govern
 from forest_control.hand import JOINT_ACCELERATION, Mode, joint_following, shaped, tip_following, tip_rate
@@ -32,6 +33,7 @@ from forest_control.schemes import (
 from forest_control.settings import Parameters as Parameters
 from forest_control.settings import Settings as Settings
 from forest_control.settings import parameters as parameters
+from forest_control.stopping import NO_STOP, Stop
 from forest_description.actuation import joint_rates_to_actuator_speeds
 from forest_description.kinematics import is_singular, joint_rates, tip_velocity
 from forest_description.machine import AXES
@@ -56,6 +58,7 @@ class State(NamedTuple):
     mode: int = NO_MODE  # that was in force
     clutch: Triple = ZERO  # [rad] the pose that position mode moves about
     changed: bool = False  # somebody changed a parameter: what it does to the command shall fade, too
+    stop: Stop = NO_STOP  # along the path, under way or over
 
 
 class Inputs(NamedTuple):
@@ -89,10 +92,12 @@ REST = State(ZERO, False)
 def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Output]:
     """Advance the controller by dt [s]."""
     if not inputs.enabled:
-        return _begun(inputs.angles, False), Output(ZERO, ZERO, Governed(0.0, Limit.NONE))
-    if not state.enabled:
+        return _stopping(state, inputs, p, dt)
+    if not state.enabled and not stopping.is_over(state.stop):
+        state = _resumed(state)
+    elif not state.enabled:
         state = _begun(inputs.angles, True)
-    elif state.scheme != NO_SCHEME and state.scheme != p.scheme:
+    if state.scheme != NO_SCHEME and state.scheme != p.scheme:
         state = _taken_over(state, inputs, p)
     state = _clutched(state, inputs.angles, p)
     pose = jacobian_pose(p.scheme, state.reference, inputs.angles, p.jacobian_at_joints)
@@ -103,7 +108,7 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
         and state.memory.samples < coordination.MOST_SAMPLES
     ):
         reference, memory = coordination.settle(state.reference, inputs.angles, state.memory)
-        state = State(reference, True, memory, p.scheme, ZERO, ZERO, p.hand.mode, reference, False)
+        state = State(reference, True, memory, p.scheme, ZERO, ZERO, p.hand.mode, reference, False, NO_STOP)
         return state, Output(ZERO, ZERO, Governed(1.0, Limit.NONE))
     rates = _wished_rates(state, pose, velocity, inputs, p, dt)
     wish = _governed_wish(pose, inputs.angles, rates, velocity, p)
@@ -112,7 +117,13 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
 
 def _begun(angles: Triple, enabled: bool) -> State:
     """Return the state of a machine at rest; a compiler knows no defaults."""
-    return State(angles, enabled, coordination.REST, NO_SCHEME, ZERO, ZERO, NO_MODE, ZERO, False)
+    return State(angles, enabled, coordination.REST, NO_SCHEME, ZERO, ZERO, NO_MODE, ZERO, False, NO_STOP)
+
+
+def _resumed(state: State) -> State:
+    """Return the state of a machine that was stopping, and shall not."""
+    r, m, u = state.reference, state.memory, state.rates
+    return State(r, True, m, state.scheme, u, state.offset, NO_MODE, state.clutch, True, NO_STOP)
 
 
 def _clutched(state: State, s: Triple, p: Parameters) -> State:
@@ -122,7 +133,49 @@ def _clutched(state: State, s: Triple, p: Parameters) -> State:
     clutch = state.reference if closes_on_position(p.scheme) else s
     changed = state.changed or state.mode != NO_MODE
     r, m, u = state.reference, state.memory, state.rates
-    return State(r, True, m, state.scheme, u, state.offset, p.hand.mode, clutch, changed)
+    return State(r, True, m, state.scheme, u, state.offset, p.hand.mode, clutch, changed, NO_STOP)
+
+
+def _stopping(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Output]:
+    """Advance the stop along the path; once it is over the command is zero."""
+    stop = stopping.advanced(_stop_from(state, inputs.angles, p) if state.enabled else state.stop, dt)
+    if stopping.is_over(stop) or state.scheme != p.scheme:
+        return _begun(inputs.angles, False), Output(ZERO, ZERO, Governed(0.0, Limit.RELEASED))
+    if stop.duration == stopping.CLOSED_LOOP:
+        return _stopping_at_reference(stop, state, inputs, p, dt)
+    s = inputs.angles
+    rates, velocity = stopping.commanded(stop, s, p.links)
+    factor = govern(s, rates, p.governor).factor
+    rates, velocity = _scale(rates, factor), _scale(velocity, factor)
+    wish = ZERO if p.scheme == Scheme.JOINT else velocity
+    output = Output(_to_voltage(rates, s, p), wish, Governed(factor, Limit.RELEASED))
+    memory = coordination.in_motion(velocity, rates, coordination.MOST_SAMPLES)
+    return State(s, False, memory, p.scheme, rates, ZERO, NO_MODE, ZERO, False, stop), output
+
+
+def _stopping_at_reference(
+    stop: Stop, state: State, inputs: Inputs, p: Parameters, dt: float
+) -> tuple[State, Output]:
+    """Advance the stop of a scheme that follows its reference to the end."""
+    r = state.reference
+    velocity = _scale(stop.wish, stopping.share(stop))
+    wish = _governed_wish(r, inputs.angles, joint_rates(r, velocity, p.links), velocity, p)
+    after, output = _commanded(state, wish, r, inputs, p, dt)
+    released = Governed(wish.governed.factor, Limit.RELEASED)
+    m, u = after.memory, after.rates
+    after = State(after.reference, False, m, p.scheme, u, after.offset, NO_MODE, ZERO, False, stop)
+    return after, Output(output.command, output.tip_wish, released)
+
+
+def _stop_from(state: State, s: Triple, p: Parameters) -> Stop:
+    """Return the stop of a scheme at measured angles [rad]; none when nothing was commanded."""
+    if state.rates == ZERO and state.memory.velocity == ZERO:
+        return NO_STOP
+    away = _minus(state.reference, s)
+    near = max(abs(away[0]), abs(away[1]), abs(away[2])) < stopping.ASTRAY
+    closed = p.scheme == Scheme.COORDINATED and near
+    duration = stopping.CLOSED_LOOP if closed else stopping.OPEN_LOOP
+    return stopping.begin(duration, state.rates, state.memory.velocity, s, p.links)
 
 
 def _wished_velocity(state: State, pose: Triple, inputs: Inputs, p: Parameters, dt: float) -> Triple:
@@ -198,7 +251,7 @@ def _commanded(
         decayed(offset[2], dt, HAND_OVER),
     )
     output = Output(_to_voltage(u, s, p), tip_wish, wish.governed)
-    return State(after, True, memory, p.scheme, u, fading, p.hand.mode, state.clutch, False), output
+    return State(after, True, memory, p.scheme, u, fading, p.hand.mode, state.clutch, False, NO_STOP), output
 
 
 def _taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
@@ -219,7 +272,9 @@ def _taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
     if state.scheme != Scheme.JOINT:
         a = joint_rates(r, velocity, p.links)  # else the lead would take the other pose's rates for a jerk
     memory = coordination.in_motion(velocity, a, samples)
-    return State(r, True, memory, state.scheme, u, state.offset, state.mode, state.clutch, state.changed)
+    return State(
+        r, True, memory, state.scheme, u, state.offset, state.mode, state.clutch, state.changed, NO_STOP
+    )
 
 
 def _is_rest(memory: coordination.Memory) -> bool:

@@ -1,7 +1,7 @@
 """The controller as a node: /joy and /joint_states in, /valve_commands and the tip's motion out.
 
-It steps when the machine's state arrives. Without a fresh, finite joystick with the deadman held, or without
-a fresh state, it commands zero.
+It steps when the machine's state arrives. Without a live joystick with the deadman held (`joystick_watch`),
+without a fresh state, and after an emergency stop, it commands zero.
 """
 
 import math
@@ -12,8 +12,17 @@ from typing import Any
 
 from rclpy.node import Node
 
-from forest_control import controller
-from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, RIGHT_Y, Levers, Triple, levers_from_axes
+from forest_control import controller, joystick_watch
+from forest_control.joystick_watch import (
+    PROBLEMS,
+    Joystick,
+    Operator,
+    WatchParameters,
+    bad_sample,
+    is_released,
+    sample_of,
+)
+from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, RIGHT_Y, Triple
 from forest_control.profile import load_profile, shipped
 from forest_control.schemes import Scheme
 from forest_control.tunables import TUNABLES, as_typed, settings_from
@@ -21,16 +30,20 @@ from forest_description.kinematics import tip_position, tip_velocity
 from forest_description.machine import load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
+from forest_msgs_py.emergency_stop import EmergencyStop
+from forest_msgs_py.health import Health
 from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.messages import float_array, pose_stamped, read_joint_state, read_joy, twist_stamped
 from forest_msgs_py.node import publisher, run_node, subscription, timer
 from forest_msgs_py.parameters import Tunables, declare
+from forest_msgs_py.stamp_order import StampOrder
 from forest_msgs_py.stamped_period import StampedPeriod
 from forest_msgs_py.topics import message_class
 
 FRAME = "base_link"
 ZERO: Triple = (0.0, 0.0, 0.0)
 WATCHDOG_PERIOD = 0.02  # [s]
+GOES_BACK = "joy: a stamp goes back; allowed: rising stamps, or none"
 
 
 class ControllerNode(Node):
@@ -48,18 +61,21 @@ class ControllerNode(Node):
             tunables.declare(one.name, profile.get(one.name, as_typed(one.name, defaults)), *one[1:])
         self._core = controller.parameters(machine, settings_from(tunables.values))
         self._period = StampedPeriod(get("period", 0.005, "nominal period of the state", "s", 1e-4, 0.1))
-        self._joy_timeout = get("joy_timeout", 0.15, "age at which the joystick is lost", "s", 0.01, 2.0)
+        self._watch_settings = self._joystick_settings()
         self._state_timeout = get("state_timeout", 0.1, "age at which the state is lost", "s", 0.01, 0.2)
         self._deadman = get("deadman_button", LEFT_SHOULDER, "button to hold", low=0, high=BUTTON_COUNT - 1)
         self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
         self._state = controller.REST
         tunables.watch(self._tune)
-        self._state_received = self._joy_received = -math.inf
-        self._levers, self._held = REST, False
+        self._state_received, self._order = -math.inf, StampOrder(self._state_timeout)
+        self._joystick, self._joy_content, self._joy_problem = joystick_watch.REST, None, ""
+        self._health = Health(self, ("joystick", "machine", "emergency stop"), "standing still")
+        self._stop = EmergencyStop(self, "", self._against_reset, self._stand_still)
         self._command = publisher(self, topics.VALVE_COMMANDS)
         self._pose = publisher(self, topics.TIP_POSE)
         self._twist = publisher(self, topics.TIP_TWIST)
         self._wish = publisher(self, topics.TIP_TWIST_COMMAND)
+        self._status = publisher(self, topics.CONTROLLER_STATUS)
         if get("publish_description", False, "publish robot_description; where no simulator does"):
             self._description = publisher(self, topics.ROBOT_DESCRIPTION)
             text = robot_description(machine)
@@ -73,19 +89,29 @@ class ControllerNode(Node):
         self._core = controller.parameters(self._machine, settings_from(values))
         self._state = self._state._replace(changed=True)
 
+    def _joystick_settings(self) -> WatchParameters:
+        d, get = WatchParameters(), partial(declare, self)
+        return WatchParameters(
+            timeout=get("joy_timeout", d.timeout, "age at which the joystick is lost", "s", 0.01, 2.0),
+            frozen_timeout=get(
+                "frozen_timeout", d.frozen_timeout, "still and deflected; 0: any", "s", 0.0, 60.0
+            ),
+            centre=get("centre", d.centre, "deflection that counts as centred", "", 0.001, 0.5),
+        )
+
     def _read_joy(self) -> None:
-        """Take the newest joystick sample, if there is one."""
-        arrival = self._joy.newest()
-        if arrival is None:
-            return
-        reading = read_joy(arrival.message, RIGHT_Y + 1, self._deadman + 1)
-        self._joy_received = arrival.time
-        if reading.problem:
-            self.get_logger().warning(f"standing still: {reading.problem}", throttle_duration_sec=1.0)
-            self._levers, self._held = REST, False
-            return
-        self._levers = levers_from_axes(reading.values.axes)
-        self._held = reading.values.buttons[self._deadman] == 1
+        """Take in every joystick sample that waits, oldest first."""
+        for message, info in self._joy.take():
+            reading, received = read_joy(message, RIGHT_Y + 1, self._deadman + 1), sent_at(info)
+            sample = bad_sample(received)
+            if not reading.problem:
+                frame, before = message.header.frame_id, self._joy_content
+                sample = sample_of(reading.stamp_ns, frame, received, reading.values, before, self._deadman)
+                self._joy_content = reading.values
+            dropped = self._joystick.out_of_order
+            self._joystick = joystick_watch.heed(self._joystick, sample)
+            in_order = self._joystick.out_of_order == dropped
+            self._joy_problem = reading.problem or ("" if in_order else GOES_BACK)
 
     def _on_joint_states(self, message: Any, info: dict[str, int]) -> None:
         sent = sent_at(info)
@@ -95,23 +121,38 @@ class ControllerNode(Node):
         angles, rates = reading.values.position, reading.values.velocity
         problem = reading.problem or controller.implausible(angles, rates, self._core)
         if problem:
-            self.get_logger().warning(f"standing still: {problem}", throttle_duration_sec=1.0)
+            self._health.note("machine", problem)
             self._stand_still()
             return
+        disorder = self._order.problem("joint state", reading.stamp_ns, sent)
+        self._health.note("machine", disorder)
+        if disorder:
+            return  # what is past moves nothing; the watchdog acts if nothing newer comes
         self._state_received = sent
         dt = self._period.since(reading.stamp_ns)
-        inputs = controller.Inputs(angles, rates, *self._operator())
+        inputs = controller.Inputs(angles, rates, *self._operator(True))
+        if self._stop.pressed:
+            self._state = controller.REST  # from which there is no ramp: zero at once
         self._state, output = controller.step(self._state, inputs, self._core, dt)
         self._publish(reading.stamp_ns, angles, rates, output)
 
-    def _operator(self) -> tuple[Levers, bool]:
+    def _operator(self, machine_known: bool) -> Operator:
         """Return the levers, and whether they may move anything."""
         self._read_joy()
-        age = time.monotonic() - self._joy_received
-        if self._held and age > self._joy_timeout:
-            self.get_logger().warning(f"standing still: joystick {age:.2f} s late", throttle_duration_sec=1.0)
-            return REST, False
-        return self._levers, self._held
+        allowed = machine_known and not self._stop.pressed
+        p = self._watch_settings
+        self._joystick, operator = joystick_watch.judge(self._joystick, time.monotonic(), allowed, p)
+        # A joystick that goes after the deadman was released is not missed.
+        gone = self._joystick.joystick == Joystick.LOST and not self._joystick.held
+        problem = self._joy_problem or ("" if gone else PROBLEMS[self._joystick.joystick])
+        self._health.note("joystick", problem)
+        self._health.note("emergency stop", "emergency stop pressed" if self._stop.pressed else "")
+        return operator
+
+    def _against_reset(self) -> str:
+        if is_released(self._joystick, self._watch_settings.centre):
+            return ""
+        return "the levers must be centred and the deadman released"
 
     def _publish(self, stamp: int, angles: Triple, rates: Triple, output: controller.Output) -> None:
         links = self._core.links
@@ -120,16 +161,24 @@ class ControllerNode(Node):
         self._twist.publish(twist_stamped(stamp, FRAME, tip_velocity(angles, rates, links)))
         if self._core.scheme != Scheme.JOINT:
             self._wish.publish(twist_stamped(stamp, FRAME, output.tip_wish))
+        watch, held_back = self._joystick, output.governed
+        codes = held_back.factor, held_back.limit, watch.armed, watch.joystick, self._stop.pressed
+        self._status.publish(
+            float_array(topics.CONTROLLER_STATUS, stamp, list(map(float, codes)), self._plain)
+        )
+        self._health.publish(stamp)
 
     def _watch(self) -> None:
         if time.monotonic() - self._state_received > self._state_timeout and self._period.started:
-            self.get_logger().warning("standing still: no state of the machine", throttle_duration_sec=1.0)
+            self._health.note("machine", "no state of the machine")
+            self._operator(False)
             self._stand_still()
 
     def _stand_still(self) -> None:
         self._state = controller.REST
         now = self.get_clock().now().nanoseconds
         self._command.publish(float_array(topics.VALVE_COMMANDS, now, ZERO, self._plain))
+        self._health.publish(now)
 
     def stop(self) -> None:
         """Last words: zero."""

@@ -25,6 +25,9 @@ class Limit(IntEnum):
     RATE = 1
     JOINT = 2
     SINGULARITY = 3
+    FLOW = 4  # of the pumps
+    WALL = 5  # of the workspace
+    RELEASED = 6  # nobody holds the deadman, or the joystick is lost
 
 
 class GovernorParameters(NamedTuple):

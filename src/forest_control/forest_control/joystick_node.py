@@ -10,6 +10,7 @@ from pathlib import Path
 
 from rclpy.node import Node
 
+from forest_control.joystick_watch import HEARTBEAT
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, axes_from_levers
 from forest_control.sources import LEAD_IN, LEAD_OUT, THESIS_DURATION, LeverRecord, read_levers, thesis_levers
 from forest_msgs_py import topics
@@ -36,6 +37,7 @@ class JoystickNode(Node):
         self._publisher = publisher(self, topics.JOY)
         self._message = message_class(topics.JOY)
         self._begun: float | None = None
+        self._count = 0
         timer(self, 1.0 / JOY_RATE_HZ, self._on_timer)
 
     def _on_timer(self) -> None:
@@ -59,7 +61,8 @@ class JoystickNode(Node):
     def _publish(self, levers: Levers, held: bool) -> None:
         message = self._message(axes=axes_from_levers(levers), buttons=[0] * BUTTON_COUNT)
         message.header.stamp = ns_to_stamp(self.get_clock().now().nanoseconds)
-        message.header.frame_id = "joystick"
+        self._count += 1  # a script may hold still for ever: the controller sees by this that it lives
+        message.header.frame_id = f"{HEARTBEAT}{self._count}"
         message.buttons[self._deadman] = int(held)
         self._publisher.publish(message)
 

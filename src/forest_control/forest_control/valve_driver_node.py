@@ -1,6 +1,7 @@
 """The valve driver as a node: /valve_commands of ideal valves in, /valve_voltages of the real ones out.
 
-It steps when a command arrives. When none arrives, or a bad one, the voltage is zero.
+It steps when a command arrives. When none arrives, or a bad one, or after an emergency stop, the voltage is
+zero, whatever the controller does.
 """
 
 import math
@@ -16,10 +17,13 @@ from forest_control.levers import Triple
 from forest_control.valve_driver import Pressures
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
+from forest_msgs_py.emergency_stop import EmergencyStop
+from forest_msgs_py.health import Health
 from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.messages import float_array, read_float_array
 from forest_msgs_py.node import publisher, run_node, subscription, timer
 from forest_msgs_py.parameters import declare
+from forest_msgs_py.stamp_order import StampOrder
 from forest_msgs_py.stamped_period import StampedPeriod
 
 ZERO: Triple = (0.0, 0.0, 0.0)
@@ -44,6 +48,9 @@ class ValveDriverNode(Node):
         self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
         self._state = valve_driver.REST
         self._command_received = self._pressure_received = -math.inf
+        self._order, self._asked = StampOrder(self._command_timeout), ZERO
+        self._health = Health(self, ("commands", "pressures", "emergency stop"), "valves centred")
+        self._stop = EmergencyStop(self, "~/", self._against_reset, self._stand_still)
         self._ports: tuple[Triple, Triple] = (ZERO, ZERO)
         self._supply, self._supply_received = 0.0, -math.inf
         self._voltages = None if self._shadow else publisher(self, topics.VALVE_VOLTAGES)
@@ -68,22 +75,50 @@ class ValveDriverNode(Node):
             return  # left over from a stall; the watchdog speaks meanwhile
         now = self.get_clock().now().nanoseconds
         reading = read_float_array(topics.VALVE_COMMANDS, message, now)
-        if reading.problem:
-            self.get_logger().warning(f"valves centred: {reading.problem}", throttle_duration_sec=1.0)
-            self._publish(now, ZERO)
+        problem = reading.problem
+        if not problem and reading.values != ZERO:  # zero is obeyed in any order
+            disorder = self._order.problem("valve_commands", reading.stamp_ns, sent)
+            if disorder:
+                self._health.note("commands", disorder)
+                return  # what is past moves nothing; the watchdog acts if nothing newer comes
+        self._health.note("commands", problem)
+        if problem:
+            self._stand_still()
             return
-        self._command_received = sent
+        self._command_received, self._asked = sent, reading.values
+        if self._stop.pressed:
+            self._stand_still()
+            return
         dt = self._period.since(reading.stamp_ns)
         self._state, voltages = valve_driver.step(
             self._state, reading.values, self._pressures(), self._core, dt
         )
         self._publish(reading.stamp_ns, voltages)
+        self._tell(reading.stamp_ns)
+
+    def _against_reset(self) -> str:
+        asked = self._asked != ZERO and self._command_age() <= self._command_timeout
+        return "a command is not zero; release the deadman" if asked else ""
+
+    def _command_age(self) -> float:
+        return time.monotonic() - self._command_received
+
+    def _stand_still(self) -> None:
+        now = self.get_clock().now().nanoseconds
+        self._publish(now, ZERO)
+        self._tell(now)
+
+    def _tell(self, stamp: int) -> None:
+        self._health.note("emergency stop", "emergency stop pressed" if self._stop.pressed else "")
+        self._health.publish(stamp)
 
     def _read_pressures(self) -> None:
         """Take the newest transducer samples, if there are any; bad ones are as good as none."""
         if arrival := self._pressure_inbox.newest():
             ports = [read_float_array(topics.PRESSURES, arrival.message, 0, labels) for labels in PORT_LABELS]
-            if not any(reading.problem for reading in ports):
+            problem = ports[0].problem or ports[1].problem
+            self._health.note("pressures", problem and f"{problem}; the nominal load is taken")
+            if not problem:
                 self._ports = ports[0].values, ports[1].values
                 self._pressure_received = arrival.time
         if arrival := self._supply_inbox.newest():
@@ -106,11 +141,10 @@ class ValveDriverNode(Node):
 
     def _watch(self) -> None:
         """Centre the valves while no command comes; before the first one too: a machine sees who is there."""
-        age = time.monotonic() - self._command_received
-        if age > self._command_timeout:
+        if self._command_age() > self._command_timeout:
             if self._period.started:
-                self.get_logger().warning("valves centred: no command", throttle_duration_sec=1.0)
-            self._publish(self.get_clock().now().nanoseconds, ZERO)
+                self._health.note("commands", "no command")
+            self._stand_still()
 
     def stop(self) -> None:
         """Last words: zero."""

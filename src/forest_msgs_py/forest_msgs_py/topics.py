@@ -139,6 +139,22 @@ TIP_TWIST_COMMAND = Topic(
     "Tip velocity that the operator wishes, after every limit; absent in joint mode.",
     (_CONTROLLER,), _NOBODY,
 )
+CONTROLLER_STATUS = Topic(
+    "controller/status", FLOAT_ARRAY,
+    ("factor", "limit", "armed", "joystick", "emergency_stop"), ("1",) * 5, _RATE,
+    "What holds the wish back: factor 0..1; codes of limit and joystick as in docs/safety.md; 0 or 1.",
+    (_CONTROLLER,), _NOBODY,
+)
+EMERGENCY_STOP = Topic(
+    "emergency_stop", "std_msgs/msg/Bool", (), (), 0.0,
+    "True, from anybody, stops everything until it is reset on purpose; false asks for that.",
+    (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER),
+)
+EMERGENCY_STOPPED = Topic(
+    "emergency_stopped", "std_msgs/msg/Bool", (), (), 0.0,
+    "Whether a node stands still after an emergency stop; true stops the others, too.",
+    (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER), latched=True,
+)
 GROUND_TRUTH_JOINT_STATES = Topic(
     "ground_truth/joint_states", JOINT_STATE, JOINTS, ("rad, rad/s, N·m",) * 3, _RATE,
     "True joints of the simulator; for evaluation only.",
@@ -166,8 +182,8 @@ EVENTS = Topic(
 )
 DIAGNOSTICS = Topic(
     "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", (), (), 1.0,
-    "Health of hardware and other nodes, where somebody tells it; recorded.",
-    _NOBODY, _NOBODY,
+    "Health of the nodes' inputs, of hardware and others where somebody tells it.",
+    (_CONTROLLER, _DRIVER, _SIMULATOR), _NOBODY,
 )
 CLOCK = Topic(
     "/clock", "rosgraph_msgs/msg/Clock", ("time",), ("s",), _RATE,
@@ -193,7 +209,8 @@ TOPICS: tuple[Topic, ...] = (
         VALVE_COMMANDS,
         VALVE_VOLTAGES,
     ),
-    *(TIP_POSE, TIP_TWIST, TIP_TWIST_COMMAND, GROUND_TRUTH_JOINT_STATES, GROUND_TRUTH_TIP_POSE),
+    *(TIP_POSE, TIP_TWIST, TIP_TWIST_COMMAND, CONTROLLER_STATUS, EMERGENCY_STOP),
+    *(EMERGENCY_STOPPED, GROUND_TRUTH_JOINT_STATES, GROUND_TRUTH_TIP_POSE),
     *(GROUND_TRUTH_TIP_TWIST, ROBOT_DESCRIPTION, EVENTS, DIAGNOSTICS, CLOCK, ROSOUT),
 )
 

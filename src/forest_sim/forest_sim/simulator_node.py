@@ -24,11 +24,13 @@ from forest_description.limits import pose_at, start_tip
 from forest_description.machine import Machine, load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
+from forest_msgs_py.health import Health
 from forest_msgs_py.inbox import inbox
 from forest_msgs_py.messages import read_float_array
 from forest_msgs_py.node import publisher, run_node
 from forest_msgs_py.packing import Packer
 from forest_msgs_py.parameters import ParameterError, declare, declare_triple
+from forest_msgs_py.stamp_order import StampOrder
 from forest_msgs_py.topics import message_class
 from forest_sim.disturbance import Disturbance, checked_tip_force, parse_stuck_spools
 from forest_sim.manipulator import Triple
@@ -61,10 +63,14 @@ class SimulatorNode(Node):
         self._changing = threading.Lock()  # parameters come in the executor's thread
         self._declare_disturbance()
         self._voltages, self._received = ZERO, -math.inf
+        self._order = StampOrder(self._machine.machine.command_timeout)
         self._missed = 0
         self._outputs = {
-            topic: publisher(self, topic) for topic in topics.TOPICS if "simulator" in topic.publishers
+            topic: publisher(self, topic)
+            for topic in topics.TOPICS
+            if "simulator" in topic.publishers and topic != topics.DIAGNOSTICS
         }
+        self._health = Health(self, ("voltages",), "valves centred")
         self._packers = {
             topic: Packer(topic, FRAME if topic.type in (topics.POSE, topics.TWIST) else "", self._plain)
             for topic in self._outputs
@@ -110,10 +116,13 @@ class SimulatorNode(Node):
         arrival = self._voltage_inbox.newest()
         if arrival is not None:
             reading = read_float_array(topics.VALVE_VOLTAGES, arrival.message, 0)
-            if reading.problem:
-                self.get_logger().warning(f"valves centred: {reading.problem}", throttle_duration_sec=1.0)
-            self._voltages = ZERO if reading.problem else reading.values
+            problem = reading.problem
+            if not problem and reading.values != ZERO:  # zero is obeyed in any order
+                problem = self._order.problem("valve_voltages", reading.stamp_ns, arrival.time)
+            self._health.note("voltages", problem)
+            self._voltages = ZERO if problem else reading.values
             self._received = arrival.time
+        self._health.publish(self._stamp)
         if time.monotonic() - self._received > self._machine.machine.command_timeout:
             self._voltages = ZERO
 

@@ -1,0 +1,204 @@
+"""Whether a joystick may be believed: silent, frozen, or alive; and when its levers may move something.
+
+A sample counts as new when its stamp is later than the last one's (a stamp of zero is none) and, where its
+source counts a heartbeat, when the count has changed. No new sample for `timeout`: the joystick is lost. A
+source without heartbeat whose new samples stay identical to the last bit for `frozen_timeout` while a lever
+is deflected is frozen: no hand holds that still. Identical near the centre, its levers count as centred.
+
+Levers move something only while armed. Arming needs a live joystick, the deadman held, and all levers
+centred; whatever stops the crane disarms. So a deadman that is pressed with a deflected lever, and a joystick
+that comes back deflected, move nothing until the levers have been centred.
+
+| symbol | name | unit |
+|---|---|---|
+| now, received, fresh_since, moved | local monotonic times (in lockstep: simulated ones) | s |
+| stamp | of the sample, in its source's time | ns |
+| heartbeat | the source's count; `NO_HEARTBEAT` where it has none | 1 |
+| centre | deflection up to which a lever counts as centred | 1 |
+
+A stamp that goes back is out of order: the sample is dropped. Only a joystick that is lost may begin anew.
+"""
+
+import math
+from enum import IntEnum
+from typing import NamedTuple
+
+from forest_control.levers import REST as CENTRED
+from forest_control.levers import Levers, levers_from_axes
+
+NO_HEARTBEAT = -1
+NO_STAMP = 0  # [ns]
+LONG_AGO = -(2**62)  # [ns]
+HEARTBEAT = "heartbeat:"  # what a Joy's frame_id begins with; a decimal count follows
+
+
+class Joystick(IntEnum):
+    """What is known of the joystick; everything but ALIVE stops the crane."""
+
+    SILENT = 0  # nothing has come yet
+    ALIVE = 1
+    LOST = 2  # nothing new for `timeout`
+    FROZEN = 3  # the same for `frozen_timeout`, deflected
+    BAD = 4  # the last sample cannot be read
+
+
+class WatchParameters(NamedTuple):
+    """What a user may set."""
+
+    timeout: float = 0.15  # [s]
+    frozen_timeout: float = 2.0  # [s]; 0: a joystick may hold still for ever
+    centre: float = 0.05
+
+
+class Sample(NamedTuple):
+    """One sample of a joystick."""
+
+    received: float  # [s] when it was sent, by the local clock
+    stamp: int  # [ns]; `NO_STAMP`: it carries none
+    heartbeat: int
+    same: bool  # all axes and buttons as in the sample before, to the last bit
+    good: bool  # it could be read
+    levers: Levers
+    held: bool  # the deadman
+
+
+class Watch(NamedTuple):
+    """What is remembered between samples."""
+
+    joystick: Joystick
+    stamp: int  # [ns] of the newest sample
+    heartbeat: int
+    fresh_since: float  # [s] when the newest new sample was sent
+    moved: float  # [s] when axes or buttons last changed, or the heartbeat showed life
+    levers: Levers
+    held: bool
+    armed: bool
+    out_of_order: int  # samples dropped so far
+
+
+REST = Watch(Joystick.SILENT, LONG_AGO, NO_HEARTBEAT, -math.inf, -math.inf, CENTRED, False, False, 0)
+
+
+class Operator(NamedTuple):
+    """What the controller may act on."""
+
+    levers: Levers
+    enabled: bool
+
+
+def heed(watch: Watch, sample: Sample) -> Watch:
+    """Take in one sample, oldest first."""
+    if not sample.good:
+        return watch._replace(
+            joystick=Joystick.BAD, fresh_since=sample.received, levers=CENTRED, held=False, armed=False
+        )
+    stamped, beats = sample.stamp != NO_STAMP, sample.heartbeat != NO_HEARTBEAT
+    if (stamped and sample.stamp == watch.stamp) or (beats and sample.heartbeat == watch.heartbeat):
+        return watch
+    if stamped and sample.stamp < watch.stamp and watch.joystick == Joystick.ALIVE:
+        return watch._replace(out_of_order=watch.out_of_order + 1)
+    moves = beats or not sample.same or watch.moved == -math.inf
+    return watch._replace(
+        joystick=Joystick.ALIVE,
+        stamp=sample.stamp,
+        heartbeat=sample.heartbeat,
+        fresh_since=sample.received,
+        moved=sample.received if moves else watch.moved,
+        levers=sample.levers,
+        held=sample.held,
+    )
+
+
+def judge(watch: Watch, now: float, allowed: bool, p: WatchParameters) -> tuple[Watch, Operator]:
+    """Return the watch at a time [s], and what the controller may act on.
+
+    Args:
+        watch: after all samples that have come.
+        now: local time [s].
+        allowed: nothing else forbids motion; False disarms.
+        p: the user's settings.
+    """
+    watch = watch._replace(joystick=_judged(watch, now, p))
+    if watch.joystick != Joystick.ALIVE or not watch.held or not allowed:
+        return watch._replace(armed=False), Operator(CENTRED, False)
+    resting = _is_still(watch, now, p)  # and centred, or it were frozen
+    levers = CENTRED if resting else watch.levers
+    if not watch.armed and not is_centred(levers, p.centre):
+        return watch, Operator(CENTRED, False)
+    return watch._replace(armed=True), Operator(levers, True)
+
+
+def is_centred(levers: Levers, centre: float) -> bool:
+    """Tell whether no lever is deflected by more than `centre`."""
+    return max(abs(levers.swing), abs(levers.boom), abs(levers.stick)) <= centre
+
+
+def is_released(watch: Watch, centre: float) -> bool:
+    """Tell whether the joystick's last words were: deadman released, levers centred. A reset needs them.
+
+    A joystick that has never spoken counts: before it can move anything, it must be centred, too.
+    """
+    believed = watch.joystick not in (Joystick.BAD, Joystick.FROZEN)
+    return believed and not watch.held and is_centred(watch.levers, centre)
+
+
+def _judged(watch: Watch, now: float, p: WatchParameters) -> Joystick:
+    if watch.joystick == Joystick.SILENT:
+        return Joystick.SILENT
+    if now - watch.fresh_since > p.timeout:
+        return Joystick.LOST
+    if watch.joystick in (Joystick.BAD, Joystick.LOST):
+        return watch.joystick
+    if _is_still(watch, now, p) and not is_centred(watch.levers, p.centre):
+        return Joystick.FROZEN
+    return Joystick.ALIVE
+
+
+def _is_still(watch: Watch, now: float, p: WatchParameters) -> bool:
+    """Tell whether nothing has changed for too long to be a hand."""
+    return p.frozen_timeout > 0.0 and now - watch.moved >= p.frozen_timeout
+
+
+PROBLEMS = {
+    Joystick.SILENT: "",  # before the first sample, and with the deadman released, nobody is missed
+    Joystick.ALIVE: "",
+    Joystick.LOST: "joystick: nothing new for longer than joy_timeout",
+    Joystick.FROZEN: "joystick: held still to the last bit for frozen_timeout; allowed with a heartbeat",
+    Joystick.BAD: "joystick: its last sample cannot be read",
+}
+
+
+def sample_of(
+    stamp: int,
+    frame: str,
+    received: float,
+    content: tuple[tuple[float, ...], tuple[int, ...]],
+    before: tuple[tuple[float, ...], tuple[int, ...]] | None,
+    deadman: int,
+) -> Sample:
+    """Return a good message's sample.
+
+    Args:
+        stamp: [ns].
+        frame: frame_id of the message.
+        received: when it was sent, by the local clock [s].
+        content: axes and buttons.
+        before: those of the sample before it.
+        deadman: the button to hold.
+    """
+    axes, buttons = content
+    levers, held = levers_from_axes(axes), buttons[deadman] == 1
+    return Sample(received, stamp, heartbeat_of(frame), content == before, True, levers, held)
+
+
+def bad_sample(received: float) -> Sample:
+    """Return what stands for a message that cannot be read."""
+    return Sample(received, NO_STAMP, NO_HEARTBEAT, False, False, CENTRED, False)
+
+
+def heartbeat_of(frame: str) -> int:
+    """Return the count that a Joy's frame_id carries ("heartbeat:17"), or `NO_HEARTBEAT`."""
+    digits = frame.removeprefix(HEARTBEAT)
+    if digits == frame or not (digits.isascii() and digits.isdigit()) or len(digits) > 18:
+        return NO_HEARTBEAT
+    return int(digits)

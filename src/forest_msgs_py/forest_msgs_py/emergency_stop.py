@@ -1,0 +1,111 @@
+"""The emergency stop of a node: latched by a topic or a service, reset only on purpose.
+
+`emergency_stop`: true, from anybody, stops; false, and a node's reset service, reset every node that finds
+nothing against it. `emergency_stopped`: each node says there whether it is stopped, latched; true stops the
+others, also one that starts later. So a stop outlives the restart of any one node, and a node that refuses a
+reset stops the others again. A false that was sent before the last stop resets nothing.
+
+Whoever types a message by hand offers it volatile, a panel may latch it. A subscription hears both kinds live
+only if it is volatile itself, and what was said before only if it is transient-local. Hence two; of the past
+only a stop counts.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from forest_msgs_py import topics
+from forest_msgs_py.node import publisher, subscription
+from forest_msgs_py.topics import message_class, qos
+
+REMEMBERED = 32  # commands heard live, which the other subscription repeats
+
+
+class EmergencyStop:
+    """Latch of one node.
+
+    Args:
+        node: that stands still while `pressed`.
+        prefix: of the services' names: "" or "~/".
+        objection: what stands against a reset now, "" for nothing.
+        act: called at once when the stop is pressed.
+    """
+
+    def __init__(
+        self, node: Node, prefix: str, objection: Callable[[], str], act: Callable[[], None]
+    ) -> None:
+        self.pressed, self._pressed_at = False, 0  # [ns] since the epoch, as senders stamp
+        self._node, self._objection, self._act = node, objection, act
+        self._heard: deque[int] = deque(maxlen=REMEMBERED)
+        self._command = publisher(node, topics.EMERGENCY_STOP)
+        self._state = publisher(node, topics.EMERGENCY_STOPPED)
+        self._message = message_class(topics.EMERGENCY_STOP)
+        name = topics.EMERGENCY_STOP.name
+        subscription(node, topics.EMERGENCY_STOP, self._on_command)
+        # Silent: with everybody who latches nothing it would complain of an incompatible QoS.
+        silent = SubscriptionEventCallbacks(use_default_callbacks=False)
+        latched = qos(topics.EMERGENCY_STOPPED)
+        node.create_subscription(self._message, name, self._on_latched, latched, event_callbacks=silent)
+        subscription(node, topics.EMERGENCY_STOPPED, self._on_state)
+        node.create_service(Trigger, f"{prefix}emergency_stop", self._on_press)
+        node.create_service(Trigger, f"{prefix}reset_emergency_stop", self._on_reset)
+
+    def press(self) -> None:
+        """Stop, until reset."""
+        self._pressed_at = time.time_ns()
+        if not self.pressed:
+            self.pressed = True
+            self._act()
+            self._node.get_logger().error("emergency stop")
+            self._tell()
+
+    def reset(self) -> str:
+        """Reset unless something stands against it; return what that is, or ""."""
+        if not self.pressed:
+            return ""
+        objection = self._objection()
+        if objection:
+            self._node.get_logger().warning(f"emergency stop stays: {objection}")
+        else:
+            self.pressed = False
+            self._node.get_logger().info("emergency stop reset")
+        self._tell()
+        return objection
+
+    def _tell(self) -> None:
+        self._state.publish(self._message(data=self.pressed))
+
+    def _on_command(self, message: Any, info: dict[str, int]) -> None:
+        self._heard.append(info["source_timestamp"])
+        if message.data:
+            self.press()
+        elif info["source_timestamp"] > self._pressed_at:
+            self.reset()
+
+    def _on_latched(self, message: Any, info: dict[str, int]) -> None:
+        if message.data and info["source_timestamp"] not in self._heard:
+            self.press()
+
+    def _on_state(self, message: Any) -> None:
+        if message.data:
+            self.press()
+
+    def _on_press(self, _request: Any, response: Any) -> Any:
+        self.press()
+        response.success, response.message = True, "stopped"
+        return response
+
+    def _on_reset(self, _request: Any, response: Any) -> Any:
+        objection = self.reset()
+        if not objection:
+            self._command.publish(self._message(data=False))
+        response.success = not objection
+        response.message = f"refused: {objection}" if objection else "reset"
+        return response

@@ -1,0 +1,216 @@
+"""Claims about the joystick's watch: what is lost, frozen or deflected from the start moves nothing."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from forest_control.joystick_watch import (
+    NO_HEARTBEAT,
+    NO_STAMP,
+    REST,
+    Joystick,
+    Sample,
+    WatchParameters,
+    heartbeat_of,
+    heed,
+    is_released,
+    judge,
+)
+from forest_control.levers import REST as CENTRED
+from forest_control.levers import Levers
+
+P = WatchParameters()
+PERIOD = 0.01
+PUSHED = Levers(0.5, 0.0, -0.2)
+
+
+class Hand:
+    """A joystick in simulated time: what it says next can be changed."""
+
+    def __init__(self, p=P):
+        self.p, self.now, self.watch, self.before = p, 0.0, REST, None
+        self.operator = None
+
+    def say(self, levers, held=True, **changes):
+        """One period on, a sample comes."""
+        self.now += PERIOD
+        content = (levers, held)
+        sample = Sample(
+            self.now, round(self.now * 1e9), NO_HEARTBEAT, content == self.before, True, levers, held
+        )
+        self.before = content
+        self.watch = heed(self.watch, sample._replace(**changes))
+        return self.look()
+
+    def look(self, wait=0.0, allowed=True):
+        self.now += wait
+        self.watch, self.operator = judge(self.watch, self.now, allowed, self.p)
+        return self.operator.enabled
+
+    def arm(self):
+        assert self.say(CENTRED)
+        assert self.say(PUSHED)
+        return self
+
+
+def test_a_centred_stick_and_the_deadman_arm_and_then_levers_pass():
+    hand = Hand()
+    assert not hand.look()
+    assert hand.watch.joystick == Joystick.SILENT
+    assert not hand.say(CENTRED, held=False)
+    hand.arm()
+    assert hand.operator.levers == PUSHED
+
+
+def test_enabling_with_a_deflected_stick_moves_nothing_until_it_is_centred():
+    hand = Hand()
+    for k in range(50):
+        assert not hand.say(Levers(0.5 + 0.001 * k, 0.0, 0.0))
+        assert hand.operator.levers == CENTRED
+    assert hand.say(Levers(0.0, 0.04, 0.0))
+    assert hand.say(PUSHED)
+
+
+def test_release_always_commands_zero_and_needs_a_centred_stick_again():
+    hand = Hand().arm()
+    assert not hand.say(PUSHED, held=False)
+    assert hand.operator.levers == CENTRED
+    assert not hand.say(PUSHED)
+    hand.arm()
+
+
+def test_a_joystick_that_falls_silent_is_lost_after_the_timeout_and_must_be_centred():
+    hand = Hand().arm()
+    assert hand.look(0.15 - 1e-9)
+    assert not hand.look(2e-9)
+    assert hand.watch.joystick == Joystick.LOST
+    assert not hand.say(PUSHED)
+    assert hand.watch.joystick == Joystick.ALIVE
+    hand.arm()
+
+
+def test_a_stamp_that_stands_still_is_a_lost_joystick():
+    hand, wobble = Hand().arm(), itertools.count(1)
+    stamp, lost_after = hand.watch.stamp, hand.now + P.timeout
+    while hand.say(Levers(0.5, 0.001 * next(wobble), 0.0), stamp=stamp):
+        assert hand.now <= lost_after + 1e-9
+    assert hand.watch.joystick == Joystick.LOST
+    assert not hand.say(CENTRED, stamp=stamp)
+
+
+def test_held_still_while_deflected_it_is_frozen_after_two_seconds_and_not_after_one_point_four():
+    hand = Hand().arm()
+    begun = hand.now
+    while hand.say(PUSHED):
+        pass
+    assert hand.now - begun == pytest.approx(P.frozen_timeout, abs=PERIOD)
+    assert hand.watch.joystick == Joystick.FROZEN
+    assert not hand.say(Levers(0.5, 0.01, -0.2))  # alive, but deflected
+    assert hand.watch.joystick == Joystick.ALIVE
+    hand.arm()
+
+
+@pytest.mark.parametrize(
+    ("p", "still"), [(P._replace(frozen_timeout=0.0), PUSHED), (P, CENTRED), (P, Levers(0.03, 0.0, 0.0))]
+)
+def test_still_is_not_frozen_when_switched_off_or_near_the_centre(p, still):
+    hand = Hand(p).arm()
+    for _ in range(500):
+        assert hand.say(still)
+    assert hand.operator.levers == (PUSHED if still == PUSHED else CENTRED)
+
+
+def test_a_heartbeat_lets_a_source_hold_still_and_one_that_stops_counting_is_lost():
+    hand, count = Hand().arm(), itertools.count()
+    for _ in range(500):
+        assert hand.say(PUSHED, heartbeat=next(count))
+    stopped = hand.now
+    while hand.say(PUSHED, heartbeat=499):
+        assert hand.now - stopped <= P.timeout + 1e-9
+    assert hand.watch.joystick == Joystick.LOST
+
+
+def test_without_a_stamp_content_alone_decides():
+    hand = Hand()
+    hand.say(CENTRED, stamp=NO_STAMP)
+    assert hand.say(PUSHED, stamp=NO_STAMP)
+    begun = hand.now
+    while hand.say(PUSHED, stamp=NO_STAMP):
+        pass
+    assert hand.now - begun == pytest.approx(P.frozen_timeout, abs=2 * PERIOD)
+
+
+def test_a_sample_from_before_is_dropped_and_counted_until_the_joystick_is_lost():
+    hand = Hand().arm()
+    for k in range(10):
+        assert hand.say(Levers(-1.0, 0.01 * k, 1.0), stamp=hand.watch.stamp - 1)
+        assert hand.operator.levers == PUSHED
+    assert hand.watch.out_of_order == 10
+    while hand.say(PUSHED, stamp=5):
+        pass
+    assert hand.watch.joystick == Joystick.LOST
+    hand.say(CENTRED, stamp=6)  # a source that was started anew, its clock set back
+    assert hand.say(PUSHED, stamp=7)
+
+
+def test_a_sample_that_cannot_be_read_stops_and_disarms():
+    hand = Hand().arm()
+    assert not hand.say(PUSHED, good=False)
+    assert hand.watch.joystick == Joystick.BAD
+    assert not hand.say(PUSHED)
+    hand.arm()
+
+
+def test_what_else_forbids_motion_disarms():
+    hand = Hand().arm()
+    assert not hand.look(allowed=False)
+    assert not hand.say(PUSHED)
+    hand.arm()
+
+
+def test_a_reset_needs_the_deadman_released_and_levers_centred_as_the_last_words():
+    hand = Hand()
+    assert is_released(hand.watch, P.centre)
+    for levers, held, released in ((CENTRED, True, False), (PUSHED, False, False), (CENTRED, False, True)):
+        hand.say(levers, held)
+        assert is_released(hand.watch, P.centre) == released
+        hand.look(1.0)
+        assert is_released(hand.watch, P.centre) == released
+    hand.say(CENTRED, held=False, good=False)
+    assert not is_released(hand.watch, P.centre)
+
+
+def test_whatever_comes_levers_pass_only_live_held_and_once_centred():
+    """Random samples, gaps and faults against a plain statement of the rule."""
+    rng = np.random.default_rng(5)
+    hand, centred_since_stop, moved = Hand(), False, 0
+    for _ in range(20000):
+        levers = CENTRED if rng.random() < 0.2 else Levers(*rng.uniform(-1.0, 1.0, 3).tolist())
+        fault = rng.random() < 0.02
+        changes = [{"good": False}, {"stamp": hand.watch.stamp}, {"stamp": hand.watch.stamp - 7}]
+        if rng.random() < 0.02:
+            centred_since_stop = hand.look(0.2)
+        held = bool(rng.random() < 0.95)
+        enabled = hand.say(levers, held, **(changes[rng.integers(3)] if fault else {}))
+        alive = hand.watch.joystick == Joystick.ALIVE and hand.watch.held
+        if not alive:
+            centred_since_stop = False
+        elif max(map(abs, hand.watch.levers)) <= P.centre:
+            centred_since_stop = True
+        assert enabled == (alive and centred_since_stop)
+        assert enabled or hand.operator.levers == CENTRED
+        moved += enabled
+    assert 2000 < moved < 18000
+
+
+@pytest.mark.parametrize(
+    ("frame", "count"),
+    [
+        *(("heartbeat:0", 0), ("heartbeat:123", 123), ("joystick", NO_HEARTBEAT), ("", NO_HEARTBEAT)),
+        *(("heartbeat:", NO_HEARTBEAT), ("heartbeat:-3", NO_HEARTBEAT), ("heartbeat:²", NO_HEARTBEAT)),
+        ("heartbeat:" + "9" * 40, NO_HEARTBEAT),
+    ],
+)
+def test_the_heartbeat_is_read_from_the_frame_id(frame, count):
+    assert heartbeat_of(frame) == count

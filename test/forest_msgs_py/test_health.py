@@ -1,0 +1,55 @@
+"""Claims about a node's health: a trouble is told at once and every second, and logged as often."""
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.node import Node
+
+from forest_msgs_py import topics
+from forest_msgs_py.health import Health
+
+S = 1_000_000_000
+
+
+@pytest.fixture
+def health(peer, monkeypatch):
+    node = Node("machine", context=peer.node.context, enable_rosout=False, start_parameter_services=False)
+    made = Health(node, ("joystick", "pump"), "standing still")
+    made.lines = []
+    monkeypatch.setattr(node, "get_logger", lambda: Lines(made.lines))
+    made.heard = peer.hear(topics.DIAGNOSTICS)
+    peer.until(made._publisher.get_subscription_count)
+    yield made
+    node.destroy_node()
+
+
+class Lines:
+    def __init__(self, lines):
+        self.warning = lines.append
+
+
+def told(message):
+    return [(status.name, status.level, status.message) for status in message.status]
+
+
+def test_a_trouble_is_told_at_once_and_again_every_second(peer, health):
+    for step in range(600):  # three seconds of a loop of 200 Hz
+        health.note("joystick", f"axes are {step}; allowed: -1..1" if 100 <= step < 400 else "")
+        health.publish(step * S // 200)
+    peer.until(lambda: len(health.heard) == 4)  # at 0, ill at 0.5 and 1.5, well at 2
+    levels = [told(message)[0][1] for message in health.heard]
+    assert levels == [DiagnosticStatus.OK, *[DiagnosticStatus.ERROR] * 2, DiagnosticStatus.OK]
+    name, _, said = told(health.heard[1])[0]
+    assert name == "machine: joystick"
+    assert said == "axes are 100; allowed: -1..1"
+    assert told(health.heard[1])[1] == ("machine: pump", DiagnosticStatus.OK, "well")
+    assert health.heard[1].header.stamp.nanosec == S // 2
+
+
+def test_a_trouble_is_logged_once_however_often_it_is_noted(health):
+    for step in range(200):
+        health.note("joystick", f"trouble {step}")
+    health.note("pump", "no pressure")
+    assert health.lines == ["standing still: trouble 0", "standing still: no pressure"]

@@ -1,0 +1,140 @@
+"""Machine, controller, driver and a joystick with faults, in simulated time: the tip stops along its path."""
+
+import numpy as np
+import pytest
+
+from forest_control import controller, joystick_watch, valve_driver
+from forest_control.joystick_watch import NO_HEARTBEAT, Sample, WatchParameters
+from forest_control.levers import REST, levers_for_tip_velocity
+from forest_control.schemes import Scheme
+from forest_description.kinematics import inverse_kinematics
+from forest_description.machine import load_machine
+from forest_study.closed_loop import PERIOD, Operator, run
+
+C180 = load_machine("c180")
+START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
+SPEED = 0.5  # [m/s]
+FAULT = 1.2  # [s] when something happens to the joystick
+WITHIN = 0.25  # [s]
+STOPPED = 0.1 * SPEED  # [m/s]
+AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1), "-z": (0, 0, -1), "xyz": (0.6, 0.6, 0.5)}
+TIP_SCHEMES = [scheme for scheme in Scheme if scheme != Scheme.JOINT]
+
+
+class Stick:
+    """A joystick at 100 Hz behind the watch; `fault(time, sample)` gives what the wire makes of a sample."""
+
+    def __init__(self, velocity, fault):
+        self.levers = levers_for_tip_velocity(velocity, SPEED)
+        self.fault, self.p = fault, WatchParameters()
+        self.watch, self.before, self.step = joystick_watch.REST, None, 0
+
+    def __call__(self, time):
+        if self.step % 2 == 0:  # every second period of the machine
+            shaking = self.levers._replace(boom=self.levers.boom + 1e-6 * np.sin(1e3 * time))
+            levers = shaking if time > 0.1 else REST
+            sample = self.fault(
+                time, Sample(time, round(time * 1e9), NO_HEARTBEAT, False, True, levers, True)
+            )
+            if sample is not None:
+                same = (sample.levers, sample.held) == self.before
+                self.before = sample.levers, sample.held
+                self.watch = joystick_watch.heed(self.watch, sample._replace(same=same))
+        self.step += 1
+        self.watch, operator = joystick_watch.judge(self.watch, time, True, self.p)
+        return Operator(*operator)
+
+
+def session(stick, duration, scheme=Scheme.COORDINATED):
+    settings = controller.Settings(scheme=scheme, tip_speed=SPEED)
+    return run(C180, stick, duration, START, settings, valve_driver.Settings())
+
+
+def stop_from(moved, begun):
+    """Return the time [s] until the tip's speed is a tenth, its way and its way aside [m], from a time on."""
+    row = round(begun / PERIOD)
+    velocity = np.gradient(moved.tip, PERIOD, axis=0)
+    along = velocity[row - 2 : row + 1].mean(axis=0)
+    along /= np.linalg.norm(along)
+    way = moved.tip[row:] - moved.tip[row]
+    slow = np.linalg.norm(velocity[row:], axis=1) < STOPPED
+    forward = way @ along
+    aside = np.linalg.norm(way - np.outer(forward, along), axis=1)
+    return PERIOD * np.argmax(slow), forward.max(), aside.max()
+
+
+def released(time, sample):
+    return sample._replace(held=time < FAULT)
+
+
+def lost(time, sample):
+    return sample if time < FAULT else None
+
+
+def stamp_stands_still(time, sample):
+    return sample._replace(stamp=min(sample.stamp, round(FAULT * 1e9)))
+
+
+def held_still(time, sample):
+    return sample if time < 0.2 else sample._replace(levers=sample.levers._replace(boom=0.01))
+
+
+@pytest.mark.parametrize("direction", AXES.values(), ids=AXES)
+def test_let_go_the_tip_stops_along_its_path_within_a_quarter_second_and_70_mm(direction):
+    velocity = tuple(SPEED * x for x in direction)
+    moved = session(Stick(velocity, released), FAULT + 0.8)
+    time, way, aside = stop_from(moved, FAULT)
+    assert time <= WITHIN
+    assert way < 0.070
+    assert aside < 0.005
+    shut = round((FAULT + WITHIN) / PERIOD)
+    assert not moved.commands[shut:].any()
+    assert not moved.voltages[shut:].any()
+    later = moved.tip[shut:]  # the crane rocks on the oil that is shut in its hoses
+    assert np.linalg.norm(later - later[-1], axis=1).max() < 0.010
+
+
+@pytest.mark.parametrize("scheme", TIP_SCHEMES)
+def test_every_tip_scheme_stops_within_70_mm(scheme):
+    moved = session(Stick((0.0, 0.0, SPEED), released), FAULT + 0.6, scheme)
+    time, way, _ = stop_from(moved, FAULT)
+    assert time <= WITHIN
+    assert way < 0.070
+    assert not moved.commands[round((FAULT + WITHIN) / PERIOD) :].any()
+
+
+@pytest.mark.parametrize(
+    ("fault", "found"), [(lost, 0.15), (stamp_stands_still, 0.15)], ids=["lost", "stamp stands still"]
+)
+def test_a_lost_joystick_stops_the_tip_within_its_timeout_and_a_quarter_second(fault, found):
+    moved = session(Stick((SPEED, 0.0, 0.0), fault), FAULT + 1.0)
+    time, way, aside = stop_from(moved, FAULT)
+    assert time <= found + WITHIN
+    assert way < 0.070 + (found + 0.01) * SPEED
+    assert aside < 0.005
+    assert not moved.commands[round((FAULT + found + 0.01 + WITHIN) / PERIOD) :].any()
+
+
+def test_a_frozen_joystick_stops_the_tip_a_quarter_second_after_two_seconds():
+    stick = Stick((0.0, -0.3, 0.0), held_still)
+    moved = session(stick, 3.0)
+    assert stick.watch.joystick == joystick_watch.Joystick.FROZEN
+    frozen = 0.2 + 2.0
+    assert np.abs(moved.tip_wish[round((frozen - 0.05) / PERIOD)]).max() > 0.29
+    assert not moved.commands[round((frozen + 0.02 + WITHIN) / PERIOD) :].any()
+
+
+def test_the_deadman_pressed_with_a_deflected_stick_moves_nothing():
+    stick = Stick((SPEED, 0.0, 0.0), lambda time, sample: sample if time > 0.1 else None)
+    assert not session(stick, 1.0).voltages.any()
+
+
+def test_pressed_again_while_it_stops_it_goes_on_without_a_jump():
+    def again(time, sample):
+        held = not FAULT <= time < FAULT + 0.03
+        centred = FAULT <= time < FAULT + 0.06
+        return sample._replace(held=held, levers=REST if centred else sample.levers)
+
+    moved = session(Stick((SPEED, 0.0, 0.0), again), FAULT + 1.0)
+    assert np.abs(moved.tip_wish[-1] - (SPEED, 0.0, 0.0)).max() < 1e-3
+    assert np.abs(np.diff(moved.tip_wish, axis=0)).max() < 0.05
