@@ -13,10 +13,10 @@ drop that the load leaves:
 | C_1, C_2 | the open valve's resistance in the direction of v, port 1's edge and port 2's | Pa s^2/m^6 |
 | S | C_1 A_1^3 + C_2 A_2^3: both orifices' share, reduced to the actuator | N s^2/m^2; N m s^2 |
 
-At steady speed and full opening N = S v^2 (`valve_inverse.required_opening`), hence the opening |v| sqrt(S / N).
-Beyond the valve, hoses take part of N, a motor leaks, its hoses fill after a rest, and the
-spool needs time to cross its overlap; `beyond_valve` allows for these. With `adapt` deadband and gain
-are those that `valve_adaptation` has learnt.
+At steady speed and full opening N = S v^2 (`valve_inverse.required_opening`), hence the opening
+|v| sqrt(S / N). Beyond the valve, hoses take part of N, a motor leaks, its hoses fill after a rest, and the
+spool needs time to cross its overlap; `beyond_valve` allows for these. With `adapt` deadband and gain are
+those that `valve_adaptation` has learnt.
 """
 
 import math
