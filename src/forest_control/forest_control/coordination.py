@@ -23,6 +23,7 @@ ZERO: Triple = (0.0, 0.0, 0.0)
 
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests
 ERROR_LAG = 0.05  # [s] of the low-pass through which an error decides about holding
+HELD = 1e-9  # [rad/s] commanded to a joint that holds: no motion, but the valve driver may feed what leaks
 HIGHEST_ACCELERATION = 2.0  # [rad/s^2] a jump of the governor's must not kick the valves
 
 
@@ -126,7 +127,7 @@ def _joint_servo(
     # What the integral has learnt of the valve at speed is kept while the joint holds.
     grown = memory.w if holds else memory.w + dt * p.integral[i] * error
     w = max(-p.integral_limit, min(p.integral_limit, grown))
-    u = 0.0 if holds else coordinated(Signals(x.a, x.b, x.r, x.s, x.v, x.w + w), p.gains[i])
+    u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.s, x.v, x.w + w), p.gains[i])
     return Joint(x.a, x.b, w, seen, holds), u
 
 

@@ -20,7 +20,7 @@ Triple = tuple[float, float, float]
 SMOOTHING = 0.01  # [s] of the reference's acceleration
 INTEGRAL_LIMIT = 0.1  # [rad/s] more than any valve is wrong by
 HOLD_ERROR = 1.5e-4  # [rad] above the resolvers' low-passed jitter; 1 mm of the tip
-RELEASE_ERROR = 5e-4  # [rad] 3 mm
+RELEASE_ERROR = 3e-4  # [rad] 2 mm
 
 
 class Settings(NamedTuple):

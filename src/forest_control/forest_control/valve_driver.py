@@ -13,71 +13,61 @@ drop that the load leaves:
 | C_1, C_2 | the open valve's resistance in the direction of v, port 1's edge and port 2's | Pa s^2/m^6 |
 | S | C_1 A_1^3 + C_2 A_2^3: both orifices' share, reduced to the actuator | N s^2/m^2; N m s^2 |
 
-At steady speed and full opening N = S v^2 (Thesis eq. 3.1 at both ports of 3.14), hence the opening
+At steady speed and full opening N = S v^2 (`valve_inverse.required_opening`), hence the opening
 |v| sqrt(S / N). Beyond the valve, hoses take part of N, a motor leaks, its hoses fill after a rest, and the
-spool needs time to cross its overlap; `beyond_valve` allows for these.
+spool needs time to cross its overlap; `beyond_valve` allows for these. With `adapt` deadband and gain are
+those that `valve_adaptation` has learnt.
 """
 
 import math
 from typing import NamedTuple
 
-from forest_description.actuation import displacements, rated_speeds
-from forest_description.machine import Machine
-from forest_description.valve import ValveLaw, voltage_for_opening
+from forest_control.valve_adaptation import UNLEARNT, Learner, blind, learn, learnt_law
+from forest_control.valve_flow import Sight
+from forest_control.valve_inverse import required_opening, spool_voltage
+from forest_control.valve_knowledge import AxisDriver, Parameters, Settings, axis_drivers, parameters
+
+__all__ = [
+    "REST",
+    "AxisDriver",
+    "Motion",
+    "Parameters",
+    "Pressures",
+    "Settings",
+    "State",
+    "axis_drivers",
+    "parameters",
+    "plausible",
+    "required_opening",
+    "step",
+]
 
 Triple = tuple[float, float, float]
-Loads = Triple
+Learners = tuple[Learner, Learner, Learner]
 
 LOWEST_SUPPLY = 0.25  # of the idle supply pressure: below, the pump is off or its transducer broken
 HIGHEST = 2.0  # of the nominal supply pressure
 FILLING = 60.0  # [rad/s] low-pass of the ports' mean pressure
-LEAST_PART = 0.1  # of a port's usual root of the drop, taken to remain
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than nothing for a moment
-
-
-class AxisDriver(NamedTuple):
-    """What the driver knows of one actuator."""
-
-    displacement_1: float
-    displacement_2: float
-    rated_speed: float  # at `rated_voltage` of the ideal valve
-    valve: ValveLaw
-    hose_linear: float = 0.0  # [N s/m; N m s] both hoses' loss that goes with the speed, at the actuator
-    hose_square: float = 0.0  # [N s^2/m^2; N m s^2] and with its square
-    slip: float = 0.0  # [rad/s per N m] speed that the motor's leakage takes under load
-    spool_lag: float = 0.0  # [s]; 0: the spool follows at once
-
-
-class Settings(NamedTuple):
-    """What a user may set; the node's parameters have these names and defaults."""
-
-    compensate: bool = True  # False: commands pass unchanged, for experiments
-    beyond_valve: bool = True  # allow for hoses, leakage, filling and the spool's lag, too
-    hold_zone: float = 0.02  # [V] commands up to this much leave the spool centred
-    load_bandwidth: float = 1.0  # [Hz] of the loads' low-pass
-    minimum_drop: float = 0.1  # share of the unloaded pressure force that is taken to remain under any load
-
-
-class Parameters(NamedTuple):
-    """What the driver knows of the machine."""
-
-    axes: tuple[AxisDriver, AxisDriver, AxisDriver]
-    supply_pressure: float  # [Pa], the highest that the pump keeps
-    idle_pressure: float  # [Pa], the least, while nobody draws; taken where it is not measured
-    compensate: bool
-    beyond_valve: bool
-    hold_zone: float  # [V]
-    load_bandwidth: float  # [rad/s]
-    minimum_drop: float
+LEAST_FED = 0.004  # [V] of leakage: less lets the tip sink by under 3 mm/s and is not worth an open valve
+WISH_LAG = 0.1  # [s] of the low-pass through which a small command decides about opening: noise must not
+SMALL = 2.0  # hold zones: a command beyond opens at once
+BARELY = 1e-9  # [V] of an open valve whose command noise has turned round
 
 
 class State(NamedTuple):
-    """Filtered loads [N m, N, N]; `primed` once the first pressures have arrived."""
+    """What the driver remembers of swing, boom, stick."""
 
-    loads: Loads
-    primed: bool
+    loads: Triple  # low-passed [N m, N, N]
+    primed: bool  # the first pressures have arrived
     means: Triple = (0.0, 0.0, 0.0)  # [Pa] of both ports
     spools: Triple = (0.0, 0.0, 0.0)  # [V] where the spools should be by now
+    strokes: Triple = (0.0, 0.0, 0.0)  # [V] where they were on average since the last step
+    wishes: Triple = (0.0, 0.0, 0.0)  # [V] commands with what leaks, low-passed
+    voltages: Triple = (0.0, 0.0, 0.0)  # [V] given last, without dither
+    saturated: tuple[bool, bool, bool] = (False, False, False)  # a valve could not open as far as wished
+    phase: float = 0.0  # of the dither, in turns
+    learners: Learners = (UNLEARNT, UNLEARNT, UNLEARNT)
 
 
 class Pressures(NamedTuple):
@@ -88,13 +78,35 @@ class Pressures(NamedTuple):
     supply: float
 
 
+class Motion(NamedTuple):
+    """What is measured for learning, too: actuator positions [rad, m, m], pressures at the valves [Pa]."""
+
+    positions: Triple
+    valve_1: Triple
+    valve_2: Triple
+
+
+class AxisMemory(NamedTuple):
+    """What `State` holds of one axis, and what is given to its valve."""
+
+    spool: float
+    wish: float
+    voltage: float
+    saturated: bool
+
+
 REST = State((0.0, 0.0, 0.0), False)
 
 
 def step(
-    state: State, command: Triple, pressures: Pressures | None, p: Parameters, dt: float
+    state: State,
+    command: Triple,
+    pressures: Pressures | None,
+    p: Parameters,
+    dt: float,
+    motion: Motion | None = None,
 ) -> tuple[State, Triple]:
-    """Return the amplifier voltages [V] for commands [V] of ideal valves.
+    """Return the amplifier voltages [V] for commands [V] of ideal valves; zero for one that is no number.
 
     Args:
         state: what the last step returned; `REST` at first.
@@ -103,166 +115,172 @@ def step(
             pressures that cannot be true.
         p: what the driver knows of the machine.
         dt: time since the last step [s].
+        motion: None when no fresh measurement is there: nothing is learnt.
     """
     if pressures is not None and not plausible(pressures, p):
         pressures = None
     state = _filter_loads(state, pressures, p, dt)
-    supply = pressures.supply if pressures is not None else p.idle_pressure
-    volts, spools = [], []
-    for i, axis in enumerate(p.axes):
-        mean = state.means[i] if pressures is not None and p.beyond_valve and i == 0 else None
-        wanted = _axis_voltage(command[i], state.loads[i], mean, supply, axis, p)
-        applied, spool = (
-            _across_overlap(wanted, state.spools[i], axis, dt) if p.beyond_valve else (wanted, 0.0)
-        )
-        volts.append(applied)
-        spools.append(spool)
-    return state._replace(spools=(spools[0], spools[1], spools[2])), (volts[0], volts[1], volts[2])
+    if p.adapt:
+        state = state._replace(learners=_learn(state, pressures, motion, p, dt))
+    supply, mean = p.idle_pressure, -1.0
+    if pressures is not None:
+        supply = pressures.supply
+        mean = max(0.0, state.means[0]) if p.beyond_valve else -1.0
+    swing = _axis(0, command[0], mean, supply, state, p, dt)
+    boom = _axis(1, command[1], -1.0, supply, state, p, dt)
+    stick = _axis(2, command[2], -1.0, supply, state, p, dt)
+    before = state.spools
+    phase = (state.phase + p.dither_frequency * dt) % 1.0
+    after = state._replace(
+        spools=(swing.spool, boom.spool, stick.spool),
+        strokes=(
+            0.5 * (before[0] + swing.spool),
+            0.5 * (before[1] + boom.spool),
+            0.5 * (before[2] + stick.spool),
+        ),
+        wishes=(swing.wish, boom.wish, stick.wish),
+        voltages=(swing.voltage, boom.voltage, stick.voltage),
+        saturated=(swing.saturated, boom.saturated, stick.saturated),
+        phase=phase,
+    )
+    dither = p.dither_amplitude * math.sin(2.0 * math.pi * phase)
+    return after, (
+        _dithered(swing.voltage, dither, p.axes[0]),
+        _dithered(boom.voltage, dither, p.axes[1]),
+        _dithered(stick.voltage, dither, p.axes[2]),
+    )
 
 
-def _across_overlap(wanted: float, spool: float, axis: AxisDriver, dt: float) -> tuple[float, float]:
-    """Return the voltage that takes a lagging spool over its overlap at once, and where it is dt [s] later.
+def _axis(
+    i: int, command: float, mean: float, supply: float, state: State, p: Parameters, dt: float
+) -> AxisMemory:
+    """Return one axis a step on; mean [Pa]: see `spool_voltage`."""
+    axis, spool = p.axes[i], state.spools[i]
+    rated = axis.valve.forward.rated_voltage
+    if not math.isfinite(command):
+        return AxisMemory(spool * _left(axis, dt), 0.0, 0.0, False)
+    low = axis.valve.backward.rated_voltage
+    wish, wanted, saturated = 0.0, command, False
+    if p.compensate:
+        # A leaking motor under load must be fed to stand still, be the command ever so small; none is none.
+        leaked = rated * axis.slip * state.loads[i] / axis.rated_speed
+        fed = command + leaked if command != 0.0 else 0.0
+        wish = _wish(fed, state.wishes[i], dt)
+        least = p.hold_zone if abs(leaked) <= _worth(leaked, spool) else LEAST_FED
+        fed = _decided(fed, wish, spool, least, p)
+        law = learnt_law(axis.valve, state.learners[i]) if p.adapt else axis.valve
+        wanted = spool_voltage(fed, state.loads[i], mean, supply, axis, law, p) if fed != 0.0 else 0.0
+        saturated = not -low < wanted < rated
+        edge = (law.forward if wanted > 0.0 else law.backward).deadband_voltage
+        if p.beyond_valve and wanted != 0.0 and math.copysign(1.0, wanted) * spool < edge:
+            # A first-order spool comes to just beyond the overlap only after some time constants; asked for
+            # more, it is there in one period. Outside the overlap the command's lead makes up for the lag.
+            wanted = spool + (wanted - spool) / (1.0 - _left(axis, dt))
+    most = p.slew_limit * dt
+    slewed = max(state.voltages[i] - most, min(state.voltages[i] + most, wanted))
+    voltage = max(-low, min(rated, slewed))
+    after = voltage + _left(axis, dt) * (spool - voltage)
+    return AxisMemory(after, wish, voltage, saturated)
 
-    A first-order spool reaches a voltage just beyond the overlap only after some time constants; asked for
-    more, it is there in one period. Outside the overlap the command's lead makes up for the lag.
+
+def _left(axis: AxisDriver, dt: float) -> float:
+    """Return the part of its way that a spool has still to go after dt [s]."""
+    return 0.0 if axis.spool_lag == 0.0 else math.exp(-dt / axis.spool_lag)
+
+
+def _wish(fed: float, before: float, dt: float) -> float:
+    """Return the low-passed command [V]; the first after none counts whole."""
+    if fed == 0.0 or before == 0.0:
+        return fed
+    return before + (1.0 - math.exp(-dt / WISH_LAG)) * (fed - before)
+
+
+def _worth(leaked: float, spool: float) -> float:
+    """Return what must leak [V] to be fed; half of it keeps a valve open, so that it does not chatter."""
+    return LEAST_FED if spool * leaked <= 0.0 else 0.5 * LEAST_FED
+
+
+def _decided(fed: float, wish: float, spool: float, least: float, p: Parameters) -> float:
+    """Return the command [V] to obey, 0 where the valve shall stay shut.
+
+    A small one opens the valve when its low-passed value is over `least`, and shuts it under half of that:
+    every opening crosses the overlap, and noise would do so for ever.
     """
-    if axis.spool_lag == 0.0:
-        return wanted, wanted
-    share = 1.0 - math.exp(-dt / axis.spool_lag)
-    law = axis.valve
-    way = law.forward if wanted > 0.0 else law.backward
-    before_edge = math.copysign(1.0, wanted) * spool < way.deadband_voltage
-    applied = wanted
-    if wanted != 0.0 and before_edge:
-        ask = spool + (wanted - spool) / share
-        applied = max(-way.rated_voltage, min(way.rated_voltage, ask))
-    return applied, spool + share * (applied - spool)
+    if fed == 0.0 or abs(fed) > SMALL * p.hold_zone:
+        return fed
+    if abs(wish) <= (0.5 * least if spool * wish > 0.0 else least):
+        return 0.0
+    return fed if fed * wish > 0.0 else math.copysign(BARELY, wish)
+
+
+def _dithered(voltage: float, dither: float, axis: AxisDriver) -> float:
+    if voltage == 0.0:
+        return 0.0
+    return max(-axis.valve.backward.rated_voltage, min(axis.valve.forward.rated_voltage, voltage + dither))
 
 
 def plausible(pressures: Pressures, p: Parameters) -> bool:
     """Tell whether transducers can be believed: a dead one must not open a valve wide."""
     low, high = LOWEST_SUPPLY * p.idle_pressure, HIGHEST * p.supply_pressure
-    ports = (*pressures.port_1, *pressures.port_2)
-    return low <= pressures.supply <= high and all(-LOWEST_PORT <= port <= high for port in ports)
+    if not low <= pressures.supply <= high:
+        return False
+    for i in range(3):
+        if not -LOWEST_PORT <= pressures.port_1[i] <= high or not -LOWEST_PORT <= pressures.port_2[i] <= high:
+            return False
+    return True
 
 
 def _filter_loads(state: State, pressures: Pressures | None, p: Parameters, dt: float) -> State:
     if pressures is None:
-        return REST._replace(spools=state.spools)
-    measured = tuple(
-        a.displacement_1 * p_1 - a.displacement_2 * p_2
-        for a, p_1, p_2 in zip(p.axes, pressures.port_1, pressures.port_2, strict=True)
-    )
+        return state._replace(loads=REST.loads, primed=False, means=REST.means)
     weight = 1.0 - math.exp(-p.load_bandwidth * dt) if state.primed else 1.0
-    loads = tuple(old + weight * (new - old) for old, new in zip(state.loads, measured, strict=True))
     fast = 1.0 - math.exp(-FILLING * dt) if state.primed else 1.0
-    means = tuple(
-        old + fast * (0.5 * (p_1 + p_2) - old)
-        for old, p_1, p_2 in zip(state.means, pressures.port_1, pressures.port_2, strict=True)
-    )
-    return State((loads[0], loads[1], loads[2]), True, (means[0], means[1], means[2]), state.spools)
-
-
-def _axis_voltage(
-    command: float, load: float, mean: float | None, supply: float, axis: AxisDriver, p: Parameters
-) -> float:
-    """Return the voltage [V] that one valve's spool shall stand at; mean [Pa]: see `_while_filling`."""
-    rated = axis.valve.forward.rated_voltage
-    if not p.compensate:
-        return max(-rated, min(rated, command))
-    # A leaking motor under load must be fed to stand still: that counts as a command, but none is none.
-    fed = command + rated * axis.slip * load / axis.rated_speed
-    if command == 0.0 or abs(fed) <= p.hold_zone:
-        return 0.0
-    speed = axis.rated_speed * fed / rated
-    opening = required_opening(speed, load, supply, axis, p)
-    if mean is not None:
-        opening *= _while_filling(math.copysign(1.0, speed) * load, mean, supply, axis)
-    return voltage_for_opening(opening, axis.valve)
-
-
-def _while_filling(opposing: float, mean: float, supply: float, axis: AxisDriver) -> float:
-    """Return how much further a motor's valve must open while its hoses are not at their usual pressure.
-
-    The mean of inlet and outlet flow moves the load, and goes with sqrt(P_s - P_in) + sqrt(P_out). Both
-    roots are equal when the ports' mean pressure is half the supply's; after a rest it is less.
-    """
-    half = 0.5 * opposing / axis.displacement_1
-    usual = max(LEAST_PART * supply, 0.5 * supply - half)
-    floor = LEAST_PART**2 * usual
-    inlet, outlet = max(floor, supply - mean - half), max(floor, mean - half)
-    return 2.0 * math.sqrt(usual) / (math.sqrt(inlet) + math.sqrt(outlet))
-
-
-def required_opening(speed: float, load: float, supply: float, axis: AxisDriver, p: Parameters) -> float:
-    """Return the opening -1..1 for an actuator speed [m/s; rad/s] against a load [N; N m].
-
-    Thesis eq. 3.1, 3.14.
-    """
-    inlet = axis.displacement_1 if speed > 0.0 else axis.displacement_2
-    nominal = inlet * supply
-    opposing = load if speed > 0.0 else -load
-    hoses = (axis.hose_linear + axis.hose_square * abs(speed)) * abs(speed)
-    drive = max(p.minimum_drop * inlet * p.supply_pressure, nominal - opposing - hoses)
-    way = axis.valve.forward if speed > 0.0 else axis.valve.backward
-    orifices = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
-    return max(-1.0, min(1.0, speed * math.sqrt(orifices / drive)))
-
-
-def parameters(machine: Machine, settings: Settings) -> Parameters:
-    """Return the core's parameters for a machine."""
-    return Parameters(
-        axes=axis_drivers(machine, settings.beyond_valve),
-        supply_pressure=machine.pump.supply_pressure,
-        idle_pressure=machine.pump.idle_pressure,
-        compensate=settings.compensate,
-        beyond_valve=settings.compensate and settings.beyond_valve,
-        hold_zone=settings.hold_zone,
-        load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
-        minimum_drop=settings.minimum_drop,
+    swing = _filtered(0, state, pressures, p.axes[0], weight, fast)
+    boom = _filtered(1, state, pressures, p.axes[1], weight, fast)
+    stick = _filtered(2, state, pressures, p.axes[2], weight, fast)
+    return state._replace(
+        loads=(swing[0], boom[0], stick[0]), primed=True, means=(swing[1], boom[1], stick[1])
     )
 
 
-def axis_drivers(machine: Machine, beyond_valve: bool = True) -> tuple[AxisDriver, AxisDriver, AxisDriver]:
-    """Return what a driver knows of a machine's actuators, of the valve alone or of what lies beyond, too."""
-    axes = []
-    for axis, speed in enumerate(rated_speeds(machine)):
-        driver = AxisDriver(*displacements(machine, axis), speed, machine.valve_of(axis).law)
-        if beyond_valve:
-            linear, square = _hoses(machine, axis)
-            driver = driver._replace(
-                hose_linear=linear,
-                hose_square=square,
-                slip=_slip(machine, axis),
-                spool_lag=_spool_lag(machine, axis),
-            )
-        axes.append(driver)
-    return axes[0], axes[1], axes[2]
+def _filtered(
+    i: int, state: State, pressures: Pressures, axis: AxisDriver, weight: float, fast: float
+) -> tuple[float, float]:
+    """Return an axis' load and mean pressure behind their low-passes."""
+    one, two = pressures.port_1[i], pressures.port_2[i]
+    load = axis.displacement_1 * one - axis.displacement_2 * two
+    return (
+        state.loads[i] + weight * (load - state.loads[i]),
+        state.means[i] + fast * (0.5 * (one + two) - state.means[i]),
+    )
 
 
-def _spool_lag(machine: Machine, axis: int) -> float:
-    bandwidth = machine.valve_of(axis).spool_bandwidth
-    return 0.0 if bandwidth is None else 1.0 / (2.0 * math.pi * bandwidth)
+def _learn(
+    state: State, pressures: Pressures | None, motion: Motion | None, p: Parameters, dt: float
+) -> Learners:
+    """Return what is known of the valves after another period's measurements."""
+    if pressures is None or motion is None:
+        one, two, three = state.learners
+        return blind(one), blind(two), blind(three)
+    return (
+        _learn_axis(0, state, pressures, motion, p, dt),
+        _learn_axis(1, state, pressures, motion, p, dt),
+        _learn_axis(2, state, pressures, motion, p, dt),
+    )
 
 
-def _hoses(machine: Machine, axis: int) -> tuple[float, float]:
-    """Return what both hoses take at unit speed, linear and square part. Thesis section 4.3.3."""
-    parts = [
-        (displacement, machine.line(axis, port).resistance)
-        for port, displacement in zip((1, 2), displacements(machine, axis), strict=True)
-    ]
-    if machine.drives[axis].flow_regime == "laminar":
-        return sum(d**2 * resistance for d, resistance in parts), 0.0
-    return 0.0, sum(d**3 * resistance for d, resistance in parts)
-
-
-def _slip(machine: Machine, axis: int) -> float:
-    """Return how much slower a load makes an actuator by its leakage [rad/s per N m]; cylinders are tight.
-
-    Half of what leaves port 1 for the case is missing at the mean of both ports. Thesis eq. 4.8.
-    """
-    if axis != 0:
-        return 0.0
-    swing, oil = machine.swing, displacements(machine, 0)[0]
-    leakage = 1.0 / swing.internal_leakage_resistance + 0.5 / swing.external_leakage_resistance
-    return leakage / oil**2
+def _learn_axis(
+    i: int, state: State, pressures: Pressures, motion: Motion, p: Parameters, dt: float
+) -> Learner:
+    seen = Sight(
+        motion.positions[i],
+        motion.valve_1[i],
+        motion.valve_2[i],
+        pressures.port_1[i],
+        pressures.port_2[i],
+        pressures.supply,
+        state.strokes[i],
+    )
+    if not math.isfinite(seen.position + seen.valve_1 + seen.valve_2):
+        return blind(state.learners[i])
+    return learn(state.learners[i], seen, p.axes[i].valve, p.flows[i], p.adaptation, dt)

@@ -116,7 +116,9 @@ class _Loop:
         angles = sensors.true_joints(self._simulation, self._plant).position
         wish, command = self._control_step(seen, operator)
         pressures = _pressures(seen, self._drive.idle_pressure)
-        self._driver, volts = valve_driver.step(self._driver, command, pressures, self._drive, PERIOD)
+        self._driver, volts = valve_driver.step(
+            self._driver, command, pressures, self._drive, PERIOD, _motion(seen)
+        )
         self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
         return angles, wish, command, volts, seen.pressures
 
@@ -140,7 +142,12 @@ def _pressures(seen: Measurement, supply: float) -> valve_driver.Pressures | Non
     )
 
 
-def _at_port(seen: Measurement, port: int) -> Triple:
-    """Return the actuator-side pressures [Pa] of one port, swing, boom, stick."""
-    first = 1 if port == 1 else 3
+def _motion(seen: Measurement) -> valve_driver.Motion:
+    """Return what the driver learns from; what is not read is NaN, from which it learns nothing."""
+    return valve_driver.Motion(seen.actuators.position, _at_port(seen, 1, 0), _at_port(seen, 2, 0))
+
+
+def _at_port(seen: Measurement, port: int, place: int = 1) -> Triple:
+    """Return the pressures [Pa] of one port, swing, boom, stick; place: 0 at the valve, 1 at the actuator."""
+    first = place if port == 1 else 2 + place
     return seen.pressures[first], seen.pressures[first + 4], seen.pressures[first + 8]

@@ -80,6 +80,7 @@ def track(
     model: Machine,
     suite: Suite | None = None,
     laps: int = 1,
+    adapt: bool = False,
 ) -> Session:
     """Run laps along a path.
 
@@ -91,6 +92,7 @@ def track(
         model: what controller and driver believe.
         suite: sensors; default: exact ones.
         laps: how often; an open path is gone back and forth.
+        adapt: the driver learns its valves' deadbands and gains.
 
     Raises:
         PathError: the path leaves the reach.
@@ -102,7 +104,7 @@ def track(
     moved = run_loop(
         machine,
         lambda time: Operator(levers_for_tip_velocity(_wish(time, runs), speed)),
-        *(end, start, settings, valve_driver.Settings(), model, suite),
+        *(end, start, settings, valve_driver.Settings(adapt=adapt), model, suite),
     )
     rated = np.array([machine.valve_of(axis).rated_voltage for axis in range(3)])
     spans = [_span(lap) for lap in runs]
