@@ -15,6 +15,7 @@ values        float64 [N, k], k numbers per message in the order of `columns`
 from __future__ import annotations
 
 import struct
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -88,6 +89,36 @@ class Encoder:
             message = _partial_message(self._topic, int(stamps_ns[row]), values[row].tolist())
             encoded[row] = None if message is None else to_cdr(message)
         return encoded
+
+    def decode(self, messages: Sequence[bytes]) -> tuple[NDArray[np.int64], NDArray[np.float64]] | None:
+        """Stamps [N] and numbers [N, k] of messages that differ from the first only where numbers stand.
+
+        None if one of them differs elsewhere, in its labels or its frame, say.
+        """
+        size = len(self._template)
+        if not messages or any(len(message) != size for message in messages):
+            return None
+        buffer = np.frombuffer(b"".join(messages), dtype=np.uint8).reshape(-1, size)
+        fixed = np.ones(size, dtype=bool)
+        spans = [(place, 8) for place in self._places]
+        spans.append((self._stamp_place, 8 if self._in_header else 16))
+        for place, length in spans:
+            fixed[place : place + length] = False
+        if not np.array_equal(
+            buffer[:, fixed], np.broadcast_to(self._template[fixed], (len(buffer), fixed.sum()))
+        ):
+            return None
+        kinds, place = (("<i4", "<u4") if self._in_header else ("<f8", "<f8")), self._stamp_place
+        sec = _get(buffer, place, kinds[0])
+        nanosec = _get(buffer, place + np.dtype(kinds[0]).itemsize, kinds[1])
+        stamps = sec.astype(np.int64) * NS_PER_S + nanosec.astype(np.int64)
+        values = np.column_stack([_get(buffer, place, "<f8") for place in self._places])
+        return stamps, values
+
+
+def _get(buffer: NDArray[np.uint8], place: int, kind: str) -> NDArray[Any]:
+    """Take one number out of each row."""
+    return np.ascontiguousarray(buffer[:, place : place + np.dtype(kind).itemsize]).view(kind)[:, 0]
 
 
 def _message(topic: Topic, frame: str, values: list[float]) -> Any:

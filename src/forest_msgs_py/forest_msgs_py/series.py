@@ -22,6 +22,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from forest_msgs_py.alike import decoded
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
 from forest_msgs_py.mcap_pieces import Channel, RawMessage
@@ -202,9 +203,13 @@ def _decoder(name: str, type_name: str) -> tuple[Topic, Callable[[bytes], Any]]:
 
 def _series(name: str, type_name: str, messages: list[RawMessage]) -> Series:
     read = row_reader(name, type_name)
-    rows = [read(message.data) for message in messages]
     row = find(name)
     kind = row if row is not None and row.type == type_name else unlisted(name, type_name)
+    log_time = np.array([message.log_ns for message in messages], dtype=np.int64)
+    alike = decoded(kind, [m.data for m in messages], read(messages[0].data)) if messages else None
+    if alike is not None:
+        return Series(alike.stamps_ns, log_time, alike.values, alike.labels, alike.units, 0)
+    rows = [read(message.data) for message in messages]
     columns = dict(zip(kind.labels, kind.units, strict=True)) if not rows else {}
     for row_ in rows:
         if row_.labels != tuple(columns):
@@ -215,7 +220,6 @@ def _series(name: str, type_name: str, messages: list[RawMessage]) -> Series:
     values = np.full((len(rows), len(columns)), np.nan)
     for line, row_ in zip(values, rows, strict=True):
         line[[places[label] for label in row_.labels]] = row_.values
-    log_time = np.array([message.log_ns for message in messages], dtype=np.int64)
     time = np.array(
         [log if r.stamp_ns is None else r.stamp_ns for r, log in zip(rows, log_time, strict=True)],
         dtype=np.int64,

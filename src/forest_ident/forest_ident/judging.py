@@ -1,0 +1,65 @@
+"""How the output-error fit judges each channel: noise, static errors and censoring, from the machine file.
+
+Exact sensors (a simulator's) get the noise of arithmetic, so that the fit goes on until nothing is left.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from forest_description.machine import Machine
+from forest_description.sensing import FlowMeter, LinearTransducer
+from forest_ident.output_error import Channel
+from forest_ident.session import Session
+from forest_sim.sensor_suite import KINDS
+
+TINY = {"rad": 1e-6, "m": 1e-6, "Pa": 100.0, "m3/s": 1e-9, "K": 1e-3, "rad/s": 1e-3, "V": 1e-6}
+REST_ROWS = 200  # that the mean of the start is taken over
+KIND = {channel: kind for kind in KINDS for channel in kind.channels}
+
+
+def channel(machine: Machine, session: Session, name: str) -> Channel:
+    """Return how a channel of a session is judged. Thesis table 4.2.
+
+    Args:
+        machine: whose sensors the file describes.
+        session: exact sensors are told by its facts.
+        name: of the channel.
+    """
+    kind = KIND[name]
+    tiny = Channel(name, TINY[kind.unit])
+    part = getattr(machine.sensors, kind.name)
+    if session.facts.get("exact_sensors", 0.0) > 0.0 or part is None:
+        return tiny
+    noise = max(part.noise or 0.0, tiny.noise)
+    accuracy = (getattr(part, "accuracy", 0.0) or 0.0) / math.sqrt(3.0)  # uniform within the bound
+    if isinstance(part, FlowMeter):
+        return Channel(name, noise, gain=accuracy, floor=part.lowest, high=part.highest)
+    if isinstance(part, LinearTransducer):
+        step = part.full_scale * (part.resolution or 0.0)
+        return Channel(name, math.hypot(noise, step / math.sqrt(12.0)), offset=step / math.sqrt(12.0))
+    if kind.name == "case_drain":
+        return Channel(name, noise, gain=accuracy)
+    if kind.name == "pressure":
+        offset = accuracy * part.full_scale
+        return Channel(name, noise, offset=offset, zero=True, high=part.full_scale)
+    if kind.name == "resolver":
+        # The start is as read, so the static error is in both; what is left is the start's own noise.
+        return Channel(name, noise, offset=noise / math.sqrt(REST_ROWS))
+    return Channel(name, noise, offset=accuracy)
+
+
+def judged(machine: Machine, session: Session, names: tuple[str, ...]) -> list[Channel]:
+    """Return how the channels of a session that it holds are judged."""
+    there = [name for name in names if session.has(name) and np.ptp(session.readings[name]) > 0.0]
+    return [channel(machine, session, name) for name in there]
+
+
+def accuracy(machine: Machine, session: Session, kind: str) -> float:
+    """Return the standard deviation of a kind's static error; 0 for exact sensors."""
+    part = getattr(machine.sensors, kind)
+    if part is None or session.facts.get("exact_sensors", 0.0) > 0.0:
+        return 0.0
+    return float((part.accuracy or 0.0) / math.sqrt(3.0))

@@ -1,0 +1,49 @@
+"""Linear least squares with what a report needs beside the values.
+
+    y = X theta + e,  theta = (X'X)^-1 X'y
+
+The covariance does not take the residuals for white: (X'X)^-1 (sum over blocks of s_b s_b') (X'X)^-1 with the
+blocks' scores s_b = sum of x_n e_n (a sandwich). Thesis section 4.1.2.2.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class Line(NamedTuple):
+    """Result of a linear fit."""
+
+    values: Floats  # [p]
+    errors: Floats  # [p] standard errors
+    condition: float  # of X with columns of length 1
+    residuals: Floats  # [N]
+
+
+def solve(columns: list[Floats], y: Floats, block: int = 200) -> Line:
+    """Return theta for y = sum of columns times theta. Thesis section 4.1.2.2.
+
+    Args:
+        columns: of X, p of N rows.
+        y: N rows.
+        block: rows within which residuals may hang together.
+    """
+    x = np.column_stack(columns)
+    scale = np.linalg.norm(x, axis=0)
+    scale[scale == 0.0] = 1.0
+    scaled = x / scale
+    theta, _, _, singular = np.linalg.lstsq(scaled, y, rcond=None)
+    residuals = y - scaled @ theta
+    inverse = np.linalg.pinv(scaled.T @ scaled, hermitian=True)
+    count = len(y) // block + 1
+    scores = np.zeros((count, x.shape[1]))
+    np.add.at(scores, np.arange(len(y)) // block, scaled * residuals[:, np.newaxis])
+    spare = max(count - x.shape[1], 1)
+    covariance = inverse @ (scores.T @ scores) @ inverse * count / spare
+    condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else float("inf")
+    return Line(theta / scale, np.sqrt(np.maximum(np.diag(covariance), 0.0)) / scale, condition, residuals)

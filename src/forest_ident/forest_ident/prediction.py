@@ -1,0 +1,120 @@
+"""What a machine would have read during a session: free simulation from its first row on, by the same voltages.
+
+The start is at rest where the session starts: angles and pressures are means over the rows before the first
+voltage. The oil's temperature is the measured one, second by second. Exact sensors but for the flow meters'
+lag, which Table 4.2 tells.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_description.machine import AXES, Machine
+from forest_description.temperature import at_temperature
+from forest_ident.readings import Columns, lagged, true_columns
+from forest_ident.session import Session
+from forest_sim.compiled import fastest_record
+from forest_sim.equilibrium import equilibrium
+from forest_sim.integrator import Simulation
+from forest_sim.parameters import PlantParameters, plant_parameters
+from forest_sim.recording import STATE, store
+from forest_sim.sensors import surroundings
+
+Floats = NDArray[np.float64]
+
+BLOCK = 1.0  # [s] over which the oil has one temperature
+STEP = 1e-3  # [s] of the integrator
+TEMPERATURE_STEP = 0.02  # [K] to which temperatures are rounded, so that plants are made but once
+
+
+class Offsets(NamedTuple):
+    """What the model may have to be told wrong by the sensors: true minus read."""
+
+    swing: float = 0.0  # [rad]
+    boom: float = 0.0  # [rad]
+    stick: float = 0.0  # [rad]
+    temperature: float = 0.0  # [K]
+
+
+def predict(
+    machine: Machine, session: Session, bench: bool, offsets: Offsets = Offsets(), valves: bool = False
+) -> Columns:
+    """Return the predicted readings, by channel.
+
+    Args:
+        machine: the model; for a rig, the rig's.
+        session: whose voltages drive it, from whose start it goes on.
+        bench: whether the session was on a rig of `bench`.
+        offsets: of the sensors.
+        valves: whether pressures at the valves are wanted; a rig's always are.
+    """
+    count, period = len(session.time), session.period
+    plants = _plants(machine, session, bench, offsets.temperature)
+    states = np.zeros((count, len(STATE)))
+    simulation = _start(session, plants[0][2], bench, offsets)
+    store(simulation, states[0])
+    substeps = max(1, round(period / STEP))
+    record = fastest_record()
+    around = surroundings(machine)
+    parts = []
+    for first, last, p in plants:
+        rows = slice(first + 1, min(last, count - 1) + 1)
+        volts = np.repeat(session.voltages[first : rows.stop - 1], substeps, axis=0)
+        if len(volts) > 0:
+            simulation = record(simulation, volts, period / substeps, p, states[rows], None)
+        seen = slice(0 if first == 0 else first + 1, rows.stop)
+        parts.append(true_columns(states[seen], p, around, bench, bench or valves))
+    of = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    meter = machine.sensors.flow_meter
+    lag = meter.time_constant if meter is not None and _is_sampled(session) else 0.0
+    for name in ("swing_flow", "stick_flow"):
+        of[name] = lagged(of[name], lag, period)
+    for axis, offset in zip(AXES, offsets[:3], strict=True):
+        of[f"{axis}_resolver"] = of[f"{axis}_resolver"] - offset
+    return of
+
+
+def _is_sampled(session: Session) -> bool:
+    """Tell whether the flow meters lag: exact ones of the simulator (`--exact`) do not."""
+    return session.facts.get("exact_sensors", 0.0) == 0.0
+
+
+def _plants(
+    machine: Machine, session: Session, bench: bool, offset: float
+) -> list[tuple[int, int, PlantParameters]]:
+    """Return (first row, row after the last, plant) of the blocks of one temperature."""
+    count, warm = len(session.time), session.temperature()
+    if bench or machine.oil is None or warm is None:
+        return [(0, count, plant_parameters(machine))]
+    per_block = max(1, round(BLOCK / session.period))
+    found = []
+    for first in range(0, count, per_block):
+        last = min(first + per_block, count)
+        mean = float(np.mean(warm[first:last])) + offset
+        mean = TEMPERATURE_STEP * round(mean / TEMPERATURE_STEP)
+        found.append((first, last, plant_parameters(at_temperature(machine, mean))))
+    return found
+
+
+def _start(session: Session, p: PlantParameters, bench: bool, offsets: Offsets) -> Simulation:
+    """Return the plant at rest where the session starts."""
+    moving = np.flatnonzero(np.any(session.voltages != 0.0, axis=1))
+    rest = slice(0, max(1, min(int(moving[0]) if len(moving) else len(session.time), 200)))
+    if bench:
+        return equilibrium((0.0, 0.5, -1.5), p)
+    if len(moving) == 0:
+        rest = slice(0, 1)  # nothing was commanded, so it may creep from the first row on
+    angles = [float(np.mean(session.column(f"{axis}_resolver")[rest])) for axis in AXES]
+    true = tuple(angle + offset for angle, offset in zip(angles, offsets[:3], strict=True))
+    at_rest = equilibrium((true[0], true[1], true[2]), p)
+    plant = at_rest.plant
+    for axis in AXES:
+        ports = [f"{axis}_pressure_{port}_actuator" for port in (1, 2)]
+        if session.has(*ports):
+            one, two = (float(np.mean(session.column(port)[rest])) for port in ports)
+            state = getattr(plant, axis)._replace(pressure_1=one, pressure_2=two)
+            plant = plant._replace(**{axis: state})
+    return at_rest._replace(plant=plant)

@@ -1,0 +1,265 @@
+"""Every experiment once more, now through the simulator: which parameters it moves, by which channels.
+
+What earlier experiments found goes along as prior, with its standard error, so that everything is refined
+together without one huge problem: a crane's motion may still correct what the bench said of the valve, as far
+as the bench's interval lets it.
+
+Names of unknowns that are no parameters of the machine:
+
+| name | what |
+|---|---|
+| rig.load | R_L of the bench's load |
+| swing.angle, boom.angle, stick.angle | static errors of the resolvers, true minus read |
+| oil.offset | static error of the thermocouples' mean |
+| tilt | of the platform, as far as the inclinometer may be off |
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_description.machine import AXES, Machine
+from forest_description.pump import PressureCompensatedPump
+from forest_ident import bench, experiments, judging
+from forest_ident.belief import Belief
+from forest_ident.keys import value_of, with_directions, with_values
+from forest_ident.output_error import Fit, Unknown, fit
+from forest_ident.prediction import Offsets, predict
+from forest_ident.session import Session
+
+Floats = NDArray[np.float64]
+
+UNKNOWN = 0.4  # of what no experiment has found yet: relative, or volts
+SHUT_SHARE = 0.03  # of the greatest flow: less counts as shut
+SHUT_AROUND = 0.05  # [s] before and after
+SETTLED = 0.25  # [s] after a change of voltage
+RIG = ("rig.load", "swing.angle", "boom.angle", "stick.angle", "oil.offset", "tilt")
+
+
+class Task(NamedTuple):
+    """One refinement."""
+
+    free: tuple[str, ...]  # keys to be found here; their prior counts if there is one
+    carried: tuple[str, ...]  # keys found before, with their prior; left out if there is none
+    channels: tuple[str, ...]
+    nuisances: tuple[str, ...]
+
+
+def valve_section(machine: Machine, axis: int) -> str:
+    """Return where an axis' valve stands in the machine: "valve", or its own section."""
+    name = AXES[axis]
+    return f"{name}.valve" if machine.drives[axis].valve is not None else "valve"
+
+
+def hose_section(machine: Machine, axis: int) -> str:
+    """Return where an axis' hose stands in the machine."""
+    name = AXES[axis]
+    return f"{name}.hose" if machine.drives[axis].hose is not None else "hose"
+
+
+def _law(section: str) -> tuple[str, ...]:
+    parts = ("deadband_voltage", "minimum_resistance")
+    return tuple(f"{section}.{way}{part}" for way in ("", "backward.") for part in parts)
+
+
+def task(machine: Machine, session: Session) -> Task | None:
+    """Return what a session's refinement finds, or None for a session that only checks."""
+    kind, _, tail = session.name.partition("_")
+    axis = AXES.index(tail) if tail in AXES else 0
+    pump = _pump_keys(machine)
+    if kind == "valve":
+        section = f"{tail}.valve" if tail in AXES else "valve"
+        free = (*_law(section), f"{section}.port_2_area", *_spool_keys(machine, section), *pump)
+        channels = tuple(name for name in _bench_channels(spool=True) if not name.endswith("actuator"))
+        return Task(free, (), channels, ("rig.load",))
+    if session.name == "spool_lag":
+        section = valve_section(machine, 0)
+        return Task(_spool_keys(machine, section), (), ("swing_spool",), ())
+    if kind == "hose":
+        axis, laminar = int(session.facts["hose_axis"]), session.facts["laminar"] > 0.0
+        section = hose_section(machine, axis)
+        law = "laminar" if laminar else "turbulent"
+        free = tuple(f"{section}.{part}" for part in (f"{law}_resistance", "inertance", "capacitance"))
+        carried = (*_law(valve_section(machine, axis)), *pump)
+        return Task(free, carried, _bench_channels(spool=False), ("rig.load",))
+    valve, hoses = _law(valve_section(machine, axis)), _hose_keys(machine, axis)
+    leakage = ("swing.internal_leakage_resistance", "swing.external_leakage_resistance")
+    offsets = ("boom.angle", "stick.angle", "oil.offset")
+    shut = session.name == "motor_internal"
+    if session.name in ("motor_external", "motor_internal"):
+        free = leakage if session.name == "motor_internal" else leakage[1:]
+        more = ("swing.damping",) if session.name == "motor_internal" else ("swing.damping", leakage[0])
+        carried = more if shut else (*more, *valve, *pump)
+        tilt = ("tilt", "swing.angle") if shut else ()
+        channels = (*_axis_channels(0), "case_drain")
+        return Task(free, carried, channels, ("oil.offset", *tilt))
+    if kind == "deadband":
+        section = f"{AXES[axis]}.valve"
+        return Task(
+            (f"{section}.deadband_voltage", f"{section}.backward.deadband_voltage"),
+            (*_law(section)[1::2], f"{AXES[axis]}.damping", *(leakage if axis == 0 else ()), *pump),
+            _axis_channels(axis),
+            offsets,
+        )
+    if kind == "damping":
+        carried = (*valve, *hoses, *(leakage if axis == 0 else ()), *pump)
+        return Task((f"{AXES[axis]}.damping",), carried, _axis_channels(axis), offsets)
+    return None
+
+
+def _pump_keys(machine: Machine) -> tuple[str, ...]:
+    if isinstance(machine.pump, PressureCompensatedPump):
+        return ("pump.supply_pressure", "pump.compensator_band")
+    return ("pump.supply_pressure",)
+
+
+def _spool_keys(machine: Machine, section: str) -> tuple[str, ...]:
+    own, _, _ = section.rpartition(".")
+    valve = getattr(machine, own).valve if own else machine.valve
+    names = [name for name in ("spool_bandwidth", "spool_damping") if getattr(valve, name) is not None]
+    return tuple(f"{section}.{name}" for name in names)
+
+
+def _hose_keys(machine: Machine, axis: int) -> tuple[str, ...]:
+    section, regime = hose_section(machine, axis), machine.drives[axis].flow_regime
+    return tuple(f"{section}.{part}" for part in (f"{regime}_resistance", "capacitance"))
+
+
+def _bench_channels(spool: bool) -> tuple[str, ...]:
+    ports = ("swing_pressure_1_valve", "swing_pressure_2_valve", "swing_pressure_1_actuator")
+    flows = ("swing_flow", "stick_flow")
+    return (*ports, *flows, "supply_pressure", *(("swing_spool",) if spool else ()))
+
+
+def _axis_channels(axis: int) -> tuple[str, ...]:
+    name = AXES[axis]
+    ports = (f"{name}_pressure_1_actuator", f"{name}_pressure_2_actuator")
+    return (f"{name}_resolver", f"{name}_transducer", *ports, f"{name}_flow", "supply_pressure")
+
+
+def refine(
+    machine: Machine,
+    session: Session,
+    belief: Belief,
+    progress: Callable[[], None] = lambda: None,
+    keep_only: int = 0,
+) -> tuple[Task, Fit] | None:
+    """Return what a session makes of its parameters, through the simulator; None if it finds none.
+
+    Args:
+        machine: with the values to start from.
+        session: the record.
+        belief: what earlier experiments found.
+        progress: called after every simulation.
+        keep_only: rows of the session that count, from its start; 0: all.
+    """
+    work = task(machine, session)
+    if work is None:
+        return None
+    if keep_only:
+        session = session.part(0, keep_only)
+    if session.name.startswith("deadband"):
+        machine = with_directions(machine, f"{session.name.partition('_')[2]}.valve")
+    is_bench = session.name.split("_")[0] in ("valve", "spool", "hose")
+    unknowns = _unknowns(machine, session, work, belief)
+    channels = judging.judged(machine, session, work.channels)
+    measured = {c.name: session.column(c.name) for c in channels}
+    if is_bench:
+        measured = _while_open(measured, session, SETTLED if session.name.startswith("valve") else 0.0)
+
+    def model(values: Mapping[str, float]) -> Mapping[str, Floats]:
+        return _predicted(machine, session, values, is_bench)
+
+    return work, fit(model, measured, channels, unknowns, progress, belief=belief)
+
+
+def _while_open(measured: Mapping[str, Floats], session: Session, settled: float) -> dict[str, Floats]:
+    """Return a bench's columns without the rows in which the valve is next to shut, or has just moved.
+
+    What a closing valve traps in the hoses depends on the last millisecond before, and tells nothing. How
+    the flow gets from one level to the next is the hoses' matter, not the valve's.
+    """
+    flow = session.column("swing_flow")
+    shut = np.abs(flow) < SHUT_SHARE * float(np.max(np.abs(flow)))
+    around = round(SHUT_AROUND / session.period)
+    shut = np.convolve(shut, np.ones(2 * around + 1), mode="same") > 0.5
+    moved = np.diff(session.voltages[:, 0], prepend=0.0) != 0.0
+    shut |= np.convolve(moved, np.ones(max(1, round(settled / session.period))))[: len(flow)] > 0.5
+    kept = {"swing_spool"}
+    return {
+        name: column if name in kept else np.where(shut, np.nan, column) for name, column in measured.items()
+    }
+
+
+def _unknowns(machine: Machine, session: Session, work: Task, belief: Belief) -> list[Unknown]:
+    found = []
+    for key in (*work.free, *work.carried):
+        positive = not key.endswith("deadband_voltage")
+        spread = math.inf if key in work.free else UNKNOWN
+        found.append(Unknown(key, value_of(machine, key), spread, positive))
+    exact = session.facts.get("exact_sensors", 0.0) > 0.0
+    for name in work.nuisances:
+        if name == "rig.load":
+            found.append(Unknown(f"{name}.{session.name}", _load(session), math.inf))
+        elif exact:
+            continue
+        elif name == "tilt":
+            sd = judging.accuracy(machine, session, "inclinometer") or 0.01
+            found.append(Unknown(name, 0.0, sd, positive=False))
+        elif name == "oil.offset" and session.temperature() is not None and machine.oil is not None:
+            sd = judging.accuracy(machine, session, "thermocouple") / math.sqrt(3.0)
+            found.append(Unknown(name, 0.0, max(sd, 0.01), positive=False, difference=0.1))
+        elif name.endswith(".angle"):
+            sd = judging.accuracy(machine, session, "resolver")
+            if sd > 0.0:
+                found.append(Unknown(name, 0.0, sd, positive=False))
+    return found
+
+
+def _load(session: Session) -> float:
+    """Return R_L [Pa s/m^3] of a bench's load as pressures and flow have it, to start from."""
+    drop = session.column("swing_pressure_1_actuator") - session.column("swing_pressure_2_actuator")
+    flow = session.column("swing_flow")
+    return float(drop @ flow / (flow @ flow))
+
+
+def prepared(machine: Machine, session: Session) -> Machine:
+    """Return the machine as it stood in a session: on its rig, or with its platform tilted as read."""
+    kind = session.name.split("_")[0]
+    if kind in ("valve", "spool", "hose"):
+        return experiments.plan(session.name, machine).machine
+    if session.has("platform_roll"):
+        tilt = float(np.mean(session.column("platform_roll")))
+    else:
+        tilt = session.facts.get("platform_tilt", machine.manipulator.platform_tilt)
+    if session.name != "motor_internal":
+        return machine
+    links = dataclasses.replace(machine.manipulator, platform_tilt=tilt)
+    return dataclasses.replace(machine, manipulator=links)
+
+
+def _predicted(
+    machine: Machine, session: Session, values: Mapping[str, float], is_bench: bool
+) -> Mapping[str, Floats]:
+    """Return what the machine with these values would have read."""
+    load = values.get(f"rig.load.{session.name}")
+    own = {key: value for key, value in values.items() if not key.startswith(RIG)}
+    model = prepared(with_values(machine, own), session)
+    if load is not None:
+        model = with_values(model, {bench.LOAD_KEY: load * bench.DISPLACEMENT**2})
+    if "tilt" in values:
+        key = "manipulator.platform_tilt"
+        model = with_values(model, {key: value_of(model, key) + values["tilt"]})
+    offsets = Offsets(
+        values.get("swing.angle", 0.0),
+        values.get("boom.angle", 0.0),
+        values.get("stick.angle", 0.0),
+        values.get("oil.offset", 0.0),
+    )
+    return predict(model, session, is_bench, offsets)

@@ -1,0 +1,70 @@
+"""A recorded session as the estimators take it: readings on one time base, the voltages, what was done by hand.
+
+A session comes from a bag (`session_bag`) or from a simulated experiment (`simulated`), and nobody
+downstream can tell which. Ground truth is in neither.
+
+| array | shape | unit |
+|---|---|---|
+| time | N, rising in equal steps | s |
+| voltages | N, 3 (swing, boom, stick), each row holds until the next | V |
+| a reading | N, by channel of `forest_sim.sensor_suite.CHANNELS`; absent sensors are absent | the channel's |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class SessionError(ValueError):
+    """A session does not hold what is asked of it; the message says what is missing."""
+
+
+@dataclass(frozen=True)
+class Session:
+    """One experiment, or any other record of the machine."""
+
+    name: str
+    """Of the experiment (`experiments.CATALOGUE`); "motion" for any other record."""
+    time: Floats
+    voltages: Floats
+    readings: Mapping[str, Floats]
+    facts: Mapping[str, float] = field(default_factory=dict)
+    """What the sensors do not tell: by hand set or read, SI."""
+
+    @property
+    def period(self) -> float:
+        """Time between two rows [s]."""
+        return float(np.median(np.diff(self.time)))
+
+    def has(self, *channels: str) -> bool:
+        """Tell whether all of these channels were there, with samples throughout."""
+        return all(name in self.readings and np.isfinite(self.readings[name]).all() for name in channels)
+
+    def column(self, channel: str) -> Floats:
+        """Return a channel's readings.
+
+        Raises:
+            SessionError: it was not recorded; the message names those that were.
+        """
+        if channel not in self.readings:
+            known = ", ".join(sorted(self.readings))
+            raise SessionError(f"{self.name}: no channel {channel}; the record holds {known}")
+        return self.readings[channel]
+
+    def part(self, first: int, last: int) -> Session:
+        """Return the rows from ``first`` to before ``last``."""
+        rows = slice(first, last)
+        readings = {name: column[rows] for name, column in self.readings.items()}
+        return Session(self.name, self.time[rows], self.voltages[rows], readings, self.facts)
+
+    def temperature(self) -> Floats | None:
+        """Return the oil's temperature [K], the mean of its thermocouples; None if there are none."""
+        names = [f"{place}_temperature" for place in ("tank", "pump", "motor")]
+        columns = [self.readings[name] for name in names if self.has(name)]
+        return np.asarray(np.mean(columns, axis=0), dtype=np.float64) if columns else None
