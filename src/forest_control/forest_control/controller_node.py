@@ -6,7 +6,6 @@ a fresh state, it commands zero.
 
 import math
 import sys
-import time
 from functools import partial
 from typing import Any
 
@@ -21,9 +20,9 @@ from forest_description.kinematics import tip_position, tip_velocity
 from forest_description.machine import load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
-from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.messages import float_array, pose_stamped, read_joint_state, read_joy, twist_stamped
-from forest_msgs_py.node import publisher, run_node, subscription, timer
+from forest_msgs_py.node import run_node
+from forest_msgs_py.pace import pace
 from forest_msgs_py.parameters import Tunables, declare
 from forest_msgs_py.stamped_period import StampedPeriod
 from forest_msgs_py.topics import message_class
@@ -38,6 +37,8 @@ class ControllerNode(Node):
 
     def __init__(self) -> None:
         super().__init__("controller")
+        self._pace = pace(self)
+        self.run = self._pace.run
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
         self._machine, defaults = machine, controller.Settings()
@@ -56,17 +57,17 @@ class ControllerNode(Node):
         tunables.watch(self._tune)
         self._state_received = self._joy_received = -math.inf
         self._levers, self._held = REST, False
-        self._command = publisher(self, topics.VALVE_COMMANDS)
-        self._pose = publisher(self, topics.TIP_POSE)
-        self._twist = publisher(self, topics.TIP_TWIST)
-        self._wish = publisher(self, topics.TIP_TWIST_COMMAND)
+        self._command = self._pace.publisher(topics.VALVE_COMMANDS)
+        self._pose = self._pace.publisher(topics.TIP_POSE)
+        self._twist = self._pace.publisher(topics.TIP_TWIST)
+        self._wish = self._pace.publisher(topics.TIP_TWIST_COMMAND)
         if get("publish_description", False, "publish robot_description; where no simulator does"):
-            self._description = publisher(self, topics.ROBOT_DESCRIPTION)
+            self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
             text = robot_description(machine)
             self._description.publish(message_class(topics.ROBOT_DESCRIPTION)(data=text))
-        self._joy = inbox(self, topics.JOY)
-        subscription(self, topics.JOINT_STATES, self._on_joint_states)
-        timer(self, WATCHDOG_PERIOD, self._watch)
+        self._joy = self._pace.inbox(topics.JOY)
+        self._pace.on(topics.JOINT_STATES, self._on_joint_states)
+        self._pace.every(WATCHDOG_PERIOD, self._watch)
 
     def _tune(self, values: dict[str, Any]) -> None:
         """Follow parameters that were set while the machine may be moving."""
@@ -87,9 +88,8 @@ class ControllerNode(Node):
         self._levers = levers_from_axes(reading.values.axes)
         self._held = reading.values.buttons[self._deadman] == 1
 
-    def _on_joint_states(self, message: Any, info: dict[str, int]) -> None:
-        sent = sent_at(info)
-        if time.monotonic() - sent > self._state_timeout:
+    def _on_joint_states(self, message: Any, sent: float) -> None:
+        if self._pace.now() - sent > self._state_timeout:
             return  # left over from a stall, ours or the machine's; the watchdog speaks meanwhile
         reading = read_joint_state(topics.JOINTS, message)
         angles, rates = reading.values.position, reading.values.velocity
@@ -107,7 +107,7 @@ class ControllerNode(Node):
     def _operator(self) -> tuple[Levers, bool]:
         """Return the levers, and whether they may move anything."""
         self._read_joy()
-        age = time.monotonic() - self._joy_received
+        age = self._pace.now() - self._joy_received
         if self._held and age > self._joy_timeout:
             self.get_logger().warning(f"standing still: joystick {age:.2f} s late", throttle_duration_sec=1.0)
             return REST, False
@@ -122,13 +122,13 @@ class ControllerNode(Node):
             self._wish.publish(twist_stamped(stamp, FRAME, output.tip_wish))
 
     def _watch(self) -> None:
-        if time.monotonic() - self._state_received > self._state_timeout and self._period.started:
+        if self._pace.now() - self._state_received > self._state_timeout and self._period.started:
             self.get_logger().warning("standing still: no state of the machine", throttle_duration_sec=1.0)
             self._stand_still()
 
     def _stand_still(self) -> None:
         self._state = controller.REST
-        now = self.get_clock().now().nanoseconds
+        now = self._pace.stamp()
         self._command.publish(float_array(topics.VALVE_COMMANDS, now, ZERO, self._plain))
 
     def stop(self) -> None:

@@ -4,7 +4,6 @@ It waits until somebody listens, rests for a moment, plays, lets the deadman go,
 """
 
 import sys
-import time
 from functools import partial
 from pathlib import Path
 
@@ -14,7 +13,8 @@ from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, axe
 from forest_control.sources import LEAD_IN, LEAD_OUT, THESIS_DURATION, LeverRecord, read_levers, thesis_levers
 from forest_msgs_py import topics
 from forest_msgs_py.messages import ns_to_stamp
-from forest_msgs_py.node import Finished, publisher, run_node, timer
+from forest_msgs_py.node import Finished, run_node
+from forest_msgs_py.pace import pace
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.topics import JOY_RATE_HZ, message_class
 
@@ -24,6 +24,8 @@ class JoystickNode(Node):
 
     def __init__(self) -> None:
         super().__init__("joystick")
+        self._pace = pace(self, rank=3)
+        self.run = self._pace.run
         get = partial(declare, self)
         source = get("source", "thesis", "thesis, or the path of a CSV of levers")
         duration = get("duration", 0.0, "how long to play; 0: as long as the source is", "s", 0.0, 86400.0)
@@ -33,19 +35,20 @@ class JoystickNode(Node):
         self._record: LeverRecord | None = None if source == "thesis" else read_levers(Path(source))
         length = THESIS_DURATION if self._record is None else self._record.times[-1]
         self._duration = duration or length
-        self._publisher = publisher(self, topics.JOY)
+        self._publisher = self._pace.publisher(topics.JOY)
         self._message = message_class(topics.JOY)
         self._begun: float | None = None
-        timer(self, 1.0 / JOY_RATE_HZ, self._on_timer)
+        # In lockstep it answers every step.
+        self._pace.every(0.0 if self._pace.lockstep else 1.0 / JOY_RATE_HZ, self._on_timer)
 
     def _on_timer(self) -> None:
         if self._begun is None:
-            if self._publisher.get_subscription_count() < self._listeners:
+            if not self._pace.lockstep and self._publisher.get_subscription_count() < self._listeners:
                 return
-            self._begun = time.monotonic()
+            self._begun = self._pace.now()
             self.get_logger().info(f"playing for {self._duration:g} s")
-        played = time.monotonic() - self._begun - LEAD_IN
-        if played >= self._duration + LEAD_OUT:
+        played = self._pace.now() - self._begun - LEAD_IN
+        if played >= self._duration + LEAD_OUT and not self._pace.lockstep:
             raise Finished
         self._publish(self._levers(played), played < self._duration)
 
@@ -58,7 +61,7 @@ class JoystickNode(Node):
 
     def _publish(self, levers: Levers, held: bool) -> None:
         message = self._message(axes=axes_from_levers(levers), buttons=[0] * BUTTON_COUNT)
-        message.header.stamp = ns_to_stamp(self.get_clock().now().nanoseconds)
+        message.header.stamp = ns_to_stamp(self._pace.stamp())
         message.header.frame_id = "joystick"
         message.buttons[self._deadman] = int(held)
         self._publisher.publish(message)

@@ -5,7 +5,6 @@ It steps when a command arrives. When none arrives, or a bad one, the voltage is
 
 import math
 import sys
-import time
 from functools import partial
 from typing import Any
 
@@ -16,9 +15,9 @@ from forest_control.levers import Triple
 from forest_control.valve_driver import Pressures
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
-from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.messages import float_array, read_float_array
-from forest_msgs_py.node import publisher, run_node, subscription, timer
+from forest_msgs_py.node import run_node
+from forest_msgs_py.pace import pace
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.stamped_period import StampedPeriod
 
@@ -32,6 +31,8 @@ class ValveDriverNode(Node):
 
     def __init__(self) -> None:
         super().__init__("valve_driver")
+        self._pace = pace(self, rank=1)
+        self.run = self._pace.run
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
         self._core = valve_driver.parameters(machine, self._settings())
@@ -46,10 +47,13 @@ class ValveDriverNode(Node):
         self._command_received = self._pressure_received = -math.inf
         self._ports: tuple[Triple, Triple] = (ZERO, ZERO)
         self._supply, self._supply_received = 0.0, -math.inf
-        self._voltages = None if self._shadow else publisher(self, topics.VALVE_VOLTAGES)
-        subscription(self, topics.VALVE_COMMANDS, self._on_command)
-        self._pressure_inbox, self._supply_inbox = inbox(self, topics.PRESSURES), inbox(self, topics.SUPPLY)
-        timer(self, WATCHDOG_PERIOD, self._watch)
+        self._voltages = None if self._shadow else self._pace.publisher(topics.VALVE_VOLTAGES)
+        self._pace.on(topics.VALVE_COMMANDS, self._on_command)
+        self._pressure_inbox, self._supply_inbox = (
+            self._pace.inbox(topics.PRESSURES),
+            self._pace.inbox(topics.SUPPLY),
+        )
+        self._pace.every(WATCHDOG_PERIOD, self._watch)
 
     def _settings(self) -> valve_driver.Settings:
         d = valve_driver.Settings()
@@ -62,11 +66,10 @@ class ValveDriverNode(Node):
             minimum_drop=get("minimum_drop", d.minimum_drop, "least share of pressure left", "", 0.01, 1.0),
         )
 
-    def _on_command(self, message: Any, info: dict[str, int]) -> None:
-        sent = sent_at(info)
-        if time.monotonic() - sent > self._command_timeout:
+    def _on_command(self, message: Any, sent: float) -> None:
+        if self._pace.now() - sent > self._command_timeout:
             return  # left over from a stall; the watchdog speaks meanwhile
-        now = self.get_clock().now().nanoseconds
+        now = self._pace.stamp()
         reading = read_float_array(topics.VALVE_COMMANDS, message, now)
         if reading.problem:
             self.get_logger().warning(f"valves centred: {reading.problem}", throttle_duration_sec=1.0)
@@ -94,7 +97,7 @@ class ValveDriverNode(Node):
     def _pressures(self) -> Pressures | None:
         """Return what the transducers say, or None: then the driver takes the nominal pressure drop."""
         self._read_pressures()
-        now = time.monotonic()
+        now = self._pace.now()
         if now - self._pressure_received > self._pressure_timeout:
             return None
         fresh = now - self._supply_received <= self._pressure_timeout
@@ -106,15 +109,15 @@ class ValveDriverNode(Node):
 
     def _watch(self) -> None:
         """Centre the valves while no command comes; before the first one too: a machine sees who is there."""
-        age = time.monotonic() - self._command_received
+        age = self._pace.now() - self._command_received
         if age > self._command_timeout:
             if self._period.started:
                 self.get_logger().warning("valves centred: no command", throttle_duration_sec=1.0)
-            self._publish(self.get_clock().now().nanoseconds, ZERO)
+            self._publish(self._pace.stamp(), ZERO)
 
     def stop(self) -> None:
         """Last words: zero."""
-        self._publish(self.get_clock().now().nanoseconds, ZERO)
+        self._publish(self._pace.stamp(), ZERO)
 
 
 def main() -> None:

@@ -75,6 +75,11 @@ class Inbox:
             while (taken := handle.take_message(message, raw)) is not None:
                 yield taken
 
+    def arrivals(self) -> Iterator[Arrival]:
+        """Yield all waiting messages, oldest first, each with the time at which it was sent."""
+        for message, info in self.take():
+            yield Arrival(message, sent_at(info))
+
     def newest(self) -> Arrival | None:
         """Return the newest waiting message, or None; older ones are dropped."""
         newest = None

@@ -24,9 +24,9 @@ from forest_description.limits import pose_at, start_tip
 from forest_description.machine import Machine, load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
-from forest_msgs_py.inbox import inbox
 from forest_msgs_py.messages import read_float_array
-from forest_msgs_py.node import publisher, run_node
+from forest_msgs_py.node import run_node
+from forest_msgs_py.pace import pace
 from forest_msgs_py.packing import Packer
 from forest_msgs_py.parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.topics import message_class
@@ -48,6 +48,8 @@ class SimulatorNode(Node):
 
     def __init__(self) -> None:
         super().__init__("simulator")
+        self._pace = pace(self, rank=2, leads=True)
+        self.run = self._pace.run or self._keep_time
         machine = load_machine(declare(self, "machine", "c180", "shipped machine, or path of a machine file"))
         start = declare_triple(self, "initial_tip", start_tip(machine), "tip position at the start", "m")
         self._plain = declare(self, "plain_arrays", False, "publish Float64MultiArray without stamp")
@@ -63,7 +65,7 @@ class SimulatorNode(Node):
         self._voltages, self._received = ZERO, -math.inf
         self._missed = 0
         self._outputs = {
-            topic: publisher(self, topic) for topic in topics.TOPICS if "simulator" in topic.publishers
+            topic: self._pace.publisher(topic) for topic in topics.TOPICS if "simulator" in topic.publishers
         }
         self._packers = {
             topic: Packer(topic, FRAME if topic.type in (topics.POSE, topics.TWIST) else "", self._plain)
@@ -72,9 +74,11 @@ class SimulatorNode(Node):
         }
         text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
         self._outputs[topics.ROBOT_DESCRIPTION].publish(text)
-        self._voltage_inbox = inbox(self, topics.VALVE_VOLTAGES)
-        self._stamp = self.get_clock().now().nanoseconds
+        self._voltage_inbox = self._pace.inbox(topics.VALVE_VOLTAGES)
+        self._stamp = self._pace.stamp()
         self._next = time.monotonic_ns() + PERIOD_NS
+        if self._pace.lockstep:
+            self._pace.every(0.0, self._make_step)
 
     def _sensor_suite(self, machine: Machine) -> Suite:
         noise = declare(self, "sensor_noise", False, "errors, noise, lag and rate as in the machine file")
@@ -114,11 +118,11 @@ class SimulatorNode(Node):
                 self.get_logger().warning(f"valves centred: {reading.problem}", throttle_duration_sec=1.0)
             self._voltages = ZERO if reading.problem else reading.values
             self._received = arrival.time
-        if time.monotonic() - self._received > self._machine.machine.command_timeout:
+        if self._pace.now() - self._received > self._machine.machine.command_timeout:
             self._voltages = ZERO
 
-    def run(self, stopping: threading.Event) -> None:
-        """Keep the time until the node stops."""
+    def _keep_time(self, stopping: threading.Event) -> None:
+        """Keep the time, live, until the node stops."""
         while not stopping.is_set():
             time.sleep(max(0, self._next - time.monotonic_ns()) * 1e-9)
             self._catch_up()
@@ -133,6 +137,11 @@ class SimulatorNode(Node):
             self._next += PERIOD_NS
             self._stamp += PERIOD_NS
             self._advance()
+
+    def _make_step(self) -> None:
+        """Move on by a period in lockstep: there are no deadlines to be missed."""
+        self._stamp = self._pace.stamp()
+        self._advance()
 
     def _advance(self) -> None:
         self._read_voltages()

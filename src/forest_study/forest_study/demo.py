@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from forest_control.sources import LEAD_IN, THESIS_DURATION, LeverError, read_levers
+from forest_control.sources import LEAD_IN, LEAD_OUT, THESIS_DURATION, LeverError, read_levers
 from forest_description.limits import joint_limits
 from forest_description.machine import AXES, MachineError, load_machine
 from forest_study import graph
@@ -22,6 +22,8 @@ from forest_study.supervisor import STOP_SIGNALS, Stopped, Supervisor
 
 LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample
 END_LIMIT = 10.0  # [s] for it to end
+STEP = 0.005  # [s] in lockstep
+GUARD = 20.0  # [s]
 START_LIMIT = 20.0  # [s] for the session to begin
 
 
@@ -91,6 +93,18 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--out", type=Path, default=Path("bags/demo"), metavar="DIR", help="default: %(default)s"
     )
+    parser.add_argument(
+        "--lockstep",
+        action="store_true",
+        help="all nodes wait for each other in every step: the same bag every time, at the computer's speed",
+    )
+    parser.add_argument(
+        "--guard",
+        type=float,
+        default=GUARD,
+        metavar="S",
+        help="in lockstep: end a run in which a message stays out for so long (default: %(default)g)",
+    )
     parser.add_argument("--joystick", type=graph.source_path, default="thesis", metavar="thesis|FILE.csv")
     return parser.parse_args(arguments)
 
@@ -118,10 +132,15 @@ def _demo(options: argparse.Namespace) -> int:
         graph.recorder(bag),
     ]
     logs = options.out / "log"
+    if options.lockstep:
+        nodes = graph.in_lockstep(nodes, round((LEAD_IN + duration + LEAD_OUT) / STEP), options.guard)
     print(f"starting {', '.join(node.name for node in nodes)}", flush=True)
     try:
         with Supervisor(nodes, options.namespace, logs) as running:
-            running.run(until="joystick", progress=Progress(duration, logs / "joystick.log"))
+            if options.lockstep:
+                running.run(until="recorder")
+            else:
+                running.run(until="joystick", progress=Progress(duration, logs / "joystick.log"))
     except AlreadyRunning:
         if not bag.exists():  # nothing has begun: the same command shall work once the other graph is gone
             shutil.rmtree(options.out, ignore_errors=True)

@@ -107,6 +107,26 @@ def recorder(bag: Path) -> NodeSpec:
     return NodeSpec("recorder", "forest_ident.recorder_node", parameter("output", str(bag.resolve())))
 
 
+def in_lockstep(nodes: Sequence[NodeSpec], steps: int, guard: float) -> list[NodeSpec]:
+    """Return the same nodes, waiting for each other in every one of so many steps.
+
+    Args:
+        nodes: with a simulator, or whoever else leads, and perhaps a recorder.
+        steps: of the run.
+        guard: how long a node waits for a message [s, wall clock].
+    """
+    told = ("-p", f"lockstep_guard:={guard}")
+    run = json.dumps([node.name for node in nodes if node.name != "recorder"])
+    recorded = any(node.name == "recorder" for node in nodes)
+    leading = ("-p", f"steps:={steps}", "-p", f"wait_for_recorder:={str(recorded).lower()}")
+    usual = (*told, "-p", "lockstep:=true")
+    more: dict[str, tuple[str, ...]] = {
+        "simulator": (*usual, *leading),
+        "recorder": (*told, "-p", f"lockstep_nodes:={run}"),
+    }
+    return [node._replace(arguments=(*node.arguments, *more.get(node.name, usual))) for node in nodes]
+
+
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="scripts/graph.sh", description="Run the live graph until Ctrl-C.")
     add_graph_options(parser)
