@@ -24,7 +24,7 @@ class JoystickNode(Node):
 
     def __init__(self) -> None:
         super().__init__("joystick")
-        self._pace = pace(self, rank=3)
+        self._pace = pace(self)
         self.run = self._pace.run
         get = partial(declare, self)
         source = get("source", "thesis", "thesis, or the path of a CSV of levers")

@@ -31,7 +31,7 @@ class ValveDriverNode(Node):
 
     def __init__(self) -> None:
         super().__init__("valve_driver")
-        self._pace = pace(self, rank=1)
+        self._pace = pace(self)
         self.run = self._pace.run
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))

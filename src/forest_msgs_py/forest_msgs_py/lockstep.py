@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -42,7 +42,7 @@ from forest_msgs_py.topics import Topic, message_class
 
 STEP_NS = 5_000_000
 DEPTH = 1000  # steps that a publisher keeps
-AHEAD = 100  # steps by which the machine may be ahead of the recorder
+AHEAD = 400  # steps by which the machine may be ahead of the recorder
 END = "end"  # told instead of topics when the step was the last
 LOOK = 0.1  # [s] between looks at whether the node was told to stop
 
@@ -65,7 +65,7 @@ class StepInbox:
         self.name = self.subscription.topic_name
         self._waiting: dict[int, bytes] = {}
         self._silent: set[int] = set()
-        self._current: tuple[Arrival, ...] = ()
+        self._current: tuple[bytes, float] | None = None
 
     def collect(self) -> None:
         """Take what has arrived."""
@@ -91,16 +91,19 @@ class StepInbox:
         data = self._waiting.pop(stamp, None)
         self._silent.discard(stamp)
         if data is not None:
-            self._current = (Arrival(deserialize_message(data, self._class), stamp / NS_PER_S),)
-
-    def arrivals(self) -> tuple[Arrival, ...]:
-        """Return the message of this step, once; nothing if nothing was said."""
-        current, self._current = self._current, ()
-        return current
+            self._current = data, stamp / NS_PER_S
 
     def newest(self) -> Arrival | None:
         """Return the message of this step, once; None if nothing was said."""
-        return next(iter(self.arrivals()), None)
+        if self._current is None:
+            return None
+        (data, sent), self._current = self._current, None
+        return Arrival(deserialize_message(data, self._class), sent)
+
+    def arrivals(self) -> Iterator[Arrival]:
+        """Yield the message of this step, once; nothing if nothing was said."""
+        if arrival := self.newest():
+            yield arrival
 
 
 class StepPublisher:
@@ -130,8 +133,7 @@ class Lockstep:
 
     Args:
         node: whose pace it is.
-        guard: how long it waits for a message [s, wall clock]. When one node hangs, all wait; so that the one
-            that waits for the hanging one speaks first, nodes further down the loop are more patient.
+        guard: how long it waits for a message [s, wall clock].
         leads: begin each step, and wait for the answers to the one before.
         steps: after which a leader is done; 0: no end.
         recorded: a leader waits for the recorder, too.
@@ -277,7 +279,8 @@ class Lockstep:
             stopping.wait()
         if stopping.is_set():
             return False
-        if time.monotonic() - begun > self._guard:
+        waited = time.monotonic() - begun
+        if waited > self._guard and waited > self._guard + self._patience(step):
             self._complain(inbox, step)
         waiting = rclpy_implementation.WaitSet(2, 0, 0, 0, 0, 0, self._node.context.handle)
         waiting.clear_entities()
@@ -285,6 +288,21 @@ class Lockstep:
         waiting.add_subscription(self._silences.subscription.handle)
         waiting.wait(int(LOOK * NS_PER_S))
         return True
+
+    def _patience(self, step: int) -> float:
+        """How much longer than the guard it waits [s].
+
+        When one node hangs, all wait. Who has got a part of the step waits for the one that hangs, and shall
+        be the first to say so; then the leader, whom the last in the loop answers. Who has got nothing waits
+        for those, or for the leader; the fewer things he waits for, the better he knows.
+        """
+        if self._leads:
+            return 2.0
+        for inbox in self._inboxes:
+            inbox.collect()
+        if any(inbox.has(step * STEP_NS) for inbox in self._inboxes):
+            return 0.0
+        return 4.0 + len(self._inboxes)
 
     def _hear_silences(self) -> None:
         for header, _info in self._silences.take():

@@ -68,14 +68,13 @@ class Live:
         timer(self._node, period, callback)
 
 
-def pace(node: Node, rank: int = 0, leads: bool = False) -> Live | Lockstep:
+def pace(node: Node, leads: bool = False) -> Live | Lockstep:
     """The pace that the parameter ``lockstep`` asks for.
 
     A node hands its pace's ``run`` on as its own.
 
     Args:
         node: whose pace it is.
-        rank: in lockstep, how many nodes later than others it complains; see `Lockstep`.
         leads: whether the node begins each step, as the machine does.
     """
     stepping = declare(node, "lockstep", False, "every node waits for the messages of each step")
@@ -84,4 +83,4 @@ def pace(node: Node, rank: int = 0, leads: bool = False) -> Live | Lockstep:
     recorder = declare(node, "wait_for_recorder", False, "in lockstep, stay near it") if leads else False
     if not stepping:
         return Live(node)
-    return Lockstep(node, guard + rank, leads=leads, steps=steps, recorded=recorder)
+    return Lockstep(node, guard, leads=leads, steps=steps, recorded=recorder)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
+from functools import cache
 
 from forest_msgs_py.topics import TOPICS, find
 
@@ -89,7 +90,13 @@ class StepOrder:
         return bool(self._speakers) and not self._speakers - self._heard[self._next]
 
 
+@cache
+def _row(name: str) -> int:
+    """Where a topic stands in the table."""
+    row = find(name)
+    return len(TOPICS) if row is None else TOPICS.index(row)
+
+
 def _place(message: tuple[str, bytes]) -> tuple[int, str, bytes]:
     """By the topic table; what is said twice on a topic, by its bytes."""
-    row = find(message[0])
-    return (TOPICS.index(row) if row is not None else len(TOPICS)), *message
+    return _row(message[0]), *message

@@ -48,7 +48,7 @@ class SimulatorNode(Node):
 
     def __init__(self) -> None:
         super().__init__("simulator")
-        self._pace = pace(self, rank=2, leads=True)
+        self._pace = pace(self, leads=True)
         self.run = self._pace.run or self._keep_time
         machine = load_machine(declare(self, "machine", "c180", "shipped machine, or path of a machine file"))
         start = declare_triple(self, "initial_tip", start_tip(machine), "tip position at the start", "m")

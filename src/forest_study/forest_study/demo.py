@@ -18,12 +18,11 @@ from forest_description.limits import joint_limits
 from forest_description.machine import AXES, MachineError, load_machine
 from forest_study import graph
 from forest_study.exclusive import AlreadyRunning, Failure
+from forest_study.lockstep_run import GUARD, RECORDER, STEP, in_lockstep
 from forest_study.supervisor import STOP_SIGNALS, Stopped, Supervisor
 
 LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample
 END_LIMIT = 10.0  # [s] for it to end
-STEP = 0.005  # [s] in lockstep
-GUARD = 20.0  # [s]
 START_LIMIT = 20.0  # [s] for the session to begin
 
 
@@ -100,7 +99,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument(
         "--guard",
-        type=float,
+        type=_guard,
         default=GUARD,
         metavar="S",
         help="in lockstep: end a run in which a message stays out for so long (default: %(default)g)",
@@ -109,14 +108,18 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def _seconds(text: str) -> float:
+def _seconds(text: str, low: float = 0.5, high: float = 86400.0) -> float:
     try:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not 0.5 <= value <= 86400.0:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0.5 .. 86400 seconds")
+    if not low <= value <= high:
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: {low:g} .. {high:g} seconds")
     return value
+
+
+def _guard(text: str) -> float:
+    return _seconds(text, 0.1, 3600.0)
 
 
 def _demo(options: argparse.Namespace) -> int:
@@ -133,12 +136,13 @@ def _demo(options: argparse.Namespace) -> int:
     ]
     logs = options.out / "log"
     if options.lockstep:
-        nodes = graph.in_lockstep(nodes, round((LEAD_IN + duration + LEAD_OUT) / STEP), options.guard)
+        steps = round((LEAD_IN + duration + LEAD_OUT) / STEP)
+        nodes = in_lockstep(nodes, steps, options.guard)
     print(f"starting {', '.join(node.name for node in nodes)}", flush=True)
     try:
         with Supervisor(nodes, options.namespace, logs) as running:
             if options.lockstep:
-                running.run(until="recorder")
+                running.run(until=RECORDER)
             else:
                 running.run(until="joystick", progress=Progress(duration, logs / "joystick.log"))
     except AlreadyRunning:

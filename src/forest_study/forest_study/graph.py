@@ -7,10 +7,13 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from forest_control.schemes import LABELS, Scheme
 from forest_study.exclusive import Failure
 from forest_study.supervisor import NodeSpec, Stopped, Supervisor
+
+LEADERS = ("simulator",)  # in lockstep: nodes that begin each step
 
 
 def add_graph_options(parser: argparse.ArgumentParser) -> None:
@@ -62,8 +65,8 @@ def machine_arguments(machine: str) -> tuple[str, ...]:
     return parameter("machine", str(Path(machine).resolve() if Path(machine).suffix else machine))
 
 
-def parameter(name: str, value: str) -> tuple[str, str]:
-    """Return the ROS arguments for a text parameter; rcl reads them as YAML, of which a JSON text is one."""
+def parameter(name: str, value: Any) -> tuple[str, str]:
+    """Return the ROS arguments for a parameter; rcl reads them as YAML, of which JSON is a part."""
     return "-p", f"{name}:={json.dumps(value)}"
 
 
@@ -105,26 +108,6 @@ def simulator(machine: str) -> NodeSpec:
 def recorder(bag: Path) -> NodeSpec:
     """Return the recorder."""
     return NodeSpec("recorder", "forest_ident.recorder_node", parameter("output", str(bag.resolve())))
-
-
-def in_lockstep(nodes: Sequence[NodeSpec], steps: int, guard: float) -> list[NodeSpec]:
-    """Return the same nodes, waiting for each other in every one of so many steps.
-
-    Args:
-        nodes: with a simulator, or whoever else leads, and perhaps a recorder.
-        steps: of the run.
-        guard: how long a node waits for a message [s, wall clock].
-    """
-    told = ("-p", f"lockstep_guard:={guard}")
-    run = json.dumps([node.name for node in nodes if node.name != "recorder"])
-    recorded = any(node.name == "recorder" for node in nodes)
-    leading = ("-p", f"steps:={steps}", "-p", f"wait_for_recorder:={str(recorded).lower()}")
-    usual = (*told, "-p", "lockstep:=true")
-    more: dict[str, tuple[str, ...]] = {
-        "simulator": (*usual, *leading),
-        "recorder": (*told, "-p", f"lockstep_nodes:={run}"),
-    }
-    return [node._replace(arguments=(*node.arguments, *more.get(node.name, usual))) for node in nodes]
 
 
 def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
