@@ -88,7 +88,6 @@ def test_a_run_repeats_to_the_last_bit_beside_programs_that_take_every_core(
     ("hanging", "awaited"),
     [
         ("joystick", "/joy of joystick"),
-        ("valve_driver", "/valve_voltages of valve_driver"),
         ("simulator", "of simulator"),
     ],
 )

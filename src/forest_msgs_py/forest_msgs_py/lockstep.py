@@ -43,6 +43,7 @@ from forest_msgs_py.topics import Topic, message_class
 STEP_NS = 5_000_000
 DEPTH = 1000  # steps that a publisher keeps
 AHEAD = 400  # steps by which the machine may be ahead of the recorder
+LOOP = ("joystick", "controller", "valve_driver")  # as a step passes from one to the next
 END = "end"  # told instead of topics when the step was the last
 LOOK = 0.1  # [s] between looks at whether the node was told to stop
 
@@ -280,7 +281,7 @@ class Lockstep:
         if stopping.is_set():
             return False
         waited = time.monotonic() - begun
-        if waited > self._guard and waited > self._guard + self._patience(step):
+        if waited > self._guard and waited > self._guard + self._patience(inbox, step):
             self._complain(inbox, step)
         waiting = rclpy_implementation.WaitSet(2, 0, 0, 0, 0, 0, self._node.context.handle)
         waiting.clear_entities()
@@ -289,20 +290,19 @@ class Lockstep:
         waiting.wait(int(LOOK * NS_PER_S))
         return True
 
-    def _patience(self, step: int) -> float:
+    def _patience(self, waited: StepInbox, step: int) -> float:
         """How much longer than the guard it waits [s].
 
-        When one node hangs, all wait. Who has got a part of the step waits for the one that hangs, and shall
-        be the first to say so; then the leader, whom the last in the loop answers. Who has got nothing waits
-        for those, or for the leader; the fewer things he waits for, the better he knows.
+        When one node hangs, all wait. Whoever has got a part of the step waits for the one that hangs, or for
+        one behind it in the loop: the nearer to the loop's beginning, the sooner he speaks. Who has got
+        nothing waits for all of them; the fewer things he reads, the better he knows.
         """
-        if self._leads:
-            return 2.0
         for inbox in self._inboxes:
             inbox.collect()
-        if any(inbox.has(step * STEP_NS) for inbox in self._inboxes):
-            return 0.0
-        return 4.0 + len(self._inboxes)
+        if not self._leads and not any(inbox.has(step * STEP_NS) for inbox in self._inboxes):
+            return 2.0 + len(LOOP) + len(self._inboxes)
+        hops = [LOOP.index(who) for who in waited.topic.publishers if who in LOOP]
+        return 1.0 * min(hops, default=len(LOOP))
 
     def _hear_silences(self) -> None:
         for header, _info in self._silences.take():

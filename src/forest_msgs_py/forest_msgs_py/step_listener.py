@@ -144,11 +144,11 @@ class StepListener:
             self._taken.publish(to_cdr(message_class(topics.RECORDED)(clock=ns_to_stamp(self._told))))
 
 
-def listener(
-    node: Node, wanted: Wanted, offered: Offered, refused: Refused
-) -> GraphListener | StepListener:
+def listener(node: Node, wanted: Wanted, offered: Offered, refused: Refused) -> GraphListener | StepListener:
     """The listener that a node's parameters ask for: live, or of a run in lockstep."""
-    nodes = [name for name in declare(node, "lockstep_nodes", [""], "in lockstep: the nodes of the run") if name]
+    nodes = [
+        name for name in declare(node, "lockstep_nodes", [""], "in lockstep: the nodes of the run") if name
+    ]
     guard = declare(node, "lockstep_guard", 20.0, "wait for a step", "s", 0.1, 3600.0)
     if not nodes:
         return GraphListener(node, wanted, offered, refused)
