@@ -18,10 +18,11 @@ STEPS = 200
 STEP_NS = 5_000_000
 
 
-def session(out, levers):
+def session(out, source):
     """Nodes of a whole graph, its bag in a directory."""
+    faults = "" if source.is_dir() else "lost from 0.4 s until 0.43 s; frozen from 0.6 s until 0.7 s"
     return [
-        graph.joystick(str(levers), 0.0, 0),
+        graph.joystick(str(source), 0.0, 0, faults),
         *graph.control("c180", "jacobian_position", shadow=False, describe=False),
         graph.simulator("c180"),
         graph.recorder(out / "bag"),
@@ -65,7 +66,7 @@ def test_every_message_of_step_k_is_stamped_k_dt_and_logged_then(recorded):
     expected = [STEP_NS * step for step in range(1, STEPS + 1)]
     streams = [topic for topic in topics.TOPICS if topic.recorded and topic.rate_hz and bag.name(topic)]
     assert {topics.JOY, topics.JOINT_STATES, topics.VALVE_COMMANDS, topics.VALVE_VOLTAGES} <= set(streams)
-    for topic in set(streams) - {topics.DIAGNOSTICS}:
+    for topic in set(streams) - {topics.JOY, topics.DIAGNOSTICS}:
         series = bag.series(topic)
         assert series.time_ns.tolist() == expected, topic.name
         assert series.log_time_ns.tolist() == expected, topic.name
@@ -82,6 +83,21 @@ def test_a_run_repeats_to_the_last_bit_beside_programs_that_take_every_core(
         process.kill_group()
     done = compare(recorded, tmp_path / "bag")
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_joystick_alone_replayed_gives_every_topic_again(recorded, tmp_path, own_domain):
+    lockstep_run.run(session(tmp_path, recorded), STEPS, tmp_path / "log")
+    done = compare(recorded, tmp_path / "bag")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_faults_of_the_joystick_are_events_in_simulated_time(recorded):
+    joy = read_bag(recorded).series(topics.JOY)
+    steps = (joy.time_ns // STEP_NS - 1).tolist()  # since the first
+    lost = sorted(set(range(STEPS)) - set(steps))
+    assert lost == [80, 81, 82, 83, 84, 85]
+    frozen = [steps.index(step) for step in range(120, 140)]
+    assert (joy.values[frozen] == joy.values[steps.index(119)]).all()
 
 
 @pytest.mark.parametrize(
