@@ -6,7 +6,6 @@ without a fresh state, and after an emergency stop, it commands zero.
 
 import math
 import sys
-import time
 from functools import partial
 from typing import Any
 
@@ -32,9 +31,9 @@ from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.emergency_stop import EmergencyStop
 from forest_msgs_py.health import Health
-from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.messages import float_array, pose_stamped, read_joint_state, read_joy, twist_stamped
-from forest_msgs_py.node import publisher, run_node, subscription, timer
+from forest_msgs_py.node import run_node
+from forest_msgs_py.pace import pace
 from forest_msgs_py.parameters import Tunables, declare
 from forest_msgs_py.stamp_order import StampOrder
 from forest_msgs_py.stamped_period import StampedPeriod
@@ -51,6 +50,8 @@ class ControllerNode(Node):
 
     def __init__(self) -> None:
         super().__init__("controller")
+        self._pace = pace(self)
+        self.run = self._pace.run
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
         self._machine, defaults = machine, controller.Settings()
@@ -71,18 +72,18 @@ class ControllerNode(Node):
         self._joystick, self._joy_content, self._joy_problem = joystick_watch.REST, None, ""
         self._health = Health(self, ("joystick", "machine", "emergency stop"), "standing still")
         self._stop = EmergencyStop(self, "", self._against_reset, self._stand_still)
-        self._command = publisher(self, topics.VALVE_COMMANDS)
-        self._pose = publisher(self, topics.TIP_POSE)
-        self._twist = publisher(self, topics.TIP_TWIST)
-        self._wish = publisher(self, topics.TIP_TWIST_COMMAND)
-        self._status = publisher(self, topics.CONTROLLER_STATUS)
+        self._command = self._pace.publisher(topics.VALVE_COMMANDS)
+        self._pose = self._pace.publisher(topics.TIP_POSE)
+        self._twist = self._pace.publisher(topics.TIP_TWIST)
+        self._wish = self._pace.publisher(topics.TIP_TWIST_COMMAND)
+        self._status = self._pace.publisher(topics.CONTROLLER_STATUS)
         if get("publish_description", False, "publish robot_description; where no simulator does"):
-            self._description = publisher(self, topics.ROBOT_DESCRIPTION)
+            self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
             text = robot_description(machine)
             self._description.publish(message_class(topics.ROBOT_DESCRIPTION)(data=text))
-        self._joy = inbox(self, topics.JOY)
-        subscription(self, topics.JOINT_STATES, self._on_joint_states)
-        timer(self, WATCHDOG_PERIOD, self._watch)
+        self._joy = self._pace.inbox(topics.JOY)
+        self._pace.on(topics.JOINT_STATES, self._on_joint_states)
+        self._pace.every(WATCHDOG_PERIOD, self._watch)
 
     def _tune(self, values: dict[str, Any]) -> None:
         """Follow parameters that were set while the machine may be moving."""
@@ -101,8 +102,8 @@ class ControllerNode(Node):
 
     def _read_joy(self) -> None:
         """Take in every joystick sample that waits, oldest first."""
-        for message, info in self._joy.take():
-            reading, received = read_joy(message, RIGHT_Y + 1, self._deadman + 1), sent_at(info)
+        for message, received in self._joy.arrivals():
+            reading = read_joy(message, RIGHT_Y + 1, self._deadman + 1)
             sample = bad_sample(received)
             if not reading.problem:
                 frame, before = message.header.frame_id, self._joy_content
@@ -113,9 +114,8 @@ class ControllerNode(Node):
             in_order = self._joystick.out_of_order == dropped
             self._joy_problem = reading.problem or ("" if in_order else GOES_BACK)
 
-    def _on_joint_states(self, message: Any, info: dict[str, int]) -> None:
-        sent = sent_at(info)
-        if time.monotonic() - sent > self._state_timeout:
+    def _on_joint_states(self, message: Any, sent: float) -> None:
+        if self._pace.now() - sent > self._state_timeout:
             return  # left over from a stall, ours or the machine's; the watchdog speaks meanwhile
         reading = read_joint_state(topics.JOINTS, message)
         angles, rates = reading.values.position, reading.values.velocity
@@ -141,7 +141,7 @@ class ControllerNode(Node):
         self._read_joy()
         allowed = machine_known and not self._stop.pressed
         p = self._watch_settings
-        self._joystick, operator = joystick_watch.judge(self._joystick, time.monotonic(), allowed, p)
+        self._joystick, operator = joystick_watch.judge(self._joystick, self._pace.now(), allowed, p)
         # A joystick that goes after the deadman was released is not missed.
         gone = self._joystick.joystick == Joystick.LOST and not self._joystick.held
         problem = self._joy_problem or ("" if gone else PROBLEMS[self._joystick.joystick])
@@ -169,14 +169,14 @@ class ControllerNode(Node):
         self._health.publish(stamp)
 
     def _watch(self) -> None:
-        if time.monotonic() - self._state_received > self._state_timeout and self._period.started:
+        if self._pace.now() - self._state_received > self._state_timeout and self._period.started:
             self._health.note("machine", "no state of the machine")
             self._operator(False)
             self._stand_still()
 
     def _stand_still(self) -> None:
         self._state = controller.REST
-        now = self.get_clock().now().nanoseconds
+        now = self._pace.stamp()
         self._command.publish(float_array(topics.VALVE_COMMANDS, now, ZERO, self._plain))
         self._health.publish(now)
 

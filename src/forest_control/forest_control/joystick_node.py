@@ -1,74 +1,141 @@
-"""A joystick without hands: the thesis' test input or a person's recorded levers on /joy, deadman held.
+"""A joystick without hands: the thesis' test input, a person's recorded levers, or a bag's joystick on /joy.
 
-It waits until somebody listens, rests for a moment, plays, lets the deadman go, and ends.
+It waits until somebody listens, rests for a moment, plays with the deadman held, lets it go, and ends. A
+bag's messages are said again as they are, under new stamps. `faults` go wrong at set times.
 """
 
+import math
 import sys
-import time
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rclpy.node import Node
+from rclpy.serialization import deserialize_message
 
+from forest_control.joystick_bag import JoyRecord, is_bag, read_joy_record
+from forest_control.joystick_faults import (
+    BAD,
+    FROZEN,
+    LOST,
+    RELEASED,
+    JoystickFault,
+    faults_at,
+    parse_joystick_faults,
+)
 from forest_control.joystick_watch import HEARTBEAT
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, axes_from_levers
 from forest_control.sources import LEAD_IN, LEAD_OUT, THESIS_DURATION, LeverRecord, read_levers, thesis_levers
 from forest_msgs_py import topics
-from forest_msgs_py.messages import ns_to_stamp
-from forest_msgs_py.node import Finished, publisher, run_node, timer
-from forest_msgs_py.parameters import declare
+from forest_msgs_py.messages import NS_PER_S, ns_to_stamp
+from forest_msgs_py.node import Finished, run_node
+from forest_msgs_py.pace import pace
+from forest_msgs_py.parameters import ParameterError, declare
 from forest_msgs_py.topics import JOY_RATE_HZ, message_class
 
 
 class JoystickNode(Node):
-    """Shell around `sources`."""
+    """Shell around `sources`, `joystick_bag` and `joystick_faults`."""
 
     def __init__(self) -> None:
         super().__init__("joystick")
+        self._pace = pace(self)
+        self.run = self._pace.run
         get = partial(declare, self)
-        source = get("source", "thesis", "thesis, or the path of a CSV of levers")
+        source = get(
+            "source", "thesis", "thesis, or the path of a CSV of levers, or of a bag with a joystick"
+        )
         duration = get("duration", 0.0, "how long to play; 0: as long as the source is", "s", 0.0, 86400.0)
         self._tip_speed = get("tip_speed", 0.5, "tip speed at full deflection", "m/s", 0.48, 3.0)
         self._listeners = get("wait_for_subscribers", 1, "listeners to wait for", low=0, high=100)
         self._deadman = get("deadman_button", LEFT_SHOULDER, "button to hold", low=0, high=BUTTON_COUNT - 1)
-        self._record: LeverRecord | None = None if source == "thesis" else read_levers(Path(source))
-        length = THESIS_DURATION if self._record is None else self._record.times[-1]
-        self._duration = duration or length
-        self._publisher = publisher(self, topics.JOY)
-        self._message = message_class(topics.JOY)
+        self._faults = self._declare_faults()
+        self._record: LeverRecord | JoyRecord | None = None if source == "thesis" else _record(Path(source))
+        self._length = duration or _length(self._record)
+        self._publisher = self._pace.publisher(topics.JOY)
+        self._kind = message_class(topics.JOY)
         self._begun: float | None = None
         self._count = 0
-        timer(self, 1.0 / JOY_RATE_HZ, self._on_timer)
+        self._last: Any = None  # message
+        self._place = -1  # in the bag, of the last message said
+        # In lockstep it answers every step.
+        self._pace.every(0.0 if self._pace.lockstep else 1.0 / JOY_RATE_HZ, self._on_timer)
+
+    def _declare_faults(self) -> tuple[JoystickFault, ...]:
+        faults = declare(self, "faults", "", "e.g. lost from 3 s until 4 s; frozen from 6 s")
+        try:
+            return parse_joystick_faults(faults)
+        except ValueError as error:
+            raise ParameterError(f"parameter 'faults': {error}") from error
 
     def _on_timer(self) -> None:
         if self._begun is None:
-            if self._publisher.get_subscription_count() < self._listeners:
+            if not self._pace.lockstep and self._publisher.get_subscription_count() < self._listeners:
                 return
-            self._begun = time.monotonic()
-            self.get_logger().info(f"playing for {self._duration:g} s")
-        played = time.monotonic() - self._begun - LEAD_IN
-        if played >= self._duration + LEAD_OUT:
+            self._begun = self._pace.now()
+            self.get_logger().info(f"playing for {self._length:g} s")
+        elapsed = self._pace.now() - self._begun
+        if isinstance(self._record, JoyRecord):
+            message, over = self._replayed(self._record, elapsed), elapsed > self._length
+        else:
+            played = elapsed - LEAD_IN
+            message = self._made(self._levers(played), played < self._length)
+            over = played >= self._length + LEAD_OUT
+        if over and not self._pace.lockstep:  # there, the machine knows when the run is over
             raise Finished
-        self._publish(self._levers(played), played < self._duration)
+        self._say(message, faults_at(self._faults, elapsed))
 
     def _levers(self, played: float) -> Levers:
-        if not 0.0 <= played < self._duration:
+        if not 0.0 <= played < self._length:
             return REST
-        if self._record is None:
-            return thesis_levers(played, self._tip_speed)
-        return self._record.at(played)
+        if isinstance(self._record, LeverRecord):
+            return self._record.at(played)
+        return thesis_levers(played, self._tip_speed)
 
-    def _publish(self, levers: Levers, held: bool) -> None:
-        message = self._message(axes=axes_from_levers(levers), buttons=[0] * BUTTON_COUNT)
-        message.header.stamp = ns_to_stamp(self.get_clock().now().nanoseconds)
+    def _made(self, levers: Levers, held: bool) -> Any:
+        message = self._kind(axes=axes_from_levers(levers), buttons=[0] * BUTTON_COUNT)
         self._count += 1  # a script may hold still for ever: the controller sees by this that it lives
         message.header.frame_id = f"{HEARTBEAT}{self._count}"
         message.buttons[self._deadman] = int(held)
+        return message
+
+    def _replayed(self, record: JoyRecord, elapsed: float) -> Any:
+        """Return the bag's message of this time, or None if it has been said."""
+        place = record.newest(round(elapsed * NS_PER_S))
+        if place == self._place:
+            return None
+        self._place = place
+        return deserialize_message(record.messages[place], self._kind)
+
+    def _say(self, message: Any, faults: frozenset[str]) -> None:
+        """Publish a message, or what a faulty joystick makes of it."""
+        if FROZEN in faults and self._last is not None:
+            message = self._last
+        if message is None or LOST in faults:
+            return
+        self._last = message
+        if RELEASED in faults and self._deadman < len(message.buttons):
+            message.buttons[self._deadman] = 0
+        if BAD in faults:
+            message.axes = [math.nan] * len(message.axes)
+        message.header.stamp = ns_to_stamp(self._pace.stamp())
         self._publisher.publish(message)
 
     def stop(self) -> None:
         """Last words: deadman released."""
-        self._publish(REST, False)
+        self._say(self._made(REST, False), frozenset())
+
+
+def _record(path: Path) -> LeverRecord | JoyRecord:
+    """Read a CSV of levers, or a bag."""
+    return read_joy_record(path) if is_bag(path) else read_levers(path)
+
+
+def _length(record: LeverRecord | JoyRecord | None) -> float:
+    """Return how long a source is [s]."""
+    if record is None:
+        return THESIS_DURATION
+    return record.length if isinstance(record, JoyRecord) else record.times[-1]
 
 
 def main() -> None:

@@ -6,7 +6,6 @@ zero, whatever the controller does.
 
 import math
 import sys
-import time
 from functools import partial
 from typing import Any
 
@@ -19,9 +18,9 @@ from forest_description.machine import load_machine
 from forest_msgs_py import topics
 from forest_msgs_py.emergency_stop import EmergencyStop
 from forest_msgs_py.health import Health
-from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.messages import float_array, read_float_array
-from forest_msgs_py.node import publisher, run_node, subscription, timer
+from forest_msgs_py.node import run_node
+from forest_msgs_py.pace import pace
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.stamp_order import StampOrder
 from forest_msgs_py.stamped_period import StampedPeriod
@@ -36,6 +35,8 @@ class ValveDriverNode(Node):
 
     def __init__(self) -> None:
         super().__init__("valve_driver")
+        self._pace = pace(self)
+        self.run = self._pace.run
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
         self._core = valve_driver.parameters(machine, self._settings())
@@ -53,10 +54,13 @@ class ValveDriverNode(Node):
         self._stop = EmergencyStop(self, "~/", self._against_reset, self._stand_still)
         self._ports: tuple[Triple, Triple] = (ZERO, ZERO)
         self._supply, self._supply_received = 0.0, -math.inf
-        self._voltages = None if self._shadow else publisher(self, topics.VALVE_VOLTAGES)
-        subscription(self, topics.VALVE_COMMANDS, self._on_command)
-        self._pressure_inbox, self._supply_inbox = inbox(self, topics.PRESSURES), inbox(self, topics.SUPPLY)
-        timer(self, WATCHDOG_PERIOD, self._watch)
+        self._voltages = None if self._shadow else self._pace.publisher(topics.VALVE_VOLTAGES)
+        self._pace.on(topics.VALVE_COMMANDS, self._on_command)
+        self._pressure_inbox, self._supply_inbox = (
+            self._pace.inbox(topics.PRESSURES),
+            self._pace.inbox(topics.SUPPLY),
+        )
+        self._pace.every(WATCHDOG_PERIOD, self._watch)
 
     def _settings(self) -> valve_driver.Settings:
         d = valve_driver.Settings()
@@ -69,11 +73,10 @@ class ValveDriverNode(Node):
             minimum_drop=get("minimum_drop", d.minimum_drop, "least share of pressure left", "", 0.01, 1.0),
         )
 
-    def _on_command(self, message: Any, info: dict[str, int]) -> None:
-        sent = sent_at(info)
-        if time.monotonic() - sent > self._command_timeout:
+    def _on_command(self, message: Any, sent: float) -> None:
+        if self._pace.now() - sent > self._command_timeout:
             return  # left over from a stall; the watchdog speaks meanwhile
-        now = self.get_clock().now().nanoseconds
+        now = self._pace.stamp()
         reading = read_float_array(topics.VALVE_COMMANDS, message, now)
         problem = reading.problem
         if not problem and reading.values != ZERO:  # zero is obeyed in any order
@@ -101,7 +104,7 @@ class ValveDriverNode(Node):
         return "a command is not zero; release the deadman" if asked else ""
 
     def _command_age(self) -> float:
-        return time.monotonic() - self._command_received
+        return self._pace.now() - self._command_received
 
     def _stand_still(self) -> None:
         now = self.get_clock().now().nanoseconds
@@ -129,7 +132,7 @@ class ValveDriverNode(Node):
     def _pressures(self) -> Pressures | None:
         """Return what the transducers say, or None: then the driver takes the nominal pressure drop."""
         self._read_pressures()
-        now = time.monotonic()
+        now = self._pace.now()
         if now - self._pressure_received > self._pressure_timeout:
             return None
         fresh = now - self._supply_received <= self._pressure_timeout
@@ -148,7 +151,7 @@ class ValveDriverNode(Node):
 
     def stop(self) -> None:
         """Last words: zero."""
-        self._publish(self.get_clock().now().nanoseconds, ZERO)
+        self._publish(self._pace.stamp(), ZERO)
 
 
 def main() -> None:

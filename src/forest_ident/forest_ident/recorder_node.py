@@ -5,7 +5,7 @@ In a namespace it records that namespace, and the topics of the ROS graph (absol
 
 A thread of its own copies and writes; the executor is left with looking for topics and with the services
 `~/start`, `~/stop`, `~/split`, `~/snapshot` and `~/mark`, which says the parameter `event` on /events. The
-thread that writes never waits for the disk: a third one syncs.
+thread that writes never waits for the disk: a third one syncs. In lockstep it ends with the run's last step.
 """
 
 from __future__ import annotations
@@ -26,11 +26,12 @@ from forest_ident.topic_choice import ChoiceError, TopicChoice
 from forest_msgs_py import topics
 from forest_msgs_py.bag_session import Session
 from forest_msgs_py.bag_writer import Layout
-from forest_msgs_py.graph_listener import GraphListener, Offer
+from forest_msgs_py.graph_listener import Offer
 from forest_msgs_py.mcap_file import COMPRESSIONS
 from forest_msgs_py.node import NodeFailure, publisher, run_node, timer
 from forest_msgs_py.parameter_survey import ParameterSurvey
 from forest_msgs_py.parameters import ParameterError, declare
+from forest_msgs_py.step_listener import listener
 from forest_msgs_py.topics import message_class
 
 DRAIN_PERIOD_S = 0.01  # waking up once for all that arrived is several times cheaper than for each message
@@ -44,7 +45,7 @@ class RecorderNode(Node):
     def __init__(self) -> None:
         super().__init__("recorder")
         choice, session = self._choice(), self._new_session()
-        self._listener = GraphListener(self, choice.wants, self._offered, self._refused)
+        self._listener = listener(self, choice.wants, self._offered, self._refused)
         self._recording = Recording(session, self._listener.take, self.get_logger().info)
         declare(self, "event", "mark", "what the next `mark` says on /events", read_only=False)
         self._events = publisher(self, topics.EVENTS)

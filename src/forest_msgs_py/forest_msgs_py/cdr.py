@@ -10,6 +10,9 @@ from __future__ import annotations
 
 import re
 import struct
+from collections.abc import Callable
+from functools import cache
+from operator import attrgetter
 from typing import Any
 
 ENCAPSULATION = b"\x00\x01\x00\x00"
@@ -23,6 +26,9 @@ _SEQUENCE = re.compile(r"sequence<(.+?)(?:, \d+)?>$")
 _ARRAY = re.compile(r"(.+)\[\d+\]$")
 
 
+Write = Callable[[bytearray, Any], None]
+
+
 def to_cdr(message: Any) -> bytes:
     """The bytes of a message of any type.
 
@@ -30,38 +36,92 @@ def to_cdr(message: Any) -> bytes:
         ValueError: a field is of a kind that no topic of ours has (a wide string or character).
     """
     out = bytearray()
-    _write_fields(out, message)
+    _write_message(out, message)
     out += bytes(-len(out) % 4)  # as DDS pads its payloads
     return ENCAPSULATION + bytes(out)
 
 
-def _write_fields(out: bytearray, message: Any) -> None:
-    for name, kind in message.get_fields_and_field_types().items():
-        _write(out, getattr(message, name), kind)
+@cache
+def _fields_writer(message_type: Any) -> Write:
+    """Writes the fields of a message type; looking up how takes longer than writing, so it is done once."""
+    kinds = message_type.get_fields_and_field_types()
+    fields = [(attrgetter(name), _writer(kind)) for name, kind in kinds.items()]
+
+    def write(out: bytearray, message: Any) -> None:
+        for value_of, write_field in fields:
+            write_field(out, value_of(message))
+
+    return write
 
 
-def _write(out: bytearray, value: Any, kind: str) -> None:
+@cache
+def _writer(kind: str) -> Write:
+    """Writes a field of a kind, as its message type names it."""
     if kind in FORMATS:
-        _write_number(out, value, FORMATS[kind])
-    elif kind.startswith("string"):
-        data = value.encode()
-        _write_number(out, len(data) + 1, "I")
-        out += data + b"\x00"
-    elif sequence := _SEQUENCE.match(kind):
-        _write_number(out, len(value), "I")
-        for element in value:
-            _write(out, element, sequence[1])
-    elif array := _ARRAY.match(kind):
-        for element in value:
-            _write(out, element, array[1])
-    elif hasattr(value, "get_fields_and_field_types"):
-        _write_fields(out, value)
-    else:
+        return _number_writer(FORMATS[kind])
+    if kind.startswith("string"):
+        return _write_string
+    if sequence := _SEQUENCE.match(kind):
+        return _elements_writer(sequence[1], counted=True)
+    if array := _ARRAY.match(kind):
+        return _elements_writer(array[1], counted=False)
+    if "/" not in kind:
         raise ValueError(
             f"{kind} cannot be encoded; allowed: {', '.join(FORMATS)}, string, and made of these"
         )
+    return _write_message
 
 
-def _write_number(out: bytearray, value: Any, letter: str) -> None:
-    out += bytes(-len(out) % struct.calcsize(letter))
-    out += struct.pack(f"<{letter}", value)
+def _write_message(out: bytearray, message: Any) -> None:
+    kind: Any = type(message)
+    _fields_writer(kind)(out, message)
+
+
+def _number_writer(letter: str) -> Write:
+    packer = struct.Struct(f"<{letter}")
+    size = packer.size
+
+    def write(out: bytearray, value: Any) -> None:
+        if gap := -len(out) % size:
+            out += bytes(gap)
+        out += packer.pack(value)
+
+    return write
+
+
+_write_length = _number_writer("I")
+
+
+def _write_string(out: bytearray, value: str) -> None:
+    data = value.encode()
+    _write_length(out, len(data) + 1)
+    out += data + b"\x00"
+
+
+def _elements_writer(kind: str, counted: bool) -> Write:
+    if kind in FORMATS:
+        return _numbers_writer(FORMATS[kind], counted)
+    write_element = _writer(kind)
+
+    def write(out: bytearray, values: Any) -> None:
+        if counted:
+            _write_length(out, len(values))
+        for value in values:
+            write_element(out, value)
+
+    return write
+
+
+def _numbers_writer(letter: str, counted: bool) -> Write:
+    size = struct.calcsize(letter)
+
+    def write(out: bytearray, values: Any) -> None:
+        count = len(values)
+        if counted:
+            _write_length(out, count)
+        if count == 0:
+            return
+        out += bytes(-len(out) % size)
+        out += struct.pack(f"<{count}{letter}", *values)
+
+    return write

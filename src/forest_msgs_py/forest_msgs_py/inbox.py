@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from rclpy.callback_groups import CallbackGroup
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
@@ -65,7 +66,13 @@ class Inbox:
 
     def __init__(self, node: Node, message: Any, name: str, profile: QoSProfile, raw: bool = False) -> None:
         self.subscription = node.create_subscription(
-            message, name, lambda _: None, profile, callback_group=_NeverWoken(), raw=raw
+            message,
+            name,
+            lambda _: None,
+            profile,
+            callback_group=_NeverWoken(),
+            event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),  # nobody would take them
+            raw=raw,
         )
 
     def take(self) -> Iterator[tuple[Any, dict[str, int]]]:
@@ -74,6 +81,11 @@ class Inbox:
         with handle:
             while (taken := handle.take_message(message, raw)) is not None:
                 yield taken
+
+    def arrivals(self) -> Iterator[Arrival]:
+        """Yield all waiting messages, oldest first, each with the time at which it was sent."""
+        for message, info in self.take():
+            yield Arrival(message, sent_at(info))
 
     def newest(self) -> Arrival | None:
         """Return the newest waiting message, or None; older ones are dropped."""

@@ -187,13 +187,28 @@ DIAGNOSTICS = Topic(
 )
 CLOCK = Topic(
     "/clock", "rosgraph_msgs/msg/Clock", ("time",), ("s",), _RATE,
-    "Simulated time, where somebody publishes it; recorded. Our nodes run on the system's clock.",
-    _NOBODY, _NOBODY,
+    "Simulated time, in lockstep or where somebody publishes it. Live, our nodes run on the system's clock.",
+    ("simulator in lockstep",), ("joystick in lockstep",),
 )
 ROSOUT = Topic(
     "/rosout", "rcl_interfaces/msg/Log", (), (), 0.0,
     "What the nodes log.",
     ("every node",), _NOBODY,
+)
+ROLL = Topic(
+    "lockstep/roll", "std_msgs/msg/String", (), (), 0.0,
+    "In lockstep: a node's name and the topics on which it will speak in every step, line by line.",
+    ("every node in lockstep",), ("recorder in lockstep",), latched=True, recorded=False,
+)
+SILENCE = Topic(
+    "lockstep/silence", "std_msgs/msg/Header", (), (), _RATE,
+    "In lockstep: topics on which a node said nothing in a step; 'end' when the step was the last.",
+    ("every node in lockstep",), ("every node in lockstep",), recorded=False,
+)
+RECORDED = Topic(
+    "lockstep/recorded", "rosgraph_msgs/msg/Clock", ("time",), ("s",), _RATE,
+    "In lockstep: how far everything is in the bag; the machine stays near it.",
+    ("recorder in lockstep",), ("simulator in lockstep",), recorded=False,
 )
 # fmt: on
 
@@ -212,6 +227,7 @@ TOPICS: tuple[Topic, ...] = (
     *(TIP_POSE, TIP_TWIST, TIP_TWIST_COMMAND, CONTROLLER_STATUS, EMERGENCY_STOP),
     *(EMERGENCY_STOPPED, GROUND_TRUTH_JOINT_STATES, GROUND_TRUTH_TIP_POSE),
     *(GROUND_TRUTH_TIP_TWIST, ROBOT_DESCRIPTION, EVENTS, DIAGNOSTICS, CLOCK, ROSOUT),
+    *(ROLL, SILENCE, RECORDED),
 )
 
 
@@ -313,7 +329,11 @@ def markdown() -> str:
 
 def overview() -> str:
     """The short table that the README holds: topic, type, content."""
-    rows = [f"| `{topic.name}` | {topic.type.replace('/msg/', '/')} | {topic.doc} |" for topic in TOPICS]
+    rows = [
+        f"| `{topic.name}` | {topic.type.replace('/msg/', '/')} | {topic.doc} |"
+        for topic in TOPICS
+        if topic.recorded
+    ]
     return "\n".join(("| topic | type | content |", "|---|---|---|", *rows))
 
 

@@ -25,9 +25,9 @@ from forest_description.machine import Machine, load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.health import Health
-from forest_msgs_py.inbox import inbox
 from forest_msgs_py.messages import read_float_array
-from forest_msgs_py.node import publisher, run_node
+from forest_msgs_py.node import run_node
+from forest_msgs_py.pace import pace
 from forest_msgs_py.packing import Packer
 from forest_msgs_py.parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.stamp_order import StampOrder
@@ -50,6 +50,8 @@ class SimulatorNode(Node):
 
     def __init__(self) -> None:
         super().__init__("simulator")
+        self._pace = pace(self, leads=True)
+        self.run = self._pace.run or self._keep_time
         machine = load_machine(declare(self, "machine", "c180", "shipped machine, or path of a machine file"))
         start = declare_triple(self, "initial_tip", start_tip(machine), "tip position at the start", "m")
         self._plain = declare(self, "plain_arrays", False, "publish Float64MultiArray without stamp")
@@ -66,7 +68,7 @@ class SimulatorNode(Node):
         self._order = StampOrder(self._machine.machine.command_timeout)
         self._missed = 0
         self._outputs = {
-            topic: publisher(self, topic)
+            topic: self._pace.publisher(topic)
             for topic in topics.TOPICS
             if "simulator" in topic.publishers and topic != topics.DIAGNOSTICS
         }
@@ -78,9 +80,11 @@ class SimulatorNode(Node):
         }
         text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
         self._outputs[topics.ROBOT_DESCRIPTION].publish(text)
-        self._voltage_inbox = inbox(self, topics.VALVE_VOLTAGES)
-        self._stamp = self.get_clock().now().nanoseconds
+        self._voltage_inbox = self._pace.inbox(topics.VALVE_VOLTAGES)
+        self._stamp = self._pace.stamp()
         self._next = time.monotonic_ns() + PERIOD_NS
+        if self._pace.lockstep:
+            self._pace.every(0.0, self._make_step)
 
     def _sensor_suite(self, machine: Machine) -> Suite:
         noise = declare(self, "sensor_noise", False, "errors, noise, lag and rate as in the machine file")
@@ -123,11 +127,11 @@ class SimulatorNode(Node):
             self._voltages = ZERO if problem else reading.values
             self._received = arrival.time
         self._health.publish(self._stamp)
-        if time.monotonic() - self._received > self._machine.machine.command_timeout:
+        if self._pace.now() - self._received > self._machine.machine.command_timeout:
             self._voltages = ZERO
 
-    def run(self, stopping: threading.Event) -> None:
-        """Keep the time until the node stops."""
+    def _keep_time(self, stopping: threading.Event) -> None:
+        """Keep the time, live, until the node stops."""
         while not stopping.is_set():
             time.sleep(max(0, self._next - time.monotonic_ns()) * 1e-9)
             self._catch_up()
@@ -142,6 +146,11 @@ class SimulatorNode(Node):
             self._next += PERIOD_NS
             self._stamp += PERIOD_NS
             self._advance()
+
+    def _make_step(self) -> None:
+        """Move on by a period in lockstep: there are no deadlines to be missed."""
+        self._stamp = self._pace.stamp()
+        self._advance()
 
     def _advance(self) -> None:
         self._read_voltages()

@@ -13,11 +13,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from forest_control.sources import LEAD_IN, THESIS_DURATION, LeverError, read_levers
+from forest_control.joystick_bag import is_bag, read_joy_record
+from forest_control.joystick_faults import parse_joystick_faults
+from forest_control.sources import LEAD_IN, LEAD_OUT, THESIS_DURATION, LeverError, read_levers
 from forest_description.limits import joint_limits
 from forest_description.machine import AXES, MachineError, load_machine
 from forest_study import graph
 from forest_study.exclusive import AlreadyRunning, Failure
+from forest_study.lockstep_run import GUARD, RECORDER, STEP, in_lockstep
 from forest_study.supervisor import STOP_SIGNALS, Stopped, Supervisor
 
 LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample
@@ -91,18 +94,49 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--out", type=Path, default=Path("bags/demo"), metavar="DIR", help="default: %(default)s"
     )
-    parser.add_argument("--joystick", type=graph.source_path, default="thesis", metavar="thesis|FILE.csv")
+    parser.add_argument(
+        "--lockstep",
+        action="store_true",
+        help="all nodes wait for each other in every step: the same bag every time, at the computer's speed",
+    )
+    parser.add_argument(
+        "--guard",
+        type=_guard,
+        default=GUARD,
+        metavar="S",
+        help="in lockstep: end a run in which a message stays out for so long (default: %(default)g)",
+    )
+    parser.add_argument("--joystick", type=graph.source_path, default="thesis", metavar="thesis|FILE.csv|BAG")
+    parser.add_argument(
+        "--joystick-faults",
+        type=_faults,
+        default="",
+        metavar="TEXT",
+        help="as 'lost from 3 s until 4 s; ...'",
+    )
     return parser.parse_args(arguments)
 
 
-def _seconds(text: str) -> float:
+def _seconds(text: str, low: float = 0.5, high: float = 86400.0) -> float:
     try:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not 0.5 <= value <= 86400.0:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0.5 .. 86400 seconds")
+    if not low <= value <= high:
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: {low:g} .. {high:g} seconds")
     return value
+
+
+def _faults(text: str) -> str:
+    try:
+        parse_joystick_faults(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    return text
+
+
+def _guard(text: str) -> float:
+    return _seconds(text, 0.1, 3600.0)
 
 
 def _demo(options: argparse.Namespace) -> int:
@@ -112,16 +146,21 @@ def _demo(options: argparse.Namespace) -> int:
         raise Failure(f"{options.out} exists already; choose another --out or remove it")
     bag = options.out / "bag"
     nodes = [
-        graph.joystick(options.joystick, duration, LISTENERS),
+        graph.joystick(options.joystick, duration, LISTENERS, options.joystick_faults),
         *graph.control(options.machine, options.scheme, shadow=False, describe=False),
         graph.simulator(options.machine),
         graph.recorder(bag),
     ]
     logs = options.out / "log"
+    if options.lockstep:
+        nodes = in_lockstep(nodes, _steps(options.joystick, duration), options.guard)
     print(f"starting {', '.join(node.name for node in nodes)}", flush=True)
     try:
         with Supervisor(nodes, options.namespace, logs) as running:
-            running.run(until="joystick", progress=Progress(duration, logs / "joystick.log"))
+            if options.lockstep:
+                running.run(until=RECORDER)
+            else:
+                running.run(until="joystick", progress=Progress(duration, logs / "joystick.log"))
     except AlreadyRunning:
         if not bag.exists():  # nothing has begun: the same command shall work once the other graph is gone
             shutil.rmtree(options.out, ignore_errors=True)
@@ -141,7 +180,17 @@ def _demo(options: argparse.Namespace) -> int:
 
 def _length(joystick: str) -> float:
     """Return how long a joystick source is [s]."""
-    return THESIS_DURATION if joystick == "thesis" else max(0.5, read_levers(Path(joystick)).times[-1])
+    if joystick == "thesis":
+        return THESIS_DURATION
+    if is_bag(Path(joystick)):
+        return max(STEP, read_joy_record(Path(joystick)).length)
+    return max(0.5, read_levers(Path(joystick)).times[-1])
+
+
+def _steps(joystick: str, duration: float) -> int:
+    """Return how many steps a run in lockstep takes; a bag's run has its rests at both ends already."""
+    around = STEP if is_bag(Path(joystick)) else LEAD_IN + LEAD_OUT
+    return round((duration + around) / STEP)
 
 
 def _finish(

@@ -7,10 +7,13 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from forest_control.schemes import LABELS, Scheme
 from forest_study.exclusive import Failure
 from forest_study.supervisor import NodeSpec, Stopped, Supervisor
+
+LEADERS = ("simulator",)  # in lockstep: nodes that begin each step
 
 
 def add_graph_options(parser: argparse.ArgumentParser) -> None:
@@ -44,7 +47,7 @@ def ros_namespace(text: str) -> str:
 
 
 def source_path(text: str) -> str:
-    """Return `thesis`, or the absolute path of an existing file.
+    """Return `thesis`, or the absolute path of a CSV file or a bag.
 
     Raises:
         argparse.ArgumentTypeError: neither.
@@ -52,8 +55,8 @@ def source_path(text: str) -> str:
     if text == "thesis":
         return text
     path = Path(text)
-    if not path.is_file():
-        raise argparse.ArgumentTypeError(f"{text!r} is neither 'thesis' nor a CSV file that exists")
+    if not path.exists():
+        raise argparse.ArgumentTypeError(f"{text!r} is neither 'thesis' nor a CSV file or bag that exists")
     return str(path.resolve())
 
 
@@ -62,25 +65,16 @@ def machine_arguments(machine: str) -> tuple[str, ...]:
     return parameter("machine", str(Path(machine).resolve() if Path(machine).suffix else machine))
 
 
-def parameter(name: str, value: str) -> tuple[str, str]:
-    """Return the ROS arguments for a text parameter; rcl reads them as YAML, of which a JSON text is one."""
+def parameter(name: str, value: Any) -> tuple[str, str]:
+    """Return the ROS arguments for a parameter; rcl reads them as YAML, of which JSON is a part."""
     return "-p", f"{name}:={json.dumps(value)}"
 
 
-def joystick(source: str, duration: float, listeners: int) -> NodeSpec:
-    """Return the joystick source."""
-    return NodeSpec(
-        "joystick",
-        "forest_control.joystick_node",
-        (
-            "-p",
-            f"source:={source}",
-            "-p",
-            f"duration:={duration}",
-            "-p",
-            f"wait_for_subscribers:={listeners}",
-        ),
-    )
+def joystick(source: str, duration: float, listeners: int, faults: str = "") -> NodeSpec:
+    """Return the joystick source, with what goes wrong with it."""
+    told = {"source": source, "duration": duration, "wait_for_subscribers": listeners, "faults": faults}
+    arguments = tuple(word for name, value in told.items() for word in parameter(name, value))
+    return NodeSpec("joystick", "forest_control.joystick_node", arguments)
 
 
 def control(machine: str, scheme: str, shadow: bool, describe: bool) -> tuple[NodeSpec, NodeSpec]:
@@ -114,7 +108,10 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--no-simulator", action="store_true", help="iron is behind the topics")
     parser.add_argument("--shadow", action="store_true", help="compute everything, publish no voltage")
     parser.add_argument(
-        "--joystick", type=source_path, metavar="thesis|FILE.csv", help="play this; default: /joy is yours"
+        "--joystick",
+        type=source_path,
+        metavar="thesis|FILE.csv|BAG",
+        help="play this; default: /joy is yours",
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag there")
     return parser.parse_args(arguments)

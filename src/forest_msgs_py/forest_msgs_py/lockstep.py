@@ -1,0 +1,325 @@
+"""Lockstep: every node waits for the messages of step k, makes its step, and says what step k needs further.
+
+The same nodes as live, with the loop opened: the machine says /clock and its sensors of step k and waits for
+the voltages of step k; whoever reads the graph waits for all that he reads of step k. So nobody is early or
+late, however busy the computer is, and a run repeats to the last bit.
+
+===========  ===============================================================================================
+symbol       meaning
+===========  ===============================================================================================
+k            number of the step, from 1
+stamp        k·dt [ns], of every message of step k, whoever says it
+silence      a topic on which a node says nothing in step k, as a dropped sensor sample; told on its own
+             topic, since nobody could wait for nothing otherwise
+roll         each node's outputs, told before its first step: who records waits for all of them
+===========  ===============================================================================================
+
+Nothing is ever lost: publishers keep 1000 steps for those who come late, and nobody runs away from the
+others. A message may be waited for as long as the guard allows [s, wall clock]; then the node ends and
+names it.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
+
+from forest_msgs_py import topics
+from forest_msgs_py.cdr import to_cdr
+from forest_msgs_py.inbox import Arrival, Inbox
+from forest_msgs_py.messages import NS_PER_S, ns_to_stamp, stamp_to_ns
+from forest_msgs_py.node import NodeFailure, publisher
+from forest_msgs_py.stamps import STAMPED, stamp_in
+from forest_msgs_py.step_order import LATCHED
+from forest_msgs_py.topics import Topic, message_class
+
+STEP_NS = 5_000_000
+DEPTH = 1000  # steps that a publisher keeps
+AHEAD = 400  # steps by which the machine may be ahead of the recorder
+LOOP = ("joystick", "controller", "valve_driver")  # as a step passes from one to the next
+END = "end"  # told instead of topics when the step was the last
+LOOK = 0.1  # [s] between looks at whether the node was told to stop
+
+
+def lockstep_qos() -> QoSProfile:
+    """Reliable, deep, and for late readers, too: discovery takes as long as it takes."""
+    return QoSProfile(
+        depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+    )
+
+
+class StepInbox:
+    """Messages of one topic, by the step to which they belong."""
+
+    def __init__(self, node: Node, topic: Topic) -> None:
+        self.topic = topic
+        self._class = message_class(topic)
+        self._inbox = Inbox(node, self._class, topic.name, lockstep_qos(), raw=True)
+        self.subscription = self._inbox.subscription
+        self.name = self.subscription.topic_name
+        self._waiting: dict[int, bytes] = {}
+        self._silent: set[int] = set()
+        self._current: tuple[bytes, float] | None = None
+
+    def collect(self) -> None:
+        """Take what has arrived."""
+        for data, _info in self._inbox.take():
+            self._waiting.setdefault(stamp_in(self.topic.type, data), data)
+
+    def silent(self, stamp: int) -> None:
+        """Nothing will be said in the step of this stamp."""
+        self._silent.add(stamp)
+
+    def has(self, stamp: int) -> bool:
+        """Whether it is known what was said in the step of this stamp."""
+        return stamp in self._waiting or stamp in self._silent
+
+    def reached(self, stamp: int) -> bool:
+        """Whether something was said in the step of this stamp or later; what was before is dropped."""
+        latest = max(self._waiting, default=-1)
+        self._waiting = {latest: b""}
+        return latest >= stamp
+
+    def turn_to(self, stamp: int) -> None:
+        """Let the message of this step, if something was said, be the newest."""
+        data = self._waiting.pop(stamp, None)
+        self._silent.discard(stamp)
+        if data is not None:
+            self._current = data, stamp / NS_PER_S
+
+    def newest(self) -> Arrival | None:
+        """Return the message of this step, once; None if nothing was said."""
+        if self._current is None:
+            return None
+        (data, sent), self._current = self._current, None
+        return Arrival(deserialize_message(data, self._class), sent)
+
+    def arrivals(self) -> Iterator[Arrival]:
+        """Yield the message of this step, once; nothing if nothing was said."""
+        if arrival := self.newest():
+            yield arrival
+
+
+class StepPublisher:
+    """A publisher that speaks once a step; the first word counts."""
+
+    def __init__(self, node: Node, topic: Topic, step: Callable[[], int]) -> None:
+        self._publisher = node.create_publisher(message_class(topic), topic.name, lockstep_qos())
+        self.name, self.type = self._publisher.topic_name, topic.type
+        self._step = step
+        self.spoke = 0  # last step in which something was said
+
+    def publish(self, message: Any) -> None:
+        """Say a message, or its bytes. Between the steps, as a stopped node's last words, nothing is said."""
+        step = self._step()
+        if step == self.spoke or step == 0:
+            return
+        self.spoke = step
+        self._publisher.publish(message if isinstance(message, bytes) else to_cdr(message))
+
+    def get_subscription_count(self) -> int:
+        """Readers there are."""
+        return int(self._publisher.get_subscription_count())
+
+
+class Lockstep:
+    """The pace of a graph that waits for everybody.
+
+    Args:
+        node: whose pace it is.
+        guard: how long it waits for a message [s, wall clock].
+        leads: begin each step, and wait for the answers to the one before.
+        steps: after which a leader is done; 0: no end.
+        recorded: a leader waits for the recorder, too.
+    """
+
+    lockstep = True
+
+    def __init__(
+        self, node: Node, guard: float, leads: bool = False, steps: int = 0, recorded: bool = False
+    ) -> None:
+        self._node, self._guard, self._leads, self._steps = node, guard, leads, steps
+        self._inboxes: list[StepInbox] = []
+        self._callbacks: list[tuple[StepInbox, Callable[[Any, float], None]]] = []
+        self._timers: list[tuple[int, Callable[[], None]]] = []
+        self._publishers: list[StepPublisher] = []
+        self._latched: list[str] = []
+        self._step = self._speaking = 0
+        self._ended = False
+        self._silences = Inbox(node, message_class(topics.SILENCE), topics.SILENCE.name, lockstep_qos())
+        self._silence = node.create_publisher(
+            message_class(topics.SILENCE), topics.SILENCE.name, lockstep_qos()
+        )
+        self._roll = publisher(node, topics.ROLL)
+        self._clock = self.publisher(topics.CLOCK) if leads else None
+        self._recorded = StepInbox(node, topics.RECORDED) if recorded else None
+
+    def now(self) -> float:
+        """The time of the step [s]."""
+        return self.stamp() / NS_PER_S
+
+    def stamp(self) -> int:
+        """The stamp of the step [ns]."""
+        return self._step * STEP_NS
+
+    def publisher(self, topic: Topic) -> Any:
+        """A publisher that speaks once a step.
+
+        Of a latched topic: once, before the first step. Of a type without stamp: whenever it likes.
+        """
+        if topic.latched or topic.type not in STAMPED:
+            made = publisher(self._node, topic)
+            if topic.latched:
+                self._latched.append(f"{made.topic_name} {topic.type}{LATCHED}")
+            return made
+        stepping = StepPublisher(self._node, topic, lambda: self._speaking)
+        self._publishers.append(stepping)
+        return stepping
+
+    def inbox(self, topic: Topic) -> StepInbox:
+        """Messages of a topic, one of each step."""
+        made = StepInbox(self._node, topic)
+        self._inboxes.append(made)
+        return made
+
+    def on(self, topic: Topic, callback: Callable[[Any, float], None]) -> None:
+        """Call with the message of each step in which one is said, and the step's time [s]."""
+        self._callbacks.append((self.inbox(topic), callback))
+
+    def every(self, period: float, callback: Callable[[], None]) -> None:
+        """Call once in a period [s], after the step's message; in each step if the period is shorter."""
+        self._timers.append((max(1, round(period * NS_PER_S / STEP_NS)), callback))
+
+    def run(self, stopping: threading.Event) -> None:
+        """Make step after step until the node stops.
+
+        Raises:
+            NodeFailure: a message was waited for longer than the guard allows.
+        """
+        if not self._inboxes:
+            self.inbox(topics.CLOCK)
+        self._answer_the_roll()
+        step = 0
+        while not (self._steps and step == self._steps):
+            if self._clock is not None and step > 0 and not self._gather(step, stopping):
+                return
+            step += 1
+            if self._clock is None and not self._gather(step, stopping):
+                return
+            self._make(step)
+        if self._gather(step, stopping):
+            self._tell(END)
+            stopping.wait()
+
+    def _answer_the_roll(self) -> None:
+        plain = "plain_arrays"
+        if self._node.has_parameter(plain) and self._node.get_parameter(plain).value:
+            raise NodeFailure(
+                f"parameter '{plain}' is true; allowed in lockstep: false, for the stamps' sake"
+            )
+        spoken = [f"{made.name} {made.type}" for made in self._publishers]
+        text = "\n".join([self._node.get_name(), *spoken, *self._latched])
+        self._roll.publish(message_class(topics.ROLL)(data=text))
+
+    def _make(self, step: int) -> None:
+        """Make one step, and tell on which topics nothing was said."""
+        self._step = self._speaking = step
+        if self._clock is not None:
+            self._clock.publish(message_class(topics.CLOCK)(clock=ns_to_stamp(self.stamp())))
+        for inbox, callback in self._callbacks:
+            if arrival := inbox.newest():
+                callback(*arrival)
+        for steps, tick in self._timers:
+            if step % steps == 0:
+                tick()
+        self._speaking = 0
+        if silent := [made.name for made in self._publishers if made.spoke != step]:
+            self._tell(" ".join(silent))
+
+    def _tell(self, text: str) -> None:
+        """Tell on which topics nothing was said in this step, or that it was the last."""
+        header = message_class(topics.SILENCE)(frame_id=text)
+        header.stamp = ns_to_stamp(self.stamp())
+        self._silence.publish(to_cdr(header))
+
+    def _gather(self, step: int, stopping: threading.Event) -> bool:
+        """Wait for all that the node reads of a step; False if it was told to stop meanwhile."""
+        stamp, begun = step * STEP_NS, time.monotonic()
+        for inbox in self._inboxes:
+            while not inbox.has(stamp):
+                inbox.collect()
+                if inbox.has(stamp):
+                    break
+                self._hear_silences()
+                if inbox.has(stamp):
+                    break
+                if not self._wait(inbox, step, begun, stopping):
+                    return False
+        for inbox in self._inboxes:
+            inbox.turn_to(stamp)
+        return self._stay_near_the_recorder(step, stopping)
+
+    def _stay_near_the_recorder(self, step: int, stopping: threading.Event) -> bool:
+        inbox, begun, stamp = self._recorded, time.monotonic(), (step - AHEAD) * STEP_NS
+        while inbox is not None and stamp > 0 and not inbox.reached(stamp):
+            inbox.collect()
+            if not inbox.reached(stamp) and not self._wait(inbox, step, begun, stopping):
+                return False
+        return True
+
+    def _wait(self, inbox: StepInbox, step: int, begun: float, stopping: threading.Event) -> bool:
+        """Wait until something arrives; False if the node is told to stop."""
+        if self._ended:
+            stopping.wait()
+        if stopping.is_set():
+            return False
+        waited = time.monotonic() - begun
+        if waited > self._guard and waited > self._guard + self._patience(inbox, step):
+            self._complain(inbox, step)
+        waiting = rclpy_implementation.WaitSet(2, 0, 0, 0, 0, 0, self._node.context.handle)
+        waiting.clear_entities()
+        waiting.add_subscription(inbox.subscription.handle)
+        waiting.add_subscription(self._silences.subscription.handle)
+        waiting.wait(int(LOOK * NS_PER_S))
+        return True
+
+    def _patience(self, waited: StepInbox, step: int) -> float:
+        """How much longer than the guard it waits [s].
+
+        When one node hangs, all wait. Whoever has got a part of the step waits for the one that hangs, or for
+        one behind it in the loop: the nearer to the loop's beginning, the sooner he speaks. Who has got
+        nothing waits for all of them; the fewer things he reads, the better he knows.
+        """
+        for inbox in self._inboxes:
+            inbox.collect()
+        if not self._leads and not any(inbox.has(step * STEP_NS) for inbox in self._inboxes):
+            return 2.0 + len(LOOP) + len(self._inboxes)
+        hops = [LOOP.index(who) for who in waited.topic.publishers if who in LOOP]
+        return 1.0 * min(hops, default=len(LOOP))
+
+    def _hear_silences(self) -> None:
+        for header, _info in self._silences.take():
+            names = header.frame_id.split(" ")
+            self._ended = self._ended or header.frame_id == END
+            for inbox in self._inboxes:
+                if inbox.name in names:
+                    inbox.silent(stamp_to_ns(header.stamp))
+
+    def _complain(self, waited: StepInbox, step: int) -> None:
+        """Name all that is missing of a step, and who should have said it."""
+        for inbox in self._inboxes:
+            inbox.collect()
+        missing = [inbox for inbox in self._inboxes if not inbox.has(step * STEP_NS)] or [waited]
+        names = ", ".join(inbox.name for inbox in missing)
+        people = ", ".join(dict.fromkeys(who for inbox in missing for who in inbox.topic.publishers))
+        raise NodeFailure(
+            f"step {step}: waited {self._guard:g} s for {names} of {people or 'nobody known'}; "
+            "see its log, or allow more with the parameter lockstep_guard"
+        )

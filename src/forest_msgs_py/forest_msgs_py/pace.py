@@ -1,0 +1,86 @@
+"""How a node keeps time: live, by the system's clock, or in lockstep, by the steps of the graph.
+
+A node asks its pace for the time, for its publishers and its subscriptions, and is written once:
+
+===================  ===================================  ====================================================
+of a pace            live                                 in lockstep
+===================  ===================================  ====================================================
+``now()``            monotonic clock [s]                  k·dt of the step being made [s]
+``stamp()``          system time [ns]                     k·dt [ns]
+``on``               calls when a message arrives         calls when all that the node reads of step k is here
+``inbox``            newest message until now             message of step k
+``every``            a timer on the steady clock          every so many steps
+``publisher``        publishes                            publishes, once a step; tells if it said nothing
+``run``              None: the executor does it all       the loop over the steps
+===================  ===================================  ====================================================
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+
+from forest_msgs_py.inbox import inbox, sent_at
+from forest_msgs_py.lockstep import Lockstep
+from forest_msgs_py.node import publisher, subscription, timer
+from forest_msgs_py.parameters import declare
+from forest_msgs_py.topics import Topic
+
+
+class Live:
+    """The pace of a machine that does not wait."""
+
+    lockstep = False
+    run = None
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+
+    def now(self) -> float:
+        """The time by which staleness is judged [s]."""
+        return time.monotonic()
+
+    def stamp(self) -> int:
+        """ROS time [ns]."""
+        return int(self._node.get_clock().now().nanoseconds)
+
+    def publisher(self, topic: Topic) -> Any:
+        """A publisher with the type and the QoS of the table."""
+        return publisher(self._node, topic)
+
+    def inbox(self, topic: Topic) -> Any:
+        """A subscription to be read when its messages are needed."""
+        return inbox(self._node, topic)
+
+    def on(self, topic: Topic, callback: Callable[[Any, float], None]) -> None:
+        """Call with each message of a topic and the time at which it was sent, by `now`'s clock [s]."""
+
+        def arrived(message: Any, info: dict[str, int]) -> None:
+            callback(message, sent_at(info))
+
+        subscription(self._node, topic, arrived)
+
+    def every(self, period: float, callback: Callable[[], None]) -> None:
+        """Call once in a period [s]."""
+        timer(self._node, period, callback)
+
+
+def pace(node: Node, leads: bool = False) -> Live | Lockstep:
+    """The pace that the parameter ``lockstep`` asks for.
+
+    A node hands its pace's ``run`` on as its own.
+
+    Args:
+        node: whose pace it is.
+        leads: whether the node begins each step, as the machine does.
+    """
+    stepping = declare(node, "lockstep", False, "every node waits for the messages of each step")
+    guard = declare(node, "lockstep_guard", 20.0, "wait for a message of a step", "s", 0.1, 3600.0)
+    steps = declare(node, "steps", 0, "of the run in lockstep; 0: no end", low=0) if leads else 0
+    recorder = declare(node, "wait_for_recorder", False, "in lockstep, stay near it") if leads else False
+    if not stepping:
+        return Live(node)
+    return Lockstep(node, guard, leads=leads, steps=steps, recorded=recorder)

@@ -1,0 +1,155 @@
+"""Hears a run in lockstep: what its nodes say in each step, in an order that repeats, with stamps as times.
+
+Whatever else is said in the graph is heard beside it, as ever, at the time of the last complete step. The
+machine is told how far everything was taken, and stays near.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from forest_msgs_py import topics
+from forest_msgs_py.cdr import to_cdr
+from forest_msgs_py.graph_listener import GraphListener, Heard, Offer
+from forest_msgs_py.inbox import Inbox
+from forest_msgs_py.lockstep import END, STEP_NS, lockstep_qos
+from forest_msgs_py.messages import ns_to_stamp, stamp_to_ns
+from forest_msgs_py.node import Finished, NodeFailure
+from forest_msgs_py.parameters import declare
+from forest_msgs_py.stamps import stamp_in
+from forest_msgs_py.step_order import StepOrder
+from forest_msgs_py.topics import find, message_class, offered_qos, unlisted
+
+WALL_CLOCK = "/parameter_events"  # carries the time of day: no two runs say the same
+ROLL_DEPTH = 100  # nodes
+PATIENCE = 10.0  # [s] beyond the guard: who waits for one node, and not for all, shall speak first
+
+Wanted = Callable[[str, Sequence[str]], bool]
+Offered = Callable[[Offer], object]
+Refused = Callable[[str, str], None]
+
+
+class StepListener:
+    """Like a `GraphListener`, of a run in lockstep.
+
+    Args:
+        node: that subscribes.
+        wanted, offered, refused: as of the `GraphListener`.
+        nodes: of the run.
+        guard: how long it waits for a step [s, wall clock].
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        wanted: Wanted,
+        offered: Offered,
+        refused: Refused,
+        nodes: Sequence[str],
+        guard: float,
+    ) -> None:
+        self._node, self._wanted, self._offered, self._guard = node, wanted, offered, guard
+        self._order = StepOrder(nodes, STEP_NS)
+        self._beside = GraphListener(node, self._leaves, offered, refused)
+        latched = QoSProfile(
+            depth=ROLL_DEPTH,
+            reliability=ReliabilityPolicy.RELIABLE,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL,
+        )
+        self._roll = Inbox(node, message_class(topics.ROLL), topics.ROLL.name, latched)
+        self._silences = Inbox(node, message_class(topics.SILENCE), topics.SILENCE.name, lockstep_qos())
+        self._taken = node.create_publisher(
+            message_class(topics.RECORDED), topics.RECORDED.name, lockstep_qos()
+        )
+        self._inboxes: dict[str, Inbox] = {}
+        self._sequence: Counter[str] = Counter()
+        self._told, self._end, self._finished = 0, -1, False
+        self._progress = time.monotonic()
+
+    def look(self) -> None:
+        """Subscribe to what has appeared beside the run since the last look."""
+        self._beside.look()
+
+    def take(self) -> list[Heard]:
+        """Return the messages of the steps that have become complete since the last time.
+
+        Raises:
+            Finished: once, when the run's last step was taken the last time.
+            NodeFailure: no step was completed for as long as the guard allows.
+        """
+        if 0 <= self._end <= self._told and not self._finished:
+            self._finished = True
+            raise Finished
+        self._listen()
+        heard = [
+            self._heard(name, stamp, data)
+            for name, stamp, data in self._order.complete()
+            if self._wanted(name, ())
+        ]
+        now = self._order.reached
+        heard += [one._replace(received_ns=now, sent_ns=now) for one in self._beside.take()]
+        self._tell()
+        if time.monotonic() - self._progress > self._guard and not self._finished:
+            raise NodeFailure(f"waited {self._guard:g} s; {self._order.missing()}")
+        return heard
+
+    def _leaves(self, name: str, types: Sequence[str]) -> bool:
+        """Whether a topic is none of the run's, and wanted."""
+        own = name in self._order.types or name == WALL_CLOCK
+        return self._order.is_begun and not own and self._wanted(name, types)
+
+    def _heard(self, name: str, stamp: int, data: bytes) -> Heard:
+        self._sequence[name] += 1
+        return Heard(stamp, name, data, stamp, self._sequence[name], 0)
+
+    def _listen(self) -> None:
+        for message, _info in self._roll.take():
+            self._order.answer_the_roll(message.data)
+        for name in self._order.types.keys() - self._inboxes.keys():
+            self._open(name, self._order.types[name])
+        for name, inbox in self._inboxes.items():
+            latched, kind = name in self._order.latched, self._order.types[name]
+            for data, _info in inbox.take():
+                self._order.add(name, 0 if latched else stamp_in(kind, data), data)
+        for header, _info in self._silences.take():
+            if header.frame_id == END:
+                self._end = stamp_to_ns(header.stamp)
+            else:
+                self._order.silence(header.frame_id.split(" "), stamp_to_ns(header.stamp))
+
+    def _open(self, name: str, type_name: str) -> None:
+        """Subscribe to a topic, once its publisher can be seen.
+
+        The bag gets the QoS with which the topic is offered live: the depth and the memory that publishers
+        have in lockstep are the run's, not the topic's, and no player shall repeat them.
+        """
+        endpoints = self._node.get_publishers_info_by_topic(name)
+        if not endpoints:
+            return
+        row, kind = find(name) or unlisted(name, type_name), message_class(unlisted(name, type_name))
+        qos = lockstep_qos() if name not in self._order.latched else topics.qos(row)
+        self._inboxes[name] = Inbox(self._node, kind, name, qos, raw=True)
+        if self._wanted(name, (type_name,)):
+            self._offered(Offer(name, type_name, [offered_qos(row)], str(endpoints[0].topic_type_hash)))
+
+    def _tell(self) -> None:
+        """Tell how far everything was taken."""
+        if self._order.reached > self._told:
+            self._told, self._progress = self._order.reached, time.monotonic()
+            self._taken.publish(to_cdr(message_class(topics.RECORDED)(clock=ns_to_stamp(self._told))))
+
+
+def listener(node: Node, wanted: Wanted, offered: Offered, refused: Refused) -> GraphListener | StepListener:
+    """The listener that a node's parameters ask for: live, or of a run in lockstep."""
+    nodes = [
+        name for name in declare(node, "lockstep_nodes", [""], "in lockstep: the nodes of the run") if name
+    ]
+    guard = declare(node, "lockstep_guard", 20.0, "wait for a step", "s", 0.1, 3600.0)
+    if not nodes:
+        return GraphListener(node, wanted, offered, refused)
+    return StepListener(node, wanted, offered, refused, nodes, guard + PATIENCE)
