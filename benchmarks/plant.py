@@ -1,6 +1,7 @@
 """Times the compiled plant against general solvers at equal accuracy; prints a table.
 
     python benchmarks/plant.py [--json FILE] [--peers NAME ...] [--modes open held] [--seconds 20]
+    python benchmarks/plant.py --components | --many
 
 What is integrated, and how to read the table: benchmarks/README.md. Each contestant runs in a process of its
 own, one thread, with an empty compiler cache at first.
@@ -18,6 +19,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+import components
+import many
 import reference
 import work as benchmark
 from peers import CONTESTANTS, Contestant
@@ -121,7 +124,12 @@ def main(argv: list[str] | None = None) -> None:
     parser.add_argument("--seconds", type=float, default=benchmark.SECONDS, help="length of the work [s]")
     parser.add_argument("--tolerance", type=float, help="for the peers, instead of each one's own")
     parser.add_argument("--warm", action="store_true", help="ours need not be compiled anew")
+    parser.add_argument("--components", action="store_true", help="what single components cost, instead")
+    parser.add_argument("--many", action="store_true", help="many machines over all cores, instead")
     args = parser.parse_args(argv)
+    if args.components or args.many:
+        _write(args.json, _further(args))
+        return
 
     rows: list[Row] = []
     print(HEAD)
@@ -130,9 +138,27 @@ def main(argv: list[str] | None = None) -> None:
         rows += run_contestant(key, args.modes, args.seconds, tolerance, args.warm)
         for line in list(table(rows))[-len(args.modes) :]:
             print(line, flush=True)
-    if args.json:
+    _write(args.json, rows)
+
+
+def _further(args: argparse.Namespace) -> list[Row]:
+    """Print the tables beside the contest; return their rows."""
+    rows: list[Row] = []
+    if args.components:
+        found = components.measure(args.seconds, repeats=50)
+        print(components.HEAD, *components.table(found), sep="\n")
+        rows += found
+    if args.many:
+        found = many.measure()
+        print(many.HEAD, *many.table(found), sep="\n")
+        rows += found
+    return rows
+
+
+def _write(path: Path | None, rows: list[Row]) -> None:
+    if path is not None:
         machine = {"processor": _processor(), "python": platform.python_version()}
-        args.json.write_text(json.dumps({"machine": machine, "rows": rows}, indent=2) + "\n")
+        path.write_text(json.dumps({"machine": machine, "rows": rows}, indent=2) + "\n")
 
 
 def _processor() -> str:

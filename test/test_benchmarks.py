@@ -2,6 +2,7 @@
 
 import importlib
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -24,7 +25,11 @@ def benchmark(monkeypatch):
     """Imports a module of benchmarks/."""
     monkeypatch.syspath_prepend(BENCHMARKS)
     yield importlib.import_module
-    for name in [n for n in sys.modules if n.split(".")[0] in {"plant", "peers", "work", "reference"}]:
+    for name in [
+        n
+        for n in sys.modules
+        if n.split(".")[0] in {"plant", "peers", "work", "reference", "components", "many"}
+    ]:
         del sys.modules[name]
 
 
@@ -89,3 +94,24 @@ def test_held_commands_are_the_open_loop_s_at_every_sample(benchmark):
     sampled = np.array([segment.wave[[0, 4, 8]] for segment in held.segments])
     np.testing.assert_array_equal(sampled, work.held_commands(work.open_loop(0.6)))
     np.testing.assert_array_equal(work.step_voltages(held, 5)[::5], sampled)
+
+
+def test_a_component_that_is_cut_out_was_doing_nothing(benchmark):
+    components, work = benchmark("components"), benchmark("work")
+    voltages = work.step_voltages(work.open_loop(2.0), components.STEPS)
+    every = [part for parts in components.COMPONENTS.values() for part in parts]
+    ends = []
+    for parts in ((), every):
+        runner = components._runner(components.kernel_without(parts), "c180_thesis", voltages)
+        ends.append(runner.starts)
+    np.testing.assert_array_equal(*ends)
+    assert not np.array_equal(ends[0][0], ends[0][-1])
+
+
+def test_many_machines_are_told_by_the_clock_and_by_processor_time(benchmark, monkeypatch):
+    many = benchmark("many")
+    monkeypatch.setattr(many, "RUN", many.Run(0.5))
+    rows = many.measure(per_core=2)
+    assert [row["workers"] for row in rows] == [1, len(os.sched_getaffinity(0))]
+    assert all(row[name] > 0.0 for row in rows for name in ("efficiency", "cpu_efficiency", "seconds"))
+    assert len(list(many.table(rows))) == 2

@@ -1,0 +1,119 @@
+"""What components cost that a machine has, and those that it lacks.
+
+A component that `c180_thesis` lacks is neutral numbers in one kernel for all machines. Its cost is measured
+against a kernel in which these numbers are taken for granted, so that LLVM cuts the component's code out.
+Kernels take turns, half a second of the work at a time, and the fastest of each half second counts, so that
+neighbours on the machine disturb little.
+"""
+
+import time
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import work as benchmark
+from forest_description.machine import load_machine
+from forest_sim import compiled, flat, machine_code
+from forest_sim.equilibrium import equilibrium
+from forest_sim.parameters import plant_parameters
+from forest_sim.recording import STATE
+from work import SAMPLE, Floats
+
+COMPONENTS: Mapping[str, tuple[str, ...]] = {
+    "relief and anti-cavitation valves": (".guard.",),
+    "pump with limits": (".supply.",),
+    "hanging head": (".head.",),
+    "force on the tip": (".tip_force[",),
+    "end stops": (".stop.",),
+    "cushions": (".cushion.",),
+    "dry friction": (".friction.",),
+    "spool lag": (".lag.",),
+    "curved valve": (".curve.",),
+    "spool leakage": (".law.leakage.",),
+}
+STEPS = 5  # in a sample: 1 ms
+PIECE = 100  # samples
+HEAD = "| what | ns a step | costs |\n|---|---|---|"
+Row = dict[str, Any]
+
+
+class Runner(NamedTuple):
+    """A kernel with a machine that goes through the work again and again."""
+
+    kernel: machine_code.Kernel
+    parameters: Floats
+    starts: list[Floats]  # states at each piece's beginning
+    best: list[float]  # seconds of each piece
+
+
+def kernel_without(parts: Iterable[str]) -> machine_code.Kernel:
+    """Return the kernel with the parameters of some components taken for granted."""
+    names = tuple(parts)
+    text = compiled.kernel_text(lambda path: any(name in f"{path}." for name in names))
+    return machine_code.load(machine_code.optimised(text), compiled.ARGUMENTS)
+
+
+def measure(seconds: float, repeats: int) -> list[Row]:
+    """Return rows for the whole kernel, for it without each component and without all, and for `c180`."""
+    voltages = np.ascontiguousarray(benchmark.step_voltages(benchmark.make("open", seconds), STEPS))
+    every = [part for parts in COMPONENTS.values() for part in parts]
+    whole = kernel_without(())
+    runners = {
+        "c180_thesis": _runner(whole, "c180_thesis", voltages),
+        **{n: _runner(kernel_without(parts), "c180_thesis", voltages) for n, parts in COMPONENTS.items()},
+        "all of them": _runner(kernel_without(every), "c180_thesis", voltages),
+        "c180": _runner(whole, "c180", voltages),
+    }
+    for _ in range(repeats):
+        for piece in range(len(voltages) // (PIECE * STEPS)):
+            for runner in runners.values():
+                spent = _run(runner, piece, voltages)
+                runner.best[piece] = min(runner.best[piece], spent)
+    per_step = {name: 1e9 * sum(r.best) / len(voltages) for name, r in runners.items()}
+    thesis = per_step["c180_thesis"]
+    return [
+        {"what": name, "ns_per_step": ns, "ratio": ns / thesis if name == "c180" else thesis / ns}
+        for name, ns in per_step.items()
+    ]
+
+
+def _runner(kernel: machine_code.Kernel, machine: str, voltages: Floats) -> Runner:
+    p = plant_parameters(load_machine(machine))
+    start = equilibrium(benchmark.START, p)
+    state = np.array(flat.packer(start)(start))
+    runner = Runner(kernel, np.array(flat.packer(p)(p)), [state], [])
+    for piece in range(len(voltages) // (PIECE * STEPS)):
+        runner.best.append(np.inf)
+        _run(runner, piece, voltages, runner.starts.append)
+    return runner
+
+
+def _run(
+    runner: Runner, piece: int, voltages: Floats, then: Callable[[Floats], None] = lambda _: None
+) -> float:
+    """Return the time [s] of a piece of the work."""
+    state, record = runner.starts[piece].copy(), np.empty((PIECE, len(STATE)))
+    steps, counts = np.full(PIECE, SAMPLE / STEPS), np.full(PIECE, float(STEPS))
+    table = voltages[piece * PIECE * STEPS :]
+    rows = [row.ctypes.data for row in (state, table, steps, counts, runner.parameters, record)]
+    began = time.perf_counter()
+    runner.kernel(rows[0], rows[1], 3, rows[2], rows[3], 1, PIECE, 1, rows[4], rows[5], rows[5])
+    spent = time.perf_counter() - began
+    then(state)
+    return spent
+
+
+def table(rows: Iterable[Row]) -> Iterable[str]:
+    """Return the rows as lines of Markdown."""
+    for row in rows:
+        if row["what"] == "c180_thesis":
+            what, cost = "`c180_thesis`", ""
+        elif row["what"] == "c180":
+            what, cost = (
+                "`c180`, with relief, spool lag, end stops, pump",
+                f"{row['ratio']:.2f} × the first",
+            )
+        else:
+            what, cost = f"the same, cut out: {row['what']}", f"{100.0 * (row['ratio'] - 1.0):+.1f} %"
+        yield f"| {what} | {row['ns_per_step']:.0f} | {cost} |"
