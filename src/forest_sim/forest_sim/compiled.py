@@ -84,7 +84,6 @@ APART = (
     "_curved_opening",
     "_solve_further",
     "_try_again",
-    "_solve_with_open_port_valve",
     "power_flows",
     "_axis_power",
     "_axis_derivative",

@@ -70,6 +70,7 @@ class Coupling(NamedTuple):
     draw: float  # flow from the supply S [m^3/s]
     conductance: float  # dS/dP_s [m^3/(s Pa)]
     gain: float  # dP/dP_s, which by reciprocity is also dS/dq
+    feed: float  # dQ/dP_s [m^3/(s Pa)]
 
 
 def guard_flow(pressure: float, guard: PortGuard) -> float:
@@ -246,23 +247,7 @@ def solve_line(
     else:
         return shut
     outflow = actuator_flow - conductance * opening
-    return _solve_with_open_port_valve(
-        pressure, flow, outflow, leakage + conductance, port, supply, line, step
-    )
-
-
-def _solve_with_open_port_valve(
-    pressure: float,
-    flow: float,
-    outflow: float,
-    leakage: float,
-    port: Port,
-    supply: float,
-    line: Line,
-    step: float,
-) -> LineSolution:
-    """Solve the stage as `_solve_with_port_valve`; seldom, hence kept apart in the compiled plant."""
-    return _solve_with_port_valve(pressure, flow, outflow, leakage, port, supply, line, step)
+    return _solve_with_port_valve(pressure, flow, outflow, leakage + conductance, port, supply, line, step)
 
 
 def _solve_with_port_valve(
@@ -320,15 +305,17 @@ def supply_coupling(solution: LineSolution, port: Port, supply: float, line: Lin
         step: as given to it [s].
     """
     if is_shut(port):
-        return Coupling(0.0, 0.0, 0.0)
+        return Coupling(0.0, 0.0, 0.0, 0.0)
     p = solution.port_pressure
     to_supply = _edge_conductance(supply - p, port.to_supply) + port.leakage
     conductance = _conductance(p, port, supply)
     gain = step / line.inertance
     admittance = gain / (1.0 + gain * solution.slope)
     p_per_supply = to_supply / (conductance + admittance)
+    feed = admittance * p_per_supply
     return Coupling(
         draw=edge_flows(solution.flow, p, port, supply)[0],
         conductance=to_supply * (1.0 - p_per_supply),
-        gain=solution.slope * admittance * p_per_supply,
+        gain=solution.slope * feed,
+        feed=feed,
     )

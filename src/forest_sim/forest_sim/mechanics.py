@@ -171,8 +171,13 @@ def solve(m: Inertia, r: Triple, s: Pair) -> tuple[Triple, Pair]:
 def _solve_crane(m: Inertia, r: Triple) -> Triple:
     """Return the inverse of the 3x3 block applied to r."""
     d_11 = m.m_22 * m.m_33 - m.m_23 * m.m_23
-    if m.m_12 == 0.0 and m.m_13 == 0.0:
-        return (r[0] / m.m_11, (m.m_33 * r[1] - m.m_23 * r[2]) / d_11, (m.m_22 * r[2] - m.m_23 * r[1]) / d_11)
+    if m.m_12 == 0.0 and m.m_13 == 0.0:  # quotients of M alone, which serve a second right-hand side as well
+        per_swing, per_links = 1.0 / m.m_11, 1.0 / d_11
+        return (
+            r[0] * per_swing,
+            (m.m_33 * r[1] - m.m_23 * r[2]) * per_links,
+            (m.m_22 * r[2] - m.m_23 * r[1]) * per_links,
+        )
     d_12 = m.m_13 * m.m_23 - m.m_12 * m.m_33
     d_13 = m.m_12 * m.m_23 - m.m_13 * m.m_22
     d_22 = m.m_11 * m.m_33 - m.m_13 * m.m_13

@@ -275,7 +275,7 @@ def _draw(axis: AxisSolution, ports: Ports, supply: float, a: Axis, h: float) ->
     load = max(
         sensed_load(axis.one.port_pressure, ports.port_1), sensed_load(axis.two.port_pressure, ports.port_2)
     )
-    feeds = one.gain / axis.one.slope, two.gain / axis.two.slope
+    feeds = one.feed, two.feed
     return AxisDraw(one.draw + two.draw, one.conductance + two.conductance, gain, load, feeds)
 
 

@@ -137,7 +137,8 @@ def reference_rate(reference: float, load: float, s: Supply) -> float:
 
 def reference_after(reference: float, load: float, s: Supply, step: float) -> float:
     """Return P_r [Pa] at the end of an implicit stage, P_r = reference + step dP_r/dt."""
-    return (reference + step * s.rate * _aim(load, s)) / (1.0 + step * s.rate)
+    kept = 1.0 / (1.0 + step * s.rate)
+    return kept * (reference + step * s.rate * _aim(load, s))
 
 
 def _aim(load: float, s: Supply) -> float:
