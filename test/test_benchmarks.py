@@ -24,7 +24,9 @@ def benchmark(monkeypatch):
     """Imports a module of benchmarks/."""
     monkeypatch.syspath_prepend(BENCHMARKS)
     yield importlib.import_module
-    for name in [n for n in sys.modules if n.split(".")[0] in {"plant", "peers", "work", "reference"}]:
+    for name in [
+        n for n in sys.modules if n.split(".")[0] in {"plant", "peers", "work", "reference", "recorder"}
+    ]:
         del sys.modules[name]
 
 
@@ -89,3 +91,14 @@ def test_held_commands_are_the_open_loop_s_at_every_sample(benchmark):
     sampled = np.array([segment.wave[[0, 4, 8]] for segment in held.segments])
     np.testing.assert_array_equal(sampled, work.held_commands(work.open_loop(0.6)))
     np.testing.assert_array_equal(work.step_voltages(held, 5)[::5], sampled)
+
+
+def test_recorder_s_table_compares_with_the_bare_node(benchmark):
+    row = {"sent": 1000, "heard": 1000, "memory_growth_mb": 0.0}
+    rows = [
+        row | {"listener": "bare", "microseconds_per_message": 80.0},
+        row | {"listener": "recorder zstd", "microseconds_per_message": 20.0, "heard": 998},
+    ]
+    *_, bare, recorder = benchmark("recorder").table(rows).splitlines()
+    assert bare == "| bare | 1000 | 0 | 80.0 | 1.00 | 0.0 MB |"
+    assert recorder == "| recorder zstd | 1000 | 2 | 20.0 | 0.25 | 0.0 MB |"
