@@ -236,12 +236,18 @@ class McapPieces:
         name, text = ("", b"") if schema is None else (schema.name, schema.data)
         self.channels[record.id] = Channel(
             record.topic,
-            name,
+            full_type(name, record.message_encoding),
             record.message_encoding,
             record.metadata.get("offered_qos_profiles", ""),
             record.metadata.get("topic_type_hash", ""),
             text.decode("utf-8", "replace"),
         )
+
+
+def full_type(name: str, encoding: str) -> str:
+    """A ROS 2 type as Dashing's bags name it, ``std_msgs/String``, with the ``msg`` that came later."""
+    package, _, kind = name.partition("/")
+    return f"{package}/msg/{kind}" if encoding == "cdr" and kind and "/" not in kind else name
 
 
 # What the layers below raise over bytes that make no sense; decompressors have exceptions of their own.
