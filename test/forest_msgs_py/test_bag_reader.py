@@ -9,8 +9,8 @@ from mcap.writer import CompressionType, Writer
 
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.mcap_pieces import Damaged
 from forest_msgs_py.qos_profiles import offered
+from forest_msgs_py.raw_messages import Damaged
 
 TEXT = "std_msgs/msg/String"
 

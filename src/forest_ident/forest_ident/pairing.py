@@ -16,7 +16,7 @@ from typing import Any
 
 from forest_ident.comparison import Comparison, SignalDifference, TopicDifference
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.mcap_pieces import RawMessage
+from forest_msgs_py.raw_messages import RawMessage
 from forest_msgs_py.rows import NS_PER_S, Row
 from forest_msgs_py.series import row_reader, text_reader
 from forest_msgs_py.topics import AUXILIARY, find

@@ -1,4 +1,4 @@
-"""An MCAP file as pieces of messages that can be read in any order; what it shares with other kinds of files.
+"""An MCAP file as pieces of messages that can be read in any order.
 
 ===========  ===============================================================================================
 symbol       meaning
@@ -19,7 +19,7 @@ import struct
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
@@ -29,6 +29,7 @@ from mcap.records import Channel as ChannelRecord
 from mcap.stream_reader import CRCValidationError, get_chunk_data_stream
 
 from forest_msgs_py.bag_files import BagError
+from forest_msgs_py.raw_messages import Channel, Damaged, Piece, RawMessage, full_type
 
 MAGIC = b"\x89MCAP0\r\n"
 LOOSE_BYTES = 1 << 20  # of loose messages make one piece
@@ -38,60 +39,6 @@ _SPAN = struct.Struct("<QQ")  # of a chunk: first and last log time; of an index
 _FOOTER = struct.Struct("<QQI")  # start of the summary, of its offsets, checksum
 _CHUNK_INDEX = struct.Struct("<QQQQI")  # first and last log time, offset, length, bytes of channels
 _CHANNEL_PLACE = struct.Struct("<HQ")
-
-
-class Damaged(BagError):
-    """A file was cut off, or bytes of it were changed."""
-
-
-class Channel(NamedTuple):
-    """What a file says of one topic; ``qos`` is the YAML text, or the list, that rosbag2 keeps."""
-
-    topic: str
-    type: str
-    encoding: str = "cdr"
-    qos: Any = ""
-    type_hash: str = ""
-    definition: str = ""
-
-
-class RawMessage(NamedTuple):
-    """One recorded message; ``data`` is CDR unless the channel says otherwise."""
-
-    log_ns: int
-    publish_ns: int
-    sequence: int
-    channel: Channel
-    data: bytes
-
-
-class Piece(NamedTuple):
-    """Where some messages lie; ``channels`` None: of any channel."""
-
-    first_ns: int
-    last_ns: int
-    offset: int
-    length: int
-    channels: frozenset[int] | None = None
-
-
-class BagFile(Protocol):
-    """What the two kinds of files have in common."""
-
-    path: Path
-    channels: dict[int, Channel]
-    pieces: list[Piece]
-    counts: dict[int, int] | None  # by channel; None: nobody counted
-    complete: bool
-    problems: list[str]
-    attachments: list[tuple[str, bytes]]
-    metadata: list[tuple[str, dict[str, str]]]
-
-    def read(self, piece: Piece) -> list[RawMessage]:
-        """Read the messages of a piece, in the file's order; raises Damaged."""
-
-    def close(self) -> None:
-        """Let go of the file."""
 
 
 class McapPieces:
@@ -258,12 +205,6 @@ class McapPieces:
             record.metadata.get("topic_type_hash", ""),
             text.decode("utf-8", "replace"),
         )
-
-
-def full_type(name: str, encoding: str) -> str:
-    """A ROS 2 type as Dashing's bags name it, ``std_msgs/String``, with the ``msg`` that came later."""
-    package, _, kind = name.partition("/")
-    return f"{package}/msg/{kind}" if encoding == "cdr" and kind and "/" not in kind else name
 
 
 # What the layers below raise over bytes that make no sense; decompressors have exceptions of their own.

@@ -7,7 +7,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from forest_msgs_py.bag_files import BagError
-from forest_msgs_py.mcap_pieces import Channel, Damaged, Piece, RawMessage, full_type
+from forest_msgs_py.raw_messages import Channel, Damaged, Piece, RawMessage, full_type
 
 MAGIC = b"SQLite format 3\0"
 MESSAGES = 2000  # in a piece, and as many more as have the last one's log time
