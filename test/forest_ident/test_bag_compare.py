@@ -103,7 +103,10 @@ def test_a_log_time_counts_unless_numbers_are_tolerated(compare, content):
 
 
 def test_a_tolerance_forgives_log_times(compare, content):
-    assert compare(changed_at(content, 7, later=1), "--tolerance", "1e-9")[0] == 0
+    code, text, found = compare(changed_at(content, 7, later=1), "--tolerance", "1e-9")
+    assert code == 0
+    assert "first difference" not in text
+    assert found["topics"]["/joint_states"]["first"] is None
 
 
 @pytest.mark.parametrize("tolerance", ["0", "1e9"])
@@ -157,10 +160,16 @@ def test_types_nobody_knows_are_compared_by_bytes(compare):
 
 
 def test_a_topic_that_only_one_bag_has_is_a_difference(compare):
-    code, text, found = compare({topics.CLOCK: []})
+    clock = topics.message_class(topics.CLOCK)()
+    code, text, found = compare({topics.CLOCK: [(5, clock)]})
     assert code == 1
     assert found["only_in_b"] == ["/clock"]
     assert "only in B" in text
+
+
+def test_a_topic_that_was_only_announced_says_nothing(compare):
+    code, _, found = compare({topics.CLOCK: []})
+    assert (code, found["only_in_b"]) == (0, [])
 
 
 def test_sessions_of_different_times_are_aligned(make_bag, content, tmp_path, capsys):

@@ -7,8 +7,8 @@ import pytest
 from forest_ident.bag_cli import main
 from forest_ident.play_options import PlayOptions, plan, select
 from forest_msgs_py.bag_files import BagError
-from forest_msgs_py.mcap_pieces import Channel
 from forest_msgs_py.qos_profiles import Qos
+from forest_msgs_py.raw_messages import Channel
 
 JOY = Channel("/joy", "sensor_msgs/msg/Joy", qos="- {depth: 7}")
 THEIRS = Channel("/theirs", "nobody_msgs/msg/Secret")

@@ -9,8 +9,8 @@ from mcap.writer import CompressionType, Writer
 
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.mcap_pieces import Damaged
 from forest_msgs_py.qos_profiles import offered
+from forest_msgs_py.raw_messages import Damaged
 
 TEXT = "std_msgs/msg/String"
 
@@ -127,7 +127,9 @@ def test_a_database_of_rosbag2_reads_as_a_file_does(tmp_path, columns):
     with sqlite3.connect(file) as database:
         database.execute(f"CREATE TABLE topics (id, name, type, serialization_format{columns})")
         database.execute("CREATE TABLE messages (id, topic_id, timestamp, data)")
-        values = [1, "/a", TEXT, "cdr", "- depth: 3", "RIHS01_0"][: 6 if columns else 4]
+        values = [1, "/a", TEXT if columns else "std_msgs/String", "cdr", "- depth: 3", "RIHS01_0"][
+            : 6 if columns else 4
+        ]
         database.execute(f"INSERT INTO topics VALUES ({','.join('?' * len(values))})", values)
         rows = [(number, 1, time, b"x") for number, time in enumerate([7] * 2500 + [3, 9])]
         database.executemany("INSERT INTO messages VALUES (?,?,?,?)", rows)
@@ -135,6 +137,7 @@ def test_a_database_of_rosbag2_reads_as_a_file_does(tmp_path, columns):
     assert logged(file) == [3] + [7] * 2500 + [9]
     with BagReader(file) as bag:
         assert bag.channels["/a"][0].qos == ("- depth: 3" if columns else "")
+        assert bag.channels["/a"][0].type == TEXT
 
 
 def test_a_damaged_bag_is_refused_and_gives_what_is_whole_when_asked(tmp_path):

@@ -12,7 +12,7 @@ from forest_control.sources import LeverError
 from forest_msgs_py import topics
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.mcap_pieces import Damaged
+from forest_msgs_py.raw_messages import Damaged
 from forest_msgs_py.stamps import stamp_in
 
 NS_PER_S = 1_000_000_000

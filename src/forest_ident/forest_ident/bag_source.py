@@ -9,8 +9,8 @@ from itertools import islice
 from queue import Empty, Full, Queue
 
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.mcap_pieces import RawMessage
 from forest_msgs_py.qos_profiles import Qos
+from forest_msgs_py.raw_messages import RawMessage
 
 BATCH = 100  # messages handed over at once
 BATCHES = 50  # read ahead: a second and more of the demo's messages

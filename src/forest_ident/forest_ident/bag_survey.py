@@ -18,8 +18,8 @@ from typing import Any
 
 from forest_msgs_py.bag_metadata import LOST
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.mcap_pieces import RawMessage
 from forest_msgs_py.qos_profiles import offered
+from forest_msgs_py.raw_messages import RawMessage
 from forest_msgs_py.rows import NS_PER_S
 from forest_msgs_py.sequences import SequenceGaps
 from forest_msgs_py.topics import EVENTS, find

@@ -59,7 +59,8 @@ class TopicDifference:
     differing: int = 0  # pairs whose bytes differ
     log_times: int = 0  # pairs whose log times differ
     structure: int = 0  # pairs that differ in labels, texts, or in bytes that nobody can decode
-    first: Place | None = None
+    first: Place | None = None  # where content differs first
+    first_log_time: Place | None = None  # where a log time does
     signals: dict[str, SignalDifference] = field(default_factory=dict)
 
     def note(self, index: int, stamp_ns: int, what: str) -> None:
@@ -71,21 +72,29 @@ class TopicDifference:
         """RMS difference of one signal over all pairs."""
         return math.sqrt(signal.squares / self.pairs) if self.pairs else 0.0
 
+    def strict(self, tolerance: Tolerance) -> bool:
+        """Whether nothing is tolerated: then bytes and log times count."""
+        return not (tolerance(self.topic, "") or any(tolerance(self.topic, label) for label in self.signals))
+
     def within(self, tolerance: Tolerance) -> bool:
         """Whether the topic is the same: to the last bit if nothing is tolerated, else in its numbers."""
         if self.structure or any(self.alone):
             return False
-        allowed = {label: tolerance(self.topic, label) for label in self.signals}
-        if not any(allowed.values()) and not tolerance(self.topic, ""):
+        if self.strict(tolerance):
             return not (self.differing or self.log_times)
-        return all(signal.largest <= allowed[label] for label, signal in self.signals.items())
+        return all(s.largest <= tolerance(self.topic, label) for label, s in self.signals.items())
+
+    def place(self, tolerance: Tolerance) -> Place | None:
+        """Where the topic differs first; forgiven log times do not count."""
+        places = [self.first, self.first_log_time if self.strict(tolerance) else None]
+        return min(filter(None, places), key=lambda place: (place.stamp_ns, place.message), default=None)
 
 
 class Comparison(NamedTuple):
     """What two bags have in common, and what not."""
 
     topics: dict[str, TopicDifference]
-    alone: tuple[tuple[str, ...], tuple[str, ...]]  # topics that only a, only b has
+    alone: tuple[tuple[str, ...], tuple[str, ...]]  # topics of which only a, only b has messages
     ignored: tuple[str, ...]  # topics that were not compared
     origins: tuple[int, int] = (0, 0)  # stamps that count as time 0 in a and b, ns
 
@@ -93,7 +102,8 @@ class Comparison(NamedTuple):
         """Whether nothing differs by more than is tolerated."""
         return not any(self.alone) and all(topic.within(tolerance) for topic in self.topics.values())
 
-    def first(self) -> TopicDifference | None:
-        """Return the topic that differs first, by stamp."""
-        differing = [topic for topic in self.topics.values() if topic.first is not None]
-        return min(differing, key=lambda topic: topic.first.stamp_ns if topic.first else 0, default=None)
+    def first(self, tolerance: Tolerance) -> tuple[str, Place] | None:
+        """Return topic and place of what differs first, by stamp."""
+        places = [(name, topic.place(tolerance)) for name, topic in self.topics.items()]
+        found = [(name, place) for name, place in places if place is not None]
+        return min(found, key=lambda named: named[1].stamp_ns, default=None)

@@ -25,11 +25,9 @@ def table(comparison: Comparison, tolerance: Tolerance) -> str:
         lines += [f"{name:{LISTED}} only in {side}  <-" for name in names]
     if comparison.ignored:
         lines.append(f"not compared: {', '.join(comparison.ignored)}")
-    if (first := comparison.first()) is not None and first.first is not None:
-        place = first.first
-        lines.append(
-            f"first difference: {first.topic}, message {place.message}{_at(place.stamp_ns)}: {place.what}"
-        )
+    if (first := comparison.first(tolerance)) is not None:
+        name, place = first
+        lines.append(f"first difference: {name}, message {place.message}{_at(place.stamp_ns)}: {place.what}")
     return "\n".join(lines)
 
 
@@ -54,7 +52,7 @@ def as_json(comparison: Comparison, tolerance: Tolerance, names: tuple[str, str]
 
 
 def _topic(topic: TopicDifference, tolerance: Tolerance) -> dict[str, Any]:
-    place = topic.first
+    place = topic.place(tolerance)
     return {
         "topic": topic.topic,
         "type": topic.type,

@@ -14,9 +14,9 @@ from collections import deque
 from collections.abc import Callable, Collection, Iterator
 from typing import Any
 
-from forest_ident.comparison import Comparison, SignalDifference, TopicDifference
+from forest_ident.comparison import Comparison, Place, SignalDifference, TopicDifference
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.mcap_pieces import RawMessage
+from forest_msgs_py.raw_messages import RawMessage
 from forest_msgs_py.rows import NS_PER_S, Row
 from forest_msgs_py.series import row_reader, text_reader
 from forest_msgs_py.topics import AUXILIARY, find
@@ -66,8 +66,13 @@ def common_topics(
         name: (TopicDifference(name, kinds[0][name]), kinds[0][name], kinds[1][name])
         for name in sorted(names[0] & names[1])
     }
-    alone = (tuple(sorted(names[0] - names[1])), tuple(sorted(names[1] - names[0])))
+    alone = _with_messages(a, names[0] - names[1]), _with_messages(b, names[1] - names[0])
     return both, alone, tuple(sorted(left_out))
+
+
+def _with_messages(reader: BagReader, names: Collection[str]) -> tuple[str, ...]:
+    """Topics of which there are messages: one that was only announced says nothing."""
+    return tuple(sorted(name for name in names if next(reader.messages({name}), None) is not None))
 
 
 def _by_turns(streams: list[Iterator[RawMessage]]) -> Iterator[tuple[int, RawMessage]]:
@@ -154,7 +159,9 @@ class _Pairing:
                 result.note(index, stamp, what)
         if a.log_ns != b.log_ns:
             result.log_times += 1
-            result.note(index, stamp, f"log time {_seconds(a.log_ns)} and {_seconds(b.log_ns)}")
+            if result.first_log_time is None:
+                told = f"log time {_seconds(a.log_ns)} and {_seconds(b.log_ns)}"
+                result.first_log_time = Place(index, stamp, told)
 
     def _difference(
         self, a: RawMessage, b: RawMessage, row_a: Row | None, row_b: Row | None, stamp: int

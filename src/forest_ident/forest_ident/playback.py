@@ -23,12 +23,11 @@ from collections.abc import Iterator
 from contextlib import closing
 from typing import NamedTuple, Protocol
 
-from forest_msgs_py.mcap_pieces import RawMessage
+from forest_ident.lateness import Lateness
+from forest_msgs_py.raw_messages import RawMessage
 
 NS_PER_S = 1_000_000_000
 LAG_NS = NS_PER_S
-BIN_NS = 10_000  # of the lateness' histogram
-BINS = 10_000
 SHARES = (50, 99, 99.9)  # of the messages, in the summary [%]
 
 
@@ -73,30 +72,6 @@ class Wall:
     def wait(self, condition: threading.Condition, seconds: float | None) -> None:
         """Wait until notified, or for some time."""
         condition.wait(seconds)
-
-
-class Lateness:
-    """A histogram, so that a day of messages takes no more memory than a minute."""
-
-    def __init__(self) -> None:
-        self.count = 0
-        self.largest_ns = 0
-        self._bins = [0] * (BINS + 1)
-
-    def add(self, late_ns: int) -> None:
-        """Take in one message."""
-        self.count += 1
-        self.largest_ns = max(self.largest_ns, late_ns)
-        self._bins[min(late_ns // BIN_NS, BINS)] += 1
-
-    def quantile(self, share: float) -> float:
-        """Return the lateness [s] that a share of the messages does not exceed; its bin's upper end."""
-        left = share * self.count
-        for place, count in enumerate(self._bins[:BINS]):
-            left -= count
-            if left <= 0:
-                return min((place + 1) * BIN_NS, self.largest_ns) / NS_PER_S
-        return self.largest_ns / NS_PER_S
 
 
 class Player:

@@ -9,13 +9,9 @@ from __future__ import annotations
 import gc
 import sys
 import threading
-from collections.abc import Callable
-from typing import Any
 
-from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from std_srvs.srv import Trigger
 
 from forest_ident.bag_source import BagSource
 from forest_ident.keyboard import Keyboard
@@ -24,9 +20,10 @@ from forest_ident.playback import Player
 from forest_ident.remote import KEYS, PARAMETERS, Remote
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.mcap_pieces import RawMessage
 from forest_msgs_py.node import Finished, NodeFailure
+from forest_msgs_py.raw_messages import RawMessage
 from forest_msgs_py.raw_publishers import RawPublishers, is_installed
+from forest_msgs_py.steering import offer_parameters, offer_triggers
 
 SWITCH_S = 2e-4  # how long another Python thread may keep the interpreter; by default 5 ms
 POLL_S = 0.05
@@ -56,9 +53,9 @@ class PlayerNode(Node):
         )
         self._player = Player(source, self, whole)
         self._remote = Remote(self._player, self._reader.span, self._set_rate, self.get_logger().info)
-        for name, act in self._remote.services.items():
-            self.create_service(Trigger, f"~/{name}", _answer(act))
-        self._offer_parameters()
+        offer_triggers(self, self._remote.services)
+        values = {"rate": options.rate, "seek": 0.0}
+        offer_parameters(self, values, PARAMETERS, self._remote.refuse, self._remote.apply)
         self._done = self.create_guard_condition(self._finish)
         sys.setswitchinterval(SWITCH_S)
         gc.freeze()
@@ -116,27 +113,3 @@ class PlayerNode(Node):
 
     def _set_rate(self, rate: float) -> None:
         self.set_parameters([Parameter("rate", value=rate)])
-
-    def _offer_parameters(self) -> None:
-        values = {"rate": self._options.rate, "seek": 0.0}
-        for name, text in PARAMETERS.items():  # typed dynamically: 2 is as good as 2.0
-            descriptor = ParameterDescriptor(description=text, dynamic_typing=True)
-            self.declare_parameter(name, values[name], descriptor)
-        self.add_on_set_parameters_callback(self._check)
-        self.add_post_set_parameters_callback(self._apply)
-
-    def _check(self, parameters: list[Parameter]) -> SetParametersResult:
-        problems = [self._remote.refuse(parameter.name, parameter.value) for parameter in parameters]
-        return SetParametersResult(successful=not any(problems), reason="; ".join(filter(None, problems)))
-
-    def _apply(self, parameters: list[Parameter]) -> None:
-        for parameter in parameters:
-            self._remote.apply(parameter.name, parameter.value)
-
-
-def _answer(act: Callable[[], tuple[bool, str]]) -> Callable[[Any, Any], Any]:
-    def answer(_request: Any, response: Any) -> Any:
-        response.success, response.message = act()
-        return response
-
-    return answer

@@ -19,7 +19,8 @@ from typing import Any
 import yaml
 
 from forest_msgs_py.bag_files import BagError
-from forest_msgs_py.mcap_pieces import BagFile, Channel, Damaged, McapPieces, Piece, RawMessage
+from forest_msgs_py.mcap_pieces import McapPieces
+from forest_msgs_py.raw_messages import BagFile, Channel, Damaged, Piece, RawMessage
 from forest_msgs_py.sqlite_pieces import SqlitePieces
 
 SUFFIXES = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")

@@ -1,4 +1,4 @@
-"""An MCAP file as pieces of messages that can be read in any order; what it shares with other kinds of files.
+"""An MCAP file as pieces of messages that can be read in any order.
 
 ===========  ===============================================================================================
 symbol       meaning
@@ -19,77 +19,26 @@ import struct
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.reader import SeekingReader
-from mcap.records import Attachment, Chunk, Metadata, Schema
+from mcap.records import Attachment, Chunk, Metadata, Schema, Statistics
 from mcap.records import Channel as ChannelRecord
 from mcap.stream_reader import CRCValidationError, get_chunk_data_stream
 
 from forest_msgs_py.bag_files import BagError
+from forest_msgs_py.raw_messages import Channel, Damaged, Piece, RawMessage, full_type
 
 MAGIC = b"\x89MCAP0\r\n"
 LOOSE_BYTES = 1 << 20  # of loose messages make one piece
 _RECORD = struct.Struct("<BQ")  # opcode, length
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
-_SPAN = struct.Struct("<QQ")  # of a chunk: first and last log time
-
-
-class Damaged(BagError):
-    """A file was cut off, or bytes of it were changed."""
-
-
-class Channel(NamedTuple):
-    """What a file says of one topic; ``qos`` is the YAML text, or the list, that rosbag2 keeps."""
-
-    topic: str
-    type: str
-    encoding: str = "cdr"
-    qos: Any = ""
-    type_hash: str = ""
-    definition: str = ""
-
-
-class RawMessage(NamedTuple):
-    """One recorded message; ``data`` is CDR unless the channel says otherwise."""
-
-    log_ns: int
-    publish_ns: int
-    sequence: int
-    channel: Channel
-    data: bytes
-
-
-class Piece(NamedTuple):
-    """Where some messages lie; ``channels`` None: of any channel."""
-
-    first_ns: int
-    last_ns: int
-    offset: int
-    length: int
-    channels: frozenset[int] | None = None
-
-
-class BagFile(Protocol):
-    """What the two kinds of files have in common."""
-
-    path: Path
-    channels: dict[int, Channel]
-    pieces: list[Piece]
-    counts: dict[int, int] | None  # by channel; None: nobody counted
-    complete: bool
-    problems: list[str]
-    attachments: list[tuple[str, bytes]]
-    metadata: list[tuple[str, dict[str, str]]]
-
-    def read(self, piece: Piece) -> list[RawMessage]:
-        """Read the messages of a piece, in the file's order; raises Damaged."""
-
-    def close(self) -> None:
-        """Let go of the file."""
+_SPAN = struct.Struct("<QQ")  # of a chunk: first and last log time; of an index: offset and length
+_FOOTER = struct.Struct("<QQI")  # start of the summary, of its offsets, checksum
+_CHUNK_INDEX = struct.Struct("<QQQQI")  # first and last log time, offset, length, bytes of channels
+_CHANNEL_PLACE = struct.Struct("<HQ")
 
 
 class McapPieces:
@@ -110,6 +59,7 @@ class McapPieces:
         self.attachments: list[tuple[str, bytes]] = []
         self.metadata: list[tuple[str, dict[str, str]]] = []
         self._schemas: dict[int, Schema] = {}
+        self._sets: dict[frozenset[int], frozenset[int]] = {}  # equal ones are one: chunks are many
         with path.open("rb") as stream:
             start = stream.read(len(MAGIC))
             if start != MAGIC:
@@ -118,7 +68,7 @@ class McapPieces:
                 raise BagError(f"{path} is not an MCAP file: it does not begin with MCAP's magic bytes")
             self._bytes = mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ)
             self.complete = self._bytes[-len(MAGIC) :] == MAGIC and len(self._bytes) > 2 * len(MAGIC)
-            if not (self.complete and self._use_index(stream)):
+            if not (self.complete and self._use_index()):
                 self._scan()
         if not self.complete and not self.problems:
             self.problems.append("it has no end: the recorder was killed, or is still at work")
@@ -141,36 +91,49 @@ class McapPieces:
         except _BROKEN as error:
             raise Damaged(f"{self.path} is damaged at byte {piece.offset}: {error}") from error
 
-    def _use_index(self, stream: Any) -> bool:
+    def _use_index(self) -> bool:
         """Take channels and chunks from the summary; False where it does not suffice."""
         try:
-            stream.seek(0)
-            reader = SeekingReader(stream)
-            summary = reader.get_summary()
-            if summary is None or summary.statistics is None or not summary.channels:
-                return False
-            if not summary.chunk_indexes and summary.statistics.message_count:
-                return False
-            self.attachments = [(entry.name, entry.data) for entry in reader.iter_attachments()]
-            self.metadata = [(entry.name, entry.metadata) for entry in reader.iter_metadata()]
+            footer = len(self._bytes) - len(MAGIC) - _RECORD.size - _FOOTER.size
+            opcode, _ = _RECORD.unpack_from(self._bytes, footer)
+            start = _FOOTER.unpack_from(self._bytes, footer + _RECORD.size)[0]
+            if opcode != Opcode.FOOTER or start > footer:
+                raise ValueError("no footer")
+            summary = self._bytes[start:footer] if start else b""
+            for opcode, offset, end in _records(summary, 0):
+                self._take_summary(opcode, summary[offset + _RECORD.size : end])
         except _BROKEN:
             self.complete = False
             self.problems.append("its index is damaged")
             return False
-        self._schemas = summary.schemas
-        self.counts = summary.statistics.channel_message_counts
-        for record in summary.channels.values():
-            self._meet(record)
-        for index in summary.chunk_indexes:
-            channels = frozenset(index.message_index_offsets) or None
-            first, last = index.message_start_time, index.message_end_time
-            if not (channels or last):
-                continue  # nothing but schemas in it
-            self.pieces.append(Piece(first, last, index.chunk_start_offset, index.chunk_length, channels))
-        return True
+        return (
+            self.counts is not None
+            and bool(self.channels)
+            and (bool(self.pieces) or not any(self.counts.values()))
+        )
+
+    def _take_summary(self, opcode: int, body: bytes) -> None:
+        if opcode == Opcode.CHUNK_INDEX:
+            first, last, offset, length, size = _CHUNK_INDEX.unpack_from(body)
+            places = body[_CHUNK_INDEX.size : _CHUNK_INDEX.size + size]
+            found = frozenset(number for number, _ in _CHANNEL_PLACE.iter_unpack(places))
+            if found or last:  # else there are nothing but schemas in it
+                self.pieces.append(
+                    Piece(first, last, offset, length, self._sets.setdefault(found, found) or None)
+                )
+        elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+            self._declare(opcode, body)
+        elif opcode == Opcode.STATISTICS:
+            statistics = Statistics.read(ReadDataStream(BytesIO(body)))
+            self.counts = statistics.channel_message_counts
+        elif opcode in (Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX):
+            offset, length = _SPAN.unpack_from(body)
+            record, _ = _RECORD.unpack_from(self._bytes, offset)
+            self._take(record, offset, offset + length)
 
     def _scan(self) -> None:
         """Find channels and pieces by going through the file, as far as it is whole."""
+        self.pieces, self.counts = [], None
         self.attachments, self.metadata = [], []
         loose: list[int] = []  # first and last log time, offset
         for opcode, offset, end in _records(self._bytes, len(MAGIC)):
@@ -236,7 +199,7 @@ class McapPieces:
         name, text = ("", b"") if schema is None else (schema.name, schema.data)
         self.channels[record.id] = Channel(
             record.topic,
-            name,
+            full_type(name, record.message_encoding),
             record.message_encoding,
             record.metadata.get("offered_qos_profiles", ""),
             record.metadata.get("topic_type_hash", ""),

@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from forest_msgs_py.alike import decoded
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.mcap_pieces import Channel, RawMessage
 from forest_msgs_py.qos_profiles import offered
+from forest_msgs_py.raw_messages import Channel, RawMessage
 from forest_msgs_py.rows import NS_PER_S, TAKERS, Row, take_any, texts
 from forest_msgs_py.sequences import SequenceGaps
 from forest_msgs_py.topics import Topic, find, message_class, unlisted

@@ -7,7 +7,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from forest_msgs_py.bag_files import BagError
-from forest_msgs_py.mcap_pieces import Channel, Damaged, Piece, RawMessage
+from forest_msgs_py.raw_messages import Channel, Damaged, Piece, RawMessage, full_type
 
 MAGIC = b"SQLite format 3\0"
 MESSAGES = 2000  # in a piece, and as many more as have the last one's log time
@@ -77,7 +77,10 @@ class SqlitePieces:
         """Topics by number; databases before Galactic keep no QoS, before Iron no hash."""
         have = {row[1] for row in self._database.execute("PRAGMA table_info(topics)")}
         wanted = ", ".join(name if name in have else f"'' AS {name}" for name in TOPIC_COLUMNS)
-        return {row[0]: Channel(*row[1:]) for row in self._database.execute(f"SELECT {wanted} FROM topics")}
+        return {
+            number: Channel(name, full_type(kind, encoding), encoding, *rest)
+            for number, name, kind, encoding, *rest in self._database.execute(f"SELECT {wanted} FROM topics")
+        }
 
     def _find_pieces(self) -> None:
         times = [
