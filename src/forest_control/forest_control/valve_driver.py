@@ -24,6 +24,7 @@ from typing import NamedTuple
 
 from forest_control.valve_adaptation import UNLEARNT, Learner, blind, learn, learnt_law
 from forest_control.valve_flow import Sight
+from forest_control.valve_hold import SHUT, Hold, obeyed
 from forest_control.valve_inverse import required_opening, spool_voltage
 from forest_control.valve_knowledge import AxisDriver, Parameters, Settings, axis_drivers, parameters
 
@@ -44,15 +45,13 @@ __all__ = [
 
 Triple = tuple[float, float, float]
 Learners = tuple[Learner, Learner, Learner]
+Holds = tuple[Hold, Hold, Hold]
 
 LOWEST_SUPPLY = 0.25  # of the idle supply pressure: below, the pump is off or its transducer broken
 HIGHEST = 2.0  # of the nominal supply pressure
 FILLING = 60.0  # [rad/s] low-pass of the ports' mean pressure
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than nothing for a moment
 LEAST_FED = 0.004  # [V] of leakage: less lets the tip sink by under 3 mm/s and is not worth an open valve
-WISH_LAG = 0.1  # [s] of the low-pass through which a small command decides about opening: noise must not
-SMALL = 2.0  # hold zones: a command beyond opens at once
-BARELY = 1e-9  # [V] of an open valve whose command noise has turned round
 
 
 class State(NamedTuple):
@@ -63,7 +62,7 @@ class State(NamedTuple):
     means: Triple = (0.0, 0.0, 0.0)  # [Pa] of both ports
     spools: Triple = (0.0, 0.0, 0.0)  # [V] where the spools should be by now
     strokes: Triple = (0.0, 0.0, 0.0)  # [V] where they were on average since the last step
-    wishes: Triple = (0.0, 0.0, 0.0)  # [V] commands with what leaks, low-passed
+    holds: Holds = (SHUT, SHUT, SHUT)
     voltages: Triple = (0.0, 0.0, 0.0)  # [V] given last, without dither
     saturated: tuple[bool, bool, bool] = (False, False, False)  # a valve could not open as far as wished
     phase: float = 0.0  # of the dither, in turns
@@ -90,7 +89,7 @@ class AxisMemory(NamedTuple):
     """What `State` holds of one axis, and what is given to its valve."""
 
     spool: float
-    wish: float
+    hold: Hold
     voltage: float
     saturated: bool
 
@@ -138,7 +137,7 @@ def step(
             0.5 * (before[1] + boom.spool),
             0.5 * (before[2] + stick.spool),
         ),
-        wishes=(swing.wish, boom.wish, stick.wish),
+        holds=(swing.hold, boom.hold, stick.hold),
         voltages=(swing.voltage, boom.voltage, stick.voltage),
         saturated=(swing.saturated, boom.saturated, stick.saturated),
         phase=phase,
@@ -158,16 +157,15 @@ def _axis(
     axis, spool = p.axes[i], state.spools[i]
     rated = axis.valve.forward.rated_voltage
     if not math.isfinite(command):
-        return AxisMemory(spool * _left(axis, dt), 0.0, 0.0, False)
+        return AxisMemory(spool * _left(axis, dt), SHUT, 0.0, False)
     low = axis.valve.backward.rated_voltage
-    wish, wanted, saturated = 0.0, command, False
+    hold, wanted, saturated = state.holds[i], command, False
     if p.compensate:
         # A leaking motor under load must be fed to stand still, be the command ever so small; none is none.
         leaked = rated * axis.slip * state.loads[i] / axis.rated_speed
         fed = command + leaked if command != 0.0 else 0.0
-        wish = _wish(fed, state.wishes[i], dt)
-        least = p.hold_zone if abs(leaked) <= _worth(leaked, spool) else LEAST_FED
-        fed = _decided(fed, wish, spool, least, p)
+        zone = p.hold_zone if abs(leaked) <= _worth(leaked, spool) else min(LEAST_FED, p.hold_zone)
+        hold, fed = obeyed(hold, fed, zone, p.command_noises[i], dt)
         law = learnt_law(axis.valve, state.learners[i]) if p.adapt else axis.valve
         wanted = spool_voltage(fed, state.loads[i], mean, supply, axis, law, p) if fed != 0.0 else 0.0
         saturated = not -low < wanted < rated
@@ -180,7 +178,7 @@ def _axis(
     slewed = max(state.voltages[i] - most, min(state.voltages[i] + most, wanted))
     voltage = max(-low, min(rated, slewed))
     after = voltage + _left(axis, dt) * (spool - voltage)
-    return AxisMemory(after, wish, voltage, saturated)
+    return AxisMemory(after, hold, voltage, saturated)
 
 
 def _left(axis: AxisDriver, dt: float) -> float:
@@ -188,29 +186,9 @@ def _left(axis: AxisDriver, dt: float) -> float:
     return 0.0 if axis.spool_lag == 0.0 else math.exp(-dt / axis.spool_lag)
 
 
-def _wish(fed: float, before: float, dt: float) -> float:
-    """Return the low-passed command [V]; the first after none counts whole."""
-    if fed == 0.0 or before == 0.0:
-        return fed
-    return before + (1.0 - math.exp(-dt / WISH_LAG)) * (fed - before)
-
-
 def _worth(leaked: float, spool: float) -> float:
     """Return what must leak [V] to be fed; half of it keeps a valve open, so that it does not chatter."""
     return LEAST_FED if spool * leaked <= 0.0 else 0.5 * LEAST_FED
-
-
-def _decided(fed: float, wish: float, spool: float, least: float, p: Parameters) -> float:
-    """Return the command [V] to obey, 0 where the valve shall stay shut.
-
-    A small one opens the valve when its low-passed value is over `least`, and shuts it under half of that:
-    every opening crosses the overlap, and noise would do so for ever.
-    """
-    if fed == 0.0 or abs(fed) > SMALL * p.hold_zone:
-        return fed
-    if abs(wish) <= (0.5 * least if spool * wish > 0.0 else least):
-        return 0.0
-    return fed if fed * wish > 0.0 else math.copysign(BARELY, wish)
 
 
 def _dithered(voltage: float, dither: float, axis: AxisDriver) -> float:

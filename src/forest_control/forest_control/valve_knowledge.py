@@ -12,6 +12,8 @@ from forest_description.actuation import displacements, rated_speeds
 from forest_description.machine import Machine
 from forest_description.valve import ValveLaw
 
+NOISY_SERVO = 25.0  # [1/s] five standard deviations of the position through a servo's gain of 5 1/s
+
 
 class AxisDriver(NamedTuple):
     """What the driver knows of one actuator."""
@@ -52,6 +54,7 @@ class Parameters(NamedTuple):
     compensate: bool
     beyond_valve: bool
     hold_zone: float  # [V]
+    command_noises: tuple[float, float, float]  # [V] commands up to this may be noise
     load_bandwidth: float  # [rad/s]
     minimum_drop: float
     slew_limit: float  # [V/s]; inf: none
@@ -71,6 +74,11 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
         compensate=settings.compensate,
         beyond_valve=settings.compensate and settings.beyond_valve,
         hold_zone=settings.hold_zone,
+        command_noises=(
+            _command_noise(machine, 0),
+            _command_noise(machine, 1),
+            _command_noise(machine, 2),
+        ),
         load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
         minimum_drop=settings.minimum_drop,
         slew_limit=settings.slew_limit if settings.slew_limit > 0.0 else math.inf,
@@ -136,11 +144,22 @@ def _slip(machine: Machine, axis: int) -> float:
     return leakage / oil**2
 
 
+def _command_noise(machine: Machine, axis: int) -> float:
+    """Return what a servo may make of its position's noise [V]."""
+    noise = _position_noise(machine, axis) * NOISY_SERVO
+    return machine.valve_of(axis).rated_voltage * noise / rated_speeds(machine)[axis]
+
+
+def _position_noise(machine: Machine, axis: int) -> float:
+    """Return the standard deviation of a sample of the actuator's position [rad; m]."""
+    sensor = machine.sensors.resolver if axis == 0 else machine.sensors.linear_transducer
+    return (sensor.noise or 0.0) if sensor is not None else 0.0
+
+
 def _flow(machine: Machine, axis: int) -> FlowParameters:
     """Return what an axis' measured flow is made of."""
     one, two = displacements(machine, axis)
-    swing, sensors = machine.swing, machine.sensors
-    sensor = sensors.resolver if axis == 0 else sensors.linear_transducer
+    swing = machine.swing
     return FlowParameters(
         displacement_1=one,
         displacement_2=two,
@@ -148,6 +167,6 @@ def _flow(machine: Machine, axis: int) -> FlowParameters:
         capacitance_2=machine.line(axis, 2).capacitance,
         internal_leakage=1.0 / swing.internal_leakage_resistance if axis == 0 else 0.0,
         external_leakage=1.0 / swing.external_leakage_resistance if axis == 0 else 0.0,
-        position_noise=(sensor.noise or 0.0) if sensor is not None else 0.0,
+        position_noise=_position_noise(machine, axis),
         supply_pressure=machine.pump.supply_pressure,
     )
