@@ -7,7 +7,7 @@ import pytest
 
 from forest_control import controller
 from forest_control.controller import REST, ZERO, Inputs, Settings, State
-from forest_control.governor import Limit
+from forest_control.governor import ENOUGH, Limit
 from forest_control.hand import tip_rate
 from forest_control.levers import Levers
 from forest_control.schemes import Scheme, closes_on_position
@@ -212,6 +212,7 @@ def test_end_stops_may_give_without_the_state_being_refused():
 def test_each_axis_is_clipped_at_and_scaled_with_its_own_valve_s_rated_voltage():
     loader = load_machine("loader")
     p = controller.parameters(loader, Settings(scheme=Scheme.JOINT, joint_rates=(3.0, 3.0, 3.0)))
+    p = p._replace(governor=p.governor._replace(pumps=ENOUGH))
     assert p.rated_voltages == (6.0, 8.0, 8.0)
     _, output = controller.step(REST, inputs((1.0, 1.0, 1.0)), p, PERIOD)
     assert output.command == (6.0, 8.0, 8.0)

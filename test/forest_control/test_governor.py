@@ -5,12 +5,30 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.governor import NEGLIGIBLE_RATE, Governed, GovernorParameters, Limit, govern
+from forest_control.governor import (
+    CREEP,
+    ENOUGH,
+    NEGLIGIBLE_RATE,
+    NO_AXIS,
+    Governed,
+    GovernorParameters,
+    Limit,
+    Pumps,
+    flow_demand,
+    govern,
+)
+from forest_description.actuation import displacements, joint_rates_to_actuator_speeds
 from forest_description.kinematics import Links, joint_rates, tip_velocity
+from forest_description.machine import load_machine
 
 LINKS = Links(0.41, 4.1, 2.9)
 P = GovernorParameters(
-    lower=(-2.0, -0.6, -2.1), upper=(2.0, 1.2, -0.8), rates=(0.8, 0.25, 0.3), approach=(1.0, 2.0, 3.0)
+    lower=(-2.0, -0.6, -2.1),
+    upper=(2.0, 1.2, -0.8),
+    rates=(0.8, 0.25, 0.3),
+    approach=(1.0, 2.0, 3.0),
+    pumps=ENOUGH,
+    axis=NO_AXIS,
 )
 MIDDLE = (0.0, 0.3, -1.5)
 
@@ -32,7 +50,9 @@ def test_tip_keeps_its_direction_and_no_joint_exceeds_what_is_allowed():
     assert all(np.linalg.norm(np.cross(moved, wishes), axis=1) <= 1e-9 * square)
     assert np.sum(moved * wishes, axis=1) == pytest.approx(factors * square, rel=1e-9)
     room = np.where(rates > 0.0, P.upper - angles, angles - P.lower)
-    assert np.all(np.abs(rates) <= (1.0 + 1e-12) * np.minimum(P.rates, P.approach * room))
+    assert np.all(
+        np.abs(rates) <= (1.0 + 1e-12) * np.minimum(P.rates, np.maximum(0.0, P.approach * room - CREEP))
+    )
     assert min(factors) >= 0.0
     assert max(factors) == 1.0
     assert 2000 < np.count_nonzero(factors < 1.0) < 20000
@@ -43,7 +63,9 @@ def test_factor_is_the_largest_that_is_allowed():
     for _ in range(1000):
         q, wished = random_angles(rng), tuple(rng.normal(0.0, 0.4, 3).tolist())
         rooms = [P.upper[i] - q[i] if wished[i] > 0.0 else q[i] - P.lower[i] for i in range(3)]
-        shares = [min(P.rates[i], P.approach[i] * rooms[i]) / abs(wished[i]) for i in range(3)]
+        shares = [
+            min(P.rates[i], max(0.0, P.approach[i] * rooms[i] - CREEP)) / abs(wished[i]) for i in range(3)
+        ]
         assert govern(q, wished, P).factor == pytest.approx(min(1.0, *shares), rel=1e-12)
 
 
@@ -87,5 +109,24 @@ def test_a_joint_comes_to_rest_before_its_limit():
     for _ in range(4000):
         factor = govern((0.0, angle, -1.5), (0.0, 0.25, 0.0), P).factor
         angle += period * factor * 0.25
-    assert P.upper[1] - 1e-6 < angle < P.upper[1] + 1e-12
+    assert P.upper[1] - 1.1 * CREEP / P.approach[1] < angle < P.upper[1]
+    assert govern((0.0, angle, -1.5), (0.0, 0.25, 0.0), P).factor * 0.25 < 1e-6  # it arrives
     assert not math.isclose(angle, 0.9)
+
+
+def test_the_pumps_flow_is_shared_without_turning():
+    machine = load_machine("loader")
+    areas = [displacements(machine, axis) for axis in range(3)]
+    extending, retracting = zip(*areas, strict=True)
+    pumps = Pumps(machine.pump.flow_limit, extending, retracting, machine.linkages)
+    p = P._replace(pumps=pumps, rates=(9.0, 9.0, 9.0), approach=(99.0, 99.0, 99.0))
+    rng, held = np.random.default_rng(7), 0
+    for _ in range(2000):
+        q, wished = random_angles(rng), tuple(rng.normal(0.0, 0.5, 3).tolist())
+        governed = govern(q, wished, p)
+        speeds = joint_rates_to_actuator_speeds(q, wished, machine.linkages)
+        taken = sum(abs(v) * area[0 if v > 0.0 else 1] for v, area in zip(speeds, areas, strict=True))
+        assert flow_demand(q, wished, pumps) == pytest.approx(taken, rel=1e-12)
+        assert governed.factor * taken <= pumps.limit * (1.0 + 1e-12)
+        held += governed.limit == Limit.FLOW
+    assert 200 < held < 2000

@@ -14,7 +14,7 @@ difference is added to its command and fades (`HAND_OVER`).
 
 from typing import NamedTuple
 
-from forest_control import coordination, stopping
+from forest_control import coordination, stopping, workspace
 from forest_control.capacity import greatest_rates
 from forest_control.governor import Governed, GovernorParameters, Limit, govern
 from forest_control.hand import JOINT_ACCELERATION, Mode, joint_following, shaped, tip_following, tip_rate
@@ -33,9 +33,10 @@ from forest_control.schemes import (
 from forest_control.settings import Parameters as Parameters
 from forest_control.settings import Settings as Settings
 from forest_control.settings import parameters as parameters
+from forest_control.singularity import rates_anywhere
 from forest_control.stopping import NO_STOP, Stop
 from forest_description.actuation import joint_rates_to_actuator_speeds
-from forest_description.kinematics import is_singular, joint_rates, tip_velocity
+from forest_description.kinematics import is_singular, joint_rates, tip_position, tip_velocity
 from forest_description.machine import AXES
 
 Triple = tuple[float, float, float]
@@ -110,8 +111,12 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
         reference, memory = coordination.settle(state.reference, inputs.angles, state.memory)
         state = State(reference, True, memory, p.scheme, ZERO, ZERO, p.hand.mode, reference, False, NO_STOP)
         return state, Output(ZERO, ZERO, Governed(1.0, Limit.NONE))
+    free = velocity
+    velocity = workspace.slid(tip_position(pose, p.links), free, p.workspace)
     rates = _wished_rates(state, pose, velocity, inputs, p, dt)
     wish = _governed_wish(pose, inputs.angles, rates, velocity, p)
+    if velocity != free and wish.governed.limit == Limit.NONE:
+        wish = Wish(wish.rates, wish.velocity, Governed(wish.governed.factor, Limit.WALL))
     return _commanded(state, wish, pose, inputs, p, dt)
 
 
@@ -159,6 +164,7 @@ def _stopping_at_reference(
     """Advance the stop of a scheme that follows its reference to the end."""
     r = state.reference
     velocity = _scale(stop.wish, stopping.share(stop))
+    velocity = workspace.slid(tip_position(r, p.links), velocity, p.workspace)
     wish = _governed_wish(r, inputs.angles, joint_rates(r, velocity, p.links), velocity, p)
     after, output = _commanded(state, wish, r, inputs, p, dt)
     released = Governed(wish.governed.factor, Limit.RELEASED)
@@ -198,7 +204,7 @@ def _wished_rates(
 ) -> Triple:
     """Return the joint rates [rad/s] of a wished tip velocity, or in the joint scheme the levers' own."""
     if p.scheme != Scheme.JOINT:
-        return joint_rates(pose, velocity, p.links)
+        return rates_anywhere(pose, velocity, p.links)
     levers = shaped(inputs.levers, p.hand)
     if p.hand.mode == Mode.RATE:
         return joint_rate_wish(levers, p.governor.rates)
@@ -217,11 +223,19 @@ def _governed_wish(pose: Triple, angles: Triple, rates: Triple, velocity: Triple
         velocity: wished of the tip [m/s].
         p: parameters.
     """
-    if p.scheme != Scheme.JOINT and is_singular(pose, p.links):
-        return Wish(ZERO, ZERO, Governed(0.0, Limit.SINGULARITY))
     place = pose if closes_on_position(p.scheme) else angles
     governed = govern(place, rates, governor_at(place, rates, p))
-    return Wish(_scale(rates, governed.factor), _scale(velocity, governed.factor), governed)
+    if p.scheme == Scheme.JOINT:
+        left = workspace.share(
+            tip_position(angles, p.links), tip_velocity(angles, rates, p.links), p.workspace
+        )
+        if left < governed.factor:
+            governed = Governed(left, Limit.WALL)
+    a = _scale(rates, governed.factor)
+    if p.scheme != Scheme.JOINT and is_singular(pose, p.links):
+        # Out of it the tip goes where the joints take it.
+        return Wish(a, tip_velocity(pose, a, p.links), Governed(governed.factor, Limit.SINGULARITY))
+    return Wish(a, _scale(velocity, governed.factor), governed)
 
 
 def _commanded(
@@ -292,7 +306,8 @@ def governor_at(angles: Triple, wished: Triple, p: Parameters) -> GovernorParame
         return p.governor
     most, rates = greatest_rates(angles, wished, p.capacity), p.governor.rates
     least = min(rates[0], most[0]), min(rates[1], most[1]), min(rates[2], most[2])
-    return GovernorParameters(p.governor.lower, p.governor.upper, least, p.governor.approach)
+    g = p.governor
+    return GovernorParameters(g.lower, g.upper, least, g.approach, g.pumps, g.axis)
 
 
 def implausible(angles: tuple[float, ...], rates: tuple[float, ...], p: Parameters) -> str:

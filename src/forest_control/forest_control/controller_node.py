@@ -25,6 +25,8 @@ from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, RIGHT_Y, Triple
 from forest_control.profile import load_profile, shipped
 from forest_control.schemes import Scheme
 from forest_control.tunables import TUNABLES, as_typed, settings_from
+from forest_control.workspace_file import load_workspace
+from forest_control.workspace_file import shipped as workspaces
 from forest_description.kinematics import tip_position, tip_velocity
 from forest_description.machine import load_machine
 from forest_description.urdf import robot_description
@@ -60,7 +62,9 @@ class ControllerNode(Node):
         profile = load_profile(tunables.declare("profile", "default", text))
         for one in TUNABLES:
             tunables.declare(one.name, profile.get(one.name, as_typed(one.name, defaults)), *one[1:])
-        self._core = controller.parameters(machine, settings_from(tunables.values))
+        walls = f"walls: {', '.join(workspaces())}, or path of a file; empty: none"
+        self._workspace = load_workspace(get("workspace", "", walls))
+        self._core = controller.parameters(machine, settings_from(tunables.values), self._workspace)
         self._period = StampedPeriod(get("period", 0.005, "nominal period of the state", "s", 1e-4, 0.1))
         self._watch_settings = self._joystick_settings()
         self._state_timeout = get("state_timeout", 0.1, "age at which the state is lost", "s", 0.01, 0.2)
@@ -87,7 +91,7 @@ class ControllerNode(Node):
 
     def _tune(self, values: dict[str, Any]) -> None:
         """Follow parameters that were set while the machine may be moving."""
-        self._core = controller.parameters(self._machine, settings_from(values))
+        self._core = controller.parameters(self._machine, settings_from(values), self._workspace)
         self._state = self._state._replace(changed=True)
 
     def _joystick_settings(self) -> WatchParameters:

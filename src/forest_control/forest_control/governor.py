@@ -8,13 +8,24 @@ limit is never slowed.
 | a | wished joint rates | rad/s |
 | k | approach rate: allowed rate towards a joint limit per remaining angle | 1/s |
 | alpha | the factor, 0..1 | |
+| Q, A | flow of the pumps; area of an actuator's inlet (per angle: oil of the motor) | m^3/s; m^2, m^3/rad |
+| r | distance of the tip from the swing axis, negative behind it | m |
+
+Two singular places are kept like limits: the swing axis (no swing moves the tip sideways there), and a stick
+that is straight or folded flat; the latter bounds the stick's angles.
 """
 
+import math
 from enum import IntEnum
 from typing import NamedTuple
 
+from forest_description.actuation import Linkages
+from forest_description.kinematics import Links
+from forest_description.linkage import Linkage, lever_arm
+
 Triple = tuple[float, float, float]
 
+NEGLIGIBLE_SPEED = 1e-6  # [m/s] likewise towards the swing axis
 NEGLIGIBLE_RATE = 1e-6  # [rad/s] up to this a joint does not count as moving: rounding must not stop others
 
 
@@ -30,6 +41,29 @@ class Limit(IntEnum):
     RELEASED = 6  # nobody holds the deadman, or the joystick is lost
 
 
+class Pumps(NamedTuple):
+    """What the pumps give, and what the actuators take."""
+
+    limit: float  # Q [m^3/s]
+    extending: Triple  # A at port 1
+    retracting: Triple  # A at port 2
+    linkages: Linkages
+
+
+class Axis(NamedTuple):
+    """How near the swing axis the tip may come."""
+
+    links: Links
+    closest: float  # [m]; not positive: as near as it likes
+
+
+_NO_LINKAGE = Linkage(1.0, 1.0, 0.0)
+ENOUGH = Pumps(math.inf, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (_NO_LINKAGE, _NO_LINKAGE))
+NO_AXIS = Axis(Links(0.0, 1.0, 1.0), 0.0)
+CREEP = 1e-3  # [rad/s] towards a limit slower than this is standing still: it arrives, and valves can shut
+REACH_APPROACH = 2.0  # [1/s] k for the swing axis
+
+
 class GovernorParameters(NamedTuple):
     """Limits per joint, swing, boom, stick."""
 
@@ -37,6 +71,8 @@ class GovernorParameters(NamedTuple):
     upper: Triple  # [rad], margin included
     rates: Triple  # [rad/s]
     approach: Triple  # [1/s]
+    pumps: Pumps
+    axis: Axis
 
 
 class Governed(NamedTuple):
@@ -54,8 +90,40 @@ def govern(angles: Triple, wished: Triple, p: GovernorParameters) -> Governed:
         if abs(rate) <= NEGLIGIBLE_RATE:
             continue
         room = p.upper[joint] - angles[joint] if rate > 0.0 else angles[joint] - p.lower[joint]
-        towards_limit = max(0.0, p.approach[joint] * room)
-        for allowed, limit in ((p.rates[joint], Limit.RATE), (towards_limit, Limit.JOINT)):
-            if allowed < governed.factor * abs(rate):
-                governed = Governed(allowed / abs(rate), limit)
+        towards_limit = max(0.0, p.approach[joint] * room - CREEP)
+        governed = _at_most(governed, p.rates[joint], abs(rate), Limit.RATE)
+        governed = _at_most(governed, towards_limit, abs(rate), Limit.JOINT)
+    governed = _at_most(governed, p.pumps.limit, flow_demand(angles, wished, p.pumps), Limit.FLOW)
+    if p.axis.closest <= 0.0:
+        return governed
+    reach, inward = _towards_axis(angles, wished, p.axis.links)
+    if inward <= NEGLIGIBLE_SPEED:
+        return governed
+    allowed = max(0.0, REACH_APPROACH * (reach - p.axis.closest))
+    return _at_most(governed, allowed, inward, Limit.SINGULARITY)
+
+
+def _at_most(governed: Governed, allowed: float, wished: float, limit: Limit) -> Governed:
+    """Return the stronger of a factor and the one that leaves of a wish what is allowed."""
+    if allowed < governed.factor * wished:
+        return Governed(allowed / wished, limit)
     return governed
+
+
+def flow_demand(q: Triple, rates: Triple, pumps: Pumps) -> float:
+    """Return the flow [m^3/s] that joint rates [rad/s] take at joint angles [rad]: sum of A |v|."""
+    boom = lever_arm(q[1], pumps.linkages[0]) * rates[1]
+    stick = lever_arm(q[2], pumps.linkages[1]) * rates[2]
+    return _inlet(rates[0], 0, pumps) + _inlet(boom, 1, pumps) + _inlet(stick, 2, pumps)
+
+
+def _inlet(speed: float, i: int, pumps: Pumps) -> float:
+    return speed * pumps.extending[i] if speed > 0.0 else -speed * pumps.retracting[i]
+
+
+def _towards_axis(q: Triple, rates: Triple, links: Links) -> tuple[float, float]:
+    """Return |r| [m] and how fast it shrinks [m/s]."""
+    c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])
+    r = links.base_offset + links.boom * math.cos(q[1]) + links.stick * c_23
+    outward = -links.boom * math.sin(q[1]) * rates[1] - links.stick * s_23 * (rates[1] + rates[2])
+    return abs(r), -math.copysign(outward, outward * r) if outward != 0.0 else 0.0

@@ -29,7 +29,7 @@ import math
 from enum import IntEnum
 from typing import NamedTuple
 
-from forest_description.kinematics import Links, joint_rates, nearest_pose, tip_position
+from forest_description.kinematics import Links, is_singular, joint_rates, nearest_pose, tip_position
 
 Triple = tuple[float, float, float]
 ZERO: Triple = (0.0, 0.0, 0.0)
@@ -163,7 +163,9 @@ def advanced(scheme: int, r: Triple, a: Triple, velocity: Triple, links: Links, 
         return nearest_pose(wished, r, links)
     if scheme == Scheme.COORDINATED:
         # The rates half a step on: the tip's reference then stays on the integral of its velocity.
-        a = joint_rates(moved(r, a, 0.5 * dt), velocity, links)
+        middle = moved(r, a, 0.5 * dt)
+        if not (is_singular(r, links) or is_singular(middle, links)):
+            a = joint_rates(middle, velocity, links)
     return moved(r, a, dt)
 
 

@@ -5,14 +5,16 @@ from typing import NamedTuple
 
 from forest_control.capacity import Capacity, capacity
 from forest_control.coordination import CoordinationParameters
-from forest_control.governor import GovernorParameters
+from forest_control.governor import NO_AXIS, Axis, GovernorParameters, Pumps
 from forest_control.hand import Frame, Hand, Mode
 from forest_control.schemes import Gains, Scheme
+from forest_control.singularity import BENT
 from forest_control.swing_load import swing_load
 from forest_control.valve_driver import axis_drivers
-from forest_description.actuation import Linkages, rated_speeds
+from forest_control.workspace import OPEN, Workspace
+from forest_description.actuation import Linkages, displacements, rated_speeds
 from forest_description.kinematics import Links
-from forest_description.limits import joint_limits
+from forest_description.limits import Interval, joint_limits
 from forest_description.machine import Machine
 
 Triple = tuple[float, float, float]
@@ -21,6 +23,8 @@ SMOOTHING = 0.01  # [s] of the reference's acceleration
 INTEGRAL_LIMIT = 0.1  # [rad/s] more than any valve is wrong by
 HOLD_ERROR = 1.5e-4  # [rad] above the resolvers' low-passed jitter; 1 mm of the tip
 RELEASE_ERROR = 3e-4  # [rad] 2 mm
+CLOSEST = 0.03  # of the arm's length: how near the tip comes to the swing axis in tip schemes
+FLOW_RESERVE = 0.95  # of the pumps' flow: leakage and the loads' oil need the rest
 
 
 class Settings(NamedTuple):
@@ -65,10 +69,11 @@ class Parameters(NamedTuple):
     rated_voltages: Triple  # [V] of each axis' valve
     coordinated: CoordinationParameters
     capacity: Capacity
+    workspace: Workspace
 
 
-def parameters(machine: Machine, settings: Settings) -> Parameters:
-    """Return the core's parameters for a machine."""
+def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN) -> Parameters:
+    """Return the core's parameters for a machine and the walls around it."""
     gains = _gains(settings, 0), _gains(settings, 1), _gains(settings, 2)
     return Parameters(
         scheme=int(settings.scheme),
@@ -85,6 +90,7 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
             machine.valve_of(1).rated_voltage,
             machine.valve_of(2).rated_voltage,
         ),
+        workspace=workspace,
         capacity=capacity(machine, axis_drivers(machine)),
         coordinated=CoordinationParameters(
             gains=gains,
@@ -125,9 +131,32 @@ def _gains(settings: Settings, i: int) -> Gains:
 
 def _governor(machine: Machine, settings: Settings) -> GovernorParameters:
     limits, margin = joint_limits(machine), settings.joint_margin
+    lower, upper = [low + margin for low, _ in limits], [high - margin for _, high in limits]
+    links, displaced = machine.manipulator.links, [displacements(machine, axis) for axis in range(3)]
+    axis = NO_AXIS
+    if settings.scheme != Scheme.JOINT:
+        lower[2], upper[2] = _regular(lower[2], upper[2])
+        axis = Axis(links, CLOSEST * (links.boom + links.stick))
+    pumps = Pumps(
+        limit=FLOW_RESERVE * machine.pump.flow_limit,
+        extending=(displaced[0][0], displaced[1][0], displaced[2][0]),
+        retracting=(displaced[0][1], displaced[1][1], displaced[2][1]),
+        linkages=machine.linkages,
+    )
     return GovernorParameters(
-        lower=(limits[0][0] + margin, limits[1][0] + margin, limits[2][0] + margin),
-        upper=(limits[0][1] - margin, limits[1][1] - margin, limits[2][1] - margin),
+        lower=(lower[0], lower[1], lower[2]),
+        upper=(upper[0], upper[1], upper[2]),
         rates=settings.joint_rates,
         approach=settings.approach,
+        pumps=pumps,
+        axis=axis,
     )
+
+
+def _regular(lower: float, upper: float) -> Interval:
+    """Return the part of the stick's range [rad] on the side of the elbow that inverse kinematics takes.
+
+    A stick that can be straight or folded flat stops `BENT` before; a range that has none of that side stays.
+    """
+    low, high = max(lower, -math.pi + BENT), min(upper, -BENT)
+    return (low, high) if low < high else (lower, upper)

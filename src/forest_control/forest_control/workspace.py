@@ -1,0 +1,144 @@
+"""Walls around the workspace: ground, cab, boxes. The tip slides along them.
+
+Of a wished tip velocity only what is too fast towards a wall is taken away, so what is along it or away from
+it stays: the tip slides, brakes smoothly before it arrives, and can always leave, also from within.
+
+| symbol | name | unit |
+|---|---|---|
+| p, x' | position and velocity of the tip, base frame | m, m/s |
+| d | distance to a wall, negative within | m |
+| n | unit vector away from it | |
+| k | approach rate: allowed speed towards a wall per distance | 1/s |
+
+Taken away is max(0, -x'.n - max(0, k d)) n. Between several walls this is repeated; what then remains too
+fast, in a corner, stops the tip.
+"""
+
+import math
+from typing import NamedTuple
+
+Triple = tuple[float, float, float]
+NOTHING, PLANE, BOX, CYLINDER = 0, 1, 2, 3
+MOST = 12  # walls; a compiler wants a fixed number
+PASSES = 20
+NEGLIGIBLE_SPEED = 1e-6  # [m/s]
+FAR = 1e9  # [m]
+
+
+class Wall(NamedTuple):
+    """What the tip keeps out of.
+
+    A plane: p.n >= c, n in `first`, c in `radius`. A box between the corners `first` and `second`. An upright
+    cylinder about `first` (x, y) of `radius`, from the z of `first` to that of `second`.
+    """
+
+    kind: int
+    first: Triple  # [m]
+    second: Triple  # [m]
+    radius: float  # [m]
+
+
+class Workspace(NamedTuple):
+    """All walls."""
+
+    walls: tuple[Wall, ...]  # `MOST`
+    approach: float  # k [1/s]
+    number: int  # of them that are something
+
+
+NO_WALL = Wall(NOTHING, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
+OPEN = Workspace((NO_WALL,) * MOST, 1.0, 0)
+
+
+class Gap(NamedTuple):
+    """Where a wall is, seen from the tip."""
+
+    distance: float  # d [m]
+    away: Triple  # n
+
+
+def gap(p: Triple, wall: Wall) -> Gap:
+    """Return distance and direction of a wall from a point [m]."""
+    if wall.kind == PLANE:
+        n = wall.first
+        return Gap(_dot(p, n) - wall.radius, n)
+    if wall.kind == BOX:
+        return _box(p, wall.first, wall.second)
+    if wall.kind == CYLINDER:
+        return _cylinder(p, wall)
+    return Gap(FAR, (0.0, 0.0, 1.0))
+
+
+def _box(p: Triple, low: Triple, high: Triple) -> Gap:
+    x, y, z = _beyond(p[0], low[0], high[0]), _beyond(p[1], low[1], high[1]), _beyond(p[2], low[2], high[2])
+    outside = math.sqrt(x * x + y * y + z * z)
+    if outside > 0.0:
+        return Gap(outside, (x / outside, y / outside, z / outside))
+    nearest, away = -FAR, (0.0, 0.0, 1.0)
+    for i in range(3):
+        for side in (-1.0, 1.0):
+            depth = low[i] - p[i] if side < 0.0 else p[i] - high[i]
+            if depth > nearest:
+                nearest = depth
+                away = side * (i == 0), side * (i == 1), side * (i == 2)
+    return Gap(nearest, away)
+
+
+def _cylinder(p: Triple, wall: Wall) -> Gap:
+    x, y = p[0] - wall.first[0], p[1] - wall.first[1]
+    across = math.sqrt(x * x + y * y)
+    e_x, e_y = (x / across, y / across) if across > 0.0 else (1.0, 0.0)
+    radial, axial = across - wall.radius, _beyond(p[2], wall.first[2], wall.second[2])
+    if radial > 0.0:
+        outside = math.sqrt(radial * radial + axial * axial)
+        return Gap(outside, (radial / outside * e_x, radial / outside * e_y, axial / outside))
+    if axial != 0.0:
+        return Gap(abs(axial), (0.0, 0.0, math.copysign(1.0, axial)))
+    below, above = wall.first[2] - p[2], p[2] - wall.second[2]
+    if radial >= max(below, above):
+        return Gap(radial, (e_x, e_y, 0.0))
+    return Gap(max(below, above), (0.0, 0.0, 1.0 if above >= below else -1.0))
+
+
+def slid(p: Triple, velocity: Triple, w: Workspace) -> Triple:
+    """Return what walls leave of a tip velocity [m/s] at a tip position [m]."""
+    v = velocity
+    for _ in range(PASSES):
+        worst = 0.0
+        for i in range(w.number):
+            near = gap(p, w.walls[i])
+            excess = _excess(near, v, w.approach)
+            if excess > 0.0:
+                worst = max(worst, excess)
+                v = (
+                    v[0] + excess * near.away[0],
+                    v[1] + excess * near.away[1],
+                    v[2] + excess * near.away[2],
+                )
+        if worst <= NEGLIGIBLE_SPEED:
+            return v
+    return 0.0, 0.0, 0.0
+
+
+def share(p: Triple, velocity: Triple, w: Workspace) -> float:
+    """Return the factor 0..1 by which a tip velocity [m/s] must shrink as a whole: for levers of joints."""
+    factor = 1.0
+    for i in range(w.number):
+        near = gap(p, w.walls[i])
+        inward = -_dot(velocity, near.away)
+        if inward > NEGLIGIBLE_SPEED:
+            factor = min(factor, max(0.0, w.approach * near.distance) / inward)
+    return factor
+
+
+def _excess(near: Gap, v: Triple, approach: float) -> float:
+    return -_dot(v, near.away) - max(0.0, approach * near.distance)
+
+
+def _beyond(x: float, low: float, high: float) -> float:
+    """Return how far x lies outside an interval, with its side's sign."""
+    return x - low if x < low else max(0.0, x - high)
+
+
+def _dot(a: Triple, b: Triple) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

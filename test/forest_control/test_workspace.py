@@ -1,0 +1,137 @@
+"""Claims about walls: the tip slides along them, brakes before them, and can always leave."""
+
+import numpy as np
+import pytest
+
+from forest_control.workspace import (
+    BOX,
+    CYLINDER,
+    MOST,
+    NO_WALL,
+    OPEN,
+    PLANE,
+    Wall,
+    Workspace,
+    gap,
+    share,
+    slid,
+)
+from forest_control.workspace_file import WorkspaceError, load_workspace, shipped
+
+GROUND = Wall(PLANE, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), -1.0)
+FENCE = Wall(PLANE, (0.0, 0.6, 0.8), (0.0, 0.0, 0.0), -2.0)
+CAB = Wall(BOX, (-2.0, -1.0, -1.0), (-0.5, 1.0, 1.5), 0.0)
+PILLAR = Wall(CYLINDER, (0.5, 0.5, -1.0), (0.0, 0.0, 1.0), 0.6)
+EVERY = (GROUND, FENCE, CAB, PILLAR)
+
+
+def workspace(*walls, approach=4.0):
+    return Workspace((*walls, *(NO_WALL,) * (MOST - len(walls))), approach, len(walls))
+
+
+def random_points(rng, count):
+    return [tuple(p) for p in rng.uniform(-3.0, 3.0, (count, 3)).tolist()]
+
+
+@pytest.mark.parametrize("wall", EVERY, ids=["plane", "slope", "box", "cylinder"])
+def test_the_gap_is_the_distance_and_its_gradient(wall):
+    rng, step = np.random.default_rng(1), 1e-6
+    for p in random_points(rng, 500):
+        near = gap(p, wall)
+        assert np.linalg.norm(near.away) == pytest.approx(1.0, abs=1e-9)
+        there = tuple(x + step * n for x, n in zip(p, near.away, strict=True))
+        assert gap(there, wall).distance - near.distance == pytest.approx(step, rel=1e-3)
+
+
+def test_what_is_left_is_never_too_fast_and_what_leads_away_is_kept():
+    rng, w = np.random.default_rng(2), workspace(*EVERY)
+    slowed = 0
+    for p in random_points(rng, 4000):
+        wish = tuple(rng.normal(0.0, 1.0, 3).tolist())
+        left = slid(p, wish, w)
+        for wall in EVERY:
+            near = gap(p, wall)
+            assert -np.dot(left, near.away) <= max(0.0, w.approach * near.distance) + 1e-5
+        assert np.dot(left, left) <= np.dot(wish, wish) + 1e-9
+        slowed += left != wish
+        if all(np.dot(wish, gap(p, wall).away) >= 0.0 for wall in EVERY):
+            assert left == wish
+    assert 500 < slowed < 3900
+
+
+def test_along_a_wall_nothing_is_taken_away():
+    w = workspace(GROUND)
+    assert slid((1.0, 2.0, -1.0), (0.3, -0.4, -0.5), w) == pytest.approx((0.3, -0.4, 0.0))
+    assert slid((1.0, 2.0, -1.2), (0.3, -0.4, 0.5), w) == (0.3, -0.4, 0.5)
+    assert slid((1.0, 2.0, -0.9), (0.0, 0.0, -0.5), w) == pytest.approx((0.0, 0.0, -0.4))
+    assert slid((1.0, 2.0, -0.9), (0.0, 0.0, -0.5), OPEN) == (0.0, 0.0, -0.5)
+
+
+def test_the_tip_arrives_without_passing_and_slides_on_to_the_corner():
+    w, p, dt = workspace(GROUND, CAB), (1.0, 0.0, 0.0), 0.005
+    lowest = nearest = 1.0
+    for _ in range(4000):
+        v = slid(p, (-0.5, 0.0, -0.5), w)
+        p = tuple(x + dt * u for x, u in zip(p, v, strict=True))
+        lowest, nearest = min(lowest, p[2]), min(nearest, p[0])
+    assert p == pytest.approx((-0.5, 0.0, -1.0), abs=1e-3)
+    assert lowest >= -1.0 - 1e-9
+    assert nearest >= -0.5 - 1e-9
+
+
+def test_joints_are_slowed_together():
+    w = workspace(GROUND)
+    assert share((0.0, 0.0, -0.9), (0.3, 0.0, -0.8), w) == pytest.approx(0.5)
+    assert share((0.0, 0.0, -1.1), (0.3, 0.0, 0.8), w) == 1.0
+    assert share((0.0, 0.0, -1.1), (0.3, 0.0, -0.1), w) == 0.0
+
+
+def test_files_are_read_with_their_margin(tmp_path):
+    path = tmp_path / "yard.yaml"
+    path.write_text(
+        "ground: -1.5\nmargin: 0.1\nstay_inside: {lower: [-5, -5, -5], upper: [5, 5, 5]}\n"
+        "boxes: [{lower: [1, 1, 1], upper: [2, 2, 2]}]\n"
+        "cylinders: [{centre: [0, 3], radius: 0.5, lower: -1, upper: 1}]\n"
+    )
+    w = load_workspace(str(path))
+    assert w.number == 9
+    assert gap((0.0, 0.0, -1.0), w.walls[0]).distance == pytest.approx(0.4)
+    inside = [gap((4.0, 0.0, 0.0), wall).distance for wall in w.walls[1:7]]
+    assert min(inside) == pytest.approx(0.9)
+    assert gap((0.0, 1.5, 1.5), w.walls[7]).distance == pytest.approx(0.9)
+    assert gap((0.0, 2.0, 0.0), w.walls[8]).distance == pytest.approx(0.4)
+    assert load_workspace("") == OPEN
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_shipped_workspaces_are_read(name):
+    assert load_workspace(name).number > 0
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("ground: low", "ground is 'low'; allowed: -1000 .. 1000 m"),
+        ("ground: .nan", "ground is nan; allowed"),
+        ("grund: 1", "unknown key 'grund'; allowed: ground, stay_inside"),
+        ("boxes: [{lower: [0, 0, 0]}]", "boxes[0]: no upper; allowed: lower, upper"),
+        ("boxes: [{lower: [0, 0, 0], upper: [1, 1, 0]}]", "boxes[0]: lower [0.0, 0.0, 0.0] is not below"),
+        (
+            "cylinders: [{centre: [0], radius: 1, lower: 0, upper: 1}]",
+            "cylinders[0].centre is [0]; allowed: 2",
+        ),
+        ("approach: 0", "approach is 0; allowed: 0.1 .. 20 1/s"),
+        ("stay_inside: {lower: [0, 0, 0], upper: [1, 1, 1]}\nmargin: 0.6", "stay_inside: nothing is left"),
+        ("- 1", "allowed: a mapping of ground"),
+        ("a: [", "not YAML"),
+    ],
+)
+def test_a_bad_file_is_refused_in_one_sentence(tmp_path, text, said):
+    path = tmp_path / "bad.yaml"
+    path.write_text(text)
+    with pytest.raises(WorkspaceError) as error:
+        load_workspace(str(path))
+    assert said in str(error.value)
+    assert "bad.yaml" in str(error.value)
+    with pytest.raises(WorkspaceError, match="neither shipped"):
+        load_workspace(str(tmp_path / "none.yaml"))
