@@ -5,12 +5,14 @@ import time
 
 import pytest
 import rclpy
+from lockstep_sessions import LEVERS, LOCKSTEP_STEPS, lockstep_session
 from rclpy.executors import SingleThreadedExecutor
 
 from forest_msgs_py import topics
 from forest_msgs_py.inbox import sent_at
 from forest_msgs_py.messages import read_float_array
 from forest_msgs_py.node import subscription
+from forest_study import lockstep_run
 
 
 class Valves:
@@ -50,3 +52,28 @@ def valves(ros_context):
 def start_graph(start_process, domain_id):
     """Start scripts/graph.sh's program; give its process."""
     return lambda *options: start_process(["-m", "forest_study.graph", *options])
+
+
+@pytest.fixture
+def own_domain(monkeypatch, session_domain_id):
+    """What is started in this process, or by it, is in the session's domain."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(session_domain_id))
+
+
+@pytest.fixture(scope="session")
+def levers(tmp_path_factory):
+    """A lever file of a second."""
+    path = tmp_path_factory.mktemp("levers") / "levers.csv"
+    path.write_text(LEVERS)
+    return path
+
+
+@pytest.fixture(scope="session")
+def lockstep_bag(tmp_path_factory, session_domain_id, levers):
+    """A run in lockstep, on a computer that does nothing else."""
+    out = tmp_path_factory.mktemp("run")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(session_domain_id))
+        running = lockstep_run.run(lockstep_session(out, levers), LOCKSTEP_STEPS, out / "log")
+    assert set(running.exit_codes.values()) == {0}
+    return out / "bag"

@@ -13,7 +13,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +46,7 @@ class RecorderNode(Node):
     def __init__(self) -> None:
         super().__init__("recorder")
         choice, session = self._choice(), self._new_session()
-        self._listener = listener(self, choice.wants, self._offered, self._refused)
+        self._listener = listener(self, choice.wants, self._offered, self._refused, self._settled)
         self._recording = Recording(session, self._listener.take, self.get_logger().info)
         declare(self, "event", "mark", "what the next `mark` says on /events", read_only=False)
         self._events = publisher(self, topics.EVENTS)
@@ -117,6 +117,10 @@ class RecorderNode(Node):
 
     def _refused(self, name: str, reason: str) -> None:
         self.get_logger().info(f"not recorded: {name} {reason}")
+
+    def _settled(self, nodes: Sequence[str]) -> bool:
+        """Whether the nodes have told their parameters: a short run may be over before."""
+        return self._survey.has_heard(nodes)
 
     def _learn(self, name: str, parameters: dict[str, Any]) -> None:
         self._recording.guard(lambda: self._run_context.node(name, parameters, time.time_ns()))

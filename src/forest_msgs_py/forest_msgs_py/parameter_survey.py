@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any
 
 from rcl_interfaces.srv import GetParameters, ListParameters
@@ -28,6 +28,12 @@ class ParameterSurvey:
         self._known = {node.get_fully_qualified_name()}
         self._open: list[_Question] = []
 
+    def has_heard(self, names: Collection[str]) -> bool:
+        """Whether these nodes (as in this namespace) have answered, or will not."""
+        namespace = self._node.get_namespace().rstrip("/")
+        asked = {f"{namespace}/{name}" for name in names}
+        return asked <= self._known and not asked & {question.name for question in self._open}
+
     def look(self) -> None:
         """Ask those who have appeared; forget those who do not answer."""
         for name, namespace in self._node.get_node_names_and_namespaces():
@@ -45,7 +51,7 @@ class _Question:
 
     def __init__(self, node: Node, name: str, told: Callable[[str, dict[str, Any]], None]) -> None:
         self.over = False
-        self._node, self._name, self._told = node, name, told
+        self._node, self.name, self._told = node, name, told
         self._end = time.monotonic() + PATIENCE
         self._names = node.create_client(ListParameters, f"{name}/list_parameters")
         self._values = node.create_client(GetParameters, f"{name}/get_parameters")
@@ -68,7 +74,7 @@ class _Question:
         if not self.over:
             values = map(parameter_value_to_python, answer.result().values)
             self._finish()
-            self._told(self._name, plain(dict(zip(names, values, strict=False))))
+            self._told(self.name, plain(dict(zip(names, values, strict=False))))
 
     def _finish(self) -> None:
         self.over = True

@@ -32,6 +32,7 @@ PATIENCE = 10.0  # [s] beyond the guard: who waits for one node, and not for all
 Wanted = Callable[[str, Sequence[str]], bool]
 Offered = Callable[[Offer], object]
 Refused = Callable[[str, str], None]
+Settled = Callable[[Sequence[str]], bool]
 
 
 class StepListener:
@@ -40,6 +41,7 @@ class StepListener:
     Args:
         node: that subscribes.
         wanted, offered, refused: as of the `GraphListener`.
+        settled: whether nothing is waited for of these nodes but their messages.
         nodes: of the run.
         guard: how long it waits for a step [s, wall clock].
     """
@@ -50,10 +52,12 @@ class StepListener:
         wanted: Wanted,
         offered: Offered,
         refused: Refused,
+        settled: Settled,
         nodes: Sequence[str],
         guard: float,
     ) -> None:
         self._node, self._wanted, self._offered, self._guard = node, wanted, offered, guard
+        self._nodes, self._settled = nodes, settled
         self._order = StepOrder(nodes, STEP_NS)
         self._beside = GraphListener(node, self._leaves, offered, refused)
         latched = QoSProfile(
@@ -82,7 +86,8 @@ class StepListener:
             Finished: once, when the run's last step was taken the last time.
             NodeFailure: no step was completed for as long as the guard allows.
         """
-        if 0 <= self._end <= self._told and not self._finished:
+        over = 0 <= self._end <= self._told
+        if over and not self._finished and self._settled(self._nodes):
             self._finished = True
             raise Finished
         self._listen()
@@ -94,7 +99,7 @@ class StepListener:
         now = self._order.reached
         heard += [one._replace(received_ns=now, sent_ns=now) for one in self._beside.take()]
         self._tell()
-        if time.monotonic() - self._progress > self._guard and not self._finished:
+        if time.monotonic() - self._progress > self._guard and not over:
             raise NodeFailure(f"waited {self._guard:g} s; {self._order.missing()}")
         return heard
 
@@ -144,12 +149,13 @@ class StepListener:
             self._taken.publish(to_cdr(message_class(topics.RECORDED)(clock=ns_to_stamp(self._told))))
 
 
-def listener(node: Node, wanted: Wanted, offered: Offered, refused: Refused) -> GraphListener | StepListener:
+def listener(
+    node: Node, wanted: Wanted, offered: Offered, refused: Refused, settled: Settled
+) -> GraphListener | StepListener:
     """The listener that a node's parameters ask for: live, or of a run in lockstep."""
-    nodes = [
-        name for name in declare(node, "lockstep_nodes", [""], "in lockstep: the nodes of the run") if name
-    ]
+    told = declare(node, "lockstep_nodes", [""], "in lockstep: the nodes of the run")
     guard = declare(node, "lockstep_guard", 20.0, "wait for a step", "s", 0.1, 3600.0)
+    nodes = [name for name in told if name]
     if not nodes:
         return GraphListener(node, wanted, offered, refused)
-    return StepListener(node, wanted, offered, refused, nodes, guard + PATIENCE)
+    return StepListener(node, wanted, offered, refused, settled, nodes, guard + PATIENCE)

@@ -12,7 +12,8 @@ from pathlib import Path
 
 from forest_description.machine import MachineError
 from forest_sim import command_line
-from forest_study import track
+from forest_study import replay, track
+from forest_study.exclusive import Failure
 from forest_study.paths import PathError
 
 PROGRAM = "forest-study"
@@ -25,7 +26,7 @@ class StudyError(Exception):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one subcommand; return its exit code."""
     options = _parser().parse_args(arguments)
-    return command_line.run(PROGRAM, options, (MachineError, StudyError))
+    return command_line.run(PROGRAM, options, (MachineError, StudyError, Failure))
 
 
 def new_directory(out: Path) -> None:
@@ -53,6 +54,10 @@ def _parser() -> argparse.ArgumentParser:
         commands, "track", _track, "the tip along a path, closed loop: how far it is from where it should be"
     )
     track.add_arguments(tracking)
+    replaying = _command(
+        commands, "replay", _replay, "nodes fed from a bag in lockstep: do they answer as they did?"
+    )
+    replay.add_arguments(replaying)
     return parser
 
 
@@ -75,6 +80,11 @@ def _thesis(options: argparse.Namespace) -> int:
 
     new_directory(options.out)
     return report(options.out)
+
+
+def _replay(options: argparse.Namespace) -> int:
+    new_directory(options.out)
+    return replay.run(options)
 
 
 def _track(options: argparse.Namespace) -> int:

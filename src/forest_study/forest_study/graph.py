@@ -13,7 +13,7 @@ from forest_control.schemes import LABELS, Scheme
 from forest_study.exclusive import Failure
 from forest_study.supervisor import NodeSpec, Stopped, Supervisor
 
-LEADERS = ("simulator",)  # in lockstep: nodes that begin each step
+LEADERS = ("simulator", "step_player")  # in lockstep: nodes that begin each step
 
 
 def add_graph_options(parser: argparse.ArgumentParser) -> None:

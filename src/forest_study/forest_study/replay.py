@@ -1,0 +1,118 @@
+"""`forest-study replay`: nodes fed from a bag in lockstep, and whether they answer as they did.
+
+A bag that was recorded in lockstep holds all that its nodes heard, and, attached, their parameters. Fed
+with the same, the same nodes say the same, bit by bit; a changed gain shows as a difference with its place.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import yaml
+
+from forest_ident import bag_cli
+from forest_msgs_py.bag_files import BagError
+from forest_msgs_py.bag_reader import BagReader
+from forest_msgs_py.mcap_pieces import Damaged
+from forest_msgs_py.topics import DIAGNOSTICS, find
+from forest_study import graph, lockstep_run
+from forest_study.exclusive import Failure
+from forest_study.supervisor import NodeSpec
+
+MODULES = {
+    "controller": "forest_control.controller_node",
+    "valve_driver": "forest_control.valve_driver_node",
+    "simulator": "forest_sim.simulator_node",
+}
+RUN_OWN = ("lockstep", "lockstep_guard", "steps", "wait_for_recorder")  # of a run, not of a node
+STEP_NS = 5_000_000
+MOST_STEPS = 200 * 86_400  # a day; stamps of the wall clock are far beyond
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("bag", type=Path, help="recorded in lockstep")
+    parser.add_argument(
+        "--nodes",
+        nargs="+",
+        choices=tuple(MODULES),
+        default=["controller"],
+        help="that run; the bag says the rest (default: controller). With the simulator, it says only /joy",
+    )
+    parser.add_argument(
+        "--set",
+        nargs="*",
+        default=[],
+        type=change,
+        metavar="NODE.PARAMETER=VALUE",
+        help="differ from the recorded run in this",
+    )
+
+
+def change(text: str) -> tuple[str, str]:
+    """Return node and ROS argument of a changed parameter.
+
+    Raises:
+        argparse.ArgumentTypeError: not of the form.
+    """
+    name, equals, value = text.partition("=")
+    node, dot, parameter = name.partition(".")
+    if not (equals and dot and node in MODULES and parameter):
+        raise argparse.ArgumentTypeError(
+            f"{text!r}; allowed: NODE.PARAMETER=VALUE with a node of {', '.join(MODULES)}"
+        )
+    return node, f"{parameter}:={value}"
+
+
+def run(options: argparse.Namespace) -> int:
+    """Replay, and compare; return 0 when nothing differs, 1 otherwise.
+
+    Raises:
+        Failure: the bag cannot be used, or a node failed.
+    """
+    bag, out, names = options.bag, options.out, list(dict.fromkeys(options.nodes))
+    try:
+        with BagReader(bag) as reader:
+            last = reader.span[1]
+            topics = list(reader.channels)
+            attached = {name: data for file in reader.files for name, data in file.attachments}
+    except (BagError, Damaged, OSError) as error:
+        raise Failure(str(error)) from error
+    steps, rest = divmod(last, STEP_NS)
+    if rest or not 0 < steps < MOST_STEPS:
+        raise Failure(f"{bag} was not recorded in lockstep; allowed: a bag whose log times are k*0.005 s")
+    out.mkdir(parents=True, exist_ok=True)
+    nodes = [_node(bag, name, attached, options.set, out) for name in names]
+    if "simulator" in names:
+        nodes.insert(0, graph.joystick(str(bag.resolve()), 0.0, 0))
+    else:
+        nodes.append(_player(bag, topics, names))
+    lockstep_run.run([*nodes, graph.recorder(out / "bag")], steps, out / "log")
+    return bag_cli.main(["compare", str(bag), str(out / "bag")])
+
+
+def _node(
+    bag: Path, name: str, attached: Mapping[str, bytes], changes: Sequence[tuple[str, str]], out: Path
+) -> NodeSpec:
+    """Return a node with the parameters that it had, but for the changes."""
+    label = next((label for label in attached if label.endswith(f"/{name}.yaml")), None)
+    if label is None:
+        raise Failure(f"{bag} does not hold the parameters of {name}; allowed: a bag of this recorder")
+    own = out / f"{name}.yaml"
+    parameters = next(iter(yaml.safe_load(attached[label]).values()))["ros__parameters"]
+    kept = {key: value for key, value in parameters.items() if key not in RUN_OWN}
+    own.write_text(yaml.safe_dump({"/**": {"ros__parameters": kept}}), encoding="utf-8")
+    changed = [word for node, text in changes if node == name for word in ("-p", text)]
+    return NodeSpec(name, MODULES[name], ("--params-file", str(own.resolve()), *changed))
+
+
+def _player(bag: Path, topics: Sequence[str], nodes: Sequence[str]) -> NodeSpec:
+    """Return what says the rest: every topic of the bag that the nodes do not say."""
+    rows = [row for row in map(find, topics) if row is not None]
+    answers = [row.name for row in rows if set(row.publishers) & set(nodes) and row != DIAGNOSTICS]
+    if not answers:
+        raise Failure(f"{bag} holds no topic of {', '.join(nodes)}; there are {', '.join(topics)}")
+    told = (*graph.parameter("bag", str(bag.resolve())), *graph.parameter("answers", answers))
+    return NodeSpec("step_player", "forest_ident.step_player_node", told)

@@ -1,0 +1,45 @@
+"""Claims about replays: nodes fed with the same say the same; others do not, and it is said where."""
+
+import argparse
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from forest_msgs_py import topics
+from forest_msgs_py.bag_writer import BagWriter
+from forest_study import cli, replay
+
+
+def test_the_controller_alone_repeats_its_output_to_the_last_bit(lockstep_bag, own_domain, tmp_path, capsys):
+    assert cli.main(["replay", str(lockstep_bag), "--out", str(tmp_path / "out")]) == 0
+    assert "are the same" in capsys.readouterr().out
+
+
+def test_a_changed_gain_shows_as_a_difference_with_its_place(lockstep_bag, own_domain, tmp_path, capsys):
+    changed = ("--set", "controller.position_gain=[2.6, 5.0, 5.0]")
+    options = ("--nodes", "controller", "valve_driver", *changed, "--out", str(tmp_path / "out"))
+    assert cli.main(["replay", str(lockstep_bag), *options]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    differing = [line for line in lines if line.startswith("/") and line.split()[-1] not in ("0", "differ")]
+    assert {line.split()[0] for line in differing} == {"/valve_commands", "/valve_voltages"}
+
+
+def refused(arguments, tmp_path, capsys):
+    assert cli.main(["replay", *map(str, arguments), "--out", str(tmp_path / "out")]) == 1
+    return capsys.readouterr().err
+
+
+def test_what_is_no_bag_of_lockstep_is_refused(tmp_path, capsys):
+    assert "is no bag" in refused([__file__], tmp_path, capsys)
+    writer = BagWriter(tmp_path / "live")
+    writer.add_topic("/joy", topics.JOY.type, [topics.offered_qos(topics.JOY)], "")
+    writer.write("/joy", b"", 1_700_000_000_000_000_000, 0)
+    writer.close()
+    assert "was not recorded in lockstep" in refused([tmp_path / "live"], tmp_path, capsys)
+
+
+@pytest.mark.parametrize("text", ["controller", "controller.gain", "pump.gain=1", ".gain=1", "controller.=1"])
+def test_a_change_that_names_no_nodes_parameter_is_refused(text):
+    with pytest.raises(argparse.ArgumentTypeError, match=r"allowed: NODE\.PARAMETER=VALUE"):
+        replay.change(text)
