@@ -135,7 +135,7 @@ class Valve(ParameterSet):
     backward: BackwardValve | None = component()
     curve: PolynomialCurve | TableCurve | None = component()
     spool_bandwidth: float | None = parameter(
-        "Hz", 0.5, 500.0, "of the spool's lag; null: it follows at once"
+        "Hz", 0.1, 500.0, "of the spool's lag; null: it follows at once"
     )
     spool_damping: float | None = parameter(
         "1", 0.1, 5.0, "damping ratio of a second-order spool; null: first order"

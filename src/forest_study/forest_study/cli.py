@@ -44,11 +44,17 @@ def new_directory(out: Path) -> None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog=PROGRAM, description="Study machine and control together.")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    _command(
+    thesis = _command(
         commands,
         "thesis",
         _thesis,
-        "the thesis' evaluation of its control schemes on a linear plant (section 5.2): numbers and pictures",
+        "the thesis' evaluation of its control schemes (section 5.2): numbers and pictures",
+    )
+    thesis.add_argument(
+        "--plant",
+        choices=("linear", "machine"),
+        default="linear",
+        help="the thesis' linear joints, or what it left open: the full machine (default: %(default)s)",
     )
     tracking = _command(
         commands, "track", _track, "the tip along a path, closed loop: how far it is from where it should be"
@@ -76,10 +82,14 @@ def _command(
 
 
 def _thesis(options: argparse.Namespace) -> int:
-    from forest_study.thesis_report import report
-
     new_directory(options.out)
-    return report(options.out)
+    if options.plant == "machine":
+        from forest_study import thesis_machine_report
+
+        return thesis_machine_report.report(options.out)
+    from forest_study import thesis_report
+
+    return thesis_report.report(options.out)
 
 
 def _replay(options: argparse.Namespace) -> int:

@@ -25,6 +25,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from forest_control.schemes import moved
 from forest_control.sources import thesis_tip_velocity
 from forest_description.kinematics import Links, Vector, inverse_kinematics, tip_position, tip_velocity
 
@@ -36,6 +37,9 @@ INSIDE = 1e-9  # [s]
 Floats = NDArray[np.float64]
 
 
+ZERO: Vector = (0.0, 0.0, 0.0)
+
+
 class State(NamedTuple):
     """What a case integrates."""
 
@@ -43,6 +47,8 @@ class State(NamedTuple):
     rates: Vector  # v [rad/s]
     reference: Vector  # r [rad]
     wished_tip: Vector  # x_d [m]
+    ramped: Vector = ZERO  # x', the coordinated scheme's own wish [m/s]
+    integral: Vector = ZERO  # w, alike [rad/s]
 
 
 class Control(NamedTuple):
@@ -50,6 +56,8 @@ class Control(NamedTuple):
 
     drive: Vector  # k u [rad/s^2]
     reference_rates: Vector  # dr/dt [rad/s]
+    ramp: Vector = ZERO  # dx'/dt [m/s^2]
+    integral_rates: Vector = ZERO  # dw/dt [rad/s^2]
 
 
 Scheme = Callable[[State, Vector], Control]  # of a state and the wished tip velocity [m/s]
@@ -142,7 +150,7 @@ def _runge_kutta(
     def slope(at: State, wished: Vector) -> State:
         control = scheme(at, wished)
         change = rate_change(at.rates, control.drive, natural_frequency)
-        return State(at.rates, change, control.reference_rates, wished)
+        return State(at.rates, change, control.reference_rates, wished, control.ramp, control.integral_rates)
 
     first, middle, last = wish(time + INSIDE), wish(time + 0.5 * step), wish(time + step - INSIDE)
     k1 = slope(state, first)
@@ -163,10 +171,4 @@ def _mean(a: Vector, b: Vector, c: Vector, d: Vector) -> Vector:
 
 def _moved(state: State, slope: State, step: float) -> State:
     """Return state + step * slope."""
-    (s, v, r, x), (ds, dv, dr, dx) = state, slope
-    return State(
-        (s[0] + step * ds[0], s[1] + step * ds[1], s[2] + step * ds[2]),
-        (v[0] + step * dv[0], v[1] + step * dv[1], v[2] + step * dv[2]),
-        (r[0] + step * dr[0], r[1] + step * dr[1], r[2] + step * dr[2]),
-        (x[0] + step * dx[0], x[1] + step * dx[1], x[2] + step * dx[2]),
-    )
+    return State(*(moved(part, change, step) for part, change in zip(state, slope, strict=True)))

@@ -41,7 +41,17 @@ def table(result: dict[str, Any]) -> str:
         )
     ends = ", ".join(f"{mismatch:+.1%}" for mismatch in result["break_even_mismatch"]["any_axis"])
     lines.append(f"  (c) and (d) break even at a mismatch of {ends}")
-    return "\n".join(lines)
+    return "\n".join([*lines, "", *_sweep(result["mismatch_sweep"])])
+
+
+def _sweep(rows: list[dict[str, Any]]) -> list[str]:
+    """Return the largest position error of every scheme over the 2 Hz plant's mismatch."""
+    schemes = [name for name in rows[0] if name != "mismatch"]
+    lines = ["  largest position error, mm" + "".join(f"{name:>13}" for name in schemes)]
+    for row in rows:
+        values = "".join(f"{1e3 * row[name]['position_error']:>13.0f}" for name in schemes)
+        lines.append(f"  2 Hz {row['mismatch']:<+21.0%}{values}")
+    return lines
 
 
 def _drifts(result: dict[str, Any]) -> list[tuple[str, str, dict[str, float]]]:

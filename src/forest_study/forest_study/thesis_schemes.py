@@ -1,4 +1,4 @@
-"""The four schemes of Thesis fig. 5.2 around the linear plant of `thesis_plant`, as its text can be read.
+"""The four schemes of Thesis fig. 5.2 and ours around the linear plant of `thesis_plant`.
 
 | scheme | wish | servo |
 |---|---|---|
@@ -6,8 +6,14 @@
 | (b) `ik_position` | x_d and r = IK(x_d) as in (a) | position: k u = W0 (K_p (r - s) - K_d v) |
 | (c) `jacobian_velocity` | a = J^-1(s) ẋ_d, at the measured angles | velocity |
 | (d) `jacobian_position` | a as in (c); r = s(0) + ∫a | position, K* = 1 |
+| `coordinated` | a = J^-1(r) x', r = s(0) + ∫a | k u = ω_n (a + T b + K_p (r - s) + w), T = 1/ω_n |
 
-The diagrams are lost. The text has a differentiator in (a), and tip positions fed by forward kinematics to
+The last is the graph's own in continuous time. Its ω_n is the one that the gains are made for: that is what
+the valve driver does for it in the graph. Its wish x' follows ẋ_d no faster than `ACCELERATION`, as there;
+the errors are those to ẋ_d itself.
+
+Of the others the diagrams are lost. The text has a differentiator in (a), and tip positions fed by forward
+kinematics to
 the integrators of the wish. Fed at every instant, they would make r = s and (b) would stand still, and (a)
 would be (c); so the tip is fed once, at the start. The differentiator is ideal, dθ_d/dt = J^-1(θ_d) ẋ_d; the
 noise that a real one amplifies is not in this study.
@@ -26,9 +32,13 @@ from typing import NamedTuple
 
 from forest_control import schemes
 from forest_description.kinematics import Links, Vector, inverse_kinematics, joint_rates
-from forest_study.thesis_plant import DRIVE, Control, Scheme, State
+from forest_study.thesis_plant import DRIVE, ZERO, Control, Scheme, State
 
-ZERO: Vector = (0.0, 0.0, 0.0)
+ACCELERATION = 4.0  # [m/s^2] of x', as in the graph
+RAMP_LAG = 0.01  # [s] with which x' closes in on the wish
+FEEDBACK_DAMPING = 0.8  # of the coordinated scheme's loop: K_p = w_n/(4 D^2), 4.9 1/s on the 2 Hz plant
+INTEGRAL_SHARE = 0.16  # K_i over K_p^2
+ALONG = 1e-6  # [s] of the difference quotient for b
 DAMPING_RATIO = 1.64  # as read in docs/equations.md
 
 
@@ -115,11 +125,41 @@ def jacobian_position(gains: Servo, links: Links) -> Scheme:
     return control
 
 
+def coordinated(gains: Servo, links: Links) -> Scheme:
+    """Ours: reference velocity with lead, closed on the pose; x' without steps."""
+    w_n = gains.natural_frequency
+    k_p = w_n / (4.0 * FEEDBACK_DAMPING**2)
+    k_i = INTEGRAL_SHARE * k_p**2
+    made = schemes.Gains(0.0, 0.0, 0.0, feedback=k_p, lead_time=1.0 / w_n)
+
+    def control(state: State, wished: Vector) -> Control:
+        ramp, r, s, w = _ramp(state.ramped, wished), state.reference, state.angles, state.integral
+        a = joint_rates(r, state.ramped, links)
+        later = joint_rates(schemes.moved(r, a, ALONG), schemes.moved(state.ramped, ramp, ALONG), links)
+        signals = (
+            schemes.Signals(a[i], (later[i] - a[i]) / ALONG, r[i], s[i], state.rates[i], w[i])
+            for i in range(3)
+        )
+        x, y, z = (w_n * schemes.coordinated(signal, made) for signal in signals)
+        integral = k_i * (r[0] - s[0]), k_i * (r[1] - s[1]), k_i * (r[2] - s[2])
+        return Control((x, y, z), a, ramp, integral)
+
+    return control
+
+
+def _ramp(velocity: Vector, wished: Vector) -> Vector:
+    """Return dx'/dt [m/s^2] towards a wish [m/s], at most `ACCELERATION`."""
+    x, y, z = ((w - v) / RAMP_LAG for w, v in zip(wished, velocity, strict=True))
+    share = min(1.0, ACCELERATION / max(math.hypot(x, y, z), ACCELERATION))
+    return share * x, share * y, share * z
+
+
 SCHEMES: dict[str, Callable[[Servo, Links], Scheme]] = {
     "a": ik_velocity,
     "b": ik_position,
     "c": jacobian_velocity,
     "d": jacobian_position,
+    "coordinated": coordinated,
 }
 
 
