@@ -28,7 +28,7 @@ from forest_control.tunables import TUNABLES, as_typed, settings_from
 from forest_control.workspace_file import load_workspace
 from forest_control.workspace_file import shipped as workspaces
 from forest_description.kinematics import tip_position, tip_velocity
-from forest_description.machine import load_machine
+from forest_description.machine import Machine, load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.emergency_stop import EmergencyStop
@@ -56,12 +56,7 @@ class ControllerNode(Node):
         self.run = self._pace.run
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
-        self._machine, defaults = machine, controller.Settings()
-        tunables = Tunables(self, {"profile": load_profile})
-        text = f"operator's profile: {', '.join(shipped())}, or path of a file; what is also given wins"
-        profile = load_profile(tunables.declare("profile", "default", text))
-        for one in TUNABLES:
-            tunables.declare(one.name, profile.get(one.name, as_typed(one.name, defaults)), *one[1:])
+        self._machine, tunables = machine, self._declare_tunables()
         walls = f"walls: {', '.join(workspaces())}, or path of a file; empty: none"
         self._workspace = load_workspace(get("workspace", "", walls))
         self._core = controller.parameters(machine, settings_from(tunables.values), self._workspace)
@@ -82,12 +77,24 @@ class ControllerNode(Node):
         self._wish = self._pace.publisher(topics.TIP_TWIST_COMMAND)
         self._status = self._pace.publisher(topics.CONTROLLER_STATUS)
         if get("publish_description", False, "publish robot_description; where no simulator does"):
-            self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
-            text = robot_description(machine)
-            self._description.publish(message_class(topics.ROBOT_DESCRIPTION)(data=text))
+            self._describe(machine)
         self._joy = self._pace.inbox(topics.JOY)
         self._pace.on(topics.JOINT_STATES, self._on_joint_states)
         self._pace.every(WATCHDOG_PERIOD, self._watch)
+
+    def _declare_tunables(self) -> Tunables:
+        """What may be set while the node runs; an operator's profile gives what is not."""
+        tunables, defaults = Tunables(self, {"profile": load_profile}), controller.Settings()
+        text = f"operator's profile: {', '.join(shipped())}, or path of a file; what is also given wins"
+        profile = load_profile(tunables.declare("profile", "default", text))
+        for one in TUNABLES:
+            tunables.declare(one.name, profile.get(one.name, as_typed(one.name, defaults)), *one[1:])
+        return tunables
+
+    def _describe(self, machine: Machine) -> None:
+        self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
+        text = robot_description(machine)
+        self._description.publish(message_class(topics.ROBOT_DESCRIPTION)(data=text))
 
     def _tune(self, values: dict[str, Any]) -> None:
         """Follow parameters that were set while the machine may be moving."""

@@ -15,7 +15,7 @@ import yaml
 from forest_ident import bag_cli
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.mcap_pieces import Damaged
+from forest_msgs_py.raw_messages import Damaged
 from forest_msgs_py.topics import DIAGNOSTICS, find
 from forest_study import graph, lockstep_run
 from forest_study.exclusive import Failure
