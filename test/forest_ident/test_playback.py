@@ -161,6 +161,12 @@ def test_a_loop_begins_anew_with_latched_topics(session):
     ]
 
 
+def test_nothing_is_not_played_again_and_again():
+    session = Session([])
+    session.player(loop=True).run()
+    assert not session.sent
+
+
 def test_the_clock_ticks_at_its_rate_and_stands_while_paused(session):
     player = session.player(clock_period_ns=STEP // 2)
     session.wall.at(0.2, player.pause)
@@ -210,7 +216,7 @@ def test_reading_ahead_changes_nothing_and_ends_when_closed():
 
 def test_latched_topics_hold_what_their_publishers_kept(tmp_path):
     writer = BagWriter(tmp_path / "bag")
-    for topic in ("/map", "/tf_static"):
+    for topic in ("/map", "/tf_static", "/stopped"):
         writer.add_topic(topic, "std_msgs/msg/String", [], "")
     for time, topic, data in [
         (1, "/tf_static", b"arm"),
@@ -218,10 +224,15 @@ def test_latched_topics_hold_what_their_publishers_kept(tmp_path):
         (3, "/map", b"old"),
         (5, "/tf_static", b"arm"),
         (6, "/map", b"new"),
+        (2 * NS_PER_S, "/stopped", b"true"),
     ]:
         writer.write(topic, data, time, time)
     writer.close()
-    profiles = {"/map": Qos(1, latched=True), "/tf_static": Qos(2, latched=True)}
+    profiles = {
+        "/map": Qos(1, latched=True),
+        "/tf_static": Qos(2, latched=True),
+        "/stopped": Qos(1, latched=True),
+    }
     with BagReader(writer.directory) as reader:
         source = BagSource(reader, profiles)
 
@@ -232,3 +243,4 @@ def test_latched_topics_hold_what_their_publishers_kept(tmp_path):
         assert held(0, renew=False) == []
         assert held(4) == [b"arm", b"hand", b"old"]
         assert held(9) == [b"hand", b"arm", b"new"]
+        assert held(3 * NS_PER_S) == [b"hand", b"arm", b"new", b"true"]  # not before it happened

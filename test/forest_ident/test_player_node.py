@@ -12,6 +12,8 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from forest_msgs_py import messages, topics
+from forest_msgs_py.bag_writer import BagWriter
+from forest_msgs_py.cdr import to_cdr
 
 PERIOD = 5_000_000
 N = 60
@@ -108,6 +110,20 @@ def test_as_fast_as_possible_loses_nothing(make_bag, play, peer):
     peer.until(lambda: process.poll() is not None)
     assert process.returncode == 0, process.text()
     assert "late" not in process.text()
+
+
+def test_a_type_that_was_defined_otherwise_is_warned_of(play, tmp_path):
+    typesys = pytest.importorskip("rosbags.typesys")
+    writer = BagWriter(tmp_path / "bag")
+    good = typesys.get_typestore(typesys.Stores.ROS2_JAZZY).hash_rihs01("std_msgs/msg/String")
+    for topic, type_hash in (("/same", good), ("/other", f"RIHS01_{0:064x}"), ("/unknown", "")):
+        writer.add_topic(topic, "std_msgs/msg/String", [], type_hash)
+        writer.write(topic, to_cdr(String(data="hi")), START, START)
+    writer.close()
+    process = play(writer.directory, "-d", "0")
+    assert process.wait(20) == 0
+    assert process.text().count("another definition") == 1
+    assert "/other: std_msgs/msg/String was recorded with another definition" in process.text()
 
 
 def test_a_damaged_bag_is_refused_with_advice(make_bag, play):

@@ -15,6 +15,7 @@ from forest_msgs_py.raw_messages import RawMessage
 BATCH = 100  # messages handed over at once
 BATCHES = 50  # read ahead: a second and more of the demo's messages
 PATIENCE_S = 0.1
+ARRIVAL_NS = 1_000_000_000  # of the bag's begin, in which a recorder hears what was latched before it came
 
 
 class BagSource:
@@ -32,6 +33,7 @@ class BagSource:
         """
         self._reader = reader
         self._topics = set(profiles)
+        self._settled_ns = reader.span[0] + ARRIVAL_NS
         self._latched: dict[str, list[RawMessage]] = {
             name: [] for name, profile in profiles.items() if profile.latched
         }
@@ -49,13 +51,14 @@ class BagSource:
 
         Args:
             position_ns: log time.
-            renew: a topic that held nothing yet gives its first message: its publisher had it before the
-                recorder came.
+            renew: a topic that held nothing yet gives its first message if that came with the bag's begin:
+                its publisher had it before the recorder was there. A later one was news when it came.
         """
         held = []
         for name, messages in self._latched.items():
             before = _distinct([message for message in messages if message.log_ns < position_ns])
-            held += before[-self._depths[name] :] or (messages[:1] if renew else [])
+            known = [message for message in messages[:1] if renew and message.log_ns < self._settled_ns]
+            held += before[-self._depths[name] :] or known
         return sorted(held, key=lambda message: message.log_ns)
 
 

@@ -37,6 +37,7 @@ class Selection(NamedTuple):
     names: dict[str, str]  # under which they are published
     types: dict[str, str]
     profiles: dict[str, Qos]
+    hashes: dict[str, str]  # of the types as they were recorded; "" where the bag does not tell
     warnings: tuple[str, ...]
 
 
@@ -57,7 +58,7 @@ def select(reader: BagReader, options: PlayOptions, is_installed: Callable[[str]
     if missing:
         raise BagError(f"no topic {', '.join(missing)} in the bag; it holds {', '.join(channels) or 'none'}")
     remaps, warnings = dict(options.remaps), []
-    found = Selection({}, {}, {}, ())
+    found = Selection({}, {}, {}, {}, ())
     for topic, kinds in channels.items():
         if topic in options.exclude or (options.topics and topic not in options.topics):
             continue
@@ -67,6 +68,7 @@ def select(reader: BagReader, options: PlayOptions, is_installed: Callable[[str]
             continue
         found.names[topic] = remaps.get(topic, topic)
         found.types[topic] = kinds[0].type
+        found.hashes[topic] = kinds[0].type_hash
         found.profiles[topic] = for_replay([profile for kind in kinds for profile in offered(kind.qos)])
     if not found.names:
         raise BagError("; ".join([f"nothing to play in {reader.path}", *warnings]))

@@ -156,15 +156,20 @@ class Player:
         """
         position, renew = self._plan.start_ns, False
         while not self._stopped:
+            before = self.played
             self._play_from(position, renew)
             with self._changed:
                 if self._target is not None:
                     position, self._target = self._target, None
-                elif self._plan.loop and not self._stopped:
+                elif self._plan.loop and not (self._stopped or self._is_empty(position, before)):
                     position = self._plan.start_ns
                 else:
                     return
                 renew = True
+
+    def _is_empty(self, position_ns: int, before: int) -> bool:
+        """Whether there was nothing from the start on: that cannot be played again and again."""
+        return position_ns == self._plan.start_ns and self.played == before
 
     def _play_from(self, position_ns: int, renew: bool) -> None:
         """Play until the end, or until something else is asked for."""

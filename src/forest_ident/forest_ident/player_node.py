@@ -51,6 +51,8 @@ class PlayerNode(Node):
         self._out = RawPublishers(
             self, chosen.names, chosen.types, chosen.profiles, bool(options.clock), options.rate == 0.0
         )
+        for topic in self._out.redefined(chosen.hashes):
+            self.get_logger().warning(f"{topic}: {chosen.types[topic]} was recorded with another definition")
         self._player = Player(source, self, whole)
         self._remote = Remote(self._player, self._reader.span, self._set_rate, self.get_logger().info)
         offer_triggers(self, self._remote.services)

@@ -17,6 +17,7 @@ from forest_msgs_py.qos_profiles import Qos
 from forest_msgs_py.topics import CLOCK, message_class, unlisted
 
 DRAIN_S = 1.0
+HASH = "RIHS01_"
 TRIES = 10  # the middleware waits 0.1 s in each
 
 
@@ -42,6 +43,7 @@ class RawPublishers:
         clock: bool,
         complete: bool,
     ) -> None:
+        self._node = node
         self.publishers: dict[str, Any] = {}
         self._send: dict[str, Callable[[bytes], None]] = {}
         made: dict[tuple[str, str], Any] = {}
@@ -62,6 +64,20 @@ class RawPublishers:
             if clock
             else None
         )
+
+    def redefined(self, hashes: Mapping[str, str]) -> list[str]:
+        """Topics whose type is defined otherwise here than where it was recorded: readers would see nonsense.
+
+        Args:
+            hashes: of the recorded types, by topic; an empty one is not compared.
+        """
+        found = []
+        for topic, recorded in hashes.items():
+            endpoints = self._node.get_publishers_info_by_topic(self.publishers[topic].topic_name)
+            here = {str(e.topic_type_hash) for e in endpoints if e.node_name == self._node.get_name()}
+            if recorded.startswith(HASH) and here and recorded not in here:
+                found.append(topic)
+        return found
 
     def publish(self, topic: str, data: bytes) -> bool:
         """Send a message; False if the queue for a slow reader stayed full for a second."""
