@@ -85,6 +85,7 @@ def test_start_and_duration_are_times_of_the_bag():
         (["--clock", "0"], "'0'; allowed: 0.1 .. 10000"),
         (["--duration", "nan"], "'nan'; allowed: 0 or more"),
         (["-m", "/a=/b"], "'/a=/b'; allowed: OLD:=NEW"),
+        (["-m", "/a:=/1b"], "'/a:=/1b'; allowed: OLD:=NEW"),
     ],
 )
 def test_a_wrong_flag_names_what_is_allowed(capsys, flags, allowed):

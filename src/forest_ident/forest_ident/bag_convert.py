@@ -69,7 +69,7 @@ def to_parquet(options: argparse.Namespace) -> int:
         raise BagError(
             "to-parquet needs pyarrow; allowed: pip install 'forest-crane[parquet]', or to-csv"
         ) from None
-    output = options.output or options.bag.with_name(f"{options.bag.name}.parquet")
+    output = options.output or options.bag.parent / f"{options.bag.resolve().name}.parquet"
     _refuse_existing(output)
     table = _table(options)
     seconds = (table.stamps_ns - table.stamps_ns[0]) / NS_PER_S

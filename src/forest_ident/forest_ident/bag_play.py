@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 from pathlib import Path
 
 from forest_ident.play_options import PlayOptions
 
+NAME = re.compile(r"(~/|/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # as ROS allows them
 CLOCK_HZ = 40.0  # as `ros2 bag play`
 
 
@@ -111,6 +113,6 @@ class _Number:
 
 def _remap(text: str) -> tuple[str, str]:
     old, mark, new = text.partition(":=")
-    if not (old and mark and new) or ":=" in new:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: OLD:=NEW")
+    if not (old and mark and NAME.fullmatch(new)):
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: OLD:=NEW, two topic names")
     return old, new

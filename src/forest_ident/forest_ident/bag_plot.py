@@ -33,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
     logging.basicConfig(format="forest-bag: %(message)s", stream=sys.stderr)
     with BagReader(options.bag, lenient=True) as reader:
         limits = joint_limits(reader)
-    output = options.output or options.bag.with_name(f"{options.bag.name}_pictures")
+    output = options.output or options.bag.parent / f"{options.bag.resolve().name}_pictures"
     drawn = draw_all(read_bag(options.bag), output, limits)
     if not drawn:
         raise BagError(
