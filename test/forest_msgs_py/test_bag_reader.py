@@ -186,3 +186,12 @@ def test_what_is_no_bag_is_named(tmp_path):
     ]:
         with pytest.raises(BagError, match=problem):
             BagReader(tmp_path / name)
+
+
+def test_a_damaged_database_is_refused_with_advice(tmp_path):
+    file = tmp_path / "bag_0.db3"
+    with sqlite3.connect(file) as database:
+        database.execute("CREATE TABLE something (id)")
+    database.close()
+    with pytest.raises(Damaged, match="is not a readable database of rosbag2's: no such"):
+        BagReader(file)

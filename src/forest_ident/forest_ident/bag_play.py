@@ -32,10 +32,23 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     parser.add_argument("-l", "--loop", action="store_true", help="again and again")
     parser.add_argument("--start-offset", type=_Number(0.0), default=0.0, metavar="S", help="begin there")
     parser.add_argument(
-        "--duration", type=_Number(0.0), metavar="S", help="of the bag's time (default: to its end)"
+        "--duration",
+        "--playback-duration",
+        dest="duration",
+        type=_Number(0.0),
+        metavar="S",
+        help="of the bag's time (default: to its end)",
     )
     parser.add_argument("--topics", nargs="+", default=[], metavar="TOPIC", help="only these")
-    parser.add_argument("--exclude", nargs="+", default=[], metavar="TOPIC", help="all but these")
+    parser.add_argument(
+        "--exclude",
+        "--exclude-topics",
+        dest="exclude",
+        nargs="+",
+        default=[],
+        metavar="TOPIC",
+        help="all but these",
+    )
     parser.add_argument(
         "-m",
         "--remap",

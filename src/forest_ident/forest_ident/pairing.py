@@ -9,16 +9,18 @@ Not compared: publish times and sequence numbers, which belong to the middleware
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections import deque
 from collections.abc import Callable, Collection, Iterator
+from functools import cached_property
 from typing import Any
 
 from forest_ident.comparison import Comparison, Place, SignalDifference, TopicDifference
 from forest_msgs_py.bag_reader import BagReader
 from forest_msgs_py.raw_messages import RawMessage
-from forest_msgs_py.rows import NS_PER_S, Row
-from forest_msgs_py.series import row_reader, text_reader
+from forest_msgs_py.rows import NS_PER_S, Row, texts
+from forest_msgs_py.series import message_reader
 from forest_msgs_py.topics import AUXILIARY, find
 
 WALL_CLOCK_TOPICS = ("/rosout", "/parameter_events")  # stamped by the system's clock in any run
@@ -87,31 +89,49 @@ def _by_turns(streams: list[Iterator[RawMessage]]) -> Iterator[tuple[int, RawMes
                 yield side, message
 
 
+class _Waiting:
+    """A message that waits for its partner; decoded when somebody looks into it, and once."""
+
+    def __init__(self, raw: RawMessage, read: Callable[[bytes], tuple[Row, Any]] | None) -> None:
+        self.raw, self._read = raw, read
+
+    @cached_property
+    def decoded(self) -> tuple[Row, Any] | None:
+        """The numbers, and the whole message; None: its type is not installed."""
+        return None if self._read is None else self._read(self.raw.data)
+
+    @property
+    def stamp_ns(self) -> int | None:
+        """Header stamp; None if it has none."""
+        return None if self.decoded is None else self.decoded[0].stamp_ns
+
+    @property
+    def place_ns(self) -> int:
+        """Header stamp, or the log time."""
+        return self.raw.log_ns if self.stamp_ns is None else self.stamp_ns
+
+
 class _Pairing:
     """One topic: messages of both bags find their partners."""
 
     def __init__(self, result: TopicDifference, type_a: str, type_b: str) -> None:
         self._result = result
-        self._waiting: tuple[deque[RawMessage], deque[RawMessage]] = (deque(), deque())
+        self._waiting: tuple[deque[_Waiting], deque[_Waiting]] = (deque(), deque())
         self._taken = [0, 0]
-        self._read: Callable[[bytes], Row] | None = None
-        self._texts: Callable[[bytes], dict[str, Any]] | None = None
+        self._read: Callable[[bytes], tuple[Row, Any]] | None = None
         row = find(result.topic)
         self._wall_clock = WALL_CLOCK_COLUMNS.get(row.name, frozenset()) if row else frozenset()
         if type_a != type_b:
             result.structure += 1
             result.note(0, 0, f"type {type_a or 'unknown'} and {type_b or 'unknown'}")
             return
-        try:
-            self._read = row_reader(result.topic, type_a)
-            self._texts = text_reader(result.topic, type_a)
-        except ValueError:
-            pass  # not installed: bytes are compared
+        with contextlib.suppress(ValueError):  # not installed: bytes are compared
+            self._read = message_reader(result.topic, type_a)
 
     def add(self, side: int, message: RawMessage) -> None:
         """Take in a message of bag a (side 0) or b (side 1)."""
         self._result.counts[side] += 1
-        self._waiting[side].append(message)
+        self._waiting[side].append(_Waiting(message, self._read))
         while all(self._waiting):
             self._match(self._waiting[0][0], self._waiting[1][0])
 
@@ -122,17 +142,14 @@ class _Pairing:
                 self._leave_alone(side)
         return self._result
 
-    def _match(self, a: RawMessage, b: RawMessage) -> None:
-        if a.data == b.data and a.log_ns == b.log_ns:
+    def _match(self, a: _Waiting, b: _Waiting) -> None:
+        if a.raw.data == b.raw.data and a.raw.log_ns == b.raw.log_ns:
             self._pair()
-            return
-        row_a, row_b = (None, None) if self._read is None else (self._read(a.data), self._read(b.data))
-        stamps = [None if row is None else row.stamp_ns for row in (row_a, row_b)]
-        if None not in stamps and stamps[0] != stamps[1]:
-            self._leave_alone(0 if stamps[0] < stamps[1] else 1)  # type: ignore[operator]
-            return
-        self._judge(a, b, row_a, row_b)
-        self._pair()
+        elif a.stamp_ns is None or b.stamp_ns is None or a.stamp_ns == b.stamp_ns:
+            self._judge(a, b)
+            self._pair()
+        else:
+            self._leave_alone(0 if a.stamp_ns < b.stamp_ns else 1)
 
     def _pair(self) -> None:
         self._result.pairs += 1
@@ -143,39 +160,34 @@ class _Pairing:
     def _leave_alone(self, side: int) -> None:
         message = self._waiting[side].popleft()
         self._result.alone[side] += 1
-        row = None if self._read is None else self._read(message.data)
-        stamp = message.log_ns if row is None or row.stamp_ns is None else row.stamp_ns
-        self._result.note(self._taken[0], stamp, f"a message that is only in {'AB'[side]}")
+        self._result.note(self._taken[0], message.place_ns, f"a message that is only in {'AB'[side]}")
         self._taken[side] += 1
 
-    def _judge(self, a: RawMessage, b: RawMessage, row_a: Row | None, row_b: Row | None) -> None:
+    def _judge(self, a: _Waiting, b: _Waiting) -> None:
         """Compare a pair that is not the same."""
-        result, index = self._result, self._taken[0]
-        stamp = a.log_ns if row_a is None or row_a.stamp_ns is None else row_a.stamp_ns
-        if a.data != b.data:
-            what = self._difference(a, b, row_a, row_b, stamp)
+        result, index, stamp = self._result, self._taken[0], a.place_ns
+        if a.raw.data != b.raw.data:
+            what = self._difference(a, b, stamp)
             if what:
                 result.differing += 1
                 result.note(index, stamp, what)
-        if a.log_ns != b.log_ns:
+        if a.raw.log_ns != b.raw.log_ns:
             result.log_times += 1
             if result.first_log_time is None:
-                told = f"log time {_seconds(a.log_ns)} and {_seconds(b.log_ns)}"
+                told = f"log time {_seconds(a.raw.log_ns)} and {_seconds(b.raw.log_ns)}"
                 result.first_log_time = Place(index, stamp, told)
 
-    def _difference(
-        self, a: RawMessage, b: RawMessage, row_a: Row | None, row_b: Row | None, stamp: int
-    ) -> str:
+    def _difference(self, a: _Waiting, b: _Waiting, stamp: int) -> str:
         """Say what differs between two messages of different bytes; "" if only wall-clock measurements."""
         result = self._result
-        if row_a is None or row_b is None or self._texts is None:
+        if a.decoded is None or b.decoded is None:
             result.structure += 1
-            place = next((i for i, (x, y) in enumerate(zip(a.data, b.data, strict=False)) if x != y), 0)
-            return f"bytes, from byte {place} on ({len(a.data)} and {len(b.data)} bytes)"
-        texts = self._texts(a.data), self._texts(b.data)
-        if row_a.labels != row_b.labels or texts[0] != texts[1]:
+            return _first_byte(a.raw.data, b.raw.data)
+        (row_a, whole_a), (row_b, whole_b) = a.decoded, b.decoded
+        found = texts(whole_a), texts(whole_b)
+        if row_a.labels != row_b.labels or found[0] != found[1]:
             result.structure += 1
-            return _structure(row_a, row_b, *texts)
+            return _structure(row_a, row_b, *found)
         changed = []
         for label, unit, x, y in zip(row_a.labels, row_a.units, row_a.values, row_b.values, strict=True):
             signal = result.signals.setdefault(label, SignalDifference(label, unit))
@@ -187,6 +199,11 @@ class _Pairing:
             signal.add(y - x, stamp)
             changed.append(f"{label} {x:.9g} and {y:.9g} {unit}".rstrip())
         return next(filter(None, changed), "" if changed else "the same values in other bytes")
+
+
+def _first_byte(a: bytes, b: bytes) -> str:
+    place = next((i for i, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), min(len(a), len(b)))
+    return f"bytes, from byte {place} on ({len(a)} and {len(b)} bytes)"
 
 
 def _structure(row_a: Row, row_b: Row, texts_a: dict[str, Any], texts_b: dict[str, Any]) -> str:

@@ -27,7 +27,7 @@ from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
 from forest_msgs_py.qos_profiles import offered
 from forest_msgs_py.raw_messages import Channel, RawMessage
-from forest_msgs_py.rows import NS_PER_S, TAKERS, Row, take_any, texts
+from forest_msgs_py.rows import NS_PER_S, TAKERS, Row, take_any
 from forest_msgs_py.sequences import SequenceGaps
 from forest_msgs_py.topics import Topic, find, message_class, unlisted
 
@@ -174,19 +174,24 @@ def row_reader(name: str, type_name: str) -> Callable[[bytes], Row]:
     Raises:
         ValueError: the type is not installed here.
     """
-    kind, decode = _decoder(name, type_name)
-    take = TAKERS.get(type_name, take_any)
-    return lambda data: take(kind, decode(data))
+    read = message_reader(name, type_name)
+    return lambda data: read(data)[0]
 
 
-def text_reader(name: str, type_name: str) -> Callable[[bytes], dict[str, Any]]:
-    """Return what finds in a topic's CDR bytes that which is no number: see `rows.texts`.
+def message_reader(name: str, type_name: str) -> Callable[[bytes], tuple[Row, Any]]:
+    """Return what turns a topic's CDR bytes into a row of labelled numbers, and the whole message.
 
     Raises:
         ValueError: the type is not installed here.
     """
-    _, decode = _decoder(name, type_name)
-    return lambda data: texts(decode(data))
+    kind, decode = _decoder(name, type_name)
+    take = TAKERS.get(type_name, take_any)
+
+    def read(data: bytes) -> tuple[Row, Any]:
+        message = decode(data)
+        return take(kind, message), message
+
+    return read
 
 
 def _decoder(name: str, type_name: str) -> tuple[Topic, Callable[[bytes], Any]]:

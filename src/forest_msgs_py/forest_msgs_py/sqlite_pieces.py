@@ -51,6 +51,7 @@ class SqlitePieces:
             self.counts.update(self._database.execute(query))
             self._find_pieces()
         except sqlite3.Error as error:
+            self._database.close()
             raise Damaged(f"{path} is not a readable database of rosbag2's: {error}") from error
 
     def close(self) -> None:
