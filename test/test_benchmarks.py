@@ -28,7 +28,7 @@ def benchmark(monkeypatch):
     for name in [
         n
         for n in sys.modules
-        if n.split(".")[0] in {"plant", "peers", "work", "reference", "components", "many"}
+        if n.split(".")[0] in {"plant", "peers", "work", "reference", "components", "many", "recorder"}
     ]:
         del sys.modules[name]
 
@@ -115,3 +115,14 @@ def test_many_machines_are_told_by_the_clock_and_by_processor_time(benchmark, mo
     assert [row["workers"] for row in rows] == [1, len(os.sched_getaffinity(0))]
     assert all(row[name] > 0.0 for row in rows for name in ("efficiency", "cpu_efficiency", "seconds"))
     assert len(list(many.table(rows))) == 2
+
+
+def test_recorder_s_table_compares_with_the_bare_node(benchmark):
+    row = {"sent": 1000, "heard": 1000, "memory_growth_mb": 0.0}
+    rows = [
+        row | {"listener": "bare", "microseconds_per_message": 80.0},
+        row | {"listener": "recorder zstd", "microseconds_per_message": 20.0, "heard": 998},
+    ]
+    *_, bare, recorder = benchmark("recorder").table(rows).splitlines()
+    assert bare == "| bare | 1000 | 0 | 80.0 | 1.00 | 0.0 MB |"
+    assert recorder == "| recorder zstd | 1000 | 2 | 20.0 | 0.25 | 0.0 MB |"

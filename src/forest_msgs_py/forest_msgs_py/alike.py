@@ -56,4 +56,3 @@ def _names(kind: Topic, first: Row) -> tuple[str, ...]:
         return first.labels
     names = tuple(label.removesuffix(".position") for label in first.labels if label.endswith(".position"))
     return names if len(first.labels) == 3 * len(names) else ()
-
