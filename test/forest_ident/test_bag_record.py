@@ -43,6 +43,7 @@ def test_the_words_of_ros2_bag_are_understood():
     assert parameters["max_size"] == 2.0
     assert parameters["max_duration"] == 5.0
     assert "topics" not in asked("-a")
+    assert asked("-d", "0")["max_duration"] == 0.0
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     add("-o", "--output", type=Path, metavar="DIR", help="to be made (default: rosbag2_ and the time)")
     add("--compression", choices=COMPRESSIONS, default="zstd", help="default: %(default)s")
     add("-d", "--max-duration", "--max-bag-duration", type=_limit, metavar="S",
-        help="begin another file after so many seconds")  # fmt: skip
+        help="begin another file after so many seconds (default: 3600; 0: never)")  # fmt: skip
     add("--max-size", type=_limit, metavar="MB", help="begin another file before one is larger")
     add("-b", "--max-bag-size", type=_limit, metavar="BYTES", help="the same in bytes")
     add("--snapshot-seconds", type=_limit, metavar="S",
@@ -41,7 +41,7 @@ def _add_choice(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("names", nargs="*", metavar="TOPIC", help="record only these; --topics says the same")
     add("--topics", nargs="+", default=[], metavar="TOPIC", help="record only these")
-    add("-e", "--regex", type=_regex, default="", help="record topics whose name contains this")
+    add("-e", "--regex", type=_regex, help="record topics whose name contains this")
     add("-a", "--all", action="store_true", help="record every topic; so does no choice at all")
     add("-x", "--exclude", nargs="+", type=_regex, default=[], metavar="TOPIC",
         help="but not these: names, or regular expressions that a name contains")  # fmt: skip
@@ -78,20 +78,22 @@ def _regex(text: str) -> str:
 def parameters(options: argparse.Namespace) -> dict[str, Any]:
     """Return the recorder's parameters that the flags ask for."""
     topics = [] if options.all else [*options.names, *options.topics]
-    size = (options.max_size or 0.0) or (options.max_bag_size or 0.0) * 1e-6
+    size = options.max_size
+    if size is None and options.max_bag_size is not None:
+        size = options.max_bag_size * 1e-6
     asked = {
         "output": str(options.output or time.strftime("rosbag2_%Y_%m_%d-%H_%M_%S")),
-        "topics": topics,
-        "regex": "" if options.all else options.regex,
-        "exclude": options.exclude,
+        "topics": topics or None,
+        "regex": None if options.all else options.regex,
+        "exclude": options.exclude or None,
         "everything": True,
         "compression": options.compression,
         "max_duration": options.max_duration,
         "max_size": size,
         "snapshot_seconds": options.snapshot_seconds,
-        "start_paused": options.start_paused,
+        "start_paused": options.start_paused or None,
     }
-    return {name: value for name, value in asked.items() if value}
+    return {name: value for name, value in asked.items() if value is not None}
 
 
 def run(options: argparse.Namespace) -> int:

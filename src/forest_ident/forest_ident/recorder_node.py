@@ -35,6 +35,7 @@ from forest_msgs_py.step_listener import listener
 from forest_msgs_py.topics import message_class
 
 DRAIN_PERIOD_S = 0.01  # waking up once for all that arrived is several times cheaper than for each message
+HOUR = 3600.0  # [s]; readers load a file's index whole, which has ten entries for each second
 QUICK_POLL_S, SLOW_POLL_S = 0.05, 0.25
 QUICK_POLLS = 100  # the first five seconds, while a graph comes up
 
@@ -74,7 +75,7 @@ class RecorderNode(Node):
     def _new_session(self) -> Session:
         output = declare(self, "output", "", "Directory to be made for the bag")
         compression = declare(self, "compression", "zstd", "of the chunks", choices=COMPRESSIONS)
-        duration = declare(self, "max_duration", 0.0, "longest file; 0: no limit", "s", 0.0, 1e9)
+        duration = declare(self, "max_duration", HOUR, "longest file; 0: no limit", "s", 0.0, 1e9)
         size = declare(self, "max_size", 0.0, "largest file; 0: no limit", "MB", 0.0, 1e9)
         last = "keep so much in memory and write it on ~/snapshot; 0: write everything"
         snapshot = declare(self, "snapshot_seconds", 0.0, last, "s", 0.0, 3600.0)

@@ -34,7 +34,7 @@ from forest_msgs_py.latched import Latched, Sample
 from forest_msgs_py.mcap_file import CHUNK_BYTES, McapFile
 
 FLUSH_PERIOD_S = 0.1  # what a killed recorder loses at most
-CHUNKS_PER_FILE = 36_000  # an hour of flushes: a file's index stays small in memory, here and in readers
+CHUNKS_PER_FILE = 100_000  # three hours of flushes: a file's index is bounded in memory, here and in readers
 LIBRARY = "forest_msgs_py bag_writer"
 
 
