@@ -91,6 +91,8 @@ def test_every_message_of_every_topic_is_in_the_bag(record, speaker, wait_until,
 def messages_in(file, topic):
     """Messages that a reader finds in a file that is still being written."""
     count = 0
+    if not file.exists():
+        return 0
     with file.open("rb") as stream:
         try:
             for _, channel, _ in NonSeekingReader(stream).iter_messages(log_time_order=False):
@@ -115,8 +117,11 @@ def test_a_killed_recorder_leaves_a_readable_file(record, speaker, wait_until, t
     assert bag.topics["/joint_states"].lost == 0
 
 
-def test_services_mark_split_stop_and_start_again(record, ask, wait_until, tmp_path):
-    process = record("-p", "event:='log dropped'", "-p", "topics:=[rosout]")
+def test_services_mark_split_stop_and_start_again(record, speaker, ask, wait_until, tmp_path):
+    description = node.publisher(speaker, topics.ROBOT_DESCRIPTION)
+    description.publish(String(data="<robot/>"))
+    process = record("-p", "event:='log dropped'", "-p", "topics:=[robot_description]")
+    wait_until(lambda: messages_in(tmp_path / "bag/bag_0.mcap", "/robot_description") == 1)
     wait_until(lambda: ask("mark") == (True, "marked: log dropped"))
     wait_until(lambda: messages_in(tmp_path / "bag/bag_0.mcap", "/events") == 1)
     assert ask("snapshot") == (
@@ -133,6 +138,7 @@ def test_services_mark_split_stop_and_start_again(record, ask, wait_until, tmp_p
     assert ask("start") == (True, f"recording to {tmp_path / 'bag_2'}")
     assert process.stop() == 0
     assert messages_in(tmp_path / "bag/bag_1.mcap", "/events") == 1
+    assert messages_in(tmp_path / "bag/bag_1.mcap", "/robot_description") == 1
     assert read_bag(tmp_path / "bag").topics["/events"].count == 2
     assert read_bag(tmp_path / "bag_2").complete
 
@@ -186,16 +192,25 @@ def test_a_namespace_and_the_excluded_are_kept_to(record, speaker, wait_until, t
     assert left_out.get_subscription_count() == others.get_subscription_count() == 0
 
 
-def test_a_best_effort_latecomer_is_heard_beside_a_reliable_publisher(record, speaker, wait_until, tmp_path):
+def test_latecomers_are_heard_and_a_best_effort_one_beside_a_reliable_publisher(
+    record, speaker, wait_until, tmp_path
+):
     first = speaker.create_publisher(Float64, "shared", 10)
     process = record()
     wait_until(first.get_subscription_count)
     second = speaker.create_publisher(
         Float64, "shared", QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
     )
-    wait_until(second.get_subscription_count)
+    late = speaker.create_publisher(String, "late", 10)
+    wait_until(lambda: second.get_subscription_count() and late.get_subscription_count())
     assert process.stop() == 0
-    assert "/shared" in read_bag(tmp_path / "bag").topics
+    assert {"/shared", "/late"} <= read_bag(tmp_path / "bag").topics.keys()
+    with (tmp_path / "bag/bag_0.mcap").open("rb") as stream:
+        channels = make_reader(stream).get_summary().channels.values()
+    (last,) = [c.metadata for c in channels if c.topic == "/shared"][-1:]
+    words = [profile["reliability"] for profile in yaml.safe_load(last["offered_qos_profiles"])]
+    assert sorted(words) == ["best_effort", "reliable"]
+    assert last["topic_type_hash"].startswith("RIHS01_")
 
 
 @pytest.mark.parametrize(

