@@ -4,6 +4,7 @@ import contextlib
 import errno
 import os
 import random
+import threading
 
 import pytest
 from mcap.reader import NonSeekingReader, make_reader
@@ -136,6 +137,25 @@ def test_the_disk_s_refusal_to_sync_is_told_at_a_later_flush(tmp_path, monkeypat
     with pytest.raises(OSError, match="Input/output error"):
         file.flush()
     file.finish()
+
+
+def test_every_flush_that_has_something_new_is_forced_to_the_disk_by_another_thread(
+    tmp_path, monkeypatch, wait_until
+):
+    synced = []
+    monkeypatch.setattr(
+        "forest_msgs_py.append_file.os.fdatasync",
+        lambda descriptor: synced.append((os.fstat(descriptor).st_size, threading.current_thread().name)),
+    )
+    file = written(tmp_path / "a.mcap", 10, durable=True)
+    for count in range(1, 4):
+        file.flush()
+        wait_until(lambda count=count: len(synced) == count)
+        assert synced[-1] == ((tmp_path / "a.mcap").stat().st_size, "bag-sync")
+        file.flush()  # nothing new
+        file.add_message(1, 2000 + count, b"", 0, 0)
+    file.finish()
+    assert len(synced) == 3
 
 
 def test_an_unknown_compression_is_refused_with_those_there_are(tmp_path):
