@@ -1,12 +1,13 @@
 """One contestant in a process of its own: start-up, then the whole work; prints one JSON object.
 
 Times are CPU times of this process, which neighbours on the machine disturb least; start-up is wall time from
-the process' spawning to the end of the first 5 ms of work.
+the process' spawning to the end of the first 5 ms of work, and CPU time beside it.
 """
 
 import argparse
 import importlib
 import json
+import resource
 import time
 from typing import Any
 
@@ -45,6 +46,12 @@ def _quality(run: Run, reference: Floats) -> dict[str, float]:
     return {"error_rad": error_rad, "error_mpa": error_mpa}
 
 
+def _cpu() -> float:
+    """Return the CPU time [s] of this process and of the compilers that it called."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
+
+
 def main() -> None:
     """Do what the parent process asks for."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -60,7 +67,7 @@ def main() -> None:
     reference = np.load(args.reference)
     prepare: Prepare = importlib.import_module(f"peers.{CONTESTANTS[args.contestant].module}").prepare
     prepare(benchmark.make(args.mode, benchmark.SAMPLE), reference[0], args.tolerance)()
-    result: dict[str, Any] = {"first_step_s": time.time() - args.spawned}
+    result: dict[str, Any] = {"first_step_s": time.time() - args.spawned, "first_step_cpu_s": _cpu()}
     if not args.first_step:
         result |= measure(prepare, args.mode, args.seconds, args.tolerance, reference)
     print(json.dumps(result))

@@ -1,6 +1,8 @@
 """A run in blocks is the integrator's own steps; its energy account closes."""
 
+import gc
 import math
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +13,7 @@ from forest_sim import inputs, recording
 from forest_sim.compiled import compiled_advance, compiled_record, fastest_record
 from forest_sim.energy import Account, account, gap, heat_in, oil_energy
 from forest_sim.equilibrium import equilibrium
+from forest_sim.observation import EXACT, Observer
 from forest_sim.pace import even
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import ENERGY, STATE, restore
@@ -23,6 +26,7 @@ from forest_sim.simulation import (
     substeps,
     whole,
 )
+from forest_sim.trajectory_files import Thinned
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 START = start_angles(C180)
@@ -66,6 +70,18 @@ def test_the_oil_warms_by_what_the_machine_loses_and_the_run_goes_on_with_it():
     constant = whole(replace(C180, oil=None), voltages, START, Run(20.0))
     assert np.all(np.isnan(constant.temperature))
     assert abs(run.states[-1, 0] - constant.states[-1, 0]) > 1e-4  # thin oil leaks more in the swing motor
+
+
+def test_what_a_run_holds_in_memory_does_not_grow_with_its_length():
+    """A day has 86 400 blocks; the bag's part of the claim is test_bag_splits'."""
+    held, observer, kept = [], Observer(C180, 10.0, EXACT), Thinned()
+    kept.LIMIT = 20
+    for second, block in enumerate(blocks(C180, inputs.steps(), START, Run(40.0, 10.0))):
+        kept.add({"time": block.time, **observer.observe(block)})
+        if second in (15, 40):
+            gc.collect()
+            held.append(sys.getallocatedblocks())
+    assert held[1] - held[0] < 25 * 20
 
 
 def test_blocks_hold_the_same_rows_whatever_the_length_of_the_run():

@@ -56,6 +56,11 @@ class PlantParameters(NamedTuple):
 
 @lru_cache(maxsize=64)
 def plant_parameters(machine: Machine) -> PlantParameters:
+    """Return the kernel's parameters for a machine, and keep them: they are asked for again and again."""
+    return parameters_of(machine)
+
+
+def parameters_of(machine: Machine) -> PlantParameters:
     """Return the kernel's parameters for a machine; components that it lacks become neutral numbers."""
     return PlantParameters(
         valves=(_valve(machine, 0), _valve(machine, 1), _valve(machine, 2)),

@@ -20,7 +20,7 @@ import math
 from forest_description.machine import Machine
 from forest_description.oil import COLDEST, HOTTEST, Oil
 from forest_description.temperature import at_temperature
-from forest_sim.parameters import PlantParameters, plant_parameters
+from forest_sim.parameters import PlantParameters, parameters_of
 from forest_sim.power import PowerFlows
 
 UPDATE_PERIOD = 1.0  # [s] of simulated time, in which a machine at full loss warms by a quarter of a degree
@@ -66,6 +66,6 @@ def parameters_at(machine: Machine, temperature: float) -> PlantParameters:
     """Return the kernel's parameters of a machine with its oil at a temperature [K].
 
     Beyond the temperatures for which there are laws of the oil, they are those at the nearest one: a run does
-    not end because a machine boils.
+    not end because a machine boils. They are not kept: none comes twice.
     """
-    return plant_parameters(at_temperature(machine, min(HOTTEST, max(COLDEST, temperature))))
+    return parameters_of(at_temperature(machine, min(HOTTEST, max(COLDEST, temperature))))
