@@ -47,18 +47,20 @@ def step(simulation: Simulation, voltages: Triple, h: float, p: PlantParameters)
     """Advance the machine by h [s] with the valve voltages [V] held."""
     plant, c = simulation.plant, GAMMA * h
     middle = spools_after(simulation.spools, voltages, c, p)
-    rates = _rates_after(plant, simulation.accelerations, c)
-    ports = ports_at(middle, p)
-    first, failed_1 = solve_stage(plant, plant, rates, ports, c, p)
-    # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
-    base = _blend(plant, first, (1.0 - GAMMA) / GAMMA)
     end = spools_after(simulation.spools, voltages, h, p)
-    ahead = _blend(plant, first, 1.0 / GAMMA)
-    rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
-    if end != middle:
-        ports = ports_at(end, p)
-    after, failed_2 = solve_stage(base, ahead, rates, ports, c, p)
-    events = _count(simulation.events, plant, after, failed_1 + failed_2, p.guard)
+    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
+    base = ahead = after = plant
+    failures = 0
+    for stage in range(2):  # one body for both, so that the compiled plant holds it once
+        after, failed = solve_stage(base, ahead, rates, ports, c, p)
+        failures += failed
+        if stage == 0:
+            # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
+            base, ahead = _blend(plant, after, (1.0 - GAMMA) / GAMMA), _blend(plant, after, 1.0 / GAMMA)
+            rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
+            if end != middle:
+                ports = ports_at(end, p)
+    events = _count(simulation.events, plant, after, failures, p.guard)
     return Simulation(after, end, events, _mean_accelerations(base, after, c))
 
 
