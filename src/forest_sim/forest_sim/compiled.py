@@ -2,7 +2,7 @@
 
 The laws stay ordinary Python; here, and only here, they are handed to a compiler. Compiled and interpreted
 steps agree to the last bit. The object is kept in a cache under a digest of the laws' sources; making it
-takes two or three seconds (`python -m forest_sim.compiled`), loading it some milliseconds.
+takes some two seconds (`python -m forest_sim.compiled`), loading it some milliseconds.
 """
 
 import hashlib
