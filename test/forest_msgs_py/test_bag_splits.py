@@ -1,5 +1,6 @@
 """Every split of a bag is whole by itself; together they are one bag to readers that nobody here wrote."""
 
+import errno
 import random
 
 import pytest
@@ -137,7 +138,24 @@ def test_a_day_of_chunks_does_not_grow_the_memory(tmp_path, monkeypatch):
     for step in range(500):
         bag.write("/depth", ONE, step, step, step + 1)
         bag.flush()
-        sizes.append(len(bag._file._chunk_index))
+        sizes.append(len(bag._split.file._chunk_index))
     bag.close()
     assert len(bag_files(tmp_path / "bag")) == 10
     assert max(sizes) == max(sizes[:60])
+
+
+def test_a_next_file_that_cannot_be_made_leaves_a_closed_bag_of_those_before(tmp_path, monkeypatch):
+    bag = crane(tmp_path / "bag", Layout(), seconds=1)
+
+    def full(*_arguments):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as disk:
+        disk.setattr("forest_msgs_py.append_file.tempfile.TemporaryFile", lambda **_: full())
+        with pytest.raises(OSError, match="No space left"):
+            bag.split()
+    bag.close()
+    assert sorted(path.name for path in (tmp_path / "bag").iterdir()) == ["bag_0.mcap", "metadata.yaml"]
+    about = yaml.safe_load((tmp_path / "bag/metadata.yaml").read_text())["rosbag2_bagfile_information"]
+    assert about["relative_file_paths"] == ["bag_0.mcap"]
+    assert about["message_count"] == 101

@@ -10,7 +10,8 @@ import yaml
 from mcap.exceptions import EndOfFile
 from mcap.reader import NonSeekingReader, make_reader
 
-from forest_msgs_py.bag_writer import BagWriter, message_definition
+from forest_msgs_py.bag_writer import BagWriter
+from forest_msgs_py.definitions import message_definition
 
 START = 1_700_000_000_000_000_000
 HASH = "RIHS01_705ba9c3d1a09df43737eb67095534de36fd426c0587779bda2bc51fe790182a"

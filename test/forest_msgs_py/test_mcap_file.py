@@ -10,7 +10,8 @@ import pytest
 from mcap.reader import NonSeekingReader, make_reader
 from mcap.stream_reader import StreamReader
 
-from forest_msgs_py.mcap_file import COMPRESSIONS, McapFile
+from forest_msgs_py.mcap_chunk import COMPRESSIONS
+from forest_msgs_py.mcap_file import McapFile
 
 
 def written(path, count=300, **options):

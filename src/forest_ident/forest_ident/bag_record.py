@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from forest_ident.topic_choice import ChoiceError, compiled
-from forest_msgs_py.mcap_file import COMPRESSIONS
+from forest_msgs_py.mcap_chunk import COMPRESSIONS
 
 NODE = "bag_recorder"  # not the name of a graph's own recorder: both may record
 SERVICES = f"While it records, the services /{NODE}/start, stop, split, snapshot and mark act on it."

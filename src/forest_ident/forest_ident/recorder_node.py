@@ -27,7 +27,7 @@ from forest_msgs_py import topics
 from forest_msgs_py.bag_session import Session
 from forest_msgs_py.bag_writer import Layout
 from forest_msgs_py.graph_listener import Offer
-from forest_msgs_py.mcap_file import COMPRESSIONS
+from forest_msgs_py.mcap_chunk import COMPRESSIONS
 from forest_msgs_py.node import NodeFailure, publisher, run_node, timer
 from forest_msgs_py.parameter_survey import ParameterSurvey
 from forest_msgs_py.parameters import ParameterError, declare

@@ -28,8 +28,12 @@ class AppendFile:
         self.closed = False
         self._dirty = False
         self._path = path
-        self._descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
         self._reserve: IO[bytes] = tempfile.TemporaryFile(dir=path.parent)  # noqa: SIM115  closed by `release`
+        try:
+            self._descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o644)
+        except OSError:
+            self._reserve.close()
+            raise
         self._reserved = 0
         self._syncer = _Syncer(self._descriptor) if durable else None
 

@@ -24,8 +24,6 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import lz4.frame
-import zstandard
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (
@@ -44,32 +42,12 @@ from mcap.records import (
 )
 
 from forest_msgs_py.append_file import AppendFile
+from forest_msgs_py.mcap_chunk import OpenChunk, compressor
 
 MAGIC = b"\x89MCAP0\r\n"
 CHUNK_BYTES = 64 * 1024
 RESERVE_BYTES = 16 * 1024  # kept free for the summary, besides definitions and the index of chunks
 ENDING_BYTES = 1024  # statistics, offsets and footer
-COMPRESSIONS = ("none", "lz4", "zstd")
-ZSTD_LEVEL = 1  # half the processor time of level 3 for 5 % more bytes
-
-_MESSAGE = struct.Struct("<BQHIQQ")
-_MESSAGE_FIELDS = _MESSAGE.size - 9
-_INDEX = struct.Struct("<BQHI")
-
-
-def compressor(name: str) -> Callable[[bytes], bytes]:
-    """Return the function that compresses a chunk.
-
-    Raises:
-        ValueError: an unknown name.
-    """
-    if name == "none":
-        return lambda data: data
-    if name == "lz4":
-        return lambda data: bytes(lz4.frame.compress(data))
-    if name == "zstd":
-        return zstandard.ZstdCompressor(level=ZSTD_LEVEL).compress
-    raise ValueError(f"compression {name!r}; allowed: {', '.join(COMPRESSIONS)}")
 
 
 class McapFile:
@@ -97,7 +75,7 @@ class McapFile:
         self.chunks = 0
         self.first_ns, self.last_ns = 0, 0  # log times of what is written
         self._compress = compressor(compression)
-        self._compression = b"" if compression == "none" else compression.encode()
+        self._compression = compression
         self._chunk_bytes = chunk_bytes
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
@@ -105,7 +83,7 @@ class McapFile:
         self._notes: list[MetadataIndex] = []
         self._chunk_index = bytearray()
         self._defined = 0
-        self._begin_chunk()
+        self._chunk = OpenChunk()
         self._file = AppendFile(path, durable)
         self._file.append(MAGIC + _encoded(Header("ros2", library)))
 
@@ -117,8 +95,8 @@ class McapFile:
     @property
     def size(self) -> int:
         """Bytes of the file if it ended now, or a little less; the open chunk is not compressed yet."""
-        indexes = len(self._chunk_index) + 8 * len(self._parts) + ENDING_BYTES
-        return self._file.size + self._pending + indexes + self._defined
+        indexes = len(self._chunk_index) + ENDING_BYTES
+        return self._file.size + self._chunk.size + indexes + self._defined
 
     @property
     def message_count(self) -> int:
@@ -152,18 +130,8 @@ class McapFile:
         Raises:
             OSError: the chunk was full, and so is the disk.
         """
-        entries = self._entries.get(channel)
-        if entries is None:
-            self._entries[channel] = entries = []
-        entries.append(log_ns)
-        entries.append(self._pending)
-        length = _MESSAGE_FIELDS + len(data)
-        self._parts.append(
-            _MESSAGE.pack(Opcode.MESSAGE, length, channel, sequence & 0xFFFFFFFF, log_ns, publish_ns)
-        )
-        self._parts.append(data)
-        self._pending += 9 + length
-        if self._pending >= self._chunk_bytes:
+        self._chunk.add(channel, log_ns, data, publish_ns, sequence)
+        if self._chunk.size >= self._chunk_bytes:
             self._write_chunk()
 
     def attach(self, name: str, media_type: str, data: bytes, time_ns: int) -> None:
@@ -216,36 +184,20 @@ class McapFile:
         self._file.append(data)
         self._defined += 2 * len(data)  # the summary repeats it, and `metadata.yaml` says much the same
 
-    def _begin_chunk(self) -> None:
-        self._parts: list[bytes] = []
-        self._entries: dict[int, list[int]] = {}  # log time and place of each message, by channel
-        self._pending = 0
-
     def _write_chunk(self) -> None:
         """Write the open chunk and the index of its messages, both or neither."""
-        if not self._parts:
+        if not self._chunk.size:
             return
-        raw, entries = b"".join(self._parts), self._entries
-        self._begin_chunk()  # whatever happens: what a full disk refused is not offered again
-        first = min(min(e[::2]) for e in entries.values())
-        last = max(max(e[::2]) for e in entries.values())
-        data = self._compress(raw)
-        head = struct.pack("<QQQI", first, last, len(raw), zlib.crc32(raw))
-        head += _text(self._compression) + struct.pack("<Q", len(data))
-        chunk = struct.pack("<BQ", Opcode.CHUNK, len(head) + len(data)) + head + data
-        start = self._file.size
-        places, indexes = _message_indexes(entries, start + len(chunk))
-        index = struct.pack("<QQQQ", first, last, start, len(chunk)) + struct.pack("<I", len(places))
-        index += places + struct.pack("<Q", len(indexes)) + _text(self._compression)
-        index += struct.pack("<QQ", len(data), len(raw))
-        self._file.keep_free(RESERVE_BYTES + self._defined + len(self._chunk_index) + len(index))
-        self._file.append(chunk + indexes)
-        self._chunk_index += struct.pack("<BQ", Opcode.CHUNK_INDEX, len(index)) + index
-        self.first_ns = min(self.first_ns, first) if self.chunks else first
-        self.last_ns = max(self.last_ns, last)
+        sealed = self._chunk.sealed(self._compression, self._compress, self._file.size)
+        self._chunk = OpenChunk()  # whatever happens: what a full disk refuses is not offered again
+        self._file.keep_free(RESERVE_BYTES + self._defined + len(self._chunk_index) + len(sealed.entry))
+        self._file.append(sealed.records)
+        self._chunk_index += sealed.entry
+        self.first_ns = min(self.first_ns, sealed.first_ns) if self.chunks else sealed.first_ns
+        self.last_ns = max(self.last_ns, sealed.last_ns)
         self.chunks += 1
-        for channel, e in entries.items():
-            self.counts[channel] += len(e) // 2
+        for channel, count in sealed.counts.items():
+            self.counts[channel] += count
 
     def _ending(self) -> bytes:
         """The end of the data, the summary, and the footer that finds it."""
@@ -283,27 +235,12 @@ class McapFile:
         )
 
 
-def _message_indexes(entries: Mapping[int, list[int]], start: int) -> tuple[bytes, bytes]:
-    """The records that say where a chunk's messages are, and where in the file each of these begins."""
-    places, records = b"", b""
-    for channel, entry in entries.items():
-        places += struct.pack("<HQ", channel, start + len(records))
-        size = 8 * len(entry)
-        records += _INDEX.pack(Opcode.MESSAGE_INDEX, size + 6, channel, size)
-        records += struct.pack(f"<{len(entry)}Q", *entry)
-    return places, records
-
-
 def _refused(step: Callable[[], None]) -> OSError | None:
     try:
         step()
     except OSError as error:
         return error
     return None
-
-
-def _text(value: bytes) -> bytes:
-    return struct.pack("<I", len(value)) + value
 
 
 def _encoded(record: McapRecord) -> bytes:
