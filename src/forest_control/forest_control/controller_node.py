@@ -69,7 +69,8 @@ class ControllerNode(Node):
         tunables.watch(self._tune)
         self._state_received, self._order = -math.inf, StampOrder(self._state_timeout)
         self._joystick, self._joy_content, self._joy_problem = joystick_watch.REST, None, ""
-        self._health = Health(self, ("joystick", "machine", "emergency stop"), "standing still")
+        said = self._pace.publisher(topics.DIAGNOSTICS)
+        self._health = Health(self, ("joystick", "machine", "emergency stop"), "standing still", said)
         self._stop = EmergencyStop(self, "", self._against_reset, self._stand_still)
         self._command = self._pace.publisher(topics.VALVE_COMMANDS)
         self._pose = self._pace.publisher(topics.TIP_POSE)

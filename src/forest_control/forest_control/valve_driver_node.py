@@ -50,7 +50,8 @@ class ValveDriverNode(Node):
         self._state = valve_driver.REST
         self._command_received = self._pressure_received = -math.inf
         self._order, self._asked = StampOrder(self._command_timeout), ZERO
-        self._health = Health(self, ("commands", "pressures", "emergency stop"), "valves centred")
+        said = self._pace.publisher(topics.DIAGNOSTICS)
+        self._health = Health(self, ("commands", "pressures", "emergency stop"), "valves centred", said)
         self._stop = EmergencyStop(self, "~/", self._against_reset, self._stand_still)
         self._ports: tuple[Triple, Triple] = (ZERO, ZERO)
         self._supply, self._supply_received = 0.0, -math.inf
@@ -107,7 +108,7 @@ class ValveDriverNode(Node):
         return self._pace.now() - self._command_received
 
     def _stand_still(self) -> None:
-        now = self.get_clock().now().nanoseconds
+        now = self._pace.stamp()
         self._publish(now, ZERO)
         self._tell(now)
 

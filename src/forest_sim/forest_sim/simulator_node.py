@@ -72,7 +72,8 @@ class SimulatorNode(Node):
             for topic in topics.TOPICS
             if "simulator" in topic.publishers and topic != topics.DIAGNOSTICS
         }
-        self._health = Health(self, ("voltages",), "valves centred")
+        said = self._pace.publisher(topics.DIAGNOSTICS)
+        self._health = Health(self, ("voltages",), "valves centred", said)
         self._packers = {
             topic: Packer(topic, FRAME if topic.type in (topics.POSE, topics.TWIST) else "", self._plain)
             for topic in self._outputs

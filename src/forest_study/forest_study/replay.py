@@ -16,6 +16,7 @@ from forest_ident import bag_cli
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
 from forest_msgs_py.raw_messages import Damaged
+from forest_msgs_py.stamps import STAMPED
 from forest_msgs_py.topics import DIAGNOSTICS, find
 from forest_study import graph, lockstep_run
 from forest_study.exclusive import Failure
@@ -90,7 +91,10 @@ def run(options: argparse.Namespace) -> int:
     else:
         nodes.append(_player(bag, topics, names))
     lockstep_run.run([*nodes, graph.recorder(out / "bag")], steps, out / "log")
-    return bag_cli.main(["compare", str(bag), str(out / "bag")])
+    # Of /diagnostics everybody says a part: without those who are not there it cannot be the same.
+    alone = "simulator" not in names
+    ignored = [word for name in topics if alone and find(name) == DIAGNOSTICS for word in ("--ignore", name)]
+    return bag_cli.main(["compare", str(bag), str(out / "bag"), *ignored])
 
 
 def _node(
@@ -111,7 +115,8 @@ def _node(
 def _player(bag: Path, topics: Sequence[str], nodes: Sequence[str]) -> NodeSpec:
     """Return what says the rest: every topic of the bag that the nodes do not say."""
     rows = [row for row in map(find, topics) if row is not None]
-    answers = [row.name for row in rows if set(row.publishers) & set(nodes) and row != DIAGNOSTICS]
+    spoken = [row for row in rows if row.type in STAMPED and row != DIAGNOSTICS]
+    answers = [row.name for row in spoken if set(row.publishers) & set(nodes)]
     if not answers:
         raise Failure(f"{bag} holds no topic of {', '.join(nodes)}; there are {', '.join(topics)}")
     told = (*graph.parameter("bag", str(bag.resolve())), *graph.parameter("answers", answers))
