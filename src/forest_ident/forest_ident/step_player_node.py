@@ -22,7 +22,7 @@ from forest_msgs_py.lockstep import STEP_NS
 from forest_msgs_py.node import NodeFailure, run_node
 from forest_msgs_py.pace import pace
 from forest_msgs_py.parameters import ParameterError, declare
-from forest_msgs_py.raw_messages import Damaged, RawMessage
+from forest_msgs_py.raw_messages import RawMessage
 from forest_msgs_py.stamps import STAMPED
 from forest_msgs_py.topics import Topic, find
 
@@ -43,7 +43,7 @@ class StepPlayerNode(Node):
         answers = declare(self, "answers", [""], "topics, without slash, that the nodes under test say")
         try:
             self._bag = BagReader(Path(path))
-        except (BagError, Damaged, OSError) as error:
+        except (BagError, OSError) as error:
             raise ParameterError(f"parameter 'bag': {error}") from error
         rows = {name: find(name) for name in self._bag.channels}
         self._said = {

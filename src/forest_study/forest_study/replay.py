@@ -15,7 +15,6 @@ import yaml
 from forest_ident import bag_cli
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.raw_messages import Damaged
 from forest_msgs_py.stamps import STAMPED
 from forest_msgs_py.topics import DIAGNOSTICS, find
 from forest_study import graph, lockstep_run
@@ -79,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
             last = reader.span[1]
             topics = list(reader.channels)
             attached = {name: data for file in reader.files for name, data in file.attachments}
-    except (BagError, Damaged, OSError) as error:
+    except (BagError, OSError) as error:
         raise Failure(str(error)) from error
     steps, rest = divmod(last, STEP_NS)
     if rest or not 0 < steps < MOST_STEPS:
