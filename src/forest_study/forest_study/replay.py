@@ -39,7 +39,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         choices=tuple(MODULES),
         default=["controller"],
-        help="that run; the bag says the rest (default: controller). With the simulator, it says only /joy",
+        help="that run; the bag says the rest (default: controller); simulator: all run, it says only /joy",
+    )
+    parser.add_argument(
+        "--tolerance", nargs="*", default=[], metavar="T", help="as of `forest-bag compare`; default: 0"
     )
     parser.add_argument(
         "--set",
@@ -73,6 +76,8 @@ def run(options: argparse.Namespace) -> int:
         Failure: the bag cannot be used, or a node failed.
     """
     bag, out, names = options.bag, options.out, list(dict.fromkeys(options.nodes))
+    if "simulator" in names:
+        names = list(MODULES)
     try:
         with BagReader(bag) as reader:
             last = reader.span[1]
@@ -93,7 +98,8 @@ def run(options: argparse.Namespace) -> int:
     # Of /diagnostics everybody says a part: without those who are not there it cannot be the same.
     alone = "simulator" not in names
     ignored = [word for name in topics if alone and find(name) == DIAGNOSTICS for word in ("--ignore", name)]
-    return bag_cli.main(["compare", str(bag), str(out / "bag"), *ignored])
+    allowed = [word for text in options.tolerance for word in ("--tolerance", text)]
+    return bag_cli.main(["compare", str(bag), str(out / "bag"), *ignored, *allowed])
 
 
 def _node(
