@@ -20,6 +20,7 @@ setup(
         "console_scripts": [
             "forest-sim = forest_sim.cli:main",
             "simulator_node = forest_sim.simulator_node:main",
+            "commander_node = forest_sim.commander_node:main",
         ]
     },
 )

@@ -33,9 +33,9 @@ from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.emergency_stop import EmergencyStop
 from forest_msgs_py.health import Health
-from forest_msgs_py.messages import float_array, pose_stamped, read_joint_state, read_joy, twist_stamped
+from forest_msgs_py.messages import read_joint_state, read_joy
 from forest_msgs_py.node import run_node
-from forest_msgs_py.pace import pace
+from forest_msgs_py.pace import pace, speaker
 from forest_msgs_py.parameters import Tunables, declare
 from forest_msgs_py.stamp_order import StampOrder
 from forest_msgs_py.stamped_period import StampedPeriod
@@ -69,13 +69,10 @@ class ControllerNode(Node):
         tunables.watch(self._tune)
         self._state_received, self._order = -math.inf, StampOrder(self._state_timeout)
         self._joystick, self._joy_content, self._joy_problem = joystick_watch.REST, None, ""
-        self._health = Health(self, ("joystick", "machine", "emergency stop"), "standing still")
+        said = self._pace.publisher(topics.DIAGNOSTICS)
+        self._health = Health(self, ("joystick", "machine", "emergency stop"), "standing still", said)
         self._stop = EmergencyStop(self, "", self._against_reset, self._stand_still)
-        self._command = self._pace.publisher(topics.VALVE_COMMANDS)
-        self._pose = self._pace.publisher(topics.TIP_POSE)
-        self._twist = self._pace.publisher(topics.TIP_TWIST)
-        self._wish = self._pace.publisher(topics.TIP_TWIST_COMMAND)
-        self._status = self._pace.publisher(topics.CONTROLLER_STATUS)
+        self._declare_outputs()
         if get("publish_description", False, "publish robot_description; where no simulator does"):
             self._describe(machine)
         self._joy = self._pace.inbox(topics.JOY)
@@ -95,6 +92,13 @@ class ControllerNode(Node):
         self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
         text = robot_description(machine)
         self._description.publish(message_class(topics.ROBOT_DESCRIPTION)(data=text))
+
+    def _declare_outputs(self) -> None:
+        self._command = speaker(self._pace, topics.VALVE_COMMANDS, plain=self._plain)
+        self._pose = speaker(self._pace, topics.TIP_POSE, FRAME)
+        self._twist = speaker(self._pace, topics.TIP_TWIST, FRAME)
+        self._wish = speaker(self._pace, topics.TIP_TWIST_COMMAND, FRAME)
+        self._status = speaker(self._pace, topics.CONTROLLER_STATUS, plain=self._plain)
 
     def _tune(self, values: dict[str, Any]) -> None:
         """Follow parameters that were set while the machine may be moving."""
@@ -167,16 +171,14 @@ class ControllerNode(Node):
 
     def _publish(self, stamp: int, angles: Triple, rates: Triple, output: controller.Output) -> None:
         links = self._core.links
-        self._command.publish(float_array(topics.VALVE_COMMANDS, stamp, output.command, self._plain))
-        self._pose.publish(pose_stamped(stamp, FRAME, tip_position(angles, links)))
-        self._twist.publish(twist_stamped(stamp, FRAME, tip_velocity(angles, rates, links)))
+        self._command.say(stamp, output.command)
+        self._pose.say(stamp, tip_position(angles, links))
+        self._twist.say(stamp, tip_velocity(angles, rates, links))
         if self._core.scheme != Scheme.JOINT:
-            self._wish.publish(twist_stamped(stamp, FRAME, output.tip_wish))
+            self._wish.say(stamp, output.tip_wish)
         watch, held_back = self._joystick, output.governed
         codes = held_back.factor, held_back.limit, watch.armed, watch.joystick, self._stop.pressed
-        self._status.publish(
-            float_array(topics.CONTROLLER_STATUS, stamp, list(map(float, codes)), self._plain)
-        )
+        self._status.say(stamp, codes)
         self._health.publish(stamp)
 
     def _watch(self) -> None:
@@ -188,7 +190,7 @@ class ControllerNode(Node):
     def _stand_still(self) -> None:
         self._state = controller.REST
         now = self._pace.stamp()
-        self._command.publish(float_array(topics.VALVE_COMMANDS, now, ZERO, self._plain))
+        self._command.say(now, ZERO)
         self._health.publish(now)
 
     def stop(self) -> None:

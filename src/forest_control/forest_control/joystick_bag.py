@@ -12,7 +12,6 @@ from forest_control.sources import LeverError
 from forest_msgs_py import topics
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.raw_messages import Damaged
 from forest_msgs_py.stamps import stamp_in
 
 NS_PER_S = 1_000_000_000
@@ -53,7 +52,7 @@ def read_joy_record(path: Path) -> JoyRecord:
                 stamps[row].append(stamp_in(row.type, message.data))
                 if row == topics.JOY:
                     said.append(message.data)
-    except (BagError, Damaged, OSError) as error:
+    except (BagError, OSError) as error:
         raise LeverError(str(error)) from error
     if not said:
         raise LeverError(f"{path} holds no message of a joystick on /joy; allowed: a bag with one")

@@ -18,9 +18,9 @@ from forest_description.machine import load_machine
 from forest_msgs_py import topics
 from forest_msgs_py.emergency_stop import EmergencyStop
 from forest_msgs_py.health import Health
-from forest_msgs_py.messages import float_array, read_float_array
+from forest_msgs_py.messages import read_float_array
 from forest_msgs_py.node import run_node
-from forest_msgs_py.pace import pace
+from forest_msgs_py.pace import pace, speaker
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.stamp_order import StampOrder
 from forest_msgs_py.stamped_period import StampedPeriod
@@ -50,11 +50,14 @@ class ValveDriverNode(Node):
         self._state = valve_driver.REST
         self._command_received = self._pressure_received = -math.inf
         self._order, self._asked = StampOrder(self._command_timeout), ZERO
-        self._health = Health(self, ("commands", "pressures", "emergency stop"), "valves centred")
+        said = self._pace.publisher(topics.DIAGNOSTICS)
+        self._health = Health(self, ("commands", "pressures", "emergency stop"), "valves centred", said)
         self._stop = EmergencyStop(self, "~/", self._against_reset, self._stand_still)
         self._ports: tuple[Triple, Triple] = (ZERO, ZERO)
         self._supply, self._supply_received = 0.0, -math.inf
-        self._voltages = None if self._shadow else self._pace.publisher(topics.VALVE_VOLTAGES)
+        self._voltages = (
+            None if self._shadow else speaker(self._pace, topics.VALVE_VOLTAGES, plain=self._plain)
+        )
         self._pace.on(topics.VALVE_COMMANDS, self._on_command)
         self._pressure_inbox, self._supply_inbox = (
             self._pace.inbox(topics.PRESSURES),
@@ -107,7 +110,7 @@ class ValveDriverNode(Node):
         return self._pace.now() - self._command_received
 
     def _stand_still(self) -> None:
-        now = self.get_clock().now().nanoseconds
+        now = self._pace.stamp()
         self._publish(now, ZERO)
         self._tell(now)
 
@@ -140,7 +143,7 @@ class ValveDriverNode(Node):
 
     def _publish(self, stamp: int, voltages: Triple) -> None:
         if self._voltages is not None:
-            self._voltages.publish(float_array(topics.VALVE_VOLTAGES, stamp, voltages, self._plain))
+            self._voltages.say(stamp, voltages)
 
     def _watch(self) -> None:
         """Centre the valves while no command comes; before the first one too: a machine sees who is there."""

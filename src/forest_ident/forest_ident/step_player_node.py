@@ -22,11 +22,12 @@ from forest_msgs_py.lockstep import STEP_NS
 from forest_msgs_py.node import NodeFailure, run_node
 from forest_msgs_py.pace import pace
 from forest_msgs_py.parameters import ParameterError, declare
-from forest_msgs_py.raw_messages import Damaged, RawMessage
+from forest_msgs_py.raw_messages import RawMessage
 from forest_msgs_py.stamps import STAMPED
 from forest_msgs_py.topics import Topic, find
 
-NOT_PLAYED = (topics.CLOCK, topics.ROSOUT, topics.EVENTS)
+# The leader's own, and what several nodes say, among them those under test.
+NOT_PLAYED = (topics.CLOCK, topics.DIAGNOSTICS)
 
 
 class StepPlayerNode(Node):
@@ -42,7 +43,7 @@ class StepPlayerNode(Node):
         answers = declare(self, "answers", [""], "topics, without slash, that the nodes under test say")
         try:
             self._bag = BagReader(Path(path))
-        except (BagError, Damaged, OSError) as error:
+        except (BagError, OSError) as error:
             raise ParameterError(f"parameter 'bag': {error}") from error
         rows = {name: find(name) for name in self._bag.channels}
         self._said = {
@@ -81,7 +82,7 @@ class StepPlayerNode(Node):
 
 
 def _is_played(row: Topic, answers: list[str]) -> bool:
-    said = row.type in STAMPED or row.latched
+    said = row.type in STAMPED or row == topics.ROBOT_DESCRIPTION
     return said and row.name not in answers and row not in NOT_PLAYED
 
 

@@ -28,13 +28,14 @@ class Health:
         node: whose health it is.
         parts: what can fail, in the order in which it is told.
         consequence: what the node does about any trouble; begins every warning.
+        said: publisher of /diagnostics, if the node has one of its own pace.
     """
 
-    def __init__(self, node: Node, parts: tuple[str, ...], consequence: str) -> None:
+    def __init__(self, node: Node, parts: tuple[str, ...], consequence: str, said: Any = None) -> None:
         self._node, self._consequence = node, consequence
         self._problems = dict.fromkeys(parts, "")
         self._logged = dict.fromkeys(parts, -LOG_PERIOD)
-        self._publisher = publisher(node, topics.DIAGNOSTICS)
+        self._publisher = publisher(node, topics.DIAGNOSTICS) if said is None else said
         self._changed, self._published = True, 0
 
     def note(self, part: str, problem: str) -> None:

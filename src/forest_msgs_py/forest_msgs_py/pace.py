@@ -26,6 +26,7 @@ from rclpy.node import Node
 from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.lockstep import Lockstep
 from forest_msgs_py.node import publisher, subscription, timer
+from forest_msgs_py.packing import Packer, Speaker
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.topics import Topic
 
@@ -66,6 +67,11 @@ class Live:
     def every(self, period: float, callback: Callable[[], None]) -> None:
         """Call once in a period [s]."""
         timer(self._node, period, callback)
+
+
+def speaker(pace: Live | Lockstep, topic: Topic, frame: str = "", plain: bool = False) -> Speaker:
+    """A publisher of a topic whose messages are stamps and numbers; see `Packer`."""
+    return Speaker(pace.publisher(topic), Packer(topic, frame, plain))
 
 
 def pace(node: Node, leads: bool = False) -> Live | Lockstep:

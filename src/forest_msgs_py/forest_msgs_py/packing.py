@@ -95,6 +95,24 @@ class Packer:
         return _Template(data, stamp, place, _runs(told))
 
 
+class Speaker:
+    """A publisher of stamps and numbers.
+
+    Args:
+        publisher: of the topic.
+        packer: of its messages.
+    """
+
+    def __init__(self, publisher: Any, packer: Packer) -> None:
+        self._publisher, self._packer = publisher, packer
+
+    def say(self, stamp_ns: int, values: Sequence[float]) -> None:
+        """Publish a message with this stamp and these numbers, unless all of them are missing."""
+        data = self._packer.pack(stamp_ns, values)
+        if data is not None:
+            self._publisher.publish(data)
+
+
 def _runs(told: list[tuple[int, int]]) -> tuple[_Run, ...]:
     """Join numbers whose neighbours among the values are neighbours in the bytes, too."""
     if not told:

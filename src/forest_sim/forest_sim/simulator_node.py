@@ -27,8 +27,7 @@ from forest_msgs_py import topics
 from forest_msgs_py.health import Health
 from forest_msgs_py.messages import read_float_array
 from forest_msgs_py.node import run_node
-from forest_msgs_py.pace import pace
-from forest_msgs_py.packing import Packer
+from forest_msgs_py.pace import pace, speaker
 from forest_msgs_py.parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.stamp_order import StampOrder
 from forest_msgs_py.topics import message_class
@@ -40,6 +39,7 @@ from forest_sim.sensor_suite import Suite, sensor_suite
 from forest_sim.simulated_machine import SimulatedMachine
 
 FRAME = "base_link"
+FRAMED = (topics.POSE, topics.TWIST)  # types
 PERIOD_NS = 5_000_000
 CATCH_UP = 20  # periods; what is later than that is left out rather than rushed through
 ZERO: Triple = (0.0, 0.0, 0.0)
@@ -67,19 +67,16 @@ class SimulatorNode(Node):
         self._voltages, self._received = ZERO, -math.inf
         self._order = StampOrder(self._machine.machine.command_timeout)
         self._missed = 0
-        self._outputs = {
-            topic: self._pace.publisher(topic)
+        self._speakers = {
+            topic: speaker(self._pace, topic, FRAME if topic.type in FRAMED else "", self._plain)
             for topic in topics.TOPICS
-            if "simulator" in topic.publishers and topic != topics.DIAGNOSTICS
+            if "simulator" in topic.publishers and topic not in (topics.DIAGNOSTICS, topics.ROBOT_DESCRIPTION)
         }
-        self._health = Health(self, ("voltages",), "valves centred")
-        self._packers = {
-            topic: Packer(topic, FRAME if topic.type in (topics.POSE, topics.TWIST) else "", self._plain)
-            for topic in self._outputs
-            if topic != topics.ROBOT_DESCRIPTION
-        }
+        said = self._pace.publisher(topics.DIAGNOSTICS)
+        self._health = Health(self, ("voltages",), "valves centred", said)
+        self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
         text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
-        self._outputs[topics.ROBOT_DESCRIPTION].publish(text)
+        self._description.publish(text)
         self._voltage_inbox = self._pace.inbox(topics.VALVE_VOLTAGES)
         self._stamp = self._pace.stamp()
         self._next = time.monotonic_ns() + PERIOD_NS
@@ -176,9 +173,7 @@ class SimulatorNode(Node):
         self._say(topics.GROUND_TRUTH_TIP_TWIST, tip_velocity(true.position, true.speed, links))
 
     def _say(self, topic: topics.Topic, values: tuple[float, ...]) -> None:
-        data = self._packers[topic].pack(self._stamp, values)
-        if data is not None:
-            self._outputs[topic].publish(data)
+        self._speakers[topic].say(self._stamp, values)
 
 
 def _flat(motion: Motion) -> tuple[float, ...]:

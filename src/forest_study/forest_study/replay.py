@@ -15,7 +15,7 @@ import yaml
 from forest_ident import bag_cli
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.raw_messages import Damaged
+from forest_msgs_py.stamps import STAMPED
 from forest_msgs_py.topics import DIAGNOSTICS, find
 from forest_study import graph, lockstep_run
 from forest_study.exclusive import Failure
@@ -39,7 +39,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         choices=tuple(MODULES),
         default=["controller"],
-        help="that run; the bag says the rest (default: controller). With the simulator, it says only /joy",
+        help="that run; the bag says the rest (default: controller); simulator: all run, it says only /joy",
+    )
+    parser.add_argument(
+        "--tolerance", nargs="*", default=[], metavar="T", help="as of `forest-bag compare`; default: 0"
     )
     parser.add_argument(
         "--set",
@@ -73,12 +76,14 @@ def run(options: argparse.Namespace) -> int:
         Failure: the bag cannot be used, or a node failed.
     """
     bag, out, names = options.bag, options.out, list(dict.fromkeys(options.nodes))
+    if "simulator" in names:
+        names = list(MODULES)
     try:
         with BagReader(bag) as reader:
             last = reader.span[1]
             topics = list(reader.channels)
             attached = {name: data for file in reader.files for name, data in file.attachments}
-    except (BagError, Damaged, OSError) as error:
+    except (BagError, OSError) as error:
         raise Failure(str(error)) from error
     steps, rest = divmod(last, STEP_NS)
     if rest or not 0 < steps < MOST_STEPS:
@@ -90,7 +95,11 @@ def run(options: argparse.Namespace) -> int:
     else:
         nodes.append(_player(bag, topics, names))
     lockstep_run.run([*nodes, graph.recorder(out / "bag")], steps, out / "log")
-    return bag_cli.main(["compare", str(bag), str(out / "bag")])
+    # Of /diagnostics everybody says a part: without those who are not there it cannot be the same.
+    alone = "simulator" not in names
+    ignored = [word for name in topics if alone and find(name) == DIAGNOSTICS for word in ("--ignore", name)]
+    allowed = [word for text in options.tolerance for word in ("--tolerance", text)]
+    return bag_cli.main(["compare", str(bag), str(out / "bag"), *ignored, *allowed])
 
 
 def _node(
@@ -111,7 +120,8 @@ def _node(
 def _player(bag: Path, topics: Sequence[str], nodes: Sequence[str]) -> NodeSpec:
     """Return what says the rest: every topic of the bag that the nodes do not say."""
     rows = [row for row in map(find, topics) if row is not None]
-    answers = [row.name for row in rows if set(row.publishers) & set(nodes) and row != DIAGNOSTICS]
+    spoken = [row for row in rows if row.type in STAMPED and row != DIAGNOSTICS]
+    answers = [row.name for row in spoken if set(row.publishers) & set(nodes)]
     if not answers:
         raise Failure(f"{bag} holds no topic of {', '.join(nodes)}; there are {', '.join(topics)}")
     told = (*graph.parameter("bag", str(bag.resolve())), *graph.parameter("answers", answers))

@@ -1,0 +1,58 @@
+"""Says /valve_commands from a file, for experiments with the valves: in place of the controller.
+
+Live from its start on, at 200 Hz, and it ends with the file; in lockstep once a step.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from rclpy.node import Node
+
+from forest_msgs_py import topics
+from forest_msgs_py.node import Finished, run_node
+from forest_msgs_py.pace import pace, speaker
+from forest_msgs_py.parameters import ParameterError, declare
+from forest_sim.inputs import InputError, read_voltages
+
+ZERO = (0.0, 0.0, 0.0)
+
+
+class CommanderNode(Node):
+    """Shell around `inputs`."""
+
+    def __init__(self) -> None:
+        super().__init__("commander")
+        self._pace = pace(self)
+        self.run = self._pace.run
+        file = declare(
+            self, "input", "", "CSV with columns time [s], swing, boom, stick [V of the ideal valve]"
+        )
+        try:
+            self._input = read_voltages(Path(file))
+        except InputError as error:
+            raise ParameterError(f"parameter 'input': {error}") from error
+        self._command = speaker(self._pace, topics.VALVE_COMMANDS)
+        self._begun: float | None = None
+        self._pace.every(1.0 / topics.SENSOR_RATE_HZ, self._on_timer)
+
+    def _on_timer(self) -> None:
+        if self._begun is None:
+            self._begun = self._pace.now()
+        elapsed = self._pace.now() - self._begun
+        if elapsed > self._input.duration and not self._pace.lockstep:
+            raise Finished
+        self._command.say(self._pace.stamp(), self._input.at(np.array([elapsed]))[0].tolist())
+
+    def stop(self) -> None:
+        """Last words: zero."""
+        self._command.say(self._pace.stamp(), ZERO)
+
+
+def main() -> None:
+    """Run the node until the file ends, or it is told to stop."""
+    sys.exit(run_node(CommanderNode))
+
+
+if __name__ == "__main__":
+    main()

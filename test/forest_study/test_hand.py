@@ -1,0 +1,33 @@
+"""The hand that never was moves as hands do, within a lever's range, and is the same for the same seed."""
+
+import numpy as np
+
+from forest_control.sources import read_levers
+from forest_sim.inputs import read_voltages
+from forest_study import hand
+
+
+def test_the_same_seed_is_the_same_hand():
+    assert (hand.hand_levers(3, 5.0)[1] == hand.hand_levers(3, 5.0)[1]).all()
+    assert (hand.hand_levers(3, 5.0)[1] != hand.hand_levers(4, 5.0)[1]).any()
+
+
+def test_levers_begin_and_end_centred_stay_in_range_and_never_jump():
+    for seed in range(20):
+        times, levers = hand.hand_levers(seed, 6.0)
+        assert not levers[times <= hand.AT_REST[0]].any()
+        assert not levers[-1].any()
+        assert 0.1 < np.abs(levers).max() <= 1.0
+        fastest = 1.875 * 2.0 * hand.REACH / hand.MOVEMENT[0] / hand.RATE  # of minimum jerk, peak over mean
+        assert np.abs(np.diff(levers, axis=0)).max() < fastest + 2.0 * hand.TREMOR + 1.0 / hand.STEPS
+
+
+def test_files_are_read_by_the_joystick_and_by_the_commander(tmp_path):
+    hand.write_csv(tmp_path / "levers.csv", hand.HEADER, *hand.hand_levers(1, 3.0))
+    assert read_levers(tmp_path / "levers.csv").times[-1] == 3.0
+    times, ramps = hand.valve_ramps(2.5, 0.5)
+    hand.write_csv(tmp_path / "volts.csv", "time,swing,boom,stick", times, ramps)
+    assert read_voltages(tmp_path / "volts.csv").duration == 6.0
+    assert (np.abs(ramps) > 0.0).sum(axis=1).max() == 1  # one valve at a time
+    assert ramps.max(axis=0).tolist() == [2.5] * 3
+    assert ramps.min(axis=0).tolist() == [-2.5] * 3
