@@ -16,5 +16,10 @@ setup(
         (f"share/{package}", ["package.xml"]),
     ],
     zip_safe=False,
-    entry_points={"console_scripts": ["forest-study = forest_study.cli:main"]},
+    entry_points={
+        "console_scripts": [
+            "forest-study = forest_study.cli:main",
+            "delay_node = forest_study.delay_node:main",
+        ]
+    },
 )

@@ -5,18 +5,20 @@ import math
 import numpy as np
 import pytest
 
-from forest_control import controller
+from forest_control import controller, coordination
 from forest_control.controller import REST, ZERO, Inputs, Settings, State
-from forest_control.governor import ENOUGH, Limit
+from forest_control.governor import ENOUGH, Limit, flow_demand
 from forest_control.hand import tip_rate
-from forest_control.levers import Levers
+from forest_control.levers import Levers, levers_for_tip_velocity
 from forest_control.schemes import Scheme, closes_on_position
+from forest_control.workspace import MOST, NO_WALL, PLANE, Wall, Workspace
 from forest_description.actuation import actuator_speeds_to_joint_rates, rated_speeds
-from forest_description.kinematics import tip_position
+from forest_description.kinematics import tip_position, tip_velocity
 from forest_description.limits import joint_limits
 from forest_description.machine import load_machine
 
 MACHINE = load_machine()
+LINKS = MACHINE.manipulator.links
 PERIOD = 0.005
 MIDDLE = (0.2, 0.4, -1.5)
 TIP_SCHEMES = list(Scheme)[1:5]
@@ -220,3 +222,43 @@ def test_each_axis_is_clipped_at_and_scaled_with_its_own_valve_s_rated_voltage()
     p = controller.parameters(loader, Settings(scheme=Scheme.JOINT, joint_rates=(half, 0.1, 0.1)))
     _, output = controller.step(REST, inputs((1.0, 0.0, 0.0)), p, PERIOD)
     assert output.command[0] == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize("scheme", [scheme for scheme in Scheme if scheme != Scheme.JOINT])
+def test_of_random_wishes_no_rate_and_no_flow_is_over_its_limit_and_the_tip_keeps_its_direction(scheme):
+    p = controller.parameters(MACHINE, Settings(scheme=scheme, tip_speed=3.0))
+    rng, held = np.random.default_rng(100 + int(scheme)), set()
+    lower, upper = np.array(p.governor.lower), np.array(p.governor.upper)
+    for _ in range(4000):  # 20 000 in all
+        q = tuple(rng.uniform(lower - 0.02, upper + 0.02).tolist())
+        wish = tuple(rng.normal(0.0, 0.7, 3).tolist())
+        moving = coordination.in_motion(wish, ZERO, coordination.MOST_SAMPLES)
+        state = REST._replace(reference=q, enabled=True, memory=moving, scheme=scheme)
+        levers = levers_for_tip_velocity(wish, 3.0)
+        after, output = controller.step(state, inputs(levers, q, ZERO), p, PERIOD)
+        a = after.memory.swing.a, after.memory.boom.a, after.memory.stick.a
+        speed = math.dist(wish, ZERO)
+        moved = tip_velocity(q, a, p.links)
+        assert math.dist(np.cross(moved, wish), ZERO) <= 1e-9 * speed**2
+        assert np.dot(moved, wish) >= 0.0
+        assert moved == pytest.approx(output.tip_wish, abs=1e-9)
+        assert all(abs(rate) <= most * (1.0 + 1e-12) for rate, most in zip(a, p.governor.rates, strict=True))
+        assert flow_demand(q, a, p.governor.pumps) <= p.governor.pumps.limit * (1.0 + 1e-9)
+        held.add(output.governed.limit)
+    assert {Limit.RATE, Limit.JOINT} <= held
+
+
+@every_scheme
+def test_at_a_wall_the_tip_slides_and_the_cause_is_told(scheme):
+    tip = tip_position(MIDDLE, LINKS)
+    ground = Wall(PLANE, (0.0, 0.0, 1.0), ZERO, tip[2])
+    walls = Workspace((ground, *(NO_WALL,) * (MOST - 1)), 4.0, 1)
+    p = controller.parameters(MACHINE, Settings(scheme=scheme, tip_speed=0.3), walls)
+    state, output = REST, None
+    for _ in range(100):
+        state, output = controller.step(state, inputs((0.5, -0.5, 0.0)), p, PERIOD)
+    a = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
+    assert tip_velocity(MIDDLE, a, LINKS)[2] >= -1e-3
+    assert output.governed.limit == Limit.WALL
+    if scheme != Scheme.JOINT:
+        assert output.tip_wish[1] == pytest.approx(0.15, abs=1e-3)

@@ -5,9 +5,10 @@ import pytest
 
 from forest_control import controller, joystick_watch, valve_driver
 from forest_control.joystick_watch import NO_HEARTBEAT, Sample, WatchParameters
-from forest_control.levers import REST, levers_for_tip_velocity
+from forest_control.levers import REST, Levers, levers_for_tip_velocity
 from forest_control.schemes import Scheme
 from forest_description.kinematics import inverse_kinematics
+from forest_description.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_study.closed_loop import PERIOD, Operator, run
 
@@ -138,3 +139,34 @@ def test_pressed_again_while_it_stops_it_goes_on_without_a_jump():
     moved = session(Stick((SPEED, 0.0, 0.0), again), FAULT + 1.0)
     assert np.abs(moved.tip_wish[-1] - (SPEED, 0.0, 0.0)).max() < 1e-3
     assert np.abs(np.diff(moved.tip_wish, axis=0)).max() < 0.05
+
+
+@pytest.mark.parametrize("direction", [(-1, 0, 1), (1, 1, 1)], ids=["in and up", "out, left and up"])
+def test_at_full_speed_into_a_limit_the_tip_keeps_its_line_stops_just_before_it_and_comes_back(direction):
+    along, pushed = np.array(direction) / np.linalg.norm(direction), 6.0
+    forth, back = (levers_for_tip_velocity(tuple(v * along), 1.0) for v in (1.0, -0.5))
+
+    def operator(time):
+        return Operator(forth if time < pushed else REST if time < pushed + 0.3 else back)
+
+    settings = controller.Settings(tip_speed=1.0)
+    moved = run(C180, operator, pushed + 1.3, START, settings, valve_driver.Settings())
+    arrived = round(pushed / PERIOD)
+    way = moved.tip - moved.tip[0]
+    aside = np.linalg.norm(way - np.outer(way @ along, along), axis=1)
+    low, high = np.array(joint_limits(C180)).T
+    margin = np.degrees(np.minimum(moved.angles - low, high - moved.angles))
+    assert aside[:arrived].max() < 0.005
+    assert margin.min() > 0.49
+    assert margin[arrived].min() < 3.0
+    assert (way[arrived] - way[-1]) @ along > 0.3
+
+
+def test_from_outside_its_limits_the_crane_comes_back_and_goes_no_further_out():
+    low = np.array(joint_limits(C180))[:, 0]
+    start = (0.3, 0.4, float(low[2]) + np.radians(0.2))  # within the margin that is kept
+    for push, inwards in ((Levers(0.0, 0.0, -1.0), False), (Levers(0.0, 0.0, 1.0), True)):
+        settings = controller.Settings(scheme=Scheme.COORDINATED)
+        moved = run(C180, lambda _, p=push: Operator(p), 1.5, start, settings, valve_driver.Settings())
+        gone = np.degrees(moved.angles[-1][2] - start[2])
+        assert gone > 1.0 if inwards else abs(gone) < 0.15

@@ -25,6 +25,7 @@ from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, RIGHT_Y, Triple
 from forest_control.profile import load_profile, shipped
 from forest_control.schemes import Scheme
 from forest_control.tunables import TUNABLES, as_typed, settings_from
+from forest_control.workspace import Workspace
 from forest_control.workspace_file import load_workspace
 from forest_control.workspace_file import shipped as workspaces
 from forest_description.kinematics import tip_position, tip_velocity
@@ -57,8 +58,7 @@ class ControllerNode(Node):
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
         self._machine, tunables = machine, self._declare_tunables()
-        walls = f"walls: {', '.join(workspaces())}, or path of a file; empty: none"
-        self._workspace = load_workspace(get("workspace", "", walls))
+        self._workspace = self._walls()
         self._core = controller.parameters(machine, settings_from(tunables.values), self._workspace)
         self._period = StampedPeriod(get("period", 0.005, "nominal period of the state", "s", 1e-4, 0.1))
         self._watch_settings = self._joystick_settings()
@@ -99,6 +99,10 @@ class ControllerNode(Node):
         self._twist = speaker(self._pace, topics.TIP_TWIST, FRAME)
         self._wish = speaker(self._pace, topics.TIP_TWIST_COMMAND, FRAME)
         self._status = speaker(self._pace, topics.CONTROLLER_STATUS, plain=self._plain)
+
+    def _walls(self) -> Workspace:
+        doc = f"walls: {', '.join(workspaces())}, or path of a file; empty: none"
+        return load_workspace(declare(self, "workspace", "", doc))
 
     def _tune(self, values: dict[str, Any]) -> None:
         """Follow parameters that were set while the machine may be moving."""

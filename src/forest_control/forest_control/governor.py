@@ -61,6 +61,7 @@ _NO_LINKAGE = Linkage(1.0, 1.0, 0.0)
 ENOUGH = Pumps(math.inf, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (_NO_LINKAGE, _NO_LINKAGE))
 NO_AXIS = Axis(Links(0.0, 1.0, 1.0), 0.0)
 CREEP = 1e-3  # [rad/s] towards a limit slower than this is standing still: it arrives, and valves can shut
+FAR_OFF = 2.5  # times the wish: a joint limit that allows more is not felt
 REACH_APPROACH = 2.0  # [1/s] k for the swing axis
 
 
@@ -92,7 +93,7 @@ def govern(angles: Triple, wished: Triple, p: GovernorParameters) -> Governed:
         room = p.upper[joint] - angles[joint] if rate > 0.0 else angles[joint] - p.lower[joint]
         towards_limit = max(0.0, p.approach[joint] * room - CREEP)
         governed = _at_most(governed, p.rates[joint], abs(rate), Limit.RATE)
-        governed = _at_most(governed, towards_limit, abs(rate), Limit.JOINT)
+        governed = _at_most(governed, _softened(towards_limit, abs(rate)), abs(rate), Limit.JOINT)
     governed = _at_most(governed, p.pumps.limit, flow_demand(angles, wished, p.pumps), Limit.FLOW)
     if p.axis.closest <= 0.0:
         return governed
@@ -101,6 +102,17 @@ def govern(angles: Triple, wished: Triple, p: GovernorParameters) -> Governed:
         return governed
     allowed = max(0.0, REACH_APPROACH * (reach - p.axis.closest))
     return _at_most(governed, allowed, inward, Limit.SINGULARITY)
+
+
+def _softened(allowed: float, wished: float) -> float:
+    """Return a rate [rad/s] below both: where a limit begins to count, a corner would make the crane rock."""
+    share = allowed / wished
+    if share >= FAR_OFF:
+        return allowed
+    # The cubic from (0, 0), slope 1, to (FAR_OFF, 1), slope 0.
+    square = (2.0 * FAR_OFF - 3.0) / FAR_OFF**2
+    cube = (2.0 * square * FAR_OFF - 1.0) / (3.0 * FAR_OFF**2)
+    return wished * (share - square * share**2 + cube * share**3)
 
 
 def _at_most(governed: Governed, allowed: float, wished: float, limit: Limit) -> Governed:

@@ -12,8 +12,9 @@ from pathlib import Path
 
 from forest_description.machine import MachineError
 from forest_sim import command_line
-from forest_study import replay, track
+from forest_study import delay, replay, track
 from forest_study.exclusive import Failure
+from forest_study.link import LinkError
 from forest_study.paths import PathError
 
 PROGRAM = "forest-study"
@@ -60,6 +61,8 @@ def _parser() -> argparse.ArgumentParser:
         commands, "track", _track, "the tip along a path, closed loop: how far it is from where it should be"
     )
     track.add_arguments(tracking)
+    late = _command(commands, "delay", _delay, "late links: tracking and stopping against 0 to 600 ms")
+    delay.add_arguments(late)
     replaying = _command(
         commands, "replay", _replay, "nodes fed from a bag in lockstep: do they answer as they did?"
     )
@@ -95,6 +98,13 @@ def _thesis(options: argparse.Namespace) -> int:
 def _replay(options: argparse.Namespace) -> int:
     new_directory(options.out)
     return replay.run(options)
+
+
+def _delay(options: argparse.Namespace) -> int:
+    try:
+        return delay.run(options)
+    except LinkError as error:
+        raise StudyError(f"delay: {error}") from error
 
 
 def _track(options: argparse.Namespace) -> int:

@@ -3,17 +3,20 @@
 Each period goes round as it does live: the machine reports, controller and driver answer within the period,
 the voltages act over the next one. Sensors are exact unless a suite is given. As live, the controller stands
 still while a joint has no reading, and the driver takes the nominal load while a pressure has none.
+
+Links between the cores may delay, jitter and lose what passes. A reader takes the newest that has arrived; a
+joystick, a state or a command that is older than its timeout, by arrival, means zero.
 """
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from forest_control import controller, valve_driver
-from forest_control.levers import Levers
+from forest_control.levers import REST, Levers
 from forest_description.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_sim import sensors
@@ -25,6 +28,9 @@ from forest_sim.measurement import Measurement
 from forest_sim.parameters import PlantParameters, plant_parameters
 from forest_sim.sensor_suite import Suite, draw, noise_generator
 from forest_sim.sensor_suite import sensor_suite as suite_of
+from forest_study.link import Link, Quality
+
+T = TypeVar("T")
 
 PERIOD = 0.005  # [s]
 SUBSTEPS = 5  # of 1 ms
@@ -36,6 +42,19 @@ class Operator(NamedTuple):
 
     levers: Levers
     enabled: bool = True
+
+
+class Links(NamedTuple):
+    """How bad the ways between the cores are."""
+
+    joystick: Quality = Quality()  # to the controller
+    state: Quality = Quality()  # of the machine, to the controller
+    commands: Quality = Quality()  # to the driver
+    seed: int = 0
+
+
+JOY_TIMEOUT, STATE_TIMEOUT, COMMAND_TIMEOUT = 0.15, 0.1, 0.1  # [s] as the nodes' defaults
+RELEASED = Operator(REST, False)
 
 
 class Trajectory(NamedTuple):
@@ -65,6 +84,8 @@ def run(
     drive: valve_driver.Settings,
     model: Machine | None = None,
     sensor_suite: Suite | None = None,
+    ways: Links | None = None,
+    watch: Callable[[float, Triple], None] = lambda _time, _angles: None,
 ) -> Trajectory:
     """Run a session.
 
@@ -77,13 +98,18 @@ def run(
         drive: the valve driver's settings.
         model: what controller and driver believe; default: the machine itself.
         sensor_suite: with their errors, noise, seed and faults; default: the machine's, exact.
+        ways: bad links between the cores; default: perfect ones.
+        watch: is told time [s] and true joint angles [rad] after each period: an operator's eyes.
     """
     p = plant_parameters(machine)
     believed = machine if model is None else model
     suite = suite_of(machine) if sensor_suite is None else sensor_suite
     cores = controller.parameters(believed, control), valve_driver.parameters(believed, drive)
-    loop = _Loop(p, *cores, start, suite)
-    rows = [loop.period(operator(k * PERIOD)) for k in range(round(duration / PERIOD))]
+    loop = _Loop(p, *cores, start, suite) if ways is None else _LateLoop(p, *cores, start, suite, ways)
+    rows = []
+    for k in range(round(duration / PERIOD)):
+        rows.append(loop.period(operator(k * PERIOD)))
+        watch(k * PERIOD, rows[-1][0])
     columns = [np.array(column) for column in zip(*rows, strict=True)]
     links = machine.manipulator.links
     tip = np.array([tip_position(tuple(q), links) for q in columns[0].tolist()])
@@ -114,13 +140,17 @@ class _Loop:
             self._simulation, self._sensors, self._plant, PERIOD, self._suite, draw(self._generator)
         )
         angles = sensors.true_joints(self._simulation, self._plant).position
-        wish, command = self._control_step(seen, operator)
+        wish, command = self._answer(seen, operator)
         pressures = _pressures(seen, self._drive.idle_pressure)
         self._driver, volts = valve_driver.step(
             self._driver, command, pressures, self._drive, PERIOD, _motion(seen)
         )
         self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
         return angles, wish, command, volts, seen.pressures
+
+    def _answer(self, seen: Measurement, operator: Operator) -> tuple[Triple, Triple]:
+        """Return the tip's wish, and the command that reaches the driver."""
+        return self._control_step(seen, operator)
 
     def _control_step(self, seen: Measurement, operator: Operator) -> tuple[Triple, Triple]:
         """Return the tip's wish and the command; both zero while the joints' state cannot be believed."""
@@ -130,6 +160,58 @@ class _Loop:
         inputs = controller.Inputs(seen.joints.position, seen.joints.speed, operator.levers, operator.enabled)
         self._controller, output = controller.step(self._controller, inputs, self._control, PERIOD)
         return output.tip_wish, output.command
+
+
+class _LateLoop(_Loop):
+    """The same with links between operator, machine, controller and driver."""
+
+    def __init__(
+        self,
+        p: PlantParameters,
+        control: controller.Parameters,
+        drive: valve_driver.Parameters,
+        start: Triple,
+        suite: Suite,
+        ways: Links,
+    ) -> None:
+        super().__init__(p, control, drive, start, suite)
+        self._joystick: _Reader[Operator] = _Reader(ways.joystick, 3 * ways.seed, JOY_TIMEOUT)
+        self._states: _Reader[Measurement] = _Reader(ways.state, 3 * ways.seed + 1, STATE_TIMEOUT)
+        self._commands: _Reader[Triple] = _Reader(ways.commands, 3 * ways.seed + 2, COMMAND_TIMEOUT)
+        self._now, self._wish = 0.0, ZERO
+
+    def _answer(self, seen: Measurement, operator: Operator) -> tuple[Triple, Triple]:
+        self._now += PERIOD
+        hand, _ = self._joystick.passed(self._now, operator)
+        state, is_new = self._states.passed(self._now, seen)
+        if state is None:
+            self._controller, self._wish = controller.REST, ZERO
+            command, _ = self._commands.passed(self._now, ZERO)
+        elif is_new:  # the controller steps when a state arrives
+            self._wish, wanted = self._control_step(state, RELEASED if hand is None else hand)
+            command, _ = self._commands.passed(self._now, wanted)
+        else:
+            command, _ = self._commands.passed(self._now, None)
+        return self._wish, ZERO if command is None else command
+
+
+class _Reader(Generic[T]):
+    """The newest message that came over a link, until it is too old; what was overtaken is dropped."""
+
+    def __init__(self, quality: Quality, seed: int, timeout: float) -> None:
+        self._link: Link[tuple[float, T]] = Link(quality, seed)
+        self._timeout, self._received, self._stamp = timeout, -math.inf, -math.inf
+        self._newest: T | None = None
+
+    def passed(self, now: float, message: T | None) -> tuple[T | None, bool]:
+        """Send a message, if there is one; return the newest that is there, and whether it has just come."""
+        if message is not None:
+            self._link.send(now, (now, message))
+        is_new = False
+        for stamp, arrived in self._link.arrived(now):
+            if stamp > self._stamp:
+                self._stamp, self._received, self._newest, is_new = stamp, now, arrived, True
+        return (self._newest if now - self._received <= self._timeout else None), is_new
 
 
 def _pressures(seen: Measurement, supply: float) -> valve_driver.Pressures | None:

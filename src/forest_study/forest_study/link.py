@@ -1,0 +1,77 @@
+"""A link between two nodes that delays, jitters and loses messages, repeatably.
+
+| symbol | name | unit |
+|---|---|---|
+| delay | of every message | s |
+| jitter | greatest extra delay; each message's is drawn evenly from 0 .. jitter | s |
+| loss | probability that a message is lost | 1 |
+
+A message that was overtaken arrives late all the same, as on a network: order is the reader's business.
+"""
+
+import heapq
+import math
+from typing import Generic, NamedTuple, TypeVar
+
+import numpy as np
+
+T = TypeVar("T")
+LONGEST = 60.0  # [s]
+
+
+class LinkError(ValueError):
+    """A link's quality is not allowed; the message says what is."""
+
+
+class Quality(NamedTuple):
+    """How bad a link is."""
+
+    delay: float = 0.0  # [s]
+    jitter: float = 0.0  # [s]
+    loss: float = 0.0  # [1]
+
+    def checked(self) -> "Quality":
+        """Return itself.
+
+        Raises:
+            LinkError: a delay or jitter is negative or longer than a minute, or the loss is not 0..1.
+        """
+        for name, value, most in zip(self._fields, self, (LONGEST, LONGEST, 1.0), strict=True):
+            if not (math.isfinite(value) and 0.0 <= value <= most):
+                raise LinkError(f"{name} is {value!r}; allowed: 0 .. {most:g}")
+        return self
+
+
+class Link(Generic[T]):
+    """Messages under way.
+
+    Args:
+        quality: of the link.
+        seed: of its jitter and losses.
+
+    Raises:
+        LinkError: as `Quality.checked`.
+    """
+
+    def __init__(self, quality: Quality, seed: int = 0) -> None:
+        self._quality, self._rng = quality.checked(), np.random.default_rng(seed)
+        self._under_way: list[tuple[float, int, T]] = []
+        self._sent = 0
+
+    def send(self, now: float, message: T) -> None:
+        """Put a message on its way at a time [s]."""
+        lost, extra = self._rng.random() < self._quality.loss, self._rng.random() * self._quality.jitter
+        self._sent += 1
+        if not lost:
+            heapq.heappush(self._under_way, (now + self._quality.delay + extra, self._sent, message))
+
+    def arrived(self, now: float) -> list[T]:
+        """Return what has arrived by a time [s], in the order of arrival."""
+        messages = []
+        while self._under_way and self._under_way[0][0] <= now + 1e-9:
+            messages.append(heapq.heappop(self._under_way)[2])
+        return messages
+
+    def next_arrival(self) -> float:
+        """Return when the next message arrives [s]; never: infinity."""
+        return self._under_way[0][0] if self._under_way else math.inf
