@@ -10,7 +10,7 @@ from forest_control import valve_driver
 from forest_control.valve_driver import REST, Pressures, Settings
 from forest_description.actuation import rated_speeds
 from forest_description.machine import load_machine
-from forest_description.valve import edges
+from forest_description.valve import LINEAR_AREA, POLYNOMIAL, TABLE, Curve, Direction, ValveLaw, edges
 
 MACHINE = load_machine()
 VALVE = MACHINE.valve.law
@@ -233,3 +233,96 @@ def test_without_pressures_a_load_sensing_pump_is_taken_to_be_at_rest():
     resting = Pressures(ZERO_COMMAND, ZERO_COMMAND, p.idle_pressure)
     for axis in range(3):
         assert voltage(axis, 1.5, None, p) == voltage(axis, 1.5, resting, p)
+
+
+def random_machine(rng):
+    """Another valve for every axis: two directions that differ, a straight, bent or tabulated curve."""
+    curves = (None, "table", "polynomial")
+
+    def law(curve):
+        ways = [
+            Direction(rng.uniform(0.0, 2.0), 10.0, *(10.0 ** rng.uniform(11.5, 12.5, 2)).tolist())
+            for _ in range(2)
+        ]
+        if curve == "table":
+            shape = Curve(TABLE, (0.0, 0.3, 0.6) + (1.0,) * 9, (0.0, 0.1, 0.5) + (1.0,) * 9)
+        elif curve == "polynomial":
+            shape = Curve(POLYNOMIAL, (0.0,) * 12, (100.0, -150.0, 51.0) + (0.0,) * 9)
+        else:
+            shape = LINEAR_AREA
+        return ValveLaw(ways[0], ways[1], shape, 0.0)
+
+    p = parameters()
+    return p._replace(
+        axes=tuple(
+            axis._replace(valve=law(curve))
+            for axis, curve in zip(p.axes, rng.permutation(curves), strict=True)
+        )
+    )
+
+
+def test_the_inverse_is_exact_for_any_valve_under_any_load():
+    rng, tried = np.random.default_rng(21), 0
+    for _ in range(300):
+        p, axis = random_machine(rng), int(rng.integers(3))
+        a, supply = p.axes[axis], SUPPLY * rng.uniform(0.7, 1.1)
+        load = rng.uniform(-0.6, 0.6) * min(SIDES[axis]) * supply
+        command = math.copysign(rng.uniform(0.05, 6.0), rng.uniform(-1.0, 1.0))
+        volts = voltage(axis, command, pressures(axis, load, supply), p)
+        opened, speed = edges(volts, a.valve), a.rated_speed * command / 10.0
+        c_1, c_2 = (opened.supply_1, opened.tank_2) if command > 0 else (opened.tank_1, opened.supply_2)
+        drive = (SIDES[axis].one * supply - load) if command > 0 else (SIDES[axis].two * supply + load)
+        edge = (a.valve.forward if command > 0 else a.valve.backward).deadband_voltage
+        if edge + 1e-9 < abs(volts) < 10.0:  # a polynomial opens with a jump at the overlap's edge
+            tried += 1
+            reached = math.sqrt(drive / (c_1 * SIDES[axis].one ** 3 + c_2 * SIDES[axis].two ** 3))
+            assert reached == pytest.approx(abs(speed), rel=1e-9)
+    assert tried > 150
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_a_command_that_is_no_number_centres_its_valve(bad):
+    state, volts = valve_driver.step(REST, (bad, 3.0, bad), None, parameters(), PERIOD)
+    assert volts[0] == volts[2] == 0.0
+    assert volts[1] > 1.0
+    state, volts = valve_driver.step(state, (1.0, 3.0, -1.0), None, parameters(), PERIOD)
+    assert volts[0] > 1.0
+    assert volts[2] < -1.0
+
+
+def test_the_slew_limit_bounds_every_change_and_none_is_the_default():
+    p, state, last = parameters(slew_limit=100.0), REST, ZERO_COMMAND
+    rng = np.random.default_rng(22)
+    for _ in range(200):
+        command = tuple(rng.uniform(-10.0, 10.0, 3).tolist())
+        state, volts = valve_driver.step(state, command, None, p, PERIOD)
+        assert max(abs(v - w) for v, w in zip(volts, last, strict=True)) <= 100.0 * PERIOD + 1e-12
+        last = volts
+    assert voltage(0, 9.0) == pytest.approx(9.1)
+
+
+def test_dither_swings_about_the_voltage_and_leaves_a_shut_valve_alone():
+    p, state, seen = parameters(dither_amplitude=0.2, dither_frequency=25.0), REST, []
+    for _ in range(200):
+        state, volts = valve_driver.step(state, (5.0, 0.0, 0.0), None, p, PERIOD)
+        assert volts[1:] == (0.0, 0.0)
+        seen.append(volts[0] - 5.5)
+    assert np.mean(seen) == pytest.approx(0.0, abs=1e-9)
+    assert np.max(np.abs(seen)) == pytest.approx(0.2, abs=0.02)
+    assert np.sum(np.diff(np.sign(np.round(seen, 9))) != 0) > 40
+
+
+def test_a_valve_that_cannot_open_as_far_as_wished_says_so():
+    p = parameters()
+    state, _ = valve_driver.step(REST, (3.0, 9.0, -3.0), pressures(1, 0.5 * SIDES[1].one * SUPPLY), p, PERIOD)
+    assert state.saturated == (False, True, False)
+
+
+def test_noise_about_the_hold_zone_does_not_open_the_valve_again_and_again():
+    p, rng, state, openings, shut = parameters(), np.random.default_rng(23), REST, 0, True
+    for _ in range(4000):
+        command = on_axis(1, 0.04 * rng.standard_normal())
+        state, volts = valve_driver.step(state, command, None, p, PERIOD)
+        openings += shut and volts[1] != 0.0
+        shut = volts[1] == 0.0
+    assert openings <= 3

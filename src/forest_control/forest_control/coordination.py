@@ -24,6 +24,7 @@ ZERO: Triple = (0.0, 0.0, 0.0)
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests
 ERROR_LAG = 0.05  # [s] of the low-pass through which an error decides about holding
 HELD = 1e-9  # [rad/s] commanded to a joint that holds: no motion, but the valve driver may feed what leaks
+WIDEST, FORGOTTEN = 16.0, 20.0  # how far holding may widen; [s] in which that fades
 HIGHEST_ACCELERATION = 2.0  # [rad/s^2] a jump of the governor's must not kick the valves
 
 
@@ -49,6 +50,8 @@ class Joint(NamedTuple):
     w: float = 0.0  # [rad/s]
     error: float = 0.0  # r - s, low-passed [rad]
     holding: bool = True
+    wide: float = 1.0  # hold and release error over what is set
+    side: float = 0.0  # of the error that it moved for last, at rest: 1, -1
 
 
 AT_REST = Joint()
@@ -75,7 +78,7 @@ def in_motion(velocity: Triple, a: Triple, samples: int) -> Memory:
 
 
 def _going(a: float) -> Joint:
-    return Joint(a, 0.0, 0.0, 0.0, True)
+    return Joint(a, 0.0, 0.0, 0.0, True, 1.0, 0.0)
 
 
 def going(memory: Memory, velocity: Triple) -> Memory:
@@ -123,12 +126,29 @@ def _joint_servo(
     """Return one joint's memory one step on, and its u [rad/s]; `x.w` is what else is fed forward."""
     error = x.r - x.s
     seen = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
-    holds = still and abs(seen) < (p.release_error if memory.holding else p.hold_error)
+    near = abs(seen) < memory.wide * (p.release_error if memory.holding else p.hold_error)
+    holds = still and (near or (not memory.holding and seen * memory.error < 0.0))
+    wide, side = _widened(memory, seen, still, holds, dt)
     # What the integral has learnt of the valve at speed is kept while the joint holds.
     grown = memory.w if holds else memory.w + dt * p.integral[i] * error
     w = max(-p.integral_limit, min(p.integral_limit, grown))
     u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.s, x.v, x.w + w), p.gains[i])
-    return Joint(x.a, x.b, w, seen, holds), u
+    return Joint(x.a, x.b, w, seen, holds, wide, side), u
+
+
+def _widened(memory: Joint, seen: float, still: bool, holds: bool, dt: float) -> tuple[float, float]:
+    """Return how much wider a joint holds than set, and the side that it was moved from last, at rest.
+
+    A valve whose deadband is thought too wide jumps open; what then overshoots would be sent back for ever.
+    So every time that a joint at rest is moved the other way than before, it holds twice as wide.
+    """
+    if not still:
+        return 1.0, 0.0
+    wide = 1.0 + (memory.wide - 1.0) * math.exp(-dt / FORGOTTEN)
+    if not memory.holding or holds:
+        return wide, memory.side
+    side = math.copysign(1.0, seen)
+    return (min(WIDEST, 2.0 * wide) if side * memory.side < 0.0 else wide), side
 
 
 def _smooth_acceleration(

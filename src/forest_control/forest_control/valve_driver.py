@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 from forest_control.valve_adaptation import UNLEARNT, Learner, blind, learn, learnt_law
 from forest_control.valve_flow import Sight
-from forest_control.valve_hold import SHUT, Hold, obeyed
+from forest_control.valve_hold import CALM, SHUT, Hold, obeyed
 from forest_control.valve_inverse import required_opening, spool_voltage
 from forest_control.valve_knowledge import AxisDriver, Parameters, Settings, axis_drivers, parameters
 
@@ -164,15 +164,17 @@ def _axis(
         # A leaking motor under load must be fed to stand still, be the command ever so small; none is none.
         leaked = rated * axis.slip * state.loads[i] / axis.rated_speed
         fed = command + leaked if command != 0.0 else 0.0
-        zone = p.hold_zone if abs(leaked) <= _worth(leaked, spool) else min(LEAST_FED, p.hold_zone)
-        hold, fed = obeyed(hold, fed, zone, p.command_noises[i], dt)
+        opens = p.hold_zone if abs(leaked) <= _worth(leaked, spool) else min(LEAST_FED, p.hold_zone)
+        hold, fed = obeyed(hold, fed, p.hold_zone, opens, p.command_noises[i], dt)
         law = learnt_law(axis.valve, state.learners[i]) if p.adapt else axis.valve
         wanted = spool_voltage(fed, state.loads[i], mean, supply, axis, law, p) if fed != 0.0 else 0.0
         saturated = not -low < wanted < rated
         edge = (law.forward if wanted > 0.0 else law.backward).deadband_voltage
-        if p.beyond_valve and wanted != 0.0 and math.copysign(1.0, wanted) * spool < edge:
+        gently = hold.calm_for >= CALM and hold.wide > 2.0
+        if p.beyond_valve and wanted != 0.0 and not gently and math.copysign(1.0, wanted) * spool < edge:
             # A first-order spool comes to just beyond the overlap only after some time constants; asked for
-            # more, it is there in one period. Outside the overlap the command's lead makes up for the lag.
+            # more, it is there in one period. Outside the overlap the command's lead makes up for the lag; at
+            # rest there is time.
             wanted = spool + (wanted - spool) / (1.0 - _left(axis, dt))
     most = p.slew_limit * dt
     slewed = max(state.voltages[i] - most, min(state.voltages[i] + most, wanted))

@@ -5,21 +5,26 @@
 | c | command of the ideal valve, with what leaks | V |
 | z | hold zone: a steady command up to this leaves the valve shut | V |
 
-A command that cannot be noise is obeyed at once. A smaller one opens the valve when its low-passed value is
-over the zone, and shuts it when that has gone back to a quarter of the zone, or turned round.
+A command that cannot be noise is motion: it is obeyed at once, and others for a while after. At rest a small
+one opens the valve when its low-passed value is over the zone, and shuts it when that has gone back to a
+quarter of the zone, or turned round.
 
-An over-compensated inverse cannot open a valve a little: the actuator jumps, overshoots, is sent back,
-and so on. So a valve that small commands open again soon after it was shut has its zone doubled, up to
-`WIDEST` times; in `FORGOTTEN` s of peace that fades.
+An over-compensated inverse cannot open a valve a little: the actuator jumps, overshoots, is sent back, and so
+on. So every time that a valve is opened again soon after it was shut, or turned soon after it was turned, its
+zone doubles, but for the first time, up to `WIDEST` / 2 times; that fades in `FORGOTTEN` s, and at once in
+motion.
 """
 
 import math
 from typing import NamedTuple
 
-OPENING_LAG, SHUTTING_LAG = 0.1, 0.02  # [s] of the low-passes that decide
+OPENING_LAG, SHUTTING_LAG = 0.2, 0.02  # [s] of the low-passes that decide
 SHUT_SHARE = 0.25  # of the zone
-SOON = 1.0  # [s] after shutting
-WIDEST, FORGOTTEN = 16.0, 5.0
+MOVING_SHARE = 0.2  # of the zone, in motion: a slow reversal must not wait
+BRIEF, SOON = 0.05, 1.0  # [s] shut: briefer is noise or a reversal in motion
+SURE = 14.0  # zones, a command that no cycle reaches
+CALM = 0.5  # [s] without a command that must be motion: longer than a reversal takes
+WIDEST, FORGOTTEN = 32.0, 5.0
 BARELY = 1e-9  # [V] of an open valve whose command's noise has turned round
 
 
@@ -29,40 +34,54 @@ class Hold(NamedTuple):
     slow: float = 0.0  # c behind either low-pass [V]
     quick: float = 0.0
     way: float = 0.0  # 1, -1 open; 0 shut
+    last: float = 0.0  # way that it was open last
+    turned_for: float = 0.0  # [s] since it opened the other way than before
     shut_for: float = 0.0  # [s]
-    wide: float = 1.0  # z over what is set
+    calm_for: float = 0.0  # [s] since c was more than noise
+    wide: float = 1.0  # twice for every opening soon after shutting
 
 
-SHUT = Hold(0.0, 0.0, 0.0, SOON, 1.0)
+SHUT = Hold(0.0, 0.0, 0.0, 0.0, SOON, SOON, CALM, 1.0)
 
 
-def obeyed(hold: Hold, c: float, zone: float, noise: float, dt: float) -> tuple[Hold, float]:
+def obeyed(hold: Hold, c: float, zone: float, opens: float, noise: float, dt: float) -> tuple[Hold, float]:
     """Return the state a period of dt [s] on, and the command to obey: 0 where the valve shall stay shut.
 
     Args:
         hold: state.
         c: command [V]; 0 is none: shut.
         zone: z [V]; 0: every command is obeyed.
+        opens: a steady command over this opens [V]; z, or less where leakage must be fed.
         noise: c up to this may be noise [V].
         dt: period [s].
     """
     wide = 1.0 + (hold.wide - 1.0) * math.exp(-dt / FORGOTTEN)
+    turned_for, shut_for, calm_for = hold.turned_for + dt, hold.shut_for + dt, hold.calm_for + dt
     if c == 0.0:
-        return Hold(0.0, 0.0, 0.0, hold.shut_for + dt, wide), 0.0
+        return Hold(0.0, 0.0, 0.0, hold.last, turned_for, shut_for, calm_for, wide), 0.0
     slow, quick = _passed(hold.slow, c, OPENING_LAG, dt), _passed(hold.quick, c, SHUTTING_LAG, dt)
-    least = wide * zone
-    if abs(c) > max(2.0 * least, noise) or zone == 0.0:
-        return Hold(slow, quick, math.copysign(1.0, c), 0.0, wide), c
-    way, shut_for = hold.way, hold.shut_for + dt
-    if way != 0.0 and way * quick < SHUT_SHARE * least:
-        way, shut_for = 0.0, 0.0
-    elif way == 0.0 and abs(slow) > least:
+    widened = max(1.0, 0.5 * wide)  # once is no cycle
+    least = widened * opens
+    if abs(c) > max(1.5 * widened * zone, noise) or zone == 0.0:
+        calm_for = 0.0
+    if abs(c) > max(SURE * zone, noise):
+        wide = 1.0
+    way = hold.way
+    if calm_for < CALM:
+        way = math.copysign(1.0, c) if abs(c) > MOVING_SHARE * zone else 0.0
+    elif way != 0.0:
+        way = way if way * quick >= SHUT_SHARE * least else 0.0
+    elif abs(slow) > least:
         way = math.copysign(1.0, slow)
-        if shut_for < SOON:
-            wide = min(WIDEST, 2.0 * wide)
     if way == 0.0:
-        return Hold(slow, quick, 0.0, shut_for, wide), 0.0
-    return Hold(slow, quick, way, 0.0, wide), c if c * way > 0.0 else way * BARELY
+        shut_for = 0.0 if hold.way != 0.0 else shut_for
+        return Hold(slow, quick, 0.0, hold.last, turned_for, shut_for, calm_for, wide), 0.0
+    again, turns = hold.way == 0.0 and BRIEF < shut_for < SOON, way * hold.last < 0.0
+    if again or (turns and turned_for < SOON):
+        wide = min(WIDEST, 2.0 * wide)
+    turned_for = 0.0 if turns else turned_for
+    obey = c if c * way > 0.0 else way * BARELY
+    return Hold(slow, quick, way, way, turned_for, 0.0, calm_for, wide), obey
 
 
 def _passed(before: float, c: float, lag: float, dt: float) -> float:

@@ -12,7 +12,7 @@ from forest_description.actuation import displacements, rated_speeds
 from forest_description.machine import Machine
 from forest_description.valve import ValveLaw
 
-NOISY_SERVO = 25.0  # [1/s] five standard deviations of the position through a servo's gain of 5 1/s
+NOISY_SERVO = 35.0  # [1/s] seven standard deviations of the position through a servo's gain of 5 1/s
 
 
 class AxisDriver(NamedTuple):
