@@ -122,7 +122,8 @@ def test_commands_are_clipped_at_the_rated_voltage():
         _, output = controller.step(State(reference, True), inputs(), p, PERIOD)
         errors = np.subtract(reference, MIDDLE)
         assert max(map(abs, output.command)) <= 10.0
-        assert all(np.sign(output.command) == np.sign(errors))
+        moved = np.abs(errors) > controller.NEAR  # nearer, a joint that rests may hold
+        assert all((np.sign(output.command) == np.sign(errors))[moved])
         clipped += sum(abs(volts) == 10.0 for volts in output.command)
     assert clipped > 500
 

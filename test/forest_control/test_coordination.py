@@ -50,10 +50,10 @@ def test_the_reference_is_the_integral_of_the_governed_wish_without_drift():
 def test_a_resting_joint_holds_until_its_error_has_grown():
     c, memory = P.coordinated, coordination.REST
     for _ in range(200):
-        memory, u = coordination.servo(memory, ZERO, (2.5e-4, 0.0, 0.0), ZERO, c, PERIOD)
+        memory, u = coordination.servo(memory, ZERO, (2.5e-4, 0.0, 0.0), ZERO, ZERO, c, PERIOD)
         assert u == (HELD, HELD, HELD)
     for _ in range(200):
-        memory, u = coordination.servo(memory, ZERO, (4e-4, 0.0, 0.0), ZERO, c, PERIOD)
+        memory, u = coordination.servo(memory, ZERO, (4e-4, 0.0, 0.0), ZERO, ZERO, c, PERIOD)
     assert u[0] > 0.0
     assert u[1:] == (HELD, HELD)
 
@@ -65,3 +65,10 @@ def test_the_reference_starts_from_the_mean_of_what_was_measured_at_rest():
         state, output = step(state, Inputs(noisy, ZERO, REST, True), P, PERIOD)
         assert output.command == ZERO
     assert state.reference == pytest.approx(START, abs=1e-9)
+
+
+def test_the_rate_is_heard_only_well_beyond_a_change_of_sign():
+    gains = Gains(0.0, 0.0, 0.0, feedback=0.0, lead_time=0.0, rate=0.5)
+    assert coordinated(Signals(0.2, 0.0, 0.0, 0.0, 0.1, 0.0), gains) == pytest.approx(0.25)
+    assert coordinated(Signals(0.0, 0.0, 0.0, 0.0, 0.1, 0.0), gains) == 0.0
+    assert coordinated(Signals(0.01, 0.0, 0.0, 0.0, 0.11, 0.0), gains) == pytest.approx(0.01 - 0.0005)

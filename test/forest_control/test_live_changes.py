@@ -31,12 +31,12 @@ class Crane:
         self.p, self.state = controller.parameters(MACHINE, settings), REST
         self.angles, self.rates, self.commands = START, ZERO, []
 
-    def play(self, levers, seconds):
-        """Hold levers; return commands [N, 3] V and tips [N, 3] m."""
+    def play(self, levers, seconds, seen=lambda q: q):
+        """Hold levers, the angles seen through sensors; return commands [N, 3] V and tips [N, 3] m."""
         weight, speeds = 1.0 - math.exp(-BANDWIDTH * PERIOD), rated_speeds(MACHINE)
         commands, tips = [], []
         for _ in range(round(seconds / PERIOD)):
-            inputs = Inputs(self.angles, self.rates, levers, True)
+            inputs = Inputs(seen(self.angles), self.rates, levers, True)
             self.state, output = controller.step(self.state, inputs, self.p, PERIOD)
             moving = tuple(c / 10.0 * v for c, v in zip(output.command, speeds, strict=True))
             wanted = actuator_speeds_to_joint_rates(self.angles, moving, MACHINE.linkages)
@@ -123,3 +123,14 @@ def test_gains_and_speeds_change_without_a_jump(change, normal):
     crane.set(**change)
     after, _ = crane.play(MOVING, 1.0)
     assert largest_change(np.vstack([before[-1:], after])) < normal
+
+
+@pytest.mark.parametrize("scheme", list(Scheme))
+def test_at_rest_noise_of_the_sensors_moves_no_valve(scheme):
+    crane, rng = Crane(Settings(scheme=scheme)), np.random.default_rng(3)
+    crane.play(MOVING, 0.5)
+    commands, _ = crane.play(
+        Levers(0.0, 0.0, 0.0), 6.0, lambda q: tuple((q + rng.normal(0.0, 2e-4, 3)).tolist())
+    )
+    opened = np.abs(commands[-400:]) > 0.02  # V, the driver's hold zone
+    assert np.count_nonzero(opened) <= 0.01 * opened.size

@@ -10,7 +10,7 @@ from forest_description.kinematics import joint_rates
 from forest_description.limits import THESIS_START
 from forest_description.machine import load_machine
 from forest_study.thesis_plant import DRIVE, State, at_rest, simulate
-from forest_study.thesis_schemes import SCHEMES, poles, servo
+from forest_study.thesis_schemes import ACCELERATION, SCHEMES, poles, servo
 
 W_N = 2.0 * math.pi * 2.0
 SINUSOID = 2.0 * math.pi * 1.18  # [rad/s]
@@ -86,7 +86,7 @@ def test_inverse_kinematics_and_jacobian_agree_as_far_as_the_jacobian_is_constan
     assert small / smaller == pytest.approx(4.0, rel=0.1)
 
 
-@pytest.mark.parametrize("name", SCHEMES)
+@pytest.mark.parametrize("name", list("abcd"))  # ours has no pole to choose, and ramps its wish
 def test_a_fast_servo_does_what_is_wished_by_any_scheme(name, links):
     fast = run(name, links, servo(W_N, 400.0), duration=3.0, step=0.001)
     assert np.abs(fast.position_error).max() < 0.004
@@ -128,3 +128,17 @@ def test_without_the_pre_loop_gain_the_velocity_servo_does_a_quarter_of_the_wish
     whole, part = (run("c", links, gains, ahead) for gains in (made, made._replace(pre_loop_gain=1.0)))
     assert whole.position[-1, 0] - 5.5 == pytest.approx(0.4, rel=0.01)
     assert part.position[-1, 0] - 5.5 == pytest.approx(0.4 / made.pre_loop_gain, rel=0.01)
+
+
+def test_coordinated_follows_its_ramped_wish_exactly_on_the_plant_it_was_made_for(links):
+    """What is left of a step is the ramp: v^2 / (2 a) and what `RAMP_LAG` adds."""
+    moved = run("coordinated", links, servo(W_N, 16.5), lambda time: (0.3 if time < 4.0 else 0.0, 0.0, 0.0))
+    ramp = 0.3**2 / (2.0 * ACCELERATION)
+    assert ramp < np.abs(moved.position_error).max() < ramp + 0.3 * 0.01
+    assert abs(moved.position_error[-1, 0]) < 1e-3
+
+
+def test_coordinated_comes_back_to_its_path_on_a_plant_that_is_off(links):
+    for mismatch in (-0.3, 0.3):
+        moved = run("coordinated", links, servo(W_N, 16.5), duration=10.0, mismatch=mismatch)
+        assert np.abs(moved.position_error[-1, [0, 2]]).max() < 2e-3

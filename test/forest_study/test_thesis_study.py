@@ -89,13 +89,17 @@ def test_servos_break_even_near_eight_percent(result):
         assert errors[0] == pytest.approx(errors[1], rel=0.01)
 
 
-def test_sweep_goes_from_half_to_one_and_a_half_with_all_four_schemes(result):
+def test_sweep_goes_from_half_to_one_and_a_half_with_all_schemes(result):
     rows = result["mismatch_sweep"]
     assert [row["mismatch"] for row in rows] == pytest.approx([0.1 * k - 0.5 for k in range(11)])
     for velocity_servo in "ac":
         drifts = [row[velocity_servo]["drift_x"] for row in rows]
         assert drifts == sorted(drifts, reverse=True)
         assert drifts[0] > 0.4
+    ours = [row["coordinated"] for row in rows]
+    assert max(abs(row["drift_x"]) for row in ours) < 0.002
+    for row in rows[1:]:  # at -50 %, twice the gain, its feed-forward is twice too much
+        assert row["coordinated"]["position_error"] < min(row[name]["position_error"] for name in "abcd")
     for position_servo in "bd":
         assert max(abs(row[position_servo]["drift_x"]) for row in rows) < 0.03
         assert max(row[position_servo]["position_error_y"] for row in rows) < 0.07
@@ -112,7 +116,7 @@ def test_json_has_gains_poles_and_what_was_run(result):
     assert result["servos"]["0.2 Hz"]["poles"]["+0%"]["velocity"] == pytest.approx([-11.5])
     assert result["machine"] == "c180_thesis"
     assert result["start_tip"] == [5.5, 0.0, 1.0]
-    assert set(result["schemes"]["0.2 Hz"]) == set("abcd")
+    assert set(result["schemes"]["0.2 Hz"]) == {*"abcd", "coordinated"}
 
 
 def test_six_pictures_lie_beside_the_numbers(made):
@@ -136,6 +140,7 @@ def test_table_tells_thesis_and_here(made, capsys):
     text = table(made[1])
     assert "0.400   0.429      +7.2%" in text
     assert "worst deviation 7.2%" in text
+    assert "-50%                          505           60          521           67           82" in text
     assert "break even at a mismatch of -11.1%, +8.3%" in text
 
 

@@ -44,6 +44,7 @@ ZERO: Triple = (0.0, 0.0, 0.0)
 BEYOND_LIMIT = 0.1  # [rad] outside the joint limits: end stops give, encoders are not perfect
 FASTEST = 5.0  # [rad/s] no joint of such a crane moves faster
 HAND_OVER = 0.2  # [s] in which the difference between two schemes' commands fades
+NEAR = 0.002  # [rad] of the reference, where a position servo at rest may leave its valve shut
 NO_SCHEME = NO_MODE = -1
 
 
@@ -246,10 +247,9 @@ def _commanded(
     after = _held(advanced(p.scheme, r, a, wish.velocity, p.links, dt), s, p)
     if p.scheme == Scheme.COORDINATED:
         before = coordination.going(state.memory, wish.velocity)
-        memory, u = coordination.servo(before, a, r, s, p.coordinated, dt)
+        memory, u = coordination.servo(before, a, r, s, inputs.rates, p.coordinated, dt)
     else:
-        memory = coordination.in_motion(wish.velocity, a, 0)
-        u = _servo(a, after, inputs, p)
+        memory, u = _servo(state.memory, wish, after, inputs, p, dt)
     offset = state.offset
     if state.changed or (state.scheme != NO_SCHEME and state.scheme != p.scheme):
         offset = _minus(state.rates, u)
@@ -281,7 +281,8 @@ def _taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
         )
     a = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
     velocity = tip_velocity(s, a, p.links) if state.scheme == Scheme.JOINT else state.memory.velocity
-    samples = 0 if still and u == ZERO else coordination.MOST_SAMPLES
+    shut = max(abs(u[0]), abs(u[1]), abs(u[2])) <= coordination.HELD
+    samples = 0 if still and shut else coordination.MOST_SAMPLES
     r = _held(r, s, p)
     if state.scheme != Scheme.JOINT:
         a = joint_rates(r, velocity, p.links)  # else the lead would take the other pose's rates for a jerk
@@ -339,14 +340,36 @@ def _held_joint(r: float, s: float, i: int, p: Parameters) -> float:
     return max(lower, min(upper, max(s - p.lead, min(s + p.lead, r))))
 
 
-def _servo(a: Triple, r: Triple, inputs: Inputs, p: Parameters) -> Triple:
-    """Return the commanded joint rates [rad/s] of the chosen scheme."""
-    s, v, g = inputs.angles, inputs.rates, p.gains
-    return (
-        servo(p.scheme, Signals(a[0], 0.0, r[0], s[0], v[0], 0.0), g[0]),
-        servo(p.scheme, Signals(a[1], 0.0, r[1], s[1], v[1], 0.0), g[1]),
-        servo(p.scheme, Signals(a[2], 0.0, r[2], s[2], v[2], 0.0), g[2]),
+def _servo(
+    memory: coordination.Memory, wish: Wish, r: Triple, inputs: Inputs, p: Parameters, dt: float
+) -> tuple[coordination.Memory, Triple]:
+    """Return the memory, and the joint rates [rad/s] that a scheme of the thesis commands at a reference."""
+    still = closes_on_position(p.scheme) and coordination.rests(memory, wish.rates)
+    swing, u_1 = _joint_servo(memory.swing, 0, still, wish, r, inputs, p, dt)
+    boom, u_2 = _joint_servo(memory.boom, 1, still, wish, r, inputs, p, dt)
+    stick, u_3 = _joint_servo(memory.stick, 2, still, wish, r, inputs, p, dt)
+    return coordination.Memory(wish.velocity, swing, boom, stick, 0.0, 0), (u_1, u_2, u_3)
+
+
+def _joint_servo(
+    memory: coordination.Joint,
+    i: int,
+    still: bool,
+    wish: Wish,
+    r: Triple,
+    inputs: Inputs,
+    p: Parameters,
+    dt: float,
+) -> tuple[coordination.Joint, float]:
+    """Return one joint's memory and rate [rad/s]; where it rests at its reference, its valve stays shut."""
+    a, s, v = wish.rates[i], inputs.angles[i], inputs.rates[i]
+    seen, holds, wide, side = coordination.held(memory, r[i] - s, still, p.coordinated, dt)
+    u = (
+        0.0
+        if holds and abs(r[i] - s) < NEAR
+        else servo(p.scheme, Signals(a, 0.0, r[i], s, v, 0.0), p.gains[i])
     )
+    return coordination.Joint(a, 0.0, 0.0, seen, holds, wide, side), u
 
 
 def _to_voltage(rates: Triple, angles: Triple, p: Parameters) -> Triple:

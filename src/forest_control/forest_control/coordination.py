@@ -105,19 +105,36 @@ def ramped(velocity: Triple, wish: Triple, acceleration: float, dt: float) -> Tr
 
 
 def servo(
-    memory: Memory, a: Triple, r: Triple, s: Triple, p: CoordinationParameters, dt: float
+    memory: Memory, a: Triple, r: Triple, s: Triple, v: Triple, p: CoordinationParameters, dt: float
 ) -> tuple[Memory, Triple]:
     """Return the memory one step on, and the commanded joint rates u [rad/s]."""
     m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
-    still = max(abs(a[0]), abs(a[1]), abs(a[2]), abs(m_1.a), abs(m_2.a), abs(m_3.a)) < REST_RATE
+    still = rests(memory, a)
     b_1, jerk = _smooth_acceleration(m_1, a[0], p, dt)
     b_2, _ = _smooth_acceleration(m_2, a[1], p, dt)
     b_3, _ = _smooth_acceleration(m_3, a[2], p, dt)
     torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, inertia(r, p.swing), p, dt)
-    swing, u_1 = _joint_servo(m_1, Signals(a[0], b_1, r[0], s[0], 0.0, extra), still, 0, p, dt)
-    boom, u_2 = _joint_servo(m_2, Signals(a[1], b_2, r[1], s[1], 0.0, 0.0), still, 1, p, dt)
-    stick, u_3 = _joint_servo(m_3, Signals(a[2], b_3, r[2], s[2], 0.0, 0.0), still, 2, p, dt)
+    swing, u_1 = _joint_servo(m_1, Signals(a[0], b_1, r[0], s[0], v[0], extra), still, 0, p, dt)
+    boom, u_2 = _joint_servo(m_2, Signals(a[1], b_2, r[1], s[1], v[1], 0.0), still, 1, p, dt)
+    stick, u_3 = _joint_servo(m_3, Signals(a[2], b_3, r[2], s[2], v[2], 0.0), still, 2, p, dt)
     return Memory(memory.velocity, swing, boom, stick, torque, memory.samples), (u_1, u_2, u_3)
+
+
+def rests(memory: Memory, a: Triple) -> bool:
+    """Tell whether the reference rests: neither now nor a step ago any joint was wished to move [rad/s]."""
+    m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
+    return max(abs(a[0]), abs(a[1]), abs(a[2]), abs(m_1.a), abs(m_2.a), abs(m_3.a)) < REST_RATE
+
+
+def held(
+    memory: Joint, error: float, still: bool, p: CoordinationParameters, dt: float
+) -> tuple[float, bool, float, float]:
+    """Return the low-passed error r - s [rad], whether the valve may stay shut, and what `_widened` says."""
+    seen = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
+    near = abs(seen) < memory.wide * (p.release_error if memory.holding else p.hold_error)
+    holds = still and (near or (not memory.holding and seen * memory.error < 0.0))
+    wide, side = _widened(memory, seen, still, holds, dt)
+    return seen, holds, wide, side
 
 
 def _joint_servo(
@@ -125,10 +142,7 @@ def _joint_servo(
 ) -> tuple[Joint, float]:
     """Return one joint's memory one step on, and its u [rad/s]; `x.w` is what else is fed forward."""
     error = x.r - x.s
-    seen = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
-    near = abs(seen) < memory.wide * (p.release_error if memory.holding else p.hold_error)
-    holds = still and (near or (not memory.holding and seen * memory.error < 0.0))
-    wide, side = _widened(memory, seen, still, holds, dt)
+    seen, holds, wide, side = held(memory, error, still, p, dt)
     # What the integral has learnt of the valve at speed is kept while the joint holds.
     grown = memory.w if holds else memory.w + dt * p.integral[i] * error
     w = max(-p.integral_limit, min(p.integral_limit, grown))

@@ -6,7 +6,7 @@
     (b) ik_position        r = IK(x_d), x_d = ∫x'                 u = K_p (r - s) - K_d v
     (c) jacobian_velocity  a = J^-1(s) x'                        u = K_v (K* a - v)
     (d) jacobian_position  a = J^-1 x', r = ∫a                    u = K_p (r - s) - K_d v
-    coordinated            a = J^-1(r) x', r = ∫a                 u = a + T b + K_p (r - s) + w
+    coordinated            a = J^-1(r) x', r = ∫a                 u = a + T b + K_p (r - s) + D (a - v) + w
 
 | symbol | name | unit |
 |---|---|---|
@@ -19,6 +19,7 @@
 | K_v | velocity servo gain | |
 | K_p, K_d | position servo gains | 1/s, 1 |
 | T | lead: what spool, hoses and sampling lag behind the command | s |
+| D | rate feedback: damps what rocks on its hoses; fades out where the wish changes sign | 1 |
 | w | integral of K_i (r - s) | rad/s |
 
 The thesis writes its servos around a plant v' = -w_n v + k u; here the driver makes the plant's gain one (u
@@ -34,6 +35,7 @@ from forest_description.kinematics import Links, is_singular, joint_rates, neare
 Triple = tuple[float, float, float]
 ZERO: Triple = (0.0, 0.0, 0.0)
 
+FULL_RATE = 0.1  # [rad/s] a wish from which the coordinated scheme hears all of the rate
 REST_RATE = 2e-3  # [rad/s] a smaller wish counts as none for a velocity servo
 
 
@@ -69,6 +71,7 @@ class Gains(NamedTuple):
     damping: float  # K_d
     feedback: float  # K_p [1/s] of the coordinated scheme
     lead_time: float  # T [s]
+    rate: float = 0.0  # D, beyond `FULL_RATE`
 
 
 class Signals(NamedTuple):
@@ -105,12 +108,14 @@ def position_servo(x: Signals, g: Gains) -> float:
 
 
 def coordinated(x: Signals, g: Gains) -> float:
-    """Reference velocity with lead, closed on the tip's position: u = a + T b + K_p (r - s) + w.
+    """Reference velocity with lead, closed on the tip's position: u = a + T b + K_p (r - s) + D (a - v) + w.
 
     The wish passes straight through, earlier by the lead; the error only carries what valve and model are
-    wrong by. r is the pose that holds the tip on its path, so an error of the tip is one of the joints.
+    wrong by. r is the pose that holds the tip on its path, so an error of the tip is one of the joints. Near
+    a change of sign the noise of v would throw the valve across its overlap and back.
     """
-    return x.a + g.lead_time * x.b + g.feedback * (x.r - x.s) + x.w
+    heard = g.rate * min(1.0, (x.a / FULL_RATE) ** 2)
+    return x.a + g.lead_time * x.b + g.feedback * (x.r - x.s) + heard * (x.a - x.v) + x.w
 
 
 def servo(scheme: int, x: Signals, g: Gains) -> float:

@@ -45,8 +45,9 @@ class Settings(NamedTuple):
     damping_gain: Triple = (0.0, 0.0, 0.0)  # K_d
     jacobian_at_joints: bool = False  # scheme (d) takes J^-1 at the measured angles, as the thesis does
     lead: float = 0.2  # [rad]
-    feedback_gain: Triple = (4.0, 5.0, 5.0)  # K_p of the coordinated scheme [1/s]
-    integral_gain: Triple = (2.0, 4.0, 4.0)  # K_i of the coordinated scheme [1/s^2]
+    feedback_gain: Triple = (3.0, 5.0, 5.0)  # K_p of the coordinated scheme [1/s]
+    integral_gain: Triple = (3.0, 4.0, 4.0)  # K_i of the coordinated scheme [1/s^2]
+    rate_gain: Triple = (0.4, 0.0, 0.0)  # D of the coordinated scheme; only the swing rocks slowly
     lead_time: Triple = (0.02, 0.013, 0.013)  # T [s]
     load_bandwidth: float = 1.0  # [Hz] of the valve driver's
     tip_acceleration: float = 4.0  # [m/s^2] of the coordinated scheme's reference: steps become ramps
@@ -126,6 +127,7 @@ def _gains(settings: Settings, i: int) -> Gains:
         damping=settings.damping_gain[i],
         feedback=settings.feedback_gain[i],
         lead_time=settings.lead_time[i],
+        rate=settings.rate_gain[i],
     )
 
 

@@ -42,6 +42,7 @@ TUNABLES = (
     Tunable("lead", "how far the reference may run ahead of a joint", "rad", 0.001, 1.0),
     Tunable("feedback_gain", "K_p of the coordinated scheme", "1/s", 0.0, 30.0),
     Tunable("integral_gain", "K_i of the coordinated scheme", "1/s^2", 0.0, 50.0),
+    Tunable("rate_gain", "D of the coordinated scheme: damping by the measured rate", "", 0.0, 2.0),
     Tunable("lead_time", "T of the coordinated scheme: what the machine lags behind", "s", 0.0, 0.5),
     Tunable("load_bandwidth", "of the valve driver's knowledge of the load", "Hz", 0.01, 50.0),
     Tunable("tip_acceleration", "of the coordinated scheme's reference", "m/s^2", 0.1, 20.0),
