@@ -1,4 +1,4 @@
-"""What a machine would have read during a session: free simulation from its first row on, by the same voltages.
+"""What a machine would have read during a session: free simulation from its first row on, same voltages.
 
 The start is at rest where the session starts: angles and pressures are means over the rows before the first
 voltage. The oil's temperature is the measured one, second by second. Exact sensors but for the flow meters'
@@ -39,8 +39,11 @@ class Offsets(NamedTuple):
     temperature: float = 0.0  # [K]
 
 
+TRUE = Offsets()
+
+
 def predict(
-    machine: Machine, session: Session, bench: bool, offsets: Offsets = Offsets(), valves: bool = False
+    machine: Machine, session: Session, bench: bool, offsets: Offsets = TRUE, valves: bool = False
 ) -> Columns:
     """Return the predicted readings, by channel.
 
