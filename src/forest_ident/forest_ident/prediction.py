@@ -19,6 +19,7 @@ from forest_ident.session import Session
 from forest_sim.compiled import fastest_record
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation
+from forest_sim.pace import even
 from forest_sim.parameters import PlantParameters, plant_parameters
 from forest_sim.recording import STATE, store
 from forest_sim.sensors import surroundings
@@ -67,7 +68,8 @@ def predict(
         rows = slice(first + 1, min(last, count - 1) + 1)
         volts = np.repeat(session.voltages[first : rows.stop - 1], substeps, axis=0)
         if len(volts) > 0:
-            simulation = record(simulation, volts, period / substeps, p, states[rows], None)
+            steps = even(period / substeps, rows.stop - rows.start, substeps)
+            simulation = record(simulation, volts, steps, p, states[rows], None)
         seen = slice(0 if first == 0 else first + 1, rows.stop)
         parts.append(true_columns(states[seen], p, around, bench, bench or valves))
     of = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
