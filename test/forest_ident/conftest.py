@@ -1,44 +1,39 @@
-"""Bags with known numbers."""
-
-from __future__ import annotations
-
-import contextlib
-from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
-from typing import Any
+import dataclasses
 
 import pytest
 
-from forest_msgs_py.bag_writer import BagWriter
-from forest_msgs_py.topics import Topic, offered_qos
+from forest_description.machine import load_machine
+from forest_ident.ident_experiment import experiment
+from forest_ident.keys import value_of, with_values
 
-Logged = Sequence[tuple[int, Any]]  # log time [ns], message or bytes
-
-
-@pytest.fixture
-def make_bag(tmp_path: Path) -> Iterator[Callable[..., Path]]:
-    """Writes messages (or bytes) by topic into a bag of a name, and gives its directory."""
-    pytest.importorskip("rclpy")
-    from forest_msgs_py.cdr import to_cdr
-
-    def make(name: str, content: dict[Topic, Logged], closed: bool = True) -> Path:
-        writer = opened.enter_context(contextlib.closing(BagWriter(tmp_path / name)))
-        for topic in content:
-            writer.add_topic(resolved(topic), topic.type, [offered_qos(topic)], "")
-        rows = [(time, topic, message) for topic, logged in content.items() for time, message in logged]
-        for number, (time, topic, message) in enumerate(sorted(rows, key=lambda row: row[0]), 1):
-            data = message if isinstance(message, bytes) else to_cdr(message)
-            writer.write(resolved(topic), data, time, time, number)
-        if closed:
-            writer.close()
-        else:
-            writer.flush()
-        return writer.directory
-
-    with contextlib.ExitStack() as opened:
-        yield make
+DRAWN = {
+    "valve.deadband_voltage": 1.3,
+    "valve.minimum_resistance": 1.25,
+    "hose.turbulent_resistance": 0.7,
+    "hose.inertance": 0.75,
+    "hose.capacitance": 1.3,
+    "swing.internal_leakage_resistance": 0.65,
+    "swing.external_leakage_resistance": 1.35,
+    "swing.damping": 1.4,
+}
 
 
-def resolved(topic: Topic) -> str:
-    """The topic's name in a bag without a namespace."""
-    return topic.name if topic.name.startswith("/") else f"/{topic.name}"
+@pytest.fixture(scope="session")
+def unknown_machine():
+    """The shipped crane with some parameters that the estimators are not told."""
+    machine = load_machine("c180")
+    drawn = with_values(machine, {key: share * value_of(machine, key) for key, share in DRAWN.items()})
+    return dataclasses.replace(drawn, name="unknown")
+
+
+@pytest.fixture(scope="session")
+def sessions(unknown_machine):
+    """Experiments with the sensors of Table 4.2, made once for all tests that only look at them."""
+    kept = {}
+
+    def get(name, exact=False):
+        if (name, exact) not in kept:
+            kept[name, exact] = experiment(name, unknown_machine, seed=7, exact=exact)
+        return kept[name, exact]
+
+    return get

@@ -22,7 +22,7 @@ from __future__ import annotations
 import dataclasses
 
 from forest_description.hose import GeometricHose, MeasuredHose
-from forest_description.machine import Machine, Manipulator, load_machine
+from forest_description.machine import Machine, Manipulator, Sensors, load_machine
 
 DISPLACEMENT = 0.05  # [m^3/rad] D
 INERTIA = 25.0  # [kg m^2] of the meter: an inertance of 1e4 Pa s^2/m^3, three thousandths of the hose's
@@ -62,7 +62,7 @@ def valve_bench(machine: Machine, axis: int = 0, load: float = VALVE_LOAD) -> Ma
 
 
 def hose_bench(machine: Machine, axis: int = 0, laminar: bool = False, load: float = HOSE_LOAD) -> Machine:
-    """Return the rig of fig. 4.5 and 4.7 with the hose of an axis. Thesis section 4.3.3, 4.3.4, fig. 4.5, 4.7.
+    """Return the rig of fig. 4.5 and 4.7 with an axis' hose. Thesis section 4.3.3, 4.3.4, fig. 4.5, 4.7.
 
     Args:
         machine: whose hose is on the bench, in the length it was measured with.
@@ -112,7 +112,7 @@ def _nothing_to_move(m: Manipulator) -> Manipulator:
     return dataclasses.replace(m, log=None, pendulum=None, **bare)  # type: ignore[arg-type]
 
 
-def _table_4_2(machine: Machine):  # type: ignore[no-untyped-def]
+def _table_4_2(machine: Machine) -> Sensors:
     """Return the machine's sensors; what it lacks, the bench has as Table 4.2 says."""
     usual, own = load_machine("c180").sensors, machine.sensors
     wanted = ("pressure", "flow_meter", "spool_sensor", "thermocouple")

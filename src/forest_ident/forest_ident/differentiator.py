@@ -24,7 +24,7 @@ REACH = 6.0  # widths to either side at which the Gaussian is cut off
 
 
 def width(bandwidth: float, period: float) -> float:
-    """Return s in samples. Thesis section 4.3.6 differentiates resolver readings twice; by what, it leaves open.
+    """Return s in samples. Thesis section 4.3.6 differentiates resolver readings twice, it does not say how.
 
     Args:
         bandwidth: f_b [Hz].

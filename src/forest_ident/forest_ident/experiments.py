@@ -1,4 +1,4 @@
-"""The experiments of thesis section 4.3 and three more: what a person prepares, what is driven, how far.
+"""The experiments of Thesis section 4.3 and three more: what a person prepares, what is driven, how far.
 
 | experiment | rig | tells |
 |---|---|---|
@@ -34,6 +34,7 @@ Triple = tuple[float, float, float]
 TILT = 0.15  # [rad] of the platform for the internal leakage
 SWING_ROOM = 1.2  # [rad] to either side
 MARGIN = 0.15  # of the stroke that stays free at either end
+POSE = 6.5  # [s] from pose to pose: moving, then resting until the crane has stopped swinging
 ENDLESS = 1e9  # [rad] a bench's meter turns on and on
 
 
@@ -68,10 +69,10 @@ def names(machine: Machine) -> tuple[str, ...]:
     shared = [name for name, flag in (("hose", "turbulent"), ("hose_laminar", "laminar")) if flag in regimes]
     return (
         *("calibration", "valve", *own_valves, "spool_lag", *shared, *own_hoses),
-        *("motor_external", "motor_internal"),
+        *("gravity", "motor_external", "motor_internal"),
         *(f"deadband_{axis}" for axis in AXES),
         *(f"damping_{axis}" for axis in AXES),
-        *("gravity", "validation"),
+        "validation",
     )
 
 
@@ -207,7 +208,7 @@ def _all_axes(name: str, machine: Machine, seed: int) -> Plan:
     tracks: list[Track | None] = [None, None, None]
     if name == "gravity":
         for axis, hold in ((1, 1.1), (2, 1.7)):
-            rows = (*stairs((0.35 * rated[axis],), hold), *stairs((0.0,), 3.0))
+            rows = (*stairs((0.35 * rated[axis],), hold), *stairs((0.0,), POSE - hold))
             tracks[axis] = _track(machine, axis, rest, rows)
         setup, total = (
             "Crane with the head it works with, no log. It moves from pose to pose and rests.",

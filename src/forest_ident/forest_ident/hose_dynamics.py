@@ -15,6 +15,8 @@ The meters lag, the transducers do not: left as it is, that phase makes negative
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,14 +39,21 @@ def four_group_means(session: Session, resistance: float, laminar: bool) -> tupl
 
     Thesis eq. 4.5a, 4.6, section 4.3.4.4.
     """
-    drop, flow_rate, difference, pressure_rate, rows = _terms(session, resistance, laminar, lag=0.0)
+    drop, flow_rate, difference, pressure_rate, rows = terms(session, resistance, laminar, lag=0.0)
     groups = np.array_split(np.arange(len(session.time))[rows], GROUPS)
     inertances = [_mean_quotient(drop[g], flow_rate[g]) for g in groups]
     capacitances = [_mean_quotient(difference[g], pressure_rate[g]) for g in groups]
     return np.array(inertances), np.array(capacitances)
 
 
-def joint(session: Session, resistance: float, laminar: bool, lag: float, floor: float) -> tuple[Line, Line]:
+def joint(
+    session: Session,
+    resistance: float,
+    laminar: bool,
+    lag: float,
+    floor: float,
+    highest: float = math.inf,
+) -> tuple[Line, Line]:
     """Return I and C by least squares, with all terms in phase. Thesis eq. 4.5a, 4.6.
 
     Differs: the thesis averages quotients that the phase biases.
@@ -54,14 +63,14 @@ def joint(session: Session, resistance: float, laminar: bool, lag: float, floor:
         resistance: R of the hose.
         laminar: which law it is of.
         lag: time constant of the meters [s].
-        floor: of the meters [m^3/s]; what reads as the floor, and half a second around it, is left out.
+        floor: of the meters [m^3/s]; what reads as the floor, and a quarter second around it, is left out.
+        highest: of the meters [m^3/s]; likewise.
     """
-    drop, flow_rate, difference, pressure_rate, rows = _terms(session, resistance, laminar, lag)
+    drop, flow_rate, difference, pressure_rate, rows = terms(session, resistance, laminar, lag)
     seen = np.zeros(len(drop), dtype=bool)
     seen[rows] = True
-    low = (np.abs(session.column("swing_flow")) <= 1.02 * floor) | (
-        np.abs(session.column("stick_flow")) <= 1.02 * floor
-    )
+    sizes = [np.abs(session.column(name)) for name in ("swing_flow", "stick_flow")]
+    low = np.any([(size <= 1.02 * floor) | (size >= highest) for size in sizes], axis=0)
     around = max(1, round(0.25 / session.period))
     seen &= np.convolve(low, np.ones(2 * around + 1), mode="same") < 0.5
     ones = np.ones(int(seen.sum()))
@@ -71,7 +80,7 @@ def joint(session: Session, resistance: float, laminar: bool, lag: float, floor:
     )
 
 
-def _terms(
+def terms(
     session: Session, resistance: float, laminar: bool, lag: float
 ) -> tuple[Floats, Floats, Floats, Floats, slice]:
     """Return smoothed P_in - P_c, dQ_1/dt, Q_1 - Q_2, dP_c/dt, and the rows that hold."""

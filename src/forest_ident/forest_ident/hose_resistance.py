@@ -9,6 +9,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,8 +24,8 @@ Floats = NDArray[np.float64]
 STEADY = 0.8  # [s] after which flow dynamics have died out
 
 
-def steady(session: Session, floor: float) -> tuple[Floats, Floats]:
-    """Return (Q, dP) of every hold of a session on the hose's rig, means, above the meter's floor.
+def steady(session: Session, floor: float, highest: float = math.inf) -> tuple[Floats, Floats]:
+    """Return (Q, dP) of every hold of a session on the hose's rig, means, within the meter's range.
 
     Thesis section 4.3.3.2: no data while inertance and capacitance are at work.
     """
@@ -31,7 +33,7 @@ def steady(session: Session, floor: float) -> tuple[Floats, Floats]:
     flow, found = session.column("swing_flow"), []
     for rows in holds(session.voltages[:, 0], session.period, STEADY):
         q = float(np.mean(flow[rows]))
-        if abs(q) > 1.02 * floor:
+        if abs(q) > 1.02 * floor and float(np.max(np.abs(flow[rows]))) < highest:
             found.append((q, float(np.mean(entrance[rows] - leaving[rows]))))
     table = np.array(found).reshape(-1, 2)
     return table[:, 0], table[:, 1]

@@ -40,15 +40,14 @@ def channel(machine: Machine, session: Session, name: str) -> Channel:
     if isinstance(part, LinearTransducer):
         step = part.full_scale * (part.resolution or 0.0)
         return Channel(name, math.hypot(noise, step / math.sqrt(12.0)), offset=step / math.sqrt(12.0))
-    if kind.name == "case_drain":
-        return Channel(name, noise, gain=accuracy)
     if kind.name == "pressure":
         offset = accuracy * part.full_scale
         return Channel(name, noise, offset=offset, zero=True, high=part.full_scale)
-    if kind.name == "resolver":
-        # The start is as read, so the static error is in both; what is left is the start's own noise.
-        return Channel(name, noise, offset=noise / math.sqrt(REST_ROWS))
-    return Channel(name, noise, offset=accuracy)
+    if kind.name == "case_drain":
+        return Channel(name, noise, gain=accuracy)
+    # A resolver's start is as read, so the static error is in both; what is left is the start's own noise.
+    offset = noise / math.sqrt(REST_ROWS) if kind.name == "resolver" else accuracy
+    return Channel(name, noise, offset=offset)
 
 
 def judged(machine: Machine, session: Session, names: tuple[str, ...]) -> list[Channel]:

@@ -66,4 +66,4 @@ def with_directions(machine: Machine, section: str) -> Machine:
         same = BackwardValve(valve.deadband_voltage, valve.minimum_resistance)
         valve = dataclasses.replace(valve, backward=same)
     owner = dataclasses.replace(owner, valve=valve)
-    return dataclasses.replace(machine, **{axis: owner}) if axis else owner  # type: ignore[no-any-return]
+    return dataclasses.replace(machine, **{axis: owner}) if axis else owner

@@ -7,7 +7,7 @@
 |---|---|
 | y, yhat | read and predicted columns |
 | theta | parameters; those that are positive by their logarithm |
-| b, g | static errors of the sensors, known to be within their accuracy: estimated along, with that as prior |
+| b, g | static errors of the sensors, within their accuracy: estimated along, with that as prior |
 | sigma | noise of a channel, as the machine file says, or what is left if that is more |
 | m, s | estimate and standard error from earlier experiments |
 
@@ -126,6 +126,9 @@ class _Problem:
         begin = np.array([*start, *(0.0 for _ in self._nuisances)])
         self._mean, self._known = prior(belief, self._names, begin, spread)
         self._count = len(unknowns)
+        # A logarithm that moves by more than a half leaves what the derivatives were taken for.
+        bounds = [0.5 if u.positive else math.inf for u in unknowns]
+        self._reach = np.array([*bounds, *(math.inf for _ in self._nuisances)])
         self._sigma = {c.name: c.noise for c in channels}
 
     def solved(self) -> Fit:
@@ -133,7 +136,8 @@ class _Problem:
         predicted = self._simulate(theta)
         damping, iterations = 1e-3, 0
         self._learn_noise(theta, predicted)
-        for iterations in range(1, ITERATIONS + 1):
+        while iterations < ITERATIONS:
+            iterations += 1
             jacobian = self._derivatives(theta, predicted)
             theta, predicted, damping, moved = self._step(theta, predicted, jacobian, damping)
             self._learn_noise(theta, predicted)
@@ -164,7 +168,8 @@ class _Problem:
     def _said(self, theta: Floats, name: str, column: Floats) -> Floats:
         """Return (1 + g) yhat + b."""
         nuisance = {(n, kind): theta[self._count + i] for i, (n, kind, _) in enumerate(self._nuisances)}
-        return column * (1.0 + nuisance.get((name, "g"), 0.0)) + nuisance.get((name, "b"), 0.0)
+        gain, offset = float(nuisance.get((name, "g"), 0.0)), float(nuisance.get((name, "b"), 0.0))
+        return column * (1.0 + gain) + offset
 
     def _row(self, c: Channel, said: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
         """Return residual/sigma, its derivative by what is said, and which rows are seen, not censored."""
@@ -185,8 +190,12 @@ class _Problem:
     def _learn_noise(self, theta: Floats, predicted: Mapping[str, Floats]) -> None:
         """Take as noise what is left, if that is more than the sensors' own."""
         for c in self._channels:
-            residual, _, seen = self._row(c, self._said(theta, c.name, predicted[c.name]))
-            if seen.any():
+            said = self._said(theta, c.name, predicted[c.name])
+            residual, _, seen = self._row(c, said)
+            # Next to a bound only one side of the noise is seen.
+            bound = 4.0 * c.noise + c.floor
+            seen &= (np.abs(said) > bound) if c.floor > 0.0 else (said > bound) | (not c.zero)
+            if seen.sum() > len(seen) // 100:
                 rms = self._sigma[c.name] * float(np.sqrt(np.mean(residual[seen] ** 2)))
                 self._sigma[c.name] = max(c.noise, rms)
 
@@ -231,7 +240,7 @@ class _Problem:
         for _ in range(8):
             damped = hessian + damping * np.diag(np.diag(hessian) + 1e-30)
             move = -np.linalg.solve(damped, slope)
-            move[: self._count] = np.clip(move[: self._count], -0.5, 0.5)
+            move = np.clip(move, -self._reach, self._reach)
             try:
                 after = self._simulate(theta + move)
             except (MachineError, ValueError):

@@ -1,4 +1,4 @@
-"""What a machine would have read during a session: free simulation from its first row on, by the same voltages.
+"""What a machine would have read during a session: free simulation from its first row on, same voltages.
 
 The start is at rest where the session starts: angles and pressures are means over the rows before the first
 voltage. The oil's temperature is the measured one, second by second. Exact sensors but for the flow meters'
@@ -19,6 +19,7 @@ from forest_ident.session import Session
 from forest_sim.compiled import fastest_record
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation
+from forest_sim.pace import even
 from forest_sim.parameters import PlantParameters, plant_parameters
 from forest_sim.recording import STATE, store
 from forest_sim.sensors import surroundings
@@ -39,8 +40,11 @@ class Offsets(NamedTuple):
     temperature: float = 0.0  # [K]
 
 
+TRUE = Offsets()
+
+
 def predict(
-    machine: Machine, session: Session, bench: bool, offsets: Offsets = Offsets(), valves: bool = False
+    machine: Machine, session: Session, bench: bool, offsets: Offsets = TRUE, valves: bool = False
 ) -> Columns:
     """Return the predicted readings, by channel.
 
@@ -64,7 +68,8 @@ def predict(
         rows = slice(first + 1, min(last, count - 1) + 1)
         volts = np.repeat(session.voltages[first : rows.stop - 1], substeps, axis=0)
         if len(volts) > 0:
-            simulation = record(simulation, volts, period / substeps, p, states[rows], None)
+            steps = even(period / substeps, rows.stop - rows.start, substeps)
+            simulation = record(simulation, volts, steps, p, states[rows], None)
         seen = slice(0 if first == 0 else first + 1, rows.stop)
         parts.append(true_columns(states[seen], p, around, bench, bench or valves))
     of = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}

@@ -88,6 +88,11 @@ def task(machine: Machine, session: Session) -> Task | None:
         free = tuple(f"{section}.{part}" for part in (f"{law}_resistance", "inertance", "capacitance"))
         carried = (*_law(valve_section(machine, axis)), *pump)
         return Task(free, carried, _bench_channels(spool=False), ("rig.load",))
+    return _crane_task(machine, session, kind, axis)
+
+
+def _crane_task(machine: Machine, session: Session, kind: str, axis: int) -> Task | None:
+    pump = _pump_keys(machine)
     valve, hoses = _law(valve_section(machine, axis)), _hose_keys(machine, axis)
     leakage = ("swing.internal_leakage_resistance", "swing.external_leakage_resistance")
     offsets = ("boom.angle", "stick.angle", "oil.offset")
@@ -167,7 +172,7 @@ def refine(
     if session.name.startswith("deadband"):
         machine = with_directions(machine, f"{session.name.partition('_')[2]}.valve")
     is_bench = session.name.split("_")[0] in ("valve", "spool", "hose")
-    unknowns = _unknowns(machine, session, work, belief)
+    unknowns = _unknowns(machine, session, work)
     channels = judging.judged(machine, session, work.channels)
     measured = {c.name: session.column(c.name) for c in channels}
     if is_bench:
@@ -197,7 +202,7 @@ def _while_open(measured: Mapping[str, Floats], session: Session, settled: float
     }
 
 
-def _unknowns(machine: Machine, session: Session, work: Task, belief: Belief) -> list[Unknown]:
+def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
     found = []
     for key in (*work.free, *work.carried):
         positive = not key.endswith("deadband_voltage")

@@ -1,4 +1,4 @@
-"""A recorded session as the estimators take it: readings on one time base, the voltages, what was done by hand.
+"""A recorded session as the estimators take it: readings on one time base, voltages, what was set by hand.
 
 A session comes from a bag (`session_bag`) or from a simulated experiment (`simulated`), and nobody
 downstream can tell which. Ground truth is in neither.

@@ -102,7 +102,9 @@ def write(session: Session, directory: Path) -> None:
 
 def _tables(session: Session) -> list[tuple[Topic, tuple[str, ...], Floats]]:
     """Return (topic, labels, numbers) of what a session holds."""
-    tables = [(topic, AXES, session.voltages) for topic in (VALVE_COMMANDS, VALVE_VOLTAGES)]
+    tables: list[tuple[Topic, tuple[str, ...], Floats]] = [
+        (topic, AXES, session.voltages) for topic in (VALVE_COMMANDS, VALVE_VOLTAGES)
+    ]
     for topic in (PRESSURES, FLOWS, SUPPLY, AUXILIARY):
         there = [
             (label, name) for name, (where, label) in PLACES.items() if where is topic and session.has(name)
@@ -191,6 +193,7 @@ def _experiment(path: Path) -> tuple[str, dict[str, float]]:
         facts = {str(key): float(fact["value"]) for key, fact in (content.get("facts") or {}).items()}
     except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
         raise SessionError(
-            f"{file}: not usable ({error}); allowed: experiment: NAME and facts: {{key: {{value: 1.0, unit: m3}}}}"
+            f"{file}: not usable ({error}); allowed: experiment: NAME and "
+            "facts: {key: {value: 1.0, unit: m3}}"
         ) from error
     return name, facts

@@ -18,6 +18,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -47,26 +48,31 @@ class Points(NamedTuple):
     flow: Floats  # [n] m^3/s
     drop_1: Floats  # [n] Pa
     drop_2: Floats  # [n] Pa
-    count: Floats  # [n] samples
+    samples: Floats  # [n] in each mean
 
 
 def holds(voltage: Floats, period: float, settled: float = SETTLED) -> list[slice]:
     """Return the rows of every hold of a voltage, without its first ``settled`` seconds."""
     edges = [0, *(np.flatnonzero(np.diff(voltage) != 0.0) + 1).tolist(), len(voltage)]
     skip = round(settled / period)
-    pairs = zip(edges[:-1], edges[1:], strict=True)
+    pairs = pairwise(edges)
     return [slice(first + skip, last) for first, last in pairs if last - first > skip + 2]
 
 
-def points(session: Session) -> Points:
-    """Return the means over every hold of a session on the valve's rig. Thesis section 4.3.2.2."""
+def points(session: Session, highest: float = math.inf) -> Points:
+    """Return the means over every hold of a session on the valve's rig. Thesis section 4.3.2.2.
+
+    Args:
+        session: on the rig.
+        highest: of the meter [m^3/s]; a hold in which it stands there is left out.
+    """
     voltage = session.voltages[:, 0]
     supply = session.column("supply_pressure")
     one, two = (session.column(f"swing_pressure_{port}_valve") for port in (1, 2))
     flow, rows = session.column("swing_flow"), []
     for hold in holds(voltage, session.period):
         level = float(voltage[hold.start])
-        if level == 0.0:
+        if level == 0.0 or float(np.max(np.abs(flow[hold]))) >= highest:
             continue
         p_s, p_1, p_2, q = (float(np.mean(column[hold])) for column in (supply, one, two, flow))
         drops = (p_s - p_1, p_2) if level > 0.0 else (p_1, p_s - p_2)
@@ -96,7 +102,7 @@ def polynomial(voltage: Floats, c_r: Floats, degree: int = 5) -> Floats:
     x, y = np.abs(voltage[seen]), c_r[seen]
     if len(x) <= degree:
         return np.full(degree + 1, math.nan)
-    return np.polynomial.polynomial.polyfit(x, y, degree, w=1.0 / y)
+    return np.asarray(np.polynomial.polynomial.polyfit(x, y, degree, w=1.0 / y), dtype=np.float64)
 
 
 def flows(valve: Valve, point: Points) -> tuple[Floats, Floats]:

@@ -1,0 +1,307 @@
+"""From sessions to a machine: every estimator that they support, then the refinement, then the verdict.
+
+Order: calibration, the thesis' linear estimates (which start the refinement), the refinement experiment by
+experiment with one belief. Sessions named "validation" or "motion" are held out.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_description import machine_file
+from forest_description.machine import AXES, Machine, MachineError
+from forest_ident import calibration, experiments, gravity, linear, refinement
+from forest_ident.belief import NOTHING, Belief
+from forest_ident.estimate import Estimate, judged
+from forest_ident.keys import value_of, with_directions, with_values
+from forest_ident.linear import First
+from forest_ident.output_error import Fit
+from forest_ident.session import Session
+
+Floats = NDArray[np.float64]
+
+HELD_OUT = ("validation", "motion")
+MODEL_ERROR = 3e-4  # of a value: what the integrator and the oil's temperature by the second leave
+MODEL_VOLTS = 3e-5  # [V] likewise
+OWN_VALVE = (4.0, 0.01)  # standard errors and volts by which a valve must differ to be told on its own
+MASS_DIFFERS = (4.0, 0.03)  # standard errors and share by which a mass must differ to be corrected
+
+
+class Refined(NamedTuple):
+    """A session with what the refinement made of it."""
+
+    session: Session
+    fit: Fit
+    free: tuple[str, ...]
+
+
+@dataclass
+class Result:
+    """Everything that an identification found."""
+
+    start: Machine
+    machine: Machine
+    estimates: dict[str, Estimate] = field(default_factory=dict)
+    linear: list[First] = field(default_factory=list)
+    refined: list[Refined] = field(default_factory=list)
+    calibration: list[calibration.Offset] = field(default_factory=list)
+    held_out: list[Session] = field(default_factory=list)
+    remarks: list[str] = field(default_factory=list)
+
+
+Progress = Callable[[str, float], None]
+
+
+def identify(
+    start: Machine,
+    sessions: Sequence[Session],
+    progress: Progress = lambda _text, _share: None,
+    refine: bool = True,
+) -> Result:
+    """Return what the sessions tell of the machine.
+
+    Args:
+        start: the machine as told until now.
+        sessions: in any order.
+        progress: called with what is being done and the share that is done.
+        refine: whether the simulator refines what the linear estimators found.
+    """
+    order = experiments.names(start)
+    known = [s for s in sessions if s.name in order and s.name not in HELD_OUT]
+    known.sort(key=lambda s: order.index(s.name))
+    result = Result(start, _prepared(start, known))
+    result.held_out = [s for s in sessions if s.name in HELD_OUT]
+    _calibrate(result, known)
+    for session in known:
+        progress(f"{session.name}: linear estimates", 0.0)
+        _take_linear(result, session)
+    belief = _believed(result.calibration)
+    work = [s for s in known if refine and refinement.task(result.machine, s) is not None]
+    for place, session in enumerate(work):
+        share, count = place / len(work), [0]
+
+        def told(session: Session = session, share: float = share, count: list[int] = count) -> None:
+            count[0] += 1
+            part = min(count[0] / 70.0, 1.0) / len(work)
+            progress(f"{session.name}: refinement, simulation {count[0]}", share + part)
+
+        belief = _refine(result, session, belief, told)
+    progress("done", 1.0)
+    _conclude(result)
+    return result
+
+
+def _prepared(start: Machine, sessions: Sequence[Session]) -> Machine:
+    """Return the start with measured hoses, and valves told by direction, where sessions will find them."""
+    machine = start
+    for session in sessions:
+        kind, _, tail = session.name.partition("_")
+        own = f"{tail}." if tail in AXES else ""
+        if kind == "valve":
+            machine = with_directions(machine, f"{own}valve")
+        elif kind != "calibration":  # the refinement speaks of every valve it meets by direction
+            for axis in range(3):
+                machine = with_directions(machine, refinement.valve_section(machine, axis))
+        if kind == "hose":
+            axis = int(session.facts.get("hose_axis", 0.0))
+            machine = linear.with_measured_hose(machine, axis)
+    return machine
+
+
+def _calibrate(result: Result, sessions: Sequence[Session]) -> None:
+    floor = linear.floor(result.start)
+    for session in sessions:
+        if session.name == "calibration":
+            result.calibration += calibration.calibrate(result.start, session)
+        if session.name == "valve":
+            ratio = calibration.meter_gain(session, floor)
+            result.calibration += [ratio] if ratio is not None else []
+
+
+def _believed(offsets: Sequence[calibration.Offset]) -> Belief:
+    """Return the transducers' offsets as what is known before the first fit."""
+    found = [o for o in offsets if o.unit == "Pa" and math.isfinite(o.offset_error)]
+    if not found:
+        return NOTHING
+    names = tuple(f"{o.channel}.b" for o in found)
+    spread = np.array([max(o.offset_error, 1.0) for o in found])
+    return Belief(names, np.array([o.offset for o in found]), np.diag(spread**2))
+
+
+def _take_linear(result: Result, session: Session) -> None:
+    """Estimate what a session tells by itself, and go on from there."""
+    if session.name == "gravity":
+        _weigh(result, session)
+        return
+    found = linear.estimates(result.machine, session)
+    result.linear += found
+    usable = {f.key: f.value for f in found if f.main and math.isfinite(f.value) and f.value > 0.0}
+    result.machine = with_values(result.machine, usable)
+
+
+def _weigh(result: Result, session: Session) -> None:
+    line, key = gravity.head_mass(result.machine, session), "manipulator.head_mass"
+    if line is None:
+        result.remarks.append("load: no check; it takes three or more poses at rest, head without log")
+        return
+    value, error, told = float(line.values[0]), float(line.errors[0]), value_of(result.start, key)
+    result.linear.append(First(key, value, error, line.condition, "forces at rest", False))
+    away = abs(value - told)
+    if away < MASS_DIFFERS[0] * error or away < MASS_DIFFERS[1] * told or value <= 0.0:
+        return
+    result.machine = with_values(result.machine, {key: value})
+    result.estimates[key] = judged(Estimate(key, value, error, "kg", line.condition, "forces at rest"))
+    result.remarks.append(f"{key}: the forces at rest say {value:.1f} kg, told were {told:.1f} kg")
+
+
+def _refine(result: Result, session: Session, belief: Belief, progress: Callable[[], None]) -> Belief:
+    done = refinement.refine(result.machine, session, belief, progress)
+    if done is None:
+        return belief
+    work, fit = done
+    result.refined.append(Refined(session, fit, work.free))
+    if session.name.startswith("deadband_"):
+        return _compare_valve(result, session, belief, fit)
+    for key in work.free:
+        _note(result, key, fit)
+    _follow(result, fit.belief)
+    return fit.belief
+
+
+def _compare_valve(result: Result, session: Session, belief: Belief, fit: Fit) -> Belief:
+    """Tell an axis' valve on its own if it is another one; else leave it with the one that all share."""
+    axis = session.name.partition("_")[2]
+    own = f"{axis}.valve"
+    shared = own if getattr(result.start, axis).valve is not None else "valve"
+    keys = ("deadband_voltage", "backward.deadband_voltage")
+    differs, joint = False, with_directions(result.machine, shared)
+    for key in keys:
+        away = fit.values[f"{own}.{key}"] - value_of(joint, f"{shared}.{key}")
+        error = fit.errors[f"{own}.{key}"]
+        differs |= abs(away) > OWN_VALVE[0] * error and abs(away) > OWN_VALVE[1]
+        result.linear.append(
+            First(f"{own}.{key}", fit.values[f"{own}.{key}"], error, fit.condition, "joint motion", False)
+        )
+    if not differs and shared in {name.rpartition(".")[0] for name in belief.names}:
+        return belief
+    if shared != own and not differs:
+        own_machine = result.machine
+    else:
+        own_machine = with_directions(result.machine, own)
+    result.machine = own_machine
+    if shared == own or differs:
+        for key in keys:
+            _note(result, f"{own}.{key}", fit)
+        _follow(result, fit.belief)
+        return fit.belief
+    return belief
+
+
+def _note(result: Result, key: str, fit: Fit) -> None:
+    """Enter an estimate; its value is brought up to date in the end."""
+    unit = machine_file.parameters(Machine)[key].unit
+    positive = not key.endswith("deadband_voltage")
+    estimate = Estimate(key, fit.values[key], fit.errors[key], unit, fit.condition, "output error", positive)
+    result.estimates[key] = judged(estimate)
+
+
+def _follow(result: Result, belief: Belief) -> None:
+    """Bring machine and estimates to what is believed now."""
+    values = {}
+    for key in result.estimates:
+        if key in belief.names:
+            mean, error = belief.of(key)
+            estimate = result.estimates[key]
+            value = math.exp(mean) if estimate.positive else mean
+            error = error * value if estimate.positive else error
+            values[key] = value
+            result.estimates[key] = judged(estimate._replace(value=value, standard_error=error))
+    result.machine = with_values(result.machine, values)
+
+
+def _conclude(result: Result) -> None:
+    """Add the model's own error, and what only a linear estimator told."""
+    for first in result.linear:
+        if first.main and first.key not in result.estimates:
+            unit = machine_file.parameters(Machine)[first.key].unit
+            result.estimates[first.key] = judged(
+                Estimate(first.key, first.value, first.error, unit, first.condition, first.method)
+            )
+    for key, e in result.estimates.items():
+        own = MODEL_ERROR * abs(e.value) if e.positive else MODEL_VOLTS
+        result.estimates[key] = judged(e._replace(standard_error=math.hypot(e.standard_error, own)))
+    result.machine = _pooled(result)
+
+
+def _pooled(result: Result) -> Machine:
+    """Return the machine with valves told once where both directions agree and the start tells them once."""
+    machine = result.machine
+    for section in ("valve", *(f"{axis}.valve" for axis in AXES)):
+        pairs = [(f"{section}.{part}", f"{section}.backward.{part}") for part in _LAW]
+        if not all(key in result.estimates for pair in pairs for key in pair):
+            continue
+        both = [(result.estimates[one], result.estimates[two]) for one, two in pairs]
+        if any(_apart(one, two) for one, two in both) or _told_twice(result.start, section):
+            continue
+        values = {}
+        for one, two in both:
+            weights = np.array([one.standard_error, two.standard_error]) ** -2.0
+            value = float(np.average([one.value, two.value], weights=weights))
+            error = min(one.standard_error, two.standard_error)
+            result.estimates[one.key] = judged(one._replace(value=value, standard_error=error))
+            del result.estimates[two.key]
+            values[one.key] = value
+        machine = with_values(_once(machine, section), values)
+    return machine
+
+
+_LAW = ("deadband_voltage", "minimum_resistance")
+
+
+def _apart(one: Estimate, two: Estimate) -> bool:
+    least = 0.005 if not one.positive else 0.003 * one.value
+    return abs(one.value - two.value) > max(4.0 * math.hypot(one.standard_error, two.standard_error), least)
+
+
+def _told_twice(machine: Machine, section: str) -> bool:
+    axis, _, _ = section.rpartition(".")
+    valve = getattr(machine, axis).valve if axis else machine.valve
+    return valve is not None and valve.backward is not None
+
+
+def _once(machine: Machine, section: str) -> Machine:
+    axis, _, _ = section.rpartition(".")
+    if not axis:
+        return dataclasses.replace(machine, valve=dataclasses.replace(machine.valve, backward=None))
+    drive = getattr(machine, axis)
+    drive = dataclasses.replace(drive, valve=dataclasses.replace(drive.valve, backward=None))
+    return dataclasses.replace(machine, **{axis: drive})
+
+
+def table(result: Result) -> list[tuple[Estimate, float | None]]:
+    """Return every estimate with what the start said of it, in the machine file's order."""
+    order = list(machine_file.parameters(Machine))
+    keys = sorted(result.estimates, key=order.index)
+    return [(result.estimates[key], _told(result.start, key)) for key in keys]
+
+
+def _told(machine: Machine, key: str) -> float | None:
+    """Return what a machine said of a number: itself, of both directions, or of all axes."""
+    own, axis = key.replace("backward.", ""), key.partition(".")[0]
+    shared = own.partition(".")[2] if axis in AXES and ".valve." in key else own
+    found = (_there(machine, candidate) for candidate in (key, own, shared))
+    return next((value for value in found if value is not None), None)
+
+
+def _there(machine: Machine, key: str) -> float | None:
+    try:
+        return value_of(machine, key)
+    except MachineError:
+        return None

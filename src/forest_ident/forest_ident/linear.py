@@ -1,0 +1,125 @@
+"""The estimators of Thesis section 4.3 on sessions: which of them a session supports, and what they say."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from forest_description.machine import AXES, CylinderDrive, Machine, SwingDrive
+from forest_ident import bench, damping, hose_dynamics, hose_resistance, motor_leakage, valve_characteristic
+from forest_ident.keys import value_of
+from forest_ident.least_squares import Line
+from forest_ident.refinement import hose_section
+from forest_ident.session import Session
+
+
+class First(NamedTuple):
+    """An estimate by a linear fit; ``main``: the refinement starts from it."""
+
+    key: str
+    value: float
+    error: float
+    condition: float
+    method: str
+    main: bool = True
+
+
+def floor(machine: Machine, session: Session | None = None) -> float:
+    """Return the flow meters' floor [m^3/s]; 0 for exact ones."""
+    meter = machine.sensors.flow_meter
+    if meter is None or (session is not None and session.facts.get("exact_sensors", 0.0) > 0.0):
+        return 0.0
+    return meter.lowest
+
+
+def highest(machine: Machine, session: Session) -> float:
+    """Return the flow meters' greatest flow [m^3/s]; inf for exact ones."""
+    meter = machine.sensors.flow_meter
+    if meter is None or session.facts.get("exact_sensors", 0.0) > 0.0:
+        return math.inf
+    return meter.highest
+
+
+def with_measured_hose(machine: Machine, axis: int) -> Machine:
+    """Return the machine with the hose of an axis told as a measured one."""
+    section = hose_section(machine, axis)
+    hose = bench.as_measured(machine, machine.hose_of(axis))
+    if section == "hose":
+        return dataclasses.replace(machine, hose=hose)
+    drive = dataclasses.replace(machine.drives[axis], hose=hose)
+    return replaced_drive(machine, axis, drive)
+
+
+def replaced_drive(machine: Machine, axis: int, drive: SwingDrive | CylinderDrive) -> Machine:
+    """Return the machine with another drive on an axis."""
+    changed: dict[str, Any] = {AXES[axis]: drive}
+    return dataclasses.replace(machine, **changed)
+
+
+def estimates(machine: Machine, session: Session) -> list[First]:
+    """Return what the linear estimators make of a session.
+
+    Args:
+        machine: as far as it is known; a motor's internal leakage needs its external one, damping the areas.
+        session: any; of an unknown name it supports nothing.
+    """
+    kind, _, tail = session.name.partition("_")
+    if kind == "valve":
+        return _valve(machine, session, f"{tail}.valve" if tail in AXES else "valve")
+    if kind == "hose":
+        return _hose(machine, session)
+    if session.name == "motor_external":
+        line = motor_leakage.external(machine, session)
+        return [_inverse("swing.external_leakage_resistance", line, "case drain (4.8)")]
+    if session.name == "motor_internal":
+        drained = 1.0 / value_of(machine, "swing.external_leakage_resistance")
+        line = motor_leakage.internal(machine, session, drained)
+        return [_inverse("swing.internal_leakage_resistance", line, "creep on the tilted platform (4.7)")]
+    if kind == "damping" and tail in AXES:
+        line = damping.damping(machine, session, AXES.index(tail))
+        value, error = float(line.values[0]), float(line.errors[0])
+        return [First(f"{tail}.damping", value, error, line.condition, "least squares (4.11)")]
+    return []
+
+
+def _valve(machine: Machine, session: Session, section: str) -> list[First]:
+    points = valve_characteristic.points(session, highest(machine, session))
+    owner = getattr(machine, section.partition(".")[0]).valve if "." in section else machine.valve
+    noise = (machine.sensors.flow_meter.noise or 0.0) if machine.sensors.flow_meter else 0.0
+    noise = max(noise / math.sqrt(float(np.median(points.samples))), 1e-10)
+    fit = valve_characteristic.law(points, owner, floor(machine, session), noise)
+    keys = valve_characteristic.KEYS
+    method = "C_R(V), flow below the floor censored (4.1)"
+    return [First(f"{section}.{k}", fit.values[k], fit.errors[k], fit.condition, method) for k in keys]
+
+
+def _hose(machine: Machine, session: Session) -> list[First]:
+    laminar = session.facts.get("laminar", 0.0) > 0.0
+    section = hose_section(machine, int(session.facts.get("hose_axis", 0.0)))
+    low, high = floor(machine, session), highest(machine, session)
+    line = hose_resistance.resistance(*hose_resistance.steady(session, low, high), laminar)
+    key = f"{section}.{'laminar' if laminar else 'turbulent'}_resistance"
+    value = float(line.values[0])
+    found = [First(key, value, float(line.errors[0]), line.condition, "least squares (4.4)")]
+    meter = machine.sensors.flow_meter
+    lag = meter.time_constant if meter and low > 0.0 else 0.0
+    inertance, capacitance = hose_dynamics.joint(session, value, laminar, lag, low, high)
+    groups = hose_dynamics.four_group_means(session, value, laminar)
+    for name, one, means in zip(("inertance", "capacitance"), (inertance, capacitance), groups, strict=True):
+        error = float(np.std(means, ddof=1) / math.sqrt(len(means)))
+        key, by = f"{section}.{name}", "four-group means (4.3.4.4)"
+        found.append(First(key, float(np.mean(means)), error, math.nan, by, main=False))
+        value, error = float(one.values[0]), float(one.errors[0])
+        found.append(First(key, value, error, one.condition, "joint fit in phase (4.5a, 4.6)"))
+    return found
+
+
+def _inverse(key: str, line: Line, method: str) -> First:
+    conductance, error = float(line.values[0]), float(line.errors[0])
+    if conductance <= 0.0:
+        return First(key, math.nan, math.nan, math.inf, method)
+    value = 1.0 / conductance
+    return First(key, value, value * error / conductance, line.condition, method)

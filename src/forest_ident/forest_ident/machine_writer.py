@@ -1,0 +1,105 @@
+"""An identified machine as a file: what was found, its source and interval, laid over the start's file."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from forest_description.hose import GeometricHose, MeasuredHose
+from forest_description.machine import AXES, Machine, load_machine
+from forest_ident.estimate import Estimate
+from forest_ident.identification import Result
+from forest_ident.keys import value_of
+
+HOSE_PARTS = ("length", "bore", "turbulent_resistance", "laminar_resistance", "inertance", "capacitance")
+HOSE_UNITS = ("m", "m", "Pa*s2/m6", "Pa*s/m3", "Pa*s2/m3", "m3/Pa")
+
+
+def write(result: Result, start: str, file: Path) -> Machine:
+    """Write the identified machine and return it as the file gives it back.
+
+    Args:
+        result: of the identification.
+        start: name or file of the machine that it started from.
+        file: to be written; its folder must be there.
+
+    Raises:
+        MachineError: the numbers do not make a machine; the file is left for inspection.
+        OSError: it cannot be written.
+    """
+    based_on = start
+    if Path(start).suffix:
+        based_on = os.path.relpath(Path(start).resolve(), file.resolve().parent)
+    tree = _tree(result)
+    lines = [
+        f"# Identified from records; what is not here is as in {Path(based_on).name}.",
+        f"based_on: {based_on}",
+        f"description: {json.dumps(f'{result.start.description}, identified', ensure_ascii=False)}",
+        "",
+        *_lines(tree, 0),
+    ]
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return load_machine(file)
+
+
+def _tree(result: Result) -> dict[str, Any]:
+    tree: dict[str, Any] = {}
+    for key, estimate in result.estimates.items():
+        _put(tree, key, _quantity(estimate))
+    for section in ("hose", *(f"{axis}.hose" for axis in AXES)):
+        _measured(tree, section, result)
+    for section in ("valve", *(f"{axis}.valve" for axis in AXES)):
+        _both_ways(tree, section, result)
+    return tree
+
+
+def _both_ways(tree: dict[str, Any], section: str, result: Result) -> None:
+    """Complete a backward direction of which only one number was found."""
+    if not any(key.startswith(f"{section}.backward.") for key in result.estimates):
+        return
+    for part, unit in (("deadband_voltage", "V"), ("minimum_resistance", "Pa*s2/m6")):
+        key = f"{section}.backward.{part}"
+        if key not in result.estimates:
+            value = value_of(result.machine, key)
+            _put(tree, key, f'{{value: {value:.9g}, unit: {unit}, source: "as told before"}}')
+
+
+def _measured(tree: dict[str, Any], section: str, result: Result) -> None:
+    """Tell a hose that was known by its bore as the measured one it is now."""
+    axis = section.partition(".")[0] if "." in section else ""
+    was = getattr(result.start, axis).hose if axis else result.start.hose
+    now = getattr(result.machine, axis).hose if axis else result.machine.hose
+    if not (isinstance(was, GeometricHose) and isinstance(now, MeasuredHose)):
+        return
+    _put(tree, f"{section}.kind", "measured")
+    for part, unit in zip(HOSE_PARTS, HOSE_UNITS, strict=True):
+        if f"{section}.{part}" not in result.estimates:
+            value = getattr(now, part)
+            source = "as the bore had it" if part != "length" else "length of the measured piece"
+            _put(tree, f"{section}.{part}", f'{{value: {value:.9g}, unit: {unit}, source: "{source}"}}')
+
+
+def _quantity(e: Estimate) -> str:
+    low, high = e.interval
+    doubt = f"; {e.warning}" if e.warning else ""
+    source = f"identified: {e.method}, 95 % interval {low:.5g} .. {high:.5g}{doubt}"
+    return f'{{value: {e.value:.9g}, unit: {e.unit}, source: "{source}"}}'
+
+
+def _put(tree: dict[str, Any], key: str, text: str) -> None:
+    *sections, last = key.split(".")
+    for name in sections:
+        tree = tree.setdefault(name, {})
+    tree[last] = text
+
+
+def _lines(tree: dict[str, Any], depth: int) -> list[str]:
+    lines = []
+    for key, item in tree.items():
+        if isinstance(item, dict):
+            lines += [f"{'  ' * depth}{key}:", *_lines(item, depth + 1)]
+        else:
+            lines.append(f"{'  ' * depth}{key}: {item}")
+    return lines

@@ -1,0 +1,28 @@
+import numpy as np
+import pytest
+
+from forest_ident.belief import NOTHING, inverse, prior, updated
+
+
+def test_one_fit_after_the_other_is_as_good_as_both_at_once():
+    generator = np.random.default_rng(4)
+    truth = np.array([1.0, -2.0, 0.5])
+    first, second = generator.normal(size=(50, 3)), generator.normal(size=(40, 2))
+    y_1, y_2 = first @ truth + generator.normal(size=50), second @ truth[1:] + generator.normal(size=40)
+    names = ("a", "b", "c")
+    cov = inverse(first.T @ first)
+    belief = updated(NOTHING, names, cov @ first.T @ y_1, cov)
+    mean, known = prior(belief, names[1:], np.zeros(2), np.full(2, np.inf))
+    information = second.T @ second + known
+    found = np.linalg.solve(information, second.T @ y_2 + known @ mean)
+    belief = updated(belief, names[1:], found, inverse(information))
+    whole = np.vstack([first, np.column_stack([np.zeros(40), second])])
+    joint = np.linalg.solve(whole.T @ whole, whole.T @ np.concatenate([y_1, y_2]))
+    assert belief.mean == pytest.approx(joint, rel=1e-9)
+    assert belief.covariance == pytest.approx(np.linalg.inv(whole.T @ whole), rel=1e-8, abs=1e-12)
+
+
+def test_what_is_not_known_yet_has_its_own_spread():
+    mean, information = prior(NOTHING, ("a", "b"), np.array([1.0, 2.0]), np.array([np.inf, 0.5]))
+    assert mean.tolist() == [1.0, 2.0]
+    assert information.tolist() == [[0.0, 0.0], [0.0, 4.0]]
