@@ -172,6 +172,17 @@ def test_a_file_of_mcap_s_own_writer_recovers_too(tmp_path):
     assert 0 < recover([tmp_path / "cut.mcap"], tmp_path / "less").messages < 100
 
 
+def test_a_topic_that_was_offered_in_two_ways_recovers_for_rosbags_too(tmp_path):
+    bag = BagWriter(tmp_path / "bag")
+    for publishers in ([QOS], [QOS, QOS], [QOS, QOS, QOS | {"reliability": "best_effort"}]):
+        bag.add_topic("/depth", "std_msgs/msg/Float64", publishers, "")
+        bag.write("/depth", ONE, 5, 5, 1)
+    bag.close()
+    assert count_by_rosbags(tmp_path / "bag") == 3
+    assert recover(bag_files(tmp_path / "bag"), tmp_path / "out").messages == 3
+    assert count_by_rosbags(tmp_path / "out") == 3
+
+
 def test_of_several_files_the_empty_one_is_left_out(tmp_path):
     first, second = recorded(tmp_path / "a"), recorded(tmp_path / "b", close=False)
     (tmp_path / "nothing.mcap").touch()

@@ -36,9 +36,13 @@ ONE_FILE = Layout()
 
 
 class Recorded:
-    """One topic of the bag."""
+    """One topic of the bag, as some publishers offer it: a channel in a file, an entry in ``metadata.yaml``.
 
-    def __init__(self, type_name: str, qos: Sequence[Mapping[str, Any]], type_hash: str) -> None:
+    Both say the same of them: rosbags leaves out the messages of a channel that has no entry like it.
+    """
+
+    def __init__(self, name: str, type_name: str, qos: Sequence[Mapping[str, Any]], type_hash: str) -> None:
+        self.name = name
         self.type, self.qos, self.type_hash = type_name, list(qos), type_hash
         self.channel = 0  # in the present file
 
@@ -63,7 +67,7 @@ class Split:
         self.empty = True
         self._path = path
         self._schemas: dict[str, int] = {}
-        self._names: dict[int, str] = {}  # of the topics, by channel
+        self._topics: dict[int, Recorded] = {}  # by channel
         try:
             self.file = McapFile(path, layout.compression, layout.chunk_bytes, layout.durable, LIBRARY)
         except FileExistsError:
@@ -72,7 +76,7 @@ class Split:
             path.unlink(missing_ok=True)
             raise
 
-    def open_channel(self, name: str, topic: Recorded) -> bool:
+    def open_channel(self, topic: Recorded) -> bool:
         """Open a channel for a topic; False if its type's definition is not installed."""
         known = True
         if topic.type not in self._schemas:
@@ -82,8 +86,8 @@ class Split:
                 text, encoding, known = "", "", False
             self._schemas[topic.type] = self.file.add_schema(topic.type, encoding, text.encode())
         metadata = {"offered_qos_profiles": dump(topic.qos), "topic_type_hash": topic.type_hash}
-        topic.channel = self.file.add_channel(name, self._schemas[topic.type], metadata)
-        self._names[topic.channel] = name
+        topic.channel = self.file.add_channel(topic.name, self._schemas[topic.type], metadata)
+        self._topics[topic.channel] = topic
         return known
 
     def tell(self, name: str, told: Attached | dict[str, str]) -> None:
@@ -93,18 +97,15 @@ class Split:
         else:
             self.file.note(name, told)
 
-    def counts(self) -> dict[str, int]:
+    def counts(self) -> dict[Recorded, int]:
         """Return the number of messages written, by topic."""
-        topics: dict[str, int] = {}
-        for channel, count in self.file.counts.items():
-            topics[self._names[channel]] = topics.get(self._names[channel], 0) + count
-        return topics
+        return {topic: self.file.counts[channel] for channel, topic in self._topics.items()}
 
     def entry(self) -> FileEntry:
         """Return what ``metadata.yaml`` says of the file."""
         return FileEntry(self._path.name, self.file.first_ns, self.file.last_ns, self.file.message_count)
 
-    def finish(self, about: Callable[[FileEntry, dict[str, int]], dict[str, Any]]) -> None:
+    def finish(self, about: Callable[[FileEntry, dict[Recorded, int]], dict[str, Any]]) -> None:
         """Finish the file, with rosbag2's metadata of it in it.
 
         Raises:

@@ -65,7 +65,8 @@ class BagWriter:
         self._layout = layout
         self._topics: dict[str, Recorded] = {}
         self._context: dict[str, Attached | dict[str, str]] = {}
-        self._written: dict[str, int] = {}  # in finished files
+        self._offered: list[Recorded] = []  # the same, and what they were offered as before
+        self._written: dict[Recorded, int] = {}  # in finished files
         self._size_before = 0
         self._closed = False
         self._split = self._next_split()
@@ -104,14 +105,15 @@ class BagWriter:
             False if the message definition is not installed; the bytes are kept all the same.
         """
         before = self._topics.get(name)
-        topic = self._topics[name] = Recorded(type_name, qos, type_hash)
+        topic = Recorded(name, type_name, qos, type_hash)
         self.latched.watch(name, qos)
         self.counts.setdefault(name, 0)
         self.lost.setdefault(name, 0)
         if before is not None and before.says_all(topic):
-            topic.channel = before.channel
             return True
-        return self._split.open_channel(name, topic)
+        self._topics[name] = topic
+        self._offered.append(topic)
+        return self._split.open_channel(topic)
 
     def attach(self, file: Attached) -> None:
         """Put a file into the bag, into every split of it.
@@ -186,8 +188,8 @@ class BagWriter:
         split = self._split = Split(self.directory / self.file_name, self._layout)
         self._end_ns: float = math.inf
         self._end_bytes: float = math.inf
-        for name, topic in self._topics.items():
-            split.open_channel(name, topic)
+        for topic in self._topics.values():
+            split.open_channel(topic)
         for name, told in self._context.items():
             split.tell(name, told)
         return split
@@ -216,9 +218,9 @@ class BagWriter:
             for topic, count in split.counts().items():
                 self._written[topic] = self._written.get(topic, 0) + count
 
-    def _about(self, files: list[FileEntry], counts: dict[str, int]) -> dict[str, Any]:
+    def _about(self, files: list[FileEntry], counts: dict[Recorded, int]) -> dict[str, Any]:
         topics = [
-            TopicEntry(name, topic.type, topic.qos, topic.type_hash, counts.get(name, 0))
-            for name, topic in self._topics.items()
+            TopicEntry(topic.name, topic.type, topic.qos, topic.type_hash, counts.get(topic, 0))
+            for topic in self._offered
         ]
         return information(files, topics, self.lost)

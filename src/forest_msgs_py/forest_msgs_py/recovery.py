@@ -19,35 +19,14 @@ CHUNK_BYTES = 1 << 20
 LIBRARY = "forest_msgs_py recovery"
 
 
-class _Topic:
-    """What all files together say of one topic."""
+class _Offer:
+    """A topic as some publishers offer it: an entry in ``metadata.yaml``, which rosbags finds by its QoS."""
 
-    def __init__(self, type_name: str) -> None:
-        self.type = type_name
-        self.type_hash = ""
-        self.qos: list[dict[str, Any]] = []
+    def __init__(self, name: str, type_name: str, metadata: dict[str, str]) -> None:
+        self.name, self.type = name, type_name
+        self.type_hash = metadata.get("topic_type_hash", "")
+        self.qos = _profiles(metadata.get("offered_qos_profiles", ""))
         self.messages = 0
-        self._gaps = SequenceGaps()
-
-    def learn(self, metadata: dict[str, str]) -> None:
-        """Take in what a channel tells; the last one knows all publishers."""
-        self.type_hash = metadata.get("topic_type_hash", self.type_hash)
-        try:
-            told = yaml.safe_load(metadata.get("offered_qos_profiles", ""))
-        except yaml.YAMLError:
-            return
-        if isinstance(told, list) and all(isinstance(profile, dict) for profile in told):
-            self.qos = told
-
-    def count(self, sequence: int) -> None:
-        """Take in a message."""
-        self.messages += 1
-        self._gaps.observe(sequence, lambda: len(self.qos))
-
-    @property
-    def lost(self) -> int:
-        """Gaps in the publishers' numbers."""
-        return self._gaps.lost
 
 
 class Recovered:
@@ -55,23 +34,37 @@ class Recovered:
 
     def __init__(self) -> None:
         self.files: list[tuple[Path | None, Salvage]] = []
-        self.topics: dict[str, _Topic] = {}
+        self.topics: dict[str, SequenceGaps] = {}
         self.nameless = 0  # messages of channels that nothing readable tells about
+        self._offers: dict[tuple[str, ...], _Offer] = {}
 
     @property
     def messages(self) -> int:
         """Number of messages in all files."""
-        return sum(topic.messages for topic in self.topics.values())
+        return sum(offer.messages for offer in self._offers.values())
 
-    def about(self, files: Sequence[FileEntry], counts: dict[str, int] | None = None) -> dict[str, Any]:
-        """Return rosbag2's metadata of some files; counts by topic, if not those of all files."""
+    def offer(self, name: str, type_name: str, metadata: dict[str, str]) -> _Offer:
+        """Return the entry of a channel, the same for equal ones in several files."""
+        self.topics.setdefault(name, SequenceGaps())
+        key = (name, type_name, *sorted(f"{k}={v}" for k, v in metadata.items()))
+        return self._offers.setdefault(key, _Offer(name, type_name, metadata))
+
+    def about(self, files: Sequence[FileEntry], counts: dict[_Offer, int] | None = None) -> dict[str, Any]:
+        """Return rosbag2's metadata of some files; counts by offer, if not those of all files."""
         topics = [
-            TopicEntry(
-                name, t.type, t.qos, t.type_hash, t.messages if counts is None else counts.get(name, 0)
-            )
-            for name, t in self.topics.items()
+            TopicEntry(o.name, o.type, o.qos, o.type_hash, o.messages if counts is None else counts.get(o, 0))
+            for o in self._offers.values()
         ]
-        return information(files, topics, {name: topic.lost for name, topic in self.topics.items()})
+        return information(files, topics, {name: gaps.lost for name, gaps in self.topics.items()})
+
+
+def _profiles(text: str) -> list[dict[str, Any]]:
+    try:
+        told = yaml.safe_load(text)
+    except yaml.YAMLError:
+        return []
+    usable = isinstance(told, list) and all(isinstance(profile, dict) for profile in told)
+    return told if usable else []
 
 
 def recover(files: Sequence[Path], output: Path) -> Recovered:
@@ -120,10 +113,10 @@ class _Copy:
     """Puts the records of a damaged file into a new one; numbers of schemas and channels change."""
 
     def __init__(self, out: McapFile, recovered: Recovered) -> None:
-        self.counts: dict[str, int] = {}
+        self.counts: dict[_Offer, int] = {}
         self._out, self._recovered = out, recovered
         self._schemas: dict[int, tuple[str, int]] = {0: ("", 0)}  # the file's number: type, our number
-        self._channels: dict[int, tuple[str, int]] = {}
+        self._channels: dict[int, tuple[_Offer, int]] = {}
 
     def take(self, record: Any) -> None:
         """Copy one record."""
@@ -144,14 +137,15 @@ class _Copy:
             return
         type_name, schema = self._schemas[channel.schema_id]
         number = self._out.add_channel(channel.topic, schema, channel.metadata, channel.message_encoding)
-        self._channels[channel.id] = channel.topic, number
-        self._recovered.topics.setdefault(channel.topic, _Topic(type_name)).learn(channel.metadata)
+        offer = self._recovered.offer(channel.topic, type_name, channel.metadata)
+        self._channels[channel.id] = offer, number
 
     def _message(self, message: Message) -> None:
         if message.channel_id not in self._channels:
             self._recovered.nameless += 1
             return
-        name, channel = self._channels[message.channel_id]
+        offer, channel = self._channels[message.channel_id]
         self._out.add_message(channel, message.log_time, message.data, message.publish_time, message.sequence)
-        self._recovered.topics[name].count(message.sequence)
-        self.counts[name] = self.counts.get(name, 0) + 1
+        self._recovered.topics[offer.name].observe(message.sequence, lambda: len(offer.qos))
+        offer.messages += 1
+        self.counts[offer] = self.counts.get(offer, 0) + 1
