@@ -48,7 +48,7 @@ from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation
 from forest_sim.llvm_text import number
 from forest_sim.manipulator import Triple
-from forest_sim.pace import Pace
+from forest_sim.pace import Pace, given
 from forest_sim.parameters import PlantParameters, plant_parameters
 
 LAWS: tuple[ModuleType, ...] = (
@@ -95,7 +95,7 @@ NAMES = "state, voltages, stride, steps, counts, pace, rows, recorded, parameter
 
 Floats = NDArray[np.float64]
 Advance = Callable[[Simulation, Triple, float, int, PlantParameters], Simulation]
-Record = Callable[[Simulation, Floats, Pace, PlantParameters, Floats, Floats | None], Simulation]
+Record = Callable[[Simulation, Floats, Pace | float, PlantParameters, Floats, Floats | None], Simulation]
 
 
 def compiled_advance() -> Advance:
@@ -205,13 +205,14 @@ def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
     def record(
         simulation: Simulation,
         voltages: Floats,
-        pace: Pace,
+        pace: Pace | float,
         p: PlantParameters,
         states: Floats,
         energies: Floats | None,
     ) -> Simulation:
         table, rows = np.ascontiguousarray(voltages, dtype=np.float64), len(states)
-        steps, counts = (np.ascontiguousarray(column, dtype=np.float64) for column in pace)
+        columns = given(pace, rows, len(table))
+        steps, counts = (np.ascontiguousarray(column, dtype=np.float64) for column in columns)
         recorded, filled = (1, states) if energies is None else (2, energies)
         into = states.ctypes.data, filled.ctypes.data
         moves = table.ctypes.data, 3, steps.ctypes.data, counts.ctypes.data, 1, rows, recorded

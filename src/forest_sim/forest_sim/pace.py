@@ -34,6 +34,11 @@ def even(step: float, rows: int, count: int) -> Pace:
     return Pace(np.full(rows, step), np.full(rows, float(count)))
 
 
+def given(pace: Pace | float, rows: int, steps: int) -> Pace:
+    """Return a pace, or from the length of all steps [s] the pace that has so many steps in so many rows."""
+    return pace if isinstance(pace, Pace) else even(pace, rows, steps // rows)
+
+
 def long_steps(period: float) -> int:
     """Return how many long steps a row of a period [s] has."""
     return max(1, math.ceil(period / LONGEST - ROUNDING))

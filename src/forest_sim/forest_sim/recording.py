@@ -6,7 +6,7 @@ of `power` are integrated over the integrator's own steps with the trapezoidal r
 | array | shape | holds |
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
-| pace | N | how many steps of which length [s] each period has; M in all |
+| pace | N | how many steps of which length [s] each period has, M in all; or the length of all |
 | states | N, 36 | what `STATE` names, one row per period |
 | energies | N, 42 | J over the period through what `ENERGY` names |
 """
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from forest_sim import flat
 from forest_sim.integrator import Events, Simulation, step
 from forest_sim.mechanics import HANGING_STILL, HeadState
-from forest_sim.pace import Pace
+from forest_sim.pace import Pace, given
 from forest_sim.parameters import PlantParameters
 from forest_sim.plant import AxisState, PlantState
 from forest_sim.power import AxisPower, SupplyPower, power_flows
@@ -44,7 +44,7 @@ ENERGY = (
 def record(
     simulation: Simulation,
     voltages: Floats,
-    pace: Pace,
+    pace: Pace | float,
     p: PlantParameters,
     states: Floats,
     energies: Floats | None,
@@ -53,6 +53,7 @@ def record(
 
     Without an array for them the energies, which take as long as the steps themselves, are left out.
     """
+    pace = given(pace, len(states), len(voltages))
     after_row = np.cumsum(pace.counts).astype(int).tolist()
     before = power_flows(simulation, p)
     pack_flows = flat.packer(before)
