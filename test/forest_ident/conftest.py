@@ -1,4 +1,6 @@
 import dataclasses
+from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -37,3 +39,13 @@ def sessions(unknown_machine):
         return kept[name, exact]
 
     return get
+
+
+@pytest.fixture
+def start_node(start_process: Callable[..., Any]) -> Callable[..., Any]:
+    """Starts a node of forest_ident by its module's name; further arguments are ``--ros-args``."""
+
+    def start(module: str, *ros_args: str) -> Any:
+        return start_process(["-m", f"forest_ident.{module}", "--ros-args", *ros_args])
+
+    return start

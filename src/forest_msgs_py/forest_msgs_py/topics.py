@@ -67,6 +67,13 @@ _XYZ = ("x", "y", "z")
 _PRESSURE_LABELS = tuple(
     f"{axis}_{port}_{place}" for axis in JOINTS for port in (1, 2) for place in ("valve", "actuator")
 )
+_ESTIMATED = ("deadband_forward", "gain_forward", "deadband_backward", "gain_backward", "damping")
+_ESTIMATES = tuple(f"{axis}_{part}{end}" for axis in JOINTS for part in _ESTIMATED for end in ("", "_spread"))
+_ESTIMATE_UNITS = tuple(
+    unit
+    for damping in ("N·m·s/rad", "N·s/m", "N·s/m")
+    for unit in (*("V", "V", "m³/(s·V·√Pa)", "m³/(s·V·√Pa)") * 2, damping, damping)
+)
 _SIMULATOR, _CONTROLLER, _DRIVER = "simulator", "controller", "valve_driver"
 _JOYSTICK, _NOBODY = "joystick", ()
 _RATE = SENSOR_RATE_HZ
@@ -155,6 +162,11 @@ EMERGENCY_STOPPED = Topic(
     "Whether a node stands still after an emergency stop; true stops the others, too.",
     (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER), latched=True,
 )
+IDENTIFICATION = Topic(
+    "identification/estimates", FLOAT_ARRAY, _ESTIMATES, _ESTIMATE_UNITS, 1.0,
+    "What the on-line identification believes, each with its standard error.",
+    ("online_identification",), _NOBODY,
+)
 GROUND_TRUTH_JOINT_STATES = Topic(
     "ground_truth/joint_states", JOINT_STATE, JOINTS, ("rad, rad/s, N·m",) * 3, _RATE,
     "True joints of the simulator; for evaluation only.",
@@ -225,6 +237,7 @@ TOPICS: tuple[Topic, ...] = (
         VALVE_VOLTAGES,
     ),
     *(TIP_POSE, TIP_TWIST, TIP_TWIST_COMMAND, CONTROLLER_STATUS, EMERGENCY_STOP),
+    IDENTIFICATION,
     *(EMERGENCY_STOPPED, GROUND_TRUTH_JOINT_STATES, GROUND_TRUTH_TIP_POSE),
     *(GROUND_TRUTH_TIP_TWIST, ROBOT_DESCRIPTION, EVENTS, DIAGNOSTICS, CLOCK, ROSOUT),
     *(ROLL, SILENCE, RECORDED),

@@ -1,0 +1,98 @@
+"""On-line identification as a node: running estimates of overlap, gain and damping beside the off-line fit.
+
+It listens and never speaks to the machine. It steps when the joints' state arrives, with the pressures and
+voltages that arrived last, and tells every second what it believes.
+"""
+
+import math
+import sys
+from functools import partial
+from typing import Any
+
+from rclpy.node import Node
+
+from forest_description.machine import load_machine
+from forest_ident import online
+from forest_ident.online import Triple
+from forest_msgs_py import topics
+from forest_msgs_py.messages import float_array, read_float_array, read_joint_state
+from forest_msgs_py.node import run_node
+from forest_msgs_py.pace import pace
+from forest_msgs_py.parameters import declare
+from forest_msgs_py.stamped_period import StampedPeriod
+from forest_msgs_py.topics import Topic
+
+PORTS = tuple(tuple(f"{joint}_{port}_actuator" for joint in topics.JOINTS) for port in (1, 2))
+
+
+class OnlineIdentificationNode(Node):
+    """Shell around `online.step`."""
+
+    def __init__(self) -> None:
+        super().__init__("online_identification")
+        self._pace = pace(self)
+        self.run = self._pace.run
+        get = partial(declare, self)
+        machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
+        memory = get("memory", 60.0, "after which a sample counts 1/e", "s", 1.0, 86400.0)
+        self._core = online.parameters(machine, memory)
+        self._state = online.initial(self._core)
+        self._period = StampedPeriod(get("period", 0.005, "nominal period of the joints", "s", 1e-4, 0.1))
+        self._timeout = get("timeout", 0.1, "age at which pressures and voltages are lost", "s", 0.01, 2.0)
+        self._every = get("report_period", 1.0, "between two reports", "s", 0.1, 600.0)
+        self._since = 0.0
+        self._last: dict[Topic, tuple[Any, float]] = {}  # message, when it was sent
+        self._estimates = self._pace.publisher(topics.IDENTIFICATION)
+        for topic in (topics.PRESSURES, topics.SUPPLY, topics.VALVE_VOLTAGES):
+            self._pace.on(topic, partial(self._keep, topic))
+        self._pace.on(topics.JOINT_STATES, self._on_joints)
+
+    def _keep(self, topic: Topic, message: Any, sent: float) -> None:
+        self._last[topic] = message, sent
+
+    def _on_joints(self, message: Any, _sent: float) -> None:
+        reading = read_joint_state(topics.JOINTS, message)
+        if reading.problem or not reading.values.velocity:
+            return
+        dt = self._period.since(reading.stamp_ns)
+        sample = online.Sample(
+            reading.values.position,
+            reading.values.velocity,
+            self._triple(topics.PRESSURES, PORTS[0]),
+            self._triple(topics.PRESSURES, PORTS[1]),
+            self._read(topics.SUPPLY, ("pressure",))[0],
+            self._triple(topics.VALVE_VOLTAGES, topics.JOINTS),
+        )
+        self._state = online.step(self._state, sample, self._core, dt)
+        self._since += dt
+        if self._since >= self._every:
+            self._since = 0.0
+            self._publish(reading.stamp_ns)
+
+    def _triple(self, topic: Topic, labels: tuple[str, ...]) -> Triple:
+        one, two, three = self._read(topic, labels)
+        return one, two, three
+
+    def _read(self, topic: Topic, labels: tuple[str, ...]) -> tuple[float, ...]:
+        """Return a topic's newest values; NaN if they are bad, too old or never came."""
+        nothing = (math.nan,) * len(labels)
+        message, sent = self._last.get(topic, (None, -math.inf))
+        if message is None or self._pace.now() - sent > self._timeout:
+            return nothing
+        reading = read_float_array(topic, message, 0, labels)
+        return nothing if reading.problem else tuple(reading.values)
+
+    def _publish(self, stamp: int) -> None:
+        told = zip(online.LABELS, online.report(self._state), strict=True)
+        there = {label: value for label, value in told if math.isfinite(value)}
+        message = float_array(topics.IDENTIFICATION, stamp, list(there.values()), labels=tuple(there))
+        self._estimates.publish(message)
+
+
+def main() -> None:
+    """Run the node until it is told to stop."""
+    sys.exit(run_node(OnlineIdentificationNode))
+
+
+if __name__ == "__main__":
+    main()
