@@ -73,12 +73,15 @@ class Rig:
         return self.push()
 
     def push(self):
-        """Centre the stick until that has armed, then push it."""
+        """Centre the stick until that has armed, then push it; again, if a stall of the computer disarmed."""
+
+        def pushed():
+            armed = bool(self.statuses) and is_armed(self.statuses[-1])
+            self.joy = joy if armed else centred
+            return self.moving()
+
         self.joy = centred
-        heard = len(self.statuses)
-        self.peer.until(lambda: any(is_armed(status) for status in self.statuses[heard:]))
-        self.joy = joy
-        self.peer.until(self.moving)
+        self.peer.until(pushed)
         return self
 
     def moving(self):

@@ -1,0 +1,45 @@
+"""Claims about the cores under any finite input: what leaves them is finite and within the rating."""
+
+import math
+
+import numpy as np
+import pytest
+
+from forest_control import controller, valve_driver
+from forest_control.controller import Inputs, Settings
+from forest_control.levers import Levers
+from forest_control.schemes import Scheme
+from forest_control.valve_driver import Pressures
+from forest_description.machine import load_machine
+
+MACHINE = load_machine()
+RATED = 10.0  # [V]
+
+
+@pytest.mark.parametrize("scheme", list(Scheme))
+def test_the_controller_commands_finite_voltages_within_the_rating(scheme):
+    p = controller.parameters(MACHINE, Settings(scheme=scheme))
+    rng, state = np.random.default_rng(int(scheme)), controller.REST
+    low, high = np.array(p.governor.lower) - 0.1, np.array(p.governor.upper) + 0.1
+    for _ in range(1500):
+        angles, rates = tuple(rng.uniform(low, high).tolist()), tuple(rng.uniform(-5.0, 5.0, 3).tolist())
+        assert controller.implausible(angles, rates, p) == ""
+        levers = Levers(*rng.choice([-1.0, 0.0, 1.0, 0.3], 3).tolist())
+        inputs = Inputs(angles, rates, levers, bool(rng.random() < 0.9))
+        state, output = controller.step(state, inputs, p, float(rng.uniform(0.0025, 0.05)))
+        assert all(abs(volts) <= RATED for volts in output.command)  # false for NaN as well
+        assert all(map(math.isfinite, output.tip_wish))
+        assert 0.0 <= output.governed.factor <= 1.0
+
+
+def test_the_driver_answers_any_finite_command_and_pressure_with_voltages_within_the_rating():
+    p = valve_driver.parameters(MACHINE, valve_driver.Settings())
+    rng, state = np.random.default_rng(9), valve_driver.REST
+    sizes = [0.0, 1e-300, 1e-3, 1.0, 10.0, 1e6, 1e300]
+    for _ in range(3000):
+        command = tuple((rng.choice(sizes, 3) * rng.choice([-1.0, 1.0], 3)).tolist())
+        ports = (rng.choice([0.0, 1e5, 1e7, 3e7, 1e12, -1e5], 6)).tolist()
+        pressures = Pressures(tuple(ports[:3]), tuple(ports[3:]), float(rng.choice([0.0, 1e6, 2e7, 1e12])))
+        given = pressures if rng.random() < 0.8 else None
+        state, volts = valve_driver.step(state, command, given, p, float(rng.uniform(0.0025, 0.05)))
+        assert all(abs(v) <= RATED for v in volts)
