@@ -96,7 +96,7 @@ OUT_OF_RANGE = [
         "valve.spool_bandwidth",
         f"spool_bandwidth: {number(0, 'Hz')}",
         "valve.spool_bandwidth",
-        "0.5 .. 500 Hz",
+        "0.1 .. 500 Hz",
     ),
     (f"{TABLE}.voltages", f"voltages: {row('2, 80', 'V')}", f"{TABLE}.voltages = 80 V", "0 .. 50 V"),
     (

@@ -137,7 +137,7 @@ def test_error_names_file_line_key_and_what_is_allowed(write, text, line, parts)
 
 def test_missing_optional_component_is_asked_for_with_null_as_an_answer(write):
     text = "\n".join(line for line in thesis_text().splitlines() if "spool_bandwidth:" not in line)
-    assert "missing key valve.spool_bandwidth: a number in 0.5 .. 500 Hz or null" in complaint(write(text))
+    assert "missing key valve.spool_bandwidth: a number in 0.1 .. 500 Hz or null" in complaint(write(text))
 
 
 def thesis_text():
