@@ -60,7 +60,7 @@ class Axis(NamedTuple):
 _NO_LINKAGE = Linkage(1.0, 1.0, 0.0)
 ENOUGH = Pumps(math.inf, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (_NO_LINKAGE, _NO_LINKAGE))
 NO_AXIS = Axis(Links(0.0, 1.0, 1.0), 0.0)
-CREEP = 1e-3  # [rad/s] towards a limit slower than this is standing still: it arrives, and valves can shut
+CREEP = 2e-3  # [rad/s] no slower towards a limit: it arrives, and the valves can shut
 FAR_OFF = 2.5  # times the wish: a joint limit that allows more is not felt
 REACH_APPROACH = 2.0  # [1/s] k for the swing axis
 
@@ -91,7 +91,9 @@ def govern(angles: Triple, wished: Triple, p: GovernorParameters) -> Governed:
         if abs(rate) <= NEGLIGIBLE_RATE:
             continue
         room = p.upper[joint] - angles[joint] if rate > 0.0 else angles[joint] - p.lower[joint]
-        towards_limit = max(0.0, p.approach[joint] * room - CREEP)
+        towards_limit = p.approach[joint] * room
+        if towards_limit < CREEP:
+            towards_limit = 0.0
         governed = _at_most(governed, p.rates[joint], abs(rate), Limit.RATE)
         governed = _at_most(governed, _softened(towards_limit, abs(rate)), abs(rate), Limit.JOINT)
     governed = _at_most(governed, p.pumps.limit, flow_demand(angles, wished, p.pumps), Limit.FLOW)
