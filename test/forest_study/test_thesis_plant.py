@@ -56,10 +56,11 @@ def test_integration_agrees_with_an_adaptive_one(name, links):
 
     def slope(time, y):
         wished = thesis_tip_velocity(time)
-        state = State(*(tuple(part) for part in y.reshape(4, 3).tolist()))
+        state = State(*(tuple(part) for part in y.reshape(6, 3).tolist()))
         control = scheme(state, wished)
         change = rate_change(state.rates, control.drive, 0.8 * W_N)
-        return np.concatenate([state.rates, change, control.reference_rates, wished])
+        parts = state.rates, change, control.reference_rates, wished, control.ramp, control.integral_rates
+        return np.concatenate(parts)
 
     y = np.concatenate(start)
     run = simulate(scheme, 0.8 * W_N, start, links, 6.0)
