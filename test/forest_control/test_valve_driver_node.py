@@ -14,7 +14,7 @@ from forest_control import valve_driver
 from forest_control.valve_driver import Pressures, Settings
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
-from forest_msgs_py.messages import float_array, read_float_array, sensor_array
+from forest_msgs_py.messages import float_array, joint_state, read_float_array, sensor_array
 
 COMMAND = (2.0, -3.0, 0.5)
 ZERO = (0.0, 0.0, 0.0)
@@ -289,3 +289,63 @@ def test_commands_from_the_past_move_nothing_but_a_zero_is_obeyed(rig, peer):
     r.command = lambda now: command(past)
     assert peer.until(r.standing) < 0.2 + MARGIN
     peer.until(lambda: "valve_commands: the stamp goes back" in r.process.text())
+
+
+def test_it_tells_what_it_knows_of_its_valves(rig, peer):
+    heard = peer.hear(topics.VALVE_DRIVER_STATUS)
+    r = rig("-p", "adapt:=true")
+    r.command = lambda now: command(now, (0.0, 10.0, 0.0))
+    r.drive()
+    peer.until(lambda: heard)
+    reading = read_float_array(topics.VALVE_DRIVER_STATUS, heard[-1], 0)
+    assert reading.problem == ""
+    known = dict(zip(topics.VALVE_DRIVER_STATUS.labels, reading.values, strict=True))
+    assert (known["swing_saturated"], known["boom_saturated"]) == (0.0, 1.0)
+    assert known["stick_backward_deadband"] == load_machine().valve.deadband_voltage
+    assert known["boom_forward_gain"] == 1.0
+    assert known["boom_forward_deadband_spread"] > 0.0
+
+
+def test_motion_that_its_file_does_not_explain_changes_what_it_knows(rig, peer):
+    heard = peer.hear(topics.VALVE_DRIVER_STATUS)
+    r = rig("-p", "adapt:=true", "-p", "command_timeout:=0.2", "-p", "pressure_timeout:=1.0")
+    r.command = lambda now: command(now, (0.0, 3.0, 0.0))
+    start = time.monotonic()
+
+    def moving(now):
+        positions = (0.0, 2.0 + 0.1 * (time.monotonic() - start), 2.0)
+        return joint_state(topics.ACTUATORS, now, positions, ZERO, ZERO)
+
+    ports = [6e6] * len(topics.PRESSURES.labels)
+    said = [
+        peer.repeat(topics.PRESSURES, lambda now: float_array(topics.PRESSURES, now, ports)),
+        peer.repeat(topics.SUPPLY, lambda now: float_array(topics.SUPPLY, now, (20e6, 1e-3, 0.2))),
+        peer.repeat(topics.ACTUATOR_STATES, moving),
+    ]
+    r.drive()
+    place = topics.VALVE_DRIVER_STATUS.labels.index("boom_forward_gain")
+    peer.until(lambda: heard and heard[-1].data[2 + place] > 1.1)
+    for timer in said:
+        timer.cancel()
+
+
+def test_its_settings_can_be_changed_while_it_works_and_nonsense_is_refused(rig, peer):
+    from rclpy.parameter import Parameter
+    from rclpy.parameter_client import AsyncParameterClient
+
+    r = rig().drive()
+    client = AsyncParameterClient(peer.node, "valve_driver")
+    peer.until(client.services_are_ready)
+
+    def answer(name, value):
+        future = client.set_parameters([Parameter(name, value=value)])
+        peer.until(future.done)
+        return future.result().results[0]
+
+    assert answer("compensate", False).successful
+    peer.until(lambda: r.at(COMMAND))
+    refused = answer("hold_zone", 1.5)
+    assert not refused.successful
+    assert "Max: 1.0" in refused.reason
+    assert answer("compensate", True).successful
+    peer.until(lambda: r.at(compensated()))

@@ -36,6 +36,7 @@ __all__ = [
     "Pressures",
     "Settings",
     "State",
+    "at_rest",
     "axis_drivers",
     "parameters",
     "plausible",
@@ -95,6 +96,12 @@ class AxisMemory(NamedTuple):
 
 
 REST = State((0.0, 0.0, 0.0), False)
+
+
+def at_rest(state: State) -> State:
+    """Return the state of a driver whose valves were centred without it; what it has learnt stays."""
+    one, two, three = state.learners
+    return REST._replace(learners=(blind(one), blind(two), blind(three)))
 
 
 def step(

@@ -13,21 +13,22 @@ from rclpy.node import Node
 
 from forest_control import valve_driver
 from forest_control.levers import Triple
-from forest_control.valve_driver import Pressures
-from forest_description.machine import load_machine
+from forest_control.valve_driver_topics import Measurements, status
+from forest_control.valve_tunables import TUNABLES
+from forest_description.machine import Machine, load_machine
 from forest_msgs_py import topics
 from forest_msgs_py.emergency_stop import EmergencyStop
 from forest_msgs_py.health import Health
 from forest_msgs_py.messages import read_float_array
 from forest_msgs_py.node import run_node
 from forest_msgs_py.pace import pace, speaker
-from forest_msgs_py.parameters import declare
+from forest_msgs_py.parameters import Tunables, declare
 from forest_msgs_py.stamp_order import StampOrder
 from forest_msgs_py.stamped_period import StampedPeriod
 
 ZERO: Triple = (0.0, 0.0, 0.0)
 WATCHDOG_PERIOD = 0.02  # [s]
-PORT_LABELS = tuple(tuple(f"{joint}_{port}_actuator" for joint in topics.JOINTS) for port in (1, 2))
+STATUS_STEPS = 20  # commands per status
 
 
 class ValveDriverNode(Node):
@@ -39,42 +40,33 @@ class ValveDriverNode(Node):
         self.run = self._pace.run
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
-        self._core = valve_driver.parameters(machine, self._settings())
+        self._tunables = Tunables(self)
+        for tunable in TUNABLES:
+            default = getattr(valve_driver.Settings(), tunable.name)
+            self._tunables.declare(tunable.name, default, *tunable[1:])
+        self._core = valve_driver.parameters(machine, valve_driver.Settings(**self._tunables.values))
+        self._tunables.watch(partial(self._set, machine))
         self._period = StampedPeriod(get("period", 0.005, "nominal period of the commands", "s", 1e-4, 0.1))
         self._command_timeout = get("command_timeout", 0.1, "age at which a command is lost", "s", 0.01, 0.2)
-        self._pressure_timeout = get(
-            "pressure_timeout", 0.1, "age at which pressures are lost", "s", 0.01, 2.0
-        )
+        timeout = get("pressure_timeout", 0.1, "age at which pressures are lost", "s", 0.01, 2.0)
         self._shadow = get("shadow", False, "compute everything, publish no voltage")
         self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
         self._state = valve_driver.REST
-        self._command_received = self._pressure_received = -math.inf
+        self._command_received, self._count = -math.inf, 0
         self._order, self._asked = StampOrder(self._command_timeout), ZERO
         said = self._pace.publisher(topics.DIAGNOSTICS)
         self._health = Health(self, ("commands", "pressures", "emergency stop"), "valves centred", said)
         self._stop = EmergencyStop(self, "~/", self._against_reset, self._stand_still)
-        self._ports: tuple[Triple, Triple] = (ZERO, ZERO)
-        self._supply, self._supply_received = 0.0, -math.inf
         self._voltages = (
             None if self._shadow else speaker(self._pace, topics.VALVE_VOLTAGES, plain=self._plain)
         )
+        self._status = speaker(self._pace, topics.VALVE_DRIVER_STATUS, plain=self._plain)
         self._pace.on(topics.VALVE_COMMANDS, self._on_command)
-        self._pressure_inbox, self._supply_inbox = (
-            self._pace.inbox(topics.PRESSURES),
-            self._pace.inbox(topics.SUPPLY),
-        )
+        self._measured = Measurements(self._pace, timeout, self._core.idle_pressure)
         self._pace.every(WATCHDOG_PERIOD, self._watch)
 
-    def _settings(self) -> valve_driver.Settings:
-        d = valve_driver.Settings()
-        get = partial(declare, self)
-        return valve_driver.Settings(
-            compensate=get("compensate", d.compensate, "false: commands pass, for experiments"),
-            beyond_valve=get("beyond_valve", d.beyond_valve, "allow for hoses, leakage and the spool's lag"),
-            hold_zone=get("hold_zone", d.hold_zone, "commands that leave the spool centred", "V", 0.0, 1.0),
-            load_bandwidth=get("load_bandwidth", d.load_bandwidth, "low-pass of the loads", "Hz", 0.01, 50.0),
-            minimum_drop=get("minimum_drop", d.minimum_drop, "least share of pressure left", "", 0.01, 1.0),
-        )
+    def _set(self, machine: Machine, values: dict[str, Any]) -> None:
+        self._core = valve_driver.parameters(machine, valve_driver.Settings(**values))
 
     def _on_command(self, message: Any, sent: float) -> None:
         if self._pace.now() - sent > self._command_timeout:
@@ -96,10 +88,16 @@ class ValveDriverNode(Node):
             self._stand_still()
             return
         dt = self._period.since(reading.stamp_ns)
+        problem = self._measured.read(self._core.adapt)
+        self._health.note("pressures", problem and f"{problem}; the nominal load is taken")
+        pressures, motion = self._measured.pressures(), self._measured.motion()
         self._state, voltages = valve_driver.step(
-            self._state, reading.values, self._pressures(), self._core, dt
+            self._state, reading.values, pressures, self._core, dt, motion
         )
         self._publish(reading.stamp_ns, voltages)
+        if self._count % STATUS_STEPS == 0:
+            self._status.say(reading.stamp_ns, status(self._state, self._core))
+        self._count += 1
         self._tell(reading.stamp_ns)
 
     def _against_reset(self) -> str:
@@ -110,6 +108,7 @@ class ValveDriverNode(Node):
         return self._pace.now() - self._command_received
 
     def _stand_still(self) -> None:
+        self._state = valve_driver.at_rest(self._state)
         now = self._pace.stamp()
         self._publish(now, ZERO)
         self._tell(now)
@@ -117,29 +116,6 @@ class ValveDriverNode(Node):
     def _tell(self, stamp: int) -> None:
         self._health.note("emergency stop", "emergency stop pressed" if self._stop.pressed else "")
         self._health.publish(stamp)
-
-    def _read_pressures(self) -> None:
-        """Take the newest transducer samples, if there are any; bad ones are as good as none."""
-        if arrival := self._pressure_inbox.newest():
-            ports = [read_float_array(topics.PRESSURES, arrival.message, 0, labels) for labels in PORT_LABELS]
-            problem = ports[0].problem or ports[1].problem
-            self._health.note("pressures", problem and f"{problem}; the nominal load is taken")
-            if not problem:
-                self._ports = ports[0].values, ports[1].values
-                self._pressure_received = arrival.time
-        if arrival := self._supply_inbox.newest():
-            reading = read_float_array(topics.SUPPLY, arrival.message, 0, ("pressure",))
-            if not reading.problem and reading.values[0] > 0.0:
-                self._supply, self._supply_received = reading.values[0], arrival.time
-
-    def _pressures(self) -> Pressures | None:
-        """Return what the transducers say, or None: then the driver takes the nominal pressure drop."""
-        self._read_pressures()
-        now = self._pace.now()
-        if now - self._pressure_received > self._pressure_timeout:
-            return None
-        fresh = now - self._supply_received <= self._pressure_timeout
-        return Pressures(*self._ports, self._supply if fresh else self._core.idle_pressure)
 
     def _publish(self, stamp: int, voltages: Triple) -> None:
         if self._voltages is not None:

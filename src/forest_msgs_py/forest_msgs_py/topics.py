@@ -92,7 +92,7 @@ JOINT_STATES = Topic(
 ACTUATOR_STATES = Topic(
     "actuator_states", JOINT_STATE, ACTUATORS, ("rad, rad/s, N·m", "m, m/s, N", "m, m/s, N"), _RATE,
     "Swing motor and cylinders as a machine can know them.",
-    (_SIMULATOR,), _NOBODY,
+    (_SIMULATOR,), (_DRIVER,),
 )
 PRESSURES = Topic(
     "hydraulics/pressures", FLOAT_ARRAY, _PRESSURE_LABELS, ("Pa",) * 12, _RATE,
@@ -130,6 +130,17 @@ VALVE_VOLTAGES = Topic(
     "valve_voltages", FLOAT_ARRAY, JOINTS, ("V",) * 3, _RATE,
     "Voltage at the valve amplifier, with the deadband divided out.",
     (_DRIVER,), (_SIMULATOR,),
+)
+VALVE_DRIVER_STATUS = Topic(
+    "valve_driver/status", FLOAT_ARRAY,
+    (
+        *(f"{axis}_saturated" for axis in JOINTS),
+        *(f"{axis}_{way}_{what}" for axis in JOINTS for way in ("forward", "backward")
+          for what in ("deadband", "deadband_spread", "gain", "gain_spread")),
+    ),
+    ("1",) * 3 + ("V", "V", "1", "1") * 6, 10.0,
+    "1 where a valve cannot open as far as wished; deadband and gain (1: the file's) as known, with spread.",
+    (_DRIVER,), _NOBODY,
 )
 TIP_POSE = Topic(
     "tip/pose", POSE, _XYZ, ("m",) * 3, _RATE,
@@ -235,6 +246,7 @@ TOPICS: tuple[Topic, ...] = (
         AUXILIARY,
         VALVE_COMMANDS,
         VALVE_VOLTAGES,
+        VALVE_DRIVER_STATUS,
     ),
     *(TIP_POSE, TIP_TWIST, TIP_TWIST_COMMAND, CONTROLLER_STATUS, EMERGENCY_STOP),
     IDENTIFICATION,

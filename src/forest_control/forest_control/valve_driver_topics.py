@@ -1,0 +1,89 @@
+"""The valve driver's measurements from topics, and what it reports of itself."""
+
+import math
+from typing import Any
+
+from forest_control import valve_adaptation as adaptation
+from forest_control.valve_driver import Motion, Parameters, Pressures, State
+from forest_msgs_py import topics
+from forest_msgs_py.messages import read_float_array, read_joint_state
+
+Triple = tuple[float, float, float]
+
+
+def _labels(place: str, port: int) -> tuple[str, ...]:
+    return tuple(f"{joint}_{port}_{place}" for joint in topics.JOINTS)
+
+
+PORTS, VALVES = [[_labels(place, port) for port in (1, 2)] for place in ("actuator", "valve")]
+
+
+class Measurements:
+    """The newest samples; what is older than `timeout` [s], or bad, counts as none.
+
+    Args:
+        pace: of the node, whose inboxes and clock are used.
+        timeout: [s].
+        idle_pressure: of the supply [Pa], taken where it is not measured.
+    """
+
+    def __init__(self, pace: Any, timeout: float, idle_pressure: float) -> None:
+        self._pace, self._timeout, self._idle = pace, timeout, idle_pressure
+        self._boxes = [pace.inbox(t) for t in (topics.PRESSURES, topics.SUPPLY, topics.ACTUATOR_STATES)]
+        self._ports: list[Triple] = []
+        self._valves: list[Triple] = []
+        self._supply, self._positions = 0.0, (0.0, 0.0, 0.0)
+        self._received = dict.fromkeys(("ports", "valves", "supply", "positions"), -math.inf)
+
+    def read(self, learning: bool) -> str:
+        """Take the newest samples, to learn all of them; return what is wrong with the pressures, or ""."""
+        problem = ""
+        pressures, supply, actuators = (box.newest() for box in self._boxes)
+        if pressures:
+            ports, problem = self._arrays(pressures.message, PORTS)
+            if not problem:
+                self._ports, self._received["ports"] = ports, pressures.time
+            valves, missing = self._arrays(pressures.message, VALVES) if learning else ([], "not wanted")
+            if not missing:
+                self._valves, self._received["valves"] = valves, pressures.time
+        if supply:
+            reading = read_float_array(topics.SUPPLY, supply.message, 0, ("pressure",))
+            if not reading.problem and reading.values[0] > 0.0:
+                self._supply, self._received["supply"] = reading.values[0], supply.time
+        if actuators and learning:
+            states = read_joint_state(topics.ACTUATORS, actuators.message)
+            if not states.problem:
+                self._positions, self._received["positions"] = states.values.position, actuators.time
+        return problem
+
+    @staticmethod
+    def _arrays(message: Any, labels: list[tuple[str, ...]]) -> tuple[list[Triple], str]:
+        readings = [read_float_array(topics.PRESSURES, message, 0, names) for names in labels]
+        return [r.values for r in readings], readings[0].problem or readings[1].problem
+
+    def pressures(self) -> Pressures | None:
+        """Return what the transducers say, or None: then the driver takes the nominal pressure drop."""
+        if not self._fresh("ports"):
+            return None
+        return Pressures(
+            self._ports[0], self._ports[1], self._supply if self._fresh("supply") else self._idle
+        )
+
+    def motion(self) -> Motion | None:
+        """Return what the driver may learn from, if all of it is there."""
+        if not (self._fresh("valves") and self._fresh("positions") and self._fresh("supply")):
+            return None
+        return Motion(self._positions, self._valves[0], self._valves[1])
+
+    def _fresh(self, what: str) -> bool:
+        return bool(self._pace.now() - self._received[what] <= self._timeout)
+
+
+def status(state: State, p: Parameters) -> list[float]:
+    """Return the values of `topics.VALVE_DRIVER_STATUS`."""
+    values = [float(saturated) for saturated in state.saturated]
+    for axis, learner in zip(p.axes, state.learners, strict=True):
+        for edge, way in ((axis.valve.forward, learner.forward), (axis.valve.backward, learner.backward)):
+            values += [edge.deadband_voltage + way.deadband, adaptation.deadband_spread(way)]
+            values += [adaptation.gain(way), adaptation.gain_spread(way)]
+    return values
