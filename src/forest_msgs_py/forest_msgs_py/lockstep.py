@@ -24,6 +24,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
+from itertools import chain
 from typing import Any
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -53,6 +54,16 @@ def lockstep_qos() -> QoSProfile:
     return QoSProfile(
         depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
     )
+
+
+def is_awaited(topic: Topic) -> bool:
+    """Whether nodes may wait for a topic, by the table; what only a recorder reads shall wake nobody else."""
+    return bool(topic.subscribers)
+
+
+def silences(node: Node, topic: Topic) -> Inbox:
+    """A subscription to what is not said."""
+    return Inbox(node, message_class(topic), topic.name, lockstep_qos())
 
 
 class StepInbox:
@@ -112,7 +123,7 @@ class StepPublisher:
 
     def __init__(self, node: Node, topic: Topic, step: Callable[[], int]) -> None:
         self._publisher = node.create_publisher(message_class(topic), topic.name, lockstep_qos())
-        self.name, self.type = self._publisher.topic_name, topic.type
+        self.name, self.type, self.awaited = self._publisher.topic_name, topic.type, is_awaited(topic)
         self._step = step
         self.spoke = 0  # last step in which something was said
 
@@ -153,9 +164,10 @@ class Lockstep:
         self._latched: list[str] = []
         self._step = self._speaking = 0
         self._ended = False
-        self._silences = Inbox(node, message_class(topics.SILENCE), topics.SILENCE.name, lockstep_qos())
-        self._silence = node.create_publisher(
-            message_class(topics.SILENCE), topics.SILENCE.name, lockstep_qos()
+        self._silences = [silences(node, topics.SILENCE)]
+        self._silence, self._quiet = (
+            node.create_publisher(message_class(topic), topic.name, lockstep_qos())
+            for topic in (topics.SILENCE, topics.QUIET)
         )
         self._roll = publisher(node, topics.ROLL)
         self._clock = self.publisher(topics.CLOCK) if leads else None
@@ -187,6 +199,8 @@ class Lockstep:
         """Messages of a topic, one of each step."""
         made = StepInbox(self._node, topic)
         self._inboxes.append(made)
+        if not is_awaited(topic) and len(self._silences) == 1:
+            self._silences.append(silences(self._node, topics.QUIET))
         return made
 
     def on(self, topic: Topic, callback: Callable[[Any, float], None]) -> None:
@@ -215,7 +229,7 @@ class Lockstep:
                 return
             self._make(step)
         if self._gather(step, stopping):
-            self._tell(END)
+            self._tell(self._silence, END)
             stopping.wait()
 
     def _answer_the_roll(self) -> None:
@@ -240,14 +254,17 @@ class Lockstep:
             if step % steps == 0:
                 tick()
         self._speaking = 0
-        if silent := [made.name for made in self._publishers if made.spoke != step]:
-            self._tell(" ".join(silent))
+        silent = [made for made in self._publishers if made.spoke != step]
+        if missed := [made.name for made in silent if made.awaited]:
+            self._tell(self._silence, " ".join(missed))
+        if quiet := [made.name for made in silent if not made.awaited]:
+            self._tell(self._quiet, " ".join(quiet))
 
-    def _tell(self, text: str) -> None:
+    def _tell(self, publisher: Any, text: str) -> None:
         """Tell on which topics nothing was said in this step, or that it was the last."""
         header = message_class(topics.SILENCE)(frame_id=text)
         header.stamp = ns_to_stamp(self.stamp())
-        self._silence.publish(to_cdr(header))
+        publisher.publish(to_cdr(header))
 
     def _gather(self, step: int, stopping: threading.Event) -> bool:
         """Wait for all that the node reads of a step; False if it was told to stop meanwhile."""
@@ -270,6 +287,7 @@ class Lockstep:
         inbox, begun, stamp = self._recorded, time.monotonic(), (step - AHEAD) * STEP_NS
         while inbox is not None and stamp > 0 and not inbox.reached(stamp):
             inbox.collect()
+            self._hear_silences()  # or they would keep the wait from waiting
             if not inbox.reached(stamp) and not self._wait(inbox, step, begun, stopping):
                 return False
         return True
@@ -283,10 +301,11 @@ class Lockstep:
         waited = time.monotonic() - begun
         if waited > self._guard and waited > self._guard + self._patience(inbox, step):
             self._complain(inbox, step)
-        waiting = rclpy_implementation.WaitSet(2, 0, 0, 0, 0, 0, self._node.context.handle)
+        heard = [inbox.subscription, *(silence.subscription for silence in self._silences)]
+        waiting = rclpy_implementation.WaitSet(len(heard), 0, 0, 0, 0, 0, self._node.context.handle)
         waiting.clear_entities()
-        waiting.add_subscription(inbox.subscription.handle)
-        waiting.add_subscription(self._silences.subscription.handle)
+        for subscription in heard:
+            waiting.add_subscription(subscription.handle)
         waiting.wait(int(LOOK * NS_PER_S))
         return True
 
@@ -305,7 +324,7 @@ class Lockstep:
         return 1.0 * min(hops, default=len(LOOP))
 
     def _hear_silences(self) -> None:
-        for header, _info in self._silences.take():
+        for header, _info in chain.from_iterable(silence.take() for silence in self._silences):
             names = header.frame_id.split(" ")
             self._ended = self._ended or header.frame_id == END
             for inbox in self._inboxes:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
+from itertools import chain
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -17,7 +18,7 @@ from forest_msgs_py import topics
 from forest_msgs_py.cdr import to_cdr
 from forest_msgs_py.graph_listener import GraphListener, Heard, Offer
 from forest_msgs_py.inbox import Inbox
-from forest_msgs_py.lockstep import END, STEP_NS, lockstep_qos
+from forest_msgs_py.lockstep import END, STEP_NS, lockstep_qos, silences
 from forest_msgs_py.messages import ns_to_stamp, stamp_to_ns
 from forest_msgs_py.node import Finished, NodeFailure
 from forest_msgs_py.parameters import declare
@@ -66,7 +67,7 @@ class StepListener:
             durability=DurabilityPolicy.TRANSIENT_LOCAL,
         )
         self._roll = Inbox(node, message_class(topics.ROLL), topics.ROLL.name, latched)
-        self._silences = Inbox(node, message_class(topics.SILENCE), topics.SILENCE.name, lockstep_qos())
+        self._silences = [silences(node, topic) for topic in (topics.SILENCE, topics.QUIET)]
         self._taken = node.create_publisher(
             message_class(topics.RECORDED), topics.RECORDED.name, lockstep_qos()
         )
@@ -121,7 +122,7 @@ class StepListener:
             latched, kind = name in self._order.latched, self._order.types[name]
             for data, _info in inbox.take():
                 self._order.add(name, 0 if latched else stamp_in(kind, data), data)
-        for header, _info in self._silences.take():
+        for header, _info in chain.from_iterable(silence.take() for silence in self._silences):
             if header.frame_id == END:
                 self._end = stamp_to_ns(header.stamp)
             else:

@@ -228,6 +228,11 @@ SILENCE = Topic(
     "In lockstep: topics on which a node said nothing in a step; 'end' when the step was the last.",
     ("every node in lockstep",), ("every node in lockstep",), recorded=False,
 )
+QUIET = Topic(
+    "lockstep/quiet", "std_msgs/msg/Header", (), (), _RATE,
+    "As lockstep/silence, of topics that no node reads.",
+    ("every node in lockstep",), ("recorder in lockstep",), recorded=False,
+)
 RECORDED = Topic(
     "lockstep/recorded", "rosgraph_msgs/msg/Clock", ("time",), ("s",), _RATE,
     "In lockstep: how far everything is in the bag; the machine stays near it.",
@@ -252,7 +257,7 @@ TOPICS: tuple[Topic, ...] = (
     IDENTIFICATION,
     *(EMERGENCY_STOPPED, GROUND_TRUTH_JOINT_STATES, GROUND_TRUTH_TIP_POSE),
     *(GROUND_TRUTH_TIP_TWIST, ROBOT_DESCRIPTION, EVENTS, DIAGNOSTICS, CLOCK, ROSOUT),
-    *(ROLL, SILENCE, RECORDED),
+    *(ROLL, SILENCE, QUIET, RECORDED),
 )
 
 
