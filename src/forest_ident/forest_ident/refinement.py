@@ -77,7 +77,10 @@ def task(machine: Machine, session: Session) -> Task | None:
         section = f"{tail}.valve" if tail in AXES else "valve"
         free = (*_law(section), f"{section}.port_2_area", *_spool_keys(machine, section), *pump)
         channels = tuple(name for name in _bench_channels(spool=True) if not name.endswith("actuator"))
-        return Task(free, (), channels, ("rig.load",))
+        # Between valve and load lies a short piece of hose, which nobody has measured yet.
+        hose = hose_section(machine, axis)
+        pieces = tuple(f"{hose}.{part}" for part in ("turbulent_resistance", "inertance", "capacitance"))
+        return Task(free, pieces, channels, ("rig.load",))
     if session.name == "spool_lag":
         section = valve_section(machine, 0)
         return Task(_spool_keys(machine, section), (), ("swing_spool",), ())
@@ -86,7 +89,8 @@ def task(machine: Machine, session: Session) -> Task | None:
         section = hose_section(machine, axis)
         law = "laminar" if laminar else "turbulent"
         free = tuple(f"{section}.{part}" for part in (f"{law}_resistance", "inertance", "capacitance"))
-        carried = (*_law(valve_section(machine, axis)), *pump)
+        valve = valve_section(machine, axis)
+        carried = (*_law(valve), *_spool_keys(machine, valve), *pump)
         return Task(free, carried, _bench_channels(spool=False), ("rig.load",))
     return _crane_task(machine, session, kind, axis)
 
