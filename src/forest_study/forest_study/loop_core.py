@@ -23,10 +23,8 @@ from forest_sim.parameters import PlantParameters
 from forest_sim.plant import ports_at, transmissions
 from forest_sim.sensor_suite import PLACES, TIME_TOLERANCE
 from forest_sim.sensors import axis_pressures
+from forest_study.closed_loop import PERIOD, SUBSTEPS, ZERO
 
-PERIOD = 0.005  # [s]
-SUBSTEPS = 5  # of 1 ms
-ZERO: Triple = (0.0, 0.0, 0.0)
 CHANNEL_COUNT = PLACES["pressure"].stop  # resolvers, transducers, pressures: the suite's first channels
 
 

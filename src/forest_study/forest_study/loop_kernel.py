@@ -43,9 +43,9 @@ from forest_sim.equilibrium import equilibrium
 from forest_sim.manipulator import Triple
 from forest_sim.parameters import plant_parameters
 from forest_sim.sensor_suite import CHANNELS, Suite, noise_generator
-from forest_study import loop_core
-from forest_study.closed_loop import Trajectory
-from forest_study.loop_core import CHANNEL_COUNT, PERIOD, Happened, Knowledge, Loop, Senses, Sensing
+from forest_study import closed_loop, loop_core
+from forest_study.closed_loop import PERIOD, Trajectory
+from forest_study.loop_core import CHANNEL_COUNT, Happened, Knowledge, Loop, Senses, Sensing
 
 Floats = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ LAWS: tuple[ModuleType, ...] = (
     *(actuation, kinematics, channel, measurement, sensor_suite, sensors),
     *(capacity, controller, coordination, governor, hand, levers, schemes, settings, singularity, stopping),
     *(swing_load, valve_adaptation, valve_driver, valve_flow, valve_hold, valve_inverse, valve_knowledge),
-    *(workspace, loop_core),
+    *(workspace, closed_loop, loop_core),
 )
 APART = (
     *compiled.APART,
@@ -111,9 +111,8 @@ def run(
     state, rows = np.array(flat.packer(example := begin(k, start, suite))(example)), len(table)
     normals, recorded = draws(suite, rows), np.empty((rows, RECORDED))
     kernel()(*(a.ctypes.data for a in (state, given, table, normals, recorded)), rows)
-    columns = np.split(recorded, (3, 6, 9, 12, 15), axis=1)
-    angles, tip, wish, commands, voltages, pressures = columns
-    return Trajectory(PERIOD * np.arange(rows, dtype=float), angles, tip, wish, commands, voltages, pressures)
+    columns = np.split(recorded, (3, 6, 9, 12, 15), axis=1)  # of `Happened`
+    return Trajectory(PERIOD * np.arange(rows, dtype=np.float64), *columns)
 
 
 def knowledge(
@@ -140,6 +139,8 @@ def begin(k: Knowledge, start: Triple, suite: Suite) -> Loop:
 
 def draws(suite: Suite, rows: int) -> Floats:
     """Return the noise of a run [rows, channels]: what `sensor_suite.draw` would draw row by row."""
+    if not any(channel.noise for channel in suite.channels):
+        return np.zeros((rows, CHANNEL_COUNT))
     generator, normals = noise_generator(suite), np.empty((rows, len(CHANNELS)))
     unused = np.empty(len(CHANNELS))
     for row in normals:
