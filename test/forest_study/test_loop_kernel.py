@@ -14,7 +14,7 @@ from forest_control.levers import Levers
 from forest_control.schemes import Scheme
 from forest_description.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
-from forest_sim import flat
+from forest_sim import compiled, flat, translate_statements
 from forest_sim.sensor_faults import parse_faults
 from forest_sim.sensor_suite import sensor_suite
 from forest_study import closed_loop, loop_core, loop_kernel
@@ -44,11 +44,11 @@ def interpreted(table, machine, settings, drive, model, suite):
 
 def assert_same(settings, drive, machine=C180, model=C180, seed=0):
     suite, table = sensor_suite(machine, noise=True, seed=seed), hand(seed)
-    compiled = loop_kernel.run(machine, table, START, settings, drive, model, suite)
+    fast = loop_kernel.run(machine, table, START, settings, drive, model, suite)
     python = interpreted(table, machine, settings, drive, model, suite)
-    for name, a, b in zip(compiled._fields, compiled, python, strict=True):
+    for name, a, b in zip(fast._fields, fast, python, strict=True):
         np.testing.assert_array_equal(a, b, err_msg=name)
-    assert np.ptp(compiled.tip, axis=0).max() > 0.01  # and it moved
+    assert np.ptp(fast.tip, axis=0).max() > 0.01  # and it moved
 
 
 @pytest.mark.parametrize("scheme", list(Scheme))
@@ -71,16 +71,16 @@ def test_so_is_another_machine_than_believed_with_slow_sensors_and_none():
 def test_the_core_interpreted_is_the_core_compiled():
     suite, table = sensor_suite(C180, noise=True, seed=4), hand(4)[20:32]
     settings, drive = controller.Settings(), valve_driver.Settings()
-    compiled = loop_kernel.run(C180, table, START, settings, drive, suite=suite)
+    fast = loop_kernel.run(C180, table, START, settings, drive, suite=suite)
     k = loop_kernel.knowledge(C180, C180, settings, drive, suite)
     loop, normals = loop_kernel.begin(k, START, suite), loop_kernel.draws(suite, len(table)).ravel().tolist()
     for row, (*levers, enabled) in enumerate(table.tolist()):
         first = row * loop_core.CHANNEL_COUNT
         loop, happened = loop_core.period(loop, Levers(*levers), enabled > 0.5, k, normals, first)
         # The plant's squares are Python's powers, in one of a thousand a last bit off.
-        assert happened.command == pytest.approx(compiled.commands[row], rel=1e-11, abs=1e-12)
-        assert happened.tip == pytest.approx(compiled.tip[row], rel=1e-13)
-        assert happened.pressures == pytest.approx(compiled.pressures[row], rel=1e-11)
+        assert happened.command == pytest.approx(fast.commands[row], rel=1e-11, abs=1e-12)
+        assert happened.tip == pytest.approx(fast.tip[row], rel=1e-13)
+        assert happened.pressures == pytest.approx(fast.pressures[row], rel=1e-11)
 
 
 def test_all_machines_and_settings_share_one_shape():
@@ -108,3 +108,17 @@ def test_faulty_sensors_are_refused():
     suite = sensor_suite(C180, faults=parse_faults("boom_resolver: absent from 2 s"))
     with pytest.raises(ValueError, match="faults are not compiled"):
         loop_kernel.run(C180, hand(), START, controller.Settings(), valve_driver.Settings(), suite=suite)
+
+
+def test_the_digest_covers_every_source_that_is_translated(monkeypatch):
+    used, read = set(), translate_statements.source
+
+    def recorded(function):
+        used.add(function.__module__)
+        return read(function)
+
+    monkeypatch.setattr(translate_statements, "source", recorded)
+    loop_kernel.kernel_text()
+    known = {module.__name__ for module in (*loop_kernel.LAWS, *compiled.LAWS)}
+    assert len(used) > 30
+    assert used <= known
