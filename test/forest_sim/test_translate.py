@@ -1,6 +1,7 @@
 """Claims that what is translated means what Python means, to the last bit, and that all else is refused."""
 
 import math
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ pytest.importorskip("llvmlite")
 
 from forest_sim import flat, machine_code
 from forest_sim.translate import Library
-from forest_sim.translate_expressions import NotTranslatedError
+from forest_sim.translate_numbers import NotTranslatedError
 
 LIMITS = (-1.0, 2.0)
 POWERS = (1.0, 0.5, 0.25, 0.125)
@@ -20,6 +21,16 @@ class Point(NamedTuple):
     x: float
     y: float
     count: int
+
+
+class Side(IntEnum):
+    LEFT = 4
+
+
+class Marked(NamedTuple):
+    point: Point
+    mark: bool = True
+    side: int = Side.LEFT
 
 
 def translated(function, example, apart=()):
@@ -119,18 +130,72 @@ def swapped(pair):
     return pair[1], pair[0]
 
 
+def with_defaults(p, scale=2.0, shift=0):
+    return scale * p.x + shift
+
+
+def changed(p):
+    marked = Marked(p._replace(x=p.y), p.x < 0.0)
+    other = Marked(p)._replace(side=Side.LEFT + 1) if marked.mark else marked
+    return marked, other, with_defaults(p), with_defaults(p, shift=1), int(other.side == Side.LEFT)
+
+
+def powers(p):
+    size = abs(p.x) + 0.1
+    return size**3, size**1.5, p.x % 1.0, p.x % -0.7, p.count % 2, p.count % -3
+
+
+def angles(p):
+    known = int(math.isnan(p.x * math.inf - math.inf)), bool(p.count), math.floor(p.x), math.floor(3.0 * p.y)
+    return math.acos(math.sin(p.x)), math.atan2(p.y, p.x), known
+
+
+def listed_out(p):
+    pair = (p.x, p.y)
+    return (*tuple([pair[i] * i for i in range(2)]), p.count, *swapped(pair))
+
+
+def gone_through(p):
+    rows, total = ((p.x, 1.0), (p.y, 2.0), (0.5, p.x)), 0.0
+    for i in range(3):
+        if rows[i][0] < 0.0:
+            continue
+        total += rows[i][0] * rows[i][1]
+    return total, rows[p.count % 3]
+
+
 def not_numbers(p):
     nan = p.x * math.inf - p.x * math.inf
     return int(nan < 1.0), int(not nan >= 1.0), int(nan != nan), int(math.isfinite(nan)), max(1.0, nan)
 
 
-@pytest.mark.parametrize("law", [arithmetic, functions, choices, loops, tuples, not_numbers])
+LANGUAGE = [arithmetic, functions, choices, loops, tuples, not_numbers]
+LANGUAGE += [changed, powers, angles, listed_out, gone_through]
+
+
+@pytest.mark.parametrize("law", LANGUAGE)
 def test_machine_code_is_python_to_the_last_bit(law):
     assert_translated(law, points())
 
 
 def test_a_stored_row_takes_a_variable_index():
     assert_translated(search, [Table(at, (0.0, 0.5, 1.5, 9.0)) for at in (0.2, 0.5, 1.4, 8.0)])
+
+
+def third_of_many(many):
+    total = 0.0
+    for i in range(many.number):
+        total += many.points[i].x * many.points[i].count
+    return total, many.points[many.number - 1]
+
+
+class Many(NamedTuple):
+    number: int
+    points: tuple[Point, ...]
+
+
+def test_so_does_a_stored_row_of_tuples():
+    assert_translated(third_of_many, [Many(n, tuple(points(3))) for n in (1, 2, 3)])
 
 
 def test_a_function_kept_apart_is_the_same():
@@ -142,8 +207,12 @@ def nested(p):
     return choices(p), loops(Point(p.y, p.x, 1)), loops(p)
 
 
-def cubes(p):
-    return p.x**3
+def powers_of_two(p):
+    return 2.0**p.x
+
+
+def mixed(p):
+    return (p.x, (p.x, p.y))[p.count]
 
 
 def listed(p):
@@ -161,7 +230,8 @@ def misspelt(p):
 @pytest.mark.parametrize(
     ("law", "complaint"),
     [
-        (cubes, r"'p.x \*\* 3': only squares"),
+        (powers_of_two, r"'2.0 \*\* p.x': only constant powers"),
+        (mixed, "only items alike"),
         (listed, r"'\[p.x\]': List is not translated"),
         (unknown, r"test_translate.unknown: 'math.erf\(p.x\)' is not translated"),
         (misspelt, "'p.z': there is no such field"),
@@ -172,3 +242,15 @@ def test_what_is_outside_the_subset_is_refused_by_name(law, complaint):
     text = "def kernel(given):\n    result = law(value)"
     with pytest.raises(NotTranslatedError, match=complaint):
         library.entry("kernel", text, {"law": law}, "p", {"value": ("given", points(1)[0])}, {})
+
+
+def growing(p):
+    total = 0
+    for k in range(3):
+        total += k * p.x
+    return total
+
+
+def test_a_loop_does_not_make_a_float_of_a_whole_number():
+    with pytest.raises(TypeError, match="a loop makes a double of what is a i64 before it"):
+        translated(growing, points(1)[0])

@@ -70,7 +70,7 @@ def _greatest_speed(direction: float, load: float, axis: AxisDriver, c: Capacity
     valve = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
     square, linear = valve + axis.hose_square, axis.hose_linear
     force = max(LEAST_SHARE * inlet * c.supply_pressure, inlet * c.supply_pressure - direction * load)
-    speed = (math.sqrt(linear**2 + 4.0 * square * force) - linear) / (2.0 * square)
+    speed = (math.sqrt(linear * linear + 4.0 * square * force) - linear) / (2.0 * square)
     return min(speed, c.flow_limit / inlet)
 
 

@@ -311,6 +311,15 @@ def governor_at(angles: Triple, wished: Triple, p: Parameters) -> GovernorParame
     return GovernorParameters(g.lower, g.upper, least, g.approach, g.pumps, g.axis)
 
 
+def plausible(angles: Triple, rates: Triple, p: Parameters) -> bool:
+    """Tell whether a measured state can be true; `implausible` says what of it cannot."""
+    for i in range(3):
+        low, high = p.governor.lower[i] - BEYOND_LIMIT, p.governor.upper[i] + BEYOND_LIMIT
+        if not low <= angles[i] <= high or not abs(rates[i]) <= FASTEST:
+            return False
+    return True
+
+
 def implausible(angles: tuple[float, ...], rates: tuple[float, ...], p: Parameters) -> str:
     """Return what cannot be true of a measured state, or "": degrees for radians, a broken encoder, no rates.
 

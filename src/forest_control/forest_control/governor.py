@@ -114,7 +114,7 @@ def _softened(allowed: float, wished: float) -> float:
     # The cubic from (0, 0), slope 1, to (FAR_OFF, 1), slope 0.
     square = (2.0 * FAR_OFF - 3.0) / FAR_OFF**2
     cube = (2.0 * square * FAR_OFF - 1.0) / (3.0 * FAR_OFF**2)
-    return wished * (share - square * share**2 + cube * share**3)
+    return wished * (share - square * share * share + cube * share * share * share)
 
 
 def _at_most(governed: Governed, allowed: float, wished: float, limit: Limit) -> Governed:

@@ -114,7 +114,8 @@ def coordinated(x: Signals, g: Gains) -> float:
     wrong by. r is the pose that holds the tip on its path, so an error of the tip is one of the joints. Near
     a change of sign the noise of v would throw the valve across its overlap and back.
     """
-    heard = g.rate * min(1.0, (x.a / FULL_RATE) ** 2)
+    share = x.a / FULL_RATE
+    heard = g.rate * min(1.0, share * share)
     return x.a + g.lead_time * x.b + g.feedback * (x.r - x.s) + heard * (x.a - x.v) + x.w
 
 

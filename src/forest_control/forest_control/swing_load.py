@@ -48,7 +48,7 @@ def _link_inertia(offset: float, c: float, s: float, body: tuple[float, ...]) ->
     """Return a link's part of M_11; joint `offset` [m] from the axis, c and s of its elevation."""
     mass, x, y, xx, yy, _, xy = body
     r = offset + x * c - y * s
-    return mass * r**2 + yy * c**2 + xx * s**2 - 2.0 * xy * s * c
+    return mass * r * r + yy * c * c + xx * s * s - 2.0 * xy * s * c
 
 
 def swing_load(machine: Machine) -> SwingLoad:

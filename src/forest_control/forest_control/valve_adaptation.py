@@ -157,8 +157,8 @@ def _update(
             wider = max(way.deadband, excess / share) + SEARCH * dt
             return way._replace(deadband=min(a.deadband_range, wider))
         return way
-    model = MODEL_VOLTS + MODEL_SHARE * abs(x)
-    variance = (noise**2 + model**2) * (1.0 + way.stretch) ** 2 * overlapping(dt)
+    model, slope = MODEL_VOLTS + MODEL_SHARE * abs(x), 1.0 + way.stretch
+    variance = (noise * noise + model * model) * slope * slope * overlapping(dt)
     error = excess - share * way.deadband - (1.0 + way.stretch) * x
     return _bounded(_least_squares(way, share, max(0.0, expected), error, variance, a, dt), edge, a)
 

@@ -96,6 +96,8 @@ class AxisMemory(NamedTuple):
 
 
 REST = State((0.0, 0.0, 0.0), False)
+_NOTHING: Triple = (math.nan, math.nan, math.nan)
+UNSEEN, STILL = Pressures(_NOTHING, _NOTHING, math.nan), Motion(_NOTHING, _NOTHING, _NOTHING)
 
 
 def at_rest(state: State) -> State:
@@ -123,13 +125,20 @@ def step(
         dt: time since the last step [s].
         motion: None when no fresh measurement is there: nothing is learnt.
     """
-    if pressures is not None and not plausible(pressures, p):
-        pressures = None
-    state = _filter_loads(state, pressures, p, dt)
+    seen = UNSEEN if pressures is None else pressures
+    return step_seen(state, command, seen, STILL if motion is None else motion, p, dt)
+
+
+def step_seen(
+    state: State, command: Triple, pressures: Pressures, motion: Motion, p: Parameters, dt: float
+) -> tuple[State, Triple]:
+    """Do as `step`; what is not measured is NaN (`UNSEEN`, `STILL`), for a compiler knows no None."""
+    seen = plausible(pressures, p)
+    state = _filter_loads(state, pressures, seen, p, dt)
     if p.adapt:
-        state = state._replace(learners=_learn(state, pressures, motion, p, dt))
+        state = state._replace(learners=_learn(state, pressures, motion, seen, p, dt))
     supply, mean = p.idle_pressure, -1.0
-    if pressures is not None:
+    if seen:
         supply = pressures.supply
         mean = max(0.0, state.means[0]) if p.beyond_valve else -1.0
     swing = _axis(0, command[0], mean, supply, state, p, dt)
@@ -217,8 +226,8 @@ def plausible(pressures: Pressures, p: Parameters) -> bool:
     return True
 
 
-def _filter_loads(state: State, pressures: Pressures | None, p: Parameters, dt: float) -> State:
-    if pressures is None:
+def _filter_loads(state: State, pressures: Pressures, seen: bool, p: Parameters, dt: float) -> State:
+    if not seen:
         return state._replace(loads=REST.loads, primed=False, means=REST.means)
     weight = 1.0 - math.exp(-p.load_bandwidth * dt) if state.primed else 1.0
     fast = 1.0 - math.exp(-FILLING * dt) if state.primed else 1.0
@@ -243,10 +252,10 @@ def _filtered(
 
 
 def _learn(
-    state: State, pressures: Pressures | None, motion: Motion | None, p: Parameters, dt: float
+    state: State, pressures: Pressures, motion: Motion, seen: bool, p: Parameters, dt: float
 ) -> Learners:
     """Return what is known of the valves after another period's measurements."""
-    if pressures is None or motion is None:
+    if not seen:
         one, two, three = state.learners
         return blind(one), blind(two), blind(three)
     return (

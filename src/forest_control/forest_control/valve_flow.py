@@ -149,7 +149,8 @@ def opening_variance(low: LowPassed, a: FlowParameters, dt: float) -> float:
     White noise of the position, differentiated behind the low-pass of corner w, has the variance w^3 dt / 4
     times its own.
     """
-    return a.position_noise**2 * BANDWIDTH**3 * dt / 4.0 * low.gradient_2**2
+    noise = a.position_noise * low.gradient_2
+    return noise * noise * BANDWIDTH**3 * dt / 4.0
 
 
 def overlapping(dt: float) -> float:

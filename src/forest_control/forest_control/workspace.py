@@ -76,7 +76,8 @@ def _box(p: Triple, low: Triple, high: Triple) -> Gap:
         return Gap(outside, (x / outside, y / outside, z / outside))
     nearest, away = -FAR, (0.0, 0.0, 1.0)
     for i in range(3):
-        for side in (-1.0, 1.0):
+        for k in range(2):
+            side = 2.0 * k - 1.0
             depth = low[i] - p[i] if side < 0.0 else p[i] - high[i]
             if depth > nearest:
                 nearest = depth

@@ -175,8 +175,8 @@ def nearest_pose(position: Vector, like: Vector, links: Links) -> Vector:
     """
     l1, l2, l3 = links.base_offset, links.boom, links.stick
     side = 1.0 if l1 + l2 * math.cos(like[1]) + l3 * math.cos(like[1] + like[2]) >= 0.0 else -1.0
-    outward = side * math.hypot(position[0], position[1]) - l1
-    distance = math.hypot(outward, position[2])
+    outward = side * math.sqrt(position[0] * position[0] + position[1] * position[1]) - l1
+    distance = math.sqrt(outward * outward + position[2] * position[2])
     cosine = (distance * distance - l2 * l2 - l3 * l3) / (2.0 * l2 * l3)
     stick = math.copysign(math.acos(min(1.0, max(-1.0, cosine))), math.sin(like[2]))
     boom = math.atan2(position[2], outward) - math.atan2(l3 * math.sin(stick), l2 + l3 * math.cos(stick))

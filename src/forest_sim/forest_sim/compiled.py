@@ -42,6 +42,7 @@ from forest_sim import (
     supply,
     translate,
     translate_expressions,
+    translate_numbers,
     translate_statements,
 )
 from forest_sim.equilibrium import equilibrium
@@ -70,6 +71,7 @@ LAWS: tuple[ModuleType, ...] = (
 )
 COMPILER: tuple[ModuleType, ...] = (
     llvm_text,
+    translate_numbers,
     translate_expressions,
     translate_statements,
     translate,
@@ -289,8 +291,12 @@ def _cache_file() -> Path:
     digest = hashlib.sha256(f"{sys.version} {machine_code.processor()}".encode())
     for module in (*LAWS, *COMPILER, parameters, sys.modules[__name__]):
         digest.update(Path(str(module.__file__)).read_bytes())
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return home / "forest_sim" / f"{digest.hexdigest()[:24]}.o"
+    return cache_directory() / f"{digest.hexdigest()[:24]}.o"
+
+
+def cache_directory() -> Path:
+    """Return where object code is kept."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "forest_sim"
 
 
 def main() -> None:

@@ -50,9 +50,13 @@ def construction(example: Any, row: str, names: dict[str, Any]) -> str:
             inner = ", ".join(build(part) for part in item)
             if not hasattr(item, "_fields"):
                 return f"({inner},)"
-            names[type(item).__name__] = type(item)
-            return f"{type(item).__name__}({inner})"
+            name = type(item).__name__
+            while names.setdefault(name, type(item)) is not type(item):
+                name += "_"  # two types of one name
+            return f"{name}({inner})"
         index = next(count)
+        if isinstance(item, bool):
+            return f"bool({row}[{index}])"
         return f"int({row}[{index}])" if isinstance(item, int) else f"{row}[{index}]"
 
     return build(example)

@@ -56,7 +56,7 @@ def constant(value: Any) -> Value:
     if isinstance(value, bool):
         return Scalar(TRUTH, "true" if value else "false")
     if isinstance(value, int):
-        return Scalar(WHOLE, str(value))
+        return Scalar(WHOLE, str(int(value)))  # an IntEnum's member, too
     if isinstance(value, float):
         return Scalar(DOUBLE, f"0x{struct.pack('>d', value).hex().upper()}")
     if isinstance(value, tuple):
@@ -92,6 +92,19 @@ def rebuilt(value: Value, numbers: Iterator[Scalar]) -> Value:
     if isinstance(value, Record):
         return Record(value.sort, tuple(rebuilt(item, numbers) for item in value.items))
     return next(numbers)
+
+
+def widest(numbers: Sequence[Scalar]) -> str:
+    """Return the kind that all numbers can be without loss: double, whole number, truth."""
+    return next(kind for kind in (DOUBLE, WHOLE, TRUTH) if any(number.kind == kind for number in numbers))
+
+
+def _sort(value: Value) -> type | None:
+    """Return the NamedTuple that a tuple is; None if it is a plain one."""
+    if isinstance(value, Record):
+        return value.sort
+    example = value.example if isinstance(value, Stored) else None
+    return type(example) if hasattr(example, "_fields") else None
 
 
 class Function:
@@ -174,6 +187,9 @@ class Function:
             (TRUTH, WHOLE): "zext",
             (TRUTH, DOUBLE): "uitofp",
         }
+        if kind == TRUTH:
+            test = "fcmp une double" if value.kind == DOUBLE else "icmp ne i64"
+            return self.emit(TRUTH, f"{test} {value.text}, {'0.0' if value.kind == DOUBLE else '0'}", block)
         return self.emit(kind, f"{ways[value.kind, kind]} {value.kind} {value.text} to {kind}", block)
 
     def member(self, value: Value, index: int, block: str | None = None) -> Value:
@@ -187,7 +203,7 @@ class Function:
         offset = value.offset + size(value.example[:index])
         if isinstance(item, tuple):
             return Stored(item, value.row, offset)
-        kind = WHOLE if isinstance(item, int) else DOUBLE
+        kind = TRUTH if isinstance(item, bool) else WHOLE if isinstance(item, int) else DOUBLE
         if self._early is None:
             return self.converted(self.load(value.row, offset, block), kind, block)
         if (value.row, offset) not in self._early:
@@ -200,9 +216,7 @@ class Function:
         if isinstance(value, Record):
             return Record(value.sort, tuple(self.taken(item, block) for item in value.items))
         if isinstance(value, Stored):
-            items = (self.taken(self.member(value, i, block), block) for i in range(len(value.example)))
-            sort = type(value.example) if hasattr(value.example, "_fields") else None
-            return Record(sort, tuple(items))
+            return Record(_sort(value), tuple(self.taken(item, block) for item in self.items(value, block)))
         return value
 
     def joined(self, arrivals: Sequence[tuple[str, Value]]) -> Value:
@@ -210,16 +224,52 @@ class Function:
         values = [value for _, value in arrivals]
         if all(value == values[0] for value in values):
             return values[0]
-        blocks = [block for block, _ in arrivals]
-        taken = [self.taken(value, block) for block, value in arrivals]
-        numbers = [list(scalars(value)) for value in taken]
-        joined = (self._joined(blocks, column) for column in zip(*numbers, strict=True))
-        return rebuilt(taken[0], joined)
+        if all(isinstance(value, Scalar) for value in values):
+            return self._joined(
+                [block for block, _ in arrivals], [v for v in values if isinstance(v, Scalar)]
+            )
+        # Item by item: what is the same on all ways may stay in memory.
+        ways = [(block, self.items(value, block)) for block, value in arrivals]
+        places = zip(*(items for _, items in ways), strict=True)
+        blocks = [block for block, _ in ways]
+        joined = (self.joined(list(zip(blocks, place, strict=True))) for place in places)
+        return Record(_sort(values[0]), tuple(joined))
+
+    def items(self, value: Value, block: str | None = None) -> tuple[Value, ...]:
+        """Return the items of a tuple; what lies in memory is not loaded unless it is a number."""
+        if isinstance(value, Record):
+            return value.items
+        if not isinstance(value, Stored):
+            raise TypeError(f"{value} is no tuple")
+        return tuple(self.member(value, i, block) for i in range(len(value.example)))
+
+    def chosen(self, value: Value, index: Scalar) -> Value:
+        """Return the item of a tuple of items alike at an index that varies."""
+        if isinstance(value, Stored):
+            example = value.example[0]
+            at = self.emit(WHOLE, f"mul i64 {index.text}, {size(example)}")
+            row = self.element(value.row, self.emit(WHOLE, f"add i64 {at.text}, {value.offset}"))
+            early, self._early = self._early, None  # where the row begins is known only here
+            item = self.taken(self.member(Stored((example,), row.text, 0), 0))
+            self._early = early
+            return item
+        result, *others = [self.taken(item) for item in self.items(value)]
+        for i, other in enumerate(others, start=1):
+            here = self.emit(TRUTH, f"icmp eq i64 {index.text}, {i}").text
+            pairs = zip(scalars(other), scalars(result), strict=True)
+            picked = [
+                self.emit(
+                    a.kind, f"select i1 {here}, {a.kind} {a.text}, {a.kind} {self.converted(b, a.kind).text}"
+                )
+                for a, b in pairs
+            ]
+            result = rebuilt(result, iter(picked))
+        return result
 
     def _joined(self, blocks: Sequence[str], numbers: Sequence[Scalar]) -> Scalar:
         if all(number == numbers[0] for number in numbers):
             return numbers[0]
-        kind = DOUBLE if any(number.kind == DOUBLE for number in numbers) else numbers[0].kind
+        kind = widest(numbers)
         numbers = [self.converted(n, kind, block) for n, block in zip(numbers, blocks, strict=True)]
         return self._first(kind, _phi(kind, zip(blocks, numbers, strict=True)))
 
@@ -235,6 +285,8 @@ class Function:
         def close(block: str, after: Value) -> None:
             around = scalars(self.taken(after, block))
             for place, first, again in zip(heads, numbers, around, strict=True):
+                if widest([place, again]) != place.kind:
+                    raise TypeError(f"a loop makes a {again.kind} of what is a {place.kind} before it")
                 again = self.converted(again, place.kind, block)
                 text = _phi(place.kind, [(before, first), (block, again)])
                 at = self._bodies[head].index(f"{place.text} = ")

@@ -14,7 +14,7 @@ from typing import Any
 ENTRY = "forest_kernel"
 ARGUMENTS = {"p": ctypes.c_void_p, "d": ctypes.c_double, "i": ctypes.c_int64}
 Kernel = Callable[..., None]
-_MATHEMATICS = ("sin", "cos", "sincos", "exp")
+_MATHEMATICS = ("sin", "cos", "sincos", "exp", "acos", "atan2", "pow", "fmod")
 
 
 def optimised(text: str) -> bytes:

@@ -136,9 +136,9 @@ def _true_values(
     return (
         *(plant.swing.angle, plant.boom.angle, plant.stick.angle),
         *(t_2.position, t_3.position),
-        *_pressures(plant.swing, p.swing, t_1, ports[0], supply),
-        *_pressures(plant.boom, p.boom, t_2, ports[1], supply),
-        *_pressures(plant.stick, p.stick, t_3, ports[2], supply),
+        *axis_pressures(plant.swing, p.swing, t_1, ports[0], supply),
+        *axis_pressures(plant.boom, p.boom, t_2, ports[1], supply),
+        *axis_pressures(plant.stick, p.stick, t_3, ports[2], supply),
         supply,
         *(plant.swing.flow_1, plant.stick.flow_1),
         *around.temperatures,
@@ -161,7 +161,7 @@ def _true_force(s: AxisState, axis: Axis, t: Transmission) -> float:
     return force(one, two, axis.actuator)
 
 
-def _pressures(
+def axis_pressures(
     s: AxisState, axis: Axis, t: Transmission, ports: Ports, supply: float
 ) -> tuple[float, float, float, float]:
     """Return the pressures [Pa] of port 1 at valve and actuator, then of port 2."""

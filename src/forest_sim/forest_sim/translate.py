@@ -1,7 +1,7 @@
 """The laws, which are ordinary Python, as LLVM's text: one function that takes rows of doubles.
 
 The subset: functions of numbers and nested tuples of numbers, without effects; assignment, `if`, `for` over a
-range, `while`, `break`, `return`; arithmetic, comparison, and the functions in `translate_expressions`.
+range, `while`, `break`, `return`; arithmetic, comparison, and the functions in `translate_numbers`.
 Each call is written out where it stands, so that LLVM sees the plant in one piece, except of functions that
 are named as seldom called or large: those stay functions. A compiler for all of Python needs five times as
 long, and for machine code that is no faster.
@@ -25,7 +25,8 @@ from forest_sim.llvm_text import (
     scalars,
     size,
 )
-from forest_sim.translate_expressions import ONE_ARGUMENT, TWO_ARGUMENTS, Frame, NotTranslatedError
+from forest_sim.translate_expressions import Frame
+from forest_sim.translate_numbers import ONE_ARGUMENT, TWO_ARGUMENTS, NotTranslatedError
 from forest_sim.translate_statements import Statements, Variables
 
 KINDS = {"p": "ptr noalias", "d": DOUBLE, "i": WHOLE}

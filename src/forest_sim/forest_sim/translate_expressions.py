@@ -1,12 +1,10 @@
-"""Expressions of the laws in LLVM's text: numbers, tuples, comparisons, and calls of known functions.
+"""Expressions of the laws in LLVM's text: names, tuples, choices, and calls of known functions.
 
-Python's meaning is kept to the last bit, but for errors: a quotient by zero is infinite, a root of a negative
-number no number. What is not in the subset is refused by name.
+What is not in the subset is refused by name.
 """
 
 import ast
 import builtins
-import math
 from collections.abc import Callable
 from types import FunctionType
 from typing import Any
@@ -15,44 +13,15 @@ from forest_sim.llvm_text import (
     DOUBLE,
     TRUTH,
     WHOLE,
-    Function,
     Record,
     Row,
     Scalar,
     Stored,
     Value,
     constant,
-    size,
+    scalars,
 )
-
-TRUE, FALSE = Scalar(TRUTH, "true"), Scalar(TRUTH, "false")
-ONE_ARGUMENT: dict[Any, str] = {
-    math.sqrt: "llvm.sqrt.f64",
-    abs: "llvm.fabs.f64",
-    math.fabs: "llvm.fabs.f64",
-    math.sin: "sin",
-    math.cos: "cos",
-    math.exp: "exp",
-}
-TWO_ARGUMENTS: dict[Any, str] = {math.copysign: "llvm.copysign.f64"}
-EXTERNAL = {**ONE_ARGUMENT, **TWO_ARGUMENTS}
-_ARITHMETIC: dict[type[ast.operator], tuple[str, str]] = {
-    ast.Add: ("fadd", "add"),
-    ast.Sub: ("fsub", "sub"),
-    ast.Mult: ("fmul", "mul"),
-}
-_COMPARISONS: dict[type[ast.cmpop], tuple[str, str]] = {
-    ast.Lt: ("olt", "slt"),
-    ast.LtE: ("ole", "sle"),
-    ast.Gt: ("ogt", "sgt"),
-    ast.GtE: ("oge", "sge"),
-    ast.Eq: ("oeq", "eq"),
-    ast.NotEq: ("une", "ne"),
-}
-
-
-class NotTranslatedError(TypeError):
-    """Something in the laws is outside the subset: the message tells what and where."""
+from forest_sim.translate_numbers import FALSE, TRUE, NotTranslatedError, Numbers
 
 
 class Frame:
@@ -62,13 +31,11 @@ class Frame:
         self.variables, self.names = variables, names
         self.returns: list[tuple[str, Value]] = []
         self.breaks: list[list[tuple[str, dict[str, Value]]]] = []
+        self.continues: list[list[tuple[str, dict[str, Value]]]] = []
 
 
-class Expressions:
+class Expressions(Numbers):
     """Writes expressions into a function."""
-
-    def __init__(self, into: Function) -> None:
-        self.into = into
 
     def value(self, node: ast.expr, frame: Frame) -> Value:
         """Return what an expression gives."""
@@ -104,11 +71,6 @@ class Expressions:
             self.jump_if(node.values[-1], frame, yes, no)
         else:
             self.into.branch(self._truth(self.number(node, frame)), yes, no)
-
-    def _truth(self, number: Scalar) -> Scalar:
-        if number.kind == TRUTH:
-            return number
-        return self._compared(ast.NotEq(), number, Scalar(WHOLE, "0"))
 
     def _constant(self, node: ast.Constant, _: Frame) -> Value:
         return constant(node.value)
@@ -146,15 +108,56 @@ class Expressions:
             return self.into.load(value.text, index)
         if index.text.lstrip("-").isdigit():
             return self.into.member(value, int(index.text))
-        if not isinstance(value, Stored) or size(value.example) != len(value.example):
-            raise NotTranslatedError(
-                f"{ast.unparse(node)!r}: only stored rows of numbers have a variable index"
-            )
-        at = self.into.emit(WHOLE, f"add i64 {index.text}, {value.offset}")
-        return self.into.load(value.row, at)
+        if not self._alike(value):
+            raise NotTranslatedError(f"{ast.unparse(node)!r}: only items alike have a variable index")
+        return self.into.chosen(value, index)
+
+    def _alike(self, value: Value) -> bool:
+        """Tell whether a tuple's items are of one shape."""
+        if isinstance(value, Stored):
+            kinds = {str(_kinds(item)) for item in value.example}
+        elif isinstance(value, Record):
+            kinds = {str([number.kind for number in scalars(self.into.taken(item))]) for item in value.items}
+        else:
+            return False
+        return len(kinds) == 1
 
     def _tuple(self, node: ast.Tuple, frame: Frame) -> Value:
-        return Record(None, tuple(self.value(item, frame) for item in node.elts))
+        items: list[Value] = []
+        for item in node.elts:
+            if isinstance(item, ast.Starred):
+                items += self.into.items(self.value(item.value, frame))
+            else:
+                items.append(self.value(item, frame))
+        return Record(None, tuple(items))
+
+    def _written_out(self, node: ast.Call, frame: Frame) -> Record | None:
+        """Return `tuple([... for i in range(n)])`, n a constant, item by item; None if a call is none."""
+        match node:
+            case ast.Call(
+                func=ast.Name("tuple"),
+                args=[
+                    ast.ListComp(
+                        elt=item,
+                        generators=[
+                            ast.comprehension(
+                                target=ast.Name(name),
+                                iter=ast.Call(func=ast.Name("range"), args=[count]),
+                                ifs=[],
+                            )
+                        ],
+                    )
+                ],
+            ):
+                number = self.number(count, frame).text
+                if not number.isdigit():
+                    raise NotTranslatedError(f"{ast.unparse(node)!r}: its length is not constant")
+                items: list[Value] = []
+                for i in range(int(number)):
+                    inner = Frame(frame.variables | {name: Scalar(WHOLE, str(i))}, frame.names)
+                    items.append(self.value(item, inner))
+                return Record(None, tuple(items))
+        return None
 
     def _unaryop(self, node: ast.UnaryOp, frame: Frame) -> Value:
         number = self.number(node.operand, frame)
@@ -171,22 +174,13 @@ class Expressions:
     def _binop(self, node: ast.BinOp, frame: Frame) -> Value:
         left = self.number(node.left, frame)
         if isinstance(node.op, ast.Pow):
-            if not (isinstance(node.right, ast.Constant) and node.right.value == 2):
-                raise NotTranslatedError(f"{ast.unparse(node)!r}: only squares are translated")
-            return self.operation(ast.Mult(), left, left)
+            power = node.right.value if isinstance(node.right, ast.Constant) else None
+            if power == 2:
+                return self.operation(ast.Mult(), left, left)
+            if not isinstance(power, int | float) or left.kind != DOUBLE:
+                raise NotTranslatedError(f"{ast.unparse(node)!r}: only constant powers are translated")
+            return self._builtin(pow, [left, self.number(node.right, frame)], ast.unparse(node))
         return self.operation(node.op, left, self.number(node.right, frame))
-
-    def operation(self, operator: ast.operator, left: Scalar, right: Scalar) -> Scalar:
-        """Return a sum, difference, product or quotient."""
-        if isinstance(operator, ast.Div):
-            left, right = self.into.converted(left, DOUBLE), self.into.converted(right, DOUBLE)
-            return self.into.emit(DOUBLE, f"fdiv double {left.text}, {right.text}")
-        if type(operator) not in _ARITHMETIC:
-            raise NotTranslatedError(f"{type(operator).__name__} is not translated")
-        kind = DOUBLE if DOUBLE in (left.kind, right.kind) else WHOLE
-        left, right = self.into.converted(left, kind), self.into.converted(right, kind)
-        instruction = _ARITHMETIC[type(operator)][kind == WHOLE]
-        return self.into.emit(kind, f"{instruction} {kind} {left.text}, {right.text}")
 
     def _compare(self, node: ast.Compare, frame: Frame) -> Value:
         values = [self.value(item, frame) for item in (node.left, *node.comparators)]
@@ -195,26 +189,6 @@ class Expressions:
             holds = self._compared(operator, left, right)
             result = holds if result is None else self._both(result, holds)
         return result or TRUE
-
-    def _compared(self, operator: ast.cmpop, left: Value, right: Value) -> Scalar:
-        if isinstance(left, Scalar) and isinstance(right, Scalar):
-            kind = DOUBLE if DOUBLE in (left.kind, right.kind) else WHOLE
-            left, right = self.into.converted(left, kind), self.into.converted(right, kind)
-            sort = _COMPARISONS[type(operator)][kind == WHOLE]
-            instruction = "icmp" if kind == WHOLE else "fcmp"
-            return self.into.emit(TRUTH, f"{instruction} {sort} {kind} {left.text}, {right.text}")
-        if isinstance(operator, ast.NotEq):
-            return self.into.emit(TRUTH, f"xor i1 {self._compared(ast.Eq(), left, right).text}, true")
-        one, other = self.into.taken(left), self.into.taken(right)
-        if not (isinstance(operator, ast.Eq) and isinstance(one, Record) and isinstance(other, Record)):
-            raise NotTranslatedError("tuples are compared for equality alone")
-        result = TRUE
-        for a, b in zip(one.items, other.items, strict=True):
-            result = self._both(result, self._compared(operator, a, b))
-        return result
-
-    def _both(self, one: Scalar, other: Scalar) -> Scalar:
-        return self.into.emit(TRUTH, f"and i1 {one.text}, {other.text}")
 
     def _boolop(self, node: ast.BoolOp, frame: Frame) -> Value:
         return self._chosen(node, frame, lambda: TRUE, lambda: FALSE)
@@ -240,41 +214,44 @@ class Expressions:
         return into.joined(arrivals)
 
     def _call(self, node: ast.Call, frame: Frame) -> Value:
+        if isinstance(node.func, ast.Attribute) and node.func.attr == "_replace":
+            return self._replaced(node, self.value(node.func.value, frame), frame)
+        written = self._written_out(node, frame)
+        if written is not None:
+            return written
         function = self._known(node.func, frame)
         arguments = [self.value(item, frame) for item in node.args]
         if isinstance(function, type) and issubclass(function, tuple):
             named = {str(word.arg): self.value(word.value, frame) for word in node.keywords}
             fields: tuple[str, ...] = getattr(function, "_fields", ())
-            return Record(function, (*arguments, *(named[name] for name in fields[len(arguments) :])))
+            given = {n: constant(v) for n, v in getattr(function, "_field_defaults", {}).items()} | named
+            return Record(function, (*arguments, *(given[name] for name in fields[len(arguments) :])))
         if isinstance(function, FunctionType):
             named = {str(word.arg): self.value(word.value, frame) for word in node.keywords}
-            names = function.__code__.co_varnames[len(arguments) : function.__code__.co_argcount]
-            return self.call(function, [*arguments, *(named[name] for name in names)])
+            names = function.__code__.co_varnames[: function.__code__.co_argcount]
+            last = function.__defaults__ or ()
+            missing = [name for name in names[len(arguments) :] if name not in named]
+            default = dict(zip(names[len(names) - len(last) :], last, strict=True))
+            named |= {name: constant(default[name]) for name in missing}
+            return self.call(function, [*arguments, *(named[name] for name in names[len(arguments) :])])
         numbers = [item for item in arguments if isinstance(item, Scalar)]
         if len(numbers) != len(arguments) or node.keywords:
             raise NotTranslatedError(f"{ast.unparse(node)!r} is not translated")
         return self._builtin(function, numbers, ast.unparse(node))
 
-    def _builtin(self, function: Any, numbers: list[Scalar], text: str) -> Scalar:
-        into = self.into
-        if function in (max, min):
-            return self._extreme(ast.Gt() if function is max else ast.Lt(), numbers)
-        if function in (int, float):
-            return into.converted(numbers[0], WHOLE if function is int else DOUBLE)
-        if function is math.isfinite:
-            size = self._builtin(abs, numbers, text)
-            return self._compared(ast.Lt(), size, Scalar(DOUBLE, "0x7FF0000000000000"))
-        if function not in EXTERNAL:
-            raise NotTranslatedError(f"{text!r} is not translated")
-        given = ", ".join(f"double {into.converted(number, DOUBLE).text}" for number in numbers)
-        return into.emit(DOUBLE, f"call double @{EXTERNAL[function]}({given})")
+    def _replaced(self, node: ast.Call, value: Value, frame: Frame) -> Record:
+        """Return a NamedTuple with some fields changed."""
+        sort: Any = value.sort if isinstance(value, Record) else type(getattr(value, "example", None))
+        items = dict(zip(getattr(sort, "_fields", ()), self.into.items(value), strict=True))
+        for word in node.keywords:
+            if word.arg not in items:
+                raise NotTranslatedError(f"{ast.unparse(node)!r}: there is no field {word.arg!r}")
+            items[word.arg] = self.value(word.value, frame)
+        return Record(sort, tuple(items.values()))
 
-    def _extreme(self, operator: ast.cmpop, numbers: list[Scalar]) -> Scalar:
-        """Return the greatest or least number; the first of equals, and of what cannot be compared."""
-        kind = DOUBLE if any(number.kind == DOUBLE for number in numbers) else WHOLE
-        result, *others = (self.into.converted(number, kind) for number in numbers)
-        for other in others:
-            beyond = self._compared(operator, other, result)
-            text = f"select i1 {beyond.text}, {kind} {other.text}, {kind} {result.text}"
-            result = self.into.emit(kind, text)
-        return result
+
+def _kinds(example: Any) -> list[Any]:
+    """Return the types of a nested tuple's numbers."""
+    if isinstance(example, tuple):
+        return [kind for item in example for kind in _kinds(item)]
+    return [type(example)]

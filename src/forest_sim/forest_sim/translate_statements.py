@@ -13,7 +13,8 @@ from types import FunctionType
 from typing import Protocol
 
 from forest_sim.llvm_text import DOUBLE, TRUTH, WHOLE, Function, Row, Scalar, Stored, Value, rebuilt, scalars
-from forest_sim.translate_expressions import Expressions, Frame, NotTranslatedError
+from forest_sim.translate_expressions import Expressions, Frame
+from forest_sim.translate_numbers import NotTranslatedError
 
 Variables = dict[str, Value]
 
@@ -53,13 +54,14 @@ class Statements(Expressions):
         """Return what a function of the laws gives, written out or by a call."""
         if not self._library.is_apart(function):
             return self.written_out(function, arguments)
+        arguments = [a if isinstance(a, Stored) else self.into.taken(a) for a in arguments]
         name, results, shape = self._library.function(function, arguments)
         given: list[str] = []
         for argument in arguments:
             if isinstance(argument, Stored):
                 given.append(f"ptr {self.into.element(argument.row, argument.offset).text}")
             else:
-                given += [f"{number.kind} {number.text}" for number in scalars(self.into.taken(argument))]
+                given += [f"{number.kind} {number.text}" for number in scalars(argument)]
         whole = "{ " + ", ".join(results) + " }"
         together = self.into.emit(whole, f"call {whole} @{name}({', '.join(given)})").text
         numbers = (
@@ -135,6 +137,10 @@ class Statements(Expressions):
 
     def _do_break(self, _: ast.Break, frame: Frame) -> None:
         frame.breaks[-1].append((self.into.block, dict(frame.variables)))
+        self.into.open = False
+
+    def _do_continue(self, _: ast.Continue, frame: Frame) -> None:
+        frame.continues[-1].append((self.into.block, dict(frame.variables)))
         self.into.open = False
 
     def _do_if(self, node: ast.If, frame: Frame) -> None:
@@ -222,8 +228,11 @@ class Statements(Expressions):
         into.start(done)
         into.start(body)
         frame.breaks.append([])
+        frame.continues.append([])
         frame.variables = dict(frame.variables)
         self.run(node.body, frame)
+        ends = [(into.block, frame.variables)] if into.open else []
+        self._meet(ends + frame.continues.pop(), frame)
         if not into.open:
             raise NotTranslatedError(f"line {node.lineno}: a loop that never goes round is not translated")
         frame.variables = dict(frame.variables) | advance()

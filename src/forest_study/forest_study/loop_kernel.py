@@ -1,0 +1,223 @@
+"""The closed loop as machine code: `loop_core.period` over and over, for studies of thousands of runs.
+
+A run gives what `closed_loop.run` gives, to the last bit, for sensors without faults. The object is kept in
+the cache beside the plant's (`forest_sim.compiled`), under a digest of the sources of all that is in it.
+Python's lock is released while a run is under way, so that threads use all cores.
+"""
+
+import hashlib
+import sys
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_control import (
+    capacity,
+    controller,
+    coordination,
+    governor,
+    hand,
+    levers,
+    schemes,
+    settings,
+    singularity,
+    stopping,
+    swing_load,
+    valve_adaptation,
+    valve_driver,
+    valve_flow,
+    valve_hold,
+    valve_inverse,
+    valve_knowledge,
+    workspace,
+)
+from forest_description import actuation, kinematics
+from forest_description.machine import Machine, load_machine
+from forest_sim import channel, compiled, flat, machine_code, measurement, sensor_suite, sensors, translate
+from forest_sim.equilibrium import equilibrium
+from forest_sim.manipulator import Triple
+from forest_sim.parameters import plant_parameters
+from forest_sim.sensor_suite import CHANNELS, Suite, noise_generator
+from forest_study import closed_loop, loop_core
+from forest_study.closed_loop import PERIOD, Trajectory
+from forest_study.loop_core import CHANNEL_COUNT, Happened, Knowledge, Loop, Senses, Sensing
+
+Floats = NDArray[np.float64]
+
+LAWS: tuple[ModuleType, ...] = (
+    *(actuation, kinematics, channel, measurement, sensor_suite, sensors),
+    *(capacity, controller, coordination, governor, hand, levers, schemes, settings, singularity, stopping),
+    *(swing_load, valve_adaptation, valve_driver, valve_flow, valve_hold, valve_inverse, valve_knowledge),
+    *(workspace, closed_loop, loop_core),
+)
+APART = (
+    *compiled.APART,
+    "_sampled",
+    "_axis",
+    "_stopping",
+    "_taken_over",
+    "_commanded",
+    "_governed_wish",
+    "_learn_axis",
+    "axis_pressures",
+    "greatest_rates",
+    "joint_rates",
+    "nearest_pose",
+    "rates_anywhere",
+    "share",
+    "slid",
+    "tip_following",
+    "voltage_for_opening",
+)
+# state, knowledge, levers (4 a row: swing, boom, stick, enabled), normals, recorded, rows
+ARGUMENTS = "pppppi"
+RECORDED = 27
+
+
+def run(
+    machine: Machine,
+    levers: Floats,
+    start: Triple,
+    control: controller.Settings,
+    drive: valve_driver.Settings,
+    model: Machine | None = None,
+    suite: Suite | None = None,
+) -> Trajectory:
+    """Run a session; all as `closed_loop.run`, but for the levers.
+
+    Args:
+        machine: what is simulated.
+        levers: [N, 4] deflections of swing, boom, stick, and 1 while the deadman is held; a row a period.
+        start: joint angles [rad], at rest.
+        control: the controller's settings.
+        drive: the valve driver's settings.
+        model: what controller and driver believe; default: the machine itself.
+        suite: sensors without faults; default: the machine's, exact.
+
+    Raises:
+        ValueError: the sensors have faults.
+        ModuleNotFoundError: llvmlite is not installed.
+    """
+    suite = sensor_suite.sensor_suite(machine) if suite is None else suite
+    if suite.faults:
+        raise ValueError("sensors with faults are not compiled; use closed_loop.run")
+    k = knowledge(machine, machine if model is None else model, control, drive, suite)
+    table, given = np.ascontiguousarray(levers, dtype=np.float64), _packed(k)
+    state, rows = np.array(flat.packer(example := begin(k, start, suite))(example)), len(table)
+    normals, recorded = draws(suite, rows), np.empty((rows, RECORDED))
+    kernel()(*(a.ctypes.data for a in (state, given, table, normals, recorded)), rows)
+    columns = np.split(recorded, (3, 6, 9, 12, 15), axis=1)  # of `Happened`
+    return Trajectory(PERIOD * np.arange(rows, dtype=np.float64), *columns)
+
+
+def knowledge(
+    machine: Machine, model: Machine, control: controller.Settings, drive: valve_driver.Settings, suite: Suite
+) -> Knowledge:
+    """Return all that stays in a run."""
+    return Knowledge(
+        plant_parameters(machine),
+        machine.manipulator.links,
+        Sensing(suite.channels[:CHANNEL_COUNT], suite.period),
+        controller.parameters(model, control),
+        valve_driver.parameters(model, drive),
+    )
+
+
+def begin(k: Knowledge, start: Triple, suite: Suite) -> Loop:
+    """Return the loop at rest at joint angles [rad]."""
+    simulation = equilibrium(start, k.plant)
+    seen = sensors.at_rest(simulation, k.plant, suite)
+    one, two, three, *_ = seen.estimates
+    senses = Senses(seen.channels[:CHANNEL_COUNT], (one, two, three), seen.time, seen.next_sample)
+    return Loop(simulation, senses, controller.REST, valve_driver.REST)
+
+
+def draws(suite: Suite, rows: int) -> Floats:
+    """Return the noise of a run [rows, channels]: what `sensor_suite.draw` would draw row by row."""
+    if not any(channel.noise for channel in suite.channels):
+        return np.zeros((rows, CHANNEL_COUNT))
+    generator, normals = noise_generator(suite), np.empty((rows, len(CHANNELS)))
+    unused = np.empty(len(CHANNELS))
+    for row in normals:
+        generator.standard_normal(out=row)
+        generator.random(out=unused)
+    return np.ascontiguousarray(normals[:, :CHANNEL_COUNT])
+
+
+def _packed(k: Knowledge) -> Floats:
+    if not _packers:
+        _packers.append(flat.packer(k))
+    return np.array(_packers[0](k), dtype=np.float64)
+
+
+_packers: list[Callable[[Knowledge], flat.Row]] = []
+
+
+@lru_cache(maxsize=1)
+def kernel() -> machine_code.Kernel:
+    """Return the compiled loop; it is made if need be.
+
+    Raises:
+        ModuleNotFoundError: llvmlite is not installed.
+    """
+    file = cache_file()
+    try:
+        code = file.read_bytes()
+    except OSError:
+        code = machine_code.optimised(kernel_text())
+        machine_code.write(file, code)
+    return machine_code.load(code, ARGUMENTS)
+
+
+def is_ready() -> bool:
+    """Tell whether the compiled loop is there, or would have to be made first."""
+    return compiled.can_compile() and cache_file().exists()
+
+
+def kernel_text() -> str:
+    """Return the loop as LLVM's text: levers and draws in, what happened out, a row a period."""
+    k, loop = _example()
+    names: dict[str, Any] = {"period": loop_core.period, "Levers": levers.Levers}
+    after = [path for path, _ in flat.leaves(loop, "after")]
+    zero = (0.0, 0.0, 0.0)
+    out = [p for p, _ in flat.leaves(Happened(zero, zero, zero, zero, zero, (0.0,) * 12), "happened")]
+    lines = [
+        "def kernel(state, knowledge, levers, normals, recorded, rows):",
+        "    for row in range(rows):",
+        f"        before = {flat.construction(loop, 'state', names)}",
+        "        lever = Levers(levers[4 * row], levers[4 * row + 1], levers[4 * row + 2])",
+        "        held = levers[4 * row + 3] > 0.5",
+        f"        after, happened = period(before, lever, held, k, normals, {CHANNEL_COUNT} * row)",
+        *(f"        state[{i}] = {path}" for i, path in enumerate(after)),
+        *(f"        recorded[{RECORDED} * row + {i}] = {path}" for i, path in enumerate(out)),
+    ]
+    library = translate.Library(APART)
+    library.entry(
+        *(machine_code.ENTRY, "\n".join(lines), names, ARGUMENTS),
+        views={"k": ("knowledge", k)},
+        copies={},
+    )
+    return "\n".join(library.text())
+
+
+@lru_cache(maxsize=1)
+def _example() -> tuple[Knowledge, Loop]:
+    """Return values of the types that all runs share."""
+    machine = load_machine("c180")
+    suite = sensor_suite.sensor_suite(machine)
+    k = knowledge(machine, machine, controller.Settings(), valve_driver.Settings(), suite)
+    return k, begin(k, (0.0, 0.5, -1.5), suite)
+
+
+@lru_cache(maxsize=1)
+def cache_file() -> Path:
+    """Return where this version's object code lies for this interpreter and processor."""
+    digest = hashlib.sha256(f"{sys.version} {machine_code.processor()}".encode())
+    for module in (*compiled.LAWS, *compiled.COMPILER, compiled, *LAWS, sys.modules[__name__]):
+        digest.update(Path(str(module.__file__)).read_bytes())
+    return compiled.cache_directory() / f"loop-{digest.hexdigest()[:24]}.o"
