@@ -1,0 +1,33 @@
+"""The commander says what its file says, and ends with it at zero."""
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from forest_msgs_py import topics
+from forest_msgs_py.messages import read_float_array
+
+ROWS = "time,swing,boom,stick\n0,1.5,0,0\n0.2,0,-2,0\n0.4,0,0,0\n"
+COMMANDER = "forest_sim.commander_node"
+
+
+def start(start_process, path):
+    return start_process(["-m", COMMANDER, "--ros-args", "-p", f"input:={path}"])
+
+
+def test_it_says_its_file_row_by_row_and_ends_at_zero(peer, start_process, tmp_path):
+    heard = peer.hear(topics.VALVE_COMMANDS)
+    (tmp_path / "volts.csv").write_text(ROWS)
+    process = start(start_process, tmp_path / "volts.csv")
+    peer.until(lambda: process.poll() is not None)
+    assert process.returncode == 0, process.text()
+    said = [read_float_array(topics.VALVE_COMMANDS, message, 0).values for message in heard]
+    assert list(dict.fromkeys(said))[-2:] == [(0.0, -2.0, 0.0), (0.0, 0.0, 0.0)]
+    assert said[-1] == (0.0, 0.0, 0.0)
+
+
+def test_a_file_that_is_none_ends_it_with_one_line(domain_id, start_process, tmp_path):
+    process = start(start_process, tmp_path / "absent.csv")
+    assert process.wait(10.0) == 2
+    assert process.text().count("\n") == 1
+    assert "parameter 'input'" in process.text()
