@@ -18,12 +18,12 @@ from rclpy.node import Node
 from forest_msgs_py import topics
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.lockstep import STEP_NS
 from forest_msgs_py.node import NodeFailure, run_node
 from forest_msgs_py.pace import pace
 from forest_msgs_py.parameters import ParameterError, declare
 from forest_msgs_py.raw_messages import RawMessage
 from forest_msgs_py.stamps import STAMPED
+from forest_msgs_py.step_topics import STEP_NS
 from forest_msgs_py.topics import Topic, find
 
 # The leader's own, and what several nodes say, among them those under test.

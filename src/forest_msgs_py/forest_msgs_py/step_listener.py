@@ -18,12 +18,13 @@ from forest_msgs_py import topics
 from forest_msgs_py.cdr import to_cdr
 from forest_msgs_py.graph_listener import GraphListener, Heard, Offer
 from forest_msgs_py.inbox import Inbox
-from forest_msgs_py.lockstep import END, STEP_NS, lockstep_qos, silences
+from forest_msgs_py.lockstep import END
 from forest_msgs_py.messages import ns_to_stamp, stamp_to_ns
 from forest_msgs_py.node import Finished, NodeFailure
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.stamps import stamp_in
 from forest_msgs_py.step_order import StepOrder
+from forest_msgs_py.step_topics import STEP_NS, lockstep_qos, silences
 from forest_msgs_py.topics import find, message_class, offered_qos, unlisted
 
 WALL_CLOCK = "/parameter_events"  # carries the time of day: no two runs say the same
