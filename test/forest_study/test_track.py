@@ -146,3 +146,47 @@ def test_a_path_out_of_reach_is_refused(tmp_path, capsys):
     way.write_text("x,y,z\n5,0,1\n9,0,1\n")
     assert cli.main(["track", "--path", str(way), "--out", str(tmp_path / "out")]) == 1
     assert "far:" in capsys.readouterr().err
+
+
+def mistaken(overlap, gain):
+    """A model whose valves' deadbands are wider by [V] and whose valves are faster by a factor."""
+    valve = C180.valve
+    return dataclasses.replace(
+        C180,
+        valve=dataclasses.replace(
+            valve,
+            deadband_voltage=valve.deadband_voltage + overlap,
+            minimum_resistance=valve.minimum_resistance / gain**2,
+        ),
+    )
+
+
+@pytest.mark.parametrize(("overlap", "gain"), [(0.15, 1.4), (-0.15, 1.4), (0.15, 0.6), (-0.15, 0.6)])
+def test_adapting_learns_a_wrong_valve_within_two_laps(overlap, gain):
+    way, model = polyline("way", [(5.6, -0.8, 1.0), (5.6, 0.8, 0.6)]), mistaken(overlap, gain)
+    runs = track(way, 0.5, Scheme.COORDINATED, C180, model, noisy(C180, 0), 4, adapt=True).scores
+    assert runs[0].max_mm < 38.0
+    assert runs[2].max_mm < 18.0
+    assert runs[2].rms_mm < 4.1
+    assert runs[3].max_mm < 18.0
+
+
+def test_adapting_to_a_model_that_is_exact_changes_next_to_nothing():
+    way = polyline("way", [(5.6, -0.8, 1.0), (5.6, 0.8, 0.6)])
+    plain, adapting = (
+        track(way, 0.5, Scheme.COORDINATED, C180, C180, noisy(C180, 0), 2, adapt=adapt).total
+        for adapt in (False, True)
+    )
+    assert adapting.max_mm < plain.max_mm + 1.0
+    assert adapting.rms_mm < plain.rms_mm + 0.3
+
+
+def test_the_command_adapts_and_tells_every_lap(tmp_path, capsys):
+    way = tmp_path / "way.csv"
+    way.write_text("x,y,z\n5.5,0,1\n5.5,0.3,1\n")
+    arguments = ["track", "--path", str(way), "--adapt", "--laps", "3", "--out", str(tmp_path / "out")]
+    assert cli.main(arguments) == 0
+    report = json.loads((tmp_path / "out" / "track.json").read_text())
+    assert report["adapt"] is True
+    assert len(report["runs"][0]["laps"]) == 3
+    assert "| way, lap 3 |" in capsys.readouterr().out

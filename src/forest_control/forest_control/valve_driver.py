@@ -51,6 +51,7 @@ Holds = tuple[Hold, Hold, Hold]
 LOWEST_SUPPLY = 0.25  # of the idle supply pressure: below, the pump is off or its transducer broken
 HIGHEST = 2.0  # of the nominal supply pressure
 FILLING = 60.0  # [rad/s] low-pass of the ports' mean pressure
+HELD = 1e-6  # [V] a command below wishes that the actuator be held
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than nothing for a moment
 LEAST_FED = 0.004  # [V] of leakage: less lets the tip sink by under 3 mm/s and is not worth an open valve
 
@@ -181,7 +182,9 @@ def _axis(
         leaked = rated * axis.slip * state.loads[i] / axis.rated_speed
         fed = command + leaked if command != 0.0 else 0.0
         opens = p.hold_zone if abs(leaked) <= _worth(leaked, spool) else min(LEAST_FED, p.hold_zone)
-        hold, fed = obeyed(hold, fed, p.hold_zone, opens, p.command_noises[i], dt)
+        hold, fed = obeyed(
+            hold, fed, p.hold_zone, opens, p.command_noises[i], abs(command) < HELD, p.adapt, dt
+        )
         law = learnt_law(axis.valve, state.learners[i]) if p.adapt else axis.valve
         wanted = spool_voltage(fed, state.loads[i], mean, supply, axis, law, p) if fed != 0.0 else 0.0
         saturated = not -low < wanted < rated

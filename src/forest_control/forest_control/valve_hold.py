@@ -11,8 +11,8 @@ quarter of the zone, or turned round.
 
 An over-compensated inverse cannot open a valve a little: the actuator jumps, overshoots, is sent back, and so
 on. So every time that a valve is opened again soon after it was shut, or turned soon after it was turned, its
-zone doubles, but for the first time, up to `WIDEST` / 2 times; that fades in `FORGOTTEN` s, and at once in
-motion.
+zone doubles, but for the first time, up to `WIDEST` / 2 times; that fades in `FORGOTTEN` s, soon while
+the actuator is held, and at once in motion.
 """
 
 import math
@@ -25,6 +25,8 @@ BRIEF, SOON = 0.05, 1.0  # [s] shut: briefer is noise or a reversal in motion
 SURE = 14.0  # zones, a command that no cycle reaches
 CALM = 0.5  # [s] without a command that must be motion: longer than a reversal takes
 WIDEST, FORGOTTEN = 32.0, 5.0
+HELD_FORGOTTEN = 1.0  # [s]
+MOST_HELD = 5.0  # zones that a motion may start late by
 BARELY = 1e-9  # [V] of an open valve whose command's noise has turned round
 
 
@@ -44,7 +46,9 @@ class Hold(NamedTuple):
 SHUT = Hold(0.0, 0.0, 0.0, 0.0, SOON, SOON, CALM, 1.0)
 
 
-def obeyed(hold: Hold, c: float, zone: float, opens: float, noise: float, dt: float) -> tuple[Hold, float]:
+def obeyed(
+    hold: Hold, c: float, zone: float, opens: float, noise: float, held: bool, learns: bool, dt: float
+) -> tuple[Hold, float]:
     """Return the state a period of dt [s] on, and the command to obey: 0 where the valve shall stay shut.
 
     Args:
@@ -53,16 +57,19 @@ def obeyed(hold: Hold, c: float, zone: float, opens: float, noise: float, dt: fl
         zone: z [V]; 0: every command is obeyed.
         opens: a steady command over this opens [V]; z, or less where leakage must be fed.
         noise: c up to this may be noise [V].
+        held: nobody wishes any motion, c is leakage alone.
+        learns: the overlap is being learnt, which ends a cycle: no motion need start late.
         dt: period [s].
     """
-    wide = 1.0 + (hold.wide - 1.0) * math.exp(-dt / FORGOTTEN)
+    wide = 1.0 + (hold.wide - 1.0) * math.exp(-dt / (HELD_FORGOTTEN if held else FORGOTTEN))
     turned_for, shut_for, calm_for = hold.turned_for + dt, hold.shut_for + dt, hold.calm_for + dt
     if c == 0.0:
         return Hold(0.0, 0.0, 0.0, hold.last, turned_for, shut_for, calm_for, wide), 0.0
     slow, quick = _passed(hold.slow, c, OPENING_LAG, dt), _passed(hold.quick, c, SHUTTING_LAG, dt)
+    most = 1.0 if learns else MOST_HELD
     widened = max(1.0, 0.5 * wide)  # once is no cycle
     least = widened * opens
-    if abs(c) > max(1.5 * widened * zone, noise) or zone == 0.0:
+    if abs(c) > max(1.5 * min(widened, most) * zone, noise) or zone == 0.0:
         calm_for = 0.0
     if abs(c) > max(SURE * zone, noise):
         wide = 1.0

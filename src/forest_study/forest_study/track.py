@@ -200,6 +200,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--static-errors", action="store_true", help="with --noise: uncalibrated sensors")
     add("--seed", type=int, default=0, metavar="N", help="of the first run (default: %(default)s)")
     add("--seeds", type=_count, default=1, metavar="N", help="runs per path (default: %(default)s)")
+    add("--adapt", action="store_true", help="the valve driver learns deadbands and gains on the way")
     add("--laps", type=_count, default=1, metavar="N", help="default: %(default)s")
 
 
@@ -248,6 +249,7 @@ def _run_all(
         "model": model.name,
         "scheme": options.scheme,
         "speed": options.speed,
+        "adapt": options.adapt,
         "noise": options.noise,
         "static_errors": options.static_errors,
         "runs": [],
@@ -256,7 +258,7 @@ def _run_all(
         for seed in range(options.seed, options.seed + options.seeds):
             suite = noisy(machine, seed, options.static_errors) if options.noise else None
             scheme = scheme_named(options.scheme)
-            session = track(path, options.speed, scheme, machine, model, suite, options.laps)
+            session = track(path, options.speed, scheme, machine, model, suite, options.laps, options.adapt)
             laps = [score._asdict() for score in session.scores]
             report["runs"].append({"path": path.name, "seed": seed, **session.total._asdict(), "laps": laps})
             if seed == options.seed:
@@ -265,18 +267,23 @@ def _run_all(
 
 
 def table(report: dict[str, Any]) -> str:
-    """Return a Markdown table: per path the mean RMS and the greatest error of all its runs."""
-    runs, lines = (
-        report["runs"],
-        ["| path | RMS, mm | max, mm | velocity RMS, m/s | duration, s | saturated, s |"],
-    )
+    """Return a Markdown table: per path, and lap if several, mean RMS and greatest error of all runs."""
+    lines = ["| path | RMS, mm | max, mm | velocity RMS, m/s | duration, s | saturated, s |"]
     lines.append("|---|---|---|---|---|---|")
-    for name in dict.fromkeys(run["path"] for run in runs):
-        of = [run for run in runs if run["path"] == name]
-        mean = {key: sum(run[key] for run in of) / len(of) for key in Score._fields}
-        greatest = max(run["max_mm"] for run in of)
-        lines.append(
-            f"| {name} | {mean['rms_mm']:.2f} | {greatest:.1f} | {mean['velocity_rms']:.4f} "
-            f"| {mean['duration_s']:.2f} | {mean['saturated_s']:.2f} |"
-        )
+    for name in dict.fromkeys(run["path"] for run in report["runs"]):
+        of = [run for run in report["runs"] if run["path"] == name]
+        laps = len(of[0]["laps"])
+        if laps == 1:
+            lines.append(_row(name, of))
+        else:
+            lines += [_row(f"{name}, lap {k + 1}", [run["laps"][k] for run in of]) for k in range(laps)]
     return "\n".join(lines)
+
+
+def _row(name: str, scores: list[dict[str, Any]]) -> str:
+    mean = {key: sum(score[key] for score in scores) / len(scores) for key in Score._fields}
+    greatest = max(score["max_mm"] for score in scores)
+    return (
+        f"| {name} | {mean['rms_mm']:.2f} | {greatest:.1f} | {mean['velocity_rms']:.4f} "
+        f"| {mean['duration_s']:.2f} | {mean['saturated_s']:.2f} |"
+    )
