@@ -166,7 +166,7 @@ def test_adapting_learns_a_wrong_valve_within_two_laps(overlap, gain):
     way, model = polyline("way", [(5.6, -0.8, 1.0), (5.6, 0.8, 0.6)]), mistaken(overlap, gain)
     runs = track(way, 0.5, Scheme.COORDINATED, C180, model, noisy(C180, 0), 4, adapt=True).scores
     assert runs[0].max_mm < 38.0
-    assert runs[2].max_mm < 18.0
+    assert runs[2].max_mm < 18.0  # what a first trial reached
     assert runs[2].rms_mm < 4.1
     assert runs[3].max_mm < 18.0
 
