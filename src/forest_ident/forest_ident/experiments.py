@@ -65,10 +65,11 @@ def names(machine: Machine) -> tuple[str, ...]:
     """Return the experiments that this machine needs, in the order in which they are evaluated."""
     own_valves = [f"valve_{axis}" for axis in AXES if getattr(machine, axis).valve is not None]
     own_hoses = [f"hose_{axis}" for axis in AXES if getattr(machine, axis).hose is not None]
+    shared_valve = [] if len(own_valves) == len(AXES) else ["valve"]
     regimes = {drive.flow_regime for drive in machine.drives if drive.hose is None}
     shared = [name for name, flag in (("hose", "turbulent"), ("hose_laminar", "laminar")) if flag in regimes]
     return (
-        *("calibration", "valve", *own_valves, "spool_lag", *shared, *own_hoses),
+        *("calibration", *shared_valve, *own_valves, "spool_lag", *shared, *own_hoses),
         *("gravity", "motor_external", "motor_internal"),
         *(f"deadband_{axis}" for axis in AXES),
         *(f"damping_{axis}" for axis in AXES),
@@ -90,7 +91,7 @@ def plan(name: str, machine: Machine, seed: int = 0) -> Plan:
     kind, _, axis_name = name.partition("_")
     axis = AXES.index(axis_name) if axis_name in AXES else 0
     if kind == "valve":
-        return _valve(name, machine, axis)
+        return _valve(name, machine, axis if axis_name in AXES else shared_valve_axis(machine))
     if name == "spool_lag":
         return _spool_lag(machine)
     if kind == "hose":
@@ -104,6 +105,11 @@ def plan(name: str, machine: Machine, seed: int = 0) -> Plan:
     if name in ("gravity", "validation"):
         return _all_axes(name, machine, seed)
     raise KeyError(name)
+
+
+def shared_valve_axis(machine: Machine) -> int:
+    """Return an axis that has the valve that all share; the swing if none has."""
+    return next((axis for axis in range(3) if machine.drives[axis].valve is None), 0)
 
 
 def _shared_hose(machine: Machine) -> int:

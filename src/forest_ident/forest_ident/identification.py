@@ -99,20 +99,14 @@ def identify(
 
 
 def _prepared(start: Machine, sessions: Sequence[Session]) -> Machine:
-    """Return the start with measured hoses, and valves told by direction, where sessions will find them."""
+    """Return the start as the refinement speaks of it: measured hoses, valves told by direction."""
     machine = start
-    for session in sessions:
-        kind, _, tail = session.name.partition("_")
-        own = f"{tail}." if tail in AXES else ""
-        if kind == "valve":
-            machine = with_directions(machine, f"{own}valve")
-        elif kind != "calibration":  # the refinement speaks of every valve it meets by direction
-            for axis in range(3):
-                machine = with_directions(machine, refinement.valve_section(machine, axis))
-        if kind == "hose":
-            axis = int(session.facts.get("hose_axis", 0.0))
-            machine = linear.with_measured_hose(machine, axis)
-    return machine
+    if not any(session.name != "calibration" for session in sessions):
+        return machine
+    for axis in range(3):
+        machine = linear.with_measured_hose(machine, axis)
+        machine = with_directions(machine, refinement.valve_section(machine, axis))
+    return with_directions(machine, "valve")
 
 
 def _calibrate(result: Result, sessions: Sequence[Session]) -> None:

@@ -71,7 +71,8 @@ def _measured(tree: dict[str, Any], section: str, result: Result) -> None:
     axis = section.partition(".")[0] if "." in section else ""
     was = getattr(result.start, axis).hose if axis else result.start.hose
     now = getattr(result.machine, axis).hose if axis else result.machine.hose
-    if not (isinstance(was, GeometricHose) and isinstance(now, MeasuredHose)):
+    found = any(key.startswith(f"{section}.") for key in result.estimates)
+    if not (found and isinstance(was, GeometricHose) and isinstance(now, MeasuredHose)):
         return
     _put(tree, f"{section}.kind", "measured")
     for part, unit in zip(HOSE_PARTS, HOSE_UNITS, strict=True):

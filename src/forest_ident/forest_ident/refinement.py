@@ -36,6 +36,7 @@ from forest_ident.session import Session
 Floats = NDArray[np.float64]
 
 UNKNOWN = 0.4  # of what no experiment has found yet: relative, or volts
+HELD_SHARE = 0.3  # of rows that repeat the last one: from there on the sensors are slower
 SHUT_SHARE = 0.03  # of the greatest flow: less counts as shut
 SHUT_AROUND = 0.05  # [s] before and after
 SETTLED = 0.25  # [s] after a change of voltage
@@ -78,7 +79,8 @@ def task(machine: Machine, session: Session) -> Task | None:
         free = (*_law(section), f"{section}.port_2_area", *_spool_keys(machine, section), *pump)
         channels = tuple(name for name in _bench_channels(spool=True) if not name.endswith("actuator"))
         # Between valve and load lies a short piece of hose, which nobody has measured yet.
-        hose = hose_section(machine, axis)
+        own = axis if tail in AXES else experiments.shared_valve_axis(machine)
+        hose = hose_section(machine, own)
         pieces = tuple(f"{hose}.{part}" for part in ("turbulent_resistance", "inertance", "capacitance"))
         return Task(free, pieces, channels, ("rig.load",))
     if session.name == "spool_lag":
@@ -178,7 +180,7 @@ def refine(
     is_bench = session.name.split("_")[0] in ("valve", "spool", "hose")
     unknowns = _unknowns(machine, session, work)
     channels = judging.judged(machine, session, work.channels)
-    measured = {c.name: session.column(c.name) for c in channels}
+    measured = _fresh({c.name: session.column(c.name) for c in channels})
     if is_bench:
         measured = _while_open(measured, session, SETTLED if session.name.startswith("valve") else 0.0)
 
@@ -186,6 +188,14 @@ def refine(
         return _predicted(machine, session, values, is_bench)
 
     return work, fit(model, measured, channels, unknowns, progress, belief=belief)
+
+
+def _fresh(measured: Mapping[str, Floats]) -> dict[str, Floats]:
+    """Return columns without the rows that repeat the last one: sensors sampled slower than the record."""
+    same = np.all([np.diff(column, prepend=np.nan) == 0.0 for column in measured.values()], axis=0)
+    if float(np.mean(same)) < HELD_SHARE:
+        return dict(measured)
+    return {name: np.where(same, np.nan, column) for name, column in measured.items()}
 
 
 def _while_open(measured: Mapping[str, Floats], session: Session, settled: float) -> dict[str, Floats]:
