@@ -228,7 +228,9 @@ def _conclude(result: Result) -> None:
             result.estimates[first.key] = judged(
                 Estimate(first.key, first.value, first.error, unit, first.condition, first.method)
             )
-    for key, e in result.estimates.items():
+    # A rig's circuit is simulated as finely as it is read; a crane's record is not.
+    crane = any(refinement.is_crane(r.session) for r in result.refined)
+    for key, e in result.estimates.items() if crane else ():
         own = MODEL_ERROR * abs(e.value) if e.positive else MODEL_VOLTS
         result.estimates[key] = judged(e._replace(standard_error=math.hypot(e.standard_error, own)))
     result.machine = _pooled(result)

@@ -248,6 +248,11 @@ def _load(session: Session) -> float:
     return float(drop @ flow / (flow @ flow))
 
 
+def is_crane(session: Session) -> bool:
+    """Tell whether a session is the crane's, not a rig's."""
+    return session.name.split("_")[0] not in ("valve", "spool", "hose", "calibration")
+
+
 def prepared(machine: Machine, session: Session) -> Machine:
     """Return the machine as it stood in a session: on its rig, or with its platform tilted as read."""
     kind = session.name.split("_")[0]
