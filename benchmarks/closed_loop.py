@@ -124,8 +124,8 @@ def main() -> None:
     together = many(options.runs) if options.runs else None
     if together:
         print(
-            f"\n{together['runs']} drawn machines, {together['seconds']:.0f} s, over {together['cores']} cores: "
-            f"{together['by_clock']:.0f} × real time by the clock, {together['per_core']:.0f} by CPU time"
+            "\n{runs} drawn machines, {seconds:.0f} s, over {cores} cores: {by_clock:.0f} × real time by the "
+            "clock, {per_core:.0f} by CPU time".format(**together)
         )
     if options.json:
         options.json.write_text(json.dumps({"rows": rows, "many": together}, indent=2) + "\n")
