@@ -28,7 +28,8 @@ def benchmark(monkeypatch):
     for name in [
         n
         for n in sys.modules
-        if n.split(".")[0] in {"plant", "peers", "work", "reference", "components", "many", "recorder"}
+        if n.split(".")[0]
+        in {"plant", "peers", "work", "reference", "components", "many", "recorder", "closed_loop"}
     ]:
         del sys.modules[name]
 
@@ -126,3 +127,10 @@ def test_recorder_s_table_compares_with_the_bare_node(benchmark):
     *_, bare, recorder = benchmark("recorder").table(rows).splitlines()
     assert bare == "| bare | 1000 | 0 | 80.0 | 1.00 | 0.0 MB |"
     assert recorder == "| recorder zstd | 1000 | 2 | 20.0 | 0.25 | 0.0 MB |"
+
+
+def test_the_closed_loops_benchmark_compares_equal_loops_and_tells_both_factors(benchmark):
+    loop = benchmark("closed_loop")
+    row = loop.compare("vertical", 1)
+    assert row.keys() >= {"compiled", "interpreted", "with_set_up", "plan_seconds"}
+    assert "| vertical | 8." in "".join(loop.table([row]))

@@ -122,3 +122,8 @@ def test_the_digest_covers_every_source_that_is_translated(monkeypatch):
     known = {module.__name__ for module in (*loop_kernel.LAWS, *compiled.LAWS)}
     assert len(used) > 30
     assert used <= known
+
+
+def test_levers_without_a_deadman_are_refused():
+    with pytest.raises(ValueError, match=r"shape \(240, 3\); allowed: a row of 4"):
+        loop_kernel.run(C180, hand()[:, :3], START, controller.Settings(), valve_driver.Settings())

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from forest_description.machine import MachineError
 from forest_sim import command_line
-from forest_study import delay, replay, track
+from forest_study import delay, replay, track_command
 from forest_study.exclusive import Failure
 from forest_study.link import LinkError
 from forest_study.paths import PathError
@@ -60,7 +60,7 @@ def _parser() -> argparse.ArgumentParser:
     tracking = _command(
         commands, "track", _track, "the tip along a path, closed loop: how far it is from where it should be"
     )
-    track.add_arguments(tracking)
+    track_command.add_arguments(tracking)
     late = _command(commands, "delay", _delay, "late links: tracking and stopping against 0 to 600 ms")
     delay.add_arguments(late)
     replaying = _command(
@@ -109,7 +109,7 @@ def _delay(options: argparse.Namespace) -> int:
 
 def _track(options: argparse.Namespace) -> int:
     try:
-        return track.run(options)
+        return track_command.run(options)
     except PathError as error:
         raise StudyError(f"track: {error}") from error
 

@@ -86,6 +86,7 @@ def run(
     sensor_suite: Suite | None = None,
     ways: Links | None = None,
     watch: Callable[[float, Triple], None] = lambda _time, _angles: None,
+    plant: PlantParameters | None = None,
 ) -> Trajectory:
     """Run a session.
 
@@ -100,8 +101,9 @@ def run(
         sensor_suite: with their errors, noise, seed and faults; default: the machine's, exact.
         ways: bad links between the cores; default: perfect ones.
         watch: is told time [s] and true joint angles [rad] after each period: an operator's eyes.
+        plant: what is simulated instead of the machine's own parameters.
     """
-    p = plant_parameters(machine)
+    p = plant_parameters(machine) if plant is None else plant
     believed = machine if model is None else model
     suite = suite_of(machine) if sensor_suite is None else sensor_suite
     cores = controller.parameters(believed, control), valve_driver.parameters(believed, drive)

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,7 @@ from forest_description.machine import Machine, load_machine
 from forest_sim import channel, compiled, flat, machine_code, measurement, sensor_suite, sensors, translate
 from forest_sim.equilibrium import equilibrium
 from forest_sim.manipulator import Triple
-from forest_sim.parameters import plant_parameters
+from forest_sim.parameters import PlantParameters, plant_parameters
 from forest_sim.sensor_suite import CHANNELS, Suite, noise_generator
 from forest_study import closed_loop, loop_core
 from forest_study.closed_loop import PERIOD, Trajectory
@@ -55,31 +55,37 @@ LAWS: tuple[ModuleType, ...] = (
     *(swing_load, valve_adaptation, valve_driver, valve_flow, valve_hold, valve_inverse, valve_knowledge),
     *(workspace, closed_loop, loop_core),
 )
-APART = (
-    *compiled.APART,
-    "_sampled",
-    "_axis",
-    "_stopping",
-    "_taken_over",
-    "_commanded",
-    "_governed_wish",
-    "_learn_axis",
-    "axis_pressures",
-    "greatest_rates",
-    "joint_rates",
-    "nearest_pose",
-    "rates_anywhere",
-    "share",
-    "slid",
-    "tip_following",
-    "voltage_for_opening",
-)
+# What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
+APART = (*compiled.APART, "_stopping", "_taken_over", "nearest_pose", "share", "slid", "tip_following")
 # state, knowledge, levers (4 a row: swing, boom, stick, enabled), normals, recorded, rows
 ARGUMENTS = "pppppi"
 RECORDED = 27
 
 
-def run(
+class Prepared(NamedTuple):
+    """All that a run needs, laid out flat."""
+
+    state: Floats
+    knowledge: Floats
+    levers: Floats  # [N, 4]
+    normals: Floats  # [N, CHANNEL_COUNT]
+
+    def run(self) -> Trajectory:
+        """Run the session from its beginning."""
+        rows, state = len(self.levers), self.state.copy()
+        recorded = np.empty((rows, RECORDED))
+        arrays = state, self.knowledge, self.levers, self.normals, recorded
+        kernel()(*(array.ctypes.data for array in arrays), rows)
+        columns = np.split(recorded, (3, 6, 9, 12, 15), axis=1)  # of `Happened`
+        return Trajectory(PERIOD * np.arange(rows, dtype=np.float64), *columns)
+
+
+def run(*arguments: Any, **named: Any) -> Trajectory:
+    """Run a session; arguments and errors as `prepared`."""
+    return prepared(*arguments, **named).run()
+
+
+def prepared(
     machine: Machine,
     levers: Floats,
     start: Triple,
@@ -87,8 +93,9 @@ def run(
     drive: valve_driver.Settings,
     model: Machine | None = None,
     suite: Suite | None = None,
-) -> Trajectory:
-    """Run a session; all as `closed_loop.run`, but for the levers.
+    plant: PlantParameters | None = None,
+) -> Prepared:
+    """Return a session; all as `closed_loop.run`, but for the levers.
 
     Args:
         machine: what is simulated.
@@ -98,21 +105,23 @@ def run(
         drive: the valve driver's settings.
         model: what controller and driver believe; default: the machine itself.
         suite: sensors without faults; default: the machine's, exact.
+        plant: what is simulated instead of the machine's own parameters.
 
     Raises:
-        ValueError: the sensors have faults.
+        ValueError: the sensors have faults, or the levers are not four columns.
         ModuleNotFoundError: llvmlite is not installed.
     """
     suite = sensor_suite.sensor_suite(machine) if suite is None else suite
     if suite.faults:
         raise ValueError("sensors with faults are not compiled; use closed_loop.run")
+    table = np.ascontiguousarray(levers, dtype=np.float64)
+    if table.ndim != 2 or table.shape[1] != 4:
+        raise ValueError(f"levers have shape {table.shape}; allowed: a row of 4 a period")
     k = knowledge(machine, machine if model is None else model, control, drive, suite)
-    table, given = np.ascontiguousarray(levers, dtype=np.float64), _packed(k)
-    state, rows = np.array(flat.packer(example := begin(k, start, suite))(example)), len(table)
-    normals, recorded = draws(suite, rows), np.empty((rows, RECORDED))
-    kernel()(*(a.ctypes.data for a in (state, given, table, normals, recorded)), rows)
-    columns = np.split(recorded, (3, 6, 9, 12, 15), axis=1)  # of `Happened`
-    return Trajectory(PERIOD * np.arange(rows, dtype=np.float64), *columns)
+    k = k if plant is None else k._replace(plant=plant)
+    loop = begin(k, start, suite)
+    state, flat_k = _pack("loop", loop), _pack("knowledge", k)
+    return Prepared(state, flat_k, table, draws(suite, len(table)))
 
 
 def knowledge(
@@ -149,13 +158,14 @@ def draws(suite: Suite, rows: int) -> Floats:
     return np.ascontiguousarray(normals[:, :CHANNEL_COUNT])
 
 
-def _packed(k: Knowledge) -> Floats:
-    if not _packers:
-        _packers.append(flat.packer(k))
-    return np.array(_packers[0](k), dtype=np.float64)
+def _pack(kind: str, value: Loop | Knowledge) -> Floats:
+    """Return numbers laid out flat; all of a kind are of one shape."""
+    if kind not in _packers:
+        _packers[kind] = flat.packer(value)
+    return np.array(_packers[kind](value), dtype=np.float64)
 
 
-_packers: list[Callable[[Knowledge], flat.Row]] = []
+_packers: dict[str, Callable[[Any], flat.Row]] = {}
 
 
 @lru_cache(maxsize=1)

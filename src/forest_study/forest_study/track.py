@@ -1,4 +1,4 @@
-"""`forest-study track`: the tip along a path, closed loop, and how far it was from where it should be.
+"""The tip along a path, closed loop, and how far it was from where it should be: `forest-study track`'s core.
 
 The reference generator plays the operator: it wishes the tip velocity of the fastest profile along the path.
 The machine may be another one than controller and driver believe. The error is the true tip minus the
@@ -6,11 +6,9 @@ governed reference at every sample from the reference's first motion to its last
 the tip is at the first motion.
 """
 
-import argparse
 import dataclasses
-import json
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,20 +16,19 @@ from numpy.typing import NDArray
 from forest_control import controller, valve_driver
 from forest_control.governor import govern
 from forest_control.levers import levers_for_tip_velocity
-from forest_control.schemes import LABELS, Scheme, scheme_named
+from forest_control.schemes import Scheme
 from forest_description.kinematics import inverse_kinematics, is_singular, joint_rates
-from forest_description.machine import Machine, load_machine
+from forest_description.machine import Machine
+from forest_sim.parameters import PlantParameters
 from forest_sim.sensor_suite import Suite, sensor_suite
-from forest_study.closed_loop import PERIOD, Operator, Trajectory
-from forest_study.closed_loop import run as run_loop
+from forest_study import loop_kernel
+from forest_study.closed_loop import PERIOD, Trajectory
 from forest_study.paths import (
-    NAMES,
     PathError,
     Profile,
     TipPath,
     fastest,
     is_closed,
-    path_named,
     reverse,
 )
 
@@ -60,6 +57,15 @@ class Score(NamedTuple):
     velocity_rms: float  # [m/s]
     duration_s: float
     saturated_s: float
+
+
+class Course(NamedTuple):
+    """What all runs along a path have in common."""
+
+    laps: tuple[Lap, ...]
+    settings: controller.Settings
+    model: Machine  # that controller and driver believe
+    levers: Floats  # [N, 4] of `loop_kernel`
 
 
 @dataclasses.dataclass(frozen=True)
@@ -97,15 +103,35 @@ def track(
     Raises:
         PathError: the path leaves the reach.
     """
+    return follow(prepare(path, speed, scheme, model, laps), machine, suite, adapt)
+
+
+def prepare(path: TipPath, speed: float, scheme: Scheme, model: Machine, laps: int = 1) -> Course:
+    """Return what every run along a path has in common.
+
+    Raises:
+        PathError: as `track`.
+    """
     settings = controller.Settings(scheme=scheme, tip_speed=speed)
     runs = plan(path, speed, controller.parameters(model, settings), laps)
-    start = _angles(path.at(0.0), path, machine)
     end = runs[-1].start + runs[-1].profile.duration + REST
-    moved = run_loop(
-        machine,
-        lambda time: Operator(levers_for_tip_velocity(_wish(time, runs), speed)),
-        *(end, start, settings, valve_driver.Settings(adapt=adapt), model, suite),
-    )
+    times = [k * PERIOD for k in range(round(end / PERIOD))]
+    levers = [(*levers_for_tip_velocity(_wish(time, runs), speed), 1.0) for time in times]
+    return Course(runs, settings, model, np.array(levers))
+
+
+def follow(
+    course: Course,
+    machine: Machine,
+    suite: Suite | None = None,
+    adapt: bool = False,
+    plant: PlantParameters | None = None,
+) -> Session:
+    """Run a course; arguments as `track`; plant: what is simulated instead of the machine's parameters."""
+    runs = course.laps
+    start = _angles(runs[0].path.at(0.0), runs[0].path, machine)
+    drive = valve_driver.Settings(adapt=adapt)
+    moved = loop_kernel.run(machine, course.levers, start, course.settings, drive, course.model, suite, plant)
     rated = np.array([machine.valve_of(axis).rated_voltage for axis in range(3)])
     spans = [_span(lap) for lap in runs]
     first = spans[0][0]
@@ -186,104 +212,3 @@ def noisy(machine: Machine, seed: int, static_errors: bool = False) -> Suite:
     if static_errors:
         return suite
     return suite._replace(channels=tuple(c._replace(bias=0.0, gain=1.0) for c in suite.channels))
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the command's options."""
-    add = parser.add_argument
-    add("--path", required=True, help=f"{', '.join(NAMES)}, all, or a CSV of waypoints x,y,z [m]")
-    add("--speed", type=_speed, default=0.5, metavar="V", help="m/s (default: %(default)s)")
-    add("--scheme", choices=[label for label in LABELS if label != "joint"], default="coordinated")
-    add("--machine", default="c180", help="what is simulated: shipped machine or file (default: %(default)s)")
-    add("--model", help="what controller and driver believe (default: the machine)")
-    add("--noise", action="store_true", help="sensors jitter")
-    add("--static-errors", action="store_true", help="with --noise: uncalibrated sensors")
-    add("--seed", type=int, default=0, metavar="N", help="of the first run (default: %(default)s)")
-    add("--seeds", type=_count, default=1, metavar="N", help="runs per path (default: %(default)s)")
-    add("--adapt", action="store_true", help="the valve driver learns deadbands and gains on the way")
-    add("--laps", type=_count, default=1, metavar="N", help="default: %(default)s")
-
-
-def _speed(text: str) -> float:
-    value = float(text)
-    if not 0.01 <= value <= 3.0:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0.01 .. 3 m/s")
-    return value
-
-
-def _count(text: str) -> int:
-    value = int(text)
-    if not 1 <= value <= 1000:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 1 .. 1000")
-    return value
-
-
-def run(options: argparse.Namespace) -> int:
-    """Run the command; return its exit code.
-
-    Raises:
-        PathError: the path cannot be read or followed.
-        MachineError: a machine's file cannot be.
-    """
-    from forest_study.cli import new_directory  # which imports this module
-
-    machine = load_machine(options.machine)
-    model = load_machine(options.model) if options.model else machine
-    paths = [path_named(name) for name in (NAMES if options.path == "all" else (options.path,))]
-    new_directory(options.out)
-    report = _run_all(paths, machine, model, options)
-    (options.out / "track.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    print(table(report))
-    print(f"  {options.out / 'track.json'}")
-    return 0
-
-
-def _run_all(
-    paths: list[TipPath], machine: Machine, model: Machine, options: argparse.Namespace
-) -> dict[str, Any]:
-    """Return the report of every path and seed, and draw every path's first run."""
-    from forest_study.track_picture import draw  # matplotlib takes half a second
-
-    report: dict[str, Any] = {
-        "machine": machine.name,
-        "model": model.name,
-        "scheme": options.scheme,
-        "speed": options.speed,
-        "adapt": options.adapt,
-        "noise": options.noise,
-        "static_errors": options.static_errors,
-        "runs": [],
-    }
-    for path in paths:
-        for seed in range(options.seed, options.seed + options.seeds):
-            suite = noisy(machine, seed, options.static_errors) if options.noise else None
-            scheme = scheme_named(options.scheme)
-            session = track(path, options.speed, scheme, machine, model, suite, options.laps, options.adapt)
-            laps = [score._asdict() for score in session.scores]
-            report["runs"].append({"path": path.name, "seed": seed, **session.total._asdict(), "laps": laps})
-            if seed == options.seed:
-                draw(session, options.out / f"{path.name}.png")
-    return report
-
-
-def table(report: dict[str, Any]) -> str:
-    """Return a Markdown table: per path, and lap if several, mean RMS and greatest error of all runs."""
-    lines = ["| path | RMS, mm | max, mm | velocity RMS, m/s | duration, s | saturated, s |"]
-    lines.append("|---|---|---|---|---|---|")
-    for name in dict.fromkeys(run["path"] for run in report["runs"]):
-        of = [run for run in report["runs"] if run["path"] == name]
-        laps = len(of[0]["laps"])
-        if laps == 1:
-            lines.append(_row(name, of))
-        else:
-            lines += [_row(f"{name}, lap {k + 1}", [run["laps"][k] for run in of]) for k in range(laps)]
-    return "\n".join(lines)
-
-
-def _row(name: str, scores: list[dict[str, Any]]) -> str:
-    mean = {key: sum(score[key] for score in scores) / len(scores) for key in Score._fields}
-    greatest = max(score["max_mm"] for score in scores)
-    return (
-        f"| {name} | {mean['rms_mm']:.2f} | {greatest:.1f} | {mean['velocity_rms']:.4f} "
-        f"| {mean['duration_s']:.2f} | {mean['saturated_s']:.2f} |"
-    )

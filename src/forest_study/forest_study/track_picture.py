@@ -1,7 +1,7 @@
 """The picture of a track run: where the tip was and should have been, its error, the valves."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib
 
@@ -34,5 +34,23 @@ def draw(session: "Session", file: Path) -> None:
         ax.legend()
     score = session.total
     figure.suptitle(f"{session.laps[0].path.name}: RMS {score.rms_mm:.2f} mm, max {score.max_mm:.1f} mm")
+    figure.savefig(file, dpi=110)
+    plt.close(figure)
+
+
+def draw_runs(report: dict[str, Any], file: Path) -> None:
+    """Draw which share of the runs has at most which error."""
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4.5), layout="constrained", sharey=True)
+    for ax, (field, label) in zip(axes, (("rms_mm", "RMS, mm"), ("max_mm", "max, mm")), strict=True):
+        for name in report["quantiles"]:
+            values = [run[field] for run in report["runs"] if run["path"] == name]
+            ax.ecdf(values, label=name)
+        ax.set(xlabel=label)
+        ax.grid(alpha=0.3)
+    axes[0].set(ylabel="share of the runs")
+    axes[0].legend()
+    count = len(report["runs"]) // len(report["quantiles"])
+    drawn = "drawn machines" if report["mismatch"] else "one machine"
+    figure.suptitle(f"{count} runs a path, {report['scheme']}, {report['speed']:g} m/s, {drawn}")
     figure.savefig(file, dpi=110)
     plt.close(figure)

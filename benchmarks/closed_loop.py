@@ -1,0 +1,135 @@
+"""How much faster than real time the closed loop runs: compiled, and interpreted beside it, in the same run.
+
+The work is the five paths of `forest-study track` at 0.5 m/s: full plant (`c180`), sensor noise, controller,
+driver. Both loops give the same figures. Times are CPU time of one thread; planning a path, which all its
+runs share, is told apart. With `--runs` also many drawn machines over all cores.
+"""
+
+import argparse
+import json
+import os
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+from forest_control import valve_driver
+from forest_control.levers import Levers
+from forest_control.schemes import Scheme
+from forest_description.kinematics import inverse_kinematics
+from forest_description.machine import load_machine
+from forest_study import closed_loop, loop_kernel, mismatch, track
+from forest_study.closed_loop import PERIOD, Operator, Trajectory
+from forest_study.paths import NAMES, path_named
+from forest_study.track import Course
+from forest_study.track_runs import Variation, run_many
+
+C180 = load_machine("c180")
+DRIVE = valve_driver.Settings(adapt=True)
+HEAD = (
+    "| path | simulated, s | compiled, × real time | with set-up and noise "
+    "| interpreted | ratio | plan, s |\n|---|---|---|---|---|---|---|"
+)
+Row = dict[str, Any]
+
+
+def compare(name: str, repeats: int) -> Row:
+    """Return a path's row; the fastest of some runs counts, for neighbours only slow them.
+
+    Raises:
+        AssertionError: the loops differ.
+    """
+    plan, course = _timed(lambda: track.prepare(path_named(name), 0.5, Scheme.COORDINATED, C180))
+    suite, seconds = track.noisy(C180, 0), PERIOD * len(course.levers)
+    start = inverse_kinematics(path_named(name).at(0.0), C180.manipulator.links)
+    whole = [
+        _timed(lambda: loop_kernel.run(C180, course.levers, start, course.settings, DRIVE, suite=suite))
+        for _ in range(repeats)
+    ]
+    given = loop_kernel.prepared(C180, course.levers, start, course.settings, DRIVE, suite=suite)
+    alone = [_timed(given.run)[0] for _ in range(repeats)]
+    python, slow = _timed(lambda: interpreted(course, start, suite))
+    assert (whole[0][1].tip == slow.tip).all(), "both loops must give the same figures"
+    fastest = min(took for took, _ in whole)
+    return {
+        "path": name,
+        "seconds": seconds,
+        "compiled": seconds / min(alone),
+        "with_set_up": seconds / fastest,
+        "interpreted": seconds / python,
+        "ratio": python / fastest,
+        "plan_seconds": plan,
+    }
+
+
+def interpreted(course: Course, start: tuple[float, float, float], suite: Any) -> Trajectory:
+    """Return the same run in Python; only the plant is compiled."""
+
+    def operator(now: float) -> Operator:
+        *levers, enabled = course.levers[round(now / PERIOD)].tolist()
+        return Operator(Levers(*levers), enabled > 0.5)
+
+    end = PERIOD * len(course.levers)
+    return closed_loop.run(C180, operator, end, start, course.settings, DRIVE, sensor_suite=suite)
+
+
+def many(count: int) -> Row:
+    """Return what so many drawn machines on one path take over all cores, by the clock and in CPU time."""
+    course = track.prepare(path_named("circle_h"), 0.5, Scheme.COORDINATED, C180)
+
+    def varied(seed: int) -> Variation:
+        return Variation(track.noisy(C180, seed), mismatch.draw(seed, mismatch.Ranges()))
+
+    began = time.perf_counter()
+    took, _ = _timed(lambda: run_many(course, C180, range(count), varied, adapt=True), time.process_time)
+    seconds, clock = count * PERIOD * len(course.levers), time.perf_counter() - began
+    return {
+        "runs": count,
+        "cores": len(os.sched_getaffinity(0)),
+        "seconds": seconds,
+        "by_clock": seconds / clock,
+        "per_core": seconds / took,
+    }
+
+
+def _timed(work: Callable[[], Any], clock: Callable[[], float] = time.thread_time) -> tuple[float, Any]:
+    before = clock()
+    result = work()
+    return clock() - before, result
+
+
+def table(rows: Iterable[Row]) -> Iterable[str]:
+    """Return the rows as lines of Markdown."""
+    for r in rows:
+        yield (
+            f"| {r['path']} | {r['seconds']:.1f} | {r['compiled']:.0f} | {r['with_set_up']:.0f} "
+            f"| {r['interpreted']:.1f} | {r['ratio']:.0f} | {r['plan_seconds']:.2f} |"
+        )
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--paths", nargs="+", choices=NAMES, default=NAMES)
+    parser.add_argument("--repeats", type=int, default=10, help="of the compiled loop (default: %(default)s)")
+    parser.add_argument("--runs", type=int, default=0, metavar="N", help="drawn machines over all cores, too")
+    parser.add_argument("--json", type=Path, metavar="FILE")
+    options = parser.parse_args()
+    loop_kernel.kernel()
+    print(HEAD)
+    rows = []
+    for name in options.paths:
+        rows.append(compare(name, options.repeats))
+        print(*table(rows[-1:]), sep="\n", flush=True)
+    together = many(options.runs) if options.runs else None
+    if together:
+        print(
+            "\n{runs} drawn machines, {seconds:.0f} s, over {cores} cores: {by_clock:.0f} × real time by the "
+            "clock, {per_core:.0f} by CPU time".format(**together)
+        )
+    if options.json:
+        options.json.write_text(json.dumps({"rows": rows, "many": together}, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()

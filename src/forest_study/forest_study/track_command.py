@@ -1,0 +1,133 @@
+"""`forest-study track`: one run or many along one path or all, the tip's errors told and drawn."""
+
+import argparse
+import json
+from functools import partial
+from typing import Any
+
+from forest_control.schemes import LABELS, scheme_named
+from forest_description.machine import Machine, load_machine
+from forest_study import mismatch
+from forest_study.paths import NAMES, TipPath, path_named
+from forest_study.track import Score, noisy, prepare
+from forest_study.track_runs import Variation, quantiles, run_many
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's options."""
+    add = parser.add_argument
+    add("--path", required=True, help=f"{', '.join(NAMES)}, all, or a CSV of waypoints x,y,z [m]")
+    add("--speed", type=_speed, default=0.5, metavar="V", help="m/s (default: %(default)s)")
+    add("--scheme", choices=[label for label in LABELS if label != "joint"], default="coordinated")
+    add("--machine", default="c180", help="what is simulated: shipped machine or file (default: %(default)s)")
+    add("--model", help="what controller and driver believe (default: the machine)")
+    add("--noise", action="store_true", help="sensors jitter")
+    add("--static-errors", action="store_true", help="with --noise: uncalibrated sensors")
+    add("--seed", type=int, default=0, metavar="N", help="of the first run (default: %(default)s)")
+    add(
+        "--runs", "--seeds", type=_count, default=1, metavar="N", help="runs per path, each with its own seed"
+    )
+    add(
+        "--mismatch",
+        type=mismatch.ranges_from,
+        nargs="?",
+        const=mismatch.Ranges(),
+        metavar="RANGES",
+        help=mismatch.HELP,
+    )
+    add("--adapt", action="store_true", help="the valve driver learns deadbands and gains on the way")
+    add("--laps", type=_count, default=1, metavar="N", help="default: %(default)s")
+
+
+def _speed(text: str) -> float:
+    value = float(text)
+    if not 0.01 <= value <= 3.0:
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0.01 .. 3 m/s")
+    return value
+
+
+def _count(text: str) -> int:
+    value = int(text)
+    if not 1 <= value <= 1000:
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 1 .. 1000")
+    return value
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command; return its exit code.
+
+    Raises:
+        PathError: the path cannot be read or followed.
+        MachineError: a machine's file cannot be.
+    """
+    from forest_study.cli import new_directory  # which imports this module
+
+    machine = load_machine(options.machine)
+    model = load_machine(options.model) if options.model else machine
+    paths = [path_named(name) for name in (NAMES if options.path == "all" else (options.path,))]
+    new_directory(options.out)
+    report = _run_all(paths, machine, model, options)
+    (options.out / "track.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    print(table(report))
+    print(f"  {options.out / 'track.json'}")
+    return 0
+
+
+def _run_all(
+    paths: list[TipPath], machine: Machine, model: Machine, options: argparse.Namespace
+) -> dict[str, Any]:
+    """Return the report of every path and seed, and draw every path's first run."""
+    from forest_study.track_picture import draw, draw_runs  # matplotlib takes half a second
+
+    report: dict[str, Any] = {
+        "machine": machine.name,
+        "model": model.name,
+        "scheme": options.scheme,
+        "speed": options.speed,
+        "adapt": options.adapt,
+        "noise": options.noise,
+        "static_errors": options.static_errors,
+        "mismatch": options.mismatch and options.mismatch._asdict(),
+        "runs": [],
+        "quantiles": {},
+    }
+    seeds = range(options.seed, options.seed + options.runs)
+    scheme = scheme_named(options.scheme)
+    for path in paths:
+        course = prepare(path, options.speed, scheme, model, options.laps)
+        varied = partial(_varied, machine, options)
+        runs, session = run_many(course, machine, seeds, varied, options.adapt)
+        report["runs"] += [made.told(path.name) for made in runs]
+        report["quantiles"][path.name] = quantiles(runs)
+        draw(session, options.out / f"{path.name}.png")
+    if options.runs > 1:
+        draw_runs(report, options.out / "runs.png")
+    return report
+
+
+def _varied(machine: Machine, options: argparse.Namespace, seed: int) -> Variation:
+    suite = noisy(machine, seed, options.static_errors) if options.noise else None
+    return Variation(suite, mismatch.draw(seed, options.mismatch) if options.mismatch else None)
+
+
+def table(report: dict[str, Any]) -> str:
+    """Return a Markdown table: per path, and lap if several, mean RMS and greatest error of all runs."""
+    lines = ["| path | RMS, mm | max, mm | velocity RMS, m/s | duration, s | saturated, s |"]
+    lines.append("|---|---|---|---|---|---|")
+    for name in dict.fromkeys(run["path"] for run in report["runs"]):
+        of = [run for run in report["runs"] if run["path"] == name]
+        laps = len(of[0]["laps"])
+        if laps == 1:
+            lines.append(_row(name, of))
+        else:
+            lines += [_row(f"{name}, lap {k + 1}", [run["laps"][k] for run in of]) for k in range(laps)]
+    return "\n".join(lines)
+
+
+def _row(name: str, scores: list[dict[str, Any]]) -> str:
+    mean = {key: sum(score[key] for score in scores) / len(scores) for key in Score._fields}
+    greatest = max(score["max_mm"] for score in scores)
+    return (
+        f"| {name} | {mean['rms_mm']:.2f} | {greatest:.1f} | {mean['velocity_rms']:.4f} "
+        f"| {mean['duration_s']:.2f} | {mean['saturated_s']:.2f} |"
+    )
