@@ -18,11 +18,15 @@ from numpy.typing import NDArray
 
 from forest_control import (
     capacity,
+    control_state,
     controller,
     coordination,
+    execution,
     governor,
     hand,
+    handover,
     levers,
+    plausibility,
     schemes,
     settings,
     singularity,
@@ -34,6 +38,7 @@ from forest_control import (
     valve_hold,
     valve_inverse,
     valve_knowledge,
+    wish,
     workspace,
 )
 from forest_description import actuation, kinematics
@@ -51,18 +56,19 @@ Floats = NDArray[np.float64]
 
 LAWS: tuple[ModuleType, ...] = (
     *(actuation, kinematics, channel, measurement, sensor_suite, sensors),
-    *(capacity, controller, coordination, governor, hand, levers, schemes, settings, singularity, stopping),
+    *(capacity, control_state, controller, coordination, execution, governor, hand, handover, levers),
+    *(plausibility, schemes, settings, singularity, stopping),
     *(swing_load, valve_adaptation, valve_driver, valve_flow, valve_hold, valve_inverse, valve_knowledge),
-    *(workspace, closed_loop, loop_core),
+    *(wish, workspace, closed_loop, loop_core),
 )
 APART = (
     *compiled.APART,
     "_sampled",
     "_axis",
     "_stopping",
-    "_taken_over",
-    "_commanded",
-    "_governed_wish",
+    "taken_over",
+    "carried_out",
+    "governed_wish",
     "_learn_axis",
     "axis_pressures",
     "greatest_rates",
