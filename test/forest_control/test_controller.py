@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_control import controller, coordination
+from forest_control import controller, coordination, execution
 from forest_control.controller import REST, ZERO, Inputs, Settings, State
 from forest_control.governor import ENOUGH, Limit, flow_demand
 from forest_control.hand import tip_rate
@@ -122,7 +122,7 @@ def test_commands_are_clipped_at_the_rated_voltage():
         _, output = controller.step(State(reference, True), inputs(), p, PERIOD)
         errors = np.subtract(reference, MIDDLE)
         assert max(map(abs, output.command)) <= 10.0
-        moved = np.abs(errors) > controller.NEAR  # nearer, a joint that rests may hold
+        moved = np.abs(errors) > execution.NEAR  # nearer, a joint that rests may hold
         assert all((np.sign(output.command) == np.sign(errors))[moved])
         clipped += sum(abs(volts) == 10.0 for volts in output.command)
     assert clipped > 500

@@ -18,11 +18,15 @@ from numpy.typing import NDArray
 
 from forest_control import (
     capacity,
+    control_state,
     controller,
     coordination,
+    execution,
     governor,
     hand,
+    handover,
     levers,
+    plausibility,
     schemes,
     settings,
     singularity,
@@ -34,6 +38,7 @@ from forest_control import (
     valve_hold,
     valve_inverse,
     valve_knowledge,
+    wish,
     workspace,
 )
 from forest_description import actuation, kinematics
@@ -51,12 +56,13 @@ Floats = NDArray[np.float64]
 
 LAWS: tuple[ModuleType, ...] = (
     *(actuation, kinematics, channel, measurement, sensor_suite, sensors),
-    *(capacity, controller, coordination, governor, hand, levers, schemes, settings, singularity, stopping),
+    *(capacity, control_state, controller, coordination, execution, governor, hand, handover, levers),
+    *(plausibility, schemes, settings, singularity, stopping),
     *(swing_load, valve_adaptation, valve_driver, valve_flow, valve_hold, valve_inverse, valve_knowledge),
-    *(workspace, closed_loop, loop_core),
+    *(wish, workspace, closed_loop, loop_core),
 )
 # What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
-APART = (*compiled.APART, "_stopping", "_taken_over", "nearest_pose", "share", "slid", "tip_following")
+APART = (*compiled.APART, "_stopping", "taken_over", "nearest_pose", "share", "slid", "tip_following")
 # state, knowledge, levers (4 a row: swing, boom, stick, enabled), normals, recorded, rows
 ARGUMENTS = "pppppi"
 RECORDED = 27

@@ -1,0 +1,70 @@
+"""What the controller's steps hand on: state, inputs, output, and the governed wish between its blocks."""
+
+from typing import NamedTuple
+
+from forest_control import coordination
+from forest_control.governor import Governed
+from forest_control.levers import Levers
+from forest_control.stopping import NO_STOP, Stop
+
+Triple = tuple[float, float, float]
+ZERO: Triple = (0.0, 0.0, 0.0)
+NO_SCHEME = NO_MODE = -1
+
+
+class State(NamedTuple):
+    """What the controller remembers."""
+
+    reference: Triple  # r [rad]
+    enabled: bool
+    memory: coordination.Memory = coordination.REST
+    scheme: int = NO_SCHEME  # that was in charge
+    rates: Triple = ZERO  # u [rad/s], commanded last
+    offset: Triple = ZERO  # [rad/s] added to the servo's, and fading
+    mode: int = NO_MODE  # that was in force
+    clutch: Triple = ZERO  # [rad] the pose that position mode moves about
+    changed: bool = False  # somebody changed a parameter: what it does to the command shall fade, too
+    stop: Stop = NO_STOP  # along the path, under way or over
+
+
+class Inputs(NamedTuple):
+    """What arrives in a step."""
+
+    angles: Triple  # s [rad], measured
+    rates: Triple  # v [rad/s], measured
+    levers: Levers
+    enabled: bool  # a fresh, finite, held deadman
+
+
+class Output(NamedTuple):
+    """What leaves in a step."""
+
+    command: Triple  # [V] of ideal valves, as applied
+    tip_wish: Triple  # [m/s], governed
+    governed: Governed
+
+
+class Wish(NamedTuple):
+    """What the scheme is asked for, governed."""
+
+    rates: Triple  # a [rad/s]
+    velocity: Triple  # x' [m/s]
+    governed: Governed
+
+
+REST = State(ZERO, False)
+
+
+def begun(angles: Triple, enabled: bool) -> State:
+    """Return the state of a machine at rest; a compiler knows no defaults."""
+    return State(angles, enabled, coordination.REST, NO_SCHEME, ZERO, ZERO, NO_MODE, ZERO, False, NO_STOP)
+
+
+def minus(x: Triple, y: Triple) -> Triple:
+    """Return x - y."""
+    return x[0] - y[0], x[1] - y[1], x[2] - y[2]
+
+
+def scaled(values: Triple, factor: float) -> Triple:
+    """Return values times a factor."""
+    return factor * values[0], factor * values[1], factor * values[2]

@@ -1,0 +1,80 @@
+"""What the operator's levers ask for: tip velocity, joint rates, and what the governor leaves of them."""
+
+from forest_control import coordination, workspace
+from forest_control.capacity import greatest_rates
+from forest_control.control_state import ZERO, Inputs, State, Triple, Wish, scaled
+from forest_control.governor import Governed, GovernorParameters, Limit, govern
+from forest_control.hand import JOINT_ACCELERATION, Mode, joint_following, shaped, tip_following, tip_rate
+from forest_control.levers import joint_rate_wish
+from forest_control.schemes import Scheme, closes_on_position
+from forest_control.settings import Parameters
+from forest_control.singularity import rates_anywhere
+from forest_description.kinematics import is_singular, tip_position, tip_velocity
+
+
+def wished_velocity(state: State, pose: Triple, inputs: Inputs, p: Parameters, dt: float) -> Triple:
+    """Return the tip velocity [m/s] that the levers ask for; a ramp in position mode or coordinated."""
+    if p.scheme == Scheme.JOINT:
+        return ZERO
+    levers = shaped(inputs.levers, p.hand)
+    if p.hand.mode == Mode.POSITION:
+        here = state.reference if closes_on_position(p.scheme) else inputs.angles
+        wish = tip_following(levers, state.clutch, here, p.hand, p.links)
+    else:
+        wish = tip_rate(levers, pose, p.hand)
+        if p.scheme != Scheme.COORDINATED:
+            return wish
+    return coordination.ramped(state.memory.velocity, wish, p.coordinated.acceleration, dt)
+
+
+def wished_rates(
+    state: State, pose: Triple, velocity: Triple, inputs: Inputs, p: Parameters, dt: float
+) -> Triple:
+    """Return the joint rates [rad/s] of a wished tip velocity, or in the joint scheme the levers' own."""
+    if p.scheme != Scheme.JOINT:
+        return rates_anywhere(pose, velocity, p.links)
+    levers = shaped(inputs.levers, p.hand)
+    if p.hand.mode == Mode.RATE:
+        return joint_rate_wish(levers, p.governor.rates)
+    wish = joint_following(levers, state.clutch, inputs.angles, p.hand, p.governor.rates)
+    before = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
+    return coordination.ramped(before, wish, JOINT_ACCELERATION, dt)
+
+
+def governed_wish(pose: Triple, angles: Triple, rates: Triple, velocity: Triple, p: Parameters) -> Wish:
+    """Return what the scheme shall do, governed.
+
+    Args:
+        pose: where J^-1 is taken [rad].
+        angles: measured; the limits count from here for a scheme that does not hold its reference.
+        rates: wished of the joints [rad/s].
+        velocity: wished of the tip [m/s].
+        p: parameters.
+    """
+    place = pose if closes_on_position(p.scheme) else angles
+    governed = govern(place, rates, governor_at(place, rates, p))
+    if p.scheme == Scheme.JOINT:
+        left = workspace.share(
+            tip_position(angles, p.links), tip_velocity(angles, rates, p.links), p.workspace
+        )
+        if left < governed.factor:
+            governed = Governed(left, Limit.WALL)
+    a = scaled(rates, governed.factor)
+    if p.scheme != Scheme.JOINT and is_singular(pose, p.links):
+        # Out of it the tip goes where the joints take it.
+        return Wish(a, tip_velocity(pose, a, p.links), Governed(governed.factor, Limit.SINGULARITY))
+    return Wish(a, scaled(velocity, governed.factor), governed)
+
+
+def governor_at(angles: Triple, wished: Triple, p: Parameters) -> GovernorParameters:
+    """Return the governor's limits at a pose [rad] for wished joint rates [rad/s].
+
+    The coordinated scheme asks the valves for no more than they can give against the crane's weight, where
+    the others leave them saturated.
+    """
+    if p.scheme != Scheme.COORDINATED:
+        return p.governor
+    most, rates = greatest_rates(angles, wished, p.capacity), p.governor.rates
+    least = min(rates[0], most[0]), min(rates[1], most[1]), min(rates[2], most[2])
+    g = p.governor
+    return GovernorParameters(g.lower, g.upper, least, g.approach, g.pumps, g.axis)
