@@ -78,7 +78,7 @@ def test_duration_and_deadman_button_are_as_set(peer, start_node):
     assert process.returncode == 0
     peer.until(lambda: heard[-1].buttons[3] == 0)
     span = stamp_to_ns(heard[-1].header.stamp) - stamp_to_ns(heard[0].header.stamp)
-    assert 0.5e9 < span < 1.0e9  # 0.2 s at rest, 0.1 s playing, 0.3 s released
+    assert 0.8e9 < span < 1.3e9  # 0.5 s at rest, 0.1 s playing, 0.3 s released
     assert any(message.buttons[3] == 1 for message in heard)
     assert not any(map(held, heard))
 
