@@ -133,3 +133,19 @@ def test_the_command_tells_every_run_and_how_they_spread(tmp_path):
     assert all(0.8 <= gain <= 1.2 for run in report["runs"] for gain in run["mismatch"]["gains"])
     assert report["quantiles"]["way"]["rms_mm"]["greatest"] == max(run["rms_mm"] for run in report["runs"])
     assert (out / "runs.png").stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ("given", "allowed"),
+    [
+        (("--runs", "many"), "'many'; allowed: 1 .. 1000, whole"),
+        (("--runs", "0"), "'0'; allowed: 1 .. 1000, whole"),
+        (("--seed", "-1"), "'-1'; allowed: 0 .. 2147483647, whole"),
+        (("--speed", "nan"), "'nan'; allowed: 0.01 .. 3.0 m/s"),
+    ],
+)
+def test_wrong_numbers_are_answered_with_what_is_allowed(given, allowed, tmp_path, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        cli.main(["track", "--path", "sweep", *given, "--out", str(tmp_path / "out")])
+    assert stopped.value.code == 2
+    assert allowed in capsys.readouterr().err

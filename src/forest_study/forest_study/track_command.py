@@ -2,8 +2,9 @@
 
 import argparse
 import json
+from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 from forest_control.schemes import LABELS, scheme_named
 from forest_description.machine import Machine, load_machine
@@ -11,6 +12,8 @@ from forest_study import mismatch
 from forest_study.paths import NAMES, TipPath, path_named
 from forest_study.track import Score, noisy, prepare
 from forest_study.track_runs import Variation, quantiles, run_many
+
+Number = TypeVar("Number", int, float)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--model", help="what controller and driver believe (default: the machine)")
     add("--noise", action="store_true", help="sensors jitter")
     add("--static-errors", action="store_true", help="with --noise: uncalibrated sensors")
-    add("--seed", type=int, default=0, metavar="N", help="of the first run (default: %(default)s)")
+    add("--seed", type=_seed, default=0, metavar="N", help="of the first run (default: %(default)s)")
     add(
         "--runs", "--seeds", type=_count, default=1, metavar="N", help="runs per path, each with its own seed"
     )
@@ -40,16 +43,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _speed(text: str) -> float:
-    value = float(text)
-    if not 0.01 <= value <= 3.0:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0.01 .. 3 m/s")
-    return value
+    return _number(text, float, 0.01, 3.0, " m/s")
+
+
+def _seed(text: str) -> int:
+    return _number(text, int, 0, 2**31 - 1, ", whole")
 
 
 def _count(text: str) -> int:
-    value = int(text)
-    if not 1 <= value <= 1000:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 1 .. 1000")
+    return _number(text, int, 1, 1000, ", whole")
+
+
+def _number(text: str, kind: Callable[[str], Number], low: Number, high: Number, what: str) -> Number:
+    """Return a number of the command line.
+
+    Raises:
+        argparse.ArgumentTypeError: it is none, or out of its range.
+    """
+    try:
+        value = kind(text)
+    except ValueError:
+        value = None
+    if value is None or not low <= value <= high:
+        raise argparse.ArgumentTypeError(f"{text!r}; allowed: {low} .. {high}{what}")
     return value
 
 

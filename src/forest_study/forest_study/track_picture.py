@@ -45,8 +45,8 @@ def draw_runs(report: dict[str, Any], file: Path) -> None:
         for name in report["quantiles"]:
             values = [run[field] for run in report["runs"] if run["path"] == name]
             ax.ecdf(values, label=name)
-        ax.set(xlabel=label)
-        ax.grid(alpha=0.3)
+        ax.set(xlabel=label, xscale="log")
+        ax.grid(alpha=0.3, which="both")
     axes[0].set(ylabel="share of the runs")
     axes[0].legend()
     count = len(report["runs"]) // len(report["quantiles"])
