@@ -10,7 +10,7 @@ from typing import NamedTuple
 from forest_control.levers import REST, Levers, Triple, levers_for_tip_velocity
 
 THESIS_DURATION = 10.0  # [s] of the figures
-LEAD_IN = 0.5  # [s] at rest with the deadman held, before a source plays: on a busy computer recorders come late
+LEAD_IN = 0.5  # [s] at rest, deadman held, before a source plays: recorders come late on a busy computer
 LEAD_OUT = 0.3  # [s] at rest with the deadman released, after it
 LONGEST = 86400.0  # [s]
 COLUMNS = ("time_s", "swing", "boom", "stick")
