@@ -12,6 +12,7 @@ from forest_control import controller, valve_driver
 from forest_control.hand import Mode
 from forest_control.levers import Levers
 from forest_control.schemes import Scheme
+from forest_description.hydraulics import PolynomialCurve, TableCurve
 from forest_description.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
 from forest_sim import compiled, flat, translate_statements
@@ -62,10 +63,19 @@ def test_so_is_position_mode_and_a_driver_with_all_it_has():
 
 
 def test_so_is_another_machine_than_believed_with_slow_sensors_and_none():
-    """Half the sampling rate, no pressures read, the thesis' pump."""
+    """Half the sampling rate, no pressures read, a bent valve on the boom, a tabulated one on the stick."""
     sensors = dataclasses.replace(C180.sensors, sample_rate=100.0, pressure=None)
-    other = dataclasses.replace(load_machine("c180_thesis"), sensors=sensors)
-    assert_same(controller.Settings(), valve_driver.Settings(adapt=True), other, C180, seed=2)
+    table = TableCurve(voltages=(3.0, 6.0, 10.0), resistances=(9e12, 1e12, 3e11))
+    bent = PolynomialCurve(coefficients=(12.0, -2.0, 0.09))
+    other = dataclasses.replace(
+        C180,
+        sensors=sensors,
+        boom=dataclasses.replace(C180.boom, valve=dataclasses.replace(C180.valve, curve=bent)),
+        stick=dataclasses.replace(C180.stick, valve=dataclasses.replace(C180.valve, curve=table)),
+    )
+    drive = valve_driver.Settings(adapt=True)
+    assert_same(controller.Settings(), drive, other, C180, seed=2)
+    assert_same(controller.Settings(), drive, C180, other, seed=3)
 
 
 def test_the_core_interpreted_is_the_core_compiled():

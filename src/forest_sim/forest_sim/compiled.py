@@ -1,8 +1,9 @@
 """The plant's steps as machine code, for studies that take millions of them and for the node.
 
 The laws stay ordinary Python; here, and only here, they are handed to a compiler. Compiled and interpreted
-steps agree to the last bit. The object is kept in a cache under a digest of the laws' sources; making it
-takes some two seconds (`python -m forest_sim.compiled`), loading it some milliseconds.
+steps agree to the last bit, but for squares: Python's `x**2` is the C library's power, which in one of a
+thousand is a last bit off the product. The object is kept in a cache under a digest of the laws' sources;
+making it takes some two seconds (`python -m forest_sim.compiled`), loading it some milliseconds.
 """
 
 import hashlib
