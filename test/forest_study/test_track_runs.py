@@ -13,7 +13,7 @@ from forest_control.levers import Levers
 from forest_control.schemes import Scheme
 from forest_description.machine import load_machine
 from forest_sim.parameters import parameters_of, plant_parameters
-from forest_study import cli, closed_loop, mismatch, track
+from forest_study import cli, closed_loop, mismatch, track, track_command
 from forest_study.closed_loop import PERIOD, Operator
 from forest_study.mismatch import Ranges
 from forest_study.paths import polyline
@@ -149,3 +149,10 @@ def test_wrong_numbers_are_answered_with_what_is_allowed(given, allowed, tmp_pat
         cli.main(["track", "--path", "sweep", *given, "--out", str(tmp_path / "out")])
     assert stopped.value.code == 2
     assert allowed in capsys.readouterr().err
+
+
+def test_without_llvm_the_command_says_what_to_install(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(track_command.compiled, "can_compile", lambda: False)
+    assert cli.main(["track", "--path", "sweep", "--out", str(tmp_path / "out")]) == 1
+    assert "pip install 'forest-crane[fast]'" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

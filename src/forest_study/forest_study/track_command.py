@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from forest_control.schemes import LABELS, scheme_named
 from forest_description.machine import Machine, load_machine
+from forest_sim import compiled
 from forest_study import mismatch
 from forest_study.paths import NAMES, TipPath, path_named
 from forest_study.track import Score, noisy, prepare
@@ -75,9 +76,12 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PathError: the path cannot be read or followed.
         MachineError: a machine's file cannot be.
+        StudyError: LLVM is not installed, or something is in the directory for results.
     """
-    from forest_study.cli import new_directory  # which imports this module
+    from forest_study.cli import StudyError, new_directory  # which imports this module
 
+    if not compiled.can_compile():
+        raise StudyError("track needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
     machine = load_machine(options.machine)
     model = load_machine(options.model) if options.model else machine
     paths = [path_named(name) for name in (NAMES if options.path == "all" else (options.path,))]
