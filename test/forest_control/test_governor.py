@@ -11,15 +11,18 @@ from forest_control.governor import (
     FAR_OFF,
     NEGLIGIBLE_RATE,
     NO_AXIS,
+    NO_STROKE,
     Governed,
     GovernorParameters,
     Limit,
     Pumps,
+    Stroke,
     flow_demand,
     govern,
 )
 from forest_description.actuation import displacements, joint_rates_to_actuator_speeds
 from forest_description.kinematics import Links, joint_rates, tip_velocity
+from forest_description.linkage import cylinder_length, lever_arm
 from forest_description.machine import load_machine
 
 LINKS = Links(0.41, 4.1, 2.9)
@@ -132,3 +135,25 @@ def test_the_pumps_flow_is_shared_without_turning():
         assert governed.factor * taken <= pumps.limit * (1.0 + 1e-12)
         held += governed.limit == Limit.FLOW
     assert 200 < held < 2000
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0], ids=["retracts", "extends"])
+def test_a_cylinder_is_allowed_its_approach_rate_times_the_stroke_that_is_left(sign):
+    linkage = load_machine("c180").linkages[0]
+    ends = cylinder_length(P.lower[1], linkage), cylinder_length(P.upper[1], linkage)
+    p = P._replace(rates=(math.inf,) * 3, strokes=(NO_STROKE, Stroke(linkage, *ends), NO_STROKE))
+    fast = 1000.0  # [rad/s] far over what is allowed, where no corner is rounded
+    for angle in np.linspace(P.lower[1] + 0.01, P.upper[1] - 0.01, 30).tolist():
+        factor = govern((0.0, angle, -1.5), (0.0, sign * fast, 0.0), p).factor
+        left = abs(ends[1 if sign > 0.0 else 0] - cylinder_length(angle, linkage))
+        speed = lever_arm(angle, linkage) * factor * fast
+        assert speed == pytest.approx(P.approach[1] * left, rel=0.01)
+
+
+def test_outside_its_stroke_a_cylinder_may_only_come_back():
+    linkage = load_machine("c180").linkages[0]
+    stroke = Stroke(linkage, cylinder_length(P.lower[1], linkage), cylinder_length(P.upper[1], linkage))
+    p = P._replace(strokes=(NO_STROKE, stroke, NO_STROKE))
+    beyond = (0.0, P.upper[1] + 0.02, -1.5)
+    assert govern(beyond, (0.0, 0.1, 0.0), p).factor == 0.0
+    assert govern(beyond, (0.0, -0.1, 0.0), p).factor == 1.0

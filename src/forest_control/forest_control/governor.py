@@ -6,8 +6,9 @@ limit is never slowed.
 | symbol | name | unit |
 |---|---|---|
 | a | wished joint rates | rad/s |
-| k | approach rate: allowed rate towards a joint limit per remaining angle | 1/s |
+| k | approach rate: allowed speed towards a limit per what is left of angle (swing) or stroke | 1/s |
 | alpha | the factor, 0..1 | |
+| x | length of a cylinder, pin to pin; its lever arm is dx/dq | m |
 | Q, A | flow of the pumps; area of an actuator's inlet (per angle: oil of the motor) | m^3/s; m^2, m^3/rad |
 | r | distance of the tip from the swing axis, negative behind it | m |
 
@@ -21,7 +22,7 @@ from typing import NamedTuple
 
 from forest_description.actuation import Linkages
 from forest_description.kinematics import Links
-from forest_description.linkage import Linkage, lever_arm
+from forest_description.linkage import Linkage, length_and_arm, lever_arm
 
 Triple = tuple[float, float, float]
 
@@ -50,6 +51,14 @@ class Pumps(NamedTuple):
     linkages: Linkages
 
 
+class Stroke(NamedTuple):
+    """How far a cylinder may go; one that goes nowhere stands for a joint without."""
+
+    linkage: Linkage
+    shortest: float  # x [m] at one of its joint's limits, margin included
+    longest: float  # [m] at the other
+
+
 class Axis(NamedTuple):
     """How near the swing axis the tip may come."""
 
@@ -59,7 +68,9 @@ class Axis(NamedTuple):
 
 _NO_LINKAGE = Linkage(1.0, 1.0, 0.0)
 ENOUGH = Pumps(math.inf, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (_NO_LINKAGE, _NO_LINKAGE))
+NO_STROKE = Stroke(_NO_LINKAGE, 0.0, 0.0)
 NO_AXIS = Axis(Links(0.0, 1.0, 1.0), 0.0)
+LEAST_ARM = 1e-3  # [m]
 CREEP = 2e-3  # [rad/s] no slower towards a limit: it arrives, and the valves can shut
 FAR_OFF = 2.5  # times the wish: a joint limit that allows more is not felt
 REACH_APPROACH = 2.0  # [1/s] k for the swing axis
@@ -74,6 +85,7 @@ class GovernorParameters(NamedTuple):
     approach: Triple  # [1/s]
     pumps: Pumps
     axis: Axis
+    strokes: tuple[Stroke, Stroke, Stroke] = (NO_STROKE, NO_STROKE, NO_STROKE)
 
 
 class Governed(NamedTuple):
@@ -91,7 +103,7 @@ def govern(angles: Triple, wished: Triple, p: GovernorParameters) -> Governed:
         if abs(rate) <= NEGLIGIBLE_RATE:
             continue
         room = p.upper[joint] - angles[joint] if rate > 0.0 else angles[joint] - p.lower[joint]
-        towards_limit = p.approach[joint] * room
+        towards_limit = p.approach[joint] * _way_left(room, angles[joint], rate > 0.0, p.strokes[joint])
         if towards_limit < CREEP:
             towards_limit = 0.0
         governed = _at_most(governed, p.rates[joint], abs(rate), Limit.RATE)
@@ -104,6 +116,26 @@ def govern(angles: Triple, wished: Triple, p: GovernorParameters) -> Governed:
         return governed
     allowed = max(0.0, REACH_APPROACH * (reach - p.axis.closest))
     return _at_most(governed, allowed, inward, Limit.SINGULARITY)
+
+
+def _way_left(room: float, angle: float, extends: bool, stroke: Stroke) -> float:
+    """Return the stroke that is left of a cylinder over its lever arm [rad]: what its end shall be damped by.
+
+    A cylinder slows down by its own stroke as in a damper at its end: x' = k (x_end - x). In angles alone it
+    would come too fast to an end near its dead point, where little stroke turns the joint far.
+
+    Args:
+        room: angle to the joint's limit [rad], which counts for a joint without cylinder.
+        angle: of the joint [rad].
+        extends: the joint is wished upwards; its cylinder extends.
+        stroke: of its cylinder.
+    """
+    if stroke.longest <= stroke.shortest:
+        return room
+    length, arm = length_and_arm(math.cos(angle), math.sin(angle), stroke.linkage)
+    if arm <= LEAST_ARM:
+        return room  # beyond its dead point a linkage turns the other way
+    return (stroke.longest - length if extends else length - stroke.shortest) / arm
 
 
 def _softened(allowed: float, wished: float) -> float:

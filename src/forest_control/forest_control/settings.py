@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from forest_control.capacity import Capacity, capacity
 from forest_control.coordination import CoordinationParameters
-from forest_control.governor import NO_AXIS, Axis, GovernorParameters, Pumps
+from forest_control.governor import NO_AXIS, NO_STROKE, Axis, GovernorParameters, Pumps, Stroke
 from forest_control.hand import Frame, Hand, Mode
 from forest_control.schemes import Gains, Scheme
 from forest_control.singularity import BENT
@@ -15,6 +15,7 @@ from forest_control.workspace import OPEN, Workspace
 from forest_description.actuation import Linkages, displacements, rated_speeds
 from forest_description.kinematics import Links
 from forest_description.limits import Interval, joint_limits
+from forest_description.linkage import Linkage, cylinder_length
 from forest_description.machine import Machine
 
 Triple = tuple[float, float, float]
@@ -52,7 +53,7 @@ class Settings(NamedTuple):
     load_bandwidth: float = 1.0  # [Hz] of the valve driver's
     tip_acceleration: float = 4.0  # [m/s^2] of the coordinated scheme's reference: steps become ramps
     joint_margin: float = 0.0175  # [rad] kept from every joint limit
-    approach: Triple = (1.0, 2.0, 2.0)  # [1/s] allowed rate per remaining angle before a joint limit
+    approach: Triple = (1.0, 2.0, 2.0)  # [1/s] allowed speed per angle or stroke left to a limit
 
 
 class Parameters(NamedTuple):
@@ -152,7 +153,17 @@ def _governor(machine: Machine, settings: Settings) -> GovernorParameters:
         approach=settings.approach,
         pumps=pumps,
         axis=axis,
+        strokes=(
+            NO_STROKE,
+            _stroke(lower[1], upper[1], machine.linkages[0]),
+            _stroke(lower[2], upper[2], machine.linkages[1]),
+        ),
     )
+
+
+def _stroke(lower: float, upper: float, linkage: Linkage) -> Stroke:
+    """Return the cylinder's lengths at its joint's limits [rad]."""
+    return Stroke(linkage, cylinder_length(lower, linkage), cylinder_length(upper, linkage))
 
 
 def _regular(lower: float, upper: float) -> Interval:

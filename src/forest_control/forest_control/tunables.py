@@ -47,7 +47,7 @@ TUNABLES = (
     Tunable("load_bandwidth", "of the valve driver's knowledge of the load", "Hz", 0.01, 50.0),
     Tunable("tip_acceleration", "of the coordinated scheme's reference", "m/s^2", 0.1, 20.0),
     Tunable("joint_margin", "kept from joint limits", "rad", 0.0, 0.2),
-    Tunable("approach", "rate per angle left to a limit", "1/s", 0.1, 20.0),
+    Tunable("approach", "speed per angle, of a cylinder per stroke, left to a limit", "1/s", 0.1, 20.0),
 )
 
 

@@ -76,5 +76,4 @@ def governor_at(angles: Triple, wished: Triple, p: Parameters) -> GovernorParame
         return p.governor
     most, rates = greatest_rates(angles, wished, p.capacity), p.governor.rates
     least = min(rates[0], most[0]), min(rates[1], most[1]), min(rates[2], most[2])
-    g = p.governor
-    return GovernorParameters(g.lower, g.upper, least, g.approach, g.pumps, g.axis)
+    return p.governor._replace(rates=least)
