@@ -12,18 +12,19 @@ import sys
 from collections.abc import Sequence
 
 from forest_description.machine import MachineError
-from forest_ident import ident_experiment, ident_fit, ident_validate
+from forest_ident import ident_actuator, ident_experiment, ident_fit, ident_validate
+from forest_ident.actuator_record import RecordError
 from forest_ident.session import SessionError
 from forest_msgs_py.bag_files import BagError
 from forest_sim import command_line
 
 PROGRAM = "forest-ident"
-VERBS = (ident_experiment, ident_fit, ident_validate)
+VERBS = (ident_experiment, ident_fit, ident_validate, ident_actuator)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb; return its exit code."""
-    errors = (BagError, MachineError, SessionError)
+    errors = (BagError, MachineError, RecordError, SessionError)
     return command_line.run(PROGRAM, _parser().parse_args(arguments), errors)
 
 
