@@ -63,12 +63,13 @@ class Lockstep:
     ) -> None:
         self._node, self._guard, self._leads, self._steps = node, guard, leads, steps
         self._inboxes: list[StepInbox] = []
-        self._callbacks: list[tuple[StepInbox, Callable[[Any, float], None]]] = []
+        self._callbacks: list[tuple[StepInbox, Callable[[bytes, float], None]]] = []
         self._timers: list[tuple[int, Callable[[], None]]] = []
         self._publishers: list[StepPublisher] = []
         self._latched: list[str] = []
         self._step = self._speaking = 0
         self._ended = False
+        self._wait_set: Any = None  # made once: that takes longer than waiting
         self._silences = [silences(node, topics.SILENCE)]
         self._silence, self._quiet = (
             node.create_publisher(message_class(topic), topic.name, lockstep_qos())
@@ -108,9 +109,10 @@ class Lockstep:
             self._silences.append(silences(self._node, topics.QUIET))
         return made
 
-    def on(self, topic: Topic, callback: Callable[[Any, float], None]) -> None:
+    def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> None:
         """Call with the message of each step in which one is said, and the step's time [s]."""
         self._callbacks.append((self.inbox(topic), callback))
+        self._inboxes.insert(0, self._inboxes.pop())  # the last to come: waited for first, most often alone
 
     def every(self, period: float, callback: Callable[[], None]) -> None:
         """Call once in a period [s], after the step's message; in each step if the period is shorter."""
@@ -176,7 +178,7 @@ class Lockstep:
         stamp, begun = step * STEP_NS, time.monotonic()
         for inbox in self._inboxes:
             while not inbox.has(stamp):
-                inbox.collect()
+                inbox.collect(stamp)
                 if inbox.has(stamp):
                     break
                 self._hear_silences()
@@ -207,11 +209,13 @@ class Lockstep:
         if waited > self._guard and waited > self._guard + self._patience(inbox, step):
             self._complain(inbox, step)
         heard = [inbox.subscription, *(silence.subscription for silence in self._silences)]
-        waiting = rclpy_implementation.WaitSet(len(heard), 0, 0, 0, 0, 0, self._node.context.handle)
-        waiting.clear_entities()
+        if self._wait_set is None:
+            size = 1 + len(self._silences)
+            self._wait_set = rclpy_implementation.WaitSet(size, 0, 0, 0, 0, 0, self._node.context.handle)
+        self._wait_set.clear_entities()
         for subscription in heard:
-            waiting.add_subscription(subscription.handle)
-        waiting.wait(int(LOOK * NS_PER_S))
+            self._wait_set.add_subscription(subscription.handle)
+        self._wait_set.wait(int(LOOK * NS_PER_S))
         return True
 
     def _patience(self, waited: StepInbox, step: int) -> float:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import cache
 from itertools import chain
 
 from rclpy.node import Node
@@ -74,6 +75,7 @@ class StepListener:
         )
         self._inboxes: dict[str, Inbox] = {}
         self._sequence: Counter[str] = Counter()
+        self._is_wanted = cache(lambda name: wanted(name, ()))  # asked of every message
         self._told, self._end, self._finished = 0, -1, False
         self._progress = time.monotonic()
 
@@ -96,7 +98,7 @@ class StepListener:
         heard = [
             self._heard(name, stamp, data)
             for name, stamp, data in self._order.complete()
-            if self._wanted(name, ())
+            if self._is_wanted(name)
         ]
         now = self._order.reached
         heard += [one._replace(received_ns=now, sent_ns=now) for one in self._beside.take()]

@@ -7,11 +7,11 @@ from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message
 
 from forest_msgs_py.cdr import to_cdr
 from forest_msgs_py.inbox import Arrival, Inbox
 from forest_msgs_py.messages import NS_PER_S
+from forest_msgs_py.node import raw_publish
 from forest_msgs_py.stamps import stamp_in
 from forest_msgs_py.topics import Topic, message_class
 
@@ -41,18 +41,20 @@ class StepInbox:
 
     def __init__(self, node: Node, topic: Topic) -> None:
         self.topic = topic
-        self._class = message_class(topic)
-        self._inbox = Inbox(node, self._class, topic.name, lockstep_qos(), raw=True)
+        self._inbox = Inbox(node, message_class(topic), topic.name, lockstep_qos(), raw=True)
         self.subscription = self._inbox.subscription
         self.name = self.subscription.topic_name
         self._waiting: dict[int, bytes] = {}
         self._silent: set[int] = set()
         self._current: tuple[bytes, float] | None = None
 
-    def collect(self) -> None:
-        """Take what has arrived."""
+    def collect(self, until: int = -1) -> None:
+        """Take what has arrived, until the message of this stamp [ns] is among it."""
         for data, _info in self._inbox.take():
-            self._waiting.setdefault(stamp_in(self.topic.type, data), data)
+            stamp = stamp_in(self.topic.type, data)
+            self._waiting.setdefault(stamp, data)
+            if stamp == until:
+                return
 
     def silent(self, stamp: int) -> None:
         """Nothing will be said in the step of this stamp."""
@@ -80,7 +82,7 @@ class StepInbox:
         if self._current is None:
             return None
         (data, sent), self._current = self._current, None
-        return Arrival(deserialize_message(data, self._class), sent)
+        return Arrival(data, sent)
 
     def arrivals(self) -> Iterator[Arrival]:
         """Yield the message of this step, once; nothing if nothing was said."""
@@ -94,6 +96,7 @@ class StepPublisher:
     def __init__(self, node: Node, topic: Topic, step: Callable[[], int]) -> None:
         self._publisher = node.create_publisher(message_class(topic), topic.name, lockstep_qos())
         self.name, self.type, self.awaited = self._publisher.topic_name, topic.type, is_awaited(topic)
+        self._say = raw_publish(self._publisher)
         self._step = step
         self.spoke = 0  # last step in which something was said
 
@@ -103,7 +106,7 @@ class StepPublisher:
         if step == self.spoke or step == 0:
             return
         self.spoke = step
-        self._publisher.publish(message if isinstance(message, bytes) else to_cdr(message))
+        self._say(message if isinstance(message, bytes) else to_cdr(message))
 
     def get_subscription_count(self) -> int:
         """Readers there are."""
