@@ -25,7 +25,7 @@ from forest_msgs_py.node import Finished, NodeFailure
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.stamps import stamp_in
 from forest_msgs_py.step_order import StepOrder
-from forest_msgs_py.step_topics import STEP_NS, lockstep_qos, silences
+from forest_msgs_py.step_topics import STEP_NS, lockstep_qos, silences, silent_steps
 from forest_msgs_py.topics import find, message_class, offered_qos, unlisted
 
 WALL_CLOCK = "/parameter_events"  # carries the time of day: no two runs say the same
@@ -129,7 +129,8 @@ class StepListener:
             if header.frame_id == END:
                 self._end = stamp_to_ns(header.stamp)
             else:
-                self._order.silence(header.frame_id.split(" "), stamp_to_ns(header.stamp))
+                for name, stamp in silent_steps(header):
+                    self._order.silence((name,), stamp)
 
     def _open(self, name: str, type_name: str) -> None:
         """Subscribe to a topic, once its publisher can be seen.
