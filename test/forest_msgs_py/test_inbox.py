@@ -15,6 +15,7 @@ from forest_msgs_py.messages import float_array
 from forest_msgs_py.node import publisher
 from forest_msgs_py.stamped_period import LONGEST, StampedPeriod
 from forest_msgs_py.topics import VALVE_VOLTAGES
+from forest_msgs_py.unpacking import ArrayReader
 
 
 def sent(seconds_ago):
@@ -22,6 +23,10 @@ def sent(seconds_ago):
         "source_timestamp": time.time_ns() - round(seconds_ago * 1e9),
         "received_timestamp": time.time_ns(),
     }
+
+
+def volts(data):
+    return ArrayReader(VALVE_VOLTAGES).read(data, 0).values[0]
 
 
 def test_age_counts_from_publishing_not_from_receiving():
@@ -39,12 +44,12 @@ def test_newest_message_comes_with_its_time_and_older_ones_are_gone(ros_context,
     wait_until(lambda: sender.get_subscription_count() == 1)
     assert box.newest() is None
     before = time.monotonic()
-    for volts in (1.0, 2.0, 3.0):
-        sender.publish(float_array(VALVE_VOLTAGES, 0, (volts, 0.0, 0.0)))
+    for swing in (1.0, 2.0, 3.0):
+        sender.publish(float_array(VALVE_VOLTAGES, 0, (swing, 0.0, 0.0)))
     taken = []
 
     def arrived():
-        taken.extend(message.data[2] for message, _ in box.take())
+        taken.extend(volts(data) for data, _ in box.take())
         return len(taken) == 3
 
     wait_until(arrived)
@@ -52,7 +57,7 @@ def test_newest_message_comes_with_its_time_and_older_ones_are_gone(ros_context,
     sender.publish(float_array(VALVE_VOLTAGES, 0, (4.0, 0.0, 0.0)))
     newest = []
     wait_until(lambda: newest.append(box.newest()) or newest[-1] is not None)
-    assert newest[-1].message.data[2] == 4.0
+    assert volts(newest[-1].message) == 4.0
     assert before - inbox_module.CLOCK_TOLERANCE <= newest[-1].time <= time.monotonic() + 0.05
     assert box.newest() is None
 

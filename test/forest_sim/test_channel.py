@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_sim.channel import ABSENT, DROPPED, EXACT, FROZEN, Channel, ChannelState, sample
+from forest_sim.channel import ABSENT, DROPPED, EXACT, FROZEN, Channel, ChannelState, exactly, sample
 
 REST = ChannelState(0.0, 0.0)
 
@@ -107,3 +107,8 @@ def test_the_law_compiles_and_says_the_same_compiled():
         for true, normal in np.random.default_rng(2).normal(0.0, 3.0, (20, 2)).tolist():
             arguments = (c, ChannelState(0.3, 0.4), true, 0.005, normal)
             np.testing.assert_array_equal(np.hstack(compiled(*arguments)), np.hstack(sample(*arguments)))
+
+
+def test_an_exact_channel_reads_what_the_law_of_all_channels_says():
+    for true in (0.0, -0.0, 1.5, -2e7, 5e-324, math.inf):
+        assert repr(exactly(true)) == repr(sample(EXACT, ChannelState(3.0, 4.0), true, 0.005, -0.7))

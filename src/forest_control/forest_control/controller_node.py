@@ -34,13 +34,13 @@ from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.emergency_stop import EmergencyStop
 from forest_msgs_py.health import Health
-from forest_msgs_py.messages import read_joint_state, read_joy
 from forest_msgs_py.node import run_node
 from forest_msgs_py.pace import pace, speaker
 from forest_msgs_py.parameters import Tunables, declare
 from forest_msgs_py.stamp_order import StampOrder
 from forest_msgs_py.stamped_period import StampedPeriod
 from forest_msgs_py.topics import message_class
+from forest_msgs_py.unpacking import JointReader, read_joy_data
 
 FRAME = "base_link"
 ZERO: Triple = (0.0, 0.0, 0.0)
@@ -75,6 +75,7 @@ class ControllerNode(Node):
         self._declare_outputs()
         if get("publish_description", False, "publish robot_description; where no simulator does"):
             self._describe(machine)
+        self._joints = JointReader(topics.JOINTS)
         self._joy = self._pace.inbox(topics.JOY)
         self._pace.on(topics.JOINT_STATES, self._on_joint_states)
         self._pace.every(WATCHDOG_PERIOD, self._watch)
@@ -121,11 +122,11 @@ class ControllerNode(Node):
 
     def _read_joy(self) -> None:
         """Take in every joystick sample that waits, oldest first."""
-        for message, received in self._joy.arrivals():
-            reading = read_joy(message, RIGHT_Y + 1, self._deadman + 1)
+        for data, received in self._joy.arrivals():
+            reading, frame = read_joy_data(data, RIGHT_Y + 1, self._deadman + 1)
             sample = bad_sample(received)
             if not reading.problem:
-                frame, before = message.header.frame_id, self._joy_content
+                before = self._joy_content
                 sample = sample_of(reading.stamp_ns, frame, received, reading.values, before, self._deadman)
                 self._joy_content = reading.values
             dropped = self._joystick.out_of_order
@@ -133,10 +134,10 @@ class ControllerNode(Node):
             in_order = self._joystick.out_of_order == dropped
             self._joy_problem = reading.problem or ("" if in_order else GOES_BACK)
 
-    def _on_joint_states(self, message: Any, sent: float) -> None:
+    def _on_joint_states(self, data: bytes, sent: float) -> None:
         if self._pace.now() - sent > self._state_timeout:
             return  # left over from a stall, ours or the machine's; the watchdog speaks meanwhile
-        reading = read_joint_state(topics.JOINTS, message)
+        reading = self._joints.read(data)
         angles, rates = reading.values.position, reading.values.velocity
         problem = reading.problem or controller.implausible(angles, rates, self._core)
         if problem:

@@ -19,12 +19,12 @@ from forest_description.machine import Machine, load_machine
 from forest_msgs_py import topics
 from forest_msgs_py.emergency_stop import EmergencyStop
 from forest_msgs_py.health import Health
-from forest_msgs_py.messages import read_float_array
 from forest_msgs_py.node import run_node
 from forest_msgs_py.pace import pace, speaker
 from forest_msgs_py.parameters import Tunables, declare
 from forest_msgs_py.stamp_order import StampOrder
 from forest_msgs_py.stamped_period import StampedPeriod
+from forest_msgs_py.unpacking import ArrayReader
 
 ZERO: Triple = (0.0, 0.0, 0.0)
 WATCHDOG_PERIOD = 0.02  # [s]
@@ -61,6 +61,7 @@ class ValveDriverNode(Node):
             None if self._shadow else speaker(self._pace, topics.VALVE_VOLTAGES, plain=self._plain)
         )
         self._status = speaker(self._pace, topics.VALVE_DRIVER_STATUS, plain=self._plain)
+        self._commands = ArrayReader(topics.VALVE_COMMANDS)
         self._pace.on(topics.VALVE_COMMANDS, self._on_command)
         self._measured = Measurements(self._pace, timeout, self._core.idle_pressure)
         self._pace.every(WATCHDOG_PERIOD, self._watch)
@@ -68,11 +69,11 @@ class ValveDriverNode(Node):
     def _set(self, machine: Machine, values: dict[str, Any]) -> None:
         self._core = valve_driver.parameters(machine, valve_driver.Settings(**values))
 
-    def _on_command(self, message: Any, sent: float) -> None:
+    def _on_command(self, data: bytes, sent: float) -> None:
         if self._pace.now() - sent > self._command_timeout:
             return  # left over from a stall; the watchdog speaks meanwhile
         now = self._pace.stamp()
-        reading = read_float_array(topics.VALVE_COMMANDS, message, now)
+        reading = self._commands.read(data, now)
         problem = reading.problem
         if not problem and reading.values != ZERO:  # zero is obeyed in any order
             disorder = self._order.problem("valve_commands", reading.stamp_ns, sent)

@@ -6,7 +6,7 @@ from typing import Any
 from forest_control import valve_adaptation as adaptation
 from forest_control.valve_driver import Motion, Parameters, Pressures, State
 from forest_msgs_py import topics
-from forest_msgs_py.messages import read_float_array, read_joint_state
+from forest_msgs_py.unpacking import ArrayReader, JointReader
 
 Triple = tuple[float, float, float]
 
@@ -30,6 +30,11 @@ class Measurements:
     def __init__(self, pace: Any, timeout: float, idle_pressure: float) -> None:
         self._pace, self._timeout, self._idle = pace, timeout, idle_pressure
         self._boxes = [pace.inbox(t) for t in (topics.PRESSURES, topics.SUPPLY, topics.ACTUATOR_STATES)]
+        self._port_readers, self._valve_readers = (
+            [ArrayReader(topics.PRESSURES, labels) for labels in group] for group in (PORTS, VALVES)
+        )
+        self._supply_reader = ArrayReader(topics.SUPPLY, ("pressure",))
+        self._actuator_reader = JointReader(topics.ACTUATORS)
         self._ports: list[Triple] = []
         self._valves: list[Triple] = []
         self._supply, self._positions = 0.0, (0.0, 0.0, 0.0)
@@ -40,26 +45,22 @@ class Measurements:
         problem = ""
         pressures, supply, actuators = (box.newest() for box in self._boxes)
         if pressures:
-            ports, problem = self._arrays(pressures.message, PORTS)
+            ports, problem = _arrays(pressures.message, self._port_readers)
             if not problem:
                 self._ports, self._received["ports"] = ports, pressures.time
-            valves, missing = self._arrays(pressures.message, VALVES) if learning else ([], "not wanted")
-            if not missing:
-                self._valves, self._received["valves"] = valves, pressures.time
+            if learning:
+                valves, missing = _arrays(pressures.message, self._valve_readers)
+                if not missing:
+                    self._valves, self._received["valves"] = valves, pressures.time
         if supply:
-            reading = read_float_array(topics.SUPPLY, supply.message, 0, ("pressure",))
+            reading = self._supply_reader.read(supply.message, 0)
             if not reading.problem and reading.values[0] > 0.0:
                 self._supply, self._received["supply"] = reading.values[0], supply.time
         if actuators and learning:
-            states = read_joint_state(topics.ACTUATORS, actuators.message)
+            states = self._actuator_reader.read(actuators.message)
             if not states.problem:
                 self._positions, self._received["positions"] = states.values.position, actuators.time
         return problem
-
-    @staticmethod
-    def _arrays(message: Any, labels: list[tuple[str, ...]]) -> tuple[list[Triple], str]:
-        readings = [read_float_array(topics.PRESSURES, message, 0, names) for names in labels]
-        return [r.values for r in readings], readings[0].problem or readings[1].problem
 
     def pressures(self) -> Pressures | None:
         """Return what the transducers say, or None: then the driver takes the nominal pressure drop."""
@@ -77,6 +78,11 @@ class Measurements:
 
     def _fresh(self, what: str) -> bool:
         return bool(self._pace.now() - self._received[what] <= self._timeout)
+
+
+def _arrays(data: bytes, readers: list[ArrayReader]) -> tuple[list[Triple], str]:
+    readings = [reader.read(data, 0) for reader in readers]
+    return [reading.values for reading in readings], readings[0].problem or readings[1].problem
 
 
 def status(state: State, p: Parameters) -> list[float]:

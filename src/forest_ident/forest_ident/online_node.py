@@ -7,7 +7,6 @@ voltages that arrived last, and tells every second what it believes.
 import math
 import sys
 from functools import partial
-from typing import Any
 
 from rclpy.node import Node
 
@@ -15,12 +14,13 @@ from forest_description.machine import load_machine
 from forest_ident import online
 from forest_ident.online import Triple
 from forest_msgs_py import topics
-from forest_msgs_py.messages import float_array, read_float_array, read_joint_state
+from forest_msgs_py.messages import float_array
 from forest_msgs_py.node import run_node
 from forest_msgs_py.pace import pace
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.stamped_period import StampedPeriod
 from forest_msgs_py.topics import Topic
+from forest_msgs_py.unpacking import ArrayReader, JointReader
 
 PORTS = tuple(tuple(f"{joint}_{port}_actuator" for joint in topics.JOINTS) for port in (1, 2))
 
@@ -41,27 +41,31 @@ class OnlineIdentificationNode(Node):
         self._timeout = get("timeout", 0.1, "age at which pressures and voltages are lost", "s", 0.01, 2.0)
         self._every = get("report_period", 1.0, "between two reports", "s", 0.1, 600.0)
         self._since = 0.0
-        self._last: dict[Topic, tuple[Any, float]] = {}  # message, when it was sent
+        self._last: dict[Topic, tuple[bytes, float]] = {}  # message, when it was sent
+        self._joints = JointReader(topics.JOINTS)
+        self._ports = [ArrayReader(topics.PRESSURES, labels) for labels in PORTS]
+        self._supply = ArrayReader(topics.SUPPLY, ("pressure",))
+        self._voltages = ArrayReader(topics.VALVE_VOLTAGES)
         self._estimates = self._pace.publisher(topics.IDENTIFICATION)
         for topic in (topics.PRESSURES, topics.SUPPLY, topics.VALVE_VOLTAGES):
             self._pace.on(topic, partial(self._keep, topic))
         self._pace.on(topics.JOINT_STATES, self._on_joints)
 
-    def _keep(self, topic: Topic, message: Any, sent: float) -> None:
-        self._last[topic] = message, sent
+    def _keep(self, topic: Topic, data: bytes, sent: float) -> None:
+        self._last[topic] = data, sent
 
-    def _on_joints(self, message: Any, _sent: float) -> None:
-        reading = read_joint_state(topics.JOINTS, message)
+    def _on_joints(self, data: bytes, _sent: float) -> None:
+        reading = self._joints.read(data)
         if reading.problem or not reading.values.velocity:
             return
         dt = self._period.since(reading.stamp_ns)
         sample = online.Sample(
             reading.values.position,
             reading.values.velocity,
-            self._triple(topics.PRESSURES, PORTS[0]),
-            self._triple(topics.PRESSURES, PORTS[1]),
-            self._read(topics.SUPPLY, ("pressure",))[0],
-            self._triple(topics.VALVE_VOLTAGES, topics.JOINTS),
+            self._triple(topics.PRESSURES, self._ports[0]),
+            self._triple(topics.PRESSURES, self._ports[1]),
+            self._read(topics.SUPPLY, self._supply, 1)[0],
+            self._triple(topics.VALVE_VOLTAGES, self._voltages),
         )
         self._state = online.step(self._state, sample, self._core, dt)
         self._since += dt
@@ -69,17 +73,17 @@ class OnlineIdentificationNode(Node):
             self._since = 0.0
             self._publish(reading.stamp_ns)
 
-    def _triple(self, topic: Topic, labels: tuple[str, ...]) -> Triple:
-        one, two, three = self._read(topic, labels)
+    def _triple(self, topic: Topic, reader: ArrayReader) -> Triple:
+        one, two, three = self._read(topic, reader, 3)
         return one, two, three
 
-    def _read(self, topic: Topic, labels: tuple[str, ...]) -> tuple[float, ...]:
+    def _read(self, topic: Topic, reader: ArrayReader, count: int) -> tuple[float, ...]:
         """Return a topic's newest values; NaN if they are bad, too old or never came."""
-        nothing = (math.nan,) * len(labels)
-        message, sent = self._last.get(topic, (None, -math.inf))
-        if message is None or self._pace.now() - sent > self._timeout:
+        nothing = (math.nan,) * count
+        data, sent = self._last.get(topic, (b"", -math.inf))
+        if not data or self._pace.now() - sent > self._timeout:
             return nothing
-        reading = read_float_array(topic, message, 0, labels)
+        reading = reader.read(data, 0)
         return nothing if reading.problem else tuple(reading.values)
 
     def _publish(self, stamp: int) -> None:

@@ -23,7 +23,7 @@ CLOCK_TOLERANCE = 0.05  # [s] between the clocks of publisher and reader
 
 
 class Arrival(NamedTuple):
-    """A message, and when it was sent [s, time.monotonic], however long it waited since."""
+    """A message, or its bytes, and when it was sent [s, time.monotonic], however long it waited since."""
 
     message: Any
     time: float
@@ -98,5 +98,5 @@ class Inbox:
 
 
 def inbox(node: Node, topic: Topic) -> Inbox:
-    """An inbox with the type and the QoS of the table."""
-    return Inbox(node, message_class(topic), topic.name, qos(topic, reading=True))
+    """An inbox with the type and the QoS of the table, for the bytes of messages."""
+    return Inbox(node, message_class(topic), topic.name, qos(topic, reading=True), raw=True)

@@ -31,16 +31,25 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from forest_msgs_py import topics
-from forest_msgs_py.cdr import to_cdr
-from forest_msgs_py.messages import NS_PER_S, ns_to_stamp, stamp_to_ns
+from forest_msgs_py.messages import NS_PER_S, ns_to_stamp
 from forest_msgs_py.node import NodeFailure, publisher
 from forest_msgs_py.stamps import STAMPED
+from forest_msgs_py.step_guard import complaint, patience
 from forest_msgs_py.step_order import LATCHED
-from forest_msgs_py.step_topics import STEP_NS, StepInbox, StepPublisher, is_awaited, lockstep_qos, silences
+from forest_msgs_py.step_topics import (
+    STEP_NS,
+    Quiet,
+    StepInbox,
+    StepPublisher,
+    is_awaited,
+    lockstep_qos,
+    silence,
+    silences,
+    silent_steps,
+)
 from forest_msgs_py.topics import Topic, message_class
 
 AHEAD = 400  # steps by which the machine may be ahead of the recorder
-LOOP = ("joystick", "controller", "valve_driver")  # as a step passes from one to the next
 END = "end"  # told instead of topics when the step was the last
 LOOK = 0.1  # [s] between looks at whether the node was told to stop
 
@@ -54,26 +63,34 @@ class Lockstep:
         leads: begin each step, and wait for the answers to the one before.
         steps: after which a leader is done; 0: no end.
         recorded: a leader waits for the recorder, too.
+        quiet: see `Quiet`.
     """
 
     lockstep = True
 
     def __init__(
-        self, node: Node, guard: float, leads: bool = False, steps: int = 0, recorded: bool = False
+        self,
+        node: Node,
+        guard: float,
+        leads: bool = False,
+        steps: int = 0,
+        recorded: bool = False,
+        quiet: int = 1,
     ) -> None:
         self._node, self._guard, self._leads, self._steps = node, guard, leads, steps
         self._inboxes: list[StepInbox] = []
-        self._callbacks: list[tuple[StepInbox, Callable[[Any, float], None]]] = []
+        self._callbacks: list[tuple[StepInbox, Callable[[bytes, float], None]]] = []
         self._timers: list[tuple[int, Callable[[], None]]] = []
         self._publishers: list[StepPublisher] = []
         self._latched: list[str] = []
         self._step = self._speaking = 0
         self._ended = False
+        self._wait_set: Any = None  # made once: that takes longer than waiting
         self._silences = [silences(node, topics.SILENCE)]
-        self._silence, self._quiet = (
-            node.create_publisher(message_class(topic), topic.name, lockstep_qos())
-            for topic in (topics.SILENCE, topics.QUIET)
+        self._silence = node.create_publisher(
+            message_class(topics.SILENCE), topics.SILENCE.name, lockstep_qos()
         )
+        self._quiet = Quiet(node, quiet)
         self._roll = publisher(node, topics.ROLL)
         self._clock = self.publisher(topics.CLOCK) if leads else None
         self._recorded = StepInbox(node, topics.RECORDED) if recorded else None
@@ -108,9 +125,10 @@ class Lockstep:
             self._silences.append(silences(self._node, topics.QUIET))
         return made
 
-    def on(self, topic: Topic, callback: Callable[[Any, float], None]) -> None:
+    def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> None:
         """Call with the message of each step in which one is said, and the step's time [s]."""
         self._callbacks.append((self.inbox(topic), callback))
+        self._inboxes.insert(0, self._inboxes.pop())  # the last to come: waited for first, most often alone
 
     def every(self, period: float, callback: Callable[[], None]) -> None:
         """Call once in a period [s], after the step's message; in each step if the period is shorter."""
@@ -125,6 +143,12 @@ class Lockstep:
         if not self._inboxes:
             self.inbox(topics.CLOCK)
         self._answer_the_roll()
+        try:
+            self._step_on(stopping)
+        finally:
+            self._quiet.tell(self._step)  # or what was said in these steps would be missing in the bag
+
+    def _step_on(self, stopping: threading.Event) -> None:
         step = 0
         while not (self._steps and step == self._steps):
             if self._clock is not None and step > 0 and not self._gather(step, stopping):
@@ -134,7 +158,8 @@ class Lockstep:
                 return
             self._make(step)
         if self._gather(step, stopping):
-            self._tell(self._silence, END)
+            self._quiet.tell(step)
+            self._silence.publish(silence(END, step))
             stopping.wait()
 
     def _answer_the_roll(self) -> None:
@@ -161,22 +186,15 @@ class Lockstep:
         self._speaking = 0
         silent = [made for made in self._publishers if made.spoke != step]
         if missed := [made.name for made in silent if made.awaited]:
-            self._tell(self._silence, " ".join(missed))
-        if quiet := [made.name for made in silent if not made.awaited]:
-            self._tell(self._quiet, " ".join(quiet))
-
-    def _tell(self, publisher: Any, text: str) -> None:
-        """Tell on which topics nothing was said in this step, or that it was the last."""
-        header = message_class(topics.SILENCE)(frame_id=text)
-        header.stamp = ns_to_stamp(self.stamp())
-        publisher.publish(to_cdr(header))
+            self._silence.publish(silence(" ".join(missed), step))
+        self._quiet.note(step, [made.name for made in silent if not made.awaited])
 
     def _gather(self, step: int, stopping: threading.Event) -> bool:
         """Wait for all that the node reads of a step; False if it was told to stop meanwhile."""
         stamp, begun = step * STEP_NS, time.monotonic()
         for inbox in self._inboxes:
             while not inbox.has(stamp):
-                inbox.collect()
+                inbox.collect(stamp)
                 if inbox.has(stamp):
                     break
                 self._hear_silences()
@@ -200,50 +218,27 @@ class Lockstep:
     def _wait(self, inbox: StepInbox, step: int, begun: float, stopping: threading.Event) -> bool:
         """Wait until something arrives; False if the node is told to stop."""
         if self._ended:
+            self._quiet.tell(self._step)
             stopping.wait()
         if stopping.is_set():
             return False
         waited = time.monotonic() - begun
-        if waited > self._guard and waited > self._guard + self._patience(inbox, step):
-            self._complain(inbox, step)
-        heard = [inbox.subscription, *(silence.subscription for silence in self._silences)]
-        waiting = rclpy_implementation.WaitSet(len(heard), 0, 0, 0, 0, 0, self._node.context.handle)
-        waiting.clear_entities()
+        if waited > self._guard and waited > self._guard + patience(inbox, self._inboxes, step, self._leads):
+            raise complaint(inbox, self._inboxes, step, self._guard)
+        heard = [inbox.subscription, *(told.subscription for told in self._silences)]
+        if self._wait_set is None:
+            size = 1 + len(self._silences)
+            self._wait_set = rclpy_implementation.WaitSet(size, 0, 0, 0, 0, 0, self._node.context.handle)
+        self._wait_set.clear_entities()
         for subscription in heard:
-            waiting.add_subscription(subscription.handle)
-        waiting.wait(int(LOOK * NS_PER_S))
+            self._wait_set.add_subscription(subscription.handle)
+        self._wait_set.wait(int(LOOK * NS_PER_S))
         return True
 
-    def _patience(self, waited: StepInbox, step: int) -> float:
-        """How much longer than the guard it waits [s].
-
-        When one node hangs, all wait. Whoever has got a part of the step waits for the one that hangs, or for
-        one behind it in the loop: the nearer to the loop's beginning, the sooner he speaks. Who has got
-        nothing waits for all of them; the fewer things he reads, the better he knows.
-        """
-        for inbox in self._inboxes:
-            inbox.collect()
-        if not self._leads and not any(inbox.has(step * STEP_NS) for inbox in self._inboxes):
-            return 2.0 + len(LOOP) + len(self._inboxes)
-        hops = [LOOP.index(who) for who in waited.topic.publishers if who in LOOP]
-        return 1.0 * min(hops, default=len(LOOP))
-
     def _hear_silences(self) -> None:
-        for header, _info in chain.from_iterable(silence.take() for silence in self._silences):
-            names = header.frame_id.split(" ")
+        for header, _info in chain.from_iterable(told.take() for told in self._silences):
             self._ended = self._ended or header.frame_id == END
-            for inbox in self._inboxes:
-                if inbox.name in names:
-                    inbox.silent(stamp_to_ns(header.stamp))
-
-    def _complain(self, waited: StepInbox, step: int) -> None:
-        """Name all that is missing of a step, and who should have said it."""
-        for inbox in self._inboxes:
-            inbox.collect()
-        missing = [inbox for inbox in self._inboxes if not inbox.has(step * STEP_NS)] or [waited]
-        names = ", ".join(inbox.name for inbox in missing)
-        people = ", ".join(dict.fromkeys(who for inbox in missing for who in inbox.topic.publishers))
-        raise NodeFailure(
-            f"step {step}: waited {self._guard:g} s for {names} of {people or 'nobody known'}; "
-            "see its log, or allow more with the parameter lockstep_guard"
-        )
+            for name, stamp in silent_steps(header):
+                for inbox in self._inboxes:
+                    if inbox.name == name:
+                        inbox.silent(stamp)

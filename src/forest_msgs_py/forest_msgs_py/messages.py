@@ -133,7 +133,7 @@ def read_float_array(
         return _bad(topic.name, now_ns, f"data_offset is {offset}", "0, or 2 (sec, nanosec)")
     if len(data) < offset:
         return _bad(topic.name, now_ns, f"{len(data)} numbers", "2 for the stamp, then the values")
-    stamp_ns = _array_stamp(data) if offset else now_ns
+    stamp_ns = array_stamp(data) if offset else now_ns
     if stamp_ns is None:
         return _bad(topic.name, now_ns, f"stamp is ({data[0]}, {data[1]})", "whole sec, nanosec 0..999999999")
     text = message.layout.dim[0].label if message.layout.dim else ""
@@ -205,8 +205,12 @@ def read_joint_state(names: Sequence[str], message: Any) -> Reading:
 
 def read_joy(message: Any, min_axes: int = 4, min_buttons: int = 1) -> Reading:
     """Levers and buttons, if there are as many as the reader needs and every lever is finite within -1..1."""
-    stamp_ns = stamp_to_ns(message.header.stamp)
     values = JoyValues(tuple(message.axes), tuple(message.buttons))
+    return judged_joy(stamp_to_ns(message.header.stamp), values, min_axes, min_buttons)
+
+
+def judged_joy(stamp_ns: int, values: JoyValues, min_axes: int, min_buttons: int) -> Reading:
+    """What `read_joy` says of these levers and buttons."""
     if len(values.axes) < min_axes or len(values.buttons) < min_buttons:
         problem = f"{len(values.axes)} axes and {len(values.buttons)} buttons"
         allowed = f"at least {min_axes} and {min_buttons}"
@@ -235,7 +239,8 @@ def pose_stamped(stamp_ns: int, frame: str, position: Sequence[float]) -> PoseSt
     return message
 
 
-def _array_stamp(data: Sequence[float]) -> int | None:
+def array_stamp(data: Sequence[float]) -> int | None:
+    """The stamp in front of an array's values [ns], or None if it is none."""
     sec, nanosec = data[0], data[1]
     if not (-MAX_SEC - 1 <= sec <= MAX_SEC and 0 <= nanosec < NS_PER_S):  # false for NaN as well
         return None

@@ -209,6 +209,16 @@ def publisher(node: Node, topic: Topic) -> Any:
     return node.create_publisher(message_class(topic), topic.name, qos(topic), event_callbacks=silent)
 
 
-def subscription(node: Node, topic: Topic, callback: Callable[..., None]) -> Any:
-    """A subscription with the type and the QoS of the table."""
-    return node.create_subscription(message_class(topic), topic.name, callback, qos(topic, reading=True))
+def raw_publish(publisher: Any) -> Callable[[bytes], None]:
+    """The call that publishes bytes, without what rclpy does in Python before.
+
+    Not to be called beside or after the publisher's end; a node's threads end before its publishers.
+    """
+    call: Callable[[bytes], None] = publisher.handle.publish_raw
+    return call
+
+
+def subscription(node: Node, topic: Topic, callback: Callable[..., None], raw: bool = False) -> Any:
+    """A subscription with the type and the QoS of the table; `raw`: of bytes instead of messages."""
+    profile = qos(topic, reading=True)
+    return node.create_subscription(message_class(topic), topic.name, callback, profile, raw=raw)

@@ -13,6 +13,8 @@ of a pace            live                                 in lockstep
 ``publisher``        publishes                            publishes, once a step; tells if it said nothing
 ``run``              None: the executor does it all       the loop over the steps
 ===================  ===================================  ====================================================
+
+Messages come as bytes; see :mod:`forest_msgs_py.unpacking`.
 """
 
 from __future__ import annotations
@@ -25,9 +27,10 @@ from rclpy.node import Node
 
 from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.lockstep import Lockstep
-from forest_msgs_py.node import publisher, subscription, timer
+from forest_msgs_py.node import publisher, raw_publish, subscription, timer
 from forest_msgs_py.packing import Packer, Speaker
 from forest_msgs_py.parameters import declare
+from forest_msgs_py.step_topics import StepPublisher
 from forest_msgs_py.topics import Topic
 
 
@@ -56,13 +59,13 @@ class Live:
         """A subscription to be read when its messages are needed."""
         return inbox(self._node, topic)
 
-    def on(self, topic: Topic, callback: Callable[[Any, float], None]) -> None:
+    def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> None:
         """Call with each message of a topic and the time at which it was sent, by `now`'s clock [s]."""
 
-        def arrived(message: Any, info: dict[str, int]) -> None:
-            callback(message, sent_at(info))
+        def arrived(data: bytes, info: dict[str, int]) -> None:
+            callback(data, sent_at(info))
 
-        subscription(self._node, topic, arrived)
+        subscription(self._node, topic, arrived, raw=True)
 
     def every(self, period: float, callback: Callable[[], None]) -> None:
         """Call once in a period [s]."""
@@ -71,7 +74,9 @@ class Live:
 
 def speaker(pace: Live | Lockstep, topic: Topic, frame: str = "", plain: bool = False) -> Speaker:
     """A publisher of a topic whose messages are stamps and numbers; see `Packer`."""
-    return Speaker(pace.publisher(topic), Packer(topic, frame, plain))
+    made = pace.publisher(topic)
+    publish = made.publish if isinstance(made, StepPublisher) else raw_publish(made)
+    return Speaker(publish, Packer(topic, frame, plain))
 
 
 def pace(node: Node, leads: bool = False) -> Live | Lockstep:
@@ -87,6 +92,8 @@ def pace(node: Node, leads: bool = False) -> Live | Lockstep:
     guard = declare(node, "lockstep_guard", 20.0, "wait for a message of a step", "s", 0.1, 3600.0)
     steps = declare(node, "steps", 0, "of the run in lockstep; 0: no end", low=0) if leads else 0
     recorder = declare(node, "wait_for_recorder", False, "in lockstep, stay near it") if leads else False
+    rarely = "in lockstep, how often to tell of topics that no node reads that nothing was said"
+    quiet = declare(node, "lockstep_quiet", 20, rarely, "steps", 1, 200)
     if not stepping:
         return Live(node)
-    return Lockstep(node, guard, leads=leads, steps=steps, recorded=recorder)
+    return Lockstep(node, guard, leads=leads, steps=steps, recorded=recorder, quiet=quiet)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -96,21 +96,21 @@ class Packer:
 
 
 class Speaker:
-    """A publisher of stamps and numbers.
+    """Says stamps and numbers.
 
     Args:
-        publisher: of the topic.
+        publish: publishes the bytes of a message of the topic.
         packer: of its messages.
     """
 
-    def __init__(self, publisher: Any, packer: Packer) -> None:
-        self._publisher, self._packer = publisher, packer
+    def __init__(self, publish: Callable[[bytes], None], packer: Packer) -> None:
+        self._publish, self._packer = publish, packer
 
     def say(self, stamp_ns: int, values: Sequence[float]) -> None:
         """Publish a message with this stamp and these numbers, unless all of them are missing."""
         data = self._packer.pack(stamp_ns, values)
         if data is not None:
-            self._publisher.publish(data)
+            self._publish(data)
 
 
 def _runs(told: list[tuple[int, int]]) -> tuple[_Run, ...]:

@@ -25,24 +25,25 @@ def stamp_in(type_name: str, data: bytes) -> int:
     if type_name != FLOAT_ARRAY:
         sec, nanosec = struct.unpack_from("<iI", data, FIRST)
         return int(sec) * NS_PER_S + int(nanosec)
-    place = _after_dimensions(data)
+    place = after_dimensions(data)
     offset, count = struct.unpack_from("<II", data, place)
     if offset != 2 or count < 2:
         return NO_STAMP
-    place = FIRST + _aligned(place + 8 - FIRST, 8)
+    place = FIRST + aligned(place + 8 - FIRST, 8)
     seconds, nanoseconds = struct.unpack_from("<dd", data, place)
     return int(seconds) * NS_PER_S + int(nanoseconds)
 
 
-def _after_dimensions(data: bytes) -> int:
+def after_dimensions(data: bytes) -> int:
     """Where the layout's data_offset stands."""
     (dimensions,) = struct.unpack_from("<I", data, FIRST)
     place = FIRST + 4
     for _ in range(dimensions):
         (length,) = struct.unpack_from("<I", data, place)
-        place = FIRST + _aligned(place + 4 + length - FIRST, 4) + 8  # label, then size and stride
+        place = FIRST + aligned(place + 4 + length - FIRST, 4) + 8  # label, then size and stride
     return place
 
 
-def _aligned(place: int, size: int) -> int:
+def aligned(place: int, size: int) -> int:
+    """The next multiple of a size."""
     return place + -place % size

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
+from functools import cache
 from itertools import chain
 
 from rclpy.node import Node
@@ -24,7 +25,7 @@ from forest_msgs_py.node import Finished, NodeFailure
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.stamps import stamp_in
 from forest_msgs_py.step_order import StepOrder
-from forest_msgs_py.step_topics import STEP_NS, lockstep_qos, silences
+from forest_msgs_py.step_topics import STEP_NS, lockstep_qos, silences, silent_steps
 from forest_msgs_py.topics import find, message_class, offered_qos, unlisted
 
 WALL_CLOCK = "/parameter_events"  # carries the time of day: no two runs say the same
@@ -74,6 +75,7 @@ class StepListener:
         )
         self._inboxes: dict[str, Inbox] = {}
         self._sequence: Counter[str] = Counter()
+        self._is_wanted = cache(lambda name: wanted(name, ()))  # asked of every message
         self._told, self._end, self._finished = 0, -1, False
         self._progress = time.monotonic()
 
@@ -96,7 +98,7 @@ class StepListener:
         heard = [
             self._heard(name, stamp, data)
             for name, stamp, data in self._order.complete()
-            if self._wanted(name, ())
+            if self._is_wanted(name)
         ]
         now = self._order.reached
         heard += [one._replace(received_ns=now, sent_ns=now) for one in self._beside.take()]
@@ -127,7 +129,8 @@ class StepListener:
             if header.frame_id == END:
                 self._end = stamp_to_ns(header.stamp)
             else:
-                self._order.silence(header.frame_id.split(" "), stamp_to_ns(header.stamp))
+                for name, stamp in silent_steps(header):
+                    self._order.silence((name,), stamp)
 
     def _open(self, name: str, type_name: str) -> None:
         """Subscribe to a topic, once its publisher can be seen.

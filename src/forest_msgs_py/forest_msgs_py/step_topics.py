@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.serialization import deserialize_message
 
 from forest_msgs_py.cdr import to_cdr
 from forest_msgs_py.inbox import Arrival, Inbox
-from forest_msgs_py.messages import NS_PER_S
+from forest_msgs_py.messages import NS_PER_S, ns_to_stamp, stamp_to_ns
+from forest_msgs_py.node import raw_publish
 from forest_msgs_py.stamps import stamp_in
-from forest_msgs_py.topics import Topic, message_class
+from forest_msgs_py.topics import QUIET, SILENCE, Topic, message_class
 
 STEP_NS = 5_000_000
 DEPTH = 1000  # steps that a publisher keeps
+SPAN = "@"  # between a topic's name and the steps in which it is silent; in no name
 
 
 def lockstep_qos() -> QoSProfile:
@@ -36,23 +37,79 @@ def silences(node: Node, topic: Topic) -> Inbox:
     return Inbox(node, message_class(topic), topic.name, lockstep_qos())
 
 
+def silent_steps(header: Any) -> Iterator[tuple[str, int]]:
+    """Topics and stamps [ns] of which a message on lockstep/silence or lockstep/quiet tells."""
+    for told in header.frame_id.split(" "):
+        name, _, span = told.partition(SPAN)
+        if not span:
+            yield name, stamp_to_ns(header.stamp)
+            continue
+        first, last = span.split("-")
+        for step in range(int(first), int(last) + 1):
+            yield name, step * STEP_NS
+
+
+class Quiet:
+    """Tells of topics that no node reads, and of many steps at once, that nothing was said.
+
+    Only a recorder waits for that, which is behind anyway: most of these topics are silent in most steps, and
+    a message costs as much as those that matter.
+
+    Args:
+        node: that speaks.
+        steps: after so many it tells what is untold; 1: at once, where a leader waits for such a topic.
+    """
+
+    def __init__(self, node: Node, steps: int) -> None:
+        self._publisher = node.create_publisher(message_class(QUIET), QUIET.name, lockstep_qos())
+        self._steps = steps
+        self._spans: list[list[Any]] = []  # name, first and last step
+
+    def note(self, step: int, names: Sequence[str]) -> None:
+        """Note on which topics nothing was said in a step."""
+        for name in names:
+            span = next((span for span in self._spans if span[0] == name and span[2] == step - 1), None)
+            if span is None:
+                self._spans.append([name, step, step])
+            else:
+                span[2] = step
+        if step % self._steps == 0:
+            self.tell(step)
+
+    def tell(self, step: int) -> None:
+        """Tell what is untold."""
+        if self._spans:
+            text = " ".join(f"{name}{SPAN}{first}-{last}" for name, first, last in self._spans)
+            self._spans.clear()
+            self._publisher.publish(silence(text, step))
+
+
+def silence(text: str, step: int) -> bytes:
+    """A message on lockstep/silence or lockstep/quiet."""
+    header = message_class(SILENCE)(frame_id=text)
+    header.stamp = ns_to_stamp(step * STEP_NS)
+    return to_cdr(header)
+
+
 class StepInbox:
     """Messages of one topic, by the step to which they belong."""
 
     def __init__(self, node: Node, topic: Topic) -> None:
         self.topic = topic
-        self._class = message_class(topic)
-        self._inbox = Inbox(node, self._class, topic.name, lockstep_qos(), raw=True)
+        self._inbox = Inbox(node, message_class(topic), topic.name, lockstep_qos(), raw=True)
         self.subscription = self._inbox.subscription
         self.name = self.subscription.topic_name
         self._waiting: dict[int, bytes] = {}
         self._silent: set[int] = set()
         self._current: tuple[bytes, float] | None = None
 
-    def collect(self) -> None:
-        """Take what has arrived."""
+    def collect(self, until: int = -1) -> None:
+        """Take what has arrived, until the message of this stamp [ns] is among it."""
         for data, _info in self._inbox.take():
-            self._waiting.setdefault(stamp_in(self.topic.type, data), data)
+            stamp = stamp_in(self.topic.type, data)
+            self._waiting.setdefault(stamp, data)
+            if stamp == until:
+                return
 
     def silent(self, stamp: int) -> None:
         """Nothing will be said in the step of this stamp."""
@@ -80,7 +137,7 @@ class StepInbox:
         if self._current is None:
             return None
         (data, sent), self._current = self._current, None
-        return Arrival(deserialize_message(data, self._class), sent)
+        return Arrival(data, sent)
 
     def arrivals(self) -> Iterator[Arrival]:
         """Yield the message of this step, once; nothing if nothing was said."""
@@ -94,6 +151,7 @@ class StepPublisher:
     def __init__(self, node: Node, topic: Topic, step: Callable[[], int]) -> None:
         self._publisher = node.create_publisher(message_class(topic), topic.name, lockstep_qos())
         self.name, self.type, self.awaited = self._publisher.topic_name, topic.type, is_awaited(topic)
+        self._say = raw_publish(self._publisher)
         self._step = step
         self.spoke = 0  # last step in which something was said
 
@@ -103,7 +161,7 @@ class StepPublisher:
         if step == self.spoke or step == 0:
             return
         self.spoke = step
-        self._publisher.publish(message if isinstance(message, bytes) else to_cdr(message))
+        self._say(message if isinstance(message, bytes) else to_cdr(message))
 
     def get_subscription_count(self) -> int:
         """Readers there are."""

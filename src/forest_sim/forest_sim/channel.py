@@ -80,3 +80,9 @@ def sample(c: Channel, s: ChannelState, true: float, dt: float, normal: float) -
             reading = c.resolution * math.floor(steps)
     reading = max(c.low, min(c.high, reading))
     return ChannelState(lagged, reading), reading
+
+
+def exactly(true: float) -> tuple[ChannelState, float]:
+    """What `sample` returns of an `EXACT` channel, whose arithmetic changes nothing but the sign of zero."""
+    reading = true + 0.0
+    return ChannelState(true, reading), reading

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from forest_description.machine import Machine
 from forest_description.pump import IdealPump
 from forest_sim.actuator import inlet_flow, outlet_flow, port_pressures
-from forest_sim.channel import WORKS, ChannelState, sample
+from forest_sim.channel import EXACT, WORKS, ChannelState, exactly, sample
 from forest_sim.integrator import Simulation
 from forest_sim.line import Port, is_shut, meet
 from forest_sim.manipulator import Triple
@@ -91,7 +91,7 @@ def measure(
     ports = ports_at(simulation.spools, p)
     truth = _true_values(simulation, ports, p, around)
     sampled = [
-        sample(c, s, true, dt, normal)
+        exactly(true) if c is EXACT else sample(c, s, true, dt, normal)
         for c, s, true, normal in zip(channels, state.channels, truth, draws.normal, strict=True)
     ]
     read = [reading for _, reading in sampled]

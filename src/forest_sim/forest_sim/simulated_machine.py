@@ -13,7 +13,7 @@ from forest_sim.manipulator import Triple
 from forest_sim.measurement import Measurement, Motion
 from forest_sim.parameters import plant_parameters
 from forest_sim.power import power_flows
-from forest_sim.sensor_suite import Suite, draw, noise_generator
+from forest_sim.sensor_suite import NO_DRAWS, Suite, draw, noise_generator
 from forest_sim.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after
 
 STEP = 1e-3  # [s] of the integrator
@@ -34,7 +34,8 @@ class SimulatedMachine:
         self._disturbance = UNDISTURBED
         self._simulation = equilibrium(angles, self._plant)
         self._around = sensors.surroundings(machine)
-        self._generator = noise_generator(suite)
+        by_chance = suite.faults or any(channel.noise for channel in suite.channels)
+        self._generator = noise_generator(suite) if by_chance else None
         self._sensors = sensors.at_rest(self._simulation, self._plant, suite, self._around)
         self._temperature = machine.oil.reference_temperature if machine.oil else None
         self._losses: list[float] = []
@@ -59,7 +60,7 @@ class SimulatedMachine:
             self._warm(self._temperature)
         self._sensors, seen = sensors.measure(
             *(self._simulation, self._sensors, p, self._period),
-            *(self._suite, draw(self._generator), self._around),
+            *(self._suite, draw(self._generator) if self._generator else NO_DRAWS, self._around),
         )
         return seen
 

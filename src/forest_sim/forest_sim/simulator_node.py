@@ -25,12 +25,12 @@ from forest_description.machine import Machine, load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.health import Health
-from forest_msgs_py.messages import read_float_array
 from forest_msgs_py.node import run_node
 from forest_msgs_py.pace import pace, speaker
 from forest_msgs_py.parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.stamp_order import StampOrder
 from forest_msgs_py.topics import message_class
+from forest_msgs_py.unpacking import ArrayReader
 from forest_sim.disturbance import Disturbance, checked_tip_force, parse_stuck_spools
 from forest_sim.manipulator import Triple
 from forest_sim.measurement import Measurement, Motion
@@ -77,6 +77,7 @@ class SimulatorNode(Node):
         self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
         text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
         self._description.publish(text)
+        self._voltage_reader = ArrayReader(topics.VALVE_VOLTAGES)
         self._voltage_inbox = self._pace.inbox(topics.VALVE_VOLTAGES)
         self._stamp = self._pace.stamp()
         self._next = time.monotonic_ns() + PERIOD_NS
@@ -116,7 +117,7 @@ class SimulatorNode(Node):
         """Take the newest command; a bad one, and one that is too old, centres the valves."""
         arrival = self._voltage_inbox.newest()
         if arrival is not None:
-            reading = read_float_array(topics.VALVE_VOLTAGES, arrival.message, 0)
+            reading = self._voltage_reader.read(arrival.message, 0)
             problem = reading.problem
             if not problem and reading.values != ZERO:  # zero is obeyed in any order
                 problem = self._order.problem("valve_voltages", reading.stamp_ns, arrival.time)

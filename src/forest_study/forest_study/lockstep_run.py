@@ -10,7 +10,7 @@ from forest_study.supervisor import NodeSpec, Supervisor
 
 STEP = 0.005  # [s]
 GUARD = 20.0  # [s]
-RECORDER = "recorder"
+RECORDER, PLAYER = "recorder", "step_player"
 
 
 def in_lockstep(nodes: Sequence[NodeSpec], steps: int, guard: float = GUARD) -> list[NodeSpec]:
@@ -22,7 +22,9 @@ def in_lockstep(nodes: Sequence[NodeSpec], steps: int, guard: float = GUARD) -> 
         guard: how long a node waits for a message [s, wall clock].
     """
     told = graph.parameter("lockstep_guard", guard)
-    stepping = (*told, *graph.parameter("lockstep", True))
+    stepping: tuple[str, ...] = (*told, *graph.parameter("lockstep", True))
+    if any(node.name == PLAYER for node in nodes):  # it may wait for what no node reads
+        stepping = (*stepping, *graph.parameter("lockstep_quiet", 1))
     recorded = any(node.name == RECORDER for node in nodes)
     leading = (*graph.parameter("steps", steps), *graph.parameter("wait_for_recorder", recorded))
     run = graph.parameter("lockstep_nodes", [node.name for node in nodes if node.name != RECORDER])
