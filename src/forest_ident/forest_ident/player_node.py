@@ -26,6 +26,7 @@ from forest_msgs_py.raw_publishers import RawPublishers, is_installed
 from forest_msgs_py.steering import offer_parameters, offer_triggers
 
 SWITCH_S = 2e-4  # how long another Python thread may keep the interpreter; by default 5 ms
+SETTLE_S = 0.2  # a reader that the player has found may not have found the player yet
 POLL_S = 0.05
 REMINDER_POLLS = 100
 
@@ -112,6 +113,8 @@ class PlayerNode(Node):
             polls += 1
             if self._closing.wait(POLL_S):
                 return
+        if self._options.wait_for_subscribers:
+            self._closing.wait(SETTLE_S)
 
     def _set_rate(self, rate: float) -> None:
         self.set_parameters([Parameter("rate", value=rate)])
