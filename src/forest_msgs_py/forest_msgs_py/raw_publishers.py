@@ -17,7 +17,7 @@ from forest_msgs_py.messages import ns_to_stamp
 from forest_msgs_py.qos_profiles import Qos
 from forest_msgs_py.topics import CLOCK, message_class, unlisted
 
-DRAIN_S = 1.0
+DRAIN_S = 10.0  # what a shared-memory queue dropped is asked for again only seconds later
 HASH = "RIHS01_"
 TRIES = 9  # further ones: the middleware waits 0.1 s in each
 
@@ -95,7 +95,7 @@ class RawPublishers:
         return False
 
     def drain(self) -> None:
-        """Wait until readers have what was sent, for a second at most."""
+        """Wait until readers have what was sent, for ten seconds at most."""
         end = time.monotonic() + DRAIN_S
         for publisher in set(self.publishers.values()):
             publisher.wait_for_all_acked(Duration(seconds=max(0.0, end - time.monotonic())))
