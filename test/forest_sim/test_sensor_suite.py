@@ -16,6 +16,7 @@ from forest_sim.sensor_suite import (
     NO_DRAWS,
     PLACES,
     UNIT,
+    calibrated,
     conditions,
     draw,
     noise_generator,
@@ -79,6 +80,16 @@ def test_static_errors_fill_the_printed_accuracy_evenly_and_never_leave_it(name)
     assert errors.min() < -0.95
     assert errors.max() > 0.95
     assert errors.std() == pytest.approx(1.0 / math.sqrt(3.0), rel=0.1)
+
+
+def test_calibration_takes_out_what_is_constant_and_nothing_else():
+    noisy = sensor_suite(C180, noise=True, seed=1)
+    without = calibrated(noisy)
+    assert {(c.bias, c.gain) for c in without.channels} == {(0.0, 1.0)}
+    assert any(c.bias for c in noisy.channels)
+    for before, after in zip(noisy.channels, without.channels, strict=True):
+        assert after == before._replace(bias=0.0, gain=1.0)
+    assert without[1:] == noisy[1:]
 
 
 def test_ranges_lag_floor_and_resolution_are_those_printed():

@@ -34,11 +34,11 @@ class Measurements:
             [ArrayReader(topics.PRESSURES, labels) for labels in group] for group in (PORTS, VALVES)
         )
         self._supply_reader = ArrayReader(topics.SUPPLY, ("pressure",))
-        self._actuator_reader = JointReader(topics.ACTUATORS)
+        self._position_readers = [JointReader((name,)) for name in topics.ACTUATORS]
         self._ports: list[Triple] = []
         self._valves: list[Triple] = []
-        self._supply, self._positions = 0.0, (0.0, 0.0, 0.0)
-        self._received = dict.fromkeys(("ports", "valves", "supply", "positions"), -math.inf)
+        self._supply, self._positions = 0.0, [math.nan] * len(topics.ACTUATORS)
+        self._received = dict.fromkeys(("ports", "valves", "supply", *topics.ACTUATORS), -math.inf)
 
     def read(self, learning: bool) -> str:
         """Take the newest samples, to learn all of them; return what is wrong with the pressures, or ""."""
@@ -57,9 +57,10 @@ class Measurements:
             if not reading.problem and reading.values[0] > 0.0:
                 self._supply, self._received["supply"] = reading.values[0], supply.time
         if actuators and learning:
-            states = self._actuator_reader.read(actuators.message)
-            if not states.problem:
-                self._positions, self._received["positions"] = states.values.position, actuators.time
+            for i, name in enumerate(topics.ACTUATORS):
+                state = self._position_readers[i].read(actuators.message)
+                if not state.problem:
+                    self._positions[i], self._received[name] = state.values.position[0], actuators.time
         return problem
 
     def pressures(self) -> Pressures | None:
@@ -71,10 +72,14 @@ class Measurements:
         )
 
     def motion(self) -> Motion | None:
-        """Return what the driver may learn from, if all of it is there."""
-        if not (self._fresh("valves") and self._fresh("positions") and self._fresh("supply")):
+        """Return what the driver may learn from; of an actuator whose position is not measured, NaN."""
+        if not (self._fresh("valves") and self._fresh("supply")):
             return None
-        return Motion(self._positions, self._valves[0], self._valves[1])
+        swing, boom, stick = (
+            x if self._fresh(name) else math.nan
+            for name, x in zip(topics.ACTUATORS, self._positions, strict=True)
+        )
+        return Motion((swing, boom, stick), self._valves[0], self._valves[1])
 
     def _fresh(self, what: str) -> bool:
         return bool(self._pace.now() - self._received[what] <= self._timeout)

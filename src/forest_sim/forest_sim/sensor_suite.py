@@ -101,6 +101,11 @@ def sensor_suite(
     return Suite(tuple(channels), 1.0 / machine.sensors.sample_rate if noise else 0.0, faults, seed)
 
 
+def calibrated(suite: Suite) -> Suite:
+    """Return the suite without its units' static errors, which a calibration takes out."""
+    return suite._replace(channels=tuple(c._replace(bias=0.0, gain=1.0) for c in suite.channels))
+
+
 def noise_generator(suite: Suite) -> np.random.Generator:
     """Return the generator of a suite's draws; equal seeds give equal readings."""
     return np.random.default_rng([suite.seed, 1])

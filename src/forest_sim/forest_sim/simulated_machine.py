@@ -23,8 +23,18 @@ LOSS_SAMPLES = 10  # in an update of the oil's temperature
 class SimulatedMachine:
     """State of plant, oil and sensors."""
 
-    def __init__(self, machine: Machine, angles: Triple, suite: Suite, period: float) -> None:
-        """Start at rest at the joint angles [rad]; a period [s] is a whole number of steps."""
+    def __init__(
+        self, machine: Machine, angles: Triple, suite: Suite, period: float, warms: bool = True
+    ) -> None:
+        """Start at rest at the joint angles [rad].
+
+        Args:
+            machine: what is simulated.
+            angles: [rad].
+            suite: of sensors.
+            period: [s], a whole number of steps.
+            warms: its oil does, if it is described.
+        """
         self.machine, self._suite, self._period = machine, suite, period
         self._substeps = round(period / STEP)
         compiled = ready_advance()
@@ -37,7 +47,7 @@ class SimulatedMachine:
         by_chance = suite.faults or any(channel.noise for channel in suite.channels)
         self._generator = noise_generator(suite) if by_chance else None
         self._sensors = sensors.at_rest(self._simulation, self._plant, suite, self._around)
-        self._temperature = machine.oil.reference_temperature if machine.oil else None
+        self._temperature = machine.oil.reference_temperature if machine.oil and warms else None
         self._losses: list[float] = []
         self._periods = 0
 

@@ -35,7 +35,7 @@ from forest_sim.disturbance import Disturbance, checked_tip_force, parse_stuck_s
 from forest_sim.manipulator import Triple
 from forest_sim.measurement import Measurement, Motion
 from forest_sim.sensor_faults import parse_faults
-from forest_sim.sensor_suite import Suite, sensor_suite
+from forest_sim.sensor_suite import Suite, calibrated, sensor_suite
 from forest_sim.simulated_machine import SimulatedMachine
 
 FRAME = "base_link"
@@ -55,9 +55,9 @@ class SimulatorNode(Node):
         machine = load_machine(declare(self, "machine", "c180", "shipped machine, or path of a machine file"))
         start = declare_triple(self, "initial_tip", start_tip(machine), "tip position at the start", "m")
         self._plain = declare(self, "plain_arrays", False, "publish Float64MultiArray without stamp")
-        self._machine = SimulatedMachine(
-            machine, _start_angles(machine, start), self._sensor_suite(machine), PERIOD_NS * 1e-9
-        )
+        warms = declare(self, "oil_warms", True, "false: the oil stays as warm as the machine file says")
+        suite, angles = self._sensor_suite(machine), _start_angles(machine, start)
+        self._machine = SimulatedMachine(machine, angles, suite, PERIOD_NS * 1e-9, warms)
         if not self._machine.is_compiled:
             self.get_logger().info(
                 "the plant is interpreted; `python -m forest_sim.compiled` makes it fast, once"
@@ -87,11 +87,13 @@ class SimulatorNode(Node):
     def _sensor_suite(self, machine: Machine) -> Suite:
         noise = declare(self, "sensor_noise", False, "errors, noise, lag and rate as in the machine file")
         seed = declare(self, "seed", 0, "of the sensors' errors and noise", low=0)
+        static = declare(self, "sensor_static_errors", True, "with noise: units as before calibration")
         faults = declare(self, "sensor_faults", "", "e.g. boom_resolver: frozen from 2 s; swing_flow: absent")
         try:
-            return sensor_suite(machine, noise, seed, parse_faults(faults))
+            suite = sensor_suite(machine, noise, seed, parse_faults(faults))
         except ValueError as error:
             raise ParameterError(f"parameter 'sensor_faults': {error}") from error
+        return suite if static else calibrated(suite)
 
     def _declare_disturbance(self) -> None:
         stuck = declare(self, "stuck_spools", "", "axes whose spools do not move", read_only=False)

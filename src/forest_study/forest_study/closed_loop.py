@@ -1,8 +1,9 @@
 """The cores of machine, controller and driver in one loop without ROS: the graph in simulated time.
 
 Each period goes round as it does live: the machine reports, controller and driver answer within the period,
-the voltages act over the next one. Sensors are exact unless a suite is given. As live, the controller stands
-still while a joint has no reading, and the driver takes the nominal load while a pressure has none.
+the voltages act over the next one; before the first report a period passes under shut valves. Sensors are
+exact unless a suite is given. As live, the controller stands still while a joint has no reading, and the
+driver takes the nominal load while a pressure has none.
 
 Links between the cores may delay, jitter and lose what passes. A reader takes the newest that has arrived; a
 joystick, a state or a command that is older than its timeout, by arrival, means zero.
@@ -118,6 +119,11 @@ def run(
     return Trajectory(PERIOD * np.arange(len(rows), dtype=np.float64), columns[0], tip, *columns[1:])
 
 
+def until_first_report(simulation: Simulation, p: PlantParameters) -> Simulation:
+    """Return a machine at rest a period later, its valves shut: live, nobody has answered it before."""
+    return compiled_advance()(simulation, ZERO, PERIOD / SUBSTEPS, SUBSTEPS, p)
+
+
 class _Loop:
     """State of the three cores between periods."""
 
@@ -130,9 +136,10 @@ class _Loop:
         suite: Suite,
     ) -> None:
         self._plant, self._control, self._drive = p, control, drive
-        self._simulation: Simulation = equilibrium(start, p)
+        rest = equilibrium(start, p)
         self._suite, self._generator = suite, noise_generator(suite)
-        self._sensors = sensors.at_rest(self._simulation, p, suite)
+        self._sensors = sensors.at_rest(rest, p, suite)
+        self._simulation = until_first_report(rest, p)
         self._controller, self._driver = controller.REST, valve_driver.REST
         self._advance = compiled_advance()
 

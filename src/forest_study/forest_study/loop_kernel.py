@@ -144,11 +144,12 @@ def knowledge(
 
 
 def begin(k: Knowledge, start: Triple, suite: Suite) -> Loop:
-    """Return the loop at rest at joint angles [rad]."""
+    """Return the loop as it first reports, having been at rest at joint angles [rad]."""
     simulation = equilibrium(start, k.plant)
     seen = sensors.at_rest(simulation, k.plant, suite)
     one, two, three, *_ = seen.estimates
     senses = Senses(seen.channels[:CHANNEL_COUNT], (one, two, three), seen.time, seen.next_sample)
+    simulation = closed_loop.until_first_report(simulation, k.plant)
     return Loop(simulation, senses, controller.REST, valve_driver.REST)
 
 

@@ -3,7 +3,7 @@
 The reference generator plays the operator: it wishes the tip velocity of the fastest profile along the path.
 The machine may be another one than controller and driver believe. The error is the true tip minus the
 governed reference at every sample from the reference's first motion to its last; the reference starts where
-the tip is at the first motion.
+the tip is at the first motion. Levers are those of a joystick's message: single precision.
 """
 
 import dataclasses
@@ -18,9 +18,10 @@ from forest_control.governor import govern
 from forest_control.levers import levers_for_tip_velocity
 from forest_control.schemes import Scheme
 from forest_description.kinematics import inverse_kinematics, is_singular, joint_rates
+from forest_description.limits import pose_at
 from forest_description.machine import Machine
 from forest_sim.parameters import PlantParameters
-from forest_sim.sensor_suite import Suite, sensor_suite
+from forest_sim.sensor_suite import Suite, calibrated, sensor_suite
 from forest_study import loop_kernel
 from forest_study.closed_loop import PERIOD, Trajectory
 from forest_study.paths import (
@@ -117,7 +118,7 @@ def prepare(path: TipPath, speed: float, scheme: Scheme, model: Machine, laps: i
     end = runs[-1].start + runs[-1].profile.duration + REST
     times = [k * PERIOD for k in range(round(end / PERIOD))]
     levers = [(*levers_for_tip_velocity(_wish(time, runs), speed), 1.0) for time in times]
-    return Course(runs, settings, model, np.array(levers))
+    return Course(runs, settings, model, np.array(levers, dtype=np.float32).astype(np.float64))
 
 
 def follow(
@@ -132,6 +133,11 @@ def follow(
     start = _angles(runs[0].path.at(0.0), runs[0].path, machine)
     drive = valve_driver.Settings(adapt=adapt)
     moved = loop_kernel.run(machine, course.levers, start, course.settings, drive, course.model, suite, plant)
+    return scored(runs, moved, machine)
+
+
+def scored(runs: tuple[Lap, ...], moved: Trajectory, machine: Machine) -> Session:
+    """Return laps and what happened with its scores."""
     rated = np.array([machine.valve_of(axis).rated_voltage for axis in range(3)])
     spans = [_span(lap) for lap in runs]
     first = spans[0][0]
@@ -172,7 +178,7 @@ def _allowed(angles: Triple, along: Triple, p: controller.Parameters) -> float:
 
 def _angles(place: Triple, path: TipPath, machine: Machine) -> Triple:
     try:
-        return inverse_kinematics(place, machine.manipulator.links)
+        return pose_at(place, machine)
     except ValueError as error:
         raise PathError(f"{path.name}: {error}") from error
 
@@ -209,6 +215,4 @@ def _score(moved: Trajectory, first: int, rows: NDArray[np.int_], rated: Floats)
 def noisy(machine: Machine, seed: int, static_errors: bool = False) -> Suite:
     """Return sensors that jitter; without their static errors, which calibration takes out, unless asked."""
     suite = sensor_suite(machine, noise=True, seed=seed)
-    if static_errors:
-        return suite
-    return suite._replace(channels=tuple(c._replace(bias=0.0, gain=1.0) for c in suite.channels))
+    return suite if static_errors else calibrated(suite)

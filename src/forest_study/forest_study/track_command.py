@@ -1,8 +1,12 @@
-"""`forest-study track`: one run or many along one path or all, the tip's errors told and drawn."""
+"""`forest-study track`: one run or many along one path or all, the tip's errors told and drawn.
+
+With `--through-ros` the nodes make every run a second time, over DDS in lockstep. The figures are then those
+of their bags, and must be those of the loop without ROS.
+"""
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
@@ -10,9 +14,10 @@ from forest_control.schemes import LABELS, scheme_named
 from forest_description.machine import Machine, load_machine
 from forest_sim import compiled
 from forest_study import mismatch
+from forest_study.exclusive import Failure
 from forest_study.paths import NAMES, TipPath, path_named
-from forest_study.track import Score, noisy, prepare
-from forest_study.track_runs import Variation, quantiles, run_many
+from forest_study.track import Course, Score, Session, follow, noisy, prepare, scored
+from forest_study.track_runs import Run, Variation, quantiles, run_many
 
 Number = TypeVar("Number", int, float)
 
@@ -41,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add("--adapt", action="store_true", help="the valve driver learns deadbands and gains on the way")
     add("--laps", type=_count, default=1, metavar="N", help="default: %(default)s")
+    add("--through-ros", action="store_true", help="the nodes make every run, in lockstep; same figures")
 
 
 def _speed(text: str) -> float:
@@ -76,12 +82,15 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         PathError: the path cannot be read or followed.
         MachineError: a machine's file cannot be.
-        StudyError: LLVM is not installed, or something is in the directory for results.
+        StudyError: LLVM is not installed, something is in the directory for results, or options contradict.
+        Failure: a run through ROS failed, or gave other figures.
     """
     from forest_study.cli import StudyError, new_directory  # which imports this module
 
     if not compiled.can_compile():
         raise StudyError("track needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
+    if options.through_ros and options.mismatch:
+        raise StudyError("track: --through-ros does not go with --mismatch: nodes read machines from files")
     machine = load_machine(options.machine)
     model = load_machine(options.model) if options.model else machine
     paths = [path_named(name) for name in (NAMES if options.path == "all" else (options.path,))]
@@ -90,7 +99,23 @@ def run(options: argparse.Namespace) -> int:
     (options.out / "track.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
     print(table(report))
     print(f"  {options.out / 'track.json'}")
+    if options.through_ros:
+        _judge(report["runs"])
     return 0
+
+
+def _judge(runs: list[dict[str, Any]]) -> None:
+    """Say whether the figures through ROS are those without it.
+
+    Raises:
+        Failure: they are not.
+    """
+    most = max(run["differences"]["tip_m"] for run in runs)
+    other = [f"{run['path']}, seed {run['seed']}" for run in runs if not run["same"]]
+    if other:
+        where = f"{'; '.join(other)}; the tip is up to {most:g} m apart"
+        raise Failure(f"track: through ROS the figures are others than without it: {where}")
+    print(f"  through ROS and without it the figures are the same; the tip is at most {most:g} m apart")
 
 
 def _run_all(
@@ -117,12 +142,40 @@ def _run_all(
         course = prepare(path, options.speed, scheme, model, options.laps)
         varied = partial(_varied, machine, options)
         runs, session = run_many(course, machine, seeds, varied, options.adapt)
-        report["runs"] += [made.told(path.name) for made in runs]
+        compared: list[dict[str, Any]] = [{}] * len(runs)
+        if options.through_ros:
+            runs, session, compared = _through_ros(course, machine, seeds, varied, options)
+        report["runs"] += [made.told(path.name) | more for made, more in zip(runs, compared, strict=True)]
         report["quantiles"][path.name] = quantiles(runs)
         draw(session, options.out / f"{path.name}.png")
     if options.runs > 1:
         draw_runs(report, options.out / "runs.png")
     return report
+
+
+def _through_ros(
+    course: Course,
+    machine: Machine,
+    seeds: Sequence[int],
+    varied: Callable[[int], Variation],
+    options: argparse.Namespace,
+) -> tuple[list[Run], Session, list[dict[str, Any]]]:
+    """Return every seed's figures, the first one's session, and how they differ from the loop without ROS."""
+    from forest_study import track_ros  # only here: nothing else needs ROS
+
+    sessions, compared = [], []
+    for seed in seeds:
+        name = f"{course.laps[0].path.name}-seed{seed}"
+        print(f"through ROS: {name}", flush=True)
+        graph = track_ros.GraphSettings(
+            *(options.machine, options.model or options.machine, options.scheme, options.speed),
+            *(options.adapt, options.noise, options.static_errors, seed),
+        )
+        sessions.append(scored(course.laps, track_ros.run(course, graph, options.out / name), machine))
+        alone = follow(course, machine, varied(seed).suite, options.adapt)
+        compared.append(track_ros.comparison(alone, sessions[-1]))
+    runs = [Run(seed, one.total, one.scores, None) for seed, one in zip(seeds, sessions, strict=True)]
+    return runs, sessions[0], compared
 
 
 def _varied(machine: Machine, options: argparse.Namespace, seed: int) -> Variation:

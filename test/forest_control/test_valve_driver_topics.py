@@ -1,0 +1,91 @@
+"""What the valve driver's node takes from topics: each actuator by itself, each only for a while."""
+
+import math
+from typing import NamedTuple
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from forest_control.valve_driver_topics import Measurements
+from forest_msgs_py import topics
+from forest_msgs_py.cdr import to_cdr
+from forest_msgs_py.messages import float_array, joint_state
+
+TIMEOUT = 0.1
+
+
+class Arrival(NamedTuple):
+    message: bytes
+    time: float
+
+
+class Box:
+    """An inbox into which a test puts what arrives."""
+
+    def __init__(self):
+        self.arrival = None
+
+    def newest(self):
+        arrival, self.arrival = self.arrival, None
+        return arrival
+
+
+class Pace:
+    """Time and inboxes by hand."""
+
+    def __init__(self):
+        self.boxes, self.time = {}, 0.0
+
+    def inbox(self, topic):
+        return self.boxes.setdefault(topic.name, Box())
+
+    def now(self):
+        return self.time
+
+    def put(self, topic, message):
+        self.boxes[topic.name].arrival = Arrival(to_cdr(message), self.time)
+
+
+@pytest.fixture
+def pace():
+    return Pace()
+
+
+def put_all(pace, names=topics.ACTUATORS):
+    pace.put(topics.PRESSURES, float_array(topics.PRESSURES, 0, [6e6] * len(topics.PRESSURES.labels)))
+    pace.put(topics.SUPPLY, float_array(topics.SUPPLY, 0, (20e6, 1e-3, 0.2)))
+    places = [1.0 + topics.ACTUATORS.index(name) for name in names]
+    pace.put(topics.ACTUATOR_STATES, joint_state(names, 0, places))
+
+
+def test_it_learns_of_the_actuators_that_are_measured(pace):
+    measured = Measurements(pace, TIMEOUT, 19e6)
+    put_all(pace, topics.ACTUATORS[:1])
+    assert measured.read(learning=True) == ""
+    swing, *cylinders = measured.motion().positions
+    assert swing == 1.0
+    assert all(map(math.isnan, cylinders))
+
+
+def test_a_position_is_kept_until_it_is_too_old(pace):
+    measured = Measurements(pace, TIMEOUT, 19e6)
+    put_all(pace)
+    measured.read(learning=True)
+    pace.time = 0.5 * TIMEOUT
+    put_all(pace, topics.ACTUATORS[1:])
+    measured.read(learning=True)
+    assert measured.motion().positions == (1.0, 2.0, 3.0)
+    pace.time = 1.2 * TIMEOUT
+    swing, *cylinders = measured.motion().positions
+    assert math.isnan(swing)
+    assert cylinders == [2.0, 3.0]
+
+
+def test_without_pressures_there_is_nothing_to_learn_from(pace):
+    measured = Measurements(pace, TIMEOUT, 19e6)
+    put_all(pace)
+    measured.read(learning=True)
+    pace.time = 1.2 * TIMEOUT
+    assert measured.motion() is None
+    assert measured.pressures() is None
