@@ -7,7 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from forest_ident import actuator_fit, actuator_kernel, actuator_model, actuator_record, ident_actuator
+from forest_ident import (
+    actuator_fit,
+    actuator_kernel,
+    actuator_model,
+    actuator_record,
+    actuator_steps,
+    ident_actuator,
+)
 from forest_ident.actuator_fit import CENTRE, WIDTHS, Columns, Fit, Problem, rms
 from forest_ident.actuator_priors import PRIORS, actuator
 from forest_ident.ident_cli import main
@@ -87,7 +94,7 @@ def test_steps_converge(truth):
     for substeps in (8, 16, 32):
         pressures, positions = np.zeros(40), np.zeros(40)
         at_substeps = actuator_kernel.delayed(signal, given.dead_time, substeps)
-        actuator_model.run(at_substeps.tolist(), 40, substeps, given.parameters, pressures, positions)
+        actuator_steps.run(at_substeps.tolist(), 40, substeps, given.parameters, pressures, positions)
         ends.append(pressures)
     assert rms(ends[1] - ends[2]) < 0.6 * rms(ends[0] - ends[2]) < 0.05
 
