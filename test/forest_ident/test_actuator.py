@@ -7,7 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from forest_ident import actuator_fit, actuator_kernel, actuator_model, actuator_record
+from forest_ident import (
+    actuator_fit,
+    actuator_kernel,
+    actuator_model,
+    actuator_record,
+    actuator_steps,
+    ident_actuator,
+)
 from forest_ident.actuator_fit import CENTRE, WIDTHS, Columns, Fit, Problem, rms
 from forest_ident.actuator_priors import PRIORS, actuator
 from forest_ident.ident_cli import main
@@ -87,7 +94,7 @@ def test_steps_converge(truth):
     for substeps in (8, 16, 32):
         pressures, positions = np.zeros(40), np.zeros(40)
         at_substeps = actuator_kernel.delayed(signal, given.dead_time, substeps)
-        actuator_model.run(at_substeps.tolist(), 40, substeps, given.parameters, pressures, positions)
+        actuator_steps.run(at_substeps.tolist(), 40, substeps, given.parameters, pressures, positions)
         ends.append(pressures)
     assert rms(ends[1] - ends[2]) < 0.6 * rms(ends[0] - ends[2]) < 0.05
 
@@ -133,6 +140,34 @@ def test_memory_of_white_noise_is_one_sample_and_of_a_moving_mean_is_its_length(
 def test_fits_far_from_the_best_do_not_count_in_the_mean():
     fits = [Fit(CENTRE, cost, 1) for cost in (10.0, 12.0, 14.0)]
     assert len(actuator_fit.alike(fits)) == 2
+
+
+def test_a_fit_that_runs_away_does_not_spoil_the_mean():
+    wild = CENTRE.copy()
+    wild[PLACE["mass"]] = -30.0
+    signal = signal_of_an_operator(30)
+    sound, mad = (Fit(z, 1.0, 1) for z in (CENTRE, wild))
+    assert np.max(np.abs(actuator_fit.simulate(wild, signal)[0])) == actuator_kernel.BEYOND
+    together = actuator_fit.predicted([sound, mad], signal)
+    assert np.array_equal(together, actuator_fit.simulate(CENTRE, signal)[0])
+
+
+@pytest.mark.parametrize(
+    ("first", "lead", "said"),
+    [
+        (100, 100, "carried on"),  # TEST follows TRAIN
+        (60, 60, "carried on"),  # TEST begins within TRAIN
+        (0, 0, "at rest"),  # both halves in one file
+        (101, 0, "at rest"),  # a sample is missing between them
+    ],
+)
+def test_the_state_is_carried_on_only_if_train_leads_up_to_test(first, lead, said, tmp_path):
+    none = None, None
+    train = actuator_record.Record(tmp_path, np.arange(100), np.arange(100.0), *none)
+    test = actuator_record.Record(tmp_path, np.arange(first, first + 5), np.zeros(5), *none)
+    signal, how = ident_actuator.before(train, test)
+    assert np.array_equal(signal, np.arange(float(lead)))
+    assert said in how
 
 
 def write(path, record, rows, first=0, pressure=True):

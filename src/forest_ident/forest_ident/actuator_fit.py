@@ -148,8 +148,14 @@ def alike(fits: list[Fit]) -> list[Fit]:
 
 
 def predicted(fits: list[Fit], signal: Floats) -> Floats:
-    """Return the mean of the pressures [P] that fits simulate freely from a signal [V]."""
+    """Return the mean of the pressures [P] that fits simulate freely from a signal [V].
+
+    A fit whose pressures run away under a signal that it was not fitted to does not count.
+    """
     together = np.array([simulate(fit.z, signal)[0] for fit in fits])
+    sound = np.max(np.abs(together), axis=1) < actuator_kernel.BEYOND
+    if np.any(sound):
+        together = together[sound]
     return np.asarray(together.mean(axis=0), dtype=np.float64)
 
 

@@ -12,8 +12,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_ident import actuator_model
-from forest_ident.actuator_model import SUBSTEPS, Parameters
+from forest_ident import actuator_steps
+from forest_ident.actuator_model import Parameters
+from forest_ident.actuator_steps import SUBSTEPS
 from forest_sim import flat, machine_code, translate
 from forest_sim.compiled import can_compile
 
@@ -57,13 +58,13 @@ def _runner() -> Callable[[Floats, int, Parameters, Floats, Floats], None]:
 
 def _interpreted(signal: Floats, count: int, p: Parameters, pressures: Floats, positions: Floats) -> None:
     try:
-        actuator_model.run(signal.tolist(), count, SUBSTEPS, p, pressures, positions)  # type: ignore[arg-type]
+        actuator_steps.run(signal.tolist(), count, SUBSTEPS, p, pressures, positions)  # type: ignore[arg-type]
     except (OverflowError, ZeroDivisionError):
         return  # ran away within one sample
 
 
 def _compiled() -> Callable[[Floats, int, Parameters, Floats, Floats], None]:
-    names = {"run": actuator_model.run}
+    names = {"run": actuator_steps.run}
     example = Parameters(*(1.0 for _ in Parameters._fields))
     library = translate.Library(("rate", "sensed_pressure"))
     library.entry(machine_code.ENTRY, _TEXT, names, _LETTERS, views={"p": ("parameters", example)}, copies={})

@@ -32,7 +32,6 @@ Everything here is in the subset that `forest_sim.translate` turns into machine 
 """
 
 import math
-from collections.abc import MutableSequence, Sequence
 from typing import NamedTuple
 
 from forest_description.machine import Line
@@ -40,11 +39,8 @@ from forest_sim.friction import Friction, friction_force
 from forest_sim.line import PortGuard, pressure_rate
 from forest_sim.supply import Supply, reference_rate
 
-SUBSTEPS = 12  # to a sample
-GAMMA = 1.0 - 1.0 / math.sqrt(2.0)  # of the integrator, for which it damps what is stiff
 SMOOTH_DROP = 0.03  # [P] drop under which an edge's root is made straight
 SMOOTH_SPEED = 0.0015  # [X/n] speed under which friction's sign is smoothed
-RUNAWAY = 500.0  # [P] pressure at which a simulation is given up
 CHECK_CONDUCTANCE = 0.05  # [X/(n P)] of the anti-cavitation valves
 
 
@@ -173,78 +169,6 @@ def rate(state: State, signal: float, p: Parameters) -> State:
     )
 
 
-def moved(state: State, by: State, time: float) -> State:
-    """Return state + time by."""
-    return State(
-        state.spool + time * by.spool,
-        state.supply + time * by.supply,
-        state.pressure_1 + time * by.pressure_1,
-        state.pressure_2 + time * by.pressure_2,
-        state.position + time * by.position,
-        state.speed + time * by.speed,
-        state.arm_position + time * by.arm_position,
-        state.arm_speed + time * by.arm_speed,
-        state.load_position + time * by.load_position,
-        state.load_speed + time * by.load_speed,
-    )
-
-
-def pressure_slopes(state: State, p: Parameters) -> tuple[float, float]:
-    """Return about how fast each chamber's pressure would settle were nothing else to move [1/n].
-
-    Only the implicit part of `step` sees this, and its order does not depend on it.
-    """
-    opening_1, opening_2 = state.spool - p.deadband_extend, -state.spool - p.deadband_retract
-    slope_1, slope_2 = CHECK_CONDUCTANCE, CHECK_CONDUCTANCE
-    if opening_1 > 0.0:
-        slope_1 += edge_slope(p.meter_in_extend * opening_1, state.supply - state.pressure_1)
-        slope_2 += edge_slope(p.meter_out_extend * opening_1, state.pressure_2)
-    elif opening_2 > 0.0:
-        slope_1 += edge_slope(p.meter_out_retract * opening_2, state.pressure_1)
-        slope_2 += edge_slope(p.meter_in_retract * opening_2, state.supply - state.pressure_2)
-    return slope_1 / p.capacitance_1, slope_2 / p.capacitance_2
-
-
-def edge_slope(conductance: float, drop: float) -> float:
-    """Return about dQ/dP of `edge` [X/(n P)]."""
-    return conductance / math.sqrt(math.sqrt(drop * drop + SMOOTH_DROP * SMOOTH_DROP))
-
-
-def settled(by: State, slopes: tuple[float, float], time: float) -> State:
-    """Return (1 - time A)^-1 by, where A holds the pressures' slopes alone."""
-    return State(
-        by.spool,
-        by.supply,
-        by.pressure_1 / (1.0 + time * slopes[0]),
-        by.pressure_2 / (1.0 + time * slopes[1]),
-        by.position,
-        by.speed,
-        by.arm_position,
-        by.arm_speed,
-        by.load_position,
-        by.load_speed,
-    )
-
-
-def step(state: State, before: float, after: float, h: float, p: Parameters) -> State:
-    """Return the state a step h [n] later.
-
-    Rosenbrock's W-method of second order (ROS2), implicit in the pressures alone: an edge that opens wide on
-    a small chamber would need steps of a hundredth of a sample otherwise.
-
-    Args:
-        state: at the step's start.
-        before: signal [V] there.
-        after: at its end.
-        h: length [n].
-        p: the actuator.
-    """
-    slopes, implicit = pressure_slopes(state, p), GAMMA * h
-    one = settled(rate(state, before, p), slopes, implicit)
-    two = settled(moved(rate(moved(state, one, h), after, p), one, -2.0), slopes, implicit)
-    return moved(moved(state, one, 1.5 * h), two, 0.5 * h)
-
-
 def sensed_pressure(state: State, p: Parameters) -> float:
     """Return what the sensor reads [P], zero at rest: upstream of the hose's turbulent resistance.
 
@@ -254,34 +178,3 @@ def sensed_pressure(state: State, p: Parameters) -> float:
     one = state.pressure_1 - p.rest_pressure_1 + p.hose_resistance * q.into_1 * abs(q.into_1)
     two = state.pressure_2 - p.rest_pressure_2 - p.hose_resistance * q.out_of_2 * abs(q.out_of_2)
     return one - p.sensed_share * two
-
-
-def run(
-    signal: Sequence[float],
-    rows: int,
-    substeps: int,
-    p: Parameters,
-    pressures: MutableSequence[float],
-    positions: MutableSequence[float],
-) -> int:
-    """Simulate from rest; return how many rows were filled before the pressures ran away.
-
-    Args:
-        signal: u [V] at every substep, delayed already.
-        rows: samples wanted.
-        substeps: to a sample.
-        p: the actuator.
-        pressures: is given what the sensor reads [P].
-        positions: is given x [X].
-    """
-    state, at, filled = at_rest(p), 0, 0
-    for row in range(rows):
-        pressures[row] = sensed_pressure(state, p)
-        positions[row] = state.position
-        for _ in range(substeps):
-            state = step(state, signal[at], signal[at + 1], 1.0 / substeps, p)
-            at += 1
-        if not (abs(state.pressure_1) < RUNAWAY and abs(state.pressure_2) < RUNAWAY):
-            break
-        filled += 1
-    return filled
