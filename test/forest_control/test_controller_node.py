@@ -13,6 +13,7 @@ from std_srvs.srv import Trigger
 
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
 from forest_description.kinematics import tip_position
+from forest_description.linkage import cylinder_length
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
 from forest_msgs_py.messages import (
@@ -103,6 +104,7 @@ def rig(peer, start_node):
 REFUSED = {
     "tip_speed:=-3.0": "parameter 'tip_speed' is -3.0; allowed: 0.01 .. 3 m/s",
     "scheme:=telepathy": "'telepathy'; allowed: one of joint, ik_velocity, ik_position",
+    "position_source:=stars": "'stars'; allowed: one of joints, cylinders",
     "profile:=nobody": "profile 'nobody': neither shipped (default, fine, operator)",
     "position_gain:=[1.0,2.0]": "parameter 'position_gain' is [1.0, 2.0]; allowed: 3 numbers",
 }
@@ -124,6 +126,24 @@ def test_without_a_joystick_it_commands_zero_and_tells_where_the_tip_is(rig, pee
     tip = poses[0].pose.position
     assert (tip.x, tip.y, tip.z) == pytest.approx(tip_position(ANGLES, load_machine().manipulator.links))
     assert wishes[-1].twist.linear.y == 0.0
+
+
+def test_where_the_tip_is_comes_from_the_cylinders_of_the_same_stamp(rig, peer):
+    poses, r, machine = peer.hear(topics.TIP_POSE), rig(), load_machine()
+    actuators, true = peer.speak(topics.ACTUATOR_STATES), (ANGLES[0], ANGLES[1] + 0.01, ANGLES[2] - 0.02)
+    lengths = [cylinder_length(true[i + 1], machine.linkages[i]) for i in (0, 1)]
+
+    def with_cylinders(now):
+        actuators.publish(joint_state(topics.ACTUATORS, now, (ANGLES[0], *lengths)))
+        return joints(now)
+
+    def seen():
+        tip = poses[-1].pose.position
+        there = tip_position(true, machine.manipulator.links)
+        return math.dist((tip.x, tip.y, tip.z), there) < 1e-6
+
+    r.joints = with_cylinders
+    peer.until(lambda: poses and seen())
 
 
 def test_with_the_deadman_held_it_commands_and_each_command_has_its_states_stamp(rig, peer):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from forest_control import controller
+from forest_control.position_source import Source
 from forest_control.schemes import Scheme
 from forest_description.machine import load_machine
 from forest_study import cli
@@ -71,6 +72,16 @@ def test_coordinated_tracks_with_noise_as_the_results_say(name):
     assert score.rms_mm < 1.0
     assert score.max_mm < 3.5
     assert score.saturated_s == 0.0
+
+
+def test_the_cylinders_take_the_resolvers_static_error_out_of_boom_and_stick():
+    way, suite = path_named("vertical"), noisy(C180, 1, static_errors=True)
+    cylinders, joints = (
+        track(way, 0.5, Scheme.COORDINATED, C180, C180, suite, source=source).total
+        for source in (Source.CYLINDERS, Source.JOINTS)
+    )
+    assert joints.rms_mm > 1.2
+    assert cylinders.rms_mm < 0.8
 
 
 def test_the_thesis_schemes_are_far_behind():

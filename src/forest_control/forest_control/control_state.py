@@ -5,6 +5,8 @@ from typing import NamedTuple
 from forest_control import coordination
 from forest_control.governor import Governed
 from forest_control.levers import Levers
+from forest_control.position_source import NONE as NO_CORRECTION
+from forest_control.position_source import UNREAD, Correction, Lengths
 from forest_control.stopping import NO_STOP, Stop
 
 Triple = tuple[float, float, float]
@@ -25,15 +27,17 @@ class State(NamedTuple):
     clutch: Triple = ZERO  # [rad] the pose that position mode moves about
     changed: bool = False  # somebody changed a parameter: what it does to the command shall fade, too
     stop: Stop = NO_STOP  # along the path, under way or over
+    correction: Correction = NO_CORRECTION  # of the angles
 
 
 class Inputs(NamedTuple):
     """What arrives in a step."""
 
-    angles: Triple  # s [rad], measured
+    angles: Triple  # s [rad], measured by the resolvers
     rates: Triple  # v [rad/s], measured
     levers: Levers
     enabled: bool  # a fresh, finite, held deadman
+    cylinders: Lengths = UNREAD  # [m] boom, stick, of the same moment; NaN: no sample
 
 
 class Output(NamedTuple):

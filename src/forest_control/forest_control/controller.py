@@ -17,9 +17,10 @@ from forest_control.control_state import Output as Output
 from forest_control.control_state import State as State
 from forest_control.execution import carried_out, to_voltage
 from forest_control.governor import Governed, Limit, govern
-from forest_control.handover import clutched, resumed, taken_over
+from forest_control.handover import clutched, relearnt, resumed, taken_over
 from forest_control.plausibility import implausible as implausible
 from forest_control.plausibility import plausible as plausible
+from forest_control.position_source import corrected, latched, learnt
 from forest_control.schemes import Scheme, jacobian_pose
 from forest_control.settings import Parameters as Parameters
 from forest_control.settings import Settings as Settings
@@ -32,6 +33,16 @@ from forest_description.kinematics import joint_rates, tip_position
 
 def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Output]:
     """Advance the controller by dt [s]."""
+    correction = learnt(state.correction, inputs.angles, inputs.cylinders, p.linkages, dt)
+    if not state.enabled and stopping.is_over(state.stop):
+        correction = latched(correction, p.position_source)
+    angles = corrected(inputs.angles, correction)
+    state, output = _stepped(relearnt(state, correction), inputs._replace(angles=angles), p, dt)
+    return state._replace(correction=correction), output
+
+
+def _stepped(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Output]:
+    """Advance all that goes by the corrected angles."""
     if not inputs.enabled:
         return _stopping(state, inputs, p, dt)
     if not state.enabled and not stopping.is_over(state.stop):

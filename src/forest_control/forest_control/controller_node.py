@@ -22,6 +22,7 @@ from forest_control.joystick_watch import (
     sample_of,
 )
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, RIGHT_Y, Triple
+from forest_control.position_source import UNREAD, Lengths, Source, corrected
 from forest_control.profile import load_profile, shipped
 from forest_control.schemes import Scheme
 from forest_control.tunables import TUNABLES, as_typed, settings_from
@@ -77,6 +78,10 @@ class ControllerNode(Node):
             self._describe(machine)
         self._joints = JointReader(topics.JOINTS)
         self._joy = self._pace.inbox(topics.JOY)
+        self._actuators, self._lengths = (
+            self._pace.inbox(topics.ACTUATOR_STATES),
+            JointReader(topics.ACTUATORS),
+        )
         self._pace.on(topics.JOINT_STATES, self._on_joint_states)
         self._pace.every(WATCHDOG_PERIOD, self._watch)
 
@@ -150,11 +155,21 @@ class ControllerNode(Node):
             return  # what is past moves nothing; the watchdog acts if nothing newer comes
         self._state_received = sent
         dt = self._period.since(reading.stamp_ns)
-        inputs = controller.Inputs(angles, rates, *self._operator(True))
+        inputs = controller.Inputs(angles, rates, *self._operator(True), self._cylinders(reading.stamp_ns))
         if self._stop.pressed:
             self._state = controller.REST  # from which there is no ramp: zero at once
         self._state, output = controller.step(self._state, inputs, self._core, dt)
-        self._publish(reading.stamp_ns, angles, rates, output)
+        self._publish(reading.stamp_ns, corrected(angles, self._state.correction), rates, output)
+
+    def _cylinders(self, stamp: int) -> Lengths:
+        """Return the lengths [m] of boom and stick cylinder at a stamp; NaN if they are not to be had."""
+        if self._core.position_source == Source.JOINTS or not (arrival := self._actuators.newest()):
+            return UNREAD
+        reading = self._lengths.read(arrival.message)
+        if reading.problem or reading.stamp_ns != stamp:
+            return UNREAD
+        _, boom, stick = reading.values.position
+        return boom, stick
 
     def _operator(self, machine_known: bool) -> Operator:
         """Return the levers, and whether they may move anything."""

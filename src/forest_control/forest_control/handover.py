@@ -7,6 +7,7 @@ to its command and fades (`HAND_OVER`).
 
 from forest_control import coordination
 from forest_control.control_state import NO_MODE, NO_SCHEME, ZERO, Inputs, State, Triple, minus
+from forest_control.position_source import Correction
 from forest_control.schemes import Scheme, closes_on_position, decayed, reference_that_gives
 from forest_control.settings import Parameters
 from forest_control.stopping import NO_STOP
@@ -58,6 +59,16 @@ def taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
 def _is_rest(memory: coordination.Memory) -> bool:
     """Tell whether no joint is wished to move."""
     return memory.swing.a == 0.0 and memory.boom.a == 0.0 and memory.stick.a == 0.0
+
+
+def relearnt(state: State, correction: Correction) -> State:
+    """Return the state whose resting reference goes with the correction: no tip moves for what is learnt."""
+    if not (state.enabled and correction.used) or state.memory.velocity != ZERO:
+        return state
+    boom, stick = correction.boom - state.correction.boom, correction.stick - state.correction.stick
+    r, k = state.reference, state.clutch
+    reference, clutch = (r[0], r[1] + boom, r[2] + stick), (k[0], k[1] + boom, k[2] + stick)
+    return state._replace(reference=reference, clutch=clutch)
 
 
 def offset_to(u: Triple, state: State, p: Parameters) -> Triple:

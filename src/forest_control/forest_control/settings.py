@@ -7,6 +7,7 @@ from forest_control.capacity import Capacity, capacity
 from forest_control.coordination import CoordinationParameters
 from forest_control.governor import NO_AXIS, NO_STROKE, Axis, GovernorParameters, Pumps, Stroke
 from forest_control.hand import Frame, Hand, Mode
+from forest_control.position_source import Source
 from forest_control.schemes import Gains, Scheme
 from forest_control.singularity import BENT
 from forest_control.swing_load import swing_load
@@ -33,6 +34,7 @@ class Settings(NamedTuple):
 
     scheme: Scheme = Scheme.COORDINATED
     mode: Mode = Mode.RATE
+    position_source: Source = Source.CYLINDERS  # of boom and stick
     axis_frame: Frame = Frame.CARTESIAN
     deadzone: Triple = (0.0, 0.0, 0.0)  # of the levers
     expo: Triple = (0.0, 0.0, 0.0)
@@ -72,6 +74,7 @@ class Parameters(NamedTuple):
     coordinated: CoordinationParameters
     capacity: Capacity
     workspace: Workspace
+    position_source: int  # a `Source`
 
 
 def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN) -> Parameters:
@@ -93,6 +96,7 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
             machine.valve_of(2).rated_voltage,
         ),
         workspace=workspace,
+        position_source=int(settings.position_source),
         capacity=capacity(machine, axis_drivers(machine)),
         coordinated=CoordinationParameters(
             gains=gains,

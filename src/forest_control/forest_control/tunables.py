@@ -8,6 +8,7 @@ from enum import IntEnum
 from typing import Any, NamedTuple
 
 from forest_control.hand import Frame, Mode
+from forest_control.position_source import Source
 from forest_control.schemes import LABELS, Scheme
 from forest_control.settings import Settings
 
@@ -23,10 +24,20 @@ class Tunable(NamedTuple):
     choices: tuple[str, ...] | None = None
 
 
-ENUMERATIONS: dict[str, type[IntEnum]] = {"scheme": Scheme, "mode": Mode, "axis_frame": Frame}
+ENUMERATIONS: dict[str, type[IntEnum]] = {
+    "scheme": Scheme,
+    "mode": Mode,
+    "axis_frame": Frame,
+    "position_source": Source,
+}
 TUNABLES = (
     Tunable("scheme", "control scheme", choices=LABELS),
     Tunable("mode", "what a deflection means", choices=("rate", "position")),
+    Tunable(
+        "position_source",
+        "what tells boom and stick: resolvers, or these corrected by the cylinders; heeded at rest",
+        choices=("joints", "cylinders"),
+    ),
     Tunable("axis_frame", "along what the tip's axes lie", choices=("cartesian", "cylindrical")),
     Tunable("deadzone", "deflection of each lever that counts as none", "", 0.0, 0.5),
     Tunable("expo", "how much of each lever's curve is cubic", "", 0.0, 1.0),

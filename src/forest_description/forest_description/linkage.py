@@ -52,12 +52,24 @@ def joint_angle(length: float, linkage: Linkage) -> float:
     Raises:
         ValueError: The triangle does not close at this length.
     """
-    a, b = linkage.pivot_to_base, linkage.pivot_to_rod
-    cosine = (a * a + b * b - length * length) / (2.0 * a * b)
-    if not (length > 0.0 and -1.0 <= cosine <= 1.0):
+    angle = angle_at(length, linkage)
+    if math.isnan(angle):
+        a, b = linkage.pivot_to_base, linkage.pivot_to_rod
         raise ValueError(
             f"cylinder length {length:g} m: the linkage closes only from {abs(a - b):g} to {a + b:g} m"
         )
+    return angle
+
+
+def angle_at(length: float, linkage: Linkage) -> float:
+    """Return the joint angle [rad] as `joint_angle`, NaN where the triangle does not close.
+
+    Thesis App. A, first two equations.
+    """
+    a, b = linkage.pivot_to_base, linkage.pivot_to_rod
+    cosine = (a * a + b * b - length * length) / (2.0 * a * b)
+    if not (length > 0.0 and -1.0 <= cosine <= 1.0):
+        return math.nan
     return math.acos(cosine) - linkage.angle_offset
 
 

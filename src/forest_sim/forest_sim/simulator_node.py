@@ -163,8 +163,8 @@ class SimulatorNode(Node):
         auxiliary = (*seen.spools, seen.case_drain_flow, *seen.temperatures, seen.engine_speed, *seen.tilt)
         self._say(topics.PRESSURES, seen.pressures)
         self._say(topics.SUPPLY, (seen.supply_pressure, seen.supply_flow, seen.supply_saturation))
-        self._say(topics.JOINT_STATES, _flat(seen.joints))
         self._say(topics.ACTUATOR_STATES, _flat(seen.actuators))
+        self._say(topics.JOINT_STATES, _flat(seen.joints))  # last of what the controller reads: it steps then
         self._say(topics.FLOWS, seen.flows)
         self._say(topics.AUXILIARY, (*auxiliary, *map(float, self._machine.events), float(self._missed)))
         self._publish_truth()

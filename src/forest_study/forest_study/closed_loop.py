@@ -166,7 +166,8 @@ class _Loop:
         if controller.implausible(seen.joints.position, seen.joints.speed, self._control):
             self._controller = controller.REST
             return ZERO, ZERO
-        inputs = controller.Inputs(seen.joints.position, seen.joints.speed, operator.levers, operator.enabled)
+        lengths = seen.actuators.position[1], seen.actuators.position[2]
+        inputs = controller.Inputs(seen.joints.position, seen.joints.speed, *operator, lengths)
         self._controller, output = controller.step(self._controller, inputs, self._control, PERIOD)
         return output.tip_wish, output.command
 

@@ -94,7 +94,7 @@ def period(
     position, speed = (read[0], read[1], read[2]), (seen[0].speed, seen[1].speed, seen[2].speed)
     control, wish, command = controller.REST, ZERO, ZERO
     if controller.plausible(position, speed, k.control):
-        inputs = controller.Inputs(position, speed, levers, enabled)
+        inputs = controller.Inputs(position, speed, levers, enabled, (read[3], read[4]))
         control, output = controller.step(loop.control, inputs, k.control, PERIOD)
         wish, command = output.tip_wish, output.command
     pressures, motion = driven_by(read, k.drive.idle_pressure)

@@ -27,6 +27,7 @@ from forest_control import (
     handover,
     levers,
     plausibility,
+    position_source,
     schemes,
     settings,
     singularity,
@@ -57,7 +58,7 @@ Floats = NDArray[np.float64]
 LAWS: tuple[ModuleType, ...] = (
     *(actuation, kinematics, channel, measurement, sensor_suite, sensors),
     *(capacity, control_state, controller, coordination, execution, governor, hand, handover, levers),
-    *(plausibility, schemes, settings, singularity, stopping),
+    *(plausibility, position_source, schemes, settings, singularity, stopping),
     *(swing_load, valve_adaptation, valve_driver, valve_flow, valve_hold, valve_inverse, valve_knowledge),
     *(wish, workspace, closed_loop, loop_core),
 )

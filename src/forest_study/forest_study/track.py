@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from forest_control import controller, valve_driver
 from forest_control.governor import govern
 from forest_control.levers import levers_for_tip_velocity
+from forest_control.position_source import Source
 from forest_control.schemes import Scheme
 from forest_description.kinematics import inverse_kinematics, is_singular, joint_rates
 from forest_description.limits import pose_at
@@ -88,6 +89,7 @@ def track(
     suite: Suite | None = None,
     laps: int = 1,
     adapt: bool = False,
+    source: Source = Source.CYLINDERS,
 ) -> Session:
     """Run laps along a path.
 
@@ -100,20 +102,28 @@ def track(
         suite: sensors; default: exact ones.
         laps: how often; an open path is gone back and forth.
         adapt: the driver learns its valves' deadbands and gains.
+        source: what tells the controller where boom and stick are.
 
     Raises:
         PathError: the path leaves the reach.
     """
-    return follow(prepare(path, speed, scheme, model, laps), machine, suite, adapt)
+    return follow(prepare(path, speed, scheme, model, laps, source), machine, suite, adapt)
 
 
-def prepare(path: TipPath, speed: float, scheme: Scheme, model: Machine, laps: int = 1) -> Course:
-    """Return what every run along a path has in common.
+def prepare(
+    path: TipPath,
+    speed: float,
+    scheme: Scheme,
+    model: Machine,
+    laps: int = 1,
+    source: Source = Source.CYLINDERS,
+) -> Course:
+    """Return what every run along a path has in common; arguments as `track`.
 
     Raises:
         PathError: as `track`.
     """
-    settings = controller.Settings(scheme=scheme, tip_speed=speed)
+    settings = controller.Settings(scheme=scheme, tip_speed=speed, position_source=source)
     runs = plan(path, speed, controller.parameters(model, settings), laps)
     end = runs[-1].start + runs[-1].profile.duration + REST
     times = [k * PERIOD for k in range(round(end / PERIOD))]

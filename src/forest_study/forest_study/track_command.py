@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
+from forest_control.position_source import Source
 from forest_control.schemes import LABELS, scheme_named
 from forest_description.machine import Machine, load_machine
 from forest_sim import compiled
@@ -28,6 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--path", required=True, help=f"{', '.join(NAMES)}, all, or a CSV of waypoints x,y,z [m]")
     add("--speed", type=_speed, default=0.5, metavar="V", help="m/s (default: %(default)s)")
     add("--scheme", choices=[label for label in LABELS if label != "joint"], default="coordinated")
+    sources = [source.name.lower() for source in Source]
+    text = "what tells boom and stick (default: %(default)s)"
+    add("--position-source", choices=sources, default=Source.CYLINDERS.name.lower(), help=text)
     add("--machine", default="c180", help="what is simulated: shipped machine or file (default: %(default)s)")
     add("--model", help="what controller and driver believe (default: the machine)")
     add("--noise", action="store_true", help="sensors jitter")
@@ -128,6 +132,7 @@ def _run_all(
         "machine": machine.name,
         "model": model.name,
         "scheme": options.scheme,
+        "position_source": options.position_source,
         "speed": options.speed,
         "adapt": options.adapt,
         "noise": options.noise,
@@ -137,9 +142,9 @@ def _run_all(
         "quantiles": {},
     }
     seeds = range(options.seed, options.seed + options.runs)
-    scheme = scheme_named(options.scheme)
+    scheme, source = scheme_named(options.scheme), Source[options.position_source.upper()]
     for path in paths:
-        course = prepare(path, options.speed, scheme, model, options.laps)
+        course = prepare(path, options.speed, scheme, model, options.laps, source)
         varied = partial(_varied, machine, options)
         runs, session = run_many(course, machine, seeds, varied, options.adapt)
         compared: list[dict[str, Any]] = [{}] * len(runs)

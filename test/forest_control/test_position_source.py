@@ -1,0 +1,135 @@
+"""Claims about where boom and stick are taken to be: the cylinders tell the truth, and nothing jumps."""
+
+import math
+
+import numpy as np
+import pytest
+
+from forest_control import controller
+from forest_control.controller import REST, Inputs, Settings
+from forest_control.levers import Levers
+from forest_control.position_source import NONE, UNREAD, Source, corrected, latched, learnt
+from forest_control.schemes import Scheme
+from forest_description.linkage import cylinder_length
+from forest_description.machine import load_machine
+
+MACHINE = load_machine("c180")
+LINKAGES = MACHINE.linkages
+TRUE = (0.2, 0.4, -1.5)
+BIAS = (0.0, 0.002, -0.0015)  # [rad] of the resolvers
+PERIOD = 0.005
+CENTRED, PUSHED = Levers(0.0, 0.0, 0.0), Levers(0.0, 0.5, 0.3)
+
+
+def read(true=TRUE, rng=None):
+    """Return what resolvers and transducers read."""
+    noise = (0.0,) * 5 if rng is None else rng.normal(0.0, (2e-4, 2e-4, 2e-4, 1.8e-4, 1.8e-4)).tolist()
+    s = tuple(q + b + n for q, b, n in zip(true, BIAS, noise, strict=False))
+    lengths = [cylinder_length(true[i + 1], LINKAGES[i]) + noise[3 + i] for i in (0, 1)]
+    return s, (lengths[0], lengths[1])
+
+
+GOOD = read()[1]
+
+
+def settled(count, rng=None):
+    c = NONE
+    for _ in range(count):
+        c = learnt(c, *read(rng=rng), LINKAGES, PERIOD)
+    return c
+
+
+def parameters(scheme=Scheme.COORDINATED, source=Source.CYLINDERS):
+    return controller.parameters(MACHINE, Settings(scheme=scheme, position_source=source))
+
+
+class Crane:
+    """An ideal machine under control whose resolvers are off."""
+
+    def __init__(self, p, rng=None):
+        self.p, self.rng, self.angles, self.state, self.command = p, rng, TRUE, REST, (0.0,) * 3
+
+    def step(self, levers=CENTRED, enabled=True, blind=False):
+        s, lengths = read(self.angles, self.rng)
+        inputs = Inputs(s, self.state.rates, levers, enabled, UNREAD if blind else lengths)
+        self.state, output = controller.step(self.state, inputs, self.p, PERIOD)
+        self.angles = tuple(q + PERIOD * u for q, u in zip(self.angles, self.state.rates, strict=True))
+        self.command = output.command
+        return corrected(s, self.state.correction)
+
+
+def test_the_resolvers_static_error_is_learnt_away():
+    assert corrected(read()[0], latched(settled(1), Source.CYLINDERS)) == pytest.approx(TRUE, abs=1e-12)
+
+
+def test_noise_is_averaged_and_stays_the_resolvers():
+    rng = np.random.default_rng(0)
+    c = latched(settled(400, rng), Source.CYLINDERS)
+    seen = np.array([corrected(read(rng=rng)[0], c) for _ in range(2000)])
+    assert np.abs(seen.mean(axis=0) - TRUE).max() < 7e-5
+    assert seen.std(axis=0) == pytest.approx(2e-4, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    "lengths",
+    [
+        UNREAD,
+        (math.nan, read()[1][1]),
+        (0.1, read()[1][1]),
+        (1e300, -1.0),
+        (read()[1][0] + 0.2, read()[1][1]),
+    ],
+    ids=["none", "one", "no triangle", "nonsense", "far off"],
+)
+def test_a_transducer_that_cannot_be_right_teaches_nothing(lengths):
+    known = settled(3)
+    assert learnt(known, read()[0], lengths, LINKAGES, PERIOD) == known
+
+
+def test_without_transducers_the_resolvers_are_taken():
+    crane = Crane(parameters())
+    assert crane.step(blind=True) == read()[0]
+
+
+@pytest.mark.parametrize("scheme", list(Scheme))
+def test_nothing_jumps_when_the_cylinders_vanish_in_motion_and_come_back(scheme):
+    crane, angles, commands = Crane(parameters(scheme)), [], []
+    for k in range(400):
+        moving = k >= 60
+        seen = crane.step(PUSHED if moving else CENTRED, blind=200 <= k < 300)
+        angles.append(np.subtract(seen, crane.angles))
+        commands.append(crane.command)
+    assert np.abs(crane.angles - np.array(TRUE)).max() > 0.05
+    jumps = np.abs(np.diff(commands[150:], axis=0)).max(axis=1)
+    assert jumps.max() < 0.05  # [V]; 2 mrad at K_p would be 0.3
+    rate = PERIOD * np.abs(crane.state.rates).max()
+    assert np.abs(angles[-1]).max() < rate + 1e-4  # it still goes by the cylinders
+
+
+def test_the_source_is_chosen_at_rest_and_kept_in_motion():
+    crane = Crane(parameters(source=Source.JOINTS))
+    for _ in range(100):
+        crane.step()
+    for _ in range(100):
+        crane.step(PUSHED)
+    crane.p = parameters(source=Source.CYLINDERS)
+    for _ in range(20):
+        crane.step(PUSHED)
+        assert not crane.state.correction.used
+    for _ in range(100):
+        crane.step(enabled=False)
+    assert crane.state.correction.used
+    crane.p = parameters(source=Source.JOINTS)
+    crane.step()
+    assert not crane.state.correction.used
+
+
+def test_what_is_learnt_at_rest_moves_nothing():
+    crane = Crane(parameters(), np.random.default_rng(3))
+    for _ in range(60):
+        crane.step()
+    there = crane.angles
+    for _ in range(400):
+        crane.step()
+        assert max(map(abs, crane.command)) < 1e-6
+    assert crane.angles == pytest.approx(there, abs=1e-7)
