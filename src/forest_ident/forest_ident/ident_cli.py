@@ -12,13 +12,13 @@ import sys
 from collections.abc import Sequence
 
 from forest_description.machine import MachineError
-from forest_ident import ident_experiment, ident_fit, ident_validate
+from forest_ident import ident_experiment, ident_fit, ident_questions, ident_validate
 from forest_ident.session import SessionError
 from forest_msgs_py.bag_files import BagError
 from forest_sim import command_line
 
 PROGRAM = "forest-ident"
-VERBS = (ident_experiment, ident_fit, ident_validate)
+VERBS = (ident_experiment, ident_fit, ident_validate, ident_questions)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
