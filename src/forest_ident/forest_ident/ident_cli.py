@@ -12,14 +12,14 @@ import sys
 from collections.abc import Sequence
 
 from forest_description.machine import MachineError
-from forest_ident import ident_actuator, ident_experiment, ident_fit, ident_validate
+from forest_ident import ident_actuator, ident_experiment, ident_fit, ident_questions, ident_validate
 from forest_ident.actuator_record import RecordError
 from forest_ident.session import SessionError
 from forest_msgs_py.bag_files import BagError
 from forest_sim import command_line
 
 PROGRAM = "forest-ident"
-VERBS = (ident_experiment, ident_fit, ident_validate, ident_actuator)
+VERBS = (ident_experiment, ident_fit, ident_validate, ident_questions, ident_actuator)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -20,12 +20,15 @@ def add_parser(verbs: Any) -> None:
     parser.set_defaults(command=run)
     parser.add_argument("name", metavar="NAME|all", help="an experiment; 'list' tells them with their set-up")
     parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
-    parser.add_argument("--seed", type=_seed, default=0, metavar="N", help="of sensors and lots (default: 0)")
+    parser.add_argument(
+        "--seed", type=seed_number, default=0, metavar="N", help="of sensors and lots (default: 0)"
+    )
     parser.add_argument("--exact", action="store_true", help="exact sensors instead of Table 4.2's")
     parser.add_argument("--out", type=Path, metavar="DIR", help="to be made; gets one bag per experiment")
 
 
-def _seed(text: str) -> int:
+def seed_number(text: str) -> int:
+    """Return the seed that a flag names."""
     value = int(text)
     if not 0 <= value < 2**31:
         raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0 .. {2**31 - 1}")
