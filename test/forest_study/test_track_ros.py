@@ -9,11 +9,12 @@ pytest.importorskip("rclpy")
 pytest.importorskip("llvmlite")
 
 from forest_control.joystick_bag import read_joy_record
+from forest_control.position_source import Source
 from forest_control.schemes import Scheme
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
 from forest_msgs_py.series import read_bag
-from forest_study import cli, track_ros
+from forest_study import cli, graph, track_ros
 from forest_study.paths import path_named
 from forest_study.track import noisy, track
 
@@ -23,9 +24,17 @@ SEED, SPEED = 5, 0.3
 OPTIONS = ("--model", "c180_thesis", "--speed", str(SPEED), "--scheme", "jacobian_velocity")
 
 
-def alone(path, seed=SEED, static=False, adapt=True, model=MODEL, scheme=Scheme.JACOBIAN_VELOCITY):
+def alone(
+    path,
+    seed=SEED,
+    static=False,
+    adapt=True,
+    model=MODEL,
+    scheme=Scheme.JACOBIAN_VELOCITY,
+    source=Source.CYLINDERS,
+):
     suite = noisy(MACHINE, seed, static)
-    return track(path, SPEED, scheme, MACHINE, model, suite, laps=2, adapt=adapt).moved
+    return track(path, SPEED, scheme, MACHINE, model, suite, laps=2, adapt=adapt, source=source).moved
 
 
 def test_the_nodes_give_the_figures_of_the_loop_without_ros_and_no_option_is_lost(
@@ -49,6 +58,15 @@ def test_the_nodes_give_the_figures_of_the_loop_without_ros_and_no_option_is_los
     others = ({"seed": SEED + 1}, {"static": True}, {"adapt": False}, {"model": MACHINE})
     for other in (*others, {"scheme": Scheme.COORDINATED}):
         assert np.abs(alone(path, **other).voltages - told.voltages).max() > 1e-3, other
+    by_joints = alone(path, source=Source.JOINTS)  # some hundredths of a milliradian elsewhere
+    assert np.abs(by_joints.voltages - told.voltages).max() > 1e-6
+
+
+def test_the_controller_is_told_its_source(tmp_path):
+    settings = track_ros.GraphSettings("c180", "c180", "joint", "joints", SPEED, False, False, False, 0)
+    nodes = track_ros._nodes(settings, (5.5, 0.0, 1.0), tmp_path)
+    told = set(graph.parameter("position_source", "joints"))
+    assert [told <= set(node.arguments) for node in nodes].count(True) == 1
 
 
 def test_the_joysticks_bag_holds_a_message_for_every_period(tmp_path):

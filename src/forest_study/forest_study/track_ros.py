@@ -46,6 +46,7 @@ class GraphSettings(NamedTuple):
     machine: str  # the simulator's
     model: str  # controller's and driver's
     scheme: str
+    position_source: str  # the controller's
     speed: float  # [m/s]
     adapt: bool
     noise: bool
@@ -98,7 +99,7 @@ def _nodes(settings: GraphSettings, start: tuple[float, float, float], directory
     }
     return [
         graph.joystick(str((directory / "joystick").resolve()), 0.0, 0),
-        _told(controller, {"tip_speed": settings.speed}),
+        _told(controller, {"tip_speed": settings.speed, "position_source": settings.position_source}),
         _told(driver, {"adapt": settings.adapt}),
         _told(graph.simulator(settings.machine), told),
         graph.recorder(directory / "bag"),
