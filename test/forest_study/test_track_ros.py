@@ -14,25 +14,22 @@ from forest_control.schemes import Scheme
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
 from forest_msgs_py.series import read_bag
-from forest_study import cli, graph, track_ros
+from forest_study import cli, track_command, track_ros
+from forest_study.closed_loop import Trajectory
 from forest_study.paths import path_named
 from forest_study.track import noisy, track
 
 WAY = "x,y,z\n5.5,0,1\n5.51,0.01,1.01\n"
 MACHINE, MODEL = load_machine("c180"), load_machine("c180_thesis")
 SEED, SPEED = 5, 0.3
-OPTIONS = ("--model", "c180_thesis", "--speed", str(SPEED), "--scheme", "jacobian_velocity")
+SCHEME = Scheme.JACOBIAN_VELOCITY
+OPTIONS = (
+    *("--model", "c180_thesis", "--speed", str(SPEED), "--scheme", SCHEME.label),
+    *("--position-source", "joints"),
+)
 
 
-def alone(
-    path,
-    seed=SEED,
-    static=False,
-    adapt=True,
-    model=MODEL,
-    scheme=Scheme.JACOBIAN_VELOCITY,
-    source=Source.CYLINDERS,
-):
+def alone(path, seed=SEED, static=False, adapt=True, model=MODEL, scheme=SCHEME, source=Source.JOINTS):
     suite = noisy(MACHINE, seed, static)
     return track(path, SPEED, scheme, MACHINE, model, suite, laps=2, adapt=adapt, source=source).moved
 
@@ -56,17 +53,8 @@ def test_the_nodes_give_the_figures_of_the_loop_without_ros_and_no_option_is_los
     assert np.abs(told.tip - moved.tip).max() < 1e-12
     assert np.array_equal(bag.series(topics.GROUND_TRUTH_TIP_POSE).values, told.tip)
     others = ({"seed": SEED + 1}, {"static": True}, {"adapt": False}, {"model": MACHINE})
-    for other in (*others, {"scheme": Scheme.COORDINATED}):
-        assert np.abs(alone(path, **other).voltages - told.voltages).max() > 1e-3, other
-    by_joints = alone(path, source=Source.JOINTS)  # some hundredths of a milliradian elsewhere
-    assert np.abs(by_joints.voltages - told.voltages).max() > 1e-6
-
-
-def test_the_controller_is_told_its_source(tmp_path):
-    settings = track_ros.GraphSettings("c180", "c180", "joint", "joints", SPEED, False, False, False, 0)
-    nodes = track_ros._nodes(settings, (5.5, 0.0, 1.0), tmp_path)
-    told = set(graph.parameter("position_source", "joints"))
-    assert [told <= set(node.arguments) for node in nodes].count(True) == 1
+    for other in (*others, {"scheme": Scheme.COORDINATED}, {"source": Source.CYLINDERS}):
+        assert np.abs(alone(path, **other).voltages - told.voltages).max() > 1e-6, other
 
 
 def test_the_joysticks_bag_holds_a_message_for_every_period(tmp_path):
@@ -77,6 +65,31 @@ def test_the_joysticks_bag_holds_a_message_for_every_period(tmp_path):
     series = read_bag(tmp_path / "joystick").series(topics.JOY)
     assert series.column("left_x") == pytest.approx([0.0, 0.1, 0.2])
     assert series.column("button_left_shoulder").tolist() == [1.0, 1.0, 0.0]
+
+
+def test_drawn_machines_are_refused_in_one_sentence(tmp_path, capsys):
+    more = ("--mismatch", "--through-ros", "--out", str(tmp_path / "out"))
+    assert cli.main(["track", "--path", "radial", *more]) == 1
+    said = capsys.readouterr().err
+    assert "--through-ros does not go with --mismatch" in said
+    assert said.count("\n") == 1
+
+
+def test_other_figures_are_a_failure_that_names_the_run():
+    one = {"path": "way", "seed": 3, "same": True, "differences": {"tip_m": 0.0}}
+    other = {"path": "way", "seed": 4, "same": False, "differences": {"tip_m": 0.002}}
+    track_command._judge([one])
+    with pytest.raises(track_ros.Failure, match=r"way, seed 4; the tip is up to 0\.002 m apart"):
+        track_command._judge([one, other])
+
+
+def test_two_runs_differ_by_what_is_farthest_apart_and_readings_of_nothing_are_equal():
+    columns = [np.zeros(2), *(np.zeros((2, 3)) for _ in range(5)), np.full((2, 12), np.nan)]
+    one = Trajectory(*columns)
+    tip = np.array([[0.0, 0.0, 0.0], [0.0, -0.2, 0.1]])
+    found = track_ros.differences(one, one._replace(tip=tip))
+    assert found.pop("tip_m") == 0.2
+    assert set(found.values()) == {0.0}
 
 
 def test_steps_that_the_bag_lacks_are_told(tmp_path):

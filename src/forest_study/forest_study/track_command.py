@@ -173,8 +173,8 @@ def _through_ros(
         name = f"{course.laps[0].path.name}-seed{seed}"
         print(f"through ROS: {name}", flush=True)
         graph = track_ros.GraphSettings(
-            *(options.machine, options.model or options.machine, options.scheme, options.position_source),
-            *(options.speed, options.adapt, options.noise, options.static_errors, seed),
+            *(options.machine, options.model or options.machine, options.adapt),
+            *(options.noise, options.static_errors, seed),
         )
         sessions.append(scored(course.laps, track_ros.run(course, graph, options.out / name), machine))
         alone = follow(course, machine, varied(seed).suite, options.adapt)

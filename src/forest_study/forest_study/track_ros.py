@@ -7,6 +7,7 @@ which give the same numbers without ROS. As there, the oil stays as warm as the 
 """
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from forest_control.joystick_watch import HEARTBEAT
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
+from forest_control.tunables import TUNABLES, as_typed
 from forest_msgs_py import topics
 from forest_msgs_py.bag_writer import BagWriter
 from forest_msgs_py.cdr import to_cdr
@@ -45,9 +47,6 @@ class GraphSettings(NamedTuple):
 
     machine: str  # the simulator's
     model: str  # controller's and driver's
-    scheme: str
-    position_source: str  # the controller's
-    speed: float  # [m/s]
     adapt: bool
     noise: bool
     static_errors: bool
@@ -63,7 +62,7 @@ def run(course: Course, settings: GraphSettings, directory: Path) -> Trajectory:
     """
     steps = len(course.levers)
     write_joystick(directory / "joystick", course.levers)
-    nodes = _nodes(settings, course.laps[0].path.at(0.0), directory)
+    nodes = _nodes(course, settings, directory)
     try:
         lockstep_run.run(nodes, steps, directory / "log")
     except Stopped as stopped:
@@ -87,11 +86,13 @@ def write_joystick(directory: Path, levers: Floats) -> None:
         writer.close()
 
 
-def _nodes(settings: GraphSettings, start: tuple[float, float, float], directory: Path) -> list[NodeSpec]:
-    """Return the graph, the recorder included."""
-    controller, driver = graph.control(settings.model, settings.scheme, shadow=False, describe=False)
+def _nodes(course: Course, settings: GraphSettings, directory: Path) -> list[NodeSpec]:
+    """Return the graph, the recorder included; the controller is told every setting of the course."""
+    label = course.settings.scheme.label
+    controller, driver = graph.control(settings.model, label, shadow=False, describe=False)
+    typed = {one.name: as_typed(one.name, course.settings) for one in TUNABLES if one.name != "scheme"}
     told = {
-        "initial_tip": list(start),
+        "initial_tip": course.laps[0].path.at(0.0),
         "sensor_noise": settings.noise,
         "sensor_static_errors": settings.static_errors,
         "seed": settings.seed,
@@ -99,14 +100,14 @@ def _nodes(settings: GraphSettings, start: tuple[float, float, float], directory
     }
     return [
         graph.joystick(str((directory / "joystick").resolve()), 0.0, 0),
-        _told(controller, {"tip_speed": settings.speed, "position_source": settings.position_source}),
+        _told(controller, typed),
         _told(driver, {"adapt": settings.adapt}),
         _told(graph.simulator(settings.machine), told),
         graph.recorder(directory / "bag"),
     ]
 
 
-def _told(node: NodeSpec, values: dict[str, object]) -> NodeSpec:
+def _told(node: NodeSpec, values: Mapping[str, object]) -> NodeSpec:
     words = (word for name, value in values.items() for word in graph.parameter(name, value))
     return node._replace(arguments=(*node.arguments, *words))
 
