@@ -29,7 +29,17 @@ def benchmark(monkeypatch):
         n
         for n in sys.modules
         if n.split(".")[0]
-        in {"plant", "peers", "work", "reference", "components", "many", "recorder", "closed_loop"}
+        in {
+            "plant",
+            "peers",
+            "work",
+            "reference",
+            "components",
+            "many",
+            "recorder",
+            "closed_loop",
+            "lockstep",
+        }
     ]:
         del sys.modules[name]
 
@@ -134,3 +144,9 @@ def test_the_closed_loops_benchmark_compares_equal_loops_and_tells_both_factors(
     row = loop.compare("vertical", 1)
     assert row.keys() >= {"compiled", "interpreted", "with_set_up", "plan_seconds"}
     assert "| vertical | 8." in "".join(loop.table([row]))
+
+
+def test_lockstep_s_table_counts_the_steps_between_two_runs(benchmark):
+    told = benchmark("lockstep").table({"simulator": 1.0}, {"simulator": 3.0, "recorder": 1.0}, 1000, 2.5)
+    assert "| simulator | 2.00 |\n| recorder | 1.00 |\n| together | 3.00 |" in told
+    assert told.endswith("A step: 2.00 ms on the wall, 2.50 x real time.")

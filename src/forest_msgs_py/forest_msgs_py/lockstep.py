@@ -87,9 +87,8 @@ class Lockstep:
         self._ended = False
         self._wait_set: Any = None  # made once: that takes longer than waiting
         self._silences = [silences(node, topics.SILENCE)]
-        self._silence = node.create_publisher(
-            message_class(topics.SILENCE), topics.SILENCE.name, lockstep_qos()
-        )
+        kind = message_class(topics.SILENCE)
+        self._silence = node.create_publisher(kind, topics.SILENCE.name, lockstep_qos())
         self._quiet = Quiet(node, quiet)
         self._roll = publisher(node, topics.ROLL)
         self._clock = self.publisher(topics.CLOCK) if leads else None
@@ -149,7 +148,7 @@ class Lockstep:
             self._quiet.tell(self._step)  # or what was said in these steps would be missing in the bag
 
     def _step_on(self, stopping: threading.Event) -> None:
-        step = 0
+        step, begun = 0, 0.0
         while not (self._steps and step == self._steps):
             if self._clock is not None and step > 0 and not self._gather(step, stopping):
                 return
@@ -157,10 +156,17 @@ class Lockstep:
             if self._clock is None and not self._gather(step, stopping):
                 return
             self._make(step)
+            begun = begun or time.monotonic()
         if self._gather(step, stopping):
             self._quiet.tell(step)
             self._silence.publish(silence(END, step))
+            self._tell_the_speed(step - 1, time.monotonic() - begun)
             stopping.wait()
+
+    def _tell_the_speed(self, steps: int, took: float) -> None:
+        """How fast the run was, from the end of its first step [s, wall clock]."""
+        factor = steps * STEP_NS / NS_PER_S / max(took, 1e-9)
+        self._node.get_logger().info(f"{steps} steps in {took:.3g} s: {factor:.2f} times as fast as live")
 
     def _answer_the_roll(self) -> None:
         plain = "plain_arrays"

@@ -30,6 +30,7 @@ from forest_msgs_py.topics import find, message_class, offered_qos, unlisted
 
 WALL_CLOCK = "/parameter_events"  # carries the time of day: no two runs say the same
 ROLL_DEPTH = 100  # nodes
+PAUSE = 0.04  # [s] between two takes: nobody waits for the recorder, and publishers keep far more
 PATIENCE = 10.0  # [s] beyond the guard: who waits for one node, and not for all, shall speak first
 
 Wanted = Callable[[str, Sequence[str]], bool]
@@ -61,6 +62,7 @@ class StepListener:
     ) -> None:
         self._node, self._wanted, self._offered, self._guard = node, wanted, offered, guard
         self._nodes, self._settled = nodes, settled
+        self.pause = PAUSE
         self._order = StepOrder(nodes, STEP_NS)
         self._beside = GraphListener(node, self._leaves, offered, refused)
         latched = QoSProfile(
