@@ -2,14 +2,17 @@
 
 | symbol | name | unit |
 |---|---|---|
-| V_r, V_d, d, k | rated voltage and deadband of the machine's file; what the driver has learnt (`valve_adaptation`) | V, V, V, - |
+| V_r, V_d | rated voltage, deadband of the machine's file | V |
+| d, k | what the driver has learnt (`valve_adaptation`) | V, - |
 | R | reach: opening at V_r over the file's, (V_r - V_d - d) / ((1 + k) (V_r - V_d)) | - |
 | a, v, e | wished and measured joint rate, error of the joint against its reference | rad/s, rad/s, rad |
 | c | ceiling: the wish that a joint whose valve is open wide can follow, abs v - h abs e | rad/s |
+| h | how quickly it comes back to its reference | 1/s |
 
-The governor plans with R. What nobody knows, a heavier load or a weak valve that is not learnt yet, shows in a
-valve that is open wide while its joint falls behind: then all joints wait for it, h faster than it moves, so
-that it comes back to its reference. Where no valve is short, the ceiling rises and vanishes.
+The governor plans with R. What nobody knows, a heavier load or a weak valve that is not learnt yet, shows
+in a valve that is open wide while its joint falls behind. Then all joints wait for that one, whose reference
+goes slower than it moves, by h e: so it comes back to it. When the valve is no longer short, c rises and
+vanishes.
 """
 
 import math

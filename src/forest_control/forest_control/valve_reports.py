@@ -1,4 +1,4 @@
-"""What the valve driver reports, as the controller takes it: the valves' reach, and the voltages given last."""
+"""What the valve driver reports, as the controller takes it: the valves' reach, and the last voltages."""
 
 import math
 from typing import Any

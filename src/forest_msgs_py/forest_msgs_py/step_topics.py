@@ -98,7 +98,7 @@ class StepInbox:
     Args:
         node: that reads.
         topic: row of the table.
-        lag: steps after which a message counts: in its own step, one who is answered cannot wait for the answer.
+        lag: steps after which a message counts: who is answered cannot wait for the answer in its own step.
     """
 
     def __init__(self, node: Node, topic: Topic, lag: int = 0) -> None:
