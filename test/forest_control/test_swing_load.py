@@ -6,6 +6,7 @@ import pytest
 from forest_control.capacity import capacity, gravity_torques, greatest_rates
 from forest_control.swing_load import inertia, swing_load
 from forest_control.valve_driver import axis_drivers
+from forest_control.valve_reach import FULL
 from forest_description.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_sim.manipulator import dynamics, fold_head
@@ -34,7 +35,7 @@ def test_gravity_torques_are_the_plants():
 
 def test_a_boom_falls_faster_than_it_rises():
     q = (0.0, 0.3, -1.5)
-    up = greatest_rates(q, (0.1, 0.1, 0.1), CAPACITY)
-    down = greatest_rates(q, (-0.1, -0.1, -0.1), CAPACITY)
+    up = greatest_rates(q, (0.1, 0.1, 0.1), CAPACITY, FULL)
+    down = greatest_rates(q, (-0.1, -0.1, -0.1), CAPACITY, FULL)
     assert 0.0 < up[1] < down[1]
     assert up[0] == pytest.approx(down[0])

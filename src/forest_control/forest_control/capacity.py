@@ -13,7 +13,8 @@ The greatest speed solves (S + S_h) v^2 + h v = N.
 import math
 from typing import NamedTuple
 
-from forest_control.valve_driver import AxisDriver
+from forest_control.valve_knowledge import AxisDriver
+from forest_control.valve_reach import Reach
 from forest_description.actuation import Linkages
 from forest_description.bodies import boom_body, stick_body
 from forest_description.linkage import lever_arm
@@ -46,29 +47,38 @@ def gravity_torques(q: Triple, c: Capacity) -> tuple[float, float]:
     return boom + c.stick_weight * c.boom_length * c_2 + stick, stick
 
 
-def greatest_rates(q: Triple, wished: Triple, c: Capacity) -> Triple:
-    """Return the joint rates [rad/s], not negative, that the valves can give in the wished directions."""
+def greatest_rates(q: Triple, wished: Triple, c: Capacity, reach: Reach) -> Triple:
+    """Return the joint rates [rad/s], not negative, that the valves can give in the wished directions.
+
+    Args:
+        q: joint angles [rad].
+        wished: joint rates [rad/s]; their signs count.
+        c: what the speeds depend on.
+        reach: parts of the file's openings that the valves reach.
+    """
     boom_load, stick_load = gravity_torques(q, c)
     boom, stick = lever_arm(q[1], c.linkages[0]), lever_arm(q[2], c.linkages[1])
     return (
-        _greatest_rate(wished[0], 1.0, 0.0, c.axes[0], c),
-        _greatest_rate(wished[1], boom, boom_load, c.axes[1], c),
-        _greatest_rate(wished[2], stick, stick_load, c.axes[2], c),
+        _greatest_rate(0, wished[0], 1.0, 0.0, c, reach),
+        _greatest_rate(1, wished[1], boom, boom_load, c, reach),
+        _greatest_rate(2, wished[2], stick, stick_load, c, reach),
     )
 
 
-def _greatest_rate(wished: float, arm: float, torque: float, axis: AxisDriver, c: Capacity) -> float:
+def _greatest_rate(i: int, wished: float, arm: float, torque: float, c: Capacity, reach: Reach) -> float:
     """Return one joint's greatest rate [rad/s] in the wished direction, against a torque [N m]."""
-    return RESERVE * _greatest_speed(math.copysign(1.0, arm * wished), torque / arm, axis, c) / abs(arm)
+    direction = math.copysign(1.0, arm * wished)
+    share = reach.forward[i] if direction > 0.0 else reach.backward[i]
+    return RESERVE * _greatest_speed(direction, torque / arm, share, c.axes[i], c) / abs(arm)
 
 
-def _greatest_speed(direction: float, load: float, axis: AxisDriver, c: Capacity) -> float:
-    """Return one actuator's speed at full opening [m/s; rad/s]."""
+def _greatest_speed(direction: float, load: float, share: float, axis: AxisDriver, c: Capacity) -> float:
+    """Return one actuator's speed [m/s; rad/s] at a share of the full opening: S goes with 1/share^2."""
     extends = direction > 0.0
     inlet = axis.displacement_1 if extends else axis.displacement_2
     way = axis.valve.forward if extends else axis.valve.backward
     valve = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
-    square, linear = valve + axis.hose_square, axis.hose_linear
+    square, linear = valve / (share * share) + axis.hose_square, axis.hose_linear
     force = max(LEAST_SHARE * inlet * c.supply_pressure, inlet * c.supply_pressure - direction * load)
     speed = (math.sqrt(linear * linear + 4.0 * square * force) - linear) / (2.0 * square)
     return min(speed, c.flow_limit / inlet)

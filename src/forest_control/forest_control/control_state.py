@@ -8,6 +8,7 @@ from forest_control.levers import Levers
 from forest_control.position_source import NONE as NO_CORRECTION
 from forest_control.position_source import UNREAD, Correction, Lengths
 from forest_control.stopping import NO_STOP, Stop
+from forest_control.valve_reach import FULL, RELAXED, Reach, Strains
 
 Triple = tuple[float, float, float]
 ZERO: Triple = (0.0, 0.0, 0.0)
@@ -28,6 +29,7 @@ class State(NamedTuple):
     changed: bool = False  # somebody changed a parameter: what it does to the command shall fade, too
     stop: Stop = NO_STOP  # along the path, under way or over
     correction: Correction = NO_CORRECTION  # of the angles
+    strains: Strains = RELAXED  # joints that could not follow
 
 
 class Inputs(NamedTuple):
@@ -38,6 +40,8 @@ class Inputs(NamedTuple):
     levers: Levers
     enabled: bool  # a fresh, finite, held deadman
     cylinders: Lengths = UNREAD  # [m] boom, stick, of the same moment; NaN: no sample
+    reach: Reach = FULL  # of the valves, as the driver has learnt it
+    voltages: Triple = ZERO  # [V] of the valves, given last by the driver
 
 
 class Output(NamedTuple):

@@ -26,6 +26,7 @@ from forest_control.settings import Parameters as Parameters
 from forest_control.settings import Settings as Settings
 from forest_control.settings import parameters as parameters
 from forest_control.stopping import NO_STOP, Stop
+from forest_control.valve_reach import RELAXED, Strains, Valves, open_wide, strained
 from forest_control.wish import governed_wish, wished_rates, wished_velocity
 from forest_control.wish import governor_at as governor_at
 from forest_description.kinematics import joint_rates, tip_position
@@ -36,15 +37,27 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
     correction = learnt(state.correction, inputs.angles, inputs.cylinders, p.linkages, dt)
     if not state.enabled and stopping.is_over(state.stop):
         correction = latched(correction, p.position_source)
-    angles = corrected(inputs.angles, correction)
-    state, output = _stepped(relearnt(state, correction), inputs._replace(angles=angles), p, dt)
-    return state._replace(correction=correction), output
+    inputs = inputs._replace(angles=corrected(inputs.angles, correction))
+    state = relearnt(state, correction)
+    strains = _strains(state, inputs, p, dt)
+    state, output = _stepped(state, inputs, Valves(inputs.reach, strains), p, dt)
+    return state._replace(correction=correction, strains=strains), output
 
 
-def _stepped(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Output]:
-    """Advance all that goes by the corrected angles."""
+def _strains(state: State, inputs: Inputs, p: Parameters, dt: float) -> Strains:
+    """Return which joints cannot follow the reference; none of a scheme that does not hold one."""
+    if state.scheme != Scheme.COORDINATED or p.scheme != Scheme.COORDINATED:
+        return RELAXED
+    m = state.memory
+    a, e = (m.swing.a, m.boom.a, m.stick.a), minus(state.reference, inputs.angles)
+    wide = open_wide(inputs.voltages, p.rated_voltages)
+    return strained(state.strains, wide, a, e, inputs.rates, dt)
+
+
+def _stepped(state: State, inputs: Inputs, valves: Valves, p: Parameters, dt: float) -> tuple[State, Output]:
+    """Advance all that goes by the corrected angles and what is known of the valves."""
     if not inputs.enabled:
-        return _stopping(state, inputs, p, dt)
+        return _stopping(state, inputs, valves, p, dt)
     if not state.enabled and not stopping.is_over(state.stop):
         state = resumed(state)
     elif not state.enabled:
@@ -65,19 +78,19 @@ def _stepped(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[St
     free = velocity
     velocity = workspace.slid(tip_position(pose, p.links), free, p.workspace)
     rates = wished_rates(state, pose, velocity, inputs, p, dt)
-    wish = governed_wish(pose, inputs.angles, rates, velocity, p)
+    wish = governed_wish(pose, inputs.angles, rates, velocity, valves, p)
     if velocity != free and wish.governed.limit == Limit.NONE:
         wish = Wish(wish.rates, wish.velocity, Governed(wish.governed.factor, Limit.WALL))
     return carried_out(state, wish, pose, inputs, p, dt)
 
 
-def _stopping(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Output]:
+def _stopping(state: State, inputs: Inputs, valves: Valves, p: Parameters, dt: float) -> tuple[State, Output]:
     """Advance the stop along the path; once it is over the command is zero."""
     stop = stopping.advanced(_stop_from(state, inputs.angles, p) if state.enabled else state.stop, dt)
     if stopping.is_over(stop) or state.scheme != p.scheme:
         return begun(inputs.angles, False), Output(ZERO, ZERO, Governed(0.0, Limit.RELEASED))
     if stop.duration == stopping.CLOSED_LOOP:
-        return _stopping_at_reference(stop, state, inputs, p, dt)
+        return _stopping_at_reference(stop, state, inputs, valves, p, dt)
     s = inputs.angles
     rates, velocity = stopping.commanded(stop, s, p.links)
     factor = govern(s, rates, p.governor).factor
@@ -89,13 +102,13 @@ def _stopping(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[S
 
 
 def _stopping_at_reference(
-    stop: Stop, state: State, inputs: Inputs, p: Parameters, dt: float
+    stop: Stop, state: State, inputs: Inputs, valves: Valves, p: Parameters, dt: float
 ) -> tuple[State, Output]:
     """Advance the stop of a scheme that follows its reference to the end."""
     r = state.reference
     velocity = scaled(stop.wish, stopping.share(stop))
     velocity = workspace.slid(tip_position(r, p.links), velocity, p.workspace)
-    wish = governed_wish(r, inputs.angles, joint_rates(r, velocity, p.links), velocity, p)
+    wish = governed_wish(r, inputs.angles, joint_rates(r, velocity, p.links), velocity, valves, p)
     after, output = carried_out(state, wish, r, inputs, p, dt)
     released = Governed(wish.governed.factor, Limit.RELEASED)
     m, u = after.memory, after.rates

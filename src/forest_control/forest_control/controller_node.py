@@ -26,6 +26,7 @@ from forest_control.position_source import UNREAD, Lengths, Source, corrected
 from forest_control.profile import load_profile, shipped
 from forest_control.schemes import Scheme
 from forest_control.tunables import TUNABLES, as_typed, settings_from
+from forest_control.valve_reports import ValveReports
 from forest_control.workspace import Workspace
 from forest_control.workspace_file import load_workspace
 from forest_control.workspace_file import shipped as workspaces
@@ -77,7 +78,7 @@ class ControllerNode(Node):
         if get("publish_description", False, "publish robot_description; where no simulator does"):
             self._describe(machine)
         self._joints = JointReader(topics.JOINTS)
-        self._joy = self._pace.inbox(topics.JOY)
+        self._joy, self._valves = self._pace.inbox(topics.JOY), ValveReports(self._pace, machine)
         self._actuators, self._lengths = (
             self._pace.inbox(topics.ACTUATOR_STATES),
             JointReader(topics.ACTUATORS),
@@ -155,7 +156,8 @@ class ControllerNode(Node):
             return  # what is past moves nothing; the watchdog acts if nothing newer comes
         self._state_received = sent
         dt = self._period.since(reading.stamp_ns)
-        inputs = controller.Inputs(angles, rates, *self._operator(True), self._cylinders(reading.stamp_ns))
+        lengths, valves = self._cylinders(reading.stamp_ns), self._valves.read()
+        inputs = controller.Inputs(angles, rates, *self._operator(True), lengths, *valves)
         if self._stop.pressed:
             self._state = controller.REST  # from which there is no ramp: zero at once
         self._state, output = controller.step(self._state, inputs, self._core, dt)

@@ -25,6 +25,7 @@ import math
 from typing import NamedTuple
 
 from forest_control.valve_flow import (
+    BANDWIDTH,
     NO_SIGHT,
     FlowParameters,
     LowPassed,
@@ -43,6 +44,7 @@ MODEL_VOLTS, MODEL_SHARE = 0.005, 0.02  # [V]; of x: how well the law itself is 
 UNSURE = 0.25  # of the deadband's first variance: above, no motion is looked at as above
 CLEAR = 4.0  # standard deviations that a flow, or its absence, must show
 FINE = 0.1  # of DEADBAND_SPREAD: a flow noisier than that cannot tell its absence
+LAG_SPREAD = 0.006  # [s] by which a spool may be slower or quicker than its file says
 SEARCH = 1.0  # [V/s] at which d is raised: the low-pass is 60 ms late, and as much too far it goes
 
 
@@ -151,14 +153,15 @@ def _update(
     x = share * _file_voltage(sign * low.opening_2 / share, sign, edge, law)
     expected = (excess - share * way.deadband) / (1.0 + way.stretch)
     noise = span * math.sqrt(opening_variance(low, flow, dt))
+    late = LAG_SPREAD * BANDWIDTH * abs(low.excess_1 - low.excess_2)  # [V] the low-pass' own rate of change
     if noise < FINE * DEADBAND_SPREAD and way.p_dd > UNSURE and x < CLEAR * noise:
         searching = way.p_dd == 1.0 and way.deadband > 0.0
-        if searching or expected - x > CLEAR * noise:
+        if searching or expected - x > CLEAR * (noise + late):
             wider = max(way.deadband, excess / share) + SEARCH * dt
             return way._replace(deadband=min(a.deadband_range, wider))
         return way
     model, slope = MODEL_VOLTS + MODEL_SHARE * abs(x), 1.0 + way.stretch
-    variance = (noise * noise + model * model) * slope * slope * overlapping(dt)
+    variance = ((noise * noise + model * model) * slope * slope + late * late) * overlapping(dt)
     error = excess - share * way.deadband - (1.0 + way.stretch) * x
     return _bounded(_least_squares(way, share, max(0.0, expected), error, variance, a, dt), edge, a)
 

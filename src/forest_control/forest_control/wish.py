@@ -9,6 +9,7 @@ from forest_control.levers import joint_rate_wish
 from forest_control.schemes import Scheme, closes_on_position
 from forest_control.settings import Parameters
 from forest_control.singularity import rates_anywhere
+from forest_control.valve_reach import AS_FILED, Valves, ceiling
 from forest_description.kinematics import is_singular, tip_position, tip_velocity
 
 
@@ -41,7 +42,9 @@ def wished_rates(
     return coordination.ramped(before, wish, JOINT_ACCELERATION, dt)
 
 
-def governed_wish(pose: Triple, angles: Triple, rates: Triple, velocity: Triple, p: Parameters) -> Wish:
+def governed_wish(
+    pose: Triple, angles: Triple, rates: Triple, velocity: Triple, valves: Valves, p: Parameters
+) -> Wish:
     """Return what the scheme shall do, governed.
 
     Args:
@@ -49,10 +52,11 @@ def governed_wish(pose: Triple, angles: Triple, rates: Triple, velocity: Triple,
         angles: measured; the limits count from here for a scheme that does not hold its reference.
         rates: wished of the joints [rad/s].
         velocity: wished of the tip [m/s].
+        valves: what is known of them.
         p: parameters.
     """
     place = pose if closes_on_position(p.scheme) else angles
-    governed = govern(place, rates, governor_at(place, rates, p))
+    governed = govern(place, rates, governor_at(place, rates, p, valves))
     if p.scheme == Scheme.JOINT:
         left = workspace.share(
             tip_position(angles, p.links), tip_velocity(angles, rates, p.links), p.workspace
@@ -66,14 +70,21 @@ def governed_wish(pose: Triple, angles: Triple, rates: Triple, velocity: Triple,
     return Wish(a, scaled(velocity, governed.factor), governed)
 
 
-def governor_at(angles: Triple, wished: Triple, p: Parameters) -> GovernorParameters:
+def governor_at(
+    angles: Triple, wished: Triple, p: Parameters, valves: Valves = AS_FILED
+) -> GovernorParameters:
     """Return the governor's limits at a pose [rad] for wished joint rates [rad/s].
 
     The coordinated scheme asks the valves for no more than they can give against the crane's weight, where
-    the others leave them saturated.
+    the others leave them saturated; and no joint to go faster than one that cannot follow.
     """
     if p.scheme != Scheme.COORDINATED:
         return p.governor
-    most, rates = greatest_rates(angles, wished, p.capacity), p.governor.rates
-    least = min(rates[0], most[0]), min(rates[1], most[1]), min(rates[2], most[2])
+    most, rates = greatest_rates(angles, wished, p.capacity, valves.reach), p.governor.rates
+    strains = valves.strains
+    least = (
+        min(rates[0], most[0], ceiling(strains.swing, wished[0])),
+        min(rates[1], most[1], ceiling(strains.boom, wished[1])),
+        min(rates[2], most[2], ceiling(strains.stick, wished[2])),
+    )
     return p.governor._replace(rates=least)

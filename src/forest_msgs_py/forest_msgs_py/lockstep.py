@@ -37,6 +37,7 @@ from forest_msgs_py.stamps import STAMPED
 from forest_msgs_py.step_guard import complaint, patience
 from forest_msgs_py.step_order import LATCHED
 from forest_msgs_py.step_topics import (
+    LATE,
     STEP_NS,
     Quiet,
     StepInbox,
@@ -116,9 +117,14 @@ class Lockstep:
         self._publishers.append(stepping)
         return stepping
 
-    def inbox(self, topic: Topic) -> StepInbox:
-        """Messages of a topic, one of each step."""
-        made = StepInbox(self._node, topic)
+    def inbox(self, topic: Topic, answered: bool = False) -> StepInbox:
+        """Messages of a topic, one of each step.
+
+        Args:
+            topic: row of the table.
+            answered: what is said in answer to this node; it counts in the next step.
+        """
+        made = StepInbox(self._node, topic, LATE if topic.late and answered else int(answered))
         self._inboxes.append(made)
         if not is_awaited(topic) and len(self._silences) == 1:
             self._silences.append(silences(self._node, topics.QUIET))

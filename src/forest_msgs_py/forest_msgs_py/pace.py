@@ -30,7 +30,7 @@ from forest_msgs_py.lockstep import Lockstep
 from forest_msgs_py.node import publisher, raw_publish, subscription, timer
 from forest_msgs_py.packing import Packer, Speaker
 from forest_msgs_py.parameters import declare
-from forest_msgs_py.step_topics import StepPublisher
+from forest_msgs_py.step_topics import LATE, StepPublisher
 from forest_msgs_py.topics import Topic
 
 
@@ -55,7 +55,7 @@ class Live:
         """A publisher with the type and the QoS of the table."""
         return publisher(self._node, topic)
 
-    def inbox(self, topic: Topic) -> Any:
+    def inbox(self, topic: Topic, answered: bool = False) -> Any:  # noqa: ARG002  matters in lockstep
         """A subscription to be read when its messages are needed."""
         return inbox(self._node, topic)
 
@@ -93,7 +93,7 @@ def pace(node: Node, leads: bool = False) -> Live | Lockstep:
     steps = declare(node, "steps", 0, "of the run in lockstep; 0: no end", low=0) if leads else 0
     recorder = declare(node, "wait_for_recorder", False, "in lockstep, stay near it") if leads else False
     rarely = "in lockstep, how often to tell of topics that no node reads that nothing was said"
-    quiet = declare(node, "lockstep_quiet", 20, rarely, "steps", 1, 200)
+    quiet = declare(node, "lockstep_quiet", 20, rarely, "steps", 1, LATE // 2)
     if not stepping:
         return Live(node)
     return Lockstep(node, guard, leads=leads, steps=steps, recorded=recorder, quiet=quiet)

@@ -17,6 +17,7 @@ from forest_msgs_py.topics import QUIET, SILENCE, Topic, message_class
 
 STEP_NS = 5_000_000
 DEPTH = 1000  # steps that a publisher keeps
+LATE = 40  # steps: until then it is known, too, on which topics of `Quiet` nothing was said
 SPAN = "@"  # between a topic's name and the steps in which it is silent; in no name
 
 
@@ -29,7 +30,7 @@ def lockstep_qos() -> QoSProfile:
 
 def is_awaited(topic: Topic) -> bool:
     """Whether nodes may wait for a topic, by the table; what only a recorder reads shall wake nobody else."""
-    return bool(topic.subscribers)
+    return bool(topic.subscribers) and not topic.late
 
 
 def silences(node: Node, topic: Topic) -> Inbox:
@@ -92,10 +93,16 @@ def silence(text: str, step: int) -> bytes:
 
 
 class StepInbox:
-    """Messages of one topic, by the step to which they belong."""
+    """Messages of one topic, by the step to which they belong.
 
-    def __init__(self, node: Node, topic: Topic) -> None:
-        self.topic = topic
+    Args:
+        node: that reads.
+        topic: row of the table.
+        lag: steps after which a message counts: who is answered cannot wait for the answer in its own step.
+    """
+
+    def __init__(self, node: Node, topic: Topic, lag: int = 0) -> None:
+        self.topic, self._lag_ns = topic, lag * STEP_NS
         self._inbox = Inbox(node, message_class(topic), topic.name, lockstep_qos(), raw=True)
         self.subscription = self._inbox.subscription
         self.name = self.subscription.topic_name
@@ -108,7 +115,7 @@ class StepInbox:
         for data, _info in self._inbox.take():
             stamp = stamp_in(self.topic.type, data)
             self._waiting.setdefault(stamp, data)
-            if stamp == until:
+            if stamp == until - self._lag_ns:
                 return
 
     def silent(self, stamp: int) -> None:
@@ -116,8 +123,9 @@ class StepInbox:
         self._silent.add(stamp)
 
     def has(self, stamp: int) -> bool:
-        """Whether it is known what was said in the step of this stamp."""
-        return stamp in self._waiting or stamp in self._silent
+        """Whether it is known what counts in the step of this stamp."""
+        said = stamp - self._lag_ns
+        return said in self._waiting or said in self._silent or (self._lag_ns > 0 and said <= 0)
 
     def reached(self, stamp: int) -> bool:
         """Whether something was said in the step of this stamp or later; what was before is dropped."""
@@ -126,11 +134,12 @@ class StepInbox:
         return latest >= stamp
 
     def turn_to(self, stamp: int) -> None:
-        """Let the message of this step, if something was said, be the newest."""
-        data = self._waiting.pop(stamp, None)
-        self._silent.discard(stamp)
+        """Let the message that counts in this step, if there is one, be the newest."""
+        said = stamp - self._lag_ns
+        data = self._waiting.pop(said, None)
+        self._silent.discard(said)
         if data is not None:
-            self._current = data, stamp / NS_PER_S
+            self._current = data, said / NS_PER_S
 
     def newest(self) -> Arrival | None:
         """Return the message of this step, once; None if nothing was said."""

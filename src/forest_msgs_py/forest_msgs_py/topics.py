@@ -61,6 +61,7 @@ class Topic(NamedTuple):
     subscribers: tuple[str, ...]
     latched: bool = False
     recorded: bool = True
+    late: bool = False  # read by nodes for what it tells slowly; in lockstep `LATE` steps after it was said
 
 
 _XYZ = ("x", "y", "z")
@@ -129,7 +130,7 @@ VALVE_COMMANDS = Topic(
 VALVE_VOLTAGES = Topic(
     "valve_voltages", FLOAT_ARRAY, JOINTS, ("V",) * 3, _RATE,
     "Voltage at the valve amplifier, with the deadband divided out.",
-    (_DRIVER,), (_SIMULATOR,),
+    (_DRIVER,), (_SIMULATOR, _CONTROLLER),
 )
 VALVE_DRIVER_STATUS = Topic(
     "valve_driver/status", FLOAT_ARRAY,
@@ -140,7 +141,7 @@ VALVE_DRIVER_STATUS = Topic(
     ),
     ("1",) * 3 + ("V", "V", "1", "1") * 6, 10.0,
     "1 where a valve cannot open as far as wished; deadband and gain (1: the file's) as known, with spread.",
-    (_DRIVER,), _NOBODY,
+    (_DRIVER,), (_CONTROLLER,), late=True,
 )
 TIP_POSE = Topic(
     "tip/pose", POSE, _XYZ, ("m",) * 3, _RATE,

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from forest_control import controller, valve_driver
 from forest_control.levers import REST, Levers
+from forest_control.valve_reach import learnt_reach
 from forest_description.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_sim import sensors
@@ -167,7 +168,10 @@ class _Loop:
             self._controller = controller.REST
             return ZERO, ZERO
         lengths = seen.actuators.position[1], seen.actuators.position[2]
-        inputs = controller.Inputs(seen.joints.position, seen.joints.speed, *operator, lengths)
+        reach, volts = self._reports.reach, self._driver.voltages
+        inputs = controller.Inputs(
+            seen.joints.position, seen.joints.speed, *operator, lengths, reach, volts
+        )
         self._controller, output = controller.step(self._controller, inputs, self._control, PERIOD)
         return output.tip_wish, output.command
 

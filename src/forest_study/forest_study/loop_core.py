@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from forest_control import controller, valve_driver
 from forest_control.levers import Levers
+from forest_control.valve_reach import learnt_reach
 from forest_description.kinematics import Links, tip_position
 from forest_sim import integrator
 from forest_sim.channel import ABSENT, FROZEN, Channel, ChannelState, sample
@@ -94,7 +95,8 @@ def period(
     position, speed = (read[0], read[1], read[2]), (seen[0].speed, seen[1].speed, seen[2].speed)
     control, wish, command = controller.REST, ZERO, ZERO
     if controller.plausible(position, speed, k.control):
-        inputs = controller.Inputs(position, speed, levers, enabled, (read[3], read[4]))
+        reach, volts = loop.reports.reach, loop.drive.voltages
+        inputs = controller.Inputs(position, speed, levers, enabled, (read[3], read[4]), reach, volts)
         control, output = controller.step(loop.control, inputs, k.control, PERIOD)
         wish, command = output.tip_wish, output.command
     pressures, motion = driven_by(read, k.drive.idle_pressure)

@@ -1,0 +1,151 @@
+"""How far the valves go: the part of the file's opening that each reaches, and joints that cannot follow.
+
+| symbol | name | unit |
+|---|---|---|
+| V_r, V_d | rated voltage, deadband of the machine's file | V |
+| d, k | what the driver has learnt (`valve_adaptation`) | V, - |
+| R | reach: opening at V_r over the file's, (V_r - V_d - d) / ((1 + k) (V_r - V_d)) | - |
+| a, v, e | wished and measured joint rate, error of the joint against its reference | rad/s, rad/s, rad |
+| c | ceiling: the wish that a joint whose valve is open wide can follow, abs v - h abs e | rad/s |
+| h | how quickly it comes back to its reference | 1/s |
+
+The governor plans with R. What nobody knows, a heavier load or a weak valve that is not learnt yet, shows
+in a valve that is open wide while its joint falls behind. Then all joints wait for that one, whose reference
+goes slower than it moves, by h e: so it comes back to it. When the valve is no longer short, c rises and
+vanishes.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_control.valve_adaptation import Learner, WayEstimate, gain
+from forest_control.valve_knowledge import AxisDriver
+from forest_description.valve import Direction
+
+Triple = tuple[float, float, float]
+Flags = tuple[bool, bool, bool]
+
+LEAST, MOST = 0.2, 1.0  # R: the driver opens no valve wider than the file's
+PATIENCE = 0.1  # [s] for which a valve may be open wide: the lead of a quick start asks for that
+CATCH_UP = 4.0  # [1/s] h
+FALL, RISE = 0.03, 0.5  # [s] in which a ceiling comes down, and grows by e
+LOWEST = 0.01  # [rad/s] of a ceiling: a joint that is stuck is still asked to move
+SPENT = 2.0  # [rad/s] a ceiling that has risen so far is none
+FAR = 1e-3  # [rad] of e: nearer, nothing is wrong
+WIDE = 0.99  # of the rated voltage; dither may take the rest
+
+
+class Reach(NamedTuple):
+    """R of swing, boom, stick, in either direction."""
+
+    forward: Triple
+    backward: Triple
+
+
+class Strain(NamedTuple):
+    """One joint's ceiling."""
+
+    ceiling: float = math.inf  # c [rad/s]
+    side: float = 0.0  # direction of the wish that it holds for: 1, -1
+    wide: float = 0.0  # [s] for which the valve has been open wide
+
+
+class Strains(NamedTuple):
+    """Of all joints."""
+
+    swing: Strain = Strain()
+    boom: Strain = Strain()
+    stick: Strain = Strain()
+
+
+class Valves(NamedTuple):
+    """What the governor is told of the valves."""
+
+    reach: Reach
+    strains: Strains
+
+
+FULL = Reach((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+RELAXED = Strains()
+AS_FILED = Valves(FULL, RELAXED)
+
+
+def reached(deadband: float, gained: float, edge: Direction) -> float:
+    """Return R for a deadband [V] and a gain, 1/(1 + k), of a direction; 1 where they are no numbers."""
+    share = gained * (edge.rated_voltage - deadband) / (edge.rated_voltage - edge.deadband_voltage)
+    return bounded(share)
+
+
+def bounded(share: float) -> float:
+    """Return R within what is believed; 1 for what is no number."""
+    return max(LEAST, min(MOST, share)) if math.isfinite(share) else 1.0
+
+
+def learnt_reach(
+    learners: tuple[Learner, Learner, Learner], axes: tuple[AxisDriver, AxisDriver, AxisDriver]
+) -> Reach:
+    """Return R as the driver has learnt it."""
+    one, two, three = learners
+    return Reach(
+        (_ahead(one, axes[0]), _ahead(two, axes[1]), _ahead(three, axes[2])),
+        (_back(one, axes[0]), _back(two, axes[1]), _back(three, axes[2])),
+    )
+
+
+def _ahead(learner: Learner, axis: AxisDriver) -> float:
+    return _reached(learner.forward, axis.valve.forward)
+
+
+def _back(learner: Learner, axis: AxisDriver) -> float:
+    return _reached(learner.backward, axis.valve.backward)
+
+
+def _reached(way: WayEstimate, edge: Direction) -> float:
+    return reached(edge.deadband_voltage + way.deadband, gain(way), edge)
+
+
+def open_wide(voltages: Triple, rated: Triple) -> Flags:
+    """Tell which valves are open as far as they go, by their voltages and the rated ones [V]."""
+    return (
+        abs(voltages[0]) >= WIDE * rated[0],
+        abs(voltages[1]) >= WIDE * rated[1],
+        abs(voltages[2]) >= WIDE * rated[2],
+    )
+
+
+def strained(strains: Strains, wide: Flags, a: Triple, e: Triple, v: Triple, dt: float) -> Strains:
+    """Return the joints' ceilings after dt [s].
+
+    Args:
+        strains: before.
+        wide: whose valve is open as far as it goes.
+        a: governed rates wished last [rad/s].
+        e: references minus measured angles [rad].
+        v: measured rates [rad/s].
+        dt: [s].
+    """
+    return Strains(
+        _strained(strains.swing, wide[0], a[0], e[0], v[0], dt),
+        _strained(strains.boom, wide[1], a[1], e[1], v[1], dt),
+        _strained(strains.stick, wide[2], a[2], e[2], v[2], dt),
+    )
+
+
+def _strained(strain: Strain, wide: bool, a: float, e: float, v: float, dt: float) -> Strain:
+    """Return one joint's ceiling after dt [s]."""
+    side = math.copysign(1.0, e)
+    for_long = min(2.0 * PATIENCE, strain.wide + dt) if wide else max(0.0, strain.wide - dt)
+    if wide and for_long >= PATIENCE and side * a > 0.0 and abs(e) > FAR:
+        followed = max(LOWEST, side * v - CATCH_UP * abs(e))
+        before = min(strain.ceiling, abs(a)) if strain.side == side else abs(a)
+        ceiling = followed + math.exp(-dt / FALL) * (before - followed)
+        return Strain(min(before, ceiling), side, for_long)
+    if strain.ceiling == math.inf:
+        return Strain(math.inf, 0.0, for_long)
+    risen = strain.ceiling * math.exp(dt / RISE)
+    return Strain(risen, strain.side, for_long) if risen < SPENT else Strain(math.inf, 0.0, for_long)
+
+
+def ceiling(strain: Strain, wished: float) -> float:
+    """Return the greatest rate [rad/s] for a wish in its direction."""
+    return strain.ceiling if wished * strain.side > 0.0 else math.inf
