@@ -112,6 +112,7 @@ def test_thesis_machine_has_the_sensors_of_table_4_2_and_section_4_2_2_as_printe
         spool_sensor=SpoolSensor(None, None),
         inclinometer=Inclinometer(None, None),
         case_drain=None,
+        calibration=None,
         sample_rate=200.0,
     )
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from forest_description.calibrating import Calibration
 from forest_description.parameter import ParameterSet, parameter, require_order
 
 
@@ -121,4 +122,5 @@ class Sensors(ParameterSet):
     spool_sensor: SpoolSensor | None
     inclinometer: Inclinometer | None
     case_drain: CaseDrain | None
+    calibration: Calibration | None
     sample_rate: float = parameter("Hz", 1.0, 200.0, "samples of every sensor; held in between")

@@ -12,13 +12,20 @@ noise that reaches above: those samples are censored, and say so much about the 
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from forest_description.calibrating import (
+    CalibratedFlow,
+    CalibratedPressure,
+    CalibratedTemperature,
+    Calibration,
+)
 from forest_description.machine import Machine
 from forest_ident.judging import KIND, channel
 from forest_ident.output_error import Unknown, fit
@@ -36,6 +43,9 @@ SETUP = (
 )
 
 
+UNITS = {"Pa": CalibratedPressure, "m3/s": CalibratedFlow, "K": CalibratedTemperature}
+
+
 class Offset(NamedTuple):
     """A sensor's static error with its standard error, and what it says about itself."""
 
@@ -45,6 +55,21 @@ class Offset(NamedTuple):
     gain: float
     gain_error: float
     unit: str
+
+
+def told(machine: Machine, offsets: Sequence[Offset]) -> Calibration | None:
+    """Return a machine's calibration with what was found in place of what was told. Thesis section 4.3.1.
+
+    A unit whose offset stayed unknown, because it stood at zero all the time, keeps what was told.
+    """
+    found: dict[str, Any] = {
+        o.channel: UNITS[o.unit](o.offset, o.gain) for o in offsets if math.isfinite(o.offset_error)
+    }
+    was = machine.sensors.calibration
+    if not found:
+        return was
+    names = [field.name for field in dataclasses.fields(Calibration)]
+    return Calibration(**{name: found.get(name, getattr(was, name, None)) for name in names})
 
 
 def simulated(suite: Suite) -> Session:

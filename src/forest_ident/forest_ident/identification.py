@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from forest_description import machine_file
 from forest_description.machine import AXES, Machine, MachineError
-from forest_ident import calibration, experiments, gravity, linear, refinement
+from forest_ident import calibration, correction, experiments, gravity, judging, linear, refinement
 from forest_ident.belief import NOTHING, Belief
 from forest_ident.estimate import Estimate, judged
 from forest_ident.keys import value_of, with_directions, with_values
@@ -82,7 +82,7 @@ def identify(
     for session in known:
         progress(f"{session.name}: linear estimates", 0.0)
         _take_linear(result, session)
-    belief = _believed(result.calibration)
+    belief = _believed([*_told_offsets(start, known), *result.calibration])
     work = [s for s in known if refine and refinement.task(result.machine, s) is not None]
     for place, session in enumerate(work):
         share, count = place / len(work), [0]
@@ -117,11 +117,18 @@ def _calibrate(result: Result, sessions: Sequence[Session]) -> None:
         if session.name == "valve":
             ratio = calibration.meter_gain(session, floor)
             result.calibration += [ratio] if ratio is not None else []
+    if any(session.facts.get("exact_sensors", 0.0) > 0.0 for session in sessions):
+        return
+    sensors = dataclasses.replace(
+        result.machine.sensors, calibration=calibration.told(result.start, result.calibration)
+    )
+    result.machine = dataclasses.replace(result.machine, sensors=sensors)
 
 
 def _believed(offsets: Sequence[calibration.Offset]) -> Belief:
-    """Return the transducers' offsets as what is known before the first fit."""
-    found = [o for o in offsets if o.unit == "Pa" and math.isfinite(o.offset_error)]
+    """Return the transducers' offsets as what is known before the first fit; the last of a unit counts."""
+    units = {o.channel: o for o in offsets if o.unit == "Pa" and math.isfinite(o.offset_error)}
+    found = list(units.values())
     if not found:
         return NOTHING
     names = tuple(f"{o.channel}.b" for o in found)
@@ -129,11 +136,27 @@ def _believed(offsets: Sequence[calibration.Offset]) -> Belief:
     return Belief(names, np.array([o.offset for o in found]), np.diag(spread**2))
 
 
+def _told_offsets(start: Machine, sessions: Sequence[Session]) -> list[calibration.Offset]:
+    """Return the transducers' offsets that the start's file tells, known to a sample's noise."""
+    part = start.sensors.pressure
+    if part is None or any(s.facts.get("exact_sensors", 0.0) > 0.0 for s in sessions):
+        return []
+    return [
+        calibration.Offset(
+            name, bias, part.noise or part.full_scale * (part.accuracy or 1e-4), gain, 0.0, "Pa"
+        )
+        for name, (gain, bias) in correction.lines(start).items()
+        if judging.KIND[name].unit == "Pa"
+    ]
+
+
 def _take_linear(result: Result, session: Session) -> None:
     """Estimate what a session tells by itself, and go on from there."""
     if session.name == "gravity":
         _weigh(result, session)
         return
+    if session.facts.get("exact_sensors", 0.0) == 0.0:
+        session = correction.corrected(session, result.machine)
     found = linear.estimates(result.machine, session)
     result.linear += found
     usable = {f.key: f.value for f in found if f.main and math.isfinite(f.value) and f.value > 0.0}

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import math
 import os
 from pathlib import Path
 from typing import Any
 
 from forest_description.hose import GeometricHose, MeasuredHose
 from forest_description.machine import AXES, Machine, load_machine
-from forest_ident.estimate import Estimate
+from forest_ident.estimate import NORMAL_95, Estimate
 from forest_ident.identification import Result
 from forest_ident.keys import value_of
 
@@ -50,9 +52,33 @@ def _tree(result: Result) -> dict[str, Any]:
         _put(tree, key, _quantity(estimate))
     for section in ("hose", *(f"{axis}.hose" for axis in AXES)):
         _measured(tree, section, result)
+    _calibrated(tree, result)
     for section in ("valve", *(f"{axis}.valve" for axis in AXES)):
         _both_ways(tree, section, result)
     return tree
+
+
+def _calibrated(tree: dict[str, Any], result: Result) -> None:
+    """Tell the sensors' offsets and gains; a start without any gets all keys. Thesis section 4.3.1."""
+    now, was = result.machine.sensors.calibration, result.start.sensors.calibration
+    if now is None or now == was:
+        return
+    found = {o.channel: o for o in result.calibration if math.isfinite(o.offset_error)}
+    for field in dataclasses.fields(now):
+        key = f"sensors.calibration.{field.name}"
+        if field.name in found:
+            o = found[field.name]
+            for part, unit, error in (("offset", o.unit, o.offset_error), ("gain", "1", o.gain_error)):
+                value, reach = getattr(o, part), NORMAL_95 * error
+                how = (
+                    f"95 % interval {value - reach:.5g} .. {value + reach:.5g}"
+                    if error > 0.0
+                    else "not looked for"
+                )
+                text = f'{{value: {value:.9g}, unit: {unit}, source: "calibrated: {how}"}}'
+                _put(tree, f"{key}.{part}", text)
+        elif was is None:
+            _put(tree, key, "null")
 
 
 def _both_ways(tree: dict[str, Any], section: str, result: Result) -> None:

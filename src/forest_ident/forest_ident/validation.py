@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_description.machine import AXES, Machine
-from forest_ident import refinement
+from forest_ident import correction, refinement
 from forest_ident.differentiator import derivative
 from forest_ident.prediction import predict
 from forest_ident.session import Session, SessionError
@@ -64,7 +64,9 @@ def signals(model: Machine, session: Session) -> list[Signal]:
     missing = [f"{axis}_resolver" for axis in AXES if not session.has(f"{axis}_resolver")]
     if missing or len(session.time) < 100:
         raise SessionError(f"{session.name}: too short, or without {', '.join(missing) or 'samples'}")
+    exact = session.facts.get("exact_sensors", 0.0) > 0.0
     of = predict(refinement.prepared(model, session), session, bench=False)
+    of = of if exact else correction.as_read(of, model)
     found: list[Signal] = []
     for axis in AXES:
         if np.ptp(session.column(f"{axis}_resolver")) > 0.02:

@@ -1,8 +1,8 @@
 """Which sensors the machine has, in one fixed order, and what each unit of them is worth.
 
 A suite is made once, from the machine's file, a seed and faults. The seed gives every unit its static error,
-uniform within its accuracy, and starts the generator of the samples' noise. Every channel has its own place
-in both, so that taking one away changes no other.
+uniform within its accuracy unless the file tells what the unit's calibration found, and starts the generator
+of the samples' noise. Every channel has its own place in both, so that taking one away changes no other.
 
 Without noise a suite is exact: no error, lag, floor, resolution, range or sampling; absences and faults hold.
 """
@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from forest_description.calibrating import Unit, line_of
 from forest_description.machine import AXES, CylinderDrive, Machine
 from forest_description.sensing import FlowMeter, LinearTransducer
 from forest_sim.channel import ABSENT, EXACT, FROZEN, Channel
@@ -96,7 +97,11 @@ def sensor_suite(
         there = getattr(machine.sensors, kind.name) is not None
         for name in kind.channels:
             share = next(luck)
-            made = _channel(kind.name, name, machine, share) if there and noise else EXACT
+            made = (
+                _calibrated(_channel(kind.name, name, machine, share), name, machine)
+                if there and noise
+                else EXACT
+            )
             channels.append(made if there else made._replace(mode=ABSENT))
     return Suite(tuple(channels), 1.0 / machine.sensors.sample_rate if noise else 0.0, faults, seed)
 
@@ -155,6 +160,15 @@ def _channel(kind: str, name: str, machine: Machine, share: float) -> Channel:
     elif kind == "thermocouple":
         low, high = part.lowest, part.highest
     return exact._replace(bias=error, low=low, high=high)
+
+
+def _calibrated(channel: Channel, name: str, machine: Machine) -> Channel:
+    """Return one unit, off as its calibration found it, if there was one. Thesis section 4.3.1."""
+    unit: Unit | None = getattr(machine.sensors.calibration, name, None)
+    if unit is None:
+        return channel
+    gain, bias = line_of(unit)
+    return channel._replace(gain=gain, bias=bias)
 
 
 def _flow_meter(meter: FlowMeter, share: float) -> Channel:
