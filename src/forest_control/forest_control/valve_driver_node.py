@@ -14,6 +14,7 @@ from rclpy.node import Node
 from forest_control import valve_driver
 from forest_control.levers import Triple
 from forest_control.valve_driver_topics import Measurements, status
+from forest_control.valve_reach import SAID_EVERY
 from forest_control.valve_tunables import TUNABLES
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py import topics
@@ -28,7 +29,6 @@ from forest_msgs_py.unpacking import ArrayReader
 
 ZERO: Triple = (0.0, 0.0, 0.0)
 WATCHDOG_PERIOD = 0.02  # [s]
-STATUS_STEPS = 20  # commands per status
 
 
 class ValveDriverNode(Node):
@@ -96,7 +96,7 @@ class ValveDriverNode(Node):
             self._state, reading.values, pressures, self._core, dt, motion
         )
         self._publish(reading.stamp_ns, voltages)
-        if self._count % STATUS_STEPS == 0:
+        if self._count % SAID_EVERY == 0:
             self._status.say(reading.stamp_ns, status(self._state, self._core))
         self._count += 1
         self._tell(reading.stamp_ns)

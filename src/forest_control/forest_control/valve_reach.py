@@ -32,6 +32,7 @@ FALL, RISE = 0.03, 0.5  # [s] in which a ceiling comes down, and grows by e
 LOWEST = 0.01  # [rad/s] of a ceiling: a joint that is stuck is still asked to move
 SPENT = 2.0  # [rad/s] a ceiling that has risen so far is none
 FAR = 1e-3  # [rad] of e: nearer, nothing is wrong
+SAID_EVERY = 20  # steps of the driver's node
 WIDE = 0.99  # of the rated voltage; dither may take the rest
 
 
@@ -65,7 +66,17 @@ class Valves(NamedTuple):
     strains: Strains
 
 
+class Reports(NamedTuple):
+    """What the driver has said of R, as it comes to the controller of a graph in lockstep."""
+
+    reach: Reach  # that the controller has
+    older: Reach  # said, on the way
+    newer: Reach
+    step: int  # of the driver
+
+
 FULL = Reach((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+UNREPORTED = Reports(FULL, FULL, FULL, 0)
 RELAXED = Strains()
 AS_FILED = Valves(FULL, RELAXED)
 
@@ -102,6 +113,17 @@ def _back(learner: Learner, axis: AxisDriver) -> float:
 
 def _reached(way: WayEstimate, edge: Direction) -> float:
     return reached(edge.deadband_voltage + way.deadband, gain(way), edge)
+
+
+def reported(r: Reports, now: Reach) -> Reports:
+    """Return the reports after another step of the driver, by which it knows R.
+
+    It says R every `SAID_EVERY` steps, and in lockstep two such spans later that is heard.
+    """
+    step = (r.step + 1) % SAID_EVERY
+    if step == 1:
+        return Reports(r.reach, r.older, now, step)
+    return Reports(r.older, r.newer, r.newer, step) if step == 0 else Reports(r.reach, r.older, r.newer, step)
 
 
 def open_wide(voltages: Triple, rated: Triple) -> Flags:

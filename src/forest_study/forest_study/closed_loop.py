@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from forest_control import controller, valve_driver
 from forest_control.levers import REST, Levers
-from forest_control.valve_reach import learnt_reach
+from forest_control.valve_reach import UNREPORTED, learnt_reach, reported
 from forest_description.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_sim import sensors
@@ -142,6 +142,7 @@ class _Loop:
         self._sensors = sensors.at_rest(rest, p, suite)
         self._simulation = until_first_report(rest, p)
         self._controller, self._driver = controller.REST, valve_driver.REST
+        self._reports = UNREPORTED
         self._advance = compiled_advance()
 
     def period(self, operator: Operator) -> tuple[Triple, Triple, Triple, Triple, tuple[float, ...]]:
@@ -155,6 +156,7 @@ class _Loop:
         self._driver, volts = valve_driver.step(
             self._driver, command, pressures, self._drive, PERIOD, _motion(seen)
         )
+        self._reports = reported(self._reports, learnt_reach(self._driver.learners, self._drive.axes))
         self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
         return angles, wish, command, volts, seen.pressures
 
@@ -169,9 +171,7 @@ class _Loop:
             return ZERO, ZERO
         lengths = seen.actuators.position[1], seen.actuators.position[2]
         reach, volts = self._reports.reach, self._driver.voltages
-        inputs = controller.Inputs(
-            seen.joints.position, seen.joints.speed, *operator, lengths, reach, volts
-        )
+        inputs = controller.Inputs(seen.joints.position, seen.joints.speed, *operator, lengths, reach, volts)
         self._controller, output = controller.step(self._controller, inputs, self._control, PERIOD)
         return output.tip_wish, output.command
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from forest_control import controller, valve_driver
 from forest_control.levers import Levers
-from forest_control.valve_reach import learnt_reach
+from forest_control.valve_reach import Reports, learnt_reach, reported
 from forest_description.kinematics import Links, tip_position
 from forest_sim import integrator
 from forest_sim.channel import ABSENT, FROZEN, Channel, ChannelState, sample
@@ -52,6 +52,7 @@ class Loop(NamedTuple):
     senses: Senses
     control: controller.State
     drive: valve_driver.State
+    reports: Reports
 
 
 class Knowledge(NamedTuple):
@@ -107,7 +108,8 @@ def period(
     happened = Happened(
         angles, tip_position(angles, k.links), wish, command, volts, tuple([read[5 + i] for i in range(12)])
     )
-    return Loop(simulation, senses, control, drive), happened
+    reports = reported(loop.reports, learnt_reach(drive.learners, k.drive.axes))
+    return Loop(simulation, senses, control, drive, reports), happened
 
 
 def sensed(

@@ -152,7 +152,7 @@ def begin(k: Knowledge, start: Triple, suite: Suite) -> Loop:
     one, two, three, *_ = seen.estimates
     senses = Senses(seen.channels[:CHANNEL_COUNT], (one, two, three), seen.time, seen.next_sample)
     simulation = closed_loop.until_first_report(simulation, k.plant)
-    return Loop(simulation, senses, controller.REST, valve_driver.REST)
+    return Loop(simulation, senses, controller.REST, valve_driver.REST, valve_reach.UNREPORTED)
 
 
 def draws(suite: Suite, rows: int) -> Floats:
