@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from forest_ident.output_error import Channel, Unknown, condition_number, fit
+from forest_ident.fit_statistics import condition_number, trust
+from forest_ident.output_error import Channel, Unknown, fit
 
 X = np.linspace(0.0, 1.0, 2000)
 
@@ -25,6 +26,38 @@ def test_standard_errors_are_the_spread_of_the_estimates():
     found = [fitted(0.05, seed, Channel("y", 0.05)) for seed in range(60)]
     rates = [f.values["rate"] for f in found]
     assert np.mean([f.errors["rate"] for f in found]) == pytest.approx(np.std(rates), rel=0.3)
+
+
+def test_what_a_single_event_tells_has_the_error_that_it_scatters_with():
+    """Read off the scatter between blocks it would be far too small: the fit made that score nil."""
+    away = []
+    for seed in range(60):
+        y = np.where(np.arange(len(X)) < 5, 2.0, 0.0) + np.random.default_rng(seed).normal(0.0, 0.1, len(X))
+        found = fit(pulse, {"y": y}, [Channel("y", 0.1)], [Unknown("size", 1.9)])
+        away.append((found.values["size"] - 2.0) / found.errors["size"])
+    assert np.std(away) == pytest.approx(1.0, rel=0.3)
+
+
+def pulse(values):
+    return {"y": np.where(np.arange(len(X)) < 5, values["size"], 0.0)}
+
+
+def test_scatter_between_blocks_counts_the_more_blocks_there_are():
+    one, many = np.zeros((100, 1)), np.ones((100, 1))
+    one[3] = 1.0
+    assert trust(one)[0] < 0.02
+    assert trust(many)[0] > 0.99
+
+
+def test_residuals_that_hang_together_widen_the_errors():
+    """Noise that holds for 20 rows has a twentieth of the rows' worth."""
+    errors = []
+    for hold in (1, 20):
+        steps = np.random.default_rng(1).normal(0.0, 0.05, len(X) // hold)
+        y = decay({"size": 2.0, "rate": 3.0})["y"] + np.repeat(steps, hold)
+        unknowns = [Unknown("size", 2.0), Unknown("rate", 3.0)]
+        errors.append(fit(decay, {"y": y}, [Channel("y", 0.05)], unknowns, block=50).errors["rate"])
+    assert errors[1] > 2.0 * errors[0]
 
 
 def test_censored_readings_neither_bias_nor_count_as_seen():

@@ -14,7 +14,8 @@
 Readings at a meter's floor, or at a transducer's zero, are censored: what is said of them is only that the
 true value is below, so they count with the logarithm of that probability. Gauss-Newton with Marquardt's
 damping; derivatives by forward differences, each a simulation. The covariance is the sandwich over blocks of
-`BLOCK` rows, which stays right when residuals are not white.
+`BLOCK` rows, which stays right when residuals are not white; of a parameter that only a few blocks tell, as a
+spool's bandwidth its few great steps, it is the usual one (`fit_statistics.trust`).
 
 Thesis section 4.1.2. Differs: the thesis estimates each parameter by a linear least-squares fit of its own;
 those are where this starts.
@@ -23,15 +24,15 @@ those are where this starts.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import log_ndtr
 
 from forest_description.machine import MachineError
 from forest_ident.belief import NOTHING, Belief, inverse, prior, updated
+from forest_ident.fit_statistics import censor, condition_number, trust
 
 Floats = NDArray[np.float64]
 Columns = Mapping[str, Floats]
@@ -179,11 +180,11 @@ class _Problem:
         residual, slope = np.where(seen, residual, 0.0), np.where(seen, slope, 0.0)
         if c.floor > 0.0:
             low = np.abs(y) <= c.floor * (1.0 + 1e-9)
-            _censor(residual, slope, low, np.abs(said), c.floor, sigma, np.sign(said))
+            censor(residual, slope, low, np.abs(said), c.floor, sigma, np.sign(said))
             seen &= ~low
         if c.zero:
             low = y <= 0.0
-            _censor(residual, slope, low, said, 0.0, sigma, np.ones(len(y)))
+            censor(residual, slope, low, said, 0.0, sigma, np.ones(len(y)))
             seen &= ~low
         return residual, slope, seen
 
@@ -206,25 +207,49 @@ class _Problem:
 
     def _normal(
         self, theta: Floats, predicted: Mapping[str, Floats], jacobian: list[dict[str, Floats]]
-    ) -> tuple[Floats, Floats, Floats]:
-        """Return J'J, J'r and the sum over blocks of the scores' squares."""
+    ) -> tuple[Floats, Floats]:
+        """Return J'J and J'r."""
         size = len(theta)
         information, gradient = np.zeros((size, size)), np.zeros(size)
-        length = max(len(y) for y in self._y.values())
-        scores = np.zeros((length // self._block + 1, size))
+        for _, residual, j in self._rows(theta, predicted, jacobian):
+            information += j.T @ j
+            gradient += j.T @ residual
+        return information, gradient
+
+    def _rows(
+        self, theta: Floats, predicted: Mapping[str, Floats], jacobian: list[dict[str, Floats]]
+    ) -> Iterator[tuple[Channel, Floats, Floats]]:
+        """Give each channel's residual/sigma and its derivatives, one column per theta."""
         for c in self._channels:
             column = predicted[c.name]
             residual, slope, _ = self._row(c, self._said(theta, c.name, column))
-            j = np.zeros((len(column), size))
+            j = np.zeros((len(column), len(theta)))
             for place, derivative in enumerate(jacobian):
                 j[:, place] = slope * derivative[c.name]
             for place, (name, kind, _) in enumerate(self._nuisances):
                 if name == c.name:
                     j[:, self._count + place] = slope * (column if kind == "g" else 1.0)
-            information += j.T @ j
-            gradient += j.T @ residual
-            np.add.at(scores, np.arange(len(column)) // self._block, j * residual[:, np.newaxis])
-        return information, gradient, scores.T @ scores
+            yield c, residual, j
+
+    def _covariance(
+        self, theta: Floats, predicted: Mapping[str, Floats], jacobian: list[dict[str, Floats]]
+    ) -> Floats:
+        """Return the covariance of theta: the sandwich, as far as many blocks have a say in a parameter."""
+        information, _ = self._normal(theta, predicted, jacobian)
+        spread = inverse(information + self._known)
+        count = max(len(y) for y in self._y.values()) // self._block + 1
+        found, white = np.zeros((count, len(theta))), np.zeros((count, len(theta)))
+        for _, residual, j in self._rows(theta, predicted, jacobian):
+            influence, block = j @ spread, np.arange(len(residual)) // self._block
+            np.add.at(found, block, influence * residual[:, np.newaxis])
+            np.add.at(white, block, influence**2)
+        beforehand = spread @ self._known @ spread
+        covariance = found.T @ found + beforehand
+        share = trust(white)
+        variance = share * np.sum(found**2, axis=0) + (1.0 - share) * np.sum(white, axis=0)
+        wanted = variance + np.diag(beforehand)
+        scale = np.sqrt(wanted / np.maximum(np.diag(covariance), 1e-300))
+        return np.asarray(covariance * np.outer(scale, scale), dtype=np.float64)
 
     def _step(
         self,
@@ -234,7 +259,7 @@ class _Problem:
         damping: float,
     ) -> tuple[Floats, dict[str, Floats], float, float]:
         """Return theta after a step that lowers the cost, what it predicts, damping, how far it moved."""
-        information, gradient, _ = self._normal(theta, predicted, jacobian)
+        information, gradient = self._normal(theta, predicted, jacobian)
         hessian, slope = information + self._known, gradient + self._known @ (theta - self._mean)
         before = self._cost(theta, predicted)
         for _ in range(8):
@@ -254,9 +279,8 @@ class _Problem:
 
     def _finished(self, theta: Floats, predicted: dict[str, Floats], iterations: int) -> Fit:
         jacobian = self._derivatives(theta, predicted)
-        information, _, squares = self._normal(theta, predicted, jacobian)
-        spread = inverse(information + self._known)
-        covariance = spread @ (squares + self._known) @ spread
+        information, _ = self._normal(theta, predicted, jacobian)
+        covariance = self._covariance(theta, predicted, jacobian)
         values, errors = self._values(theta), {}
         for place, u in enumerate(self._unknowns):
             error = math.sqrt(max(covariance[place, place], 0.0))
@@ -276,30 +300,3 @@ class _Problem:
             dict(self._sigma),
             iterations,
         )
-
-
-def _censor(
-    residual: Floats,
-    slope: Floats,
-    rows: NDArray[np.bool_],
-    said: Floats,
-    bound: float,
-    sigma: float,
-    sign: Floats,
-) -> None:
-    """Put sqrt(-2 ln P(reading is below the bound)) into the rows that are censored."""
-    z = (bound - said[rows]) / sigma
-    logarithm = log_ndtr(z)
-    size = np.sqrt(np.maximum(-2.0 * logarithm, 1e-300))
-    density = np.exp(-0.5 * z * z - 0.5 * math.log(2.0 * math.pi) - logarithm)
-    residual[rows] = size
-    slope[rows] = np.where(size > 1e-12, density / (sigma * np.maximum(size, 1e-12)), 0.0) * sign[rows]
-
-
-def condition_number(information: Floats) -> float:
-    """Return the condition number of J with its columns brought to length 1: sqrt of that of D J'J D."""
-    scale = np.sqrt(np.diag(information))
-    if len(scale) == 0 or np.any(scale <= 0.0):
-        return math.inf
-    values = np.linalg.eigvalsh(information / np.outer(scale, scale))
-    return math.sqrt(float(values[-1] / values[0])) if values[0] > 0.0 else math.inf

@@ -1,0 +1,60 @@
+"""What output error needs of statistics: censored readings, whose scatter counts, condition numbers.
+
+| symbol | name |
+|---|---|
+| z | bound less what is said of a reading, over sigma |
+| blocks | of rows within which residuals may hang together |
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import log_ndtr
+
+Floats = NDArray[np.float64]
+
+FEW_BLOCKS = 8.0  # with so many the scatter between blocks counts half
+
+
+def trust(white: Floats) -> Floats:
+    """Return how far (0 .. 1) each parameter's spread may be read off the scatter between blocks.
+
+    Where one or two blocks hold nearly all that is known of a parameter, the fit has made just their scores
+    small, and their scatter says nothing. There the residuals are taken for white.
+
+    Args:
+        white: variance that each block would add if residuals were white (blocks, parameters).
+    """
+    total, squares = np.sum(white, axis=0), np.sum(white**2, axis=0)
+    blocks = total**2 / np.maximum(squares, 1e-300)  # as many as have a say
+    return np.asarray(blocks**2 / (blocks**2 + FEW_BLOCKS**2), dtype=np.float64)
+
+
+def censor(
+    residual: Floats,
+    slope: Floats,
+    rows: NDArray[np.bool_],
+    said: Floats,
+    bound: float,
+    sigma: float,
+    sign: Floats,
+) -> None:
+    """Put sqrt(-2 ln P(reading is below the bound)) into the rows that are censored."""
+    z = (bound - said[rows]) / sigma
+    logarithm = log_ndtr(z)
+    size = np.sqrt(np.maximum(-2.0 * logarithm, 1e-300))
+    density = np.exp(-0.5 * z * z - 0.5 * math.log(2.0 * math.pi) - logarithm)
+    residual[rows] = size
+    slope[rows] = np.where(size > 1e-12, density / (sigma * np.maximum(size, 1e-12)), 0.0) * sign[rows]
+
+
+def condition_number(information: Floats) -> float:
+    """Return the condition number of J with its columns brought to length 1: sqrt of that of D J'J D."""
+    scale = np.sqrt(np.diag(information))
+    if len(scale) == 0 or np.any(scale <= 0.0):
+        return math.inf
+    values = np.linalg.eigvalsh(information / np.outer(scale, scale))
+    return math.sqrt(float(values[-1] / values[0])) if values[0] > 0.0 else math.inf
