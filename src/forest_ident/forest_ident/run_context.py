@@ -36,7 +36,7 @@ ROS_VARIABLES = ("ROS_DISTRO", "RMW_IMPLEMENTATION", "ROS_DOMAIN_ID")
 
 def versions() -> dict[str, str]:
     """Return the versions of what computes and records here."""
-    known = {"python": platform.python_version(), "platform": platform.platform()}
+    known = {"python": platform.python_version(), "platform": f"{platform.system()} {platform.machine()}"}
     installed = {found.name: found.version for found in metadata.distributions()}
     known.update({package: installed[package] for package in PACKAGES if package in installed})
     known.update({name: os.environ[name] for name in ROS_VARIABLES if name in os.environ})

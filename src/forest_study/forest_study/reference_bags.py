@@ -26,6 +26,7 @@ MACHINE, SCHEME = "c180", "coordinated"
 SEED, HAND_TIME = 7, 4.5  # [s]
 PEAK, RISE = 2.5, 0.6  # [V], [s]
 FAULT, FAULT_TIME = "lost from 2 s until 2.6 s", 3.5  # [s]
+LOG = "/rosout"  # names the files that log
 NOT_OF_VALVES = ["ground_truth/.+"]  # the sensors have no errors in these runs
 NAMES = ("coordinated", "valves", "fault")
 
@@ -52,7 +53,8 @@ def _make(options: argparse.Namespace) -> int:
         new.parent.mkdir()
         try:
             nodes, seconds = _session(name, options.out)
-            exclude = graph.parameter("exclude", NOT_OF_VALVES if name == "valves" else [""])
+            left_out = [LOG, *NOT_OF_VALVES] if name == "valves" else [LOG]
+            exclude = graph.parameter("exclude", left_out)
             output = graph.parameter("output", str(new))
             nodes.append(NodeSpec("recorder", "forest_ident.recorder_node", (*output, *exclude)))
             with tempfile.TemporaryDirectory() as logs:
