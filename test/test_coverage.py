@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-FILE = Path(__file__).resolve().parents[1] / "benchmarks" / "coverage.py"
+FILE = Path(__file__).resolve().parents[1] / "benchmarks" / "interval_coverage.py"
 SPEC = importlib.util.spec_from_file_location("interval_coverage", FILE)
 assert SPEC is not None
 assert SPEC.loader is not None

@@ -19,7 +19,8 @@ class Valves:
     """Hears /valve_voltages and remembers when the valves were last told to open, and last told to shut."""
 
     def __init__(self, context):
-        self._node = rclpy.create_node("listener", context=context)
+        # No services: a reply to a recorder that has gone is a warning, and here warnings are errors.
+        self._node = rclpy.create_node("listener", context=context, start_parameter_services=False)
         self.executor = SingleThreadedExecutor(context=context)
         self.executor.add_node(self._node)
         self.count, self.opened, self.shut = 0, -math.inf, -math.inf

@@ -93,7 +93,7 @@ JOINT_STATES = Topic(
 ACTUATOR_STATES = Topic(
     "actuator_states", JOINT_STATE, ACTUATORS, ("rad, rad/s, N·m", "m, m/s, N", "m, m/s, N"), _RATE,
     "Swing motor and cylinders as a machine can know them.",
-    (_SIMULATOR,), (_DRIVER,),
+    (_SIMULATOR,), (_CONTROLLER, _DRIVER),
 )
 PRESSURES = Topic(
     "hydraulics/pressures", FLOAT_ARRAY, _PRESSURE_LABELS, ("Pa",) * 12, _RATE,
