@@ -11,7 +11,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from forest_control import controller, joystick_watch
+from forest_control import controller, joystick_watch, lever_hold
 from forest_control.joystick_watch import (
     PROBLEMS,
     Joystick,
@@ -71,6 +71,7 @@ class ControllerNode(Node):
         tunables.watch(self._tune)
         self._state_received, self._order = -math.inf, StampOrder(self._state_timeout)
         self._joystick, self._joy_content, self._joy_problem = joystick_watch.REST, None, ""
+        self._joy_period, self._hold = 0.0, lever_hold.CENTRED
         said = self._pace.publisher(topics.DIAGNOSTICS)
         self._health = Health(self, ("joystick", "machine", "emergency stop"), "standing still", said)
         self._stop = EmergencyStop(self, "", self._against_reset, self._stand_still)
@@ -130,7 +131,7 @@ class ControllerNode(Node):
         """Take in every joystick sample that waits, oldest first."""
         for data, received in self._joy.arrivals():
             reading, frame = read_joy_data(data, RIGHT_Y + 1, self._deadman + 1)
-            sample = bad_sample(received)
+            sample, self._joy_period = bad_sample(received), received - self._joystick.fresh_since
             if not reading.problem:
                 before = self._joy_content
                 sample = sample_of(reading.stamp_ns, frame, received, reading.values, before, self._deadman)
@@ -157,7 +158,7 @@ class ControllerNode(Node):
         self._state_received = sent
         dt = self._period.since(reading.stamp_ns)
         lengths, valves = self._cylinders(reading.stamp_ns), self._valves.read()
-        inputs = controller.Inputs(angles, rates, *self._operator(True), lengths, *valves)
+        inputs = controller.Inputs(angles, rates, *self._operator(True, dt), lengths, *valves)
         if self._stop.pressed:
             self._state = controller.REST  # from which there is no ramp: zero at once
         self._state, output = controller.step(self._state, inputs, self._core, dt)
@@ -173,8 +174,8 @@ class ControllerNode(Node):
         _, boom, stick = reading.values.position
         return boom, stick
 
-    def _operator(self, machine_known: bool) -> Operator:
-        """Return the levers, and whether they may move anything."""
+    def _operator(self, machine_known: bool, dt: float = 0.0) -> Operator:
+        """Return the levers dt [s] after the last time, and whether they may move anything."""
         self._read_joy()
         allowed = machine_known and not self._stop.pressed
         p = self._watch_settings
@@ -184,7 +185,11 @@ class ControllerNode(Node):
         problem = self._joy_problem or ("" if gone else PROBLEMS[self._joystick.joystick])
         self._health.note("joystick", problem)
         self._health.note("emergency stop", "emergency stop pressed" if self._stop.pressed else "")
-        return operator
+        if not operator.enabled:
+            self._hold = lever_hold.CENTRED
+            return operator
+        self._hold = lever_hold.advanced(self._hold, operator.levers, self._joy_period, dt)
+        return Operator(self._hold.levers, True)
 
     def _against_reset(self) -> str:
         if is_released(self._joystick, self._watch_settings.centre):

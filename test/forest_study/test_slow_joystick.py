@@ -1,0 +1,34 @@
+import numpy as np
+import pytest
+
+from forest_control import controller, lever_hold, valve_driver
+from forest_control.levers import REST
+from forest_control.sources import thesis_levers
+from forest_description.limits import pose_at, start_tip
+from forest_description.machine import load_machine
+from forest_study.closed_loop import PERIOD, Operator, run
+
+SPEED, SECONDS = 0.5, 4.0  # [m/s], [s]
+C180 = load_machine("c180")
+
+
+def greatest_error(period, held):
+    """Greatest distance [m] of the tip from its wish, with a joystick of so long a period [s]."""
+    heard, hold, every = REST, lever_hold.CENTRED, round(period / PERIOD)
+
+    def operator(time):
+        nonlocal heard, hold
+        if round(time / PERIOD) % every == 0:
+            heard = thesis_levers(time - 0.2, SPEED) if time > 0.2 else REST
+        hold = lever_hold.advanced(hold, heard, period, PERIOD)
+        return Operator(hold.levers if held else heard, enabled=True)
+
+    start = pose_at(start_tip(C180), C180)
+    moved = run(C180, operator, SECONDS, start, controller.Settings(), valve_driver.Settings())
+    return np.linalg.norm(moved.tip_error(), axis=1).max()
+
+
+@pytest.mark.parametrize("period", [0.01, 0.05])
+def test_a_slow_joystick_leads_the_tip_as_well_as_a_quick_one(period):
+    assert greatest_error(period, held=True) < 0.012
+    assert greatest_error(period, held=False) > 0.02  # a staircase throws the swing's valve to and fro
