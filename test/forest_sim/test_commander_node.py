@@ -7,7 +7,7 @@ pytest.importorskip("rclpy")
 from forest_msgs_py import topics
 from forest_msgs_py.messages import read_float_array
 
-ROWS = "time,swing,boom,stick\n0,1.5,0,0\n0.2,0,-2,0\n0.4,0,0,0\n"
+ROWS = "time,swing,boom,stick\n0,1.5,0,0\n1.5,0,-2,0\n1.7,0,0,0\n"  # discovery takes its time
 COMMANDER = "forest_sim.commander_node"
 
 
