@@ -406,3 +406,10 @@ def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig,
         assert not found.successful
         assert said in found.reason
     assert r.process.poll() is None
+
+
+def test_a_lever_that_jumps_between_two_samples_does_not_make_the_command_jump(peer, start_node):
+    rig = Rig(peer, start_node, "-p", "scheme:=joint").hold_the_deadman()
+    peer.until(lambda: len({volts(m)[0] for m in rig.commands[-20:]}) == 1 and rig.moving())
+    reached = volts(rig.commands[-1])[0]
+    assert any(0.1 * reached < volts(m)[0] < 0.9 * reached for m in rig.commands)
