@@ -27,8 +27,9 @@ def test_last_words_are_heard_before_the_node_goes(talker, ros_context, wait_unt
     executor = SingleThreadedExecutor(context=ros_context)
     executor.add_node(listener)
     heard = []
-    node.subscription(listener, topics.VALVE_VOLTAGES, heard.append)
-    wait_until(lambda: "matched" in process.text(), executor=executor)
+    ear = node.subscription(listener, topics.VALVE_VOLTAGES, heard.append)
+    # Each side finds the other in its own time: what a writer says before its reader knows it is lost.
+    wait_until(lambda: "matched" in process.text() and ear.get_publisher_count(), executor=executor)
     process.send_signal(number)
     wait_until(lambda: heard, executor=executor)
     assert process.stop(number) == 0
