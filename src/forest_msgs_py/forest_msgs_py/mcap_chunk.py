@@ -11,12 +11,13 @@ import lz4.frame
 import zstandard
 from mcap.opcode import Opcode
 
+from forest_msgs_py.mcap_records import HEAD
+
 COMPRESSIONS = ("none", "lz4", "zstd")
 ZSTD_LEVEL = 1  # half the processor time of level 3 for 5 % more bytes
 
-_HEAD = struct.Struct("<BQ")  # opcode, length
 _MESSAGE = struct.Struct("<BQHIQQ")
-_MESSAGE_FIELDS = _MESSAGE.size - _HEAD.size
+_MESSAGE_FIELDS = _MESSAGE.size - HEAD.size
 _INDEX = struct.Struct("<BQHI")
 
 
@@ -66,8 +67,8 @@ class OpenChunk:
             _MESSAGE.pack(Opcode.MESSAGE, length, channel, sequence & 0xFFFFFFFF, log_ns, publish_ns)
         )
         self._parts.append(data)
-        self._place += _HEAD.size + length
-        self.size += _HEAD.size + length + 16
+        self._place += HEAD.size + length
+        self.size += HEAD.size + length + 16
 
     def sealed(self, compression: str, compress: Callable[[bytes], bytes], start: int) -> Sealed:
         """Return the chunk as it is written at a place of the file; it has messages."""
@@ -77,11 +78,11 @@ class OpenChunk:
         data, name = compress(raw), _text(b"" if compression == "none" else compression.encode())
         head = struct.pack("<QQQI", first, last, len(raw), zlib.crc32(raw)) + name
         head += struct.pack("<Q", len(data))
-        chunk = _HEAD.pack(Opcode.CHUNK, len(head) + len(data)) + head + data
+        chunk = HEAD.pack(Opcode.CHUNK, len(head) + len(data)) + head + data
         places, indexes = _message_indexes(entries, start + len(chunk))
         index = struct.pack("<QQQQI", first, last, start, len(chunk), len(places)) + places
         index += struct.pack("<Q", len(indexes)) + name + struct.pack("<QQ", len(data), len(raw))
-        index = _HEAD.pack(Opcode.CHUNK_INDEX, len(index)) + index
+        index = HEAD.pack(Opcode.CHUNK_INDEX, len(index)) + index
         counts = {channel: len(entry) // 2 for channel, entry in entries.items()}
         return Sealed(chunk + indexes, index, first, last, counts)
 

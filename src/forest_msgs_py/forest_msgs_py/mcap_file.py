@@ -43,8 +43,8 @@ from mcap.records import (
 
 from forest_msgs_py.append_file import AppendFile
 from forest_msgs_py.mcap_chunk import OpenChunk, compressor
+from forest_msgs_py.mcap_records import MAGIC
 
-MAGIC = b"\x89MCAP0\r\n"
 CHUNK_BYTES = 64 * 1024
 RESERVE_BYTES = 16 * 1024  # kept free for the summary, besides definitions and the index of chunks
 ENDING_BYTES = 1024  # statistics, offsets and footer

@@ -26,15 +26,12 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Chunk, Metadata, Schema, Statistics
 from mcap.records import Channel as ChannelRecord
-from mcap.stream_reader import CRCValidationError, get_chunk_data_stream
 
 from forest_msgs_py.bag_files import BagError
+from forest_msgs_py.mcap_records import HEAD, MAGIC, MESSAGE, chunk_records
 from forest_msgs_py.raw_messages import Channel, Damaged, Piece, RawMessage, full_type
 
-MAGIC = b"\x89MCAP0\r\n"
 LOOSE_BYTES = 1 << 20  # of loose messages make one piece
-_RECORD = struct.Struct("<BQ")  # opcode, length
-_MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _SPAN = struct.Struct("<QQ")  # of a chunk: first and last log time; of an index: offset and length
 _FOOTER = struct.Struct("<QQI")  # start of the summary, of its offsets, checksum
 _CHUNK_INDEX = struct.Struct("<QQQQI")  # first and last log time, offset, length, bytes of channels
@@ -94,14 +91,14 @@ class McapPieces:
     def _use_index(self) -> bool:
         """Take channels and chunks from the summary; False where it does not suffice."""
         try:
-            footer = len(self._bytes) - len(MAGIC) - _RECORD.size - _FOOTER.size
-            opcode, _ = _RECORD.unpack_from(self._bytes, footer)
-            start = _FOOTER.unpack_from(self._bytes, footer + _RECORD.size)[0]
+            footer = len(self._bytes) - len(MAGIC) - HEAD.size - _FOOTER.size
+            opcode, _ = HEAD.unpack_from(self._bytes, footer)
+            start = _FOOTER.unpack_from(self._bytes, footer + HEAD.size)[0]
             if opcode != Opcode.FOOTER or start > footer:
                 raise ValueError("no footer")
             summary = self._bytes[start:footer] if start else b""
             for opcode, offset, end in _records(summary, 0):
-                self._take_summary(opcode, summary[offset + _RECORD.size : end])
+                self._take_summary(opcode, summary[offset + HEAD.size : end])
         except _BROKEN:
             self.complete = False
             self.problems.append("its index is damaged")
@@ -128,7 +125,7 @@ class McapPieces:
             self.counts = statistics.channel_message_counts
         elif opcode in (Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX):
             offset, length = _SPAN.unpack_from(body)
-            record, _ = _RECORD.unpack_from(self._bytes, offset)
+            record, _ = HEAD.unpack_from(self._bytes, offset)
             self._take(record, offset, offset + length)
 
     def _scan(self) -> None:
@@ -138,7 +135,7 @@ class McapPieces:
         loose: list[int] = []  # first and last log time, offset
         for opcode, offset, end in _records(self._bytes, len(MAGIC)):
             if opcode == Opcode.MESSAGE:
-                log_ns = _MESSAGE.unpack_from(self._bytes, offset + _RECORD.size)[2]
+                log_ns = MESSAGE.unpack_from(self._bytes, offset + HEAD.size)[2]
                 loose = loose or [log_ns, log_ns, offset]
                 loose[:2] = [min(loose[0], log_ns), max(loose[1], log_ns)]
             if loose and (opcode != Opcode.MESSAGE or end - loose[2] > LOOSE_BYTES):
@@ -153,7 +150,7 @@ class McapPieces:
 
     def _take(self, opcode: int, offset: int, end: int) -> bool:
         """Look at one record outside of chunks; False behind the last that holds data."""
-        body = self._bytes[offset + _RECORD.size : end]
+        body = self._bytes[offset + HEAD.size : end]
         try:
             if opcode == Opcode.CHUNK:
                 if self._walk(_unpacked(self._bytes[offset:end])):
@@ -177,11 +174,11 @@ class McapPieces:
         found = []
         for opcode, offset, end in _records(data, 0):
             if opcode == Opcode.MESSAGE:
-                channel, sequence, log_ns, publish_ns = _MESSAGE.unpack_from(data, offset + _RECORD.size)
-                body = data[offset + _RECORD.size + _MESSAGE.size : end]
+                channel, sequence, log_ns, publish_ns = MESSAGE.unpack_from(data, offset + HEAD.size)
+                body = data[offset + HEAD.size + MESSAGE.size : end]
                 found.append(RawMessage(log_ns, publish_ns, sequence, self.channels[channel], body))
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-                self._declare(opcode, data[offset + _RECORD.size : end])
+                self._declare(opcode, data[offset + HEAD.size : end])
         return found
 
     def _declare(self, opcode: int, body: bytes) -> None:
@@ -207,15 +204,15 @@ class McapPieces:
         )
 
 
-# What the layers below raise over bytes that make no sense; decompressors have exceptions of their own.
-_BROKEN = (McapError, CRCValidationError, struct.error, ValueError, KeyError, RuntimeError, EOFError)
+# What the layers below raise over bytes that make no sense.
+_BROKEN = (McapError, struct.error, ValueError, KeyError, EOFError)
 
 
 def _records(data: Any, start: int) -> Iterator[tuple[int, int, int]]:
     """Opcode, offset and end of every whole record."""
-    while start + _RECORD.size <= len(data):
-        opcode, length = _RECORD.unpack_from(data, start)
-        end = start + _RECORD.size + length
+    while start + HEAD.size <= len(data):
+        opcode, length = HEAD.unpack_from(data, start)
+        end = start + HEAD.size + length
         if end > len(data) or opcode == 0:
             return
         yield opcode, start, end
@@ -223,12 +220,5 @@ def _records(data: Any, start: int) -> Iterator[tuple[int, int, int]]:
 
 
 def _unpacked(data: bytes) -> bytes:
-    """The records inside a chunk; its checksum is tested."""
-    chunk = Chunk.read(ReadDataStream(BytesIO(data[_RECORD.size :])))
-    try:
-        stream, length = get_chunk_data_stream(chunk, validate_crc=True)
-    except (McapError, CRCValidationError):
-        raise
-    except Exception as error:  # zstandard's own exception, without importing zstandard
-        raise ValueError(f"cannot be decompressed ({error})") from error
-    return stream.read(length)
+    """The records inside a chunk's record."""
+    return chunk_records(Chunk.read(ReadDataStream(BytesIO(data[HEAD.size :]))))

@@ -15,18 +15,13 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import lz4.frame
-import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Metadata, Schema
 
-from forest_msgs_py.mcap_file import MAGIC
+from forest_msgs_py.mcap_records import HEAD, MAGIC, MESSAGE, chunk_records
 
-HEAD = struct.Struct("<BQ")  # opcode, length
-MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log and publish time; the data follow
-LARGEST_CHUNK = 1 << 32  # uncompressed bytes; more is a damaged number
 # How a record that is looked for begins: no length has more than five digits to the base 256.
 _BEGINNING = re.compile(rb"[\x03\x04\x06\x09\x0c].{5}\x00{3}", re.DOTALL)
 _READERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
@@ -37,7 +32,7 @@ _READERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
     Opcode.METADATA: Metadata.read,
 }
 _WITHOUT_USE = {Opcode.HEADER, Opcode.MESSAGE_INDEX, *range(0x80, 0x100)}  # of these: anybody's own records
-_ERRORS = (McapError, struct.error, ValueError, RuntimeError, MemoryError, EOFError, zstandard.ZstdError)
+_ERRORS = (McapError, struct.error, ValueError, RuntimeError, MemoryError, EOFError)
 
 
 class Damage(NamedTuple):
@@ -160,13 +155,9 @@ def _within(chunk: Chunk) -> Iterator[McapRecord]:
     """The records of a chunk.
 
     Raises:
-        ValueError, RuntimeError: it is damaged.
+        ValueError: it is damaged.
     """
-    content = _decompressed(chunk)
-    if len(content) != chunk.uncompressed_size:
-        raise ValueError("the chunk's length is wrong")
-    if chunk.uncompressed_crc and zlib.crc32(content) != chunk.uncompressed_crc:
-        raise ValueError("the chunk's checksum is wrong")
+    content = chunk_records(chunk)
     place = 0
     while place < len(content):
         opcode, length = HEAD.unpack_from(content, place)
@@ -176,19 +167,6 @@ def _within(chunk: Chunk) -> Iterator[McapRecord]:
             yield _message(inner)
         elif (record := _parsed(opcode, inner)) is not None:
             yield record
-
-
-def _decompressed(chunk: Chunk) -> bytes:
-    if chunk.uncompressed_size > LARGEST_CHUNK:
-        raise ValueError("the chunk's length is impossible")
-    if chunk.compression == "zstd":
-        whole = zstandard.ZstdDecompressor().decompress(chunk.data, max_output_size=chunk.uncompressed_size)
-        return bytes(whole)
-    if chunk.compression == "lz4":
-        return bytes(lz4.frame.decompress(chunk.data))
-    if chunk.compression:
-        raise ValueError(f"compression {chunk.compression!r} is unknown")
-    return bytes(chunk.data)
 
 
 def _summary(data: mmap.mmap) -> Iterator[McapRecord]:
