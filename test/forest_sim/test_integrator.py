@@ -11,9 +11,9 @@ from forest_description.machine import load_machine
 from forest_sim.compiled import compiled_advance
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import GAMMA, Simulation, spools_after, step
-from forest_sim.line import is_shut
 from forest_sim.parameters import plant_parameters
 from forest_sim.plant import from_array, state_derivative, thesis_state_derivative, to_array, valve_ports
+from forest_sim.port import is_shut
 from forest_sim.spool import Spool
 from forest_sim.stage import solve_stage
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim.line import Port, PortGuard, flow_rate, guard_flow, pressure_rate, solve_line
+from forest_sim.line import PortGuard, flow_rate, guard_flow, pressure_rate, solve_line
 from forest_sim.parameters import NO_GUARD
+from forest_sim.port import Port
 
 MACHINE = load_machine("c180")
 LINE = MACHINE.line(2, 1)

@@ -21,6 +21,8 @@ LEAKY = replace(C180.valve, deadband_voltage=-0.3, leakage_conductance=1e-13, po
 RUBBING = replace(
     C180.boom, friction=Friction(4e3, 7e3, 5e-3, 1e-3), cushion=Cushion(0.1, 5e6), flow_regime="laminar"
 )
+# A pump far too weak: the load checks shut and open all the time.
+CHECKED = replace(C180, valve=replace(LEAKY, load_check="ideal"), pump=replace(C180.pump, displacement=1e-6))
 EVERYTHING = replace(C180, valve=LEAKY, boom=RUBBING, swing=replace(C180.swing, flow_regime="turbulent"))
 HANGING = replace(
     C180,
@@ -32,6 +34,7 @@ MACHINES = [
     pytest.param(THESIS, id="thesis"),
     pytest.param(C180, id="c180"),
     pytest.param(EVERYTHING, id="everything"),
+    pytest.param(CHECKED, id="load checks"),
 ]
 
 

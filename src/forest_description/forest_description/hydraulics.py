@@ -11,6 +11,7 @@ import numpy as np
 from forest_description.parameter import (
     MachineError,
     ParameterSet,
+    choice,
     component,
     curve,
     parameter,
@@ -132,6 +133,9 @@ class Valve(ParameterSet):
     leakage_conductance: float = parameter(
         "m3/(s*Pa)", 0.0, 1e-9, "laminar leakage past each of the four edges"
     )
+    load_check: str = choice(
+        "none", "ideal", doc="check valve between supply and spool: a load does not go back to the manifold"
+    )
     backward: BackwardValve | None = component()
     curve: PolynomialCurve | TableCurve | None = component()
     spool_bandwidth: float | None = parameter(
@@ -166,6 +170,7 @@ class Valve(ParameterSet):
             backward=Direction(d_backward, self.rated_voltage, c_backward, c_backward * unequal),
             curve=shape,
             leakage=self.leakage_conductance,
+            load_check=int(self.load_check == "ideal"),
         )
 
 

@@ -48,12 +48,13 @@ class Curve(NamedTuple):
 
 
 class ValveLaw(NamedTuple):
-    """A valve: both directions, the curve of both, and what leaks past each of the edges [m³/(s Pa)]."""
+    """A valve: both directions, the curve of both, what leaks past the edges, and its load check."""
 
     forward: Direction
     backward: Direction
     curve: Curve
-    leakage: float
+    leakage: float  # [m³/(s Pa)] past each of the edges
+    load_check: int = 0  # not 0: a check valve lets no oil back to the supply
 
 
 class Edges(NamedTuple):

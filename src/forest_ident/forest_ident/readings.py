@@ -24,10 +24,10 @@ from forest_description.linkage import Linkage
 from forest_description.valve import POLYNOMIAL, SHUT, TABLE, Curve, Direction, ValveLaw
 from forest_sim.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.channel import ABSENT, Channel
-from forest_sim.line import Port, is_shut, meet
 from forest_sim.measurement import SPEED_BANDWIDTH
 from forest_sim.parameters import Axis, PlantParameters
 from forest_sim.plant import valve_ports
+from forest_sim.port import Port, port_pressure
 from forest_sim.recording import STATE
 from forest_sim.sensor_suite import CHANNELS, Suite
 from forest_sim.sensors import Surroundings
@@ -122,12 +122,11 @@ def valve_pressures(
     filled, drained = to_supply > SHUT, to_tank > SHUT
     pressure[filled] = (supply - c_supply * drop / np.maximum(to_supply, SHUT) ** 2)[filled]
     pressure[drained] = (-c_tank * drop / np.maximum(to_tank, SHUT) ** 2)[drained]
-    odd = (filled & drained) | (law.leakage > 0.0)
+    odd = (filled & drained) | (law.leakage > 0.0) | (filled & (law.load_check != 0))
     for k in np.flatnonzero(odd).tolist():
         ports = valve_ports(float(spool[k]), law)
         here: Port = ports.port_1 if port == 1 else ports.port_2
-        if not is_shut(here):
-            pressure[k] = meet(float(flow[k]), 0.0, here, float(supply[k])).pressure
+        pressure[k] = port_pressure(float(hose[k]), float(flow[k]), here, float(supply[k]))
     return pressure
 
 

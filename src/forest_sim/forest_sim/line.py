@@ -1,4 +1,4 @@
-"""A hose between valve and actuator, with the spool's edges at one end and the port valves that protect it.
+"""A hose between a valve's port (`port`) and an actuator, and the port valves that protect it.
 
 'T' line of Thesis fig. 3.5: the inertance I on the valve's side, the capacitance C in the middle, the
 resistance on the actuator's side (it belongs to the actuator's law, see `actuator`). Relief and
@@ -11,7 +11,6 @@ anti-cavitation valves sit at the capacitance, where a shut valve would otherwis
 | Q | flow from the valve into the hose | m^3/s |
 | q | flow from the hose into the actuator | m^3/s |
 | P_s | supply pressure; the tank is at zero | Pa |
-| C_R | an edge's resistance, inf when shut | Pa s^2/m^6 |
 | I, C | inertance; capacitance | Pa s^2/m^3; m^3/Pa |
 
 Flows count from the valve towards the actuator here, for both hoses. The thesis counts hose 2 the other way:
@@ -22,10 +21,17 @@ import math
 from typing import NamedTuple
 
 from forest_description.machine import Line
-
-ROOT_ITERATIONS = 100
-ROOT_TOLERANCE = 1e-14  # of the pressures at play
-TINY_RESISTANCE = 1e-3  # [Pa s/m^3] of an open edge at zero flow, where its true slope is zero
+from forest_sim.port import (
+    Port,
+    checked,
+    edge_conductance,
+    edge_flows,
+    is_shut,
+    meet,
+    port_conductance,
+    port_pressure,
+    unfed,
+)
 
 
 class PortGuard(NamedTuple):
@@ -35,21 +41,6 @@ class PortGuard(NamedTuple):
     relief_conductance: float  # [m^3/(s Pa)]
     anticavitation_pressure: float  # [Pa] below which the check valve lets tank oil in
     anticavitation_conductance: float  # [m^3/(s Pa)]
-
-
-class Port(NamedTuple):
-    """What a valve's port is connected to: through its two edges, and by what leaks past each of them."""
-
-    to_supply: float  # C_R [Pa s^2/m^6], inf when shut
-    to_tank: float  # C_R [Pa s^2/m^6], inf when shut
-    leakage: float  # [m^3/(s Pa)] past either edge
-
-
-class PortSolution(NamedTuple):
-    """Where a port's flow meets its hose's."""
-
-    pressure: float  # p [Pa]
-    follows: float  # dQ/d(intercept), 0 behind a shut port .. 1 behind a wide one
 
 
 class LineSolution(NamedTuple):
@@ -94,121 +85,9 @@ def flow_rate(pressure: float, flow: float, port: Port, supply: float, line: Lin
     to stop at once (an infinite rate). Differs: 3.7 prints P_i for P_s, and 3.7 and 3.13 C_R for C_R' on the
     return line.
     """
-    if is_shut(port):
+    if is_shut(checked(flow, port, supply)):
         return 0.0 if flow == 0.0 else -math.copysign(math.inf, flow)
-    return (meet(flow, 0.0, port, supply).pressure - pressure) / line.inertance
-
-
-def is_shut(port: Port) -> bool:
-    """Tell whether nothing flows through a port."""
-    return port.to_supply == math.inf and port.to_tank == math.inf and port.leakage == 0.0
-
-
-def port_flow(p: float, port: Port, supply: float) -> float:
-    """Return Q [m^3/s] through a port at the pressure p [Pa]: both edges and what leaks past them."""
-    return (
-        edge_flow(supply - p, port.to_supply)
-        + edge_flow(-p, port.to_tank)
-        + port.leakage * (supply - 2.0 * p)
-    )
-
-
-def edge_flows(flow: float, p: float, port: Port, supply: float) -> tuple[float, float]:
-    """Return what comes from the supply and what goes to the tank [m^3/s]; their difference is the flow.
-
-    The one that has to pass an open edge alone is taken from the flow, which is exact where the drop is tiny.
-
-    Args:
-        flow: Q [m^3/s].
-        p: the port's pressure at this flow [Pa].
-        port: what the valve connects.
-        supply: P_s [Pa].
-    """
-    from_supply, to_tank = port.leakage * (supply - p), port.leakage * p
-    if port.to_tank == math.inf:
-        return flow + to_tank, to_tank
-    if port.to_supply == math.inf:
-        return from_supply, from_supply - flow
-    return from_supply + edge_flow(supply - p, port.to_supply), to_tank + edge_flow(p, port.to_tank)
-
-
-def edge_flow(drop: float, resistance: float) -> float:
-    """Return Q [m^3/s] = sgn(dP) sqrt(|dP|/C_R). Thesis eq. 3.1."""
-    return math.copysign(math.sqrt(abs(drop) / resistance), drop)
-
-
-def meet(intercept: float, admittance: float, port: Port, supply: float) -> PortSolution:
-    """Return where the port's flow meets that of the hose, intercept + admittance p.
-
-    With one edge open, o through it obeys o + (2 g + y) C_R o|o| = Y, whose root 2 Y/(1 + sqrt(1 + 4 (2 g +
-    y) C_R |Y|)) holds at zero flow too (g: leakage, y: admittance). With both edges open p is found by Newton
-    within a bracket.
-
-    Args:
-        intercept: the hose's flow at p = 0 [m^3/s].
-        admittance: [m^3/(s Pa)], not negative; zero only if the port is not shut.
-        port: what the valve connects.
-        supply: P_s [Pa].
-    """
-    if port.to_supply == math.inf and port.to_tank == math.inf:
-        yielding = 2.0 * port.leakage + admittance
-        return PortSolution((port.leakage * supply - intercept) / yielding, 2.0 * port.leakage / yielding)
-    if port.to_tank == math.inf:
-        return _one_edge(intercept, admittance, port.to_supply, supply, port.leakage, supply)
-    if port.to_supply == math.inf:
-        return _one_edge(intercept, admittance, port.to_tank, 0.0, port.leakage, supply)
-    return _two_edges(intercept, admittance, port, supply)
-
-
-def _one_edge(
-    intercept: float, admittance: float, resistance: float, source: float, leakage: float, supply: float
-) -> PortSolution:
-    """Return `meet` with one edge open, from the pressure `source`; what leaks is linear and goes along."""
-    yielding = 2.0 * leakage + admittance
-    y = intercept - leakage * supply + yielding * source
-    root = math.sqrt(1.0 + 4.0 * yielding * resistance * abs(y))  # = 1 + yielding d(drop)/do
-    o = 2.0 * y / (1.0 + root)
-    slope = 2.0 * resistance * abs(o)  # d(drop)/do
-    return PortSolution(source - resistance * o * abs(o), 1.0 - admittance * slope / root)
-
-
-def _two_edges(intercept: float, admittance: float, port: Port, supply: float) -> PortSolution:
-    """Return `meet` with both edges open, as an underlapped valve has them near its centre."""
-    reach = max(port.to_supply, port.to_tank) * intercept * intercept
-    low, high = min(0.0, supply) - reach, max(0.0, supply) + reach
-    p = 0.5 * (low + high)
-    conductance, moved = 0.0, high - low
-    for _ in range(ROOT_ITERATIONS):
-        error = port_flow(p, port, supply) - intercept - admittance * p
-        if error > 0.0:
-            low = p
-        else:
-            high = p
-        conductance = _conductance(p, port, supply)
-        newton = error / (admittance + conductance)
-        if abs(newton) <= ROOT_TOLERANCE * (abs(p) + abs(supply)):
-            break
-        # Beside an edge without drop, where its slope is infinite, Newton jumps to and fro: halve there.
-        halve = abs(newton) > 0.5 * abs(moved) or not low < p + newton < high
-        after = 0.5 * (low + high) if halve else p + newton
-        moved, p = after - p, after
-    return PortSolution(p, conductance / (conductance + admittance))
-
-
-def _conductance(p: float, port: Port, supply: float) -> float:
-    """Return -dQ/dp [m^3/(s Pa)] of a port."""
-    return (
-        _edge_conductance(supply - p, port.to_supply)
-        + _edge_conductance(-p, port.to_tank)
-        + 2.0 * port.leakage
-    )
-
-
-def _edge_conductance(drop: float, resistance: float) -> float:
-    """Return dQ/d(dP) [m^3/(s Pa)] of an edge; large, not infinite, at zero flow."""
-    if resistance == math.inf:
-        return 0.0
-    return 1.0 / (2.0 * math.sqrt(resistance * abs(drop)) + TINY_RESISTANCE)
+    return (port_pressure(pressure, flow, port, supply) - pressure) / line.inertance
 
 
 def solve_line(
@@ -270,7 +149,10 @@ def _solve_with_port_valve(
     gain = step / line.inertance
     share = 1.0 / (1.0 + gain * slope)
     intercept, admittance = share * (flow - gain * offset), share * gain
-    p, passed = meet(intercept, admittance, port, supply)
+    seen = checked(intercept + admittance * supply, port, supply)
+    if is_shut(seen):
+        return LineSolution(offset, 0.0, slope, 0.0, offset, slope, slope)
+    p, passed = meet(intercept, admittance, seen, supply)
     q = intercept + admittance * p
     follows = passed * admittance * slope
     return LineSolution(
@@ -304,11 +186,13 @@ def supply_coupling(solution: LineSolution, port: Port, supply: float, line: Lin
         line: as given to it.
         step: as given to it [s].
     """
+    p = solution.port_pressure
+    if port.load_check != 0 and p > supply:
+        port = unfed(port)
     if is_shut(port):
         return Coupling(0.0, 0.0, 0.0, 0.0)
-    p = solution.port_pressure
-    to_supply = _edge_conductance(supply - p, port.to_supply) + port.leakage
-    conductance = _conductance(p, port, supply)
+    to_supply = edge_conductance(supply - p, port.to_supply) + port.leakage
+    conductance = port_conductance(p, port, supply)
     gain = step / line.inertance
     admittance = gain / (1.0 + gain * solution.slope)
     p_per_supply = to_supply / (conductance + admittance)

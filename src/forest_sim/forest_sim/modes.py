@@ -26,11 +26,11 @@ from forest_description.machine import Machine
 from forest_sim.end_stop import UNCUSHIONED, EndStop
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation, step
-from forest_sim.line import is_shut
 from forest_sim.manipulator import Triple
 from forest_sim.mechanics import HeadState
 from forest_sim.parameters import NO_GUARD, Axis, PlantParameters, plant_parameters
 from forest_sim.plant import AxisState, PlantState, ports_at, state_derivative
+from forest_sim.port import is_shut
 from forest_sim.recording import AXES
 from forest_sim.simulation import RunError, start_angles
 from forest_sim.spool import Spool

@@ -25,10 +25,11 @@ from forest_description.valve import ValveLaw, edges
 from forest_sim.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.end_stop import cushion_resistance, end_stop_force
 from forest_sim.friction import friction_force
-from forest_sim.line import Port, edge_flows, flow_rate, is_shut, meet, pressure_rate
+from forest_sim.line import flow_rate, pressure_rate
 from forest_sim.manipulator import Pair, Triple
 from forest_sim.mechanics import HANGING_STILL, HeadState, Mechanics, mechanics, solve
 from forest_sim.parameters import Axis, PlantParameters, plant_parameters
+from forest_sim.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.spool import Spools
 from forest_sim.supply import SupplyState, pump_flow, reference_rate
 
@@ -78,7 +79,10 @@ class Transmission(NamedTuple):
 def valve_ports(spool_position: float, law: ValveLaw) -> Ports:
     """Return both ports at a spool position [V]; shut inside the overlap. Thesis eq. 3.1, 3.2, fig. 2.5."""
     e = edges(spool_position, law)
-    return Ports(Port(e.supply_1, e.tank_1, law.leakage), Port(e.supply_2, e.tank_2, law.leakage))
+    return Ports(
+        Port(e.supply_1, e.tank_1, law.leakage, law.load_check),
+        Port(e.supply_2, e.tank_2, law.leakage, law.load_check),
+    )
 
 
 def ports_at(spools: Spools, p: PlantParameters) -> tuple[Ports, Ports, Ports]:
@@ -186,16 +190,16 @@ def supply_draw(state: PlantState, ports: tuple[Ports, Ports, Ports]) -> Draw:
 
 def axis_draw(s: AxisState, ports: Ports, supply: float) -> Draw:
     """Return what one axis draws from the supply, and the load that it shows there."""
-    one = _port_draw(s.flow_1, ports.port_1, supply)
-    two = _port_draw(-s.flow_2, ports.port_2, supply)
+    one = _port_draw(s.pressure_1, s.flow_1, ports.port_1, supply)
+    two = _port_draw(s.pressure_2, -s.flow_2, ports.port_2, supply)
     return Draw(one.flow + two.flow, max(one.load, two.load))
 
 
-def _port_draw(flow: float, port: Port, supply: float) -> Draw:
+def _port_draw(pressure: float, flow: float, port: Port, supply: float) -> Draw:
     if is_shut(port):
         return Draw(0.0, 0.0)
-    pressure = meet(flow, 0.0, port, supply).pressure
-    return Draw(edge_flows(flow, pressure, port, supply)[0], sensed_load(pressure, port))
+    p = port_pressure(pressure, flow, port, supply)
+    return Draw(edge_flows(flow, p, port, supply)[0], sensed_load(p, port))
 
 
 def sensed_load(pressure: float, port: Port) -> float:

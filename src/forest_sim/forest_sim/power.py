@@ -19,7 +19,7 @@ from forest_sim.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.end_stop import cushion_resistance, end_stop_force
 from forest_sim.friction import friction_force
 from forest_sim.integrator import Simulation
-from forest_sim.line import Port, edge_flows, flow_rate, guard_flow, is_shut, meet, pressure_rate
+from forest_sim.line import flow_rate, guard_flow, pressure_rate
 from forest_sim.parameters import Axis, PlantParameters
 from forest_sim.plant import (
     AxisState,
@@ -31,6 +31,7 @@ from forest_sim.plant import (
     state_derivative,
     transmissions,
 )
+from forest_sim.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.supply import pump_flow
 
 
@@ -108,8 +109,8 @@ def _axis_power(
     q_1 = inlet_flow(u, s.pressure_1, s.pressure_2, a)
     q_2 = outlet_flow(u, s.pressure_1, s.pressure_2, a)
     p_1, p_2 = port_pressures(u, s.pressure_1, s.pressure_2, a)
-    lost_1, in_1 = _valve(s.flow_1, ports.port_1, supply)
-    lost_2, in_2 = _valve(-s.flow_2, ports.port_2, supply)
+    lost_1, in_1 = _valve(s.pressure_1, s.flow_1, ports.port_1, supply)
+    lost_2, in_2 = _valve(s.pressure_2, -s.flow_2, ports.port_2, supply)
     return AxisPower(
         supply=supply * axis_draw(s, ports, supply).flow,
         throttling=lost_1 + lost_2,
@@ -128,13 +129,13 @@ def _axis_power(
     )
 
 
-def _valve(flow: float, port: Port, supply: float) -> tuple[float, float]:
+def _valve(pressure: float, flow: float, port: Port, supply: float) -> tuple[float, float]:
     """Return what a port's edges lose and what it hands to its hose [W]."""
     if is_shut(port):
         return 0.0, 0.0
-    pressure = meet(flow, 0.0, port, supply).pressure
-    from_supply, to_tank = edge_flows(flow, pressure, port, supply)
-    return (supply - pressure) * from_supply + pressure * to_tank, pressure * flow
+    p = port_pressure(pressure, flow, port, supply)
+    from_supply, to_tank = edge_flows(flow, p, port, supply)
+    return (supply - p) * from_supply + p * to_tank, p * flow
 
 
 def _stored(

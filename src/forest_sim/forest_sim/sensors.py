@@ -15,7 +15,6 @@ from forest_description.pump import IdealPump
 from forest_sim.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.channel import EXACT, WORKS, ChannelState, exactly, sample
 from forest_sim.integrator import Simulation
-from forest_sim.line import Port, is_shut, meet
 from forest_sim.manipulator import Triple
 from forest_sim.measurement import (
     Measurement,
@@ -28,6 +27,7 @@ from forest_sim.measurement import (
 )
 from forest_sim.parameters import Axis, PlantParameters
 from forest_sim.plant import AxisState, Ports, Transmission, ports_at, supply_draw, transmissions
+from forest_sim.port import port_pressure
 from forest_sim.sensor_suite import EXACT_SUITE, NO_DRAWS, TIME_TOLERANCE, Draws, Suite, conditions
 from forest_sim.supply import saturation
 
@@ -166,14 +166,9 @@ def axis_pressures(
 ) -> tuple[float, float, float, float]:
     """Return the pressures [Pa] of port 1 at valve and actuator, then of port 2."""
     one, two = port_pressures(t.arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
-    valve_1 = _valve_pressure(s.pressure_1, s.flow_1, ports.port_1, supply)
-    valve_2 = _valve_pressure(s.pressure_2, -s.flow_2, ports.port_2, supply)
+    valve_1 = port_pressure(s.pressure_1, s.flow_1, ports.port_1, supply)
+    valve_2 = port_pressure(s.pressure_2, -s.flow_2, ports.port_2, supply)
     return valve_1, one, valve_2, two
-
-
-def _valve_pressure(hose: float, flow: float, port: Port, supply: float) -> float:
-    """Return the pressure [Pa] between the spool's edges and the hose; behind shut edges it is the hose's."""
-    return hose if is_shut(port) else meet(flow, 0.0, port, supply).pressure
 
 
 def _supply(
