@@ -1,34 +1,41 @@
-"""A lockstep run's messages come out in one order, however they came in."""
+"""A lockstep run's messages come out in one order, however its nodes' accounts came in."""
 
 import numpy as np
 
-from forest_msgs_py.step_order import StepOrder
+from forest_msgs_py.step_order import Said, StepOrder
 
-STEP = 5
 ROLLS = {
-    "simulator": "/joint_states J\n/clock C\n/robot_description S latched",
-    "controller": "/valve_commands F\n/tip/pose P\n/diagnostics D",
-    "valve_driver": "/valve_voltages F\n/diagnostics D",
+    "simulator": ("/joint_states J", "/clock C", "/robot_description S latched"),
+    "controller": ("/valve_commands F", "/tip/pose P", "/diagnostics D"),
+    "valve_driver": ("/valve_voltages F", "/diagnostics D"),
 }
-MESSAGES = [
-    (name, step * STEP, f"{name}{step}".encode())
-    for step in range(1, 5)
-    for name in ("/joint_states", "/clock", "/valve_commands", "/tip/pose", "/valve_voltages")
-] + [("/diagnostics", step * STEP, who) for step in (1, 2) for who in (b"controller", b"driver")]
+LAST = {"simulator": 4, "controller": 4, "valve_driver": 3}  # steps of which they tell
 EXPECTED_STEP = ["/joint_states", "/valve_commands", "/valve_voltages", "/tip/pose", "/diagnostics", "/clock"]
 
 
+def said(node, step):
+    """All that a node says in a step: one message on each of its topics, but diagnostics in step 1 alone."""
+    return [
+        Said(place, step, f"{node} {output} {step}".encode())
+        for place, output in enumerate(output for output in ROLLS[node] if "latched" not in output)
+        if "diagnostics" not in output or step == 1
+    ]
+
+
 def run(seed):
-    """Feed everything in random order; return what came out, and the order."""
-    order, out = StepOrder(tuple(ROLLS), STEP), []
-    feed = [lambda n=n, r=r: order.answer_the_roll(f"{n}\n{r}") for n, r in ROLLS.items()]
-    feed += [lambda m=m: order.add(*m) for m in MESSAGES]
-    feed += [lambda: order.add("/robot_description", 0, b"urdf")]
-    feed += [
-        lambda s=s: order.silence(["/diagnostics"], s * STEP) for s in (3, 3, 4)
-    ]  # one is missing in step 4
-    for place in np.random.default_rng(seed).permutation(len(feed)):
-        feed[place]()
+    """Feed rolls in random order, then everything else; return what came out, and the order."""
+    luck, order, out = np.random.default_rng(seed), StepOrder(tuple(ROLLS)), []
+    for node in luck.permutation(list(ROLLS)):
+        order.answer_the_roll("\n".join((node, *ROLLS[node])))
+    feed = [("simulator", lambda: order.add_latched("/robot_description", b"urdf"))]
+    for node, last in LAST.items():
+        half = int(luck.integers(1, last))
+        for first, until in ((1, half), (half + 1, last)):
+            messages = [one for step in range(first, until + 1) for one in said(node, step)]
+            feed.append((node, lambda n=node, u=until, m=messages: order.add_account(n, u, m)))
+    # Accounts of a node come in their order, those of several nodes in any.
+    for node in luck.permutation([node for node, _ in feed]):
+        feed.pop(next(i for i, (who, _) in enumerate(feed) if who == node))[1]()
         out += order.complete()
     return out, order
 
@@ -37,26 +44,44 @@ def test_order_and_number_do_not_depend_on_arrival():
     first, order = run(0)
     assert [run(seed)[0] for seed in range(1, 6)] == [first] * 5
     assert first[0] == ("/robot_description", 0, b"urdf")
-    step_1 = [message for message in first if message[1] == STEP]
+    step_1 = [message for message in first if message[1] == 1]
     assert list(dict.fromkeys(name for name, _, _ in step_1)) == EXPECTED_STEP
-    assert [data for name, _, data in step_1 if name == "/diagnostics"] == [b"controller", b"driver"]
-    assert order.reached == 3 * STEP
+    assert [data for name, _, data in step_1 if name == "/diagnostics"] == [
+        b"controller /diagnostics D 1",
+        b"valve_driver /diagnostics D 1",
+    ]
+    assert order.reached == 3
 
 
-def test_a_step_waits_for_each_of_two_speakers_and_names_what_is_missing():
+def test_a_step_waits_for_the_account_of_each_node_and_names_who_is_behind():
     _, order = run(0)
-    assert order.missing() == "step 4: no message on /diagnostics"
-    order.silence(["/diagnostics"], 4 * STEP)
-    assert len(list(order.complete())) == 5
-    assert order.reached == 4 * STEP
+    assert order.missing() == "step 4: no account of valve_driver"
+    order.add_account("valve_driver", 4, [])
+    assert [name for name, _, _ in order.complete()] == [
+        "/joint_states",
+        "/valve_commands",
+        "/tip/pose",
+        "/clock",
+    ]
+    assert order.reached == 4
 
 
 def test_nothing_is_complete_before_every_node_has_told_its_outputs():
-    order = StepOrder(("a", "b"), STEP)
+    order = StepOrder(("a", "b"))
     order.answer_the_roll("a\n/x T")
-    order.add("/x", STEP, b"")
+    order.add_account("a", 1, [Said(0, 1, b"")])
     assert list(order.complete()) == []
     assert order.missing() == "step 0: no outputs told by b"
     order.answer_the_roll("b\n/y T")
-    order.silence(["/y"], STEP)
+    order.add_account("b", 1, [])
     assert [name for name, _, _ in order.complete()] == ["/x"]
+
+
+def test_nothing_is_complete_before_every_latched_topic_was_said():
+    order = StepOrder(("a",))
+    order.answer_the_roll("a\n/x T\n/l S latched")
+    order.add_account("a", 1, [Said(0, 1, b"")])
+    assert list(order.complete()) == []
+    assert order.missing() == "step 0: no message on /l"
+    order.add_latched("/l", b"")
+    assert [(name, step) for name, step, _ in order.complete()] == [("/l", 0), ("/x", 1)]

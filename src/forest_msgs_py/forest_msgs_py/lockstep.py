@@ -12,6 +12,7 @@ stamp        k·dt [ns], of every message of step k, whoever says it
 silence      a topic on which a node says nothing in step k, as a dropped sensor sample; told on its own
              topic, since nobody could wait for nothing otherwise
 roll         each node's outputs, told before its first step: who records waits for all of them
+account      all that a node said in many steps, for who records; see :mod:`forest_msgs_py.step_account`
 ===========  ===============================================================================================
 
 Nothing is ever lost: publishers keep 1000 steps for those who come late, and nobody runs away from the
@@ -24,19 +25,22 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from itertools import chain
+from functools import partial
 from typing import Any
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
 from forest_msgs_py import topics
+from forest_msgs_py.inbox import Inbox
 from forest_msgs_py.messages import NS_PER_S, ns_to_stamp
 from forest_msgs_py.node import NodeFailure, publisher
 from forest_msgs_py.stamps import STAMPED
+from forest_msgs_py.step_account import Account
 from forest_msgs_py.step_guard import complaint, patience
 from forest_msgs_py.step_order import LATCHED
 from forest_msgs_py.step_topics import (
+    DEPTH,
     LATE,
     STEP_NS,
     Quiet,
@@ -64,7 +68,7 @@ class Lockstep:
         leads: begin each step, and wait for the answers to the one before.
         steps: after which a leader is done; 0: no end.
         recorded: a leader waits for the recorder, too.
-        quiet: see `Quiet`.
+        quiet: steps of which it tells at once what no node waits for; see `Quiet`, `Account`.
     """
 
     lockstep = True
@@ -90,7 +94,7 @@ class Lockstep:
         self._silences = [silences(node, topics.SILENCE)]
         kind = message_class(topics.SILENCE)
         self._silence = node.create_publisher(kind, topics.SILENCE.name, lockstep_qos())
-        self._quiet = Quiet(node, quiet)
+        self._rarely, self._quiet, self._account = quiet, Quiet(node), Account(node, DEPTH // quiet)
         self._roll = publisher(node, topics.ROLL)
         self._clock = self.publisher(topics.CLOCK) if leads else None
         self._recorded = StepInbox(node, topics.RECORDED) if recorded else None
@@ -113,7 +117,8 @@ class Lockstep:
             if topic.latched:
                 self._latched.append(f"{made.topic_name} {topic.type}{LATCHED}")
             return made
-        stepping = StepPublisher(self._node, topic, lambda: self._speaking)
+        note = partial(self._account.note, len(self._publishers))
+        stepping = StepPublisher(self._node, topic, lambda: self._speaking, note)
         self._publishers.append(stepping)
         return stepping
 
@@ -151,7 +156,7 @@ class Lockstep:
         try:
             self._step_on(stopping)
         finally:
-            self._quiet.tell(self._step)  # or what was said in these steps would be missing in the bag
+            self._tell(self._step)  # or what was said in these steps would be missing in the bag
 
     def _step_on(self, stopping: threading.Event) -> None:
         step, begun = 0, 0.0
@@ -164,7 +169,7 @@ class Lockstep:
             self._make(step)
             begun = begun or time.monotonic()
         if self._gather(step, stopping):
-            self._quiet.tell(step)
+            self._tell(step)
             self._silence.publish(silence(END, step))
             self._tell_the_speed(step - 1, time.monotonic() - begun)
             stopping.wait()
@@ -200,18 +205,23 @@ class Lockstep:
         if missed := [made.name for made in silent if made.awaited]:
             self._silence.publish(silence(" ".join(missed), step))
         self._quiet.note(step, [made.name for made in silent if not made.awaited])
+        if step % self._rarely == 0:
+            self._tell(step)
+
+    def _tell(self, step: int) -> None:
+        """Tell what nobody waits for, and that nothing was said."""
+        for made in self._publishers:
+            made.tell()
+        self._quiet.tell(step)
+        self._account.tell(step)
 
     def _gather(self, step: int, stopping: threading.Event) -> bool:
         """Wait for all that the node reads of a step; False if it was told to stop meanwhile."""
         stamp, begun = step * STEP_NS, time.monotonic()
         for inbox in self._inboxes:
-            while not inbox.has(stamp):
+            if inbox is not self._inboxes[0]:  # which comes last: the others are there when it is
                 inbox.collect(stamp)
-                if inbox.has(stamp):
-                    break
-                self._hear_silences()
-                if inbox.has(stamp):
-                    break
+            while not inbox.has(stamp):
                 if not self._wait(inbox, step, begun, stopping):
                     return False
         for inbox in self._inboxes:
@@ -221,16 +231,14 @@ class Lockstep:
     def _stay_near_the_recorder(self, step: int, stopping: threading.Event) -> bool:
         inbox, begun, stamp = self._recorded, time.monotonic(), (step - AHEAD) * STEP_NS
         while inbox is not None and stamp > 0 and not inbox.reached(stamp):
-            inbox.collect()
-            self._hear_silences()  # or they would keep the wait from waiting
-            if not inbox.reached(stamp) and not self._wait(inbox, step, begun, stopping):
+            if not self._wait(inbox, step, begun, stopping):
                 return False
         return True
 
     def _wait(self, inbox: StepInbox, step: int, begun: float, stopping: threading.Event) -> bool:
-        """Wait until something arrives; False if the node is told to stop."""
+        """Wait until something arrives, and take it; False if the node is told to stop."""
         if self._ended:
-            self._quiet.tell(self._step)
+            self._tell(self._step)
             stopping.wait()
         if stopping.is_set():
             return False
@@ -239,16 +247,24 @@ class Lockstep:
             raise complaint(inbox, self._inboxes, step, self._guard)
         heard = [inbox.subscription, *(told.subscription for told in self._silences)]
         if self._wait_set is None:
-            size = 1 + len(self._silences)
-            self._wait_set = rclpy_implementation.WaitSet(size, 0, 0, 0, 0, 0, self._node.context.handle)
-        self._wait_set.clear_entities()
+            self._wait_set = rclpy_implementation.WaitSet(
+                len(heard), 0, 0, 0, 0, 0, self._node.context.handle
+            )
+        waits = self._wait_set
+        waits.clear_entities()
         for subscription in heard:
-            self._wait_set.add_subscription(subscription.handle)
-        self._wait_set.wait(int(LOOK * NS_PER_S))
+            waits.add_subscription(subscription.handle)
+        waits.wait(int(LOOK * NS_PER_S))  # what came before, and was not taken, ends it at once
+        if waits.is_ready("subscription", 0):
+            inbox.collect(step * STEP_NS)
+        for place, told in enumerate(self._silences, start=1):
+            if waits.is_ready("subscription", place):
+                self._hear(told)
         return True
 
-    def _hear_silences(self) -> None:
-        for header, _info in chain.from_iterable(told.take() for told in self._silences):
+    def _hear(self, silences: Inbox) -> None:
+        """Take in which topics are silent, and whether the run has ended."""
+        for header, _info in silences.take():
             self._ended = self._ended or header.frame_id == END
             for name, stamp in silent_steps(header):
                 for inbox in self._inboxes:

@@ -92,7 +92,7 @@ def pace(node: Node, leads: bool = False) -> Live | Lockstep:
     guard = declare(node, "lockstep_guard", 20.0, "wait for a message of a step", "s", 0.1, 3600.0)
     steps = declare(node, "steps", 0, "of the run in lockstep; 0: no end", low=0) if leads else 0
     recorder = declare(node, "wait_for_recorder", False, "in lockstep, stay near it") if leads else False
-    rarely = "in lockstep, how often to tell of topics that no node reads that nothing was said"
+    rarely = "in lockstep, how often to tell what no node waits for"
     quiet = declare(node, "lockstep_quiet", 20, rarely, "steps", 1, LATE // 2)
     if not stepping:
         return Live(node)

@@ -1,7 +1,8 @@
 """Hears a run in lockstep: what its nodes say in each step, in an order that repeats, with stamps as times.
 
-Whatever else is said in the graph is heard beside it, as ever, at the time of the last complete step. The
-machine is told how far everything was taken, and stays near.
+It reads the nodes' accounts (:mod:`forest_msgs_py.step_account`) instead of their topics. Whatever else is
+said in the graph is heard beside it, as ever, at the time of the last complete step. The machine is told how
+far everything was taken, and stays near.
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import cache
-from itertools import chain
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -23,9 +23,9 @@ from forest_msgs_py.lockstep import END
 from forest_msgs_py.messages import ns_to_stamp, stamp_to_ns
 from forest_msgs_py.node import Finished, NodeFailure
 from forest_msgs_py.parameters import declare
-from forest_msgs_py.stamps import stamp_in
+from forest_msgs_py.step_account import read_account
 from forest_msgs_py.step_order import StepOrder
-from forest_msgs_py.step_topics import STEP_NS, lockstep_qos, silences, silent_steps
+from forest_msgs_py.step_topics import STEP_NS, lockstep_qos, silences
 from forest_msgs_py.topics import find, message_class, offered_qos, unlisted
 
 WALL_CLOCK = "/parameter_events"  # carries the time of day: no two runs say the same
@@ -63,7 +63,7 @@ class StepListener:
         self._node, self._wanted, self._offered, self._guard = node, wanted, offered, guard
         self._nodes, self._settled = nodes, settled
         self.pause = PAUSE
-        self._order = StepOrder(nodes, STEP_NS)
+        self._order = StepOrder(nodes)
         self._beside = GraphListener(node, self._leaves, offered, refused)
         latched = QoSProfile(
             depth=ROLL_DEPTH,
@@ -71,14 +71,16 @@ class StepListener:
             durability=DurabilityPolicy.TRANSIENT_LOCAL,
         )
         self._roll = Inbox(node, message_class(topics.ROLL), topics.ROLL.name, latched)
-        self._silences = [silences(node, topic) for topic in (topics.SILENCE, topics.QUIET)]
+        self._accounts = Inbox(node, message_class(topics.SAID), topics.SAID.name, lockstep_qos(), raw=True)
+        self._silences = silences(node, topics.SILENCE)
         self._taken = node.create_publisher(
             message_class(topics.RECORDED), topics.RECORDED.name, lockstep_qos()
         )
-        self._inboxes: dict[str, Inbox] = {}
+        self._found: set[str] = set()  # topics on the roll whose publishers have been seen
+        self._latched: dict[str, Inbox] = {}
         self._sequence: Counter[str] = Counter()
         self._is_wanted = cache(lambda name: wanted(name, ()))  # asked of every message
-        self._told, self._end, self._finished = 0, -1, False
+        self._told, self._end, self._finished = 0, -1, False  # steps
         self._progress = time.monotonic()
 
     def look(self) -> None:
@@ -98,11 +100,11 @@ class StepListener:
             raise Finished
         self._listen()
         heard = [
-            self._heard(name, stamp, data)
-            for name, stamp, data in self._order.complete()
+            self._heard(name, step * STEP_NS, data)
+            for name, step, data in self._order.complete()
             if self._is_wanted(name)
         ]
-        now = self._order.reached
+        now = self._order.reached * STEP_NS
         heard += [one._replace(received_ns=now, sent_ns=now) for one in self._beside.take()]
         self._tell()
         if time.monotonic() - self._progress > self._guard and not over:
@@ -121,21 +123,20 @@ class StepListener:
     def _listen(self) -> None:
         for message, _info in self._roll.take():
             self._order.answer_the_roll(message.data)
-        for name in self._order.types.keys() - self._inboxes.keys():
-            self._open(name, self._order.types[name])
-        for name, inbox in self._inboxes.items():
-            latched, kind = name in self._order.latched, self._order.types[name]
+        for name in self._order.types.keys() - self._found:
+            self._look_for(name, self._order.types[name])
+        for name, inbox in self._latched.items():
             for data, _info in inbox.take():
-                self._order.add(name, 0 if latched else stamp_in(kind, data), data)
-        for header, _info in chain.from_iterable(silence.take() for silence in self._silences):
+                self._order.add_latched(name, data)
+        if self._order.is_begun and self._found == self._order.types.keys():
+            for data, _info in self._accounts.take():
+                self._order.add_account(*read_account(data))
+        for header, _info in self._silences.take():
             if header.frame_id == END:
-                self._end = stamp_to_ns(header.stamp)
-            else:
-                for name, stamp in silent_steps(header):
-                    self._order.silence((name,), stamp)
+                self._end = stamp_to_ns(header.stamp) // STEP_NS
 
-    def _open(self, name: str, type_name: str) -> None:
-        """Subscribe to a topic, once its publisher can be seen.
+    def _look_for(self, name: str, type_name: str) -> None:
+        """Offer a topic, once its publisher can be seen, which tells the type's hash.
 
         The bag gets the QoS with which the topic is offered live: the depth and the memory that publishers
         have in lockstep are the run's, not the topic's, and no player shall repeat them.
@@ -143,9 +144,11 @@ class StepListener:
         endpoints = self._node.get_publishers_info_by_topic(name)
         if not endpoints:
             return
-        row, kind = find(name) or unlisted(name, type_name), message_class(unlisted(name, type_name))
-        qos = lockstep_qos() if name not in self._order.latched else topics.qos(row)
-        self._inboxes[name] = Inbox(self._node, kind, name, qos, raw=True)
+        self._found.add(name)
+        row = find(name) or unlisted(name, type_name)
+        if name in self._order.latched:
+            kind = message_class(unlisted(name, type_name))
+            self._latched[name] = Inbox(self._node, kind, name, topics.qos(row), raw=True)
         if self._wanted(name, (type_name,)):
             self._offered(Offer(name, type_name, [offered_qos(row)], str(endpoints[0].topic_type_hash)))
 
@@ -153,7 +156,8 @@ class StepListener:
         """Tell how far everything was taken."""
         if self._order.reached > self._told:
             self._told, self._progress = self._order.reached, time.monotonic()
-            self._taken.publish(to_cdr(message_class(topics.RECORDED)(clock=ns_to_stamp(self._told))))
+            clock = ns_to_stamp(self._told * STEP_NS)
+            self._taken.publish(to_cdr(message_class(topics.RECORDED)(clock=clock)))
 
 
 def listener(

@@ -1,42 +1,51 @@
 """The messages of a lockstep run in an order that does not depend on when they arrived.
 
-A step is complete when every node of the run has told its outputs (the roll), and each of them has been said,
-or kept silent, in this step. Complete steps come out one after the other, their messages in the order of the
-topic table. Latched topics on the roll are step 0. See :mod:`forest_msgs_py.lockstep`.
+A step is complete when every node of the run has told its outputs (the roll) and what it said in this step
+(its account). Complete steps come out one after the other, their messages in the order of the topic table.
+Latched topics on the roll are step 0. See :mod:`forest_msgs_py.lockstep`.
 """
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
+from typing import NamedTuple
 
 from forest_msgs_py.topics import TOPICS, find
 
 LATCHED = " latched"  # behind a topic's name and type on the roll
 
 
+class Said(NamedTuple):
+    """One message of a node's account."""
+
+    place: int  # of its topic on the node's roll, latched ones left out
+    step: int
+    data: bytes
+
+
 class StepOrder:
     """Sorts what arrives.
 
     Args:
-        nodes: of the run, whose outputs are waited for.
-        step_ns: time between two steps [ns].
+        nodes: of the run, whose accounts are waited for.
     """
 
-    def __init__(self, nodes: Sequence[str], step_ns: int) -> None:
-        self._absent, self._step_ns = set(nodes), step_ns
+    def __init__(self, nodes: Sequence[str]) -> None:
+        self._absent = set(nodes)
+        self._told = dict.fromkeys(nodes, 0)  # last step of the node's account
         self.types: dict[str, str] = {}  # by topic on the roll
         self.latched: set[str] = set()
-        self._speakers: Counter[str] = Counter()  # nodes that speak on a topic in every step
-        self._messages: dict[int, list[tuple[str, bytes]]] = defaultdict(list)  # by stamp
-        self._heard: dict[int, Counter[str]] = defaultdict(Counter)  # by stamp: words and silences
-        self._next = 0  # stamp [ns]
+        self._spoken: dict[str, list[str]] = {}  # by node: topics, in the order of its roll
+        self._messages: dict[int, list[tuple[str, bytes]]] = defaultdict(list)  # by step
+        self._awaited: set[str] = set()  # latched topics without a message yet
+        self._next = 0  # step
 
     @property
     def reached(self) -> int:
-        """Stamp of the last complete step [ns]; before the first, 0."""
-        return max(0, self._next - self._step_ns)
+        """The last complete step; before the first, 0."""
+        return max(0, self._next - 1)
 
     @property
     def is_begun(self) -> bool:
@@ -49,45 +58,49 @@ class StepOrder:
         if node not in self._absent:
             return
         self._absent.remove(node)
+        self._spoken[node] = []
         for output in outputs:
             name, type_name = output.removesuffix(LATCHED).split(" ")
             self.types[name] = type_name
             if output.endswith(LATCHED):
                 self.latched.add(name)
+                self._awaited.add(name)
             else:
-                self._speakers[name] += 1
+                self._spoken[node].append(name)
 
-    def add(self, name: str, stamp: int, data: bytes) -> None:
-        """Take in a message; of a latched topic, the stamp is 0 [ns]."""
-        self._messages[stamp].append((name, data))
-        self._heard[stamp][name] += 1
+    def add_latched(self, name: str, data: bytes) -> None:
+        """Take in a message of a latched topic."""
+        self._messages[0].append((name, data))
+        self._awaited.discard(name)
 
-    def silence(self, names: Sequence[str], stamp: int) -> None:
-        """Take in that nothing was said on these topics in the step of this stamp [ns]."""
-        self._heard[stamp].update(names)
+    def add_account(self, node: str, until: int, said: Iterable[Said]) -> None:
+        """Take in all that a node said up to a step; a stranger's account is none of the run's."""
+        if node not in self._spoken:
+            return
+        names = self._spoken[node]
+        for place, step, data in said:
+            self._messages[step].append((names[place], data))
+        self._told[node] = max(self._told[node], until)
 
     def missing(self) -> str:
         """What the next step waits for, in words."""
-        step = self._next // self._step_ns
         if self._absent:
-            return f"step {step}: no outputs told by {', '.join(sorted(self._absent))}"
-        wanted = Counter(self.latched) if self._next == 0 else self._speakers
-        return f"step {step}: no message on {', '.join(sorted(wanted - self._heard[self._next]))}"
+            return f"step {self._next}: no outputs told by {', '.join(sorted(self._absent))}"
+        if self._next == 0:
+            return f"step 0: no message on {', '.join(sorted(self._awaited))}"
+        return f"step {self._next}: no account of {', '.join(sorted(self._behind()))}"
 
     def complete(self) -> Iterator[tuple[str, int, bytes]]:
-        """Yield topic, stamp [ns] and bytes of the messages of every step that is complete by now."""
-        while self._is_complete():
-            self._heard.pop(self._next, None)
-            for name, data in sorted(self._messages.pop(self._next, []), key=_place):
-                yield name, self._next, data
-            self._next += self._step_ns
+        """Yield topic, step and bytes of the messages of every step that is complete by now."""
+        if self._absent or self._awaited:
+            return
+        for step in range(self._next, min(self._told.values()) + 1):
+            for name, data in sorted(self._messages.pop(step, []), key=_place):
+                yield name, step, data
+            self._next = step + 1
 
-    def _is_complete(self) -> bool:
-        if self._absent:
-            return False
-        if self._next == 0:
-            return self.latched <= self._heard[0].keys()
-        return bool(self._speakers) and not self._speakers - self._heard[self._next]
+    def _behind(self) -> list[str]:
+        return [node for node, told in self._told.items() if told < self._next]
 
 
 @cache

@@ -53,17 +53,15 @@ def silent_steps(header: Any) -> Iterator[tuple[str, int]]:
 class Quiet:
     """Tells of topics that no node reads, and of many steps at once, that nothing was said.
 
-    Only a recorder waits for that, which is behind anyway: most of these topics are silent in most steps, and
-    a message costs as much as those that matter.
+    Only who reads them late waits for that: most of these topics are silent in most steps, and a message
+    costs as much as those that matter.
 
     Args:
         node: that speaks.
-        steps: after so many it tells what is untold; 1: at once, where a leader waits for such a topic.
     """
 
-    def __init__(self, node: Node, steps: int) -> None:
+    def __init__(self, node: Node) -> None:
         self._publisher = node.create_publisher(message_class(QUIET), QUIET.name, lockstep_qos())
-        self._steps = steps
         self._spans: list[list[Any]] = []  # name, first and last step
 
     def note(self, step: int, names: Sequence[str]) -> None:
@@ -74,8 +72,6 @@ class Quiet:
                 self._spans.append([name, step, step])
             else:
                 span[2] = step
-        if step % self._steps == 0:
-            self.tell(step)
 
     def tell(self, step: int) -> None:
         """Tell what is untold."""
@@ -111,7 +107,9 @@ class StepInbox:
         self._current: tuple[bytes, float] | None = None
 
     def collect(self, until: int = -1) -> None:
-        """Take what has arrived, until the message of this stamp [ns] is among it."""
+        """Take what has arrived, until it is known what counts in the step of this stamp [ns]."""
+        if until > 0 and self.has(until):
+            return
         for data, _info in self._inbox.take():
             stamp = stamp_in(self.topic.type, data)
             self._waiting.setdefault(stamp, data)
@@ -155,13 +153,25 @@ class StepInbox:
 
 
 class StepPublisher:
-    """A publisher that speaks once a step; the first word counts."""
+    """A publisher that speaks once a step; the first word counts.
 
-    def __init__(self, node: Node, topic: Topic, step: Callable[[], int]) -> None:
+    What nobody waits for is kept until the node is told to tell it: one after the other, messages cost less.
+
+    Args:
+        node: that speaks.
+        topic: row of the table.
+        step: the step that is being made; 0 between the steps.
+        note: is given the step and the bytes of all that is said.
+    """
+
+    def __init__(
+        self, node: Node, topic: Topic, step: Callable[[], int], note: Callable[[int, bytes], None]
+    ) -> None:
         self._publisher = node.create_publisher(message_class(topic), topic.name, lockstep_qos())
         self.name, self.type, self.awaited = self._publisher.topic_name, topic.type, is_awaited(topic)
         self._say = raw_publish(self._publisher)
-        self._step = step
+        self._step, self._note = step, note
+        self._kept: list[bytes] = []
         self.spoke = 0  # last step in which something was said
 
     def publish(self, message: Any) -> None:
@@ -170,7 +180,18 @@ class StepPublisher:
         if step == self.spoke or step == 0:
             return
         self.spoke = step
-        self._say(message if isinstance(message, bytes) else to_cdr(message))
+        data = message if isinstance(message, bytes) else to_cdr(message)
+        if self.awaited:
+            self._say(data)
+        else:
+            self._kept.append(data)
+        self._note(step, data)
+
+    def tell(self) -> None:
+        """Say what was kept."""
+        for data in self._kept:
+            self._say(data)
+        self._kept.clear()
 
     def get_subscription_count(self) -> int:
         """Readers there are."""

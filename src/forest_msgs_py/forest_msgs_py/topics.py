@@ -232,6 +232,11 @@ SILENCE = Topic(
 QUIET = Topic(
     "lockstep/quiet", "std_msgs/msg/Header", (), (), _RATE,
     "As lockstep/silence, of topics that no node reads.",
+    ("every node in lockstep",), ("nodes in lockstep that read what comes late",), recorded=False,
+)
+SAID = Topic(
+    "lockstep/said", "std_msgs/msg/UInt8MultiArray", (), (), _RATE,
+    "In lockstep: a node's messages of many steps, with their topics; see `forest_msgs_py.step_account`.",
     ("every node in lockstep",), ("recorder in lockstep",), recorded=False,
 )
 RECORDED = Topic(
@@ -258,7 +263,7 @@ TOPICS: tuple[Topic, ...] = (
     IDENTIFICATION,
     *(EMERGENCY_STOPPED, GROUND_TRUTH_JOINT_STATES, GROUND_TRUTH_TIP_POSE),
     *(GROUND_TRUTH_TIP_TWIST, ROBOT_DESCRIPTION, EVENTS, DIAGNOSTICS, CLOCK, ROSOUT),
-    *(ROLL, SILENCE, QUIET, RECORDED),
+    *(ROLL, SILENCE, QUIET, SAID, RECORDED),
 )
 
 

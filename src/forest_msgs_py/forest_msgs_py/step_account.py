@@ -1,0 +1,75 @@
+"""What a node in lockstep has said, told to who records: one message for many steps.
+
+A recorder that subscribed to every topic would be woken for each message, some twenty times in a step, and
+each time costs more, at either end, than the message. So it subscribes to none: every node keeps the bytes
+that it hands to the middleware, and tells them on `lockstep/said`. What an account does not hold, was not
+said.
+
+===============  ===========================================================================================
+part             bytes, little-endian
+===============  ===========================================================================================
+head             last step [4] that the account covers, length of the node's name [4], the name
+each message     place of its topic on the node's roll [4], step [4], size [4], the message
+===============  ===========================================================================================
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from forest_msgs_py.cdr import ENCAPSULATION
+from forest_msgs_py.node import raw_publish
+from forest_msgs_py.step_order import Said
+from forest_msgs_py.topics import SAID, message_class
+
+_ARRAY = struct.Struct("<4sIII")  # encapsulation, no dimensions, no offset, size
+_HEAD = struct.Struct("<II")
+_EACH = struct.Struct("<III")
+
+
+class Account:
+    """Keeps what a node says.
+
+    Args:
+        node: that speaks.
+        depth: accounts that are kept for a recorder that comes late.
+    """
+
+    def __init__(self, node: Node, depth: int) -> None:
+        profile = QoSProfile(
+            depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+        )
+        self._publisher = node.create_publisher(message_class(SAID), SAID.name, profile)
+        self._publish = raw_publish(self._publisher)
+        self._name = node.get_name().encode()
+        self._parts: list[bytes] = []
+
+    def note(self, place: int, step: int, data: bytes) -> None:
+        """Keep a message."""
+        self._parts += (_EACH.pack(place, step, len(data)), data)
+
+    def tell(self, step: int) -> None:
+        """Tell everything up to a step."""
+        body = b"".join((_HEAD.pack(step, len(self._name)), self._name, *self._parts))
+        self._parts.clear()
+        self._publish(_ARRAY.pack(ENCAPSULATION, 0, 0, len(body)) + body)
+
+
+def read_account(data: bytes) -> tuple[str, int, Iterator[Said]]:
+    """A node's name, the last step of which it tells everything, and what it said."""
+    step, length = _HEAD.unpack_from(data, _ARRAY.size)
+    begin = _ARRAY.size + _HEAD.size
+    name = data[begin : begin + length].decode()
+    *_, size = _ARRAY.unpack_from(data)
+    return name, step, _messages(data, begin + length, _ARRAY.size + size)
+
+
+def _messages(data: bytes, place: int, end: int) -> Iterator[Said]:
+    while place < end:
+        topic, step, size = _EACH.unpack_from(data, place)
+        place += _EACH.size + size
+        yield Said(topic, step, data[place - size : place])
