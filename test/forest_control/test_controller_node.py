@@ -73,16 +73,15 @@ class Rig:
         return self.push()
 
     def push(self):
-        """Centre the stick until that has armed, then push it; again, if a stall of the computer disarmed."""
-
-        def pushed():
-            armed = bool(self.statuses) and is_armed(self.statuses[-1])
-            self.joy = joy if armed else centred
-            return self.moving()
-
-        self.joy = centred
-        self.peer.until(pushed)
+        """Have the stick pushed, whatever comes between, and wait until that moves something."""
+        self.joy = self.pushed
+        self.peer.until(self.moving)
         return self
+
+    def pushed(self):
+        """Centred until that has armed, then deflected; again, if a stall of the computer disarmed."""
+        armed = bool(self.statuses) and is_armed(self.statuses[-1])
+        return joy() if armed else centred()
 
     def moving(self):
         return bool(self.commands) and volts(self.commands[-1])[0] > 0.0
@@ -113,7 +112,7 @@ REFUSED = {
 def test_a_bad_parameter_ends_the_node_with_one_line(domain_id, start_node):
     processes = {said: start_node("controller_node", "-p", given) for given, said in REFUSED.items()}
     for said, process in processes.items():
-        assert process.wait(10.0) == 2
+        assert process.ended() == 2
         assert process.text().count("\n") == 1
         assert said in process.text()
 
@@ -177,7 +176,7 @@ def test_when_the_deadman_goes_the_command_goes_to_zero_in_time(rig, peer, how):
         r.joy = lambda: joy(held=False)
     else:
         r.joy_timer.cancel()
-    assert peer.until(r.standing) < 0.15 + MARGIN
+    assert peer.reaction(r.standing, r.process) < 0.15 + MARGIN
     if how == "silent":
         assert "standing still: joystick" in r.process.text()
 
@@ -185,7 +184,7 @@ def test_when_the_deadman_goes_the_command_goes_to_zero_in_time(rig, peer, how):
 def test_when_the_machines_state_stops_the_command_goes_to_zero_in_time(rig, peer):
     r = rig("-p", "state_timeout:=0.05").hold_the_deadman()
     r.joints_timer.cancel()
-    assert peer.until(r.standing) < 0.05 + MARGIN
+    assert peer.reaction(r.standing, r.process) < 0.05 + MARGIN
     assert "standing still: no state of the machine" in r.process.text()
     r.joints_timer.reset()
     r.push()
@@ -271,7 +270,7 @@ def test_a_frozen_joystick_moves_nothing_and_is_named(rig, peer, how):
         return frozen
 
     r.joy = wobbling
-    assert peer.until(r.standing) < 0.3 + MARGIN
+    assert peer.reaction(r.standing, r.process) < 0.3 + MARGIN
     said = "held still" if how == "content" else "nothing new"
     peer.until(lambda: f"standing still: joystick: {said}" in r.process.text())
 
@@ -294,7 +293,7 @@ def test_states_from_the_past_move_nothing(rig, peer):
     r = rig("-p", "state_timeout:=0.2").hold_the_deadman()
     newest = max(stamp_to_ns(joints(0).header.stamp), peer.node.get_clock().now().nanoseconds)
     r.joints = lambda now: joints(newest - 1_000_000_000)
-    assert peer.until(r.standing) < 0.2 + MARGIN
+    assert peer.reaction(r.standing, r.process) < 0.2 + MARGIN
     peer.until(lambda: "joint state: the stamp goes back" in r.process.text())
 
 

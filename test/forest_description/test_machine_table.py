@@ -43,7 +43,7 @@ def test_the_module_prints_the_table():
         [sys.executable, "-m", "forest_description.machine_table"],
         capture_output=True,
         check=True,
-        timeout=60,
+        timeout=300,
     )
     assert done.stdout.decode("utf-8") == document()
 

@@ -23,7 +23,7 @@ CHILD = textwrap.dedent(
     actions = {name: told(name) for name in ("space", "up", "+")} | {"q": done.set}
     with Keyboard(actions, terminal) as keys:
         print("ready", keys.active, flush=True)
-        done.wait(20)
+        done.wait(60)
     """
 )
 
@@ -65,7 +65,7 @@ def test_the_terminal_is_put_back_however_the_program_ends(terminal, ending):
             os.write(ours, b"q")
         else:
             child.send_signal(ending)
-        assert child.wait(20) == (0 if ending == "q" else 3)
+        assert child.wait(60) == (0 if ending == "q" else 3)
     assert termios.tcgetattr(theirs) == before
 
 

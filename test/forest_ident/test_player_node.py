@@ -106,7 +106,7 @@ def test_as_fast_as_possible_loses_nothing(make_bag, play, peer):
     name, kind = topics.JOINT_STATES.name, topics.message_class(topics.JOINT_STATES)
     peer.node.create_subscription(kind, name, heard.append, count, raw=True)
     process = play(make_bag("long", {topics.JOINT_STATES: rows}), "-r", "0", "--wait-for-subscribers")
-    peer.until(lambda: len(heard) == count, 30.0)
+    peer.until(lambda: len(heard) == count)
     peer.until(lambda: process.poll() is not None)
     assert process.returncode == 0, process.text()
     assert "late" not in process.text()
@@ -121,7 +121,7 @@ def test_a_type_that_was_defined_otherwise_is_warned_of(play, tmp_path):
         writer.write(topic, to_cdr(String(data="hi")), START, START)
     writer.close()
     process = play(writer.directory, "-d", "0")
-    assert process.wait(20) == 0
+    assert process.ended() == 0
     assert process.text().count("another definition") == 1
     assert "/other: std_msgs/msg/String was recorded with another definition" in process.text()
 
@@ -129,6 +129,6 @@ def test_a_type_that_was_defined_otherwise_is_warned_of(play, tmp_path):
 def test_a_damaged_bag_is_refused_with_advice(make_bag, play):
     bag = make_bag("bag", {topics.JOINT_STATES: [(START, joints(0))]}, closed=False)
     process = play(bag)
-    assert process.wait(20) == 2
+    assert process.ended() == 2
     assert f"forest-bag recover {bag}" in process.text()
     assert process.text().count("\n") == 1

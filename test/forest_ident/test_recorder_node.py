@@ -23,10 +23,8 @@ from forest_msgs_py.series import read_bag
 
 
 @pytest.fixture
-def speaker(ros_context):
-    speaker = rclpy.create_node("speaker", context=ros_context)
-    yield speaker
-    speaker.destroy_node()
+def speaker(make_node):
+    return make_node("speaker")
 
 
 @pytest.fixture
@@ -62,7 +60,8 @@ def memory_mb(pid):
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_every_message_of_every_topic_is_in_the_bag(record, speaker, wait_until, tmp_path, number):
-    joints = node.publisher(speaker, topics.JOINT_STATES)
+    # Deep enough for all: a busy machine may not have heard the first when the last is said.
+    joints = speaker.create_publisher(topics.message_class(topics.JOINT_STATES), "joint_states", 500)
     description = node.publisher(speaker, topics.ROBOT_DESCRIPTION)
     loose = speaker.create_publisher(
         Float64, "loose", QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -72,7 +71,6 @@ def test_every_message_of_every_topic_is_in_the_bag(record, speaker, wait_until,
     wait_until(lambda: joints.get_subscription_count() and loose.get_subscription_count())
     for step in range(500):
         joints.publish(messages.joint_state(topics.JOINTS, step, (step, 0.0, 0.0)))
-    wait_until(lambda: joints.wait_for_all_acked(rclpy.duration.Duration(seconds=5)))
     probe = tmp_path / "bag" / "bag_0.mcap"
     wait_until(lambda: messages_in(probe, "/joint_states") == 500)
     wait_until(lambda: messages_in(probe, "/robot_description") == 1)
@@ -221,7 +219,7 @@ def test_a_wrong_output_is_one_clear_line_and_exit_code_2(record, tmp_path, outp
     (tmp_path / "here").mkdir()
     (tmp_path / "file").touch()
     process = record(output=output)
-    assert process.wait(10) == 2
+    assert process.ended() == 2
     assert process.text().startswith("recorder_node: parameter 'output' is ")
     assert words in process.text()
     assert process.text().count("\n") == 1
@@ -243,7 +241,7 @@ def test_a_full_disk_ends_the_recorder_with_one_clear_line(
     generator = random.Random(1)
     for _ in range(10):
         noise.publish(String(data="".join(generator.choices(string.printable, k=60000))))
-    assert process.wait(10) == 1
+    assert process.ended() == 1
     assert "cannot write the bag in" in process.text()
     assert "messages" in process.text()
     assert "Traceback" not in process.text()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-rclpy = pytest.importorskip("rclpy")
+pytest.importorskip("rclpy")
 
 from rclpy.executors import SingleThreadedExecutor
 
@@ -21,9 +21,9 @@ def talker(domain_id, start_process):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_last_words_are_heard_before_the_node_goes(talker, ros_context, wait_until, number):
+def test_last_words_are_heard_before_the_node_goes(talker, ros_context, make_node, wait_until, number):
     process = talker()
-    listener = rclpy.create_node("listener", context=ros_context)
+    listener = make_node("listener")
     executor = SingleThreadedExecutor(context=ros_context)
     executor.add_node(listener)
     heard = []
@@ -36,7 +36,6 @@ def test_last_words_are_heard_before_the_node_goes(talker, ros_context, wait_unt
     assert messages.read_float_array(topics.VALVE_VOLTAGES, heard[0], 1).values == (0.0, 0.0, 0.0)
     assert process.text().split("\n") == ["up", "matched", "last words", ""]
     executor.shutdown()
-    listener.destroy_node()
 
 
 def test_repeated_signals_do_not_interrupt_the_last_words(talker, wait_until):
@@ -51,21 +50,21 @@ def test_repeated_signals_do_not_interrupt_the_last_words(talker, wait_until):
 
 def test_a_bug_in_a_callback_ends_the_node_with_traceback_and_last_words(talker):
     process = talker("-p", "fault:=bug")
-    assert process.wait(10) == 1
+    assert process.ended() == 1
     assert "ZeroDivisionError: a bug" in process.text()
     assert process.text().index("last words") > 0
 
 
 def test_a_failure_is_one_line_and_exit_code_1(talker):
     process = talker("-p", "fault:=failure")
-    assert process.wait(10) == 1
+    assert process.ended() == 1
     assert "talker: pump is gone\n" in process.text()
     assert "Traceback" not in process.text()
 
 
 def test_a_node_that_is_done_ends_with_0(talker):
     process = talker("-p", "fault:=done")
-    assert process.wait(10) == 0
+    assert process.ended() == 0
     assert "last words" in process.text()
 
 
@@ -80,7 +79,7 @@ def test_a_node_that_is_done_ends_with_0(talker):
 )
 def test_a_loop_of_its_own_ends_the_node_as_a_callback_does(talker, end, code, words):
     process = talker("-p", f"loop:={end}")
-    assert process.wait(10) == code
+    assert process.ended() == code
     assert words in process.text()
     assert process.text().count("last words") == 1
 
@@ -101,18 +100,17 @@ def test_a_loop_of_its_own_ends_before_the_last_words(talker, wait_until):
 )
 def test_a_wrong_start_is_one_clear_line_and_exit_code_2(talker, arguments, words):
     process = talker(*arguments)
-    assert process.wait(10) == 2
+    assert process.ended() == 2
     assert words in process.text()
     assert "Traceback" not in process.text()
 
 
-def test_names_follow_a_namespace_and_a_remap(talker, ros_context, wait_until):
+def test_names_follow_a_namespace_and_a_remap(talker, make_node, wait_until):
     talker("-r", "__ns:=/crane_1", "-r", "joint_states:=joints")
-    listener = rclpy.create_node("listener", context=ros_context)
+    listener = make_node("listener")
     for name in ("/crane_1/joints", "/crane_1/valve_voltages"):
         wait_until(lambda name=name: listener.count_publishers(name) == 1)
     assert listener.count_publishers("/joint_states") == 0
-    listener.destroy_node()
 
 
 def test_the_network_is_closed_unless_opened_on_purpose(monkeypatch):

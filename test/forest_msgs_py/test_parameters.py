@@ -4,26 +4,20 @@ import re
 
 import pytest
 
-rclpy = pytest.importorskip("rclpy")
+pytest.importorskip("rclpy")
 
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from forest_msgs_py.parameters import ParameterError, declare
 
 
 @pytest.fixture
-def node_with(ros_context):
-    nodes = []
-
+def node_with(make_node):
     def make(**overrides):
         values = [Parameter(name, value=value) for name, value in overrides.items()]
-        nodes.append(Node("declarer", context=ros_context, parameter_overrides=values))
-        return nodes[-1]
+        return make_node("declarer", parameter_overrides=values)
 
-    yield make
-    for node in nodes:
-        node.destroy_node()
+    return make
 
 
 def test_default_and_whole_numbers_come_back_as_floats(node_with):

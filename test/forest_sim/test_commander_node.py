@@ -28,6 +28,6 @@ def test_it_says_its_file_row_by_row_and_ends_at_zero(peer, start_process, tmp_p
 
 def test_a_file_that_is_none_ends_it_with_one_line(domain_id, start_process, tmp_path):
     process = start(start_process, tmp_path / "absent.csv")
-    assert process.wait(10.0) == 2
+    assert process.ended() == 2
     assert process.text().count("\n") == 1
     assert "parameter 'input'" in process.text()

@@ -250,7 +250,7 @@ def test_one_sample_of_all_sensors_fits_into_a_fraction_of_a_period():
     suite = sensor_suite(MACHINE, True)
     state, generator, best = sensors.at_rest(REST, P, suite), noise_generator(suite), math.inf
     for _ in range(300):
-        begun = time.perf_counter()
+        begun = time.thread_time()
         sensors.measure(REST, state, P, DT, suite, draw(generator))
-        best = min(best, time.perf_counter() - begun)
+        best = min(best, time.thread_time() - begun)
     assert best < 5e-4

@@ -4,7 +4,6 @@ import math
 import time
 
 import pytest
-import rclpy
 from lockstep_sessions import LEVERS, LOCKSTEP_STEPS, lockstep_session
 from rclpy.executors import SingleThreadedExecutor
 
@@ -18,13 +17,11 @@ from forest_study import lockstep_run
 class Valves:
     """Hears /valve_voltages and remembers when the valves were last told to open, and last told to shut."""
 
-    def __init__(self, context):
-        # No services: a reply to a recorder that has gone is a warning, and here warnings are errors.
-        self._node = rclpy.create_node("listener", context=context, start_parameter_services=False)
-        self.executor = SingleThreadedExecutor(context=context)
-        self.executor.add_node(self._node)
+    def __init__(self, node):
+        self.node, self.executor = node, SingleThreadedExecutor(context=node.context)
+        self.executor.add_node(node)
         self.count, self.opened, self.shut = 0, -math.inf, -math.inf
-        subscription(self._node, topics.VALVE_VOLTAGES, self._hear)
+        subscription(node, topics.VALVE_VOLTAGES, self._hear)
 
     def _hear(self, message, info):
         # When it was said: what a dead writer left unacknowledged may come a second late, and a machine that
@@ -45,8 +42,11 @@ class Valves:
 
 
 @pytest.fixture
-def valves(ros_context):
-    return Valves(ros_context)
+def valves(make_node):
+    # No services: a reply to a recorder that has gone is a warning, and here warnings are errors.
+    listener = Valves(make_node("listener", start_parameter_services=False))
+    yield listener
+    listener.executor.shutdown()
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ PICTURES = {"tip_path.png", "tip_error.png", "joints.png", "voltages.png", "hydr
 def demo(*options, environment=None):
     command = [sys.executable, "-m", "forest_study.demo", *options]
     environment = {**os.environ, **(environment or {})}
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment, check=False)
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment, check=False)
 
 
 @pytest.fixture(scope="module")

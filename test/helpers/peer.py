@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from stall import Stall
+
 from forest_msgs_py.topics import Topic, message_class, qos
 
 
@@ -42,11 +44,20 @@ class Peer:
 
         return self.node.create_timer(1.0 / rate_hz, say)
 
-    def until(self, predicate: Callable[[], Any], seconds: float = 10.0) -> float:
+    def until(self, predicate: Callable[[], Any]) -> float:
         """Spin until the predicate holds; return how long that took [s]."""
         begun = time.monotonic()
-        self._wait(predicate, seconds, self.executor)
+        self._wait(predicate, executor=self.executor)
         return time.monotonic() - begun
+
+    def reaction(self, predicate: Callable[[], Any], process: Any) -> float:
+        """Spin until the predicate holds; return how long that took a process and us on a machine of our own.
+
+        The time for which a busy machine let us wait for a processor does not count [s].
+        """
+        stall = Stall(process.pid)
+        elapsed = self.until(predicate)
+        return elapsed - stall.seconds()
 
     def close(self) -> None:
         self.executor.shutdown()
