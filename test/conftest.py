@@ -35,6 +35,7 @@ PORT_TAKEN = "RTPS_TRANSPORT_SHM"
 
 # Before the first participant of this process: the middleware reads them once.
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+os.environ["PYTHONFAULTHANDLER"] = "1"
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(forest_msgs_py.__file__).with_name("loopback.xml"))
 
 
@@ -61,16 +62,20 @@ class Process(subprocess.Popen):
         return self.ended()
 
     def ended(self) -> int:
-        """Wait until it ends and give its exit code; kill it if it does not."""
+        """Wait until it ends and give its exit code; if it hangs, have it tell where, and kill it."""
         try:
             return self.wait(ENDED_S)
         except subprocess.TimeoutExpired:
+            self.send_signal(signal.SIGABRT)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                self.wait(ENDED_S)
             self.kill_group()
             pytest.fail(f"{self.args} did not end within {ENDED_S} s:\n{self.text()}")
 
     def kill_group(self) -> None:
         """Kill the whole session."""
-        os.killpg(self.pid, signal.SIGKILL)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.pid, signal.SIGKILL)
         self.wait(ENDED_S)
 
     def leftover(self) -> bool:

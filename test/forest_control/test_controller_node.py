@@ -67,9 +67,9 @@ class Rig:
         self.joy, self.joints = joy, joints
         self.joints_timer = peer.repeat(topics.JOINT_STATES, lambda now: self.joints(now), 200.0)
 
-    def hold_the_deadman(self):
+    def hold_the_deadman(self, rate_hz=100.0):
         self.joy = centred
-        self.joy_timer = self.peer.repeat(topics.JOY, lambda now: self.joy())
+        self.joy_timer = self.peer.repeat(topics.JOY, lambda now: self.joy(), rate_hz)
         return self.push()
 
     def push(self):
@@ -408,7 +408,8 @@ def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig,
 
 
 def test_a_lever_that_jumps_between_two_samples_does_not_make_the_command_jump(peer, start_node):
-    rig = Rig(peer, start_node, "-p", "scheme:=joint").hold_the_deadman()
+    # Slow: samples that a busy machine lets come in one controller period are taken as they are.
+    rig = Rig(peer, start_node, "-p", "scheme:=joint").hold_the_deadman(20.0)
     peer.until(lambda: len({volts(m)[0] for m in rig.commands[-20:]}) == 1 and rig.moving())
     reached = volts(rig.commands[-1])[0]
     assert any(0.1 * reached < volts(m)[0] < 0.9 * reached for m in rig.commands)

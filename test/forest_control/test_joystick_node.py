@@ -4,11 +4,12 @@ import signal
 
 import numpy as np
 import pytest
+from stall import Stall
 
 pytest.importorskip("rclpy")
 
 from forest_control.levers import LEFT_SHOULDER, REST, Levers, levers_from_axes
-from forest_control.sources import thesis_tip_velocity
+from forest_control.sources import LEAD_IN, thesis_tip_velocity
 from forest_msgs_py import topics
 from forest_msgs_py.messages import read_joy, stamp_to_ns
 
@@ -35,17 +36,24 @@ def levers_file(tmp_path):
 def test_it_plays_a_file_row_by_row_lets_the_deadman_go_and_ends_by_itself(peer, start_node, levers_file):
     heard = peer.hear(topics.JOY)
     process = start_node("joystick_node", "-p", f"source:={levers_file}")
-    peer.until(lambda: process.poll() is not None)
+    stall = Stall(process.pid)
+    peer.until(lambda: stall.look() and process.poll() is not None)
     assert process.returncode == 0
     peer.until(lambda: not held(heard[-1]))
     played = [levers(message) for message in heard]
     changes = [new for old, new in zip([None, *played], played, strict=False) if new != old]
-    assert changes == [REST, Levers(0.25, 0, 0), Levers(0, -0.5, 0), Levers(0, 0, 1), REST]
+    rows = [REST, Levers(0.25, 0, 0), Levers(0, -0.5, 0), Levers(0, 0, 1), REST]
+    steps = np.diff([stamp_to_ns(message.header.stamp) for message in heard]) * 1e-9
+    if max(steps) < 0.1:  # else this machine stood still for as long as a row lasts
+        assert changes == rows
+    following = iter(rows)
+    assert all(row in following for row in changes)
+    assert changes[-1] == REST
     assert all(held(message) for message, lever in zip(heard, played, strict=True) if lever != REST)
     assert held(heard[0])
-    steps = np.diff([stamp_to_ns(message.header.stamp) for message in heard]) * 1e-9
     assert min(steps) > 0.0
-    assert np.median(steps) == pytest.approx(1.0 / topics.JOY.rate_hz, rel=0.2)
+    lost = stall.seconds() / len(steps)
+    assert np.median(steps) == pytest.approx(1.0 / topics.JOY.rate_hz, rel=0.2, abs=lost)
     assert "Traceback" not in process.text()
 
 
@@ -56,14 +64,9 @@ def test_the_thesis_input_begins_when_somebody_listens_and_lets_go_when_stopped(
     peer.until(lambda: heard and levers(heard[-1]) != REST)
     assert levers(heard[0]) == REST
     peer.until(lambda: levers(heard[-1]).swing > 0.5)
-    first = next(i for i, message in enumerate(heard) if levers(message) != REST)
-    begun = stamp_to_ns(heard[first].header.stamp) * 1e-9
-    for message in heard[first:]:
-        played = stamp_to_ns(message.header.stamp) * 1e-9 - begun
-        wished = thesis_tip_velocity(played)[1] / 0.5
-        assert levers(message).swing == pytest.approx(
-            wished, abs=0.15
-        )  # a busy machine is late by some 10 ms
+    stamps = [stamp_to_ns(message.header.stamp) * 1e-9 for message in heard]
+    played = [levers(message).swing for message in heard]
+    assert any(follows_the_thesis(stamps, played, stamps[0] - before) for before in np.arange(0, 0.2, 0.002))
     process.send_signal(signal.SIGINT)
     peer.until(lambda: process.poll() is not None)
     assert process.returncode == 0
@@ -71,14 +74,25 @@ def test_the_thesis_input_begins_when_somebody_listens_and_lets_go_when_stopped(
     assert levers(heard[-1]) == REST
 
 
+def follows_the_thesis(stamps, played, begun):
+    """Whether each lever is that of a moment after the message before and until its own stamp."""
+    for before, stamp, lever in zip(stamps, stamps[1:], played[1:], strict=False):
+        times = np.linspace(before, stamp, 11) - begun - LEAD_IN
+        wished = [thesis_tip_velocity(time)[1] / 0.5 if time >= 0.0 else 0.0 for time in times]
+        if not min(wished) - 0.01 <= lever <= max(wished) + 0.01:
+            return False
+    return True
+
+
 def test_duration_and_deadman_button_are_as_set(peer, start_node):
     heard = peer.hear(topics.JOY)
     process = start_node("joystick_node", "-p", "duration:=0.1", "-p", "deadman_button:=3")
-    peer.until(lambda: process.poll() is not None)
+    stall = Stall(process.pid)
+    peer.until(lambda: stall.look() and process.poll() is not None)
     assert process.returncode == 0
     peer.until(lambda: heard[-1].buttons[3] == 0)
     span = stamp_to_ns(heard[-1].header.stamp) - stamp_to_ns(heard[0].header.stamp)
-    assert 0.8e9 < span < 1.3e9  # 0.5 s at rest, 0.1 s playing, 0.3 s released
+    assert 0.8 < span * 1e-9 < 1.3 + stall.seconds()  # 0.5 s at rest, 0.1 s playing, 0.3 s released
     assert any(message.buttons[3] == 1 for message in heard)
     assert not any(map(held, heard))
 

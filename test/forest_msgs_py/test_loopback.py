@@ -21,7 +21,8 @@ pytest.importorskip("rclpy")
 HERE = Path(__file__).parent
 OURS, THEIRS = "10.77.0.1", "10.77.0.2"
 LISTEN_S = 4
-ATTEMPTS = 4  # a stranger's few first announcements do not always meet somebody
+STRANGERS = 4  # at once: the few first announcements of one do not always meet somebody
+ATTEMPTS = 4  # of theirs to get in where they can
 # Another machine shares no memory with ours; ``ip netns exec`` gives it mounts of its own.
 OWN_MEMORY = 'mount -t tmpfs none /dev/shm && exec "$@"'
 UDP_IN_IPV4 = (b"\x08\x00", 17)
@@ -106,17 +107,13 @@ def test_a_stranger_gets_in_only_without_the_profile(closed, cable, domain_id, s
     stranger = {**os.environ, "ROS_STATIC_PEERS": OURS, "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
     stranger.pop("FASTRTPS_DEFAULT_PROFILES_FILE")
     command = [sys.executable, str(HERE / "listener.py"), str(LISTEN_S)]
-    inside = False
-    for _ in range(ATTEMPTS):
-        listener = start_process(
-            ["ip", "netns", "exec", theirs, "sh", "-c", OWN_MEMORY, "sh", *command],
-            python=False,
-            env=stranger,
-        )
-        inside = listener.ended() == 0
-        if inside:
+    words = ["ip", "netns", "exec", theirs, "sh", "-c", OWN_MEMORY, "sh", *command]
+    for _ in range(1 if closed else ATTEMPTS):
+        listeners = [start_process(words, python=False, env=stranger) for _ in range(STRANGERS)]
+        inside = [listener.ended() == 0 for listener in listeners]
+        if any(inside):
             break
-    assert inside == (not closed), listener.text()
+    assert any(inside) == (not closed), [listener.text() for listener in listeners]
     assert sniffer.stop(signal.SIGTERM) == 0, sniffer.text()
     assert THEIRS in sniffer.text(), "the stranger did not even knock"
     assert (OURS in sniffer.text()) == (not closed), sniffer.text()
@@ -130,6 +127,6 @@ def test_a_plain_program_on_this_machine_hears_the_joints(discovery, domain_id, 
     plain.pop("ROS_AUTOMATIC_DISCOVERY_RANGE")
     if discovery:
         plain["ROS_AUTOMATIC_DISCOVERY_RANGE"] = discovery
-    listener = start_process([str(HERE / "listener.py"), "10"], env=plain)
+    listener = start_process([str(HERE / "listener.py"), "30"], env=plain)
     assert listener.ended() == 0, listener.text()
     assert talker.stop() == 0

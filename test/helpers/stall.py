@@ -5,6 +5,7 @@ Linux tells of every thread how long it was ready to run and did not get a proce
 
 from __future__ import annotations
 
+import contextlib
 import os
 import time
 from pathlib import Path
@@ -16,9 +17,9 @@ class Stall:
     """Time for which threads of processes, and of this one, waited for a processor from now on [s]."""
 
     def __init__(self, *pids: int) -> None:
-        tasks = [task for pid in (os.getpid(), *pids) for task in Path(f"/proc/{pid}/task").iterdir()]
-        self._first = {task: _waited(task) for task in tasks}
-        self._last, self._looked = dict(self._first), time.monotonic()
+        self._pids, self._seen, self._before = (os.getpid(), *pids), {}, {}
+        self._read()
+        self._before = dict(self._seen)
 
     def look(self) -> bool:
         """Read now and then, for threads that end tell no more; always true, to stand before a condition."""
@@ -29,16 +30,19 @@ class Stall:
     def seconds(self) -> float:
         """Sum over the threads: one may have waited for the other."""
         self._read()
-        return sum(self._last[task] - first for task, first in self._first.items())
+        return sum(self._seen.values()) - sum(self._before.values())
 
     def _read(self) -> None:
         self._looked = time.monotonic()
-        for task, last in self._last.items():
-            self._last[task] = max(last, _waited(task))
+        for pid in self._pids:
+            for task in _tasks(pid):
+                # A thread that has just ended tells nothing; some kernels do not count at all.
+                with contextlib.suppress(OSError, IndexError):
+                    self._seen[task] = int((task / "schedstat").read_text().split()[1]) * 1e-9
 
 
-def _waited(task: Path) -> float:
+def _tasks(pid: int) -> list[Path]:
     try:
-        return int((task / "schedstat").read_text().split()[1]) * 1e-9
-    except (OSError, IndexError):  # the thread has ended, or the kernel does not count
-        return 0.0
+        return list(Path(f"/proc/{pid}/task").iterdir())
+    except OSError:
+        return []

@@ -17,7 +17,7 @@ account      all that a node said in many steps, for who records; see :mod:`fore
 
 Nothing is ever lost: publishers keep 1000 steps for those who come late, and nobody runs away from the
 others. A message may be waited for as long as the guard allows [s, wall clock]; then the node ends and
-names it.
+names it. Of the first step it may stay out for 20 s at least: the others may just be starting.
 """
 
 from __future__ import annotations
@@ -56,6 +56,7 @@ from forest_msgs_py.topics import Topic, message_class
 
 AHEAD = 400  # steps by which the machine may be ahead of the recorder
 END = "end"  # told instead of topics when the step was the last
+START = 20.0  # [s, wall clock] in which a graph starts, on a busy computer, too
 LOOK = 0.1  # [s] between looks at whether the node was told to stop
 
 
@@ -242,9 +243,9 @@ class Lockstep:
             stopping.wait()
         if stopping.is_set():
             return False
-        waited = time.monotonic() - begun
-        if waited > self._guard and waited > self._guard + patience(inbox, self._inboxes, step, self._leads):
-            raise complaint(inbox, self._inboxes, step, self._guard)
+        waited, guard = time.monotonic() - begun, self._guard if step > 1 else max(self._guard, START)
+        if waited > guard and waited > guard + patience(inbox, self._inboxes, step, self._leads):
+            raise complaint(inbox, self._inboxes, step, guard)
         heard = [inbox.subscription, *(told.subscription for told in self._silences)]
         if self._wait_set is None:
             self._wait_set = rclpy_implementation.WaitSet(

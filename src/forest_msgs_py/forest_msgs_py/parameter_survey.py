@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Collection
 from typing import Any
@@ -11,6 +12,7 @@ from rclpy.node import Node
 from rclpy.parameter import parameter_value_to_python
 
 PATIENCE = 10.0  # [s] for a node to offer its parameters and to answer
+ASK_AGAIN = 1.0  # [s]; who does not know us yet, as a busy machine is slow to tell, cannot answer
 
 
 class ParameterSurvey:
@@ -55,15 +57,20 @@ class _Question:
         self._end = time.monotonic() + PATIENCE
         self._names = node.create_client(ListParameters, f"{name}/list_parameters")
         self._values = node.create_client(GetParameters, f"{name}/get_parameters")
-        self._asked = False
+        self._asked = -math.inf
 
     def go_on(self) -> None:
-        """Ask when the node is there; give up when it does not answer."""
-        if not self._asked and self._names.service_is_ready() and self._values.service_is_ready():
-            self._asked = True
-            self._names.call_async(ListParameters.Request()).add_done_callback(self._listed)
-        elif time.monotonic() > self._end:
+        """Ask when the node is there, and now and then again; give up when it does not answer."""
+        now = time.monotonic()
+        if now > self._end:
             self._finish()
+        elif (
+            now - self._asked > ASK_AGAIN
+            and self._names.service_is_ready()
+            and self._values.service_is_ready()
+        ):
+            self._asked = now
+            self._names.call_async(ListParameters.Request()).add_done_callback(self._listed)
 
     def _listed(self, answer: Any) -> None:
         names = list(answer.result().result.names)

@@ -1,6 +1,6 @@
 """Says /valve_commands from a file, for experiments with the valves: in place of the controller.
 
-Live from its start on, at 200 Hz, and it ends with the file; in lockstep once a step.
+Live at 200 Hz, from when somebody listens, and it ends with the file; in lockstep once a step.
 """
 
 import sys
@@ -38,11 +38,17 @@ class CommanderNode(Node):
 
     def _on_timer(self) -> None:
         if self._begun is None:
+            if not self._pace.lockstep and not self._is_heard():
+                return
             self._begun = self._pace.now()
         elapsed = self._pace.now() - self._begun
         if elapsed > self._input.duration and not self._pace.lockstep:
             raise Finished
         self._command.say(self._pace.stamp(), self._input.at(np.array([elapsed]))[0].tolist())
+
+    def _is_heard(self) -> bool:
+        name = self.resolve_topic_name(topics.VALVE_COMMANDS.name)
+        return any(made.topic_name == name and made.get_subscription_count() for made in self.publishers)
 
     def stop(self) -> None:
         """Last words: zero."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import rclpy
 from rclpy.signals import SignalHandlerOptions
@@ -29,6 +30,7 @@ class Guard:
         prepare_environment()
         self._namespace = namespace
         self._context = rclpy.Context()
+        self._node: Any = None
         try:
             rclpy.init(context=self._context, args=[], signal_handler_options=SignalHandlerOptions.NO)
             self._node = rclpy.create_node(
@@ -64,4 +66,7 @@ class Guard:
     def close(self) -> None:
         """Leave the graph."""
         self._valves = None
+        if self._node is not None:
+            self._node.destroy_node()  # or this process would go on listening
+            self._node = None
         rclpy.try_shutdown(context=self._context)
