@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fast_loop import run
 
 from forest_control import controller, valve_driver
 from forest_control.levers import REST, Levers
@@ -15,7 +16,7 @@ from forest_description.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_sim.sensor_faults import parse_faults
 from forest_sim.sensor_suite import sensor_suite
-from forest_study.closed_loop import PERIOD, Operator, run
+from forest_study.closed_loop import PERIOD, Operator
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fast_loop import run
 
 from forest_control import controller, joystick_watch, valve_driver
 from forest_control.joystick_watch import NO_HEARTBEAT, Sample, WatchParameters
@@ -10,7 +11,7 @@ from forest_control.schemes import Scheme
 from forest_description.kinematics import inverse_kinematics
 from forest_description.limits import joint_limits
 from forest_description.machine import load_machine
-from forest_study.closed_loop import PERIOD, Operator, run
+from forest_study.closed_loop import PERIOD, Operator
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
