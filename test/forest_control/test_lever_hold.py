@@ -1,46 +1,83 @@
+"""Claims about levers between a joystick's samples: even, however unevenly these come, and soon there."""
+
+import math
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
-from forest_control.lever_hold import CENTRED, LONGEST, advanced
+from forest_control.lever_hold import CENTRED, DELAY, LONGEST, advanced
 from forest_control.levers import REST, Levers
 
 DT = 0.005
 
 
-def followed(samples, period, steps):
-    """Levers of every step, a sample heard every so many steps."""
-    hold, levers = CENTRED, []
-    for sample in samples:
-        for _ in range(steps):
-            hold = advanced(hold, sample, period, DT)
-            levers.append(hold.levers)
-    return levers
+def wave(time):
+    """Levers of a hand that moves at 1 Hz."""
+    return Levers(math.sin(2.0 * math.pi * time), 0.5 * math.cos(2.0 * math.pi * time), 0.0)
 
 
-def test_a_joystick_that_speaks_in_every_step_is_followed_exactly():
-    samples = [Levers(0.1, 0.2, 0.3), Levers(0.7, -0.2, 1.0), REST]
-    assert followed(samples, DT, 1) == samples
+def followed(hand, said, seconds, late=lambda _k: 0.0):
+    """Swing lever [N] of every step; `said`: times of the joystick's samples; `late`: states, by [s]."""
+    hold, swing = CENTRED, []
+    for k in range(round(seconds / DT)):
+        now = k * DT + late(k)
+        heard = max((time for time in said if time <= now), default=said[0])
+        hold = advanced(hold, hand(heard), heard, now, DT)
+        swing.append(hold.levers.swing)
+    return np.array(swing)
 
 
-def test_between_slower_samples_the_levers_go_straight_and_arrive():
-    rising = [Levers(0.1 * k, -0.1 * k, 0.0) for k in range(1, 11)]
-    levers = followed([*rising, rising[-1]], 0.02, 4)
-    steps = [after.swing - before.swing for before, after in pairwise(levers[12:40])]
-    assert steps == pytest.approx([0.025] * len(steps), rel=0.15)
-    assert levers[-1] == rising[-1]
+def test_a_joystick_that_speaks_for_every_step_is_followed_exactly():
+    said = [k * DT for k in range(100)]
+    assert np.array_equal(followed(wave, said, 0.5), [wave(time).swing for time in said])
 
 
-def test_a_sample_that_is_late_does_not_halt_the_levers():
-    hold = CENTRED
-    for k in (1, 2, 3):
-        hold = advanced(
-            advanced(hold, Levers(0.1 * k, 0.0, 0.0), 0.01, DT), Levers(0.1 * k, 0.0, 0.0), 0.01, DT
-        )
-    late = advanced(hold, hold.target, 0.01, DT)
-    assert late.levers.swing > hold.levers.swing + 0.02
+@pytest.mark.parametrize("period", [0.01, 0.02, 0.05])
+def test_a_slower_one_is_followed_two_periods_later_on_straight_lines(period):
+    said = np.arange(0.0, 2.0, period)
+    swing = followed(wave, said, 2.0)
+    asked = [wave(k * DT - DELAY * period).swing for k in range(len(swing))]
+    assert np.abs(swing - asked)[150:].max() < 1.1 * 0.5 * (math.pi * period) ** 2  # a chord's sagitta
+
+
+def test_uneven_samples_and_late_states_leave_the_levers_even():
+    rng = np.random.default_rng(3)
+    said = np.sort(0.01 * np.arange(300) + rng.exponential(0.002, 300))
+    delays = rng.exponential(0.002, 600)
+    steps = np.diff(followed(wave, said, 3.0, lambda k: delays[k]))[100:]
+    even = 2.0 * math.pi * DT  # the greatest step of an even hand
+    assert np.abs(steps).max() < 1.15 * even
+    assert np.abs(np.diff(steps)).max() < 0.25 * even
+    held = np.diff([wave(max(said[said <= k * DT + delays[k]])).swing for k in range(100, 600)])
+    assert np.abs(np.diff(held)).max() > even  # what a held sample would do
+
+
+def test_a_sample_that_is_late_by_a_period_does_not_halt_the_levers():
+    said = [0.01 * k for k in range(100) if k != 50]
+    steps = np.diff(followed(lambda time: Levers(time, 0.0, 0.0), said, 0.9))
+    assert steps[60:].min() > 0.9 * DT
 
 
 def test_after_a_pause_a_lever_does_not_creep():
-    levers = followed([Levers(1.0, 0.0, 0.0)], 3.0, round(2.0 * LONGEST / DT))
-    assert levers[-1].swing == 1.0
+    hand = lambda time: Levers(1.0, 0.0, 0.0) if time > 0.0 else REST  # noqa: E731
+    swing = followed(hand, [0.0, 3.0], 3.0 + DELAY * LONGEST + 2.0 * DT)
+    assert swing[round(3.0 / DT)] < 0.1
+    assert swing[-1] == 1.0
+
+
+def test_a_lever_that_is_let_go_is_at_rest_two_periods_later():
+    hand = lambda time: Levers(1.0, 0.0, 0.0) if time < 0.5 else REST  # noqa: E731
+    swing = followed(hand, np.arange(0.0, 1.0, 0.01), 1.0)
+    assert swing[99] > 0.9
+    assert swing[round(0.52 / DT) + 1] < 1e-6
+    assert all(after <= before for before, after in pairwise(swing[90:]))
+
+
+def test_levers_that_are_not_believed_any_more_count_at_once_in_what_comes():
+    hold = CENTRED
+    for k in range(100):
+        hold = advanced(hold, Levers(1.0, 0.0, 0.0), 0.01 * (k // 2), DT * k, DT)
+    for k in range(100, 110):
+        hold = advanced(hold, REST, 0.49, DT * k, DT)
+    assert hold.levers == REST

@@ -89,3 +89,13 @@ def test_without_pressures_there_is_nothing_to_learn_from(pace):
     pace.time = 1.2 * TIMEOUT
     assert measured.motion() is None
     assert measured.pressures() is None
+
+
+def test_the_newest_pressures_tell_how_far_the_machine_is_when_a_command_comes_late(pace):
+    measured = Measurements(pace, TIMEOUT, 18e6)
+    assert measured.machine_time(1_000_000_000) == 1_000_000_000  # nothing is known
+    told = {1_015_000_000: 1_015_000_000, 995_000_000: 1_000_000_000, 2_000_000_000: 1_000_000_000}
+    for newest, machine in told.items():  # ahead, behind, by another clock
+        pace.put(topics.PRESSURES, float_array(topics.PRESSURES, newest, [6e6] * 12))
+        measured.read(learning=False)
+        assert measured.machine_time(1_000_000_000) == machine

@@ -15,13 +15,13 @@ C180 = load_machine("c180")
 
 def greatest_error(period, held):
     """Greatest distance [m] of the tip from its wish, with a joystick of so long a period [s]."""
-    heard, hold, every = REST, lever_hold.CENTRED, round(period / PERIOD)
+    heard, said, hold, every = REST, 0.0, lever_hold.CENTRED, round(period / PERIOD)
 
     def operator(time):
-        nonlocal heard, hold
+        nonlocal heard, said, hold
         if round(time / PERIOD) % every == 0:
-            heard = thesis_levers(time - 0.2, SPEED) if time > 0.2 else REST
-        hold = lever_hold.advanced(hold, heard, period, PERIOD)
+            heard, said = thesis_levers(time - 0.2, SPEED) if time > 0.2 else REST, time
+        hold = lever_hold.advanced(hold, heard, said, time, PERIOD)
         return Operator(hold.levers if held else heard, enabled=True)
 
     start = pose_at(start_tip(C180), C180)

@@ -71,7 +71,7 @@ class ControllerNode(Node):
         tunables.watch(self._tune)
         self._state_received, self._order = -math.inf, StampOrder(self._state_timeout)
         self._joystick, self._joy_content, self._joy_problem = joystick_watch.REST, None, ""
-        self._joy_period, self._hold = 0.0, lever_hold.CENTRED
+        self._hold = lever_hold.CENTRED
         said = self._pace.publisher(topics.DIAGNOSTICS)
         self._health = Health(self, ("joystick", "machine", "emergency stop"), "standing still", said)
         self._stop = EmergencyStop(self, "", self._against_reset, self._stand_still)
@@ -131,7 +131,7 @@ class ControllerNode(Node):
         """Take in every joystick sample that waits, oldest first."""
         for data, received in self._joy.arrivals():
             reading, frame = read_joy_data(data, RIGHT_Y + 1, self._deadman + 1)
-            sample, self._joy_period = bad_sample(received), received - self._joystick.fresh_since
+            sample = bad_sample(received)
             if not reading.problem:
                 before = self._joy_content
                 sample = sample_of(reading.stamp_ns, frame, received, reading.values, before, self._deadman)
@@ -158,7 +158,7 @@ class ControllerNode(Node):
         self._state_received = sent
         dt = self._period.since(reading.stamp_ns)
         lengths, valves = self._cylinders(reading.stamp_ns), self._valves.read()
-        inputs = controller.Inputs(angles, rates, *self._operator(True, dt), lengths, *valves)
+        inputs = controller.Inputs(angles, rates, *self._operator(True, sent, dt), lengths, *valves)
         if self._stop.pressed:
             self._state = controller.REST  # from which there is no ramp: zero at once
         self._state, output = controller.step(self._state, inputs, self._core, dt)
@@ -174,8 +174,14 @@ class ControllerNode(Node):
         _, boom, stick = reading.values.position
         return boom, stick
 
-    def _operator(self, machine_known: bool, dt: float = 0.0) -> Operator:
-        """Return the levers dt [s] after the last time, and whether they may move anything."""
+    def _operator(self, machine_known: bool, sent: float = -math.inf, dt: float = 0.0) -> Operator:
+        """Return where the levers are, and whether they may move anything.
+
+        Args:
+            machine_known: there is a fresh state of the machine.
+            sent: when it was sent [s].
+            dt: after the one before [s].
+        """
         self._read_joy()
         allowed = machine_known and not self._stop.pressed
         p = self._watch_settings
@@ -188,7 +194,8 @@ class ControllerNode(Node):
         if not operator.enabled:
             self._hold = lever_hold.CENTRED
             return operator
-        self._hold = lever_hold.advanced(self._hold, operator.levers, self._joy_period, dt)
+        said = self._joystick.fresh_since
+        self._hold = lever_hold.advanced(self._hold, operator.levers, said, sent, dt)
         return Operator(self._hold.levers, True)
 
     def _against_reset(self) -> str:

@@ -53,6 +53,7 @@ HIGHEST = 2.0  # of the nominal supply pressure
 FILLING = 60.0  # [rad/s] low-pass of the ports' mean pressure
 HELD = 1e-6  # [V] a command below wishes that the actuator be held
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than nothing for a moment
+FORGOTTEN = 1.0  # [s] in which it is expected again that voltages come in time
 LEAST_FED = 0.004  # [V] of leakage: less lets the tip sink by under 3 mm/s and is not worth an open valve
 
 
@@ -62,13 +63,14 @@ class State(NamedTuple):
     loads: Triple  # low-passed [N m, N, N]
     primed: bool  # the first pressures have arrived
     means: Triple = (0.0, 0.0, 0.0)  # [Pa] of both ports
-    spools: Triple = (0.0, 0.0, 0.0)  # [V] where the spools should be by now
+    spools: Triple = (0.0, 0.0, 0.0)  # [V] where the spools should have been when the voltages were given
     strokes: Triple = (0.0, 0.0, 0.0)  # [V] where they were on average since the last step
     holds: Holds = (SHUT, SHUT, SHUT)
     voltages: Triple = (0.0, 0.0, 0.0)  # [V] given last, without dither
     saturated: tuple[bool, bool, bool] = (False, False, False)  # a valve could not open as far as wished
     phase: float = 0.0  # of the dither, in turns
     learners: Learners = (UNLEARNT, UNLEARNT, UNLEARNT)
+    ahead: float = 0.0  # [s] for how long a voltage may stay in force
 
 
 class Pressures(NamedTuple):
@@ -90,7 +92,6 @@ class Motion(NamedTuple):
 class AxisMemory(NamedTuple):
     """What `State` holds of one axis, and what is given to its valve."""
 
-    spool: float
     hold: Hold
     voltage: float
     saturated: bool
@@ -123,7 +124,8 @@ def step(
         pressures: None when no fresh measurement is there: the nominal drop is assumed, as it is for
             pressures that cannot be true.
         p: what the driver knows of the machine.
-        dt: time since the last step [s].
+        dt: for how long the last voltages were in force [s], by the machine's time; 0 where these commands
+            come so close behind others that those were never obeyed.
         motion: None when no fresh measurement is there: nothing is learnt.
     """
     seen = UNSEEN if pressures is None else pressures
@@ -136,7 +138,9 @@ def step_seen(
     """Do as `step`; what is not measured is NaN (`UNSEEN`, `STILL`), for a compiler knows no None."""
     seen = plausible(pressures, p)
     state = _filter_loads(state, pressures, seen, p, dt)
-    if p.adapt:
+    if dt > 0.0:
+        state = _moved_on(state, p, dt)
+    if p.adapt and dt > 0.0:
         state = state._replace(learners=_learn(state, pressures, motion, seen, p, dt))
     supply, mean = p.idle_pressure, -1.0
     if seen:
@@ -145,15 +149,8 @@ def step_seen(
     swing = _axis(0, command[0], mean, supply, state, p, dt)
     boom = _axis(1, command[1], -1.0, supply, state, p, dt)
     stick = _axis(2, command[2], -1.0, supply, state, p, dt)
-    before = state.spools
     phase = (state.phase + p.dither_frequency * dt) % 1.0
     after = state._replace(
-        spools=(swing.spool, boom.spool, stick.spool),
-        strokes=(
-            0.5 * (before[0] + swing.spool),
-            0.5 * (before[1] + boom.spool),
-            0.5 * (before[2] + stick.spool),
-        ),
         holds=(swing.hold, boom.hold, stick.hold),
         voltages=(swing.voltage, boom.voltage, stick.voltage),
         saturated=(swing.saturated, boom.saturated, stick.saturated),
@@ -167,6 +164,23 @@ def step_seen(
     )
 
 
+def _moved_on(state: State, p: Parameters, dt: float) -> State:
+    """Return the state with the spools where the last voltages have brought them in dt [s].
+
+    A voltage that was in force for longer than usual lets expect that the next ones may be, too: the longest
+    time, forgotten in `FORGOTTEN`.
+    """
+    before, volts = state.spools, state.voltages
+    swing = volts[0] + _left(p.axes[0], dt) * (before[0] - volts[0])
+    boom = volts[1] + _left(p.axes[1], dt) * (before[1] - volts[1])
+    stick = volts[2] + _left(p.axes[2], dt) * (before[2] - volts[2])
+    return state._replace(
+        spools=(swing, boom, stick),
+        strokes=(0.5 * (before[0] + swing), 0.5 * (before[1] + boom), 0.5 * (before[2] + stick)),
+        ahead=max(dt, dt + math.exp(-dt / FORGOTTEN) * (state.ahead - dt)),
+    )
+
+
 def _axis(
     i: int, command: float, mean: float, supply: float, state: State, p: Parameters, dt: float
 ) -> AxisMemory:
@@ -174,7 +188,7 @@ def _axis(
     axis, spool = p.axes[i], state.spools[i]
     rated = axis.valve.forward.rated_voltage
     if not math.isfinite(command):
-        return AxisMemory(spool * _left(axis, dt), SHUT, 0.0, False)
+        return AxisMemory(SHUT, 0.0, False)
     low = axis.valve.backward.rated_voltage
     hold, wanted, saturated = state.holds[i], command, False
     if p.compensate:
@@ -192,14 +206,13 @@ def _axis(
         gently = hold.calm_for >= CALM and hold.wide > 2.0
         if p.beyond_valve and wanted != 0.0 and not gently and math.copysign(1.0, wanted) * spool < edge:
             # A first-order spool comes to just beyond the overlap only after some time constants; asked for
-            # more, it is there in one period. Outside the overlap the command's lead makes up for the lag; at
-            # rest there is time.
-            wanted = spool + (wanted - spool) / (1.0 - _left(axis, dt))
-    most = p.slew_limit * dt
+            # more, it is there in one period; in force for longer, that would throw the valve wide open.
+            # Outside the overlap the command's lead makes up for the lag; at rest there is time.
+            wanted = spool + (wanted - spool) / (1.0 - _left(axis, state.ahead))
+    most = p.slew_limit * dt if dt > 0.0 or p.slew_limit < math.inf else math.inf  # not inf * 0
     slewed = max(state.voltages[i] - most, min(state.voltages[i] + most, wanted))
     voltage = max(-low, min(rated, slewed))
-    after = voltage + _left(axis, dt) * (spool - voltage)
-    return AxisMemory(after, hold, voltage, saturated)
+    return AxisMemory(hold, voltage, saturated)
 
 
 def _left(axis: AxisDriver, dt: float) -> float:

@@ -46,7 +46,8 @@ class ValveDriverNode(Node):
             self._tunables.declare(tunable.name, default, *tunable[1:])
         self._core = valve_driver.parameters(machine, valve_driver.Settings(**self._tunables.values))
         self._tunables.watch(partial(self._set, machine))
-        self._period = StampedPeriod(get("period", 0.005, "nominal period of the commands", "s", 1e-4, 0.1))
+        nominal = get("period", 0.005, "nominal period of the commands", "s", 1e-4, 0.1)
+        self._period = StampedPeriod(nominal, least=0.0)
         self._command_timeout = get("command_timeout", 0.1, "age at which a command is lost", "s", 0.01, 0.2)
         timeout = get("pressure_timeout", 0.1, "age at which pressures are lost", "s", 0.01, 2.0)
         self._shadow = get("shadow", False, "compute everything, publish no voltage")
@@ -88,8 +89,8 @@ class ValveDriverNode(Node):
         if self._stop.pressed:
             self._stand_still()
             return
-        dt = self._period.since(reading.stamp_ns)
         problem = self._measured.read(self._core.adapt)
+        dt = self._period.since(self._measured.machine_time(reading.stamp_ns))
         self._health.note("pressures", problem and f"{problem}; the nominal load is taken")
         pressures, motion = self._measured.pressures(), self._measured.motion()
         self._state, voltages = valve_driver.step(

@@ -9,6 +9,7 @@ from forest_msgs_py import topics
 from forest_msgs_py.unpacking import ArrayReader, JointReader
 
 Triple = tuple[float, float, float]
+LATEST_NS = 100_000_000  # pressures that are newer by more have another clock
 
 
 def _labels(place: str, port: int) -> tuple[str, ...]:
@@ -38,6 +39,7 @@ class Measurements:
         self._ports: list[Triple] = []
         self._valves: list[Triple] = []
         self._supply, self._positions = 0.0, [math.nan] * len(topics.ACTUATORS)
+        self._stamp = 0  # [ns] of the newest pressures
         self._received = dict.fromkeys(("ports", "valves", "supply", *topics.ACTUATORS), -math.inf)
 
     def read(self, learning: bool) -> str:
@@ -45,11 +47,11 @@ class Measurements:
         problem = ""
         pressures, supply, actuators = (box.newest() for box in self._boxes)
         if pressures:
-            ports, problem = _arrays(pressures.message, self._port_readers)
+            ports, problem, self._stamp = _arrays(pressures.message, self._port_readers)
             if not problem:
                 self._ports, self._received["ports"] = ports, pressures.time
             if learning:
-                valves, missing = _arrays(pressures.message, self._valve_readers)
+                valves, missing, _ = _arrays(pressures.message, self._valve_readers)
                 if not missing:
                     self._valves, self._received["valves"] = valves, pressures.time
         if supply:
@@ -62,6 +64,13 @@ class Measurements:
                 if not state.problem:
                     self._positions[i], self._received[name] = state.values.position[0], actuators.time
         return problem
+
+    def machine_time(self, stamp_ns: int) -> int:
+        """Return how far the machine is [ns] when the command for a state with this stamp is carried out.
+
+        A late command meets a machine that is further than the state it answers: the newest pressures tell.
+        """
+        return self._stamp if 0 < self._stamp - stamp_ns < LATEST_NS else stamp_ns
 
     def pressures(self) -> Pressures | None:
         """Return what the transducers say, or None: then the driver takes the nominal pressure drop."""
@@ -85,9 +94,10 @@ class Measurements:
         return bool(self._pace.now() - self._received[what] <= self._timeout)
 
 
-def _arrays(data: bytes, readers: list[ArrayReader]) -> tuple[list[Triple], str]:
-    readings = [reader.read(data, 0) for reader in readers]
-    return [reading.values for reading in readings], readings[0].problem or readings[1].problem
+def _arrays(data: bytes, readers: list[ArrayReader]) -> tuple[list[Triple], str, int]:
+    """Return the values, what is wrong with them or "", and their stamp [ns]."""
+    one, two = [reader.read(data, 0) for reader in readers]
+    return [one.values, two.values], one.problem or two.problem, one.stamp_ns
 
 
 def status(state: State, p: Parameters) -> list[float]:

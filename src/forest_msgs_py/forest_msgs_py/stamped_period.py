@@ -6,14 +6,15 @@ LONGEST = 0.05  # [s]; a machine slower than 20 Hz is not followed
 
 
 class StampedPeriod:
-    """Measures dt from successive stamps, kept between half the nominal period and `LONGEST`.
+    """Measures dt from successive stamps, kept between a least one and `LONGEST`.
 
     Args:
         nominal: the period [s] that the publisher aims at; also the first dt.
+        least: dt [s]; default: half the nominal period.
     """
 
-    def __init__(self, nominal: float) -> None:
-        self._nominal = nominal
+    def __init__(self, nominal: float, least: float | None = None) -> None:
+        self._nominal, self._least = nominal, 0.5 * nominal if least is None else least
         self._last: int | None = None
 
     @property
@@ -25,4 +26,4 @@ class StampedPeriod:
         """Return the time from the last stamp to this one [s], clipped."""
         last, self._last = self._last, stamp_ns
         elapsed = self._nominal if last is None else (stamp_ns - last) * 1e-9
-        return max(0.5 * self._nominal, min(LONGEST, elapsed))
+        return max(self._least, min(LONGEST, elapsed))

@@ -152,10 +152,7 @@ class _Loop:
         )
         angles = sensors.true_joints(self._simulation, self._plant).position
         wish, command = self._answer(seen, operator)
-        pressures = _pressures(seen, self._drive.idle_pressure)
-        self._driver, volts = valve_driver.step(
-            self._driver, command, pressures, self._drive, PERIOD, _motion(seen)
-        )
+        volts = self._in_force(command, seen)
         self._reports = reported(self._reports, learnt_reach(self._driver.learners, self._drive.axes))
         self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
         return angles, wish, command, volts, seen.pressures
@@ -163,6 +160,17 @@ class _Loop:
     def _answer(self, seen: Measurement, operator: Operator) -> tuple[Triple, Triple]:
         """Return the tip's wish, and the command that reaches the driver."""
         return self._control_step(seen, operator)
+
+    def _in_force(self, command: Triple, seen: Measurement) -> Triple:
+        """Return the voltages under which the machine moves over this period."""
+        return self._drive_step(command, seen, PERIOD)
+
+    def _drive_step(self, command: Triple, seen: Measurement, dt: float) -> Triple:
+        pressures = _pressures(seen, self._drive.idle_pressure)
+        self._driver, volts = valve_driver.step(
+            self._driver, command, pressures, self._drive, dt, _motion(seen)
+        )
+        return volts
 
     def _control_step(self, seen: Measurement, operator: Operator) -> tuple[Triple, Triple]:
         """Return the tip's wish and the command; both zero while the joints' state cannot be believed."""
