@@ -13,8 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import work as benchmark
+from forest_compile import flat, machine_code
 from forest_description.machine import load_machine
-from forest_sim import compiled, flat, machine_code
+from forest_sim import compiled
 from forest_sim.equilibrium import equilibrium
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import STATE

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes .venv in the checkout and installs the locked dependencies and the six packages into it.
+# Makes .venv in the checkout and installs the locked dependencies and the seven packages into it.
 #
 #   scripts/setup.sh        what running and testing needs
 #   scripts/setup.sh dev    also the check tools (ruff, mypy, import-linter, pre-commit, colcon)
@@ -187,16 +187,18 @@ make_venv() {
     run_step "making .venv" "$python" -m venv "${options[@]}" "$venv"
 }
 
-compile_plant() { # once, for the simulator node, which never compiles; studies do by themselves, so nothing is fatal
-    local code
-    say "Compiling the plant (some seconds) …"
-    if run_quietly "$venv/bin/python" -m forest_sim.compiled; then
-        code=${step_text##*$'\n'}
-        [[ -s $code ]] || say "the compiled plant cannot be kept in ${code%/*}; the simulator node runs interpreted."
-    else
-        printf '%s\n' "$step_text" >>"$log" 2>/dev/null || true
-        say "the plant could not be compiled, so the simulator node runs interpreted (${step_text##*$'\n'})."
-    fi
+compile_laws() { # once, for the nodes, which never compile; studies do by themselves, so nothing is fatal
+    local module code
+    say "Compiling plant, controller and driver (some seconds) …"
+    for module in forest_sim.compiled forest_control.compiled; do
+        if run_quietly "$venv/bin/python" -m "$module"; then
+            code=${step_text##*$'\n'}
+            [[ -s $code ]] || say "what $module made cannot be kept in ${code%/*}; its nodes run interpreted."
+        else
+            printf '%s\n' "$step_text" >>"$log" 2>/dev/null || true
+            say "$module could not compile, so its nodes run interpreted (${step_text##*$'\n'})."
+        fi
+    done
 }
 
 install_run() {
@@ -205,7 +207,7 @@ install_run() {
     make_venv
     pip_install "installing ${lock##*/}" --require-hashes --only-binary=:all: -r "$lock"
     pip_install "installing the packages of src/" --no-build-isolation -e "$root"
-    compile_plant
+    compile_laws
     printf '%s\n' "$mode" >"$venv/.mode"
     printf '%s\n' "$run_key" >"$venv/.stamp-run"
     say "Done."

@@ -7,6 +7,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from forest_control.valve_driver import STILL, UNSEEN
 from forest_control.valve_driver_topics import Measurements
 from forest_msgs_py import topics
 from forest_msgs_py.cdr import to_cdr
@@ -87,8 +88,8 @@ def test_without_pressures_there_is_nothing_to_learn_from(pace):
     put_all(pace)
     measured.read(learning=True)
     pace.time = 1.2 * TIMEOUT
-    assert measured.motion() is None
-    assert measured.pressures() is None
+    assert measured.motion() is STILL
+    assert measured.pressures() is UNSEEN
 
 
 def test_the_newest_pressures_tell_how_far_the_machine_is_when_a_command_comes_late(pace):

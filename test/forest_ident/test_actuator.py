@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from forest_compile.kept import can_compile
 from forest_ident import (
     actuator_fit,
     actuator_kernel,
@@ -18,7 +19,6 @@ from forest_ident import (
 from forest_ident.actuator_fit import CENTRE, WIDTHS, Columns, Fit, Problem, rms
 from forest_ident.actuator_priors import PRIORS, actuator
 from forest_ident.ident_cli import main
-from forest_sim.compiled import can_compile
 
 compiled = pytest.mark.skipif(not can_compile(), reason="llvmlite is not installed: a fit would take minutes")
 PLACE = {prior.name: place for place, prior in enumerate(PRIORS)}

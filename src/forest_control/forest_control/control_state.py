@@ -52,6 +52,14 @@ class Output(NamedTuple):
     governed: Governed
 
 
+class Told(NamedTuple):
+    """What a step has to tell of itself and of the tip."""
+
+    output: Output
+    tip: Triple  # [m]
+    tip_velocity: Triple  # [m/s]
+
+
 class Wish(NamedTuple):
     """What the scheme is asked for, governed."""
 

@@ -15,6 +15,7 @@ from forest_control.control_state import REST as REST
 from forest_control.control_state import Inputs as Inputs
 from forest_control.control_state import Output as Output
 from forest_control.control_state import State as State
+from forest_control.control_state import Told as Told
 from forest_control.execution import carried_out, to_voltage
 from forest_control.governor import Governed, Limit, govern
 from forest_control.handover import clutched, relearnt, resumed, taken_over
@@ -29,7 +30,7 @@ from forest_control.stopping import NO_STOP, Stop
 from forest_control.valve_reach import RELAXED, Strains, Valves, open_wide, strained
 from forest_control.wish import governed_wish, wished_rates, wished_velocity
 from forest_control.wish import governor_at as governor_at
-from forest_description.kinematics import joint_rates, tip_position
+from forest_description.kinematics import joint_rates, tip_position, tip_velocity
 
 
 def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Output]:
@@ -42,6 +43,14 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
     strains = _strains(state, inputs, p, dt)
     state, output = _stepped(state, inputs, Valves(inputs.reach, strains), p, dt)
     return state._replace(correction=correction, strains=strains), output
+
+
+def told(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Told]:
+    """Do as `step`, and tell where the tip is and how it moves, by the angles that count."""
+    state, output = step(state, inputs, p, dt)
+    angles = corrected(inputs.angles, state.correction)
+    motion = tip_position(angles, p.links), tip_velocity(angles, inputs.rates, p.links)
+    return state, Told(output, motion[0], motion[1])
 
 
 def _strains(state: State, inputs: Inputs, p: Parameters, dt: float) -> Strains:

@@ -11,7 +11,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from forest_control import controller, joystick_watch, lever_hold
+from forest_control import compiled, controller, joystick_watch, lever_hold
 from forest_control.joystick_watch import (
     PROBLEMS,
     Joystick,
@@ -22,7 +22,7 @@ from forest_control.joystick_watch import (
     sample_of,
 )
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, RIGHT_Y, Triple
-from forest_control.position_source import UNREAD, Lengths, Source, corrected
+from forest_control.position_source import UNREAD, Lengths, Source
 from forest_control.profile import load_profile, shipped
 from forest_control.schemes import Scheme
 from forest_control.tunables import TUNABLES, as_typed, settings_from
@@ -30,7 +30,6 @@ from forest_control.valve_reports import ValveReports
 from forest_control.workspace import Workspace
 from forest_control.workspace_file import load_workspace
 from forest_control.workspace_file import shipped as workspaces
-from forest_description.kinematics import tip_position, tip_velocity
 from forest_description.machine import Machine, load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
@@ -67,7 +66,7 @@ class ControllerNode(Node):
         self._state_timeout = get("state_timeout", 0.1, "age at which the state is lost", "s", 0.01, 0.2)
         self._deadman = get("deadman_button", LEFT_SHOULDER, "button to hold", low=0, high=BUTTON_COUNT - 1)
         self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
-        self._state = controller.REST
+        self._state, self._step = controller.REST, compiled.controller_step()
         tunables.watch(self._tune)
         self._state_received, self._order = -math.inf, StampOrder(self._state_timeout)
         self._joystick, self._joy_content, self._joy_problem = joystick_watch.REST, None, ""
@@ -161,8 +160,8 @@ class ControllerNode(Node):
         inputs = controller.Inputs(angles, rates, *self._operator(True, sent, dt), lengths, *valves)
         if self._stop.pressed:
             self._state = controller.REST  # from which there is no ramp: zero at once
-        self._state, output = controller.step(self._state, inputs, self._core, dt)
-        self._publish(reading.stamp_ns, corrected(angles, self._state.correction), rates, output)
+        self._state, told = self._step(self._state, inputs, self._core, dt)
+        self._publish(reading.stamp_ns, told)
 
     def _cylinders(self, stamp: int) -> Lengths:
         """Return the lengths [m] of boom and stick cylinder at a stamp; NaN if they are not to be had."""
@@ -203,11 +202,11 @@ class ControllerNode(Node):
             return ""
         return "the levers must be centred and the deadman released"
 
-    def _publish(self, stamp: int, angles: Triple, rates: Triple, output: controller.Output) -> None:
-        links = self._core.links
+    def _publish(self, stamp: int, told: controller.Told) -> None:
+        output = told.output
         self._command.say(stamp, output.command)
-        self._pose.say(stamp, tip_position(angles, links))
-        self._twist.say(stamp, tip_velocity(angles, rates, links))
+        self._pose.say(stamp, told.tip)
+        self._twist.say(stamp, told.tip_velocity)
         if self._core.scheme != Scheme.JOINT:
             self._wish.say(stamp, output.tip_wish)
         watch, held_back = self._joystick, output.governed

@@ -11,7 +11,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from forest_control import valve_driver
+from forest_control import compiled, valve_driver
 from forest_control.levers import Triple
 from forest_control.valve_driver_topics import Measurements, status
 from forest_control.valve_reach import SAID_EVERY
@@ -52,7 +52,7 @@ class ValveDriverNode(Node):
         timeout = get("pressure_timeout", 0.1, "age at which pressures are lost", "s", 0.01, 2.0)
         self._shadow = get("shadow", False, "compute everything, publish no voltage")
         self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
-        self._state = valve_driver.REST
+        self._state, self._step = valve_driver.REST, compiled.driver_step()
         self._command_received, self._count = -math.inf, 0
         self._order, self._asked = StampOrder(self._command_timeout), ZERO
         said = self._pace.publisher(topics.DIAGNOSTICS)
@@ -93,9 +93,7 @@ class ValveDriverNode(Node):
         dt = self._period.since(self._measured.machine_time(reading.stamp_ns))
         self._health.note("pressures", problem and f"{problem}; the nominal load is taken")
         pressures, motion = self._measured.pressures(), self._measured.motion()
-        self._state, voltages = valve_driver.step(
-            self._state, reading.values, pressures, self._core, dt, motion
-        )
+        self._state, voltages = self._step(self._state, reading.values, pressures, motion, self._core, dt)
         self._publish(reading.stamp_ns, voltages)
         if self._count % SAID_EVERY == 0:
             self._status.say(reading.stamp_ns, status(self._state, self._core))

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from forest_control import valve_adaptation as adaptation
-from forest_control.valve_driver import Motion, Parameters, Pressures, State
+from forest_control.valve_driver import STILL, UNSEEN, Motion, Parameters, Pressures, State
 from forest_msgs_py import topics
 from forest_msgs_py.unpacking import ArrayReader, JointReader
 
@@ -72,18 +72,18 @@ class Measurements:
         """
         return self._stamp if 0 < self._stamp - stamp_ns < LATEST_NS else stamp_ns
 
-    def pressures(self) -> Pressures | None:
-        """Return what the transducers say, or None: then the driver takes the nominal pressure drop."""
+    def pressures(self) -> Pressures:
+        """Return what the transducers say, or `UNSEEN`: then the driver takes the nominal pressure drop."""
         if not self._fresh("ports"):
-            return None
+            return UNSEEN
         return Pressures(
             self._ports[0], self._ports[1], self._supply if self._fresh("supply") else self._idle
         )
 
-    def motion(self) -> Motion | None:
+    def motion(self) -> Motion:
         """Return what the driver may learn from; of an actuator whose position is not measured, NaN."""
         if not (self._fresh("valves") and self._fresh("supply")):
-            return None
+            return STILL
         swing, boom, stick = (
             x if self._fresh(name) else math.nan
             for name, x in zip(topics.ACTUATORS, self._positions, strict=True)

@@ -12,11 +12,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from forest_compile import flat, machine_code, translate
+from forest_compile.kept import can_compile
 from forest_ident import actuator_steps
 from forest_ident.actuator_model import Parameters
 from forest_ident.actuator_steps import SUBSTEPS
-from forest_sim import flat, machine_code, translate
-from forest_sim.compiled import can_compile
 
 Floats = NDArray[np.float64]
 BEYOND = 100.0  # what a simulation that ran away is said to have given

@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from forest_compile.kept import can_compile
 from forest_ident import actuator_fit, actuator_record
 from forest_ident.actuator_fit import Columns, Fit, Floats, rms
 from forest_ident.actuator_priors import PRIORS, actuator, unit, unit_factor
 from forest_ident.actuator_record import Record, RecordError, Scales
-from forest_sim.compiled import can_compile
 
 STARTS, STARTS_INTERPRETED = 32, 1
 TOLD = 0.8  # of a prior's width: a standard error above that was not told by the record

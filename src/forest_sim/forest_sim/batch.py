@@ -11,8 +11,8 @@ from functools import partial
 from multiprocessing import get_context
 from typing import NamedTuple, TypeVar
 
+from forest_compile.kept import can_compile
 from forest_description.machine import Machine
-from forest_sim.compiled import can_compile
 from forest_sim.inputs import Voltages
 from forest_sim.manipulator import Triple
 from forest_sim.simulation import Block, Run, checked_angles, start_angles, whole

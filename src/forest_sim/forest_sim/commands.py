@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from forest_compile.kept import can_compile
 from forest_description.kinematics import tip_position
 from forest_description.machine import AXES, Machine
 from forest_sim import check, modes, pumps, summary
-from forest_sim.compiled import can_compile
 from forest_sim.disturbance import UNDISTURBED, Disturbance
 from forest_sim.energy import account
 from forest_sim.equilibrium import equilibrium

@@ -2,35 +2,31 @@
 
 The laws stay ordinary Python; here, and only here, they are handed to a compiler. Compiled and interpreted
 steps agree to the last bit, but for squares: Python's `x**2` is the C library's power, which in one of a
-thousand is a last bit off the product. The object is kept in a cache under a digest of the laws' sources;
-making it takes some two seconds (`python -m forest_sim.compiled`), loading it some milliseconds.
+thousand is a last bit off the product. Making the machine code takes some two seconds
+(`python -m forest_sim.compiled`), loading it (`forest_compile.kept`) some milliseconds.
 """
 
-import hashlib
-import importlib.util
-import os
 import sys
 import threading
 from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from forest_compile import flat, machine_code, translate
+from forest_compile.kept import Kept, can_compile
+from forest_compile.llvm_text import number
 from forest_description import linkage, valve
 from forest_description.machine import load_machine
 from forest_sim import (
     actuator,
     end_stop,
-    flat,
     friction,
     integrator,
     line,
-    llvm_text,
-    machine_code,
     manipulator,
     mechanics,
     parameters,
@@ -42,14 +38,9 @@ from forest_sim import (
     spool,
     stage,
     supply,
-    translate,
-    translate_expressions,
-    translate_numbers,
-    translate_statements,
 )
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation
-from forest_sim.llvm_text import number
 from forest_sim.manipulator import Triple
 from forest_sim.pace import Pace, given
 from forest_sim.parameters import PlantParameters, plant_parameters
@@ -71,15 +62,6 @@ LAWS: tuple[ModuleType, ...] = (
     stage,
     integrator,
     power,
-)
-COMPILER: tuple[ModuleType, ...] = (
-    llvm_text,
-    translate_numbers,
-    translate_expressions,
-    translate_statements,
-    translate,
-    machine_code,
-    flat,
 )
 # What is seldom called, or only with the energy account: written out, it would make the whole larger.
 APART = (
@@ -121,31 +103,9 @@ def compiled_record() -> Record:
     return _compiled()[1]
 
 
-@lru_cache(maxsize=1)
-def loaded_kernel() -> machine_code.Kernel:
-    """Return the compiled kernel, which moves a flat machine in place (`stepper`); it is made if need be.
-
-    Raises:
-        ModuleNotFoundError: as `compiled_advance`.
-    """
-    code = _cached()
-    if code is None:
-        code = machine_code.optimised(kernel_text())
-        machine_code.write(_cache_file(), code)
-    return machine_code.load(code, ARGUMENTS)
-
-
 def ready_advance() -> Advance | None:
     """Return the compiled `integrator.advance` if its code is there; None if it would have to be made."""
-    try:
-        return compiled_advance() if _cached() is not None else None
-    except ModuleNotFoundError:
-        return None
-
-
-def can_compile() -> bool:
-    """Tell whether compiled code can be made and loaded."""
-    return importlib.util.find_spec("llvmlite") is not None
+    return compiled_advance() if KEPT.is_ready else None
 
 
 def fastest_record() -> Record:
@@ -155,7 +115,7 @@ def fastest_record() -> Record:
 
 @lru_cache(maxsize=1)
 def _compiled() -> tuple[Advance, Record]:
-    return _around(loaded_kernel())
+    return _around(KEPT.kernel())
 
 
 class _Flat(threading.local):
@@ -281,31 +241,14 @@ def _example() -> tuple[Simulation, PlantParameters]:
     return equilibrium((0.0, 0.5, -1.5), p), p
 
 
-def _cached() -> bytes | None:
-    try:
-        return _cache_file().read_bytes()
-    except OSError:
-        return None
-
-
-@lru_cache(maxsize=1)
-def _cache_file() -> Path:
-    """Return where this version's object code lies for this interpreter and processor."""
-    digest = hashlib.sha256(f"{sys.version} {machine_code.processor()}".encode())
-    for module in (*LAWS, *COMPILER, parameters, sys.modules[__name__]):
-        digest.update(Path(str(module.__file__)).read_bytes())
-    return cache_directory() / f"{digest.hexdigest()[:24]}.o"
-
-
-def cache_directory() -> Path:
-    """Return where object code is kept."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "forest_sim"
+KEPT = Kept("plant", (*LAWS, parameters, sys.modules[__name__]), kernel_text, ARGUMENTS)
+"""The kernel, which moves a flat machine in place (`stepper`)."""
 
 
 def main() -> None:
     """Make the object code if it is not there, and tell where it is."""
     _compiled()
-    print(_cache_file())
+    print(KEPT.file)
 
 
 if __name__ == "__main__":

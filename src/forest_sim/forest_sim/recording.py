@@ -14,7 +14,7 @@ of `power` are integrated over the integrator's own steps with the trapezoidal r
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_sim import flat
+from forest_compile import flat
 from forest_sim.integrator import Events, Simulation, step
 from forest_sim.mechanics import HANGING_STILL, HeadState
 from forest_sim.pace import Pace, given

@@ -9,8 +9,8 @@ import ctypes
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_sim import flat
-from forest_sim.compiled import loaded_kernel
+from forest_compile import flat
+from forest_sim.compiled import KEPT
 from forest_sim.integrator import Simulation
 from forest_sim.manipulator import Triple
 from forest_sim.parameters import PlantParameters
@@ -28,7 +28,7 @@ class Stepper:
         Raises:
             ModuleNotFoundError: llvmlite is not installed.
         """
-        self._kernel = loaded_kernel()
+        self._kernel = KEPT.kernel()
         self.state: NDArray[np.float64] = np.array(flat.packer(simulation)(simulation), dtype=np.float64)
         """What `recording.STATE` names; it may be read and written between calls."""
         self._parameters = np.array(flat.packer(p)(p), dtype=np.float64)

@@ -3,7 +3,7 @@
     loop, levers -> sensors -> controller -> driver -> plant -> loop, what happened
 
 It does what a `closed_loop` period does, number by number, with those of the sensors that control reads.
-Everything here is pure and stays in the subset of Python that `forest_sim.translate` takes; `loop_kernel`
+Everything here is pure and stays in the subset of Python that `forest_compile.translate` takes; `loop_kernel`
 makes the machine code.
 """
 

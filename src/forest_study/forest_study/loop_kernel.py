@@ -1,51 +1,24 @@
 """The closed loop as machine code: `loop_core.period` over and over, for studies of thousands of runs.
 
-A run gives what `closed_loop.run` gives, to the last bit, for sensors without faults. The object is kept in
-the cache beside the plant's (`forest_sim.compiled`), under a digest of the sources of all that is in it.
-Python's lock is released while a run is under way, so that threads use all cores.
+A run gives what `closed_loop.run` gives, to the last bit, for sensors without faults. Python's lock is
+released while a run is under way, so that threads use all cores.
 """
 
-import hashlib
 import sys
 from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_control import (
-    capacity,
-    control_state,
-    controller,
-    coordination,
-    execution,
-    governor,
-    hand,
-    handover,
-    levers,
-    plausibility,
-    position_source,
-    schemes,
-    settings,
-    singularity,
-    stopping,
-    swing_load,
-    valve_adaptation,
-    valve_driver,
-    valve_flow,
-    valve_hold,
-    valve_inverse,
-    valve_knowledge,
-    valve_reach,
-    wish,
-    workspace,
-)
-from forest_description import actuation, kinematics
+from forest_compile import flat, machine_code, translate
+from forest_compile.kept import Kept
+from forest_control import compiled as control_compiled
+from forest_control import controller, levers, valve_driver, valve_reach
 from forest_description.machine import Machine, load_machine
-from forest_sim import channel, compiled, flat, machine_code, measurement, sensor_suite, sensors, translate
+from forest_sim import channel, compiled, measurement, sensor_suite, sensors
 from forest_sim.equilibrium import equilibrium
 from forest_sim.manipulator import Triple
 from forest_sim.parameters import PlantParameters, plant_parameters
@@ -57,14 +30,11 @@ from forest_study.loop_core import CHANNEL_COUNT, Happened, Knowledge, Loop, Sen
 Floats = NDArray[np.float64]
 
 LAWS: tuple[ModuleType, ...] = (
-    *(actuation, kinematics, channel, measurement, sensor_suite, sensors),
-    *(capacity, control_state, controller, coordination, execution, governor, hand, handover, levers),
-    *(plausibility, position_source, schemes, settings, singularity, stopping),
-    *(swing_load, valve_adaptation, valve_driver, valve_flow, valve_hold, valve_inverse, valve_knowledge),
-    *(valve_reach, wish, workspace, closed_loop, loop_core),
+    *(*compiled.LAWS, compiled, *control_compiled.LAWS, control_compiled),
+    *(channel, measurement, sensor_suite, sensors, closed_loop, loop_core),
 )
 # What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
-APART = (*compiled.APART, "_stopping", "taken_over", "nearest_pose", "share", "slid", "tip_following")
+APART = (*compiled.APART, *control_compiled.APART)
 # state, knowledge, levers (4 a row: swing, boom, stick, enabled), normals, recorded, rows
 ARGUMENTS = "pppppi"
 RECORDED = 27
@@ -83,7 +53,7 @@ class Prepared(NamedTuple):
         rows, state = len(self.levers), self.state.copy()
         recorded = np.empty((rows, RECORDED))
         arrays = state, self.knowledge, self.levers, self.normals, recorded
-        kernel()(*(array.ctypes.data for array in arrays), rows)
+        KEPT.kernel()(*(array.ctypes.data for array in arrays), rows)
         columns = np.split(recorded, (3, 6, 9, 12, 15), axis=1)  # of `Happened`
         return Trajectory(PERIOD * np.arange(rows, dtype=np.float64), *columns)
 
@@ -177,27 +147,6 @@ def _pack(kind: str, value: Loop | Knowledge) -> Floats:
 _packers: dict[str, Callable[[Any], flat.Row]] = {}
 
 
-@lru_cache(maxsize=1)
-def kernel() -> machine_code.Kernel:
-    """Return the compiled loop; it is made if need be.
-
-    Raises:
-        ModuleNotFoundError: llvmlite is not installed.
-    """
-    file = cache_file()
-    try:
-        code = file.read_bytes()
-    except OSError:
-        code = machine_code.optimised(kernel_text())
-        machine_code.write(file, code)
-    return machine_code.load(code, ARGUMENTS)
-
-
-def is_ready() -> bool:
-    """Tell whether the compiled loop is there, or would have to be made first."""
-    return compiled.can_compile() and cache_file().exists()
-
-
 def kernel_text() -> str:
     """Return the loop as LLVM's text: levers and draws in, what happened out, a row a period."""
     k, loop = _example()
@@ -233,10 +182,5 @@ def _example() -> tuple[Knowledge, Loop]:
     return k, begin(k, (0.0, 0.5, -1.5), suite)
 
 
-@lru_cache(maxsize=1)
-def cache_file() -> Path:
-    """Return where this version's object code lies for this interpreter and processor."""
-    digest = hashlib.sha256(f"{sys.version} {machine_code.processor()}".encode())
-    for module in (*compiled.LAWS, *compiled.COMPILER, compiled, *LAWS, sys.modules[__name__]):
-        digest.update(Path(str(module.__file__)).read_bytes())
-    return compiled.cache_directory() / f"loop-{digest.hexdigest()[:24]}.o"
+KEPT = Kept("loop", (*LAWS, sys.modules[__name__]), kernel_text, ARGUMENTS)
+"""The compiled loop."""

@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
+from forest_compile.kept import can_compile
 from forest_control.position_source import Source
 from forest_control.schemes import LABELS, scheme_named
 from forest_description.machine import Machine, load_machine
-from forest_sim import compiled
 from forest_study import mismatch
 from forest_study.exclusive import Failure
 from forest_study.paths import NAMES, TipPath, path_named
@@ -91,7 +91,7 @@ def run(options: argparse.Namespace) -> int:
     """
     from forest_study.cli import StudyError, new_directory  # which imports this module
 
-    if not compiled.can_compile():
+    if not can_compile():
         raise StudyError("track needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
     if options.through_ros and options.mismatch:
         raise StudyError("track: --through-ros does not go with --mismatch: nodes read machines from files")

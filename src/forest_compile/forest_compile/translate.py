@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from types import FunctionType
 from typing import Any
 
-from forest_sim.llvm_text import (
+from forest_compile.llvm_text import (
     DOUBLE,
     WHOLE,
     Function,
@@ -25,9 +25,9 @@ from forest_sim.llvm_text import (
     scalars,
     size,
 )
-from forest_sim.translate_expressions import Frame
-from forest_sim.translate_numbers import ONE_ARGUMENT, TWO_ARGUMENTS, NotTranslatedError
-from forest_sim.translate_statements import Statements, Variables
+from forest_compile.translate_expressions import Frame
+from forest_compile.translate_numbers import ONE_ARGUMENT, TWO_ARGUMENTS, NotTranslatedError
+from forest_compile.translate_statements import Statements, Variables
 
 KINDS = {"p": "ptr noalias", "d": DOUBLE, "i": WHOLE}
 

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from forest_sim.llvm_text import DOUBLE, TRUTH, WHOLE, Function, Record, Scalar, Value
+from forest_compile.llvm_text import DOUBLE, TRUTH, WHOLE, Function, Record, Scalar, Value
 
 TRUE, FALSE = Scalar(TRUTH, "true"), Scalar(TRUTH, "false")
 ZERO, INFINITE = Scalar(WHOLE, "0"), Scalar(DOUBLE, "0x7FF0000000000000")

@@ -9,9 +9,9 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_sim import flat, machine_code
-from forest_sim.translate import Library
-from forest_sim.translate_numbers import NotTranslatedError
+from forest_compile import flat, machine_code
+from forest_compile.translate import Library
+from forest_compile.translate_numbers import NotTranslatedError
 
 LIMITS = (-1.0, 2.0)
 POWERS = (1.0, 0.5, 0.25, 0.125)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from types import FunctionType
 from typing import Any
 
-from forest_sim.llvm_text import (
+from forest_compile.llvm_text import (
     DOUBLE,
     TRUTH,
     WHOLE,
@@ -21,7 +21,7 @@ from forest_sim.llvm_text import (
     constant,
     scalars,
 )
-from forest_sim.translate_numbers import FALSE, TRUE, NotTranslatedError, Numbers
+from forest_compile.translate_numbers import FALSE, TRUE, NotTranslatedError, Numbers
 
 
 class Frame:

@@ -12,9 +12,20 @@ from pathlib import Path
 from types import FunctionType
 from typing import Protocol
 
-from forest_sim.llvm_text import DOUBLE, TRUTH, WHOLE, Function, Row, Scalar, Stored, Value, rebuilt, scalars
-from forest_sim.translate_expressions import Expressions, Frame
-from forest_sim.translate_numbers import NotTranslatedError
+from forest_compile.llvm_text import (
+    DOUBLE,
+    TRUTH,
+    WHOLE,
+    Function,
+    Row,
+    Scalar,
+    Stored,
+    Value,
+    rebuilt,
+    scalars,
+)
+from forest_compile.translate_expressions import Expressions, Frame
+from forest_compile.translate_numbers import NotTranslatedError
 
 Variables = dict[str, Value]
 

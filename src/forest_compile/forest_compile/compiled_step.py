@@ -1,0 +1,125 @@
+"""A core's step as machine code, behind the same call: `step(state, *inputs, p, dt) -> (state, output)`.
+
+State, inputs, parameters and output are nested NamedTuples of numbers, each of one shape, and lie flat for
+the machine code (`flat`). Parameters seldom change, and a loop hands back the state that it was given: both
+are laid out again only if they are others. So a state is built for Python only when somebody looks at it.
+"""
+
+import ctypes
+import struct
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from forest_compile import flat, machine_code, translate
+
+ARGUMENTS = "ppppd"  # state, inputs, parameters, output; dt
+_HEAD = "def kernel(state, inputs, parameters, output, dt):"
+
+
+class Example(NamedTuple):
+    """What a step takes and gives; any numbers will do."""
+
+    state: Any
+    inputs: tuple[Any, ...]
+    p: Any
+    output: Any
+
+
+def kernel_text(step: Callable[..., Any], example: Example, apart: tuple[str, ...]) -> str:
+    """Return a step as LLVM's text.
+
+    Args:
+        step: of the laws.
+        example: of what it takes and gives.
+        apart: names of functions that stay functions; see `translate`.
+    """
+    given = ", ".join(f"given[{i}]" for i in range(len(example.inputs)))
+    lines = [
+        _HEAD,
+        f"    after, result = step(before, {given}, p, dt)",
+        *(f"    state[{i}] = {path}" for i, (path, _) in enumerate(flat.leaves(example.state, "after"))),
+        *(f"    output[{i}] = {path}" for i, (path, _) in enumerate(flat.leaves(example.output, "result"))),
+    ]
+    library = translate.Library(apart)
+    library.entry(
+        *(machine_code.ENTRY, "\n".join(lines), {"step": step}, ARGUMENTS),
+        views={"p": ("parameters", example.p), "given": ("inputs", example.inputs)},
+        copies={"before": ("state", example.state)},
+    )
+    return "\n".join(library.text())
+
+
+class Row:
+    """A nested tuple that lies flat."""
+
+    def __init__(self, example: Any) -> None:
+        self._pack, self._unpack = flat.packer(example), flat.unpacker(example)
+        self._numbers = struct.Struct(f"{sum(1 for _ in flat.leaves(example, ''))}d")
+        self._row = ctypes.create_string_buffer(self._numbers.size)
+        self.at = ctypes.addressof(self._row)
+
+    def store(self, value: Any) -> None:
+        """Lay a tuple out."""
+        self._numbers.pack_into(self._row, 0, *self._pack(value))
+
+    def restore(self) -> Any:
+        """Build the tuple that lies here."""
+        return self._unpack(self._numbers.unpack_from(self._row))
+
+
+class Moved:
+    """A state that lies flat; it is built when somebody looks at it, before the next step moves on."""
+
+    def __init__(self, row: Row) -> None:
+        self._row: Row | None = row
+        self._built: Any = None
+
+    def built(self) -> Any:
+        """Return the state.
+
+        Raises:
+            RuntimeError: the step has been called with another state since.
+        """
+        if self._built is None:
+            if self._row is None:
+                raise RuntimeError("the step has moved on from this state, at which nobody looked in time")
+            self._built = self._row.restore()
+        return self._built
+
+    def pass_by(self) -> None:
+        """Know no more where the state lies."""
+        self._row = None
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.built(), name)
+
+
+class CompiledStep:
+    """The call.
+
+    Args:
+        kernel: the loaded code of `kernel_text`.
+        example: as of `kernel_text`.
+    """
+
+    def __init__(self, kernel: machine_code.Kernel, example: Example) -> None:
+        self._kernel = kernel
+        self._state, self._inputs, self._p, self._output = map(Row, example)
+        self._at = tuple(row.at for row in (self._state, self._inputs, self._p, self._output))
+        self._known: Any = None  # parameters that lie flat
+        self._moved: Moved | None = None
+
+    def __call__(self, state: Any, *arguments: Any) -> tuple[Any, Any]:
+        """Return the state a step later, and the output; arguments are the inputs, the parameters, dt [s]."""
+        *inputs, p, dt = arguments
+        if p is not self._known:
+            self._known = p
+            self._p.store(p)
+        if state is not self._moved:
+            self._state.store(state.built() if isinstance(state, Moved) else state)
+        if self._moved is not None:
+            self._moved.pass_by()
+        self._inputs.store(inputs)
+        self._kernel(*self._at, dt)
+        self._moved = Moved(self._state)
+        return self._moved, self._output.restore()

@@ -1,0 +1,103 @@
+"""The compiled steps are the interpreted ones to the last bit, of every machine; without code, these run."""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("llvmlite")
+
+from forest_compile import kept, translate_statements
+from forest_control import compiled, controller, valve_driver
+from forest_control.levers import Levers
+from forest_control.position_source import UNREAD
+from forest_control.schemes import Scheme
+from forest_description.machine import load_machine
+
+DT = 0.005
+MACHINES = ("c180", "c180_thesis")
+
+
+def walk(seed, count, low, high):
+    """Random walks from low to high, one in a row."""
+    steps = np.random.default_rng(seed).normal(0.0, 0.05, (count, len(low))).cumsum(axis=0)
+    return (np.add(low, high) / 2 + np.subtract(high, low) / 2 * np.sin(steps)).tolist()
+
+
+def control_inputs(seed, count=150):
+    """Levers, angles and rates that wander, a deadman that is let go, transducers that come and go."""
+    rows = walk(seed, count, [-1, 0, -2, -1, -1, -1, -1, -1, -1], [1, 1, -0.5, 1, 1, 1, 1, 1, 1])
+    for k, row in enumerate(rows):
+        lengths = UNREAD if k % 7 == 3 else (1.9, 1.7)
+        yield controller.Inputs(tuple(row[:3]), tuple(row[3:6]), Levers(*row[6:]), k % 50 < 40, lengths)
+
+
+def run(step, state, p, arguments):
+    """The outputs of a session; what the operator changes half way is told as the node tells it."""
+    told = []
+    for k, inputs in enumerate(arguments):
+        if k == 75 and isinstance(p, controller.Parameters):
+            p, state = p._replace(lead=0.5 * p.lead), state._replace(changed=True)
+        state, output = step(state, *inputs, p, DT)
+        told.append(output)
+    return told, state.built() if hasattr(state, "built") else state
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+@pytest.mark.parametrize("scheme", list(Scheme))
+def test_the_controllers_step_is_the_interpreted_one(machine, scheme):
+    compiled.CONTROLLER.kernel()
+    p = controller.parameters(load_machine(machine), controller.Settings(scheme=scheme))
+    inputs = [(one,) for one in control_inputs(int(scheme))]
+    fast = run(compiled.controller_step(), controller.REST, p, inputs)
+    assert fast == run(controller.told, controller.REST, p, inputs)
+    assert len({told.output.command for told in fast[0]}) > 50
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+@pytest.mark.parametrize("adapt", [False, True])
+def test_the_drivers_step_is_the_interpreted_one(machine, adapt):
+    compiled.DRIVER.kernel()
+    p = valve_driver.parameters(load_machine(machine), valve_driver.Settings(adapt=adapt))
+    rows = walk(5, 300, [-9] * 3 + [1e5] * 12 + [8e6] + [-1] * 3, [9] * 3 + [18e6] * 12 + [2e7] + [1] * 3)
+    inputs = []
+    for k, row in enumerate(rows):
+        seen = valve_driver.Pressures(tuple(row[3:6]), tuple(row[6:9]), row[15])
+        motion = valve_driver.Motion(tuple(row[16:]), tuple(row[9:12]), tuple(row[12:15]))
+        unseen = k % 60 > 50
+        pressures = valve_driver.UNSEEN if unseen else seen
+        inputs.append((tuple(row[:3]), pressures, valve_driver.STILL if unseen else motion))
+    fast = run(compiled.driver_step(), valve_driver.REST, p, inputs)
+    assert fast == run(valve_driver.step_seen, valve_driver.REST, p, inputs)
+    assert len(set(fast[0])) > 100
+
+
+def test_a_state_is_there_until_the_step_moves_on():
+    compiled.DRIVER.kernel()
+    p = valve_driver.parameters(load_machine("c180"), valve_driver.Settings())
+    step, unseen = compiled.driver_step(), (valve_driver.UNSEEN, valve_driver.STILL)
+    first, _ = step(valve_driver.REST, (1.0, 0.0, 0.0), *unseen, p, DT)
+    looked_at = first.voltages
+    second, _ = step(first, (2.0, 0.0, 0.0), *unseen, p, DT)
+    step(second, (0.0, 0.0, 0.0), *unseen, p, DT)
+    assert first.voltages == looked_at
+    with pytest.raises(RuntimeError, match="moved on"):
+        _ = second.voltages
+
+
+def test_without_the_code_the_interpreted_steps_run(monkeypatch, tmp_path):
+    monkeypatch.setattr(kept, "can_compile", lambda: False)
+    assert compiled.controller_step() is controller.told
+    assert compiled.driver_step() is valve_driver.step_seen
+
+
+def test_the_digest_covers_every_source_that_is_translated(monkeypatch):
+    used, read = set(), translate_statements.source
+
+    def recorded(function):
+        used.add(function.__module__)
+        return read(function)
+
+    monkeypatch.setattr(translate_statements, "source", recorded)
+    for text in (compiled.CONTROLLER.text, compiled.DRIVER.text):
+        text()
+    assert len(used) > 15
+    assert used <= {module.__name__ for module in compiled.LAWS}
