@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fast_loop import run
 
 from forest_control import controller, valve_driver
 from forest_control.levers import REST, Levers
@@ -17,6 +16,7 @@ from forest_description.machine import load_machine
 from forest_sim.sensor_faults import parse_faults
 from forest_sim.sensor_suite import sensor_suite
 from forest_study.closed_loop import PERIOD, Operator
+from forest_study.loop_kernel import by_heart as run
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
@@ -62,7 +62,7 @@ def sensing(text="", noise=False, seed=0):
 
 
 def test_with_real_sensors_it_still_tracks_and_equal_seeds_repeat_exactly():
-    one, same, other = (session(thesis, 5.0, sensor_suite=sensing("", True, seed)) for seed in (1, 1, 2))
+    one, same, other = (session(thesis, 5.0, suite=sensing("", True, seed)) for seed in (1, 1, 2))
     assert np.array_equal(one.tip, same.tip)
     assert np.array_equal(one.pressures, same.pressures)
     assert not np.array_equal(one.tip, other.tip)
@@ -70,12 +70,12 @@ def test_with_real_sensors_it_still_tracks_and_equal_seeds_repeat_exactly():
 
 
 def test_a_suite_without_noise_is_the_exact_session():
-    assert np.array_equal(session(thesis, 2.0).tip, session(thesis, 2.0, sensor_suite=sensing()).tip)
+    assert np.array_equal(session(thesis, 2.0).tip, session(thesis, 2.0, suite=sensing()).tip)
 
 
 @pytest.mark.parametrize("scheme", list(Scheme))
 def test_a_joint_that_is_lost_shuts_every_valve_at_once(scheme):
-    moved = session(thesis, 4.0, scheme, sensor_suite=sensing("boom_resolver: absent from 2 s"))
+    moved = session(thesis, 4.0, scheme, suite=sensing("boom_resolver: absent from 2 s"))
     lost = round(2.0 / PERIOD)
     assert np.abs(moved.voltages[: lost - 1]).max() > 1.0
     assert not moved.voltages[lost:].any()
@@ -83,7 +83,7 @@ def test_a_joint_that_is_lost_shuts_every_valve_at_once(scheme):
 
 
 def test_without_a_pressure_the_driver_takes_the_nominal_load():
-    blind = session(thesis, 3.0, sensor_suite=sensing("stick_pressure_1_actuator: absent"))
+    blind = session(thesis, 3.0, suite=sensing("stick_pressure_1_actuator: absent"))
     seeing = session(thesis, 3.0)
     assert np.isnan(blind.pressures).any(axis=0).sum() == 1
     assert rms_mm(blind) > 0.9 * rms_mm(seeing)

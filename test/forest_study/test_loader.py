@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from fast_loop import run
 
 from forest_control import controller, valve_driver
 from forest_control.levers import Levers, levers_for_tip_velocity
@@ -13,6 +12,7 @@ from forest_control.sources import thesis_levers
 from forest_description.limits import joint_limits, pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_study.closed_loop import Operator
+from forest_study.loop_kernel import by_heart as run
 
 LOADER = load_machine("loader")
 START = pose_at(start_tip(LOADER), LOADER)

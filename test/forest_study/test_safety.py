@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from fast_loop import run
 
 from forest_control import controller, joystick_watch, valve_driver
 from forest_control.joystick_watch import NO_HEARTBEAT, Sample, WatchParameters
@@ -12,6 +11,7 @@ from forest_description.kinematics import inverse_kinematics
 from forest_description.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_study.closed_loop import PERIOD, Operator
+from forest_study.loop_kernel import by_heart as run
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)

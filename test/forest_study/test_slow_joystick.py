@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from fast_loop import run
 
 from forest_control import controller, lever_hold, valve_driver
 from forest_control.levers import REST
@@ -8,6 +7,7 @@ from forest_control.sources import thesis_levers
 from forest_description.limits import pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_study.closed_loop import PERIOD, Operator
+from forest_study.loop_kernel import by_heart as run
 
 SPEED, SECONDS = 0.5, 4.0  # [m/s], [s]
 C180 = load_machine("c180")

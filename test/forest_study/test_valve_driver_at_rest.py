@@ -4,13 +4,13 @@ import dataclasses
 
 import numpy as np
 import pytest
-from fast_loop import run
 
 from forest_control import controller, valve_driver
 from forest_control.levers import REST, levers_for_tip_velocity
 from forest_control.schemes import Scheme
 from forest_description.machine import load_machine
 from forest_study.closed_loop import PERIOD, Operator
+from forest_study.loop_kernel import by_heart as run
 from forest_study.track import noisy
 
 C180 = load_machine()

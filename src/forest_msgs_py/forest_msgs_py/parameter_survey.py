@@ -62,6 +62,8 @@ class _Question:
     def go_on(self) -> None:
         """Ask when the node is there, and now and then again; give up when it does not answer."""
         now = time.monotonic()
+        if self.over:
+            return
         if now > self._end:
             self._finish()
         elif (
@@ -73,6 +75,8 @@ class _Question:
             self._names.call_async(ListParameters.Request()).add_done_callback(self._listed)
 
     def _listed(self, answer: Any) -> None:
+        if self.over:
+            return
         names = list(answer.result().result.names)
         request = GetParameters.Request(names=names)
         self._values.call_async(request).add_done_callback(lambda values: self._got(names, values))

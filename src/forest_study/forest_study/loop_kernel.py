@@ -24,7 +24,7 @@ from forest_sim.manipulator import Triple
 from forest_sim.parameters import PlantParameters, plant_parameters
 from forest_sim.sensor_suite import CHANNELS, Suite, noise_generator
 from forest_study import closed_loop, loop_core
-from forest_study.closed_loop import PERIOD, Trajectory
+from forest_study.closed_loop import PERIOD, Operator, Trajectory
 from forest_study.loop_core import CHANNEL_COUNT, Happened, Knowledge, Loop, Senses, Sensing
 
 Floats = NDArray[np.float64]
@@ -61,6 +61,35 @@ class Prepared(NamedTuple):
 def run(*arguments: Any, **named: Any) -> Trajectory:
     """Run a session; arguments and errors as `prepared`."""
     return prepared(*arguments, **named).run()
+
+
+def by_heart(
+    machine: Machine,
+    operator: Callable[[float], Operator],
+    duration: float,
+    start: Triple,
+    control: controller.Settings,
+    drive: valve_driver.Settings,
+    model: Machine | None = None,
+    suite: Suite | None = None,
+) -> Trajectory:
+    """Run a session of an operator who does not look: `closed_loop.run`, compiled where that can be.
+
+    Args:
+        machine: what is simulated.
+        operator: time [s] to levers and deadman.
+        duration: [s].
+        start: joint angles [rad], at rest.
+        control: the controller's settings.
+        drive: the valve driver's settings.
+        model: what controller and driver believe; default: the machine itself.
+        suite: sensors; those with faults are interpreted; default: the machine's, exact.
+    """
+    if not compiled.can_compile() or (suite is not None and suite.faults):
+        return closed_loop.run(machine, operator, duration, start, control, drive, model, suite)
+    done = [operator(k * PERIOD) for k in range(round(duration / PERIOD))]
+    table = np.array([[*levers, enabled] for levers, enabled in done], dtype=np.float64)
+    return run(machine, table, start, control, drive, model, suite)
 
 
 def prepared(

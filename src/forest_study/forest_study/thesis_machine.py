@@ -29,7 +29,8 @@ from forest_control.sources import THESIS_DURATION, thesis_levers, thesis_tip_ve
 from forest_description.kinematics import Vector, inverse_kinematics, joint_rates
 from forest_description.limits import THESIS_START
 from forest_description.machine import Machine, load_machine
-from forest_study.closed_loop import PERIOD, Operator, run
+from forest_study import loop_kernel
+from forest_study.closed_loop import PERIOD, Operator
 from forest_study.thesis_plant import DRIVE, Motion
 from forest_study.thesis_schemes import INTEGRAL_SHARE
 from forest_study.thesis_study import AXES, MISMATCHES, POLES, SINUSOID, Case, metrics
@@ -102,7 +103,8 @@ def motion(trial: Trial) -> Motion:
         return Operator(by_heart[row] if by_heart else thesis_levers(PERIOD * row, TIP_SPEED))
 
     duration = REST_BEFORE + THESIS_DURATION + PERIOD
-    moved = run(machine, operator, duration, start, settings, valve_driver.Settings(), model)
+    drive = valve_driver.Settings()
+    moved = loop_kernel.by_heart(machine, operator, duration, start, settings, drive, model)
     first = round(REST_BEFORE / PERIOD)
     time, tip = moved.time[first:] - REST_BEFORE, moved.tip[first:]
     wished = np.array([thesis_tip_velocity(PERIOD * k) for k in range(len(time))])
