@@ -17,6 +17,7 @@ from forest_description.linkage import cylinder_length
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
 from forest_msgs_py.messages import (
+    float_array,
     joint_state,
     read_float_array,
     stamp_to_ns,
@@ -47,7 +48,8 @@ def is_heard(status):
 
 
 def joints(now, angles=ANGLES, names=topics.JOINTS, velocity=(0.0, 0.0, 0.0)):
-    return joint_state(names, now, angles, velocity)
+    """A machine that stands, with sensors as they are: the last bits are never at rest."""
+    return joint_state(names, now, [angle + 1e-12 * (now // 1000 % 1000) for angle in angles], velocity)
 
 
 def volts(message):
@@ -287,6 +289,54 @@ def test_a_trouble_comes_as_a_diagnostic(rig, peer):
 
 def said(part, message):
     return next((status.message for status in message.status if status.name == part), "")
+
+
+def test_a_frozen_sensor_stops_the_crane_and_is_named(rig, peer):
+    r = rig().hold_the_deadman()
+    r.joints = lambda now: joint_state(topics.JOINTS, now, ANGLES, (0.0, 0.0, 0.0))
+    peer.until(r.standing)
+    peer.until(lambda: "swing is the same to the last bit" in r.process.text())
+    r.joints = joints
+    r.commands.clear()
+    peer.until(lambda: len(r.commands) > 40)  # the lever is still deflected
+    assert r.standing(40)
+    r.push()
+
+
+def test_when_the_valve_driver_falls_silent_the_levers_must_be_centred_again(rig, peer):
+    r = rig()
+    voltages = lambda now: float_array(topics.VALVE_VOLTAGES, now, (1.0, 0.0, 0.0))  # noqa: E731
+    driver = peer.repeat(topics.VALVE_VOLTAGES, voltages, 200.0)
+    r.hold_the_deadman()
+    driver.cancel()
+    peer.until(r.standing)
+    assert "standing still: valve driver: no voltages" in r.process.text()
+    driver.reset()
+    r.commands.clear()
+    peer.until(lambda: len(r.commands) > 40)
+    assert r.standing(40)
+    r.push()
+
+
+def test_its_time_does_not_run_faster_for_states_that_come_faster(rig, peer):
+    wishes = peer.hear(topics.TIP_TWIST_COMMAND)
+    r = rig("-p", "tip_acceleration:=0.5")
+    r.joints_timer.cancel()
+    sender, stamps = peer.speak(topics.JOINT_STATES), itertools.count(time.time_ns(), 1_000_000)
+
+    def five():
+        for stamp in itertools.islice(stamps, 5):
+            sender.publish(joints(stamp))
+
+    peer.node.create_timer(0.005, five)
+    r.hold_the_deadman()
+    peer.until(lambda: wishes and wishes[-1].twist.linear.y > 0.2)
+    ramp = [
+        (stamp_to_ns(wish.header.stamp) * 1e-9, wish.twist.linear.y)
+        for wish in wishes
+        if 0.02 < wish.twist.linear.y < 0.2
+    ][-20:]  # of the last push
+    assert (ramp[-1][1] - ramp[0][1]) / (ramp[-1][0] - ramp[0][0]) == pytest.approx(0.5, rel=0.05)
 
 
 def test_states_from_the_past_move_nothing(rig, peer):

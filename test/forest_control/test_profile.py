@@ -1,8 +1,12 @@
 """Claims about operator profiles: files that say what is wrong with them."""
 
+import os
+from pathlib import Path
+
 import pytest
 
-from forest_control.profile import KEYS, ProfileError, load_profile, shipped
+from forest_control.profile import KEYS, load_profile, shipped
+from forest_control.setting_file import SettingFileError
 from forest_control.settings import Settings
 from forest_control.tunables import TUNABLES, as_typed, settings_from
 
@@ -45,17 +49,31 @@ def test_what_a_file_does_not_name_keeps_its_default_and_one_number_serves_three
         ("- 1", "allowed: a mapping of mode"),
         ("", "allowed: a mapping of mode"),
         ("a: [", "not YAML"),
+        ("[" * 20000, "not YAML: nested too deeply"),
+        ("tip_speed: " + 400 * "9", "tip_speed is 9*[.]{3}; allowed: 0.01 .. 3 m/s"),
+        ("tip_speed: " + 5000 * "9", "not YAML: Exceeds the limit"),
+        ("tip_speed: 0x" + 5000 * "f", "tip_speed is a number of thousands of digits; allowed: 0.01"),
+        ("tip_speed: 2001-99-99", "not YAML: month must be in 1..12"),
+        ("mode: &a [*a]", r"mode is \[\[...\]\]; allowed: rate, position"),
+        (" " * 1_000_001, "1000001 bytes; allowed: up to 1000000"),
     ],
 )
 def test_a_wrong_profile_names_file_key_and_what_is_allowed(tmp_path, text, said):
     file = tmp_path / "mine.yaml"
     file.write_text(text)
-    with pytest.raises(ProfileError, match=said) as error:
+    with pytest.raises(SettingFileError, match=said) as error:
         load_profile(str(file))
     assert "mine.yaml" in str(error.value)
     assert "\n" not in str(error.value)
 
 
 def test_an_unknown_profile_is_told_which_are_shipped():
-    with pytest.raises(ProfileError, match=r"'nobody': neither shipped \(default, fine, operator\)"):
+    with pytest.raises(SettingFileError, match=r"'nobody': neither shipped \(default, fine, operator\)"):
         load_profile("nobody")
+
+
+def test_a_pipe_or_a_folder_is_refused_instead_of_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe.yaml")
+    for path in (tmp_path / "pipe.yaml", tmp_path, Path("/dev/zero")):
+        with pytest.raises(SettingFileError, match="allowed: a regular file"):
+            load_profile(str(path))

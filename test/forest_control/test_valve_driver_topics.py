@@ -1,51 +1,19 @@
 """What the valve driver's node takes from topics: each actuator by itself, each only for a while."""
 
 import math
-from typing import NamedTuple
 
 import pytest
 
 pytest.importorskip("rclpy")
 
+from pace_by_hand import Pace
+
 from forest_control.valve_driver import STILL, UNSEEN
 from forest_control.valve_driver_topics import Measurements
 from forest_msgs_py import topics
-from forest_msgs_py.cdr import to_cdr
 from forest_msgs_py.messages import float_array, joint_state
 
 TIMEOUT = 0.1
-
-
-class Arrival(NamedTuple):
-    message: bytes
-    time: float
-
-
-class Box:
-    """An inbox into which a test puts what arrives."""
-
-    def __init__(self):
-        self.arrival = None
-
-    def newest(self):
-        arrival, self.arrival = self.arrival, None
-        return arrival
-
-
-class Pace:
-    """Time and inboxes by hand."""
-
-    def __init__(self):
-        self.boxes, self.time = {}, 0.0
-
-    def inbox(self, topic):
-        return self.boxes.setdefault(topic.name, Box())
-
-    def now(self):
-        return self.time
-
-    def put(self, topic, message):
-        self.boxes[topic.name].arrival = Arrival(to_cdr(message), self.time)
 
 
 @pytest.fixture

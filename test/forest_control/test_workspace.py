@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from forest_control.setting_file import SettingFileError
 from forest_control.workspace import (
     BOX,
     CYLINDER,
@@ -16,7 +17,7 @@ from forest_control.workspace import (
     share,
     slid,
 )
-from forest_control.workspace_file import WorkspaceError, load_workspace, shipped
+from forest_control.workspace_file import load_workspace, shipped
 
 GROUND = Wall(PLANE, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), -1.0)
 FENCE = Wall(PLANE, (0.0, 0.6, 0.8), (0.0, 0.0, 0.0), -2.0)
@@ -124,14 +125,16 @@ def test_shipped_workspaces_are_read(name):
         ("stay_inside: {lower: [0, 0, 0], upper: [1, 1, 1]}\nmargin: 0.6", "stay_inside: nothing is left"),
         ("- 1", "allowed: a mapping of ground"),
         ("a: [", "not YAML"),
+        ("[" * 20000, "not YAML: nested too deeply"),
+        ("ground: " + 400 * "9", "ground is 9"),
     ],
 )
 def test_a_bad_file_is_refused_in_one_sentence(tmp_path, text, said):
     path = tmp_path / "bad.yaml"
     path.write_text(text)
-    with pytest.raises(WorkspaceError) as error:
+    with pytest.raises(SettingFileError) as error:
         load_workspace(str(path))
     assert said in str(error.value)
     assert "bad.yaml" in str(error.value)
-    with pytest.raises(WorkspaceError, match="neither shipped"):
+    with pytest.raises(SettingFileError, match="neither shipped"):
         load_workspace(str(tmp_path / "none.yaml"))

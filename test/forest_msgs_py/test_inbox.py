@@ -78,3 +78,26 @@ def test_dt_comes_from_stamps_within_bounds():
     assert period.since(1_012_500_000) == 0.0025
     assert period.since(9_000_000_000) == LONGEST
     assert period.since(1_000_000_000) == 0.0025
+
+
+@pytest.mark.parametrize("rate", [200.0, 400.0, 1000.0, 5000.0])
+@pytest.mark.parametrize("stamped", [True, False])
+def test_the_steps_together_take_the_time_that_passes_whatever_the_rate(rate, stamped):
+    period, begun = StampedPeriod(0.005), 100.0
+    sent = [begun + k / rate for k in range(round(rate))]
+    steps = [period.step(round(t * 1e9) * stamped, t) for t in sent]
+    assert sum(steps) == pytest.approx(1.0, abs=0.01)
+    assert all(dt == 0.0 or dt >= 0.0024 for dt in steps)
+
+
+def test_time_does_not_run_away_when_talkers_disagree_on_it():
+    period = StampedPeriod(0.005)
+    stamps = [(0, k * 10**6, 10**18, k * 10**9)[k % 4] for k in range(4000)]  # none, its own, past and future
+    steps = [period.step(stamp, 100.0 + k * 1e-3) for k, stamp in enumerate(stamps)]
+    assert sum(steps) <= 4.0 + LONGEST
+
+
+def test_a_burst_after_a_stall_steps_by_its_stamps():
+    period = StampedPeriod(0.005)
+    stamps = [10**9 + k * 5_000_000 for k in range(8)]
+    assert [period.step(stamp, 7.0) for stamp in stamps] == pytest.approx([0.005] * 8)

@@ -11,7 +11,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from forest_control import compiled, controller, joystick_watch, lever_hold
+from forest_control import compiled, controller, joystick_watch, lever_hold, stillness
 from forest_control.joystick_watch import (
     PROBLEMS,
     Joystick,
@@ -67,6 +67,7 @@ class ControllerNode(Node):
         self._deadman = get("deadman_button", LEFT_SHOULDER, "button to hold", low=0, high=BUTTON_COUNT - 1)
         self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
         self._state, self._step = controller.REST, compiled.controller_step()
+        self._asked, self._still = ZERO, stillness.MOVING
         tunables.watch(self._tune)
         self._state_received, self._order = -math.inf, StampOrder(self._state_timeout)
         self._joystick, self._joy_content, self._joy_problem = joystick_watch.REST, None, ""
@@ -143,6 +144,7 @@ class ControllerNode(Node):
     def _on_joint_states(self, data: bytes, sent: float) -> None:
         if self._pace.now() - sent > self._state_timeout:
             return  # left over from a stall, ours or the machine's; the watchdog speaks meanwhile
+        self._watch()  # after a stall of ours this may come before its timer
         reading = self._joints.read(data)
         angles, rates = reading.values.position, reading.values.velocity
         problem = reading.problem or controller.implausible(angles, rates, self._core)
@@ -151,12 +153,21 @@ class ControllerNode(Node):
             self._stand_still()
             return
         disorder = self._order.problem("joint state", reading.stamp_ns, sent)
-        self._health.note("machine", disorder)
         if disorder:
+            self._health.note("machine", disorder)
             return  # what is past moves nothing; the watchdog acts if nothing newer comes
         self._state_received = sent
-        dt = self._period.since(reading.stamp_ns)
+        dt = self._period.step(reading.stamp_ns, sent)
+        if dt == 0.0:
+            return
         lengths, valves = self._cylinders(reading.stamp_ns), self._valves.read()
+        self._still = stillness.watched(self._still, angles, self._asked, self._core, dt)
+        problem = self._valves.objection(self._asked) or stillness.frozen(self._still)
+        self._health.note("machine", problem)
+        if problem:
+            self._operator(False)
+            self._stand_still()
+            return
         inputs = controller.Inputs(angles, rates, *self._operator(True, sent, dt), lengths, *valves)
         if self._stop.pressed:
             self._state = controller.REST  # from which there is no ramp: zero at once
@@ -204,6 +215,7 @@ class ControllerNode(Node):
 
     def _publish(self, stamp: int, told: controller.Told) -> None:
         output = told.output
+        self._asked = output.command
         self._command.say(stamp, output.command)
         self._pose.say(stamp, told.tip)
         self._twist.say(stamp, told.tip_velocity)
@@ -221,7 +233,7 @@ class ControllerNode(Node):
             self._stand_still()
 
     def _stand_still(self) -> None:
-        self._state = controller.REST
+        self._state, self._asked, self._still = controller.REST, ZERO, stillness.MOVING
         now = self._pace.stamp()
         self._command.say(now, ZERO)
         self._health.publish(now)

@@ -4,13 +4,9 @@ A profile is a YAML mapping of some of the controller's settings (`KEYS`) to val
 keeps its default. Shipped ones are named by their file, others by their path.
 """
 
-import math
-from importlib import resources
-from pathlib import Path
 from typing import Any
 
-import yaml
-
+from forest_control.setting_file import SettingFileError, is_number, shipped_in, shown, tree_of
 from forest_control.settings import Settings
 from forest_control.tunables import TUNABLES, Tunable, as_typed
 
@@ -29,14 +25,9 @@ RULES = {tunable.name: tunable for tunable in TUNABLES if tunable.name in KEYS}
 AXES = 3
 
 
-class ProfileError(ValueError):
-    """A profile is not usable; the message names file, key, value and what is allowed."""
-
-
 def shipped() -> tuple[str, ...]:
     """Return the names of the shipped profiles."""
-    folder = resources.files("forest_control") / "profiles"
-    return tuple(sorted(Path(entry.name).stem for entry in folder.iterdir() if entry.name.endswith(".yaml")))
+    return shipped_in("profiles")
 
 
 def load_profile(name: str) -> dict[str, Any]:
@@ -46,28 +37,15 @@ def load_profile(name: str) -> dict[str, Any]:
         name: of a shipped profile, or the path of a file.
 
     Raises:
-        ProfileError: no such profile, or something in it is not allowed.
+        SettingFileError: no such profile, or something in it is not allowed.
     """
-    try:
-        if name in shipped():
-            text = (resources.files("forest_control") / "profiles" / f"{name}.yaml").read_text("utf-8")
-        else:
-            text = Path(name).read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        known = ", ".join(shipped())
-        raise ProfileError(
-            f"profile {name!r}: neither shipped ({known}) nor a readable file: {error}"
-        ) from error
-    try:
-        given = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        raise ProfileError(f"profile {name!r}: not YAML: {' '.join(str(error).split())}") from error
+    given = tree_of("profile", name, "profiles")
     if not isinstance(given, dict):
-        raise ProfileError(f"profile {name!r}: allowed: a mapping of {', '.join(KEYS)}")
+        raise SettingFileError(f"profile {name!r}: allowed: a mapping of {', '.join(KEYS)}")
     found = {key: as_typed(key, Settings()) for key in KEYS}
     for key, value in given.items():
         if key not in RULES:
-            raise ProfileError(f"profile {name!r}: unknown key {key!r}; allowed: {', '.join(KEYS)}")
+            raise SettingFileError(f"profile {name!r}: unknown key {shown(key)}; allowed: {', '.join(KEYS)}")
         found[key] = _checked(name, RULES[key], value, isinstance(found[key], tuple))
     return found
 
@@ -76,23 +54,22 @@ def _checked(name: str, rule: Tunable, value: Any, triple: bool) -> Any:
     """Return a value that follows its rule.
 
     Raises:
-        ProfileError: it does not.
+        SettingFileError: it does not.
     """
     if rule.choices is not None:
         if value not in rule.choices:
-            raise ProfileError(
-                f"profile {name!r}: {rule.name} is {value!r}; allowed: {', '.join(rule.choices)}"
+            raise SettingFileError(
+                f"profile {name!r}: {rule.name} is {shown(value)}; allowed: {', '.join(rule.choices)}"
             )
         return value
     allowed = f"{rule.low:g} .. {rule.high:g} {rule.unit}".rstrip()
     numbers = value if triple and isinstance(value, list) else [value]
     if not all(_fits(number, rule) for number in numbers) or len(numbers) not in (1, AXES):
         many = "one number for all levers or three (swing, boom, stick), each " if triple else ""
-        raise ProfileError(f"profile {name!r}: {rule.name} is {value!r}; allowed: {many}{allowed}")
+        raise SettingFileError(f"profile {name!r}: {rule.name} is {shown(value)}; allowed: {many}{allowed}")
     floats = [float(number) for number in numbers]
     return tuple(AXES // len(floats) * floats) if triple else floats[0]
 
 
 def _fits(value: Any, rule: Tunable) -> bool:
-    number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-    return number and rule.low is not None and rule.high is not None and rule.low <= value <= rule.high
+    return rule.low is not None and rule.high is not None and is_number(value, rule.low, rule.high)

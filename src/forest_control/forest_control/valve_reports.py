@@ -1,4 +1,8 @@
-"""What the valve driver reports, as the controller takes it: the valves' reach, and the last voltages."""
+"""What the valve driver reports, as the controller takes it: the valves' reach, and the last voltages.
+
+From the voltages the controller also knows whether the driver is there, and does what it is told. While it is
+not, the crane stands, but a reference would run ahead, and the crane after it, once the driver is back.
+"""
 
 import math
 from typing import Any
@@ -15,6 +19,7 @@ LEARNT = tuple(
 )
 STATUS_TIMEOUT = 1.0  # [s] at which what was learnt is forgotten; it comes at 10 Hz
 VOLTAGE_TIMEOUT = 0.1  # [s]
+HEARD = 0.5  # [V] of an ideal valve: what is commanded beyond is more than any hold zone, and opens the valve
 
 
 class ValveReports:
@@ -35,6 +40,7 @@ class ValveReports:
         self._edges = [law.forward for law in laws] + [law.backward for law in laws]
         self._reach, self._reach_received = FULL, -math.inf
         self._voltages, self._voltages_received = ZERO, -math.inf
+        self._obeyed = -math.inf
 
     def read(self) -> tuple[Reach, Triple]:
         """Return the valves' reach, and the voltages [V]."""
@@ -50,6 +56,20 @@ class ValveReports:
         fresh = now - self._voltages_received <= VOLTAGE_TIMEOUT
         reach = self._reach if now - self._reach_received <= STATUS_TIMEOUT else FULL
         return reach, self._voltages if fresh else ZERO
+
+    def objection(self, command: Triple) -> str:
+        """Return why a command [V] does not reach the valves, or "".
+
+        Of a driver that has never spoken nothing is expected: it may be in shadow, or somebody else's.
+        """
+        now = self._pace.now()
+        if self._voltages_received == -math.inf:
+            return ""
+        if now - self._voltages_received > VOLTAGE_TIMEOUT:
+            return "valve driver: no voltages"
+        if self._voltages != ZERO or max(map(abs, command)) <= HEARD:
+            self._obeyed = now
+        return "valve driver: keeps the valves shut" if now - self._obeyed > VOLTAGE_TIMEOUT else ""
 
     def _reach_of(self, learnt: tuple[float, ...]) -> Reach:
         """Return the reach for deadbands [V] and gains by `LEARNT`."""

@@ -10,13 +10,9 @@
 Every key may be absent; a file says beside each number where it comes from.
 """
 
-import math
-from importlib import resources
-from pathlib import Path
 from typing import Any
 
-import yaml
-
+from forest_control.setting_file import SettingFileError, is_number, shipped_in, shown, tree_of
 from forest_control.workspace import BOX, CYLINDER, MOST, NO_WALL, OPEN, PLANE, Wall, Workspace
 
 KEYS = ("ground", "stay_inside", "boxes", "cylinders", "margin", "approach", "description")
@@ -25,36 +21,20 @@ APPROACH = 4.0  # [1/s]
 LEAST_APPROACH, MOST_APPROACH = 0.1, 20.0  # [1/s]
 
 
-class WorkspaceError(ValueError):
-    """A workspace is not usable; the message names file, key, value and what is allowed."""
-
-
 def shipped() -> tuple[str, ...]:
     """Return the names of the shipped workspaces."""
-    folder = resources.files("forest_control") / "workspaces"
-    return tuple(sorted(Path(entry.name).stem for entry in folder.iterdir() if entry.name.endswith(".yaml")))
+    return shipped_in("workspaces")
 
 
 def load_workspace(name: str) -> Workspace:
     """Return a workspace: none for "", a shipped one by its name, or that of a file.
 
     Raises:
-        WorkspaceError: no such workspace, or something in it is not allowed.
+        SettingFileError: no such workspace, or something in it is not allowed.
     """
     if not name:
         return OPEN
-    try:
-        folder = resources.files("forest_control") / "workspaces"
-        source = folder / f"{name}.yaml" if name in shipped() else Path(name)
-        tree = yaml.safe_load(source.read_text("utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        known = ", ".join(shipped())
-        raise WorkspaceError(
-            f"workspace {name!r}: neither shipped ({known}) nor readable: {error}"
-        ) from error
-    except yaml.YAMLError as error:
-        raise WorkspaceError(f"workspace {name!r}: not YAML: {' '.join(str(error).split())}") from error
-    return _Reader(name).workspace(tree)
+    return _Reader(name).workspace(tree_of("workspace", name, "workspaces"))
 
 
 class _Reader:
@@ -120,30 +100,29 @@ class _Reader:
     def _keys(self, tree: Any, allowed: tuple[str, ...], key: str, needed: bool = False) -> None:
         where = f"{key}: " if key else ""
         if not isinstance(tree, dict):
-            self._refuse(f"{where}{tree!r}; allowed: a mapping of {', '.join(allowed)}")
-        unknown = [str(name) for name in tree if name not in allowed]
+            self._refuse(f"{where}{shown(tree)}; allowed: a mapping of {', '.join(allowed)}")
+        unknown = [name for name in tree if name not in allowed]
         missing = [name for name in allowed if needed and name not in tree]
         if unknown or missing:
-            what = f"unknown key {unknown[0]!r}" if unknown else f"no {missing[0]}"
+            what = f"unknown key {shown(unknown[0])}" if unknown else f"no {missing[0]}"
             self._refuse(f"{where}{what}; allowed: {', '.join(allowed)}")
 
     def _list(self, tree: Any, key: str) -> list[Any]:
         if not isinstance(tree, list):
-            self._refuse(f"{key}: {tree!r}; allowed: a list")
+            self._refuse(f"{key}: {shown(tree)}; allowed: a list")
         return list(tree)
 
     def _point(self, tree: Any, key: str, size: int) -> list[float]:
         if not isinstance(tree, list) or len(tree) != size:
-            self._refuse(f"{key} is {tree!r}; allowed: {size} numbers in m")
+            self._refuse(f"{key} is {shown(tree)}; allowed: {size} numbers in m")
         return [self._number(number, key) for number in tree]
 
     def _number(
         self, value: Any, key: str, low: float = -FARTHEST, high: float = FARTHEST, unit: str = "m"
     ) -> float:
-        good = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-        if not (good and low <= value <= high):
-            self._refuse(f"{key} is {value!r}; allowed: {low:g} .. {high:g} {unit}")
+        if not is_number(value, low, high):
+            self._refuse(f"{key} is {shown(value)}; allowed: {low:g} .. {high:g} {unit}")
         return float(value)
 
     def _refuse(self, problem: str) -> None:
-        raise WorkspaceError(f"workspace {self._name!r}: {problem}")
+        raise SettingFileError(f"workspace {self._name!r}: {problem}")
