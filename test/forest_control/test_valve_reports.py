@@ -9,7 +9,7 @@ pytest.importorskip("rclpy")
 from pace_by_hand import Pace
 
 from forest_control.valve_reach import FULL
-from forest_control.valve_reports import HEARD, LEARNT, STATUS_TIMEOUT, VOLTAGE_TIMEOUT, ValveReports
+from forest_control.valve_reports import HEARD, LEARNT, SILENT, STATUS_TIMEOUT, VOLTAGE_TIMEOUT, ValveReports
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
 from forest_msgs_py.messages import float_array
@@ -98,7 +98,7 @@ def test_of_a_driver_that_never_spoke_nothing_is_expected(pace, reports):
 def test_a_driver_that_falls_silent_is_missed_after_the_timeout_until_it_speaks(pace, reports):
     objections(pace, reports, 0.5, COMMAND, (0.0, 3.0, 0.0))
     said = objections(pace, reports, 0.5, COMMAND, None)
-    assert said.index("valve driver: no voltages") * 0.005 == pytest.approx(VOLTAGE_TIMEOUT, abs=0.006)
+    assert said.index("valve driver: no voltages") * 0.005 == pytest.approx(SILENT, abs=0.006)
     assert said[-1] == "valve driver: no voltages"
     assert objections(pace, reports, 0.005, SHUT, SHUT) == [""]
 
@@ -107,7 +107,7 @@ def test_a_driver_that_keeps_the_valves_shut_is_found_after_the_timeout(pace, re
     """Its commands do not arrive, or somebody else stops it."""
     objections(pace, reports, 0.5, SHUT, SHUT)
     said = objections(pace, reports, 0.5, COMMAND, SHUT)
-    assert said.index("valve driver: keeps the valves shut") * 0.005 == pytest.approx(0.1, abs=0.006)
+    assert said.index("valve driver: keeps the valves shut") * 0.005 == pytest.approx(SILENT, abs=0.006)
     assert objections(pace, reports, 0.5, SHUT, SHUT)[-1] == ""
 
 

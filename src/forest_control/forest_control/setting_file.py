@@ -10,6 +10,8 @@ from typing import Any
 
 import yaml
 
+from forest_msgs_py.yaml_text import parsed
+
 LARGEST = 1_000_000  # bytes
 SHOWN = 80  # characters of a value in a message
 
@@ -36,17 +38,13 @@ def tree_of(kind: str, name: str, folder: str) -> Any:
         SettingFileError: no such file, too large or no regular one, or not YAML.
     """
     try:
-        return yaml.safe_load(_text(kind, name, folder))
+        return parsed(_text(kind, name, folder))
     except (OSError, UnicodeDecodeError) as error:
         known = ", ".join(shipped_in(folder))
         raise SettingFileError(
             f"{kind} {name!r}: neither shipped ({known}) nor a readable file: {error}"
         ) from error
-    except SettingFileError:
-        raise
-    except RecursionError as error:
-        raise SettingFileError(f"{kind} {name!r}: not YAML: nested too deeply") from error
-    except (yaml.YAMLError, ValueError, OverflowError) as error:  # also of a number or a date that is none
+    except yaml.YAMLError as error:
         raise SettingFileError(f"{kind} {name!r}: not YAML: {' '.join(str(error).split())}") from error
 
 

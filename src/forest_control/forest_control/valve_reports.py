@@ -19,6 +19,7 @@ LEARNT = tuple(
 )
 STATUS_TIMEOUT = 1.0  # [s] at which what was learnt is forgotten; it comes at 10 Hz
 VOLTAGE_TIMEOUT = 0.1  # [s]
+SILENT = 0.2  # [s] at which the driver is missed: by then the valves are shut, and the reference is ahead
 HEARD = 0.5  # [V] of an ideal valve: what is commanded beyond is more than any hold zone, and opens the valve
 
 
@@ -65,11 +66,11 @@ class ValveReports:
         now = self._pace.now()
         if self._voltages_received == -math.inf:
             return ""
-        if now - self._voltages_received > VOLTAGE_TIMEOUT:
+        if now - self._voltages_received > SILENT:
             return "valve driver: no voltages"
         if self._voltages != ZERO or max(map(abs, command)) <= HEARD:
             self._obeyed = now
-        return "valve driver: keeps the valves shut" if now - self._obeyed > VOLTAGE_TIMEOUT else ""
+        return "valve driver: keeps the valves shut" if now - self._obeyed > SILENT else ""
 
     def _reach_of(self, learnt: tuple[float, ...]) -> Reach:
         """Return the reach for deadbands [V] and gains by `LEARNT`."""

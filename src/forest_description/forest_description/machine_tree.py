@@ -8,6 +8,7 @@ about.
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable
 from importlib import resources
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +19,14 @@ from forest_description.parameter import MachineError
 
 QUANTITY_KEYS = ("value", "unit", "source")
 ROW_KEYS = ("values", "unit", "source")
+DEEPEST = 50  # levels
+
+
+class _TooDeep(yaml.YAMLError):
+    """A text is nested too deeply."""
+
+    def __str__(self) -> str:
+        return f"nested more than {DEEPEST} levels deep"
 
 
 class Leaf(NamedTuple):
@@ -121,10 +130,25 @@ def _parse(text: str, label: str) -> Branch:
 
 def _composed(text: str) -> yaml.Node | None:
     """Return YAML text as nodes: by the parser in C, or for its complaints by Python's, which says more."""
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     try:
-        return yaml.compose(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+        _refuse_depths(yaml.parse(text, Loader=loader))
+        return yaml.compose(text, Loader=loader)
+    except RecursionError as error:
+        raise _TooDeep from error
+    except _TooDeep:
+        raise
     except yaml.YAMLError:
         return yaml.compose(text, Loader=yaml.SafeLoader)
+
+
+def _refuse_depths(events: Iterable[yaml.Event]) -> None:
+    """Raise `_TooDeep` for a text that is nested deeper than any machine: the parser in C would crash."""
+    depth = 0
+    for event in events:
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        if depth > DEEPEST:
+            raise _TooDeep
 
 
 def _branch(mapping: yaml.MappingNode, label: str, prefix: str) -> Branch:

@@ -35,6 +35,7 @@ from forest_msgs_py.topics import (
     TWIST,
     Topic,
 )
+from forest_msgs_py.yaml_text import parsed
 
 
 class LogUnit(NamedTuple):
@@ -132,7 +133,7 @@ def read_map(path: Path) -> LogMap:
         OSError: it cannot be read.
     """
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8-sig"))
+        content = parsed(path.read_text(encoding="utf-8-sig"))
         return _map(_keys(content, "", {"time", "topics"}, {"file", "checks"}))
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise BagError(f"{path}: not YAML: {' '.join(str(error).split())}") from error

@@ -31,6 +31,7 @@ from forest_msgs_py.topics import (
     Topic,
     offered_qos,
 )
+from forest_msgs_py.yaml_text import parsed
 
 Floats = NDArray[np.float64]
 
@@ -188,7 +189,7 @@ def _experiment(path: Path) -> tuple[str, dict[str, float]]:
     if not file.is_file():
         return "motion", {}
     try:
-        content = yaml.safe_load(file.read_text("utf-8"))
+        content = parsed(file.read_text("utf-8"))
         name = str(content["experiment"])
         facts = {str(key): float(fact["value"]) for key, fact in (content.get("facts") or {}).items()}
     except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:

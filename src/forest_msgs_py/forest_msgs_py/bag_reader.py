@@ -22,6 +22,7 @@ from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.mcap_pieces import McapPieces
 from forest_msgs_py.raw_messages import BagFile, Channel, Damaged, Piece, RawMessage
 from forest_msgs_py.sqlite_pieces import SqlitePieces
+from forest_msgs_py.yaml_text import parsed
 
 SUFFIXES = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
 FILE_KINDS = "a directory of rosbag2's, .mcap, .db3, or one of these with .zstd"
@@ -199,7 +200,7 @@ def _information(path: Path) -> dict[str, Any]:
     if not file.is_file():
         return {}
     try:
-        content = yaml.safe_load(file.read_text(encoding="utf-8"))
+        content = parsed(file.read_text(encoding="utf-8"))
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise BagError(f"{file} is not YAML: {' '.join(str(error).split())}; {_advice(path)}") from error
     information = content.get("rosbag2_bagfile_information") if isinstance(content, dict) else None

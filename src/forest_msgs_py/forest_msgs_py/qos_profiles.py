@@ -13,6 +13,8 @@ from typing import Any, NamedTuple
 
 import yaml
 
+from forest_msgs_py.yaml_text import parsed
+
 NEVER_S = 9223372036  # rmw's infinite duration
 DEFAULT_DEPTH = 10
 MOST_DEPTH = 10_000  # a publisher keeps its whole queue in memory
@@ -49,7 +51,7 @@ def offered(qos: Any) -> list[Qos]:
     """
     if isinstance(qos, str):
         try:
-            qos = yaml.safe_load(qos)
+            qos = parsed(qos)
         except yaml.YAMLError:
             return []
     if not isinstance(qos, list):

@@ -14,6 +14,7 @@ from forest_msgs_py.bag_metadata import FileEntry, TopicEntry, dump, information
 from forest_msgs_py.mcap_file import McapFile
 from forest_msgs_py.salvage import Salvage
 from forest_msgs_py.sequences import SequenceGaps
+from forest_msgs_py.yaml_text import parsed
 
 CHUNK_BYTES = 1 << 20
 LIBRARY = "forest_msgs_py recovery"
@@ -60,7 +61,7 @@ class Recovered:
 
 def _profiles(text: str) -> list[dict[str, Any]]:
     try:
-        told = yaml.safe_load(text)
+        told = parsed(text)
     except yaml.YAMLError:
         return []
     usable = isinstance(told, list) and all(isinstance(profile, dict) for profile in told)

@@ -30,6 +30,7 @@ from forest_msgs_py.raw_messages import Channel, RawMessage
 from forest_msgs_py.rows import NS_PER_S, TAKERS, Row, take_any
 from forest_msgs_py.sequences import SequenceGaps
 from forest_msgs_py.topics import Topic, find, message_class, unlisted
+from forest_msgs_py.yaml_text import parsed
 
 
 class NotInBag(LookupError):
@@ -152,9 +153,12 @@ def _recorded_losses(path: Path) -> dict[str, int]:
     file = path / "metadata.yaml"
     if not path.is_dir() or not file.is_file():
         return {}
-    custom = yaml.safe_load(file.read_text())["rosbag2_bagfile_information"].get("custom_data") or {}
     prefix = "lost_messages:"
-    return {key[len(prefix) :]: int(value) for key, value in custom.items() if key.startswith(prefix)}
+    try:
+        custom = parsed(file.read_text("utf-8"))["rosbag2_bagfile_information"].get("custom_data") or {}
+        return {key[len(prefix) :]: int(value) for key, value in custom.items() if key.startswith(prefix)}
+    except (yaml.YAMLError, UnicodeDecodeError, LookupError, TypeError, AttributeError, ValueError):
+        return {}  # what else is there of the bag can be read without
 
 
 def _info(channel: Channel, messages: list[RawMessage], lost: int | None) -> TopicInfo:
