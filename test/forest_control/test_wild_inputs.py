@@ -43,3 +43,14 @@ def test_the_driver_answers_any_finite_command_and_pressure_with_voltages_within
         given = pressures if rng.random() < 0.8 else None
         state, volts = valve_driver.step(state, command, given, p, float(rng.uniform(0.0025, 0.05)))
         assert all(abs(v) <= RATED for v in volts)
+
+
+@pytest.mark.parametrize("dt", [0.0, 1e-18, 1e-6])
+def test_two_commands_for_one_moment_of_the_machine_open_no_valve_wide(dt):
+    """A first command after a rest may come with the pressures that another one was answered by."""
+    p = valve_driver.parameters(MACHINE, valve_driver.Settings())
+    command = (0.1, 0.1, -0.1)
+    _, usual = valve_driver.step(valve_driver.REST, command, None, p, 0.0025)
+    _, volts = valve_driver.step(valve_driver.REST, command, None, p, dt)
+    assert volts == pytest.approx(usual)
+    assert all(abs(v) < 0.7 * RATED for v in volts)

@@ -54,6 +54,7 @@ FILLING = 60.0  # [rad/s] low-pass of the ports' mean pressure
 HELD = 1e-6  # [V] a command below wishes that the actuator be held
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than nothing for a moment
 FORGOTTEN = 1.0  # [s] in which it is expected again that voltages come in time
+SOONEST = 0.0025  # [s] no command is expected sooner than this after another, whatever the stamps say
 LEAST_FED = 0.004  # [V] of leakage: less lets the tip sink by under 3 mm/s and is not worth an open valve
 
 
@@ -208,7 +209,7 @@ def _axis(
             # A first-order spool comes to just beyond the overlap only after some time constants; asked for
             # more, it is there in one period; in force for longer, that would throw the valve wide open.
             # Outside the overlap the command's lead makes up for the lag; at rest there is time.
-            wanted = spool + (wanted - spool) / (1.0 - _left(axis, state.ahead))
+            wanted = spool + (wanted - spool) / (1.0 - _left(axis, max(SOONEST, state.ahead)))
     most = p.slew_limit * dt if dt > 0.0 or p.slew_limit < math.inf else math.inf  # not inf * 0
     slewed = max(state.voltages[i] - most, min(state.voltages[i] + most, wanted))
     voltage = max(-low, min(rated, slewed))
