@@ -180,3 +180,10 @@ def test_a_control_character_is_reported_as_bad_yaml(write):
 def test_a_circle_of_files_is_reported(write):
     write("based_on: mine.yaml\n", "other.yaml")
     assert complaint(write("based_on: other.yaml\n")).startswith("based_on goes round in a circle: ")
+
+
+@pytest.mark.parametrize("text", ["[" * 30000, "".join(f"{' ' * i}b:\n" for i in range(1000)), "- " * 3000])
+def test_a_file_that_is_nested_without_end_is_refused_with_its_name(write, text):
+    assert re.fullmatch(
+        r".*mine.yaml:1: not valid YAML: nested more than 50 levels deep", complaint(write(text))
+    )

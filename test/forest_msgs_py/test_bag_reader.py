@@ -195,3 +195,11 @@ def test_a_damaged_database_is_refused_with_advice(tmp_path):
     database.close()
     with pytest.raises(Damaged, match="is not a readable database of rosbag2's: no such"):
         BagReader(file)
+
+
+@pytest.mark.parametrize("text", ["[" * 20000, "a: 2001-99-99", "a: [", "\0"])
+def test_metadata_that_is_no_yaml_is_named_with_advice(tmp_path, text):
+    write_mcap(tmp_path / "bag_0.mcap", SHUFFLED)
+    (tmp_path / "metadata.yaml").write_text(text)
+    with pytest.raises(BagError, match=r"metadata.yaml is not YAML: .*; 'forest-bag recover"):
+        BagReader(tmp_path)

@@ -130,3 +130,10 @@ def test_the_network_is_closed_unless_opened_on_purpose(monkeypatch):
     assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in prepared(RMW_IMPLEMENTATION="rmw_cyclonedds_cpp")
     assert prepared(ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET")["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
     assert "ROS_AUTOMATIC_DISCOVERY_RANGE" not in prepared(FOREST_NETWORK="open")
+
+
+def test_a_parameter_that_the_node_does_not_have_is_told(talker):
+    process = talker("-p", "falt:=bug", "-p", "fault:=done")
+    assert process.ended() == 0
+    assert "parameter 'falt' is not one of this node's and does nothing; there is 'fault'" in process.text()
+    assert "parameter 'fault'" not in process.text()

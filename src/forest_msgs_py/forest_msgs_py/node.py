@@ -18,6 +18,7 @@ is set, the node ends; what it raises counts as raised in a callback.
 
 from __future__ import annotations
 
+import difflib
 import signal
 import socket
 import sys
@@ -104,6 +105,7 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
         try:
             rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
             node = factory()
+            _warn_of_strangers(node)
         except _start_errors() as error:
             _complain(error)
             return 2
@@ -119,6 +121,16 @@ def _start_errors() -> tuple[type[BaseException], ...]:
     from rclpy._rclpy_pybind11 import RCLError
 
     return (ValueError, OSError, NodeFailure, ParameterException, NameValidationException, RCLError)
+
+
+def _warn_of_strangers(node: Node) -> None:
+    """Say which parameters were given that the node does not have: ROS says nothing, a slip has no effect."""
+    given: dict[str, Any] = getattr(node, "_parameter_overrides", {})
+    for name in given:
+        if not node.has_parameter(name) and not name.startswith("qos_overrides."):
+            near = difflib.get_close_matches(name, node.get_parameters_by_prefix(""), 1)
+            meant = f"; there is {near[0]!r}" if near else ""
+            node.get_logger().warning(f"parameter {name!r} is not one of this node's and does nothing{meant}")
 
 
 def _complain(error: BaseException) -> None:

@@ -17,6 +17,7 @@ from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
 from forest_msgs_py.stamps import STAMPED
 from forest_msgs_py.topics import DIAGNOSTICS, find
+from forest_msgs_py.yaml_text import parsed
 from forest_study import graph, lockstep_run
 from forest_study.exclusive import Failure
 from forest_study.supervisor import NodeSpec
@@ -110,7 +111,11 @@ def _node(
     if label is None:
         raise Failure(f"{bag} does not hold the parameters of {name}; allowed: a bag of this recorder")
     own = out / f"{name}.yaml"
-    parameters = next(iter(yaml.safe_load(attached[label]).values()))["ros__parameters"]
+    parameters = next(iter(parsed(attached[label].decode()).values()))["ros__parameters"]
+    for node, text in changes:
+        if node == name and (wanted := text.partition(":=")[0]) not in parameters:
+            known = ", ".join(sorted(set(parameters) - set(RUN_OWN)))
+            raise Failure(f"the bag's {name} has no parameter {wanted!r}; allowed: {known}")
     kept = {key: value for key, value in parameters.items() if key not in RUN_OWN}
     own.write_text(yaml.safe_dump({"/**": {"ros__parameters": kept}}), encoding="utf-8")
     changed = [word for node, text in changes if node == name for word in ("-p", text)]
