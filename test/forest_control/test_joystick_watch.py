@@ -154,6 +154,15 @@ def test_a_sample_from_before_is_dropped_and_counted_until_the_joystick_is_lost(
     assert hand.say(PUSHED, stamp=7)
 
 
+@pytest.mark.parametrize("back", [0, 1, 10**9])
+def test_a_release_is_obeyed_in_any_order_and_needs_a_centred_stick_again(back):
+    """Two joysticks on one topic, say, of which one has the later clock."""
+    hand = Hand().arm()
+    assert not hand.say(PUSHED, held=False, stamp=hand.watch.stamp - back)
+    assert not hand.say(PUSHED)
+    hand.arm()
+
+
 def test_a_sample_that_cannot_be_read_stops_and_disarms():
     hand = Hand().arm()
     assert not hand.say(PUSHED, good=False)

@@ -53,3 +53,12 @@ def test_a_trouble_is_logged_once_however_often_it_is_noted(health):
         health.note("joystick", f"trouble {step}")
     health.note("pump", "no pressure")
     assert health.lines == ["standing still: trouble 0", "standing still: no pressure"]
+
+
+def test_what_is_told_of_a_message_without_end_has_one(peer, health):
+    health.note("joystick", "axes are " + "0.0, " * 1_000_000)
+    health.publish(S)
+    assert len(health.lines[0]) < 500
+    peer.until(lambda: health.heard)
+    assert told(health.heard[0])[0][2].startswith("axes are 0.0, 0.0")
+    assert len(told(health.heard[0])[0][2]) < 500

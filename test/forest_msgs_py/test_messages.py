@@ -156,6 +156,13 @@ def test_a_missing_joint_and_a_position_that_is_no_number_are_problems():
     assert reading.values.position == ()
 
 
+def test_a_joint_that_is_told_twice_is_a_problem_and_a_strange_one_is_not():
+    twice = messages.joint_state((*JOINTS, "boom"), STAMP, (1.0, 2.0, 3.0, 2.1))
+    assert "more than one boom; allowed: each joint once" in messages.read_joint_state(JOINTS, twice).problem
+    strange = messages.joint_state((*JOINTS, "wheel", "wheel"), STAMP, (1.0, 2.0, 3.0, 4.0, 5.0))
+    assert messages.read_joint_state(JOINTS, strange).problem == ""
+
+
 def test_speed_and_effort_that_are_not_finite_count_as_absent():
     message = messages.joint_state(JOINTS, STAMP, (1.0, 2.0, 3.0), (0.0, math.nan, 0.0), (1.0, 2.0))
     assert messages.read_joint_state(JOINTS, message) == (STAMP, ((1.0, 2.0, 3.0), (), ()), "")

@@ -16,7 +16,8 @@ that comes back deflected, move nothing until the levers have been centred.
 | heartbeat | the source's count; `NO_HEARTBEAT` where it has none | 1 |
 | centre | deflection up to which a lever counts as centred | 1 |
 
-A stamp that goes back is out of order: the sample is dropped. Only a joystick that is lost may begin anew.
+A stamp that goes back is out of order: the sample is dropped, but a released deadman in it counts. Only a
+joystick that is lost may begin anew.
 """
 
 import math
@@ -93,10 +94,11 @@ def heed(watch: Watch, sample: Sample) -> Watch:
             joystick=Joystick.BAD, fresh_since=sample.received, levers=CENTRED, held=False, armed=False
         )
     stamped, beats = sample.stamp != NO_STAMP, sample.heartbeat != NO_HEARTBEAT
+    still_held = watch.held and sample.held  # a release is obeyed in any order
     if (stamped and sample.stamp == watch.stamp) or (beats and sample.heartbeat == watch.heartbeat):
-        return watch
+        return watch._replace(held=still_held)
     if stamped and sample.stamp < watch.stamp and watch.joystick == Joystick.ALIVE:
-        return watch._replace(out_of_order=watch.out_of_order + 1)
+        return watch._replace(held=still_held, out_of_order=watch.out_of_order + 1)
     moves = beats or not sample.same or watch.moved == -math.inf
     return watch._replace(
         joystick=Joystick.ALIVE,

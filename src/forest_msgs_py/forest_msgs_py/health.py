@@ -19,6 +19,7 @@ from forest_msgs_py.node import publisher
 
 WELL = "well"
 LOG_PERIOD = 1.0  # [s]
+LONGEST = 400  # characters of what is wrong: somebody's message may hold a million numbers
 
 
 class Health:
@@ -40,6 +41,7 @@ class Health:
 
     def note(self, part: str, problem: str) -> None:
         """Note what is wrong with a part, "" for nothing."""
+        problem = problem if len(problem) <= LONGEST else f"{problem[:LONGEST]}..."
         if bool(problem) != bool(self._problems[part]):
             self._changed = True
         self._problems[part] = problem

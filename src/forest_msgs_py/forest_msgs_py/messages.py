@@ -192,6 +192,8 @@ def read_joint_state(names: Sequence[str], message: Any) -> Reading:
     missing = [name for name in names if index.get(name, len(message.position)) >= len(message.position)]
     if missing:
         return _no_joints(stamp_ns, f"no position of {', '.join(missing)}", ", ".join(names))
+    if len(index) != len(message.name) and (many := [n for n in names if message.name.count(n) > 1]):
+        return _no_joints(stamp_ns, f"more than one {', '.join(many)}", "each joint once")
     places = [index[name] for name in names]
     position = tuple(message.position[place] for place in places)
     if not all(map(math.isfinite, position)):
