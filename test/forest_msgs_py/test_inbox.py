@@ -11,7 +11,7 @@ from forest_msgs_py import inbox as inbox_module
 from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.messages import float_array
 from forest_msgs_py.node import publisher
-from forest_msgs_py.stamped_period import LONGEST, StampedPeriod
+from forest_msgs_py.stamped_period import LONGEST, StampedPeriod, TimeInForce
 from forest_msgs_py.topics import VALVE_VOLTAGES
 from forest_msgs_py.unpacking import ArrayReader
 
@@ -78,3 +78,12 @@ def test_dt_comes_from_stamps_within_bounds():
     assert period.since(1_012_500_000) == 0.0025
     assert period.since(9_000_000_000) == LONGEST
     assert period.since(1_000_000_000) == 0.0025
+
+
+def test_what_is_said_close_behind_something_is_in_force_from_then_on():
+    period, s = TimeInForce(0.005), 1_000_000_000
+    assert [period.since(s), period.since(s + 15_000_000)] == pytest.approx([0.005, 0.015])
+    assert [period.since(s + 15_000_000), period.since(s + 17_000_000)] == [0.0, 0.0]
+    assert period.since(s + 20_000_000) == 0.005
+    assert period.since(s) == 0.0
+    assert period.since(s + 5_000_000) == 0.005
