@@ -53,8 +53,8 @@ HIGHEST = 2.0  # of the nominal supply pressure
 FILLING = 60.0  # [rad/s] low-pass of the ports' mean pressure
 HELD = 1e-6  # [V] a command below wishes that the actuator be held
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than nothing for a moment
-FORGOTTEN = 1.0  # [s] in which it is expected again that voltages come in time
 SOONEST = 0.0025  # [s] no command is expected sooner than this after another, whatever the stamps say
+FORGOTTEN = 0.3  # [s] in which it is expected again that voltages come in time
 LEAST_FED = 0.004  # [V] of leakage: less lets the tip sink by under 3 mm/s and is not worth an open valve
 
 
@@ -106,7 +106,7 @@ UNSEEN, STILL = Pressures(_NOTHING, _NOTHING, math.nan), Motion(_NOTHING, _NOTHI
 def at_rest(state: State) -> State:
     """Return the state of a driver whose valves were centred without it; what it has learnt stays."""
     one, two, three = state.learners
-    return REST._replace(learners=(blind(one), blind(two), blind(three)))
+    return REST._replace(learners=(blind(one), blind(two), blind(three)), ahead=state.ahead)
 
 
 def step(
@@ -205,7 +205,8 @@ def _axis(
         saturated = not -low < wanted < rated
         edge = (law.forward if wanted > 0.0 else law.backward).deadband_voltage
         gently = hold.calm_for >= CALM and hold.wide > 2.0
-        if p.beyond_valve and wanted != 0.0 and not gently and math.copysign(1.0, wanted) * spool < edge:
+        crosses = p.beyond_valve and wanted != 0.0 and state.ahead > 0.0 and not gently
+        if crosses and math.copysign(1.0, wanted) * spool < edge:
             # A first-order spool comes to just beyond the overlap only after some time constants; asked for
             # more, it is there in one period; in force for longer, that would throw the valve wide open.
             # Outside the overlap the command's lead makes up for the lag; at rest there is time.
