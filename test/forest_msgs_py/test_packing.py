@@ -10,7 +10,8 @@ pytest.importorskip("rclpy")
 from forest_msgs_py import messages, topics
 from forest_msgs_py.cdr import to_cdr
 from forest_msgs_py.encoding import columns
-from forest_msgs_py.packing import Packer
+from forest_msgs_py.messages import JoyValues
+from forest_msgs_py.packing import Packer, pack_clock, pack_joy
 
 STAMP = 1_700_000_000_123_456_789
 NAN = math.nan
@@ -65,3 +66,16 @@ def test_plain_arrays_carry_no_stamp():
 def test_a_wrong_number_of_values_is_refused():
     with pytest.raises(ValueError, match="valve_commands: 2 numbers; allowed: 3"):
         Packer(topics.VALVE_COMMANDS).pack(STAMP, [1.0, 2.0])
+
+
+@pytest.mark.parametrize("frame", ["", "heartbeat:7", "heartbeat:1234", "Hebel links"])
+@pytest.mark.parametrize("joy", [JoyValues((), ()), JoyValues((0.1, -1.0, NAN), (1, 0, 1, 7))])
+def test_a_joysticks_bytes_are_those_of_the_message(frame, joy):
+    message = topics.message_class(topics.JOY)(axes=joy.axes, buttons=joy.buttons)
+    message.header.stamp, message.header.frame_id = messages.ns_to_stamp(STAMP), frame
+    assert pack_joy(STAMP, frame, joy) == to_cdr(message)
+
+
+def test_a_clocks_bytes_are_those_of_the_message():
+    message = topics.message_class(topics.CLOCK)(clock=messages.ns_to_stamp(STAMP))
+    assert pack_clock(STAMP) == to_cdr(message)

@@ -5,7 +5,18 @@ import math
 import numpy as np
 import pytest
 
-from forest_sim.channel import ABSENT, DROPPED, EXACT, FROZEN, Channel, ChannelState, exactly, sample
+from forest_sim.channel import (
+    ABSENT,
+    DROPPED,
+    EXACT,
+    FROZEN,
+    WORKS,
+    Channel,
+    ChannelState,
+    exactly,
+    sample,
+    sample_if,
+)
 
 REST = ChannelState(0.0, 0.0)
 
@@ -112,3 +123,12 @@ def test_the_law_compiles_and_says_the_same_compiled():
 def test_an_exact_channel_reads_what_the_law_of_all_channels_says():
     for true in (0.0, -0.0, 1.5, -2e7, 5e-324, math.inf):
         assert repr(exactly(true)) == repr(sample(EXACT, ChannelState(3.0, 4.0), true, 0.005, -0.7))
+
+
+def test_between_samples_everything_holds_and_what_is_absent_stays_so():
+    before = ChannelState(3.0, 4.0)
+    for mode in (WORKS, FROZEN, DROPPED):
+        state, reading = sample_if(False, EXACT._replace(mode=mode), before, 7.0, 0.005, 0.0)
+        assert (state.reading, reading) == (4.0, 4.0)
+    assert math.isnan(sample_if(False, EXACT._replace(mode=ABSENT), before, 7.0, 0.005, 0.0)[1])
+    assert sample_if(True, EXACT, before, 7.0, 0.005, 0.0)[1] == 7.0

@@ -8,7 +8,7 @@ import math
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
@@ -27,11 +27,19 @@ from forest_control.joystick_watch import HEARTBEAT
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, axes_from_levers
 from forest_control.sources import LEAD_IN, LEAD_OUT, THESIS_DURATION, LeverRecord, read_levers, thesis_levers
 from forest_msgs_py import topics
-from forest_msgs_py.messages import NS_PER_S, ns_to_stamp
+from forest_msgs_py.messages import NS_PER_S, JoyValues
 from forest_msgs_py.node import Finished, run_node
-from forest_msgs_py.pace import pace
+from forest_msgs_py.pace import pace, publishes_bytes
+from forest_msgs_py.packing import pack_joy
 from forest_msgs_py.parameters import ParameterError, declare
 from forest_msgs_py.topics import JOY_RATE_HZ, message_class
+
+
+class Said(NamedTuple):
+    """A message without its stamp."""
+
+    frame: str
+    joy: JoyValues
 
 
 class JoystickNode(Node):
@@ -53,10 +61,10 @@ class JoystickNode(Node):
         self._record: LeverRecord | JoyRecord | None = None if source == "thesis" else _record(Path(source))
         self._length = duration or _length(self._record)
         self._publisher = self._pace.publisher(topics.JOY)
-        self._kind = message_class(topics.JOY)
+        self._publish = publishes_bytes(self._publisher)
         self._begun: float | None = None
         self._count = 0
-        self._last: Any = None  # message
+        self._last: Said | None = None
         self._place = -1  # in the bag, of the last message said
         # In lockstep it answers every step.
         self._pace.every(0.0 if self._pace.lockstep else 1.0 / JOY_RATE_HZ, self._on_timer)
@@ -92,34 +100,33 @@ class JoystickNode(Node):
             return self._record.at(played)
         return thesis_levers(played, self._tip_speed)
 
-    def _made(self, levers: Levers, held: bool) -> Any:
-        message = self._kind(axes=axes_from_levers(levers), buttons=[0] * BUTTON_COUNT)
+    def _made(self, levers: Levers, held: bool) -> Said:
         self._count += 1  # a script may hold still for ever: the controller sees by this that it lives
-        message.header.frame_id = f"{HEARTBEAT}{self._count}"
-        message.buttons[self._deadman] = int(held)
-        return message
+        buttons = tuple(int(held and place == self._deadman) for place in range(BUTTON_COUNT))
+        return Said(f"{HEARTBEAT}{self._count}", JoyValues(axes_from_levers(levers), buttons))
 
-    def _replayed(self, record: JoyRecord, elapsed: float) -> Any:
+    def _replayed(self, record: JoyRecord, elapsed: float) -> Said | None:
         """Return the bag's message of this time, or None if it has been said."""
         place = record.newest(round(elapsed * NS_PER_S))
         if place == self._place:
             return None
         self._place = place
-        return deserialize_message(record.messages[place], self._kind)
+        message = deserialize_message(record.messages[place], message_class(topics.JOY))
+        return Said(message.header.frame_id, JoyValues(tuple(message.axes), tuple(message.buttons)))
 
-    def _say(self, message: Any, faults: frozenset[str]) -> None:
+    def _say(self, said: Said | None, faults: frozenset[str]) -> None:
         """Publish a message, or what a faulty joystick makes of it."""
         if FROZEN in faults and self._last is not None:
-            message = self._last
-        if message is None or LOST in faults:
+            said = self._last
+        if said is None or LOST in faults:
             return
-        self._last = message
-        if RELEASED in faults and self._deadman < len(message.buttons):
-            message.buttons[self._deadman] = 0
+        axes, buttons = said.joy
+        if RELEASED in faults:
+            buttons = tuple(0 if place == self._deadman else down for place, down in enumerate(buttons))
         if BAD in faults:
-            message.axes = [math.nan] * len(message.axes)
-        message.header.stamp = ns_to_stamp(self._pace.stamp())
-        self._publisher.publish(message)
+            axes = (math.nan,) * len(axes)
+        self._last = Said(said.frame, JoyValues(axes, buttons))
+        self._publish(pack_joy(self._pace.stamp(), *self._last))
 
     def stop(self) -> None:
         """Last words: deadman released."""

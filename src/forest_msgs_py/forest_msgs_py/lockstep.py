@@ -33,8 +33,9 @@ from rclpy.node import Node
 
 from forest_msgs_py import topics
 from forest_msgs_py.inbox import Inbox
-from forest_msgs_py.messages import NS_PER_S, ns_to_stamp
+from forest_msgs_py.messages import NS_PER_S
 from forest_msgs_py.node import NodeFailure, publisher
+from forest_msgs_py.packing import pack_clock
 from forest_msgs_py.stamps import STAMPED
 from forest_msgs_py.step_account import Account
 from forest_msgs_py.step_guard import complaint, patience
@@ -194,7 +195,7 @@ class Lockstep:
         """Make one step, and tell on which topics nothing was said."""
         self._step = self._speaking = step
         if self._clock is not None:
-            self._clock.publish(message_class(topics.CLOCK)(clock=ns_to_stamp(self.stamp())))
+            self._clock.publish(pack_clock(self.stamp()))
         for inbox, callback in self._callbacks:
             if arrival := inbox.newest():
                 callback(*arrival)

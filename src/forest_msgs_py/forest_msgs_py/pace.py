@@ -74,9 +74,12 @@ class Live:
 
 def speaker(pace: Live | Lockstep, topic: Topic, frame: str = "", plain: bool = False) -> Speaker:
     """A publisher of a topic whose messages are stamps and numbers; see `Packer`."""
-    made = pace.publisher(topic)
-    publish = made.publish if isinstance(made, StepPublisher) else raw_publish(made)
-    return Speaker(publish, Packer(topic, frame, plain))
+    return Speaker(publishes_bytes(pace.publisher(topic)), Packer(topic, frame, plain))
+
+
+def publishes_bytes(publisher: Any) -> Callable[[bytes], None]:
+    """The call that publishes a message's bytes by a pace's publisher."""
+    return publisher.publish if isinstance(publisher, StepPublisher) else raw_publish(publisher)
 
 
 def pace(node: Node, leads: bool = False) -> Live | Lockstep:

@@ -13,10 +13,11 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from forest_msgs_py.cdr import to_cdr
+from forest_msgs_py.cdr import ENCAPSULATION, to_cdr
 from forest_msgs_py.encoding import MARK, MARKED_STAMP, columns
 from forest_msgs_py.messages import (
     NS_PER_S,
+    JoyValues,
     pose_stamped,
     sensor_array,
     sensor_joint_state,
@@ -111,6 +112,21 @@ class Speaker:
         data = self._packer.pack(stamp_ns, values)
         if data is not None:
             self._publish(data)
+
+
+def pack_joy(stamp_ns: int, frame: str, joy: JoyValues) -> bytes:
+    """A Joy message."""
+    text = frame.encode() + b"\0"
+    text += bytes(-len(text) % 4)
+    size, axes, buttons = len(frame.encode()) + 1, len(joy.axes), len(joy.buttons)
+    stamp = divmod(stamp_ns, NS_PER_S)
+    numbers = struct.pack(f"<I{axes}fI{buttons}i", axes, *joy.axes, buttons, *joy.buttons)
+    return b"".join((ENCAPSULATION, struct.pack("<iII", *stamp, size), text, numbers))
+
+
+def pack_clock(stamp_ns: int) -> bytes:
+    """A Clock message."""
+    return ENCAPSULATION + struct.pack("<iI", *divmod(stamp_ns, NS_PER_S))
 
 
 def _runs(told: list[tuple[int, int]]) -> tuple[_Run, ...]:

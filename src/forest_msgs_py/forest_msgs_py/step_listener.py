@@ -16,12 +16,12 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from forest_msgs_py import topics
-from forest_msgs_py.cdr import to_cdr
 from forest_msgs_py.graph_listener import GraphListener, Heard, Offer
 from forest_msgs_py.inbox import Inbox
 from forest_msgs_py.lockstep import END
-from forest_msgs_py.messages import ns_to_stamp, stamp_to_ns
+from forest_msgs_py.messages import stamp_to_ns
 from forest_msgs_py.node import Finished, NodeFailure
+from forest_msgs_py.packing import pack_clock
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.step_account import read_account
 from forest_msgs_py.step_order import StepOrder
@@ -156,8 +156,7 @@ class StepListener:
         """Tell how far everything was taken."""
         if self._order.reached > self._told:
             self._told, self._progress = self._order.reached, time.monotonic()
-            clock = ns_to_stamp(self._told * STEP_NS)
-            self._taken.publish(to_cdr(message_class(topics.RECORDED)(clock=clock)))
+            self._taken.publish(pack_clock(self._told * STEP_NS))
 
 
 def listener(

@@ -13,7 +13,7 @@ ends of the range. No reading is told as NaN: sensors.py leaves the quantity out
 A turbine's blades do not tell which way the oil goes. The floor keeps the sign of the true flow, as a data
 acquisition that knows the spool's side would; oil at rest reads plus the floor.
 
-Everything here is pure and stays in the subset of Python that Numba compiles.
+Everything here is pure and stays in the subset of Python that `forest_compile.translate` takes.
 """
 
 import math
@@ -80,6 +80,17 @@ def sample(c: Channel, s: ChannelState, true: float, dt: float, normal: float) -
             reading = c.resolution * math.floor(steps)
     reading = max(c.low, min(c.high, reading))
     return ChannelState(lagged, reading), reading
+
+
+def sample_if(
+    due: bool, c: Channel, s: ChannelState, true: float, dt: float, normal: float
+) -> tuple[ChannelState, float]:
+    """Do as `sample` where a sample is due; between its samples a sensor holds what it read last."""
+    if due and c == EXACT:
+        return exactly(true)
+    if not due and c.mode != ABSENT:
+        c = c._replace(mode=FROZEN)
+    return sample(c, s, true, dt, normal)
 
 
 def exactly(true: float) -> tuple[ChannelState, float]:

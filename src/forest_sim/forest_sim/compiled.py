@@ -246,9 +246,12 @@ KEPT = Kept("plant", (*LAWS, parameters, sys.modules[__name__]), kernel_text, AR
 
 
 def main() -> None:
-    """Make the object code if it is not there, and tell where it is."""
-    _compiled()
-    print(KEPT.file)
+    """Make what the simulator node needs, if it is not there, and tell where it is."""
+    from forest_sim.sensor_run import KEPT as SENSORS  # which needs the laws named here
+
+    for kept in (KEPT, SENSORS):
+        kept.kernel()
+        print(kept.file)
 
 
 if __name__ == "__main__":

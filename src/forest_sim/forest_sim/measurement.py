@@ -19,7 +19,6 @@ NaN stands for what there is no reading of, and for what would be derived from i
 """
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 from forest_description.linkage import lever_arm
@@ -30,9 +29,13 @@ from forest_sim.sensor_suite import PLACES
 
 SPEED_BANDWIDTH = 25.0  # [Hz]
 
-JOINTS, CYLINDERS, PRESSURES = PLACES["resolver"], PLACES["linear_transducer"], PLACES["pressure"]
-FLOWS, TEMPERATURES, ENGINE_SPEED = PLACES["flow_meter"], PLACES["thermocouple"], PLACES["tachometer"]
-SPOOLS, TILT, CASE_DRAIN = PLACES["spool_sensor"], PLACES["inclinometer"], PLACES["case_drain"]
+# Where the channels of a kind begin.
+PRESSURES, FLOWS = PLACES["pressure"].start, PLACES["flow_meter"].start
+TEMPERATURES, ENGINE_SPEED = PLACES["thermocouple"].start, PLACES["tachometer"].start
+SPOOLS, TILT, CASE_DRAIN = (PLACES[kind].start for kind in ("spool_sensor", "inclinometer", "case_drain"))
+
+Readings = tuple[float, ...]
+Estimates = tuple["SpeedEstimate", ...]  # joints, then actuators
 
 
 class Motion(NamedTuple):
@@ -78,52 +81,51 @@ def estimate_speed(e: SpeedEstimate, position: float, dt: float, due: bool) -> S
     return SpeedEstimate(position, speed, 0.0)
 
 
+def estimated(before: Estimates, read: Readings, dt: float, due: bool) -> Estimates:
+    """Return the estimates of all six speeds `dt` [s] later."""
+    seen = positions(read)
+    return tuple([estimate_speed(before[i], seen[i], dt, due) for i in range(6)])
+
+
 def force(pressure_1: float, pressure_2: float, a: Actuator) -> float:
     """Return the actuator's force [N; N m] from its pressures, without friction. Thesis eq. 3.17, 3.19."""
     return a.own_displacement_1 * pressure_1 - a.own_displacement_2 * pressure_2
 
 
 def measurement(
-    read: list[float],
-    estimates: tuple[SpeedEstimate, ...],
-    p: PlantParameters,
-    supply_flow: float,
-    supply_saturation: float,
+    read: Readings, estimates: Estimates, p: PlantParameters, supply_flow: float, supply_saturation: float
 ) -> Measurement:
     """Return readings, in the order of `CHANNELS`, by quantity, with what is derived from them."""
-    seen, pressures = positions(read), tuple(read[PRESSURES][:12])
-    # No speed of a position that has no sample now.
-    speeds = tuple(
-        math.nan if math.isnan(position) else e.speed for e, position in zip(estimates, seen, strict=True)
-    )
+    seen, at = positions(read), tuple([read[PRESSURES + i] for i in range(12)])
+    speeds = tuple([_known_speed(estimates[i], seen[i]) for i in range(6)])
     forces = (
-        force(pressures[1], pressures[3], p.swing.actuator),
-        force(pressures[5], pressures[7], p.boom.actuator),
-        force(pressures[9], pressures[11], p.stick.actuator),
+        force(at[1], at[3], p.swing.actuator),
+        force(at[5], at[7], p.boom.actuator),
+        force(at[9], at[11], p.stick.actuator),
     )
     arms = 1.0, lever_arm(seen[1], p.boom_linkage), lever_arm(seen[2], p.stick_linkage)
     torques = forces[0] * arms[0], forces[1] * arms[1], forces[2] * arms[2]
     return Measurement(
-        joints=Motion(_triple(seen[:3]), _triple(speeds[:3]), torques),
-        actuators=Motion(_triple(seen[3:]), _triple(speeds[3:]), forces),
-        pressures=pressures,
-        flows=tuple(read[FLOWS]),
-        supply_pressure=read[PRESSURES][12],
+        joints=Motion((seen[0], seen[1], seen[2]), (speeds[0], speeds[1], speeds[2]), torques),
+        actuators=Motion((seen[3], seen[4], seen[5]), (speeds[3], speeds[4], speeds[5]), forces),
+        pressures=at,
+        flows=(read[FLOWS], read[FLOWS + 1]),
+        supply_pressure=read[PRESSURES + 12],
         supply_flow=supply_flow,
         supply_saturation=supply_saturation,
-        case_drain_flow=read[CASE_DRAIN][0],
-        spools=_triple(read[SPOOLS]),
-        temperatures=_triple(read[TEMPERATURES]),
-        engine_speed=read[ENGINE_SPEED][0],
-        tilt=tuple(read[TILT]),
+        case_drain_flow=read[CASE_DRAIN],
+        spools=(read[SPOOLS], read[SPOOLS + 1], read[SPOOLS + 2]),
+        temperatures=(read[TEMPERATURES], read[TEMPERATURES + 1], read[TEMPERATURES + 2]),
+        engine_speed=read[ENGINE_SPEED],
+        tilt=(read[TILT], read[TILT + 1]),
     )
 
 
-def positions(read: list[float]) -> tuple[float, ...]:
+def positions(read: Readings) -> tuple[float, ...]:
     """Return the positions read of 3 joints and 3 actuators; the swing's resolver serves both."""
-    joints = read[JOINTS]
-    return *joints, joints[0], *read[CYLINDERS]
+    return read[0], read[1], read[2], read[0], read[3], read[4]
 
 
-def _triple(values: Sequence[float]) -> Triple:
-    return values[0], values[1], values[2]
+def _known_speed(e: SpeedEstimate, position: float) -> float:
+    """Return an estimate's speed; there is none of a position that has no sample now."""
+    return math.nan if math.isnan(position) else e.speed

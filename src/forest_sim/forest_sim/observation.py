@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_description.kinematics import tip_position, tip_velocity
 from forest_description.machine import Machine
 from forest_msgs_py import topics
 from forest_msgs_py.topics import Topic
@@ -18,7 +17,8 @@ from forest_sim.integrator import Simulation
 from forest_sim.measurement import Motion
 from forest_sim.parameters import plant_parameters
 from forest_sim.recording import restore
-from forest_sim.sensor_suite import NO_DRAWS, Fault, draw, noise_generator, sensor_suite
+from forest_sim.sensor_run import SensorRun
+from forest_sim.sensor_suite import Fault, sensor_suite
 from forest_sim.simulation import Block
 from forest_sim.thermal import parameters_at
 
@@ -58,10 +58,8 @@ class Observer:
         self._plant = plant_parameters(machine)
         self._period = 1.0 / rate
         self._suite = sensor_suite(machine, sensing.noise, sensing.seed, sensing.faults)
-        self._generator = noise_generator(self._suite)
-        self._draws = sensing.noise or len(sensing.faults) > 0
         self._around = sensors.surroundings(machine)
-        self._sensors: sensors.SensorState | None = None
+        self._sensors: SensorRun | None = None
 
     def observe(self, block: Block) -> Observed:
         """Return the numbers of every topic, one row per row of the block."""
@@ -69,6 +67,8 @@ class Observer:
         if math.isfinite(temperature):
             self._plant = parameters_at(self._machine, temperature)
             self._around = self._around._replace(temperatures=(temperature,) * 3)
+            if self._sensors is not None:
+                self._sensors.learn(self._plant, self._around)
         rows = [self._sample(restore(row)) for row in block.states]
         observed = {
             topic: np.array(column, dtype=np.float64)
@@ -79,14 +79,10 @@ class Observer:
 
     def _sample(self, simulation: Simulation) -> tuple[tuple[float, ...], ...]:
         """Return one row of every topic but the voltages."""
-        p, suite, around = self._plant, self._suite, self._around
         if self._sensors is None:
-            self._sensors = sensors.at_rest(simulation, p, suite, around)
-        draws = draw(self._generator) if self._draws else NO_DRAWS
-        self._sensors, seen = sensors.measure(
-            simulation, self._sensors, p, self._period, suite, draws, around
-        )
-        true = sensors.true_joints(simulation, p)
+            self._sensors = SensorRun(simulation, self._plant, self._links, self._suite, self._around)
+        report = self._sensors.sample(simulation, self._period)
+        seen = report.seen
         auxiliary = (*seen.spools, seen.case_drain_flow, *seen.temperatures, seen.engine_speed, *seen.tilt)
         return (
             _motion(seen.joints),
@@ -95,9 +91,9 @@ class Observer:
             seen.flows,
             (seen.supply_pressure, seen.supply_flow, seen.supply_saturation),
             (*auxiliary, *map(float, simulation.events), 0.0),
-            _motion(true),
-            tip_position(true.position, self._links),
-            tip_velocity(true.position, true.speed, self._links),
+            _motion(report.joints),
+            report.tip,
+            report.tip_velocity,
         )
 
 

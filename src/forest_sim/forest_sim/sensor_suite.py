@@ -16,7 +16,7 @@ import numpy as np
 from forest_description.calibrating import Unit, line_of
 from forest_description.machine import AXES, CylinderDrive, Machine
 from forest_description.sensing import FlowMeter, LinearTransducer
-from forest_sim.channel import ABSENT, EXACT, FROZEN, Channel
+from forest_sim.channel import ABSENT, EXACT, Channel
 
 PORTS = tuple(f"{port}_{place}" for port in (1, 2) for place in ("valve", "actuator"))
 TIME_TOLERANCE = 1e-9  # [s] by which sums of periods may be off
@@ -122,9 +122,9 @@ def draw(generator: np.random.Generator) -> Draws:
     return Draws(generator.standard_normal(count).tolist(), generator.random(count).tolist())
 
 
-def conditions(suite: Suite, time: float, due: bool, uniform: Sequence[float]) -> Sequence[Channel]:
-    """Return the channels as they work at a time [s]; between samples they hold what they read last."""
-    if due and not suite.faults:
+def conditions(suite: Suite, time: float, uniform: Sequence[float]) -> tuple[Channel, ...]:
+    """Return the channels as they work at a time [s]; the suite's own while it has no faults."""
+    if not suite.faults:
         return suite.channels
     channels = list(suite.channels)
     for fault in suite.faults:
@@ -133,11 +133,7 @@ def conditions(suite: Suite, time: float, due: bool, uniform: Sequence[float]) -
             hit = uniform[fault.channel] < fault.probability
             mode = max(channel.mode, fault.mode) if hit else channel.mode
             channels[fault.channel] = channel._replace(bias=channel.bias + fault.bias, mode=mode)
-    return channels if due else [_held(channel) for channel in channels]
-
-
-def _held(channel: Channel) -> Channel:
-    return channel if channel.mode == ABSENT else channel._replace(mode=FROZEN)
+    return tuple(channels)
 
 
 def _channel(kind: str, name: str, machine: Machine, share: float) -> Channel:

@@ -8,19 +8,21 @@ The pump's own flow passes unmeasured: table 4.2 has no meter there.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
+from forest_description.kinematics import Links, tip_position, tip_velocity
 from forest_description.machine import Machine
 from forest_description.pump import IdealPump
 from forest_sim.actuator import inlet_flow, outlet_flow, port_pressures
-from forest_sim.channel import EXACT, WORKS, ChannelState, exactly, sample
+from forest_sim.channel import WORKS, Channel, ChannelState, sample, sample_if
 from forest_sim.integrator import Simulation
 from forest_sim.manipulator import Triple
 from forest_sim.measurement import (
     Measurement,
     Motion,
     SpeedEstimate,
-    estimate_speed,
+    estimated,
     force,
     measurement,
     positions,
@@ -28,7 +30,7 @@ from forest_sim.measurement import (
 from forest_sim.parameters import Axis, PlantParameters
 from forest_sim.plant import AxisState, Ports, Transmission, ports_at, supply_draw, transmissions
 from forest_sim.port import port_pressure
-from forest_sim.sensor_suite import EXACT_SUITE, NO_DRAWS, TIME_TOLERANCE, Draws, Suite, conditions
+from forest_sim.sensor_suite import CHANNELS, EXACT_SUITE, NO_DRAWS, TIME_TOLERANCE, Draws, Suite, conditions
 from forest_sim.supply import saturation
 
 
@@ -41,6 +43,7 @@ class Surroundings(NamedTuple):
 
 
 NOMINAL = Surroundings()
+CHANNEL_COUNT = len(CHANNELS)
 
 
 class SensorState(NamedTuple):
@@ -70,9 +73,27 @@ def at_rest(
         sample(c._replace(mode=WORKS), ChannelState(x, x), x, 0.0, 0.0)[0]
         for c, x in zip(suite.channels, true_values(simulation, p, around), strict=True)
     ]
-    seen = positions([state.reading for state in states])
+    seen = positions(tuple([state.reading for state in states]))
     estimates = tuple(SpeedEstimate(position, 0.0, 0.0) for position in seen)
     return SensorState(tuple(states), estimates, 0.0, suite.period)
+
+
+class Sensors(NamedTuple):
+    """What stays from one sample to the next."""
+
+    plant: PlantParameters
+    channels: tuple[Channel, ...]  # as they work now
+    period: float  # [s] between samples; 0: whenever asked
+    around: Surroundings
+
+
+class Report(NamedTuple):
+    """What the sensors say, and what is true."""
+
+    seen: Measurement
+    joints: Motion  # angles [rad], rates [rad/s], actuator torques [N m]
+    tip: Triple  # [m]
+    tip_velocity: Triple  # [m/s]
 
 
 def measure(
@@ -85,41 +106,60 @@ def measure(
     around: Surroundings = NOMINAL,
 ) -> tuple[SensorState, Measurement]:
     """Sample every sensor, `dt` [s] after the last call. Thesis table 4.2."""
+    channels = conditions(suite, state.time + dt, draws.uniform)
+    return sampled(state, simulation, draws.normal, Sensors(p, channels, suite.period, around), dt)
+
+
+def report(
+    state: SensorState, simulation: Simulation, normals: Sequence[float], k: tuple[Sensors, Links], dt: float
+) -> tuple[SensorState, Report]:
+    """Do as `sampled`, and tell the truth beside; `k` holds the lengths of the machine's links, too."""
+    s, links = k
+    state, seen = sampled(state, simulation, normals, s, dt)
+    true = true_joints(simulation, s.plant)
+    tip = tip_position(true.position, links)
+    return state, Report(seen, true, tip, tip_velocity(true.position, true.speed, links))
+
+
+def sampled(
+    state: SensorState, simulation: Simulation, normals: Sequence[float], s: Sensors, dt: float
+) -> tuple[SensorState, Measurement]:
+    """Do as `measure`, for machine code, too.
+
+    Args:
+        state: what the last call returned.
+        simulation: the machine.
+        normals: draws from the standard normal distribution, one for each channel.
+        s: what stays.
+        dt: time since the last call [s].
+    """
     time = state.time + dt
     due = time > state.next_sample - TIME_TOLERANCE
-    channels = conditions(suite, time, due, draws.uniform)
-    ports = ports_at(simulation.spools, p)
-    truth = _true_values(simulation, ports, p, around)
-    sampled = [
-        exactly(true) if c is EXACT else sample(c, s, true, dt, normal)
-        for c, s, true, normal in zip(channels, state.channels, truth, draws.normal, strict=True)
-    ]
-    read = [reading for _, reading in sampled]
-    estimates = tuple(
-        estimate_speed(estimate, position, dt, due)
-        for estimate, position in zip(state.estimates, positions(read), strict=True)
+    ports, before = ports_at(simulation.spools, s.plant), state.channels
+    true = _true_values(simulation, ports, s.plant, s.around)
+    said = tuple(
+        [sample_if(due, s.channels[i], before[i], true[i], dt, normals[i]) for i in range(CHANNEL_COUNT)]
     )
-    next_sample = max(time, state.next_sample + suite.period) if due else state.next_sample
-    after = SensorState(tuple([s for s, _ in sampled]), estimates, time, next_sample)
-    return after, measurement(read, estimates, p, *_supply(simulation, ports, p))
+    read = tuple([said[i][1] for i in range(CHANNEL_COUNT)])
+    estimates = estimated(state.estimates, read, dt, due)
+    next_sample = max(time, state.next_sample + s.period) if due else state.next_sample
+    after = SensorState(tuple([said[i][0] for i in range(CHANNEL_COUNT)]), estimates, time, next_sample)
+    flow, used = _supply(simulation, ports, s.plant)
+    return after, measurement(read, estimates, s.plant, flow, used)
 
 
 def true_joints(simulation: Simulation, p: PlantParameters) -> Motion:
     """Return the joints' true angles [rad], rates [rad/s] and actuator torques [N m]."""
-    plant = simulation.plant
-    torques = (
-        _true_force(state, axis, t) * t.arm
-        for state, axis, t in zip(
-            (plant.swing, plant.boom, plant.stick),
-            (p.swing, p.boom, p.stick),
-            _transmissions(simulation, p),
-            strict=True,
-        )
-    )
+    swing, boom, stick = simulation.plant.swing, simulation.plant.boom, simulation.plant.stick
+    t_1, t_2, t_3 = _transmissions(simulation, p)
     return Motion(
-        (plant.swing.angle, plant.boom.angle, plant.stick.angle),
-        (plant.swing.rate, plant.boom.rate, plant.stick.rate),
-        _triple(tuple(torques)),
+        (swing.angle, boom.angle, stick.angle),
+        (swing.rate, boom.rate, stick.rate),
+        (
+            _true_force(swing, p.swing, t_1) * t_1.arm,
+            _true_force(boom, p.boom, t_2) * t_2.arm,
+            _true_force(stick, p.stick, t_3) * t_3.arm,
+        ),
     )
 
 
@@ -131,7 +171,7 @@ def true_values(simulation: Simulation, p: PlantParameters, around: Surroundings
 def _true_values(
     simulation: Simulation, ports: tuple[Ports, Ports, Ports], p: PlantParameters, around: Surroundings
 ) -> tuple[float, ...]:
-    plant, supply = simulation.plant, simulation.plant.supply.pressure
+    plant, supply, spools = simulation.plant, simulation.plant.supply.pressure, simulation.spools
     t_1, t_2, t_3 = _transmissions(simulation, p)
     return (
         *(plant.swing.angle, plant.boom.angle, plant.stick.angle),
@@ -143,7 +183,7 @@ def _true_values(
         *(plant.swing.flow_1, plant.stick.flow_1),
         *around.temperatures,
         around.engine_speed,
-        *(spool.position for spool in simulation.spools),
+        *(spools[0].position, spools[1].position, spools[2].position),
         *around.tilt,
         _case_drain_flow(plant.swing, p.swing),
     )
@@ -183,7 +223,3 @@ def _case_drain_flow(s: AxisState, axis: Axis) -> float:
     """Return the motor's external leakage [m^3/s]: what goes in and does not come out. Thesis eq. 4.8."""
     u, a = s.rate, axis.actuator
     return inlet_flow(u, s.pressure_1, s.pressure_2, a) - outlet_flow(u, s.pressure_1, s.pressure_2, a)
-
-
-def _triple(values: tuple[float, ...]) -> Triple:
-    return values[0], values[1], values[2]

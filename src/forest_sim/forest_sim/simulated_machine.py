@@ -10,10 +10,11 @@ from forest_sim.disturbance import UNDISTURBED, Disturbance, disturbed
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Events, advance
 from forest_sim.manipulator import Triple
-from forest_sim.measurement import Measurement, Motion
 from forest_sim.parameters import plant_parameters
 from forest_sim.power import power_flows
-from forest_sim.sensor_suite import NO_DRAWS, Suite, draw, noise_generator
+from forest_sim.sensor_run import SensorRun
+from forest_sim.sensor_suite import Suite
+from forest_sim.sensors import Report
 from forest_sim.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after
 
 STEP = 1e-3  # [s] of the integrator
@@ -35,7 +36,7 @@ class SimulatedMachine:
             period: [s], a whole number of steps.
             warms: its oil does, if it is described.
         """
-        self.machine, self._suite, self._period = machine, suite, period
+        self.machine, self._period = machine, period
         self._substeps = round(period / STEP)
         compiled = ready_advance()
         self.is_compiled = compiled is not None
@@ -44,9 +45,8 @@ class SimulatedMachine:
         self._disturbance = UNDISTURBED
         self._simulation = equilibrium(angles, self._plant)
         self._around = sensors.surroundings(machine)
-        by_chance = suite.faults or any(channel.noise for channel in suite.channels)
-        self._generator = noise_generator(suite) if by_chance else None
-        self._sensors = sensors.at_rest(self._simulation, self._plant, suite, self._around)
+        links = machine.manipulator.links
+        self._sensors = SensorRun(self._simulation, self._plant, links, suite, self._around)
         self._temperature = machine.oil.reference_temperature if machine.oil and warms else None
         self._losses: list[float] = []
         self._periods = 0
@@ -60,23 +60,16 @@ class SimulatedMachine:
         """Let spools be stuck and a force act on the tip, from now on."""
         self._disturbance = disturbance
         self._plant = disturbed(self._undisturbed, disturbance)
+        self._sensors.learn(self._plant, self._around)
 
-    def step(self, voltages: Triple) -> Measurement:
-        """Move on by a period under held valve voltages [V], and return what the sensors say then."""
-        p = self._plant
-        self._simulation = self._advance(self._simulation, voltages, STEP, self._substeps, p)
+    def step(self, voltages: Triple) -> Report:
+        """Move on by a period under held voltages [V]; return what the sensors say then, and the truth."""
+        self._simulation = self._advance(self._simulation, voltages, STEP, self._substeps, self._plant)
         self._periods += 1
+        report = self._sensors.sample(self._simulation, self._period)
         if self._temperature is not None:
-            self._warm(self._temperature)
-        self._sensors, seen = sensors.measure(
-            *(self._simulation, self._sensors, p, self._period),
-            *(self._suite, draw(self._generator) if self._generator else NO_DRAWS, self._around),
-        )
-        return seen
-
-    def true_joints(self) -> Motion:
-        """Return the joints' true angles [rad], rates [rad/s] and torques [N m]."""
-        return sensors.true_joints(self._simulation, self._plant)
+            self._warm(self._temperature)  # for the periods to come
+        return report
 
     def _warm(self, temperature: float) -> None:
         """Sample what the machine loses; every UPDATE_PERIOD the oil is warmer by that."""

@@ -19,7 +19,6 @@ from typing import Any
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 
-from forest_description.kinematics import tip_position, tip_velocity
 from forest_description.limits import pose_at, start_tip
 from forest_description.machine import Machine, load_machine
 from forest_description.urdf import robot_description
@@ -33,9 +32,10 @@ from forest_msgs_py.topics import message_class
 from forest_msgs_py.unpacking import ArrayReader
 from forest_sim.disturbance import Disturbance, checked_tip_force, parse_stuck_spools
 from forest_sim.manipulator import Triple
-from forest_sim.measurement import Measurement, Motion
+from forest_sim.measurement import Motion
 from forest_sim.sensor_faults import parse_faults
 from forest_sim.sensor_suite import Suite, calibrated, sensor_suite
+from forest_sim.sensors import Report
 from forest_sim.simulated_machine import SimulatedMachine
 
 FRAME = "base_link"
@@ -155,11 +155,12 @@ class SimulatorNode(Node):
     def _advance(self) -> None:
         self._read_voltages()
         with self._changing:
-            seen = self._machine.step(self._voltages)
-        self._publish(seen)
+            report = self._machine.step(self._voltages)
+        self._publish(report)
 
-    def _publish(self, seen: Measurement) -> None:
+    def _publish(self, report: Report) -> None:
         """Publish one sample; what the driver needs goes before what makes the controller step."""
+        seen = report.seen
         auxiliary = (*seen.spools, seen.case_drain_flow, *seen.temperatures, seen.engine_speed, *seen.tilt)
         self._say(topics.PRESSURES, seen.pressures)
         self._say(topics.SUPPLY, (seen.supply_pressure, seen.supply_flow, seen.supply_saturation))
@@ -167,13 +168,9 @@ class SimulatorNode(Node):
         self._say(topics.JOINT_STATES, _flat(seen.joints))  # last of what the controller reads: it steps then
         self._say(topics.FLOWS, seen.flows)
         self._say(topics.AUXILIARY, (*auxiliary, *map(float, self._machine.events), float(self._missed)))
-        self._publish_truth()
-
-    def _publish_truth(self) -> None:
-        true, links = self._machine.true_joints(), self._machine.machine.manipulator.links
-        self._say(topics.GROUND_TRUTH_JOINT_STATES, _flat(true))
-        self._say(topics.GROUND_TRUTH_TIP_POSE, tip_position(true.position, links))
-        self._say(topics.GROUND_TRUTH_TIP_TWIST, tip_velocity(true.position, true.speed, links))
+        self._say(topics.GROUND_TRUTH_JOINT_STATES, _flat(report.joints))
+        self._say(topics.GROUND_TRUTH_TIP_POSE, report.tip)
+        self._say(topics.GROUND_TRUTH_TIP_TWIST, report.tip_velocity)
 
     def _say(self, topic: topics.Topic, values: tuple[float, ...]) -> None:
         self._speakers[topic].say(self._stamp, values)

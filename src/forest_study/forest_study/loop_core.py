@@ -16,7 +16,7 @@ from forest_control.levers import Levers
 from forest_control.valve_reach import Reports, learnt_reach, reported
 from forest_description.kinematics import Links, tip_position
 from forest_sim import integrator
-from forest_sim.channel import ABSENT, FROZEN, Channel, ChannelState, sample
+from forest_sim.channel import ABSENT, Channel, ChannelState, sample_if
 from forest_sim.integrator import Simulation
 from forest_sim.manipulator import Triple
 from forest_sim.measurement import SpeedEstimate, estimate_speed
@@ -122,7 +122,7 @@ def sensed(
     before = senses.channels
     channels = tuple(
         [
-            _sampled(k.sensing.channels[i], before[i], true[i], normals[first + i], due)
+            sample_if(due, k.sensing.channels[i], before[i], true[i], PERIOD, normals[first + i])[0]
             for i in range(CHANNEL_COUNT)
         ]
     )
@@ -144,13 +144,6 @@ def readings(senses: Senses, sensing: Sensing) -> tuple[float, ...]:
 
 def _reading(c: Channel, s: ChannelState) -> float:
     return math.nan if c.mode == ABSENT else s.reading
-
-
-def _sampled(c: Channel, s: ChannelState, true: float, normal: float, due: bool) -> ChannelState:
-    """Return a channel's state after a period; between its samples it holds what it read last."""
-    if not due and c.mode != ABSENT:
-        c = c._replace(mode=FROZEN)
-    return sample(c, s, true, PERIOD, normal)[0]
 
 
 def _true_values(simulation: Simulation, p: PlantParameters) -> tuple[float, ...]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_compile import flat, machine_code, translate
-from forest_compile.kept import Kept
+from forest_compile.kept import Kept, can_compile
 from forest_control import compiled as control_compiled
 from forest_control import controller, levers, valve_driver, valve_reach
 from forest_description.machine import Machine, load_machine
@@ -85,7 +85,7 @@ def by_heart(
         model: what controller and driver believe; default: the machine itself.
         suite: sensors; those with faults are interpreted; default: the machine's, exact.
     """
-    if not compiled.can_compile() or (suite is not None and suite.faults):
+    if not can_compile() or (suite is not None and suite.faults):
         return closed_loop.run(machine, operator, duration, start, control, drive, model, suite)
     done = [operator(k * PERIOD) for k in range(round(duration / PERIOD))]
     table = np.array([[*levers, enabled] for levers, enabled in done], dtype=np.float64)

@@ -1,0 +1,80 @@
+"""The sensors of one machine along a run: their suite, the draws of chance, and what they remember.
+
+`sensors.report` runs as machine code where that has been made (`python -m forest_sim.compiled`), and
+interpreted otherwise, with the same readings to the last bit.
+"""
+
+import sys
+
+from forest_compile.compiled_step import ARGUMENTS, CompiledStep, Example, kernel_text
+from forest_compile.kept import Kept
+from forest_description import kinematics
+from forest_description.kinematics import Links
+from forest_description.machine import load_machine
+from forest_sim import channel, compiled, measurement, sensor_suite, sensors
+from forest_sim.equilibrium import equilibrium
+from forest_sim.integrator import Simulation
+from forest_sim.parameters import PlantParameters, plant_parameters
+from forest_sim.sensor_suite import EXACT_SUITE, NO_DRAWS, Suite, conditions, draw, noise_generator
+from forest_sim.sensors import Report, Sensors, Surroundings
+
+LAWS = *compiled.LAWS, kinematics, channel, measurement, sensor_suite, sensors
+
+
+class SensorRun:
+    """Sensors that are asked again and again.
+
+    Args:
+        simulation: the machine at the beginning, standing still.
+        plant: its parameters.
+        links: of its kinematic chain.
+        suite: of sensors.
+        around: what they measure outside of the plant.
+    """
+
+    def __init__(
+        self, simulation: Simulation, plant: PlantParameters, links: Links, suite: Suite, around: Surroundings
+    ) -> None:
+        self._suite, self._links = suite, links
+        by_chance = suite.faults or any(channel.noise for channel in suite.channels)
+        self._generator = noise_generator(suite) if by_chance else None
+        self._state = sensors.at_rest(simulation, plant, suite, around)
+        self._known = Sensors(plant, suite.channels, suite.period, around), links
+        self._report = CompiledStep(KEPT.kernel(), _example()) if KEPT.is_ready else sensors.report
+
+    def learn(self, plant: PlantParameters, around: Surroundings) -> None:
+        """From now on the plant, or what is around it, is another."""
+        self._known = self._known[0]._replace(plant=plant, around=around), self._links
+
+    def sample(self, simulation: Simulation, dt: float) -> Report:
+        """Return what the sensors say of a machine, `dt` [s] after the last time, and what is true."""
+        draws = draw(self._generator) if self._generator else NO_DRAWS
+        if self._suite.faults:
+            channels = conditions(self._suite, self._state.time + dt, draws.uniform)
+            self._known = self._known[0]._replace(channels=channels), self._links
+        self._state, report = self._report(self._state, simulation, draws.normal, self._known, dt)
+        return report
+
+
+def _example() -> Example:
+    """Return values of the types that all machines share."""
+    machine = load_machine("c180")
+    plant, links = plant_parameters(machine), machine.manipulator.links
+    simulation, around = equilibrium((0.0, 0.5, -1.5), plant), sensors.surroundings(machine)
+    state = sensors.at_rest(simulation, plant, EXACT_SUITE, around)
+    known = Sensors(plant, EXACT_SUITE.channels, 0.0, around), links
+    state, report = sensors.report(state, simulation, NO_DRAWS.normal, known, 0.005)
+    return Example(state, (simulation, NO_DRAWS.normal), known, report)
+
+
+def _text() -> str:
+    return kernel_text(sensors.report, _example(), compiled.APART)
+
+
+KEPT = Kept(
+    "sensors",
+    (*LAWS, compiled, sys.modules[__name__], sys.modules[kernel_text.__module__]),
+    _text,
+    ARGUMENTS,
+)
+"""`sensors.report` as machine code."""
