@@ -9,6 +9,7 @@ import sys
 from functools import partial
 from typing import Any
 
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 
 from forest_control import controller, joystick_watch, lever_hold
@@ -67,6 +68,8 @@ class ControllerNode(Node):
         self._state_timeout = get("state_timeout", 0.1, "age at which the state is lost", "s", 0.01, 0.2)
         self._deadman = get("deadman_button", LEFT_SHOULDER, "button to hold", low=0, high=BUTTON_COUNT - 1)
         self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
+        get("hands_off", False, "disarmed, no valve commands: somebody else has the valves", read_only=False)
+        self.add_on_set_parameters_callback(self._may_take_hands_off)
         self._state = controller.REST
         tunables.watch(self._tune)
         self._state_received, self._order = -math.inf, StampOrder(self._state_timeout)
@@ -159,7 +162,7 @@ class ControllerNode(Node):
         dt = self._period.since(reading.stamp_ns)
         lengths, valves = self._cylinders(reading.stamp_ns), self._valves.read()
         inputs = controller.Inputs(angles, rates, *self._operator(True, dt), lengths, *valves)
-        if self._stop.pressed:
+        if self._stop.pressed or self._hands_off():
             self._state = controller.REST  # from which there is no ramp: zero at once
         self._state, output = controller.step(self._state, inputs, self._core, dt)
         self._publish(reading.stamp_ns, corrected(angles, self._state.correction), rates, output)
@@ -177,7 +180,7 @@ class ControllerNode(Node):
     def _operator(self, machine_known: bool, dt: float = 0.0) -> Operator:
         """Return the levers dt [s] after the last time, and whether they may move anything."""
         self._read_joy()
-        allowed = machine_known and not self._stop.pressed
+        allowed = machine_known and not self._stop.pressed and not self._hands_off()
         p = self._watch_settings
         self._joystick, operator = joystick_watch.judge(self._joystick, self._pace.now(), allowed, p)
         # A joystick that goes after the deadman was released is not missed.
@@ -198,7 +201,8 @@ class ControllerNode(Node):
 
     def _publish(self, stamp: int, angles: Triple, rates: Triple, output: controller.Output) -> None:
         links = self._core.links
-        self._command.say(stamp, output.command)
+        if not self._hands_off():
+            self._command.say(stamp, output.command)
         self._pose.say(stamp, tip_position(angles, links))
         self._twist.say(stamp, tip_velocity(angles, rates, links))
         if self._core.scheme != Scheme.JOINT:
@@ -217,8 +221,17 @@ class ControllerNode(Node):
     def _stand_still(self) -> None:
         self._state = controller.REST
         now = self._pace.stamp()
-        self._command.say(now, ZERO)
+        if not self._hands_off():
+            self._command.say(now, ZERO)
         self._health.publish(now)
+
+    def _may_take_hands_off(self, changed: list[Any]) -> SetParametersResult:
+        wanted = any(parameter.name == "hands_off" and parameter.value for parameter in changed)
+        refused = wanted and not self._hands_off() and self._joystick.armed
+        return SetParametersResult(successful=not refused, reason="the deadman is held" if refused else "")
+
+    def _hands_off(self) -> bool:
+        return bool(self.get_parameter("hands_off").value)
 
     def stop(self) -> None:
         """Last words: zero."""

@@ -24,7 +24,14 @@ class SimulatedMachine:
     """State of plant, oil and sensors."""
 
     def __init__(
-        self, machine: Machine, angles: Triple, suite: Suite, period: float, warms: bool = True
+        self,
+        machine: Machine,
+        angles: Triple,
+        suite: Suite,
+        period: float,
+        warms: bool = True,
+        rig: bool = False,
+        run: str = "",
     ) -> None:
         """Start at rest at the joint angles [rad].
 
@@ -34,6 +41,8 @@ class SimulatedMachine:
             suite: of sensors.
             period: [s], a whole number of steps.
             warms: its oil does, if it is described.
+            rig: it is a test rig, see `sensors.Surroundings`.
+            run: name of the run, see `noise_generator`.
         """
         self.machine, self._suite, self._period = machine, suite, period
         self._substeps = round(period / STEP)
@@ -43,9 +52,9 @@ class SimulatedMachine:
         self._undisturbed = self._plant = plant_parameters(machine)
         self._disturbance = UNDISTURBED
         self._simulation = equilibrium(angles, self._plant)
-        self._around = sensors.surroundings(machine)
+        self._around = sensors.surroundings(machine)._replace(rig=rig)
         by_chance = suite.faults or any(channel.noise for channel in suite.channels)
-        self._generator = noise_generator(suite) if by_chance else None
+        self._generator = noise_generator(suite, run) if by_chance else None
         self._sensors = sensors.at_rest(self._simulation, self._plant, suite, self._around)
         self._temperature = machine.oil.reference_temperature if machine.oil and warms else None
         self._losses: list[float] = []
