@@ -42,7 +42,7 @@ def switches():
 def kill_the_operator_in_motion(out, found):
     """Kill it once it drives; keep what was switched then, and when it died."""
     log = out / "log" / "damping_boom" / f"{OPERATOR}.log"
-    while not (log.exists() and "at 2 of" in log.read_text()):
+    while not (log.exists() and "at 1 of" in log.read_text()):
         time.sleep(0.01)
     found.append(switches())
     found.append(time.monotonic())
@@ -59,7 +59,7 @@ def graph(start_graph, valves, wait_until):
 def test_what_it_switches_is_put_back_at_its_end_and_after_its_death_and_an_emergency_stop_refuses_it(
     graph, valves, wait_until, tmp_path, capsys
 ):
-    assert experiment(tmp_path / "whole", "--trial", "3") == 0
+    assert experiment(tmp_path / "whole", "--trial", "2.5") == 0
     assert switches() == {"compensate": True, "hands_off": False}
     session = session_bag.read(tmp_path / "whole" / "damping_boom")
     assert session.name == "damping_boom"

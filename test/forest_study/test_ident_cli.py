@@ -10,7 +10,7 @@ from forest_ident.session import SessionError
 from forest_study.ident_cli import main
 
 TRIAL = 6.0  # [s] of a rig's experiment
-SHORT = 4.0  # [s] of the crane's
+SHORT = 3.0  # [s] of the crane's
 
 
 @pytest.fixture(scope="module")

@@ -26,10 +26,10 @@ class Inputs:
         self.ports = seen_ports(plan)
         self._ports = ArrayReader(topics.PRESSURES, self.ports) if self.ports else None
         self._inbox = pace.inbox(topics.PRESSURES) if self.ports and not plan.bench else None
-        self._slow = [
-            (pace.inbox(topic), ArrayReader(topic, (label,)))
-            for topic, label in ((topics.SUPPLY, "pressure"), (topics.AUXILIARY, "tank_temperature"))
-        ]
+        labels = {topics.SUPPLY: "pressure", topics.AUXILIARY: "tank_temperature"}
+        if pace.lockstep:  # in which nobody can wait for what the table says that nobody reads
+            del labels[topics.AUXILIARY]
+        self._slow = [(pace.inbox(topic), ArrayReader(topic, (label,))) for topic, label in labels.items()]
         self._values = [NOTHING, NOTHING]
         self._pressures: tuple[float, ...] = ()
         self._received = -math.inf
