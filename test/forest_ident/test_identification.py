@@ -41,7 +41,7 @@ def test_a_valve_that_is_the_same_both_ways_is_told_once(identified):
 
 
 def test_exact_sensors_give_the_parameters_to_half_a_per_cent(sessions, unknown_machine):
-    session = sessions("damping_swing", exact=True).part(0, 2400)
+    session = sessions("damping_swing", exact=True).part(0, 1600)
     result = identify(unknown_machine, [session])
     damping = result.estimates["swing.damping"].value
     assert damping == pytest.approx(unknown_machine.swing.damping, rel=0.005)

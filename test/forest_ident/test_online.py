@@ -45,7 +45,7 @@ def test_without_motion_the_covariance_stays_bounded():
 def test_running_estimates_come_near_the_truth():
     axis, name = 2, "stick"
     machine = load_machine("c180")
-    session = experiment(f"damping_{name}", machine, seed=4)
+    session = experiment(f"damping_{name}", machine, seed=4, longest=40.0)
     p = online.parameters(machine)
     state = online.initial(p)
     angles = np.column_stack([session.column(f"{a}_resolver") for a in ("swing", "boom", "stick")])

@@ -10,7 +10,7 @@ from forest_ident.ident_cli import main
 
 @pytest.fixture(scope="module")
 def answers():
-    return {c.name: questions.answer(c) for c in questions.cases(load_machine("c180"))}
+    return {c.name: questions.answer(c, longest=20.0) for c in questions.cases(load_machine("c180"))}
 
 
 def score(answer, axis, signal, way="both"):

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 NODES = ("joystick", "controller", "valve_driver", "simulator", "recorder")
+ALL = (*NODES, "experiment_operator")
 
 
 def nodes_of(supervisor):
@@ -19,7 +20,7 @@ def nodes_of(supervisor):
             continue
         if int(parent) != supervisor.pid:
             continue
-        children |= {n: int(entry.name) for n in NODES if f"_{n}_node"[1:].encode() in b" ".join(command)}
+        children |= {n: int(entry.name) for n in ALL if f"_{n}_node"[1:].encode() in b" ".join(command)}
     return children
 
 

@@ -9,6 +9,7 @@ import sys
 from functools import partial
 from typing import Any
 
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 
 from forest_control import compiled, controller, joystick_watch, lever_hold, stillness
@@ -66,6 +67,8 @@ class ControllerNode(Node):
         self._state_timeout = get("state_timeout", 0.1, "age at which the state is lost", "s", 0.01, 0.2)
         self._deadman = get("deadman_button", LEFT_SHOULDER, "button to hold", low=0, high=BUTTON_COUNT - 1)
         self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
+        get("hands_off", False, "disarmed, no valve commands: somebody else has the valves", read_only=False)
+        self.add_on_set_parameters_callback(self._may_take_hands_off)
         self._state, self._step = controller.REST, compiled.controller_step()
         self._asked, self._still = ZERO, stillness.MOVING
         tunables.watch(self._tune)
@@ -169,7 +172,7 @@ class ControllerNode(Node):
             self._stand_still()
             return
         inputs = controller.Inputs(angles, rates, *self._operator(True, sent, dt), lengths, *valves)
-        if self._stop.pressed:
+        if self._stop.pressed or self._hands_off():
             self._state = controller.REST  # from which there is no ramp: zero at once
         self._state, told = self._step(self._state, inputs, self._core, dt)
         self._publish(reading.stamp_ns, told)
@@ -193,7 +196,7 @@ class ControllerNode(Node):
             dt: after the one before [s].
         """
         self._read_joy()
-        allowed = machine_known and not self._stop.pressed
+        allowed = machine_known and not self._stop.pressed and not self._hands_off()
         p = self._watch_settings
         self._joystick, operator = joystick_watch.judge(self._joystick, self._pace.now(), allowed, p)
         # A joystick that goes after the deadman was released is not missed.
@@ -216,7 +219,8 @@ class ControllerNode(Node):
     def _publish(self, stamp: int, told: controller.Told) -> None:
         output = told.output
         self._asked = output.command
-        self._command.say(stamp, output.command)
+        if not self._hands_off():
+            self._command.say(stamp, output.command)
         self._pose.say(stamp, told.tip)
         self._twist.say(stamp, told.tip_velocity)
         if self._core.scheme != Scheme.JOINT:
@@ -235,8 +239,17 @@ class ControllerNode(Node):
     def _stand_still(self) -> None:
         self._state, self._asked, self._still = controller.REST, ZERO, stillness.MOVING
         now = self._pace.stamp()
-        self._command.say(now, ZERO)
+        if not self._hands_off():
+            self._command.say(now, ZERO)
         self._health.publish(now)
+
+    def _may_take_hands_off(self, changed: list[Any]) -> SetParametersResult:
+        wanted = any(parameter.name == "hands_off" and parameter.value for parameter in changed)
+        refused = wanted and not self._hands_off() and self._joystick.armed
+        return SetParametersResult(successful=not refused, reason="the deadman is held" if refused else "")
+
+    def _hands_off(self) -> bool:
+        return bool(self.get_parameter("hands_off").value)
 
     def stop(self) -> None:
         """Last words: zero."""

@@ -35,6 +35,7 @@ from forest_sim.sensor_suite import Suite
 
 Floats = NDArray[np.float64]
 
+NAME = "calibration"
 ICE, BOILING = 273.15, 373.15  # [K], at 1013 hPa
 EACH, PERIOD = 20.0, 0.005  # [s] in ice, and in boiling water; of the samples
 SETUP = (
@@ -115,7 +116,8 @@ def _transducer(machine: Machine, session: Session, name: str) -> Offset:
 def _thermocouple(session: Session, name: str) -> Offset:
     """Return a thermocouple's offset at the ice point, and its gain between the two baths."""
     y, change = session.column(name), session.facts.get("ice_until", EACH)
-    ice, water = y[session.time < change - 1.0], y[session.time > change + 1.0]
+    boiling = session.facts.get("boiling_from", change)
+    ice, water = y[session.time < change - 1.0], y[session.time > boiling + 1.0]
     errors = [float(np.std(part)) / math.sqrt(len(part)) for part in (ice, water)]
     gain = float(np.mean(water) - np.mean(ice)) / (BOILING - ICE)
     return Offset(

@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from forest_description.kinematics import tip_position
 from forest_description.limits import joint_limits, pose_at, start_tip
 from forest_description.linkage import joint_angle
 from forest_description.machine import AXES, CylinderDrive, Machine
@@ -49,6 +50,7 @@ class Plan(NamedTuple):
     setup: str
     limits: str
     facts: dict[str, float]
+    tip: Triple = (math.nan, math.nan, math.nan)  # [m] at the start
 
 
 CRANE_LIMITS = (
@@ -77,17 +79,26 @@ def names(machine: Machine) -> tuple[str, ...]:
     )
 
 
-def plan(name: str, machine: Machine, seed: int = 0) -> Plan:
+def plan(name: str, machine: Machine, seed: int = 0, longest: float = math.inf) -> Plan:
     """Return an experiment's plan for a machine.
 
     Args:
         name: one of `names`, but "calibration", which drives nothing.
         machine: the crane.
         seed: of the levels that are drawn by lot.
+        longest: time at which it is cut off, for a trial [s].
 
     Raises:
         KeyError: there is no such experiment.
     """
+    found = _plan(name, machine, seed)
+    tip = tip_position(found.angles, found.machine.manipulator.links)
+    programme = found.programme._replace(duration=min(found.programme.duration, longest))
+    angles = pose_at(tip, found.machine)  # as a simulator has it that is told the tip
+    return found._replace(programme=programme, tip=tip, angles=angles)
+
+
+def _plan(name: str, machine: Machine, seed: int) -> Plan:
     kind, _, axis_name = name.partition("_")
     axis = AXES.index(axis_name) if axis_name in AXES else 0
     if kind == "valve":

@@ -110,8 +110,8 @@ class Bar:
             return
         self._next = now + (0.1 if self._terminal else 10.0)
         filled = round(WIDTH * share)
-        left = (now - self._began) * (1.0 - share) / share if share > 0.02 else float("nan")
-        line = f"  [{'#' * filled}{'.' * (WIDTH - filled)}] {100.0 * share:3.0f} %, {left:.0f} s left, {text}"
+        left = f", {(now - self._began) * (1.0 - share) / share:.0f} s left" if share > 0.02 else ""
+        line = f"  [{'#' * filled}{'.' * (WIDTH - filled)}] {100.0 * share:3.0f} %{left}, {text}"
         print(f"{line:<100}", end="\r" if self._terminal else "\n", file=sys.stderr, flush=True)
 
     def end(self) -> None:

@@ -94,18 +94,19 @@ def cases(machine: Machine) -> tuple[Case, ...]:
     )
 
 
-def answer(case: Case, seed: int = 0, noise: bool = True) -> Answer:
+def answer(case: Case, seed: int = 0, noise: bool = True, longest: float = math.inf) -> Answer:
     """Play the validation on a case's crane, and return how far its model is off.
 
     Args:
         case: of `cases`.
         seed: of the sensors, and of the levels that are drawn by lot.
         noise: whether the sensors are those of the machine's file instead of exact ones.
+        longest: time at which it is cut off [s].
 
     Raises:
         SessionError: the machine has no angles or pressures to compare.
     """
-    plan = experiments.plan("validation", case.model, seed)
+    plan = experiments.plan("validation", case.model, seed, longest)
     suite = sensor_suite(case.crane, noise=noise, seed=seed)
     record = simulated.run("validation", case.crane, plan.programme, plan.angles, suite)
     facts = record.facts if noise else {**record.facts, "exact_sensors": 1.0}

@@ -8,6 +8,7 @@ a person who runs the experiment on iron writes it by hand. Without that file a 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +38,8 @@ Floats = NDArray[np.float64]
 
 AXES = ("swing", "boom", "stick")
 FILE = "experiment.yaml"
+SAME_CLOCK = 1_000_000_000  # [ns] by which a message may be sent later than it is stamped
+TICK = 1000  # [ns]
 CHUNK_BYTES = 1024 * 1024
 UNITS = {
     "case_drain_volume": "m3",
@@ -45,6 +48,7 @@ UNITS = {
     "laminar": "1",
     "exact_sensors": "1",
     "ice_until": "s",
+    "boiling_from": "s",
 }
 # Channel of the sensors to (topic, label), for what is written and read alike.
 PLACES: dict[str, tuple[Topic, str]] = {
@@ -93,11 +97,17 @@ def write(session: Session, directory: Path) -> None:
                     writer.write(name, data, stamp, stamp, row + 1)
     finally:
         writer.close()
-    facts = {
-        key: {"value": float(value), "unit": UNITS.get(key, "1")}
-        for key, value in sorted(session.facts.items())
-    }
-    text = yaml.safe_dump({"experiment": session.name, "facts": facts}, sort_keys=False)
+    write_facts(directory, session.name, session.facts)
+
+
+def write_facts(directory: Path, experiment: str, facts: Mapping[str, float]) -> None:
+    """Write what no topic tells of an experiment into its bag's directory.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    told = {key: {"value": float(value), "unit": UNITS.get(key, "1")} for key, value in sorted(facts.items())}
+    text = yaml.safe_dump({"experiment": experiment, "facts": told}, sort_keys=False)
     (directory / FILE).write_text(text, encoding="utf-8")
 
 
@@ -151,7 +161,8 @@ def read(path: Path) -> Session:
         volts = bag.series(VALVE_VOLTAGES)
     except NotInBag as error:
         raise SessionError(f"{path}: {error}") from error
-    voltages = np.column_stack([_held(volts.time_ns - begin, volts.column(axis), grid) for axis in AXES])
+    given = _given(volts.time_ns - begin, bag.sent_ns(VALVE_VOLTAGES) - begin, period)
+    voltages = np.column_stack([_held(given, volts.column(axis), grid) for axis in AXES])
     readings = {}
     for channel, (topic, label) in PLACES.items():
         if bag.name(topic) is None or label not in bag.series(topic).labels:
@@ -166,6 +177,19 @@ def _first_there(bag: Bag, path: Path) -> Topic:
         if bag.name(topic) is not None:
             return topic
     raise SessionError(f"{path}: holds neither {PRESSURES.name} nor {JOINT_STATES.name}")
+
+
+def _given(stamped: NDArray[np.int64], sent: NDArray[np.int64], period: float) -> NDArray[np.int64]:
+    """Return from when on voltages hold [ns]: from the beginning of the row in which they were sent.
+
+    Their stamps are those of the samples they answer; live they come later, on a busy computer by some rows.
+    Where the clocks of stamps and publishers are two, stamps it is.
+    """
+    if len(sent) == 0 or abs(int(sent[0]) - int(stamped[0])) > SAME_CLOCK:
+        return stamped
+    width = period * 1e9
+    ordered = np.maximum.accumulate(np.floor((sent + TICK) / width) * width)
+    return np.asarray(np.round(ordered), dtype=np.int64)
 
 
 def _held(time_ns: NDArray[np.int64], values: Floats, grid: Floats) -> Floats:

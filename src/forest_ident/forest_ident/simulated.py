@@ -1,8 +1,9 @@
 """An experiment on a simulated machine: the scripted operator, the plant, the sensors, without a graph.
 
-The operator sees what the resolvers read, exact within their noise, and the machine moves on in periods of
-5 ms of whole milliseconds. The oil warms as it does in `forest_sim.simulation`; a bench's is kept at one
-temperature by its cooler.
+It is what the graph in lockstep does, at a hundred times its speed: row k is step k + 1, and with exact
+sensors voltages and states are the same to the last bit. With noise they are not: the operator sees the true
+angles here, and the sensors draw in another order. The oil warms as it does in `forest_sim.simulation`; a
+bench's is kept at one temperature by its cooler.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ Triple = tuple[float, float, float]
 
 PERIOD = 0.005  # [s]
 SUBSTEPS = 5
+STANDING: Triple = (0.0, 0.0, 0.0)  # [V]
 LOSS_SAMPLES = 10  # of the power that warms the oil, in an update of its temperature
 
 
@@ -49,6 +51,7 @@ def run(
         bench: whether it is a circuit: second meter at hose 1's far end, oil at one temperature.
     """
     trace = _Trace(machine, angles, bench)
+    trace.advance(STANDING)  # before the graph's first step
     state = excitation.START
     count = round(programme.duration / PERIOD)
     voltages = np.zeros((count, 3))
@@ -57,7 +60,7 @@ def run(
         voltages[k] = volts
         if k + 1 < count:
             trace.advance(volts)
-    true = trace.columns(machine)
+    true = {channel: column[1:] for channel, column in trace.columns(machine).items()}
     readings = {
         channel: column
         for channel, column in read(true, suite, PERIOD, name).items()
@@ -107,17 +110,22 @@ class _Trace:
         self._temperature = temperature_after(self._temperature, mean, self._oil, UPDATE_PERIOD)
         p = parameters_at(self._machine, self._temperature)
         self._stepper = Stepper(self._stepper.simulation, p)
-        self._plants.append((count, p, self._temperature))
+        self._plants.append((count + 1, p, self._temperature))
 
     def columns(self, machine: Machine) -> Columns:
         """Return the true value of every channel over the run."""
         states, around = np.array(self._rows), surroundings(machine)
-        ends = [first for first, _, _ in self._plants[1:]] + [len(states)]
+        plants = [plant for plant in self._plants if plant[0] < len(states)]
+        ends = [first for first, _, _ in plants[1:]] + [len(states)]
         parts = [
             true_columns(states[first:end], p, around._replace(temperatures=(t, t, t)), self._bench)
-            for (first, p, t), end in zip(self._plants, ends, strict=True)
+            for (first, p, t), end in zip(plants, ends, strict=True)
         ]
-        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        of = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        for first, _, temperature in self._plants[1:]:
+            for place in ("tank", "pump", "motor"):
+                of[f"{place}_temperature"][first - 1] = temperature  # read with the plant before
+        return of
 
 
 assert PLACE["swing_angle"] == 0  # `_Trace.angles` counts on six columns per axis

@@ -107,6 +107,18 @@ class Bag:
             self._series[name] = _series(name, self.topics[name].type, self._messages[name])
         return self._series[name]
 
+    def sent_ns(self, topic: Topic) -> NDArray[np.int64]:
+        """When each message of a topic was published, by its publisher's system clock [ns], as `series`.
+
+        Raises:
+            NotInBag: the bag does not hold the topic.
+        """
+        series = self.series(topic)
+        messages = self._messages.get(str(self.name(topic)))
+        if messages is None:  # it was never a file
+            return series.log_time_ns
+        return np.array([message.publish_ns for message in messages], dtype=np.int64)
+
 
 def bag_of(series: Mapping[Topic, Series]) -> Bag:
     """A session in memory that was never a file: its pictures are drawn like a recorded one's."""

@@ -30,14 +30,21 @@ class SensorRun:
         links: of its kinematic chain.
         suite: of sensors.
         around: what they measure outside of the plant.
+        run: name of the run, see `noise_generator`.
     """
 
     def __init__(
-        self, simulation: Simulation, plant: PlantParameters, links: Links, suite: Suite, around: Surroundings
+        self,
+        simulation: Simulation,
+        plant: PlantParameters,
+        links: Links,
+        suite: Suite,
+        around: Surroundings,
+        run: str = "",
     ) -> None:
         self._suite, self._links = suite, links
         by_chance = suite.faults or any(channel.noise for channel in suite.channels)
-        self._generator = noise_generator(suite) if by_chance else None
+        self._generator = noise_generator(suite, run) if by_chance else None
         self._state = sensors.at_rest(simulation, plant, suite, around)
         self._known = Sensors(plant, suite.channels, suite.period, around), links
         self._report = CompiledStep(KEPT.kernel(), _example()) if KEPT.is_ready else sensors.report

@@ -8,6 +8,7 @@ Without noise a suite is exact: no error, lag, floor, resolution, range or sampl
 """
 
 import math
+import zlib
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -111,9 +112,14 @@ def calibrated(suite: Suite) -> Suite:
     return suite._replace(channels=tuple(c._replace(bias=0.0, gain=1.0) for c in suite.channels))
 
 
-def noise_generator(suite: Suite) -> np.random.Generator:
-    """Return the generator of a suite's draws; equal seeds give equal readings."""
-    return np.random.default_rng([suite.seed, 1])
+def noise_generator(suite: Suite, run: str = "") -> np.random.Generator:
+    """Return the generator of a suite's draws; equal seeds give equal readings.
+
+    Args:
+        suite: of sensors.
+        run: name of the run: another one has other noise from the same units.
+    """
+    return np.random.default_rng([suite.seed, 1, zlib.crc32(run.encode())] if run else [suite.seed, 1])
 
 
 def draw(generator: np.random.Generator) -> Draws:

@@ -40,6 +40,7 @@ class Surroundings(NamedTuple):
     engine_speed: float = 2500.0 * 2.0 * math.pi / 60.0  # [rad/s]
     temperatures: Triple = (313.15, 313.15, 313.15)  # [K] tank, pump case, swing motor case
     tilt: tuple[float, float] = (0.0, 0.0)  # [rad] pitch, roll
+    rig: bool = False  # a test rig: the second flow meter is at the far end of the swing's hose 1
 
 
 NOMINAL = Surroundings()
@@ -57,9 +58,10 @@ class SensorState(NamedTuple):
 
 def surroundings(machine: Machine) -> Surroundings:
     """Return the nominal surroundings of a machine: engine at its governed speed, oil warm, tilt as told."""
-    pump, tilt = machine.pump, (0.0, machine.manipulator.platform_tilt)
+    pump, tilt, oil = machine.pump, (0.0, machine.manipulator.platform_tilt), machine.oil
     speed = NOMINAL.engine_speed if isinstance(pump, IdealPump) else pump.shaft_speed
-    return Surroundings(engine_speed=speed, tilt=tilt)
+    warm = NOMINAL.temperatures if oil is None else (oil.reference_temperature,) * 3
+    return Surroundings(speed, warm, tilt)
 
 
 def at_rest(
@@ -173,6 +175,7 @@ def _true_values(
 ) -> tuple[float, ...]:
     plant, supply, spools = simulation.plant, simulation.plant.supply.pressure, simulation.spools
     t_1, t_2, t_3 = _transmissions(simulation, p)
+    second = _entering(plant.swing, p.swing) if around.rig else plant.stick.flow_1
     return (
         *(plant.swing.angle, plant.boom.angle, plant.stick.angle),
         *(t_2.position, t_3.position),
@@ -180,7 +183,7 @@ def _true_values(
         *axis_pressures(plant.boom, p.boom, t_2, ports[1], supply),
         *axis_pressures(plant.stick, p.stick, t_3, ports[2], supply),
         supply,
-        *(plant.swing.flow_1, plant.stick.flow_1),
+        *(plant.swing.flow_1, second),
         *around.temperatures,
         around.engine_speed,
         *(spools[0].position, spools[1].position, spools[2].position),
@@ -221,5 +224,9 @@ def _supply(
 
 def _case_drain_flow(s: AxisState, axis: Axis) -> float:
     """Return the motor's external leakage [m^3/s]: what goes in and does not come out. Thesis eq. 4.8."""
-    u, a = s.rate, axis.actuator
-    return inlet_flow(u, s.pressure_1, s.pressure_2, a) - outlet_flow(u, s.pressure_1, s.pressure_2, a)
+    return _entering(s, axis) - outlet_flow(s.rate, s.pressure_1, s.pressure_2, axis.actuator)
+
+
+def _entering(s: AxisState, axis: Axis) -> float:
+    """Return the flow into the motor at port 1 [m^3/s]."""
+    return inlet_flow(s.rate, s.pressure_1, s.pressure_2, axis.actuator)

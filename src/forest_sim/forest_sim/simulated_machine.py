@@ -25,7 +25,14 @@ class SimulatedMachine:
     """State of plant, oil and sensors."""
 
     def __init__(
-        self, machine: Machine, angles: Triple, suite: Suite, period: float, warms: bool = True
+        self,
+        machine: Machine,
+        angles: Triple,
+        suite: Suite,
+        period: float,
+        warms: bool = True,
+        rig: bool = False,
+        run: str = "",
     ) -> None:
         """Start at rest at the joint angles [rad].
 
@@ -35,6 +42,8 @@ class SimulatedMachine:
             suite: of sensors.
             period: [s], a whole number of steps.
             warms: its oil does, if it is described.
+            rig: it is a test rig, see `sensors.Surroundings`.
+            run: name of the run, see `noise_generator`.
         """
         self.machine, self._period = machine, period
         self._substeps = round(period / STEP)
@@ -44,9 +53,9 @@ class SimulatedMachine:
         self._undisturbed = self._plant = plant_parameters(machine)
         self._disturbance = UNDISTURBED
         self._simulation = equilibrium(angles, self._plant)
-        self._around = sensors.surroundings(machine)
+        self._around = sensors.surroundings(machine)._replace(rig=rig)
         links = machine.manipulator.links
-        self._sensors = SensorRun(self._simulation, self._plant, links, suite, self._around)
+        self._sensors = SensorRun(self._simulation, self._plant, links, suite, self._around, run)
         self._temperature = machine.oil.reference_temperature if machine.oil and warms else None
         self._losses: list[float] = []
         self._periods = 0

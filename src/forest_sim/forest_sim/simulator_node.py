@@ -56,8 +56,10 @@ class SimulatorNode(Node):
         start = declare_triple(self, "initial_tip", start_tip(machine), "tip position at the start", "m")
         self._plain = declare(self, "plain_arrays", False, "publish Float64MultiArray without stamp")
         warms = declare(self, "oil_warms", True, "false: the oil stays as warm as the machine file says")
+        rig = declare(self, "rig", False, "a test rig: the second flow meter behind the swing's hose 1")
+        run = declare(self, "noise_run", "", "another name: other noise of the same sensors")
         suite, angles = self._sensor_suite(machine), _start_angles(machine, start)
-        self._machine = SimulatedMachine(machine, angles, suite, PERIOD_NS * 1e-9, warms)
+        self._machine = SimulatedMachine(machine, angles, suite, PERIOD_NS * 1e-9, warms, rig, run)
         if not self._machine.is_compiled:
             self.get_logger().info(
                 "the plant is interpreted; `python -m forest_sim.compiled` makes it fast, once"

@@ -34,7 +34,7 @@ POLL = 0.01  # [s]
 GRACE = 5.0  # [s] between SIGTERM and SIGKILL
 DISCOVERY = 0.6  # [s] in which another graph in the domain can show itself before ours starts
 LOOK_PERIOD = 1.0  # [s] between later looks
-COMMANDING = ("joystick", "controller", "valve_driver")
+COMMANDING = ("joystick", "experiment_operator", "controller", "valve_driver")
 COULD_NOT_START = 2  # exit code
 ZERO_TIME = 0.3  # [s] for which the supervisor repeats zero voltage after a death
 
@@ -68,6 +68,7 @@ class Supervisor:
         log_directory: one log file per node goes there.
         may_publish: say zero voltage when a node dies; False where nothing may be published (shadow).
         echo: gets every line that a node logs.
+        alone: one graph per domain and namespace; False: these nodes join one that is running.
     """
 
     def __init__(
@@ -77,11 +78,12 @@ class Supervisor:
         log_directory: Path,
         may_publish: bool = True,
         echo: Callable[[str], None] | None = None,
+        alone: bool = True,
     ) -> None:
         self.exit_codes: dict[str, int] = {}
         self.peak_memory_mb: dict[str, float] = {}
         self._specs, self._namespace, self._logs = nodes, namespace, log_directory
-        self._may_publish, self._echo = may_publish, echo
+        self._may_publish, self._echo, self._alone = may_publish, echo, alone
         self._processes: list[_Process] = []
         self._stop_requested = False
         self._next_look = 0.0
@@ -100,7 +102,8 @@ class Supervisor:
         with contextlib.ExitStack() as undo:
             undo.callback(self._stack.close)
             self._catch_signals()
-            self._stack.enter_context(only_graph(self._namespace))
+            if self._alone:
+                self._stack.enter_context(only_graph(self._namespace))
             self._stack.callback(self.stop)
             for spec in self._specs:
                 self._start(spec)
@@ -269,7 +272,7 @@ class Supervisor:
         if others := self._present_more_often_than(1):
             self._end_at_zero()
             raise AlreadyRunning(self._namespace, f"a second node {others[0]}")
-        if (topic := self._guard.rival()) and topic not in self._warned:
+        if self._alone and (topic := self._guard.rival()) and topic not in self._warned:
             self._warned.add(topic)
             print(f"warning: somebody else publishes {topic}, too", file=sys.stderr, flush=True)
         for process in self._processes:

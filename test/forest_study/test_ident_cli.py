@@ -1,24 +1,58 @@
 import numpy as np
 import pytest
 
+pytest.importorskip("rclpy")
+
 from forest_description.machine import load_machine
 from forest_ident import session_bag
-from forest_ident.ident_cli import main
 from forest_ident.ident_experiment import experiment
 from forest_ident.session import SessionError
+from forest_study.ident_cli import main
+
+TRIAL = 6.0  # [s] of a rig's experiment
+SHORT = 3.0  # [s] of the crane's
 
 
 @pytest.fixture(scope="module")
-def bags(tmp_path_factory):
+def bags(tmp_path_factory, session_domain_id):
+    """A rig's experiment as the graph makes it, with the sensors of Table 4.2."""
     out = tmp_path_factory.mktemp("ident") / "bags"
-    assert main(["experiment", "spool_lag", "--seed", "2", "--out", str(out)]) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("ROS_DOMAIN_ID", str(session_domain_id))
+        arguments = ("--trial", str(TRIAL), "--seed", "2", "--out", str(out))
+        assert main(["experiment", "spool_lag", *arguments]) == 0
     return out
 
 
-def test_a_bag_gives_the_session_back(bags):
+def same(one, other):
+    """Whether two sessions are the same, but for the last digit of what is derived of the states."""
+    assert set(one.readings) == set(other.readings)
+    assert np.array_equal(one.voltages, other.voltages)
+    for channel, column in one.readings.items():
+        exact = channel.endswith(("resolver", "spool", "flow", "temperature"))
+        scale = 0.0 if exact else 1e-14 * np.abs(column).max()
+        assert np.abs(other.readings[channel] - column).max() <= scale, channel
+
+
+def test_a_graph_in_lockstep_records_what_the_laws_say_without_one(own_domain, tmp_path, capsys):
+    out = tmp_path / "bags"
+    asked = ("experiment", "validation", "--exact", "--trial", str(SHORT), "--out", str(out))
+    assert main(asked) == 0
+    alone = experiment("validation", load_machine("c180"), exact=True, longest=SHORT)
+    session = session_bag.read(out / "validation")
+    assert (session.name, session.facts) == ("validation", {"exact_sensors": 1.0})
+    assert np.abs(session.voltages).max(axis=0).min() > 1.0
+    same(alone, session)
+    assert "by hand: Crane without load" in capsys.readouterr().out
+
+
+def test_without_a_graph_the_bag_gives_the_session_back(tmp_path):
+    out = tmp_path / "bags"
+    asked = ("experiment", "spool_lag", "--direct", "--trial", str(TRIAL), "--seed", "2", "--out", str(out))
+    assert main(asked) == 0
     session, again = (
-        experiment("spool_lag", load_machine("c180"), seed=2),
-        session_bag.read(bags / "spool_lag"),
+        experiment("spool_lag", load_machine("c180"), seed=2, longest=TRIAL),
+        session_bag.read(out / "spool_lag"),
     )
     assert (again.name, again.facts) == (session.name, session.facts)
     assert np.array_equal(again.voltages, session.voltages)

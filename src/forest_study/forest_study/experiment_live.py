@@ -1,0 +1,206 @@
+"""Experiments on the graph that is running, on iron or on a simulator that keeps the time of day.
+
+Two processes join the graph for each experiment: the scripted operator, which has the driver's compensation
+off and the controller's hands off meanwhile, and a recorder. Either way back is kept twice: the operator puts
+back what it changed when it ends, and so does this process, in case the operator was killed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from forest_description.machine import load_machine
+from forest_ident import calibration, session_bag
+from forest_ident.ident_experiment import duration, told
+from forest_ident.session import SessionError
+from forest_ident.switches import DRIVER, WANTED, Switches
+from forest_msgs_py import topics
+from forest_msgs_py.live_graph import LiveGraph, NoAnswer
+from forest_msgs_py.series import read_bag
+from forest_study import graph as nodes
+from forest_study.exclusive import Failure
+from forest_study.experiment_command import LOGS, Progress, conditions_of, make_directory, wanted
+from forest_study.experiment_graph import OPERATOR, Conditions, listener, operator
+from forest_study.supervisor import NodeSpec, Supervisor
+
+RECORDER = "experiment_recorder"
+LISTENERS = 2  # driver and recorder hear the commands
+RESET = "ros2 service call /reset_emergency_stop std_srvs/srv/Trigger"
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run experiments on the graph that is running; return the exit code.
+
+    Raises:
+        SessionError: no such experiment, no directory for it, or nobody said that it is prepared.
+        Failure: there is no such graph, it refuses, or the experiment had to be stopped.
+        Stopped: the user asked to stop.
+    """
+    if options.exact:
+        raise SessionError("--exact is of simulated sensors; allowed with --live: without it")
+    graph = LiveGraph(options.namespace)
+    try:
+        return _run(options, graph)
+    except NoAnswer as error:
+        raise Failure(str(error)) from error
+    finally:
+        graph.close()
+
+
+def _run(options: argparse.Namespace, graph: LiveGraph) -> int:
+    drivers = _machine_of_driver(graph)
+    named = options.machine or drivers
+    machine = load_machine(named)
+    names, conditions = wanted(options, machine), conditions_of(options, named)
+    _refuse_emergency_stop(graph)
+    make_directory(options)
+    for name in names:
+        print(told(name, machine, conditions.longest), flush=True)
+        _ask_whether_prepared(options.yes)
+        bag, logs = options.out / name, options.out / LOGS / name
+        bar = Progress({name: duration(name, machine, conditions.longest)})
+        bar.begin(name)
+        if name == calibration.NAME:
+            _demand(graph, topics.PRESSURES)
+            facts = _calibration(options.namespace, bag, logs, bar.tell, options.yes)
+        else:
+            facts = _experiment(graph, name, conditions, bag, logs, bar.tell)
+        bar.end()
+        if name.startswith("motor") and not options.yes:
+            facts |= _vessel()
+        session_bag.write_facts(bag, name, facts)
+        print(f"  recorded: {bag}\n", flush=True)
+    return 0
+
+
+def _machine_of_driver(graph: LiveGraph) -> str:
+    """Return the machine that the valve driver was told.
+
+    Raises:
+        NoAnswer: there is no driver, or it commands nothing.
+    """
+    if not graph.wait_for(DRIVER):
+        raise NoAnswer(
+            f"no graph is running in {graph.place}: there is no node {DRIVER}; start one with "
+            "scripts/graph.sh, or leave --live away"
+        )
+    known = graph.get(DRIVER, ("machine", "shadow"))
+    if known["shadow"]:
+        raise NoAnswer(f"{DRIVER} publishes no voltage; start the graph without --shadow")
+    return str(known["machine"])
+
+
+def _refuse_emergency_stop(graph: LiveGraph) -> None:
+    if graph.is_stopped():
+        raise NoAnswer(f"the emergency stop is pressed; when the crane is safe, reset it: {RESET}")
+
+
+def _demand(graph: LiveGraph, topic: topics.Topic) -> None:
+    if not graph.hears(topic):
+        raise NoAnswer(f"nobody publishes {topic.name} in {graph.place}: no machine is behind the graph")
+
+
+def _ask_whether_prepared(sure: bool) -> None:
+    """Ask a person to confirm that what the experiment wants by hand is done.
+
+    Raises:
+        SessionError: nobody did.
+    """
+    if sure:
+        return
+    if not sys.stdin.isatty():
+        raise SessionError("--live asks before each experiment, and nobody can answer here; allowed: --yes")
+    if input("  Prepared, and nobody near the crane? It will move. Type yes: ").strip().lower() != "yes":
+        raise SessionError("not confirmed; the experiment was not begun")
+
+
+def _experiment(
+    graph: LiveGraph, name: str, conditions: Conditions, bag: Path, logs: Path, tell: Callable[[float], None]
+) -> dict[str, float]:
+    """Drive and record one experiment; return what no topic tells of it."""
+    plan = conditions.plan(name)
+    _demand(graph, topics.PRESSURES if plan.bench else topics.JOINT_STATES)
+    _refuse_emergency_stop(graph)
+    switches = Switches(graph)
+    _tell_of_leftovers(switches)
+    specs = [operator(name, conditions, LISTENERS), _recorder(bag)]
+    try:
+        with _joining(specs, conditions.namespace, logs, listener(tell)) as running:
+            running.run(until=OPERATOR)
+    finally:
+        if failed := switches.restore():
+            print(f"warning: {failed}", file=sys.stderr, flush=True)
+    return dict(plan.facts)
+
+
+def _joining(specs: list[NodeSpec], namespace: str, logs: Path, echo: Callable[[str], None]) -> Supervisor:
+    """Return the supervisor of nodes that join a graph; its driver says zero, not we."""
+    return Supervisor(specs, namespace, logs, may_publish=False, echo=echo, alone=False)
+
+
+def _recorder(bag: Path) -> NodeSpec:
+    """Return a recorder beside the graph's own, without which there is no experiment."""
+    own = nodes.recorder(bag)
+    return own._replace(name=RECORDER, arguments=(*own.arguments, "-r", f"__node:={RECORDER}"), needed=True)
+
+
+def _tell_of_leftovers(switches: Switches) -> None:
+    """Tell of switches that were thrown before we came: they stay so."""
+    for node, found in switches.found.items():
+        for name, value in found.items():
+            if value == WANTED[node][name]:
+                print(f"  note: {node}'s {name} is {value} already, and will be left so", flush=True)
+
+
+def _vessel() -> dict[str, float]:
+    """Ask what the vessel under the case drain holds."""
+    while sys.stdin.isatty():
+        text = input("  Oil in the vessel [m3], nothing if the drain has a meter: ").strip()
+        if not text:
+            break
+        try:
+            return {"case_drain_volume": float(text)}
+        except ValueError:
+            print(f"  {text!r} is not a number")
+    return {}
+
+
+def _calibration(
+    namespace: str, bag: Path, logs: Path, tell: Callable[[float], None], sure: bool
+) -> dict[str, float]:
+    """Record the sensors, first in ice, then in boiling water; return when which began and ended [s]."""
+    marks: list[int] = []
+    begun = time.monotonic()
+
+    def watch() -> None:
+        nonlocal begun
+        elapsed = time.monotonic() - begun
+        tell(elapsed + calibration.EACH * bool(marks))
+        if elapsed < calibration.EACH:
+            return
+        if marks:
+            raise _Recorded
+        marks.append(time.time_ns())
+        if not sure:
+            input("\n  Now the thermocouples into boiling water; then press Enter: ")
+        marks.append(time.time_ns())
+        begun = time.monotonic()
+
+    with contextlib.suppress(_Recorded), _joining([_recorder(bag)], namespace, logs, _ignored) as running:
+        running.run(progress=watch)
+    first = int(read_bag(bag).series(topics.PRESSURES).log_time_ns[0])
+    ice, boiling = ((mark - first) * 1e-9 for mark in marks)
+    return {"ice_until": ice, "boiling_from": boiling}
+
+
+def _ignored(_line: str) -> None:
+    """Take a line of a node's log."""
+
+
+class _Recorded(Exception):
+    """The calibration is over."""

@@ -1,0 +1,13 @@
+import dataclasses
+
+import pytest
+
+from forest_description.machine import load_machine
+from forest_description.machine_text import machine_text
+
+
+@pytest.mark.parametrize("name", ["c180", "c180_thesis", "loader"])
+def test_a_machine_that_was_written_is_read_back_to_the_last_bit(name, tmp_path):
+    machine, file = load_machine(name), tmp_path / "again.yaml"
+    file.write_text(machine_text(machine, 'a test: "quoted"'), encoding="utf-8")
+    assert load_machine(file) == dataclasses.replace(machine, name="again")
