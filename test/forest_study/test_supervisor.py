@@ -34,7 +34,7 @@ def test_killing_any_node_but_the_recorder_shuts_the_valves_and_ends_the_graph_w
     assert moving_graph.returncode == 1
     assert f"graph: {victim} was killed by SIGKILL" in moving_graph.text()
     wait_until(lambda: valves.shut > max(valves.opened, died), executor=valves.executor)
-    assert valves.opened - died - stall.seconds() < ZERO_WITHIN
+    assert valves.opened - died - stall.seconds(until=valves.opened) < ZERO_WITHIN
     assert not [name for name, pid in nodes.items() if alive(pid)]
 
 
