@@ -293,12 +293,13 @@ def said(part, message):
 
 def test_a_frozen_sensor_stops_the_crane_and_is_named(rig, peer):
     r = rig().hold_the_deadman()
+    r.joy = joy  # deflected throughout
     r.joints = lambda now: joint_state(topics.JOINTS, now, ANGLES, (0.0, 0.0, 0.0))
     peer.until(r.standing)
     peer.until(lambda: "swing is the same to the last bit" in r.process.text())
     r.joints = joints
     r.commands.clear()
-    peer.until(lambda: len(r.commands) > 40)  # the lever is still deflected
+    peer.until(lambda: len(r.commands) > 40)
     assert r.standing(40)
     r.push()
 
@@ -308,6 +309,7 @@ def test_when_the_valve_driver_falls_silent_the_levers_must_be_centred_again(rig
     voltages = lambda now: float_array(topics.VALVE_VOLTAGES, now, (1.0, 0.0, 0.0))  # noqa: E731
     driver = peer.repeat(topics.VALVE_VOLTAGES, voltages, 200.0)
     r.hold_the_deadman()
+    r.joy = joy  # deflected throughout
     driver.cancel()
     peer.until(r.standing)
     assert "standing still: valve driver: no voltages" in r.process.text()
