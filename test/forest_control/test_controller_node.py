@@ -312,7 +312,7 @@ def test_when_the_valve_driver_falls_silent_the_levers_must_be_centred_again(rig
     r.joy = joy  # deflected throughout
     driver.cancel()
     peer.until(r.standing)
-    assert "standing still: valve driver: no voltages" in r.process.text()
+    peer.until(lambda: "standing still: valve driver: no voltages" in r.process.text())
     driver.reset()
     r.commands.clear()
     peer.until(lambda: len(r.commands) > 40)
