@@ -465,3 +465,40 @@ def test_a_lever_that_jumps_between_two_samples_does_not_make_the_command_jump(p
     peer.until(lambda: len({volts(m)[0] for m in rig.commands[-20:]}) == 1 and rig.moving())
     reached = volts(rig.commands[-1])[0]
     assert any(0.1 * reached < volts(m)[0] < 0.9 * reached for m in rig.commands)
+
+
+def test_hands_off_it_commands_nothing_and_is_disarmed_but_nobody_takes_the_crane_from_who_drives_it(
+    rig, peer
+):
+    from rclpy.parameter import Parameter
+    from rclpy.parameter_client import AsyncParameterClient
+
+    r = rig("-p", "scheme:=joint").hold_the_deadman()
+    client = AsyncParameterClient(peer.node, "controller")
+    peer.until(client.services_are_ready)
+
+    def hands_off(wanted):
+        future = client.set_parameters([Parameter("hands_off", value=wanted)])
+        peer.until(future.done)
+        return future.result().results[0]
+
+    def refused():  # a stall of the computer disarms, and then it may be taken
+        answer = hands_off(True)
+        if answer.successful:
+            hands_off(False)
+            r.push()
+        return answer.reason == "the deadman is held"
+
+    peer.until(refused)
+    r.joy = lambda: joy((0.0, 0.0, 0.0), held=False)
+    peer.until(lambda: not is_armed(r.statuses[-1]) and r.standing())
+    assert hands_off(True).successful
+    r.joy = lambda: joy() if len(r.statuses) % 2 else centred()  # whatever it is that would arm
+    seen = len(r.statuses)
+    peer.until(lambda: len(r.statuses) > seen + 40)  # what was on its way has come
+    said = len(r.commands)
+    peer.until(lambda: len(r.statuses) > seen + 80)
+    assert len(r.commands) == said
+    assert not any(is_armed(status) for status in r.statuses[seen:])
+    assert hands_off(False).successful
+    r.push()
