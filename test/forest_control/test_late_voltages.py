@@ -69,3 +69,15 @@ def test_of_commands_that_come_at_once_the_last_is_obeyed_as_if_it_had_come_alon
     assert crowd.spools == alone.spools
     if slew == math.inf:
         assert last == volts
+
+
+@pytest.mark.parametrize("before", [REST, valve_driver.at_rest(REST)])
+def test_a_first_command_close_behind_another_fails_nothing(before):
+    state, volts = valve_driver.step(before, MORE, None, P, 0.0)
+    assert math.isfinite(volts[0])
+    assert valve_driver.step(state, BACK, None, P, PERIOD)[1][0] < -EDGE
+
+
+def test_a_driver_that_centred_its_valves_stays_cautious():
+    late, _, _ = turned(6.0 * PERIOD)
+    assert valve_driver.at_rest(late).ahead == late.ahead

@@ -11,7 +11,7 @@ from forest_msgs_py import inbox as inbox_module
 from forest_msgs_py.inbox import inbox, sent_at
 from forest_msgs_py.messages import float_array
 from forest_msgs_py.node import publisher
-from forest_msgs_py.stamped_period import LONGEST, StampedPeriod
+from forest_msgs_py.stamped_period import LONGEST, StampedPeriod, TimeInForce
 from forest_msgs_py.topics import VALVE_VOLTAGES
 from forest_msgs_py.unpacking import ArrayReader
 
@@ -101,3 +101,12 @@ def test_a_burst_after_a_stall_steps_by_its_stamps():
     period = StampedPeriod(0.005)
     stamps = [10**9 + k * 5_000_000 for k in range(8)]
     assert [period.step(stamp, 7.0) for stamp in stamps] == pytest.approx([0.005] * 8)
+
+
+def test_what_is_said_close_behind_something_is_in_force_from_then_on():
+    period, s = TimeInForce(0.005), 1_000_000_000
+    assert [period.since(s), period.since(s + 15_000_000)] == pytest.approx([0.005, 0.015])
+    assert [period.since(s + 15_000_000), period.since(s + 17_000_000)] == [0.0, 0.0]
+    assert period.since(s + 20_000_000) == 0.005
+    assert period.since(s) == 0.0
+    assert period.since(s + 5_000_000) == 0.005

@@ -53,7 +53,7 @@ HIGHEST = 2.0  # of the nominal supply pressure
 FILLING = 60.0  # [rad/s] low-pass of the ports' mean pressure
 HELD = 1e-6  # [V] a command below wishes that the actuator be held
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than nothing for a moment
-FORGOTTEN = 1.0  # [s] in which it is expected again that voltages come in time
+FORGOTTEN = 0.3  # [s] in which it is expected again that voltages come in time
 SOONEST = 0.0025  # [s] no command is expected sooner than this after another, whatever the stamps say
 LEAST_FED = 0.004  # [V] of leakage: less lets the tip sink by under 3 mm/s and is not worth an open valve
 
@@ -106,7 +106,7 @@ UNSEEN, STILL = Pressures(_NOTHING, _NOTHING, math.nan), Motion(_NOTHING, _NOTHI
 def at_rest(state: State) -> State:
     """Return the state of a driver whose valves were centred without it; what it has learnt stays."""
     one, two, three = state.learners
-    return REST._replace(learners=(blind(one), blind(two), blind(three)))
+    return REST._replace(learners=(blind(one), blind(two), blind(three)), ahead=state.ahead)
 
 
 def step(

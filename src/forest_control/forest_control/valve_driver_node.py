@@ -24,7 +24,7 @@ from forest_msgs_py.node import run_node
 from forest_msgs_py.pace import pace, speaker
 from forest_msgs_py.parameters import Tunables, declare
 from forest_msgs_py.stamp_order import StampOrder
-from forest_msgs_py.stamped_period import StampedPeriod
+from forest_msgs_py.stamped_period import TimeInForce
 from forest_msgs_py.unpacking import ArrayReader
 
 ZERO: Triple = (0.0, 0.0, 0.0)
@@ -46,8 +46,7 @@ class ValveDriverNode(Node):
             self._tunables.declare(tunable.name, default, *tunable[1:])
         self._core = valve_driver.parameters(machine, valve_driver.Settings(**self._tunables.values))
         self._tunables.watch(partial(self._set, machine))
-        nominal = get("period", 0.005, "nominal period of the commands", "s", 1e-4, 0.1)
-        self._period = StampedPeriod(nominal, least=0.0)
+        self._period = TimeInForce(get("period", 0.005, "nominal period of the commands", "s", 1e-4, 0.1))
         self._command_timeout = get("command_timeout", 0.1, "age at which a command is lost", "s", 0.01, 0.2)
         timeout = get("pressure_timeout", 0.1, "age at which pressures are lost", "s", 0.01, 2.0)
         self._shadow = get("shadow", False, "compute everything, publish no voltage")

@@ -13,15 +13,14 @@ NO_STAMP = 0  # [ns]
 
 
 class StampedPeriod:
-    """Measures dt from successive stamps, kept between a least one and `LONGEST`.
+    """Measures dt from successive stamps, kept between half the nominal period and `LONGEST`.
 
     Args:
         nominal: the period [s] that the publisher aims at; also the first dt.
-        least: dt [s]; default: half the nominal period.
     """
 
-    def __init__(self, nominal: float, least: float | None = None) -> None:
-        self._nominal, self._least = nominal, 0.5 * nominal if least is None else least
+    def __init__(self, nominal: float) -> None:
+        self._nominal, self._least = nominal, 0.5 * nominal
         self._last: int | None = None
         self._sent, self._credit = 0.0, LONGEST
 
@@ -55,3 +54,18 @@ class StampedPeriod:
             return 0.0
         self._last, self._credit = stamp, self._credit - dt
         return dt
+
+
+class TimeInForce(StampedPeriod):
+    """The same for what was said last: how long it has been in force, 0 where half a period has not passed.
+
+    That time is not lost: it counts for what is said now, when the next one comes.
+    """
+
+    def since(self, stamp_ns: int) -> float:
+        """Return the time from the last stamp that counted to this one [s]."""
+        last = self._last
+        if last is None or (stamp_ns - last) * 1e-9 >= self._least:
+            return super().since(stamp_ns)
+        self._last = min(last, stamp_ns)  # a stamp goes back where a clock was set
+        return 0.0

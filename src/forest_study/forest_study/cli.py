@@ -12,7 +12,7 @@ from pathlib import Path
 
 from forest_description.machine import MachineError
 from forest_sim import command_line
-from forest_study import delay, replay, track_command
+from forest_study import delay, replay, timing, track_command
 from forest_study.exclusive import Failure
 from forest_study.link import LinkError
 from forest_study.paths import PathError
@@ -67,6 +67,10 @@ def _parser() -> argparse.ArgumentParser:
         commands, "replay", _replay, "nodes fed from a bag in lockstep: do they answer as they did?"
     )
     replay.add_arguments(replaying)
+    punctual = _command(
+        commands, "timing", _timing, "how late a live bag's messages were, and what that costs the tip"
+    )
+    timing.add_arguments(punctual)
     return parser
 
 
@@ -98,6 +102,11 @@ def _thesis(options: argparse.Namespace) -> int:
 def _replay(options: argparse.Namespace) -> int:
     new_directory(options.out)
     return replay.run(options)
+
+
+def _timing(options: argparse.Namespace) -> int:
+    new_directory(options.out)
+    return timing.run(options)
 
 
 def _delay(options: argparse.Namespace) -> int:

@@ -10,8 +10,8 @@ joystick, a state or a command that is older than its timeout, by arrival, means
 """
 
 import math
-from collections.abc import Callable
-from typing import Generic, NamedTuple, TypeVar
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +30,7 @@ from forest_sim.measurement import Measurement
 from forest_sim.parameters import PlantParameters, plant_parameters
 from forest_sim.sensor_suite import Suite, draw, noise_generator
 from forest_sim.sensor_suite import sensor_suite as suite_of
-from forest_study.link import Link, Quality
-
-T = TypeVar("T")
+from forest_study.link import Quality, Reader
 
 PERIOD = 0.005  # [s]
 SUBSTEPS = 5  # of 1 ms
@@ -89,6 +87,7 @@ def run(
     ways: Links | None = None,
     watch: Callable[[float, Triple], None] = lambda _time, _angles: None,
     plant: PlantParameters | None = None,
+    behind: Sequence[int] = (),
 ) -> Trajectory:
     """Run a session.
 
@@ -104,12 +103,14 @@ def run(
         ways: bad links between the cores; default: perfect ones.
         watch: is told time [s] and true joint angles [rad] after each period: an operator's eyes.
         plant: what is simulated instead of the machine's own parameters.
+        behind: of each period, how many commands a driver that is held up leaves unanswered.
     """
     p = plant_parameters(machine) if plant is None else plant
     believed = machine if model is None else model
     suite = suite_of(machine) if sensor_suite is None else sensor_suite
     cores = controller.parameters(believed, control), valve_driver.parameters(believed, drive)
-    loop = _Loop(p, *cores, start, suite) if ways is None else _LateLoop(p, *cores, start, suite, ways)
+    begun = p, *cores, start, suite, behind
+    loop = _Loop(*begun) if ways is None else _LateLoop(*begun, ways)
     rows = []
     for k in range(round(duration / PERIOD)):
         rows.append(loop.period(operator(k * PERIOD)))
@@ -135,6 +136,7 @@ class _Loop:
         drive: valve_driver.Parameters,
         start: Triple,
         suite: Suite,
+        behind: Sequence[int] = (),
     ) -> None:
         self._plant, self._control, self._drive = p, control, drive
         rest = equilibrium(start, p)
@@ -143,6 +145,9 @@ class _Loop:
         self._simulation = until_first_report(rest, p)
         self._controller, self._driver = controller.REST, valve_driver.REST
         self._reports = UNREPORTED
+        self._behind = iter(behind)
+        self._waiting: list[Triple] = []  # commands
+        self._volts, self._held = ZERO, 0  # given last, in force for so many periods
         self._advance = compiled_advance()
 
     def period(self, operator: Operator) -> tuple[Triple, Triple, Triple, Triple, tuple[float, ...]]:
@@ -162,15 +167,21 @@ class _Loop:
         return self._control_step(seen, operator)
 
     def _in_force(self, command: Triple, seen: Measurement) -> Triple:
-        """Return the voltages under which the machine moves over this period."""
-        return self._drive_step(command, seen, PERIOD)
-
-    def _drive_step(self, command: Triple, seen: Measurement, dt: float) -> Triple:
-        pressures = _pressures(seen, self._drive.idle_pressure)
-        self._driver, volts = valve_driver.step(
-            self._driver, command, pressures, self._drive, dt, _motion(seen)
-        )
-        return volts
+        """Return the voltages under which the machine moves over this period; a held-up driver's last."""
+        self._waiting.append(command)
+        self._held += 1
+        behind = next(self._behind, 0)
+        while len(self._waiting) > behind:
+            self._driver, self._volts = valve_driver.step(
+                self._driver,
+                self._waiting.pop(0),
+                _pressures(seen, self._drive.idle_pressure),
+                self._drive,
+                self._held * PERIOD,
+                _motion(seen),
+            )
+            self._held = 0
+        return self._volts
 
     def _control_step(self, seen: Measurement, operator: Operator) -> tuple[Triple, Triple]:
         """Return the tip's wish and the command; both zero while the joints' state cannot be believed."""
@@ -194,12 +205,13 @@ class _LateLoop(_Loop):
         drive: valve_driver.Parameters,
         start: Triple,
         suite: Suite,
+        behind: Sequence[int],
         ways: Links,
     ) -> None:
-        super().__init__(p, control, drive, start, suite)
-        self._joystick: _Reader[Operator] = _Reader(ways.joystick, 3 * ways.seed, JOY_TIMEOUT)
-        self._states: _Reader[Measurement] = _Reader(ways.state, 3 * ways.seed + 1, STATE_TIMEOUT)
-        self._commands: _Reader[Triple] = _Reader(ways.commands, 3 * ways.seed + 2, COMMAND_TIMEOUT)
+        super().__init__(p, control, drive, start, suite, behind)
+        self._joystick: Reader[Operator] = Reader(ways.joystick, 3 * ways.seed, JOY_TIMEOUT)
+        self._states: Reader[Measurement] = Reader(ways.state, 3 * ways.seed + 1, STATE_TIMEOUT)
+        self._commands: Reader[Triple] = Reader(ways.commands, 3 * ways.seed + 2, COMMAND_TIMEOUT)
         self._now, self._wish = 0.0, ZERO
 
     def _answer(self, seen: Measurement, operator: Operator) -> tuple[Triple, Triple]:
@@ -215,25 +227,6 @@ class _LateLoop(_Loop):
         else:
             command, _ = self._commands.passed(self._now, None)
         return self._wish, ZERO if command is None else command
-
-
-class _Reader(Generic[T]):
-    """The newest message that came over a link, until it is too old; what was overtaken is dropped."""
-
-    def __init__(self, quality: Quality, seed: int, timeout: float) -> None:
-        self._link: Link[tuple[float, T]] = Link(quality, seed)
-        self._timeout, self._received, self._stamp = timeout, -math.inf, -math.inf
-        self._newest: T | None = None
-
-    def passed(self, now: float, message: T | None) -> tuple[T | None, bool]:
-        """Send a message, if there is one; return the newest that is there, and whether it has just come."""
-        if message is not None:
-            self._link.send(now, (now, message))
-        is_new = False
-        for stamp, arrived in self._link.arrived(now):
-            if stamp > self._stamp:
-                self._stamp, self._received, self._newest, is_new = stamp, now, arrived, True
-        return (self._newest if now - self._received <= self._timeout else None), is_new
 
 
 def _pressures(seen: Measurement, supply: float) -> valve_driver.Pressures | None:

@@ -75,3 +75,22 @@ class Link(Generic[T]):
     def next_arrival(self) -> float:
         """Return when the next message arrives [s]; never: infinity."""
         return self._under_way[0][0] if self._under_way else math.inf
+
+
+class Reader(Generic[T]):
+    """The newest message that came over a link, until it is too old; what was overtaken is dropped."""
+
+    def __init__(self, quality: Quality, seed: int, timeout: float) -> None:
+        self._link: Link[tuple[float, T]] = Link(quality, seed)
+        self._timeout, self._received, self._stamp = timeout, -math.inf, -math.inf
+        self._newest: T | None = None
+
+    def passed(self, now: float, message: T | None) -> tuple[T | None, bool]:
+        """Send a message, if there is one; return the newest that is there, and whether it has just come."""
+        if message is not None:
+            self._link.send(now, (now, message))
+        is_new = False
+        for stamp, arrived in self._link.arrived(now):
+            if stamp > self._stamp:
+                self._stamp, self._received, self._newest, is_new = stamp, now, arrived, True
+        return (self._newest if now - self._received <= self._timeout else None), is_new
