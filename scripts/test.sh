@@ -5,6 +5,7 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" run
 export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST # tests talk to nobody outside this machine
 export OMP_NUM_THREADS=1                       # threads of BLAS only disturb the timing of the nodes
+unset PYTHONDONTWRITEBYTECODE                  # the tests start Python 300 times; each would compile our modules
 cd "$root"
 [[ $# -gt 0 ]] || set -- -p xdist --numprocesses auto --maxprocesses 8 --dist loadfile
 exec "$venv/bin/python" -m pytest "$@"

@@ -1,6 +1,7 @@
 """Claims that the pure laws are in the subset that Numba compiles, with the same results."""
 
 import dataclasses
+import functools
 import types
 
 import pytest
@@ -20,6 +21,7 @@ POLYNOMIAL = dataclasses.replace(MACHINE.valve, curve=PolynomialCurve((101.0, -2
 Q, RATES = (0.3, 0.5, -1.4), (0.2, -0.3, 0.4)
 
 
+@functools.cache
 def compiled(function):
     """Compile a function of ours and all of ours that it calls."""
     scope = dict(function.__globals__)
