@@ -12,7 +12,9 @@ from forest_control.schemes import Scheme
 from forest_description.kinematics import inverse_kinematics, tip_position
 from forest_description.limits import joint_limits
 from forest_description.machine import load_machine
-from forest_study.closed_loop import PERIOD, Operator
+from forest_sim.parameters import plant_parameters
+from forest_sim.sensor_suite import sensor_suite
+from forest_study.closed_loop import PERIOD, ZERO, Operator, _Loop
 from forest_study.loop_kernel import by_heart as run
 
 C180 = load_machine("c180")
