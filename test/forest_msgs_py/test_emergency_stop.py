@@ -8,6 +8,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 
+from forest_msgs_py import emergency_stop
 from forest_msgs_py.emergency_stop import EmergencyStop
 from forest_msgs_py.topics import EMERGENCY_STOP, EMERGENCY_STOPPED, message_class, qos
 
@@ -73,7 +74,8 @@ def say(sender, pressed):
 
 
 @pytest.mark.parametrize("latched", [True, False], ids=["latched", "typed by hand"])
-def test_a_true_from_anybody_stops_every_node_at_once(peer, controller, driver, latched):
+def test_a_true_from_anybody_stops_every_node_at_once(peer, controller, driver, latched, monkeypatch):
+    monkeypatch.setattr(emergency_stop, "AGAIN", 0.0)
     kind = message_class(EMERGENCY_STOP)
     if latched:
         sender = peer.node.create_publisher(kind, EMERGENCY_STOP.name, qos(EMERGENCY_STOPPED))
@@ -89,6 +91,26 @@ def test_a_true_from_anybody_stops_every_node_at_once(peer, controller, driver, 
     assert controller.stop.pressed
     controller.objection = ""
     peer.until(lambda: say(sender, False) or not (controller.stop.pressed or driver.stop.pressed))
+
+
+def test_who_says_false_again_and_again_resets_nothing_and_a_reset_on_purpose_does(peer, controller, driver):
+    """A panel that tells its state ten times a second would undo a stop that somebody else pressed."""
+    panel = peer.speak(EMERGENCY_STOP)
+    peer.until(lambda: panel.get_subscription_count() == 2)
+
+    def heard(count):
+        say(panel, False)
+        return min(len(controller.stop._heard), len(driver.stop._heard)) >= count
+
+    peer.until(lambda: heard(3))
+    assert call(peer, "/valve_driver/emergency_stop").success
+    peer.until(lambda: controller.stop.pressed)
+    peer.until(lambda: heard(20))
+    assert controller.stop.pressed
+    assert driver.stop.pressed
+    assert call(peer, "/reset_emergency_stop").success
+    peer.until(lambda: not driver.stop.pressed)
+    assert not controller.stop.pressed
 
 
 def test_either_nodes_service_stops_both_and_a_reset_is_refused_with_its_reason(peer, controller, driver):

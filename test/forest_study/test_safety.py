@@ -4,13 +4,17 @@ import numpy as np
 import pytest
 
 from forest_control import controller, joystick_watch, valve_driver
+from forest_control.hand import Mode
 from forest_control.joystick_watch import NO_HEARTBEAT, Sample, WatchParameters
 from forest_control.levers import REST, Levers, levers_for_tip_velocity
+from forest_control.retuning import Retuning
 from forest_control.schemes import Scheme
-from forest_description.kinematics import inverse_kinematics
+from forest_description.kinematics import inverse_kinematics, tip_position
 from forest_description.limits import joint_limits
 from forest_description.machine import load_machine
-from forest_study.closed_loop import PERIOD, Operator
+from forest_sim.parameters import plant_parameters
+from forest_sim.sensor_suite import sensor_suite
+from forest_study.closed_loop import PERIOD, ZERO, Operator, _Loop
 from forest_study.loop_kernel import by_heart as run
 
 C180 = load_machine("c180")
@@ -171,3 +175,32 @@ def test_from_outside_its_limits_the_crane_comes_back_and_goes_no_further_out():
         moved = run(C180, lambda _, p=push: Operator(p), 1.5, start, settings, valve_driver.Settings())
         gone = np.degrees(moved.angles[-1][2] - start[2])
         assert gone > 1.0 if inwards else abs(gone) < 0.15
+
+
+THERE = levers_for_tip_velocity((0.2, 0.25, 0.2), SPEED)
+BACK = Levers(-THERE.swing, -THERE.boom, -THERE.stick)
+
+
+def mad_settings(rng):
+    """Scheme, mode and speed by chance."""
+    scheme, mode = Scheme(int(rng.integers(1, 6))), Mode(int(rng.integers(2)))
+    return controller.Settings(scheme=scheme, mode=mode, tip_speed=float(rng.choice([0.05, SPEED])))
+
+
+def test_settings_that_change_100_times_a_second_do_not_make_the_tip_run():
+    rng = np.random.default_rng(0)
+    pool = [controller.parameters(C180, mad_settings(rng)) for _ in range(40)]
+    tuning = Retuning(pool[0])
+    drive = valve_driver.parameters(C180, valve_driver.Settings())
+    loop = _Loop(plant_parameters(C180), tuning.core, drive, START, sensor_suite(C180))
+    tips, command = [], ZERO
+    for k in range(1000):
+        if k % 2 == 0:
+            tuning.want(pool[int(rng.integers(40))])
+        if tuning.changes(command == ZERO, PERIOD):
+            loop._control, loop._controller = tuning.core, loop._controller._replace(changed=True)
+        levers = REST if k < 60 else (THERE, BACK)[k // 200 % 2]
+        angles, _, command, *_ = loop.period(Operator(levers))
+        tips.append(tip_position(angles, C180.manipulator.links))
+    speeds = np.linalg.norm(np.gradient(np.array(tips), PERIOD, axis=0), axis=1)
+    assert speeds.max() < 1.6 * SPEED  # 1.3 m/s if every change were heeded at once

@@ -25,6 +25,7 @@ from forest_control.joystick_watch import (
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, RIGHT_Y, Triple
 from forest_control.position_source import UNREAD, Lengths, Source
 from forest_control.profile import load_profile, shipped
+from forest_control.retuning import Retuning
 from forest_control.schemes import Scheme
 from forest_control.tunables import TUNABLES, as_typed, settings_from
 from forest_control.valve_reports import ValveReports
@@ -61,7 +62,8 @@ class ControllerNode(Node):
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
         self._machine, tunables = machine, self._declare_tunables()
         self._workspace = self._walls()
-        self._core = controller.parameters(machine, settings_from(tunables.values), self._workspace)
+        core = controller.parameters(machine, settings_from(tunables.values), self._workspace)
+        self._tuning = Retuning(core)
         self._period = StampedPeriod(get("period", 0.005, "nominal period of the state", "s", 1e-4, 0.1))
         self._watch_settings = self._joystick_settings()
         self._state_timeout = get("state_timeout", 0.1, "age at which the state is lost", "s", 0.01, 0.2)
@@ -117,8 +119,7 @@ class ControllerNode(Node):
 
     def _tune(self, values: dict[str, Any]) -> None:
         """Follow parameters that were set while the machine may be moving."""
-        self._core = controller.parameters(self._machine, settings_from(values), self._workspace)
-        self._state = self._state._replace(changed=True)
+        self._tuning.want(controller.parameters(self._machine, settings_from(values), self._workspace))
 
     def _joystick_settings(self) -> WatchParameters:
         d, get = WatchParameters(), partial(declare, self)
@@ -150,7 +151,7 @@ class ControllerNode(Node):
         self._watch()  # after a stall of ours this may come before its timer
         reading = self._joints.read(data)
         angles, rates = reading.values.position, reading.values.velocity
-        problem = reading.problem or controller.implausible(angles, rates, self._core)
+        problem = reading.problem or controller.implausible(angles, rates, self._tuning.core)
         if problem:
             self._health.note("machine", problem)
             self._stand_still()
@@ -163,8 +164,10 @@ class ControllerNode(Node):
         dt = self._period.step(reading.stamp_ns, sent)
         if dt == 0.0:
             return
+        if self._tuning.changes(self._asked == ZERO, dt):
+            self._state = self._state._replace(changed=True)
         lengths, valves = self._cylinders(reading.stamp_ns), self._valves.read()
-        self._still = stillness.watched(self._still, angles, self._asked, self._core, dt)
+        self._still = stillness.watched(self._still, angles, self._asked, self._tuning.core, dt)
         problem = self._valves.objection(self._asked) or stillness.frozen(self._still)
         self._health.note("machine", problem)
         if problem:
@@ -174,12 +177,12 @@ class ControllerNode(Node):
         inputs = controller.Inputs(angles, rates, *self._operator(True, sent, dt), lengths, *valves)
         if self._stop.pressed or self._hands_off():
             self._state = controller.REST  # from which there is no ramp: zero at once
-        self._state, told = self._step(self._state, inputs, self._core, dt)
+        self._state, told = self._step(self._state, inputs, self._tuning.core, dt)
         self._publish(reading.stamp_ns, told)
 
     def _cylinders(self, stamp: int) -> Lengths:
         """Return the lengths [m] of boom and stick cylinder at a stamp; NaN if they are not to be had."""
-        if self._core.position_source == Source.JOINTS or not (arrival := self._actuators.newest()):
+        if self._tuning.core.position_source == Source.JOINTS or not (arrival := self._actuators.newest()):
             return UNREAD
         reading = self._lengths.read(arrival.message)
         if reading.problem or reading.stamp_ns != stamp:
@@ -223,7 +226,7 @@ class ControllerNode(Node):
             self._command.say(stamp, output.command)
         self._pose.say(stamp, told.tip)
         self._twist.say(stamp, told.tip_velocity)
-        if self._core.scheme != Scheme.JOINT:
+        if self._tuning.core.scheme != Scheme.JOINT:
             self._wish.say(stamp, output.tip_wish)
         watch, held_back = self._joystick, output.governed
         codes = held_back.factor, held_back.limit, watch.armed, watch.joystick, self._stop.pressed

@@ -2,8 +2,12 @@
 
 `emergency_stop`: true, from anybody, stops; false, and a node's reset service, reset every node that finds
 nothing against it. `emergency_stopped`: each node says there whether it is stopped, latched; true stops the
-others, also one that starts later. So a stop outlives the restart of any one node, and a node that refuses a
-reset stops the others again. A false that was sent before the last stop resets nothing.
+others, also one that starts later, and false resets them. So a stop outlives the restart of any one node, and
+a node that refuses a reset stops the others again.
+
+A false resets only if it is said on purpose: not before the last stop, and not by somebody who says false
+again and again, as panels tell their state. What comes within `AGAIN` of another false, no true between,
+resets nothing.
 
 Whoever types a message by hand offers it volatile, a panel may latch it. A subscription hears both kinds live
 only if it is volatile itself, and what was said before only if it is transient-local. Hence two; of the past
@@ -25,6 +29,7 @@ from forest_msgs_py import topics
 from forest_msgs_py.node import publisher, subscription
 from forest_msgs_py.topics import message_class, qos
 
+AGAIN = 1.0  # [s]
 REMEMBERED = 32  # commands heard live, which the other subscription repeats
 
 
@@ -43,6 +48,7 @@ class EmergencyStop:
     ) -> None:
         self.pressed, self._pressed_at = False, 0  # [ns] since the epoch, as senders stamp
         self._node, self._objection, self._act = node, objection, act
+        self._false_at = -AGAIN  # [s, monotonic] when a false was heard, if no true has come since
         self._heard: deque[int] = deque(maxlen=REMEMBERED)
         self._command = publisher(node, topics.EMERGENCY_STOP)
         self._state = publisher(node, topics.EMERGENCY_STOPPED)
@@ -85,17 +91,22 @@ class EmergencyStop:
     def _on_command(self, message: Any, info: dict[str, int]) -> None:
         self._heard.append(info["source_timestamp"])
         if message.data:
+            self._false_at = -AGAIN
             self.press()
-        elif info["source_timestamp"] > self._pressed_at:
+            return
+        before, self._false_at = self._false_at, time.monotonic()
+        if info["source_timestamp"] > self._pressed_at and self._false_at - before >= AGAIN:
             self.reset()
 
     def _on_latched(self, message: Any, info: dict[str, int]) -> None:
         if message.data and info["source_timestamp"] not in self._heard:
             self.press()
 
-    def _on_state(self, message: Any) -> None:
+    def _on_state(self, message: Any, info: dict[str, int]) -> None:
         if message.data:
             self.press()
+        elif info["source_timestamp"] > self._pressed_at:
+            self.reset()
 
     def _on_press(self, _request: Any, response: Any) -> Any:
         self.press()
