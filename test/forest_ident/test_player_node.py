@@ -1,5 +1,6 @@
 """The player process sends a bag's bytes again, obeys services and parameters, says what it cannot play."""
 
+import functools
 import signal
 
 import pytest
@@ -63,8 +64,10 @@ def test_services_and_parameters_steer_it(bag, play, peer):
     heard, stream = peer.hear(topics.ROBOT_DESCRIPTION), peer.hear(topics.JOINT_STATES)
     process = play(bag, "--start-paused", "--loop", "--wait-for-subscribers")
 
+    client_of = functools.cache(peer.node.create_client)  # a new one the player may know too late to answer
+
     def call(kind, name, request):
-        client = peer.node.create_client(kind, name)
+        client = client_of(kind, name)
         peer.until(client.service_is_ready)
         future = client.call_async(request)
         peer.until(future.done)

@@ -1,5 +1,6 @@
 """The recorder process hears everybody, loses nothing, closes on a signal, says in one line what is wrong."""
 
+import functools
 import random
 import signal
 import string
@@ -42,8 +43,12 @@ def ask(speaker, ros_context, wait_until):
     executor = SingleThreadedExecutor(context=ros_context)
     executor.add_node(speaker)
 
+    @functools.cache  # the recorder may know a new client too late to answer it
+    def client_of(verb):
+        return speaker.create_client(Trigger, f"/recorder/{verb}")
+
     def call(verb):
-        client = speaker.create_client(Trigger, f"/recorder/{verb}")
+        client = client_of(verb)
         wait_until(client.service_is_ready)
         answer = client.call_async(Trigger.Request())
         wait_until(answer.done, executor=executor)
