@@ -152,7 +152,7 @@ def test_wrong_numbers_are_answered_with_what_is_allowed(given, allowed, tmp_pat
 
 
 def test_without_llvm_the_command_says_what_to_install(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(track_command.compiled, "can_compile", lambda: False)
+    monkeypatch.setattr(track_command, "can_compile", lambda: False)
     assert cli.main(["track", "--path", "sweep", "--out", str(tmp_path / "out")]) == 1
     assert "pip install 'forest-crane[fast]'" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
