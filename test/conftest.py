@@ -30,7 +30,7 @@ with warnings.catch_warnings(), contextlib.suppress(ImportError):
 
 DOMAINS = range(80, 102)
 # Limits at which a test fails rather than hangs; on a busy machine a node alone takes seconds to start.
-MET_S, ENDED_S = 30.0, 60.0
+MET_S, ENDED_S, TOLD_S = 30.0, 60.0, 5.0
 PORT_TAKEN = "RTPS_TRANSPORT_SHM"
 
 # Before the first participant of this process: the middleware reads them once.
@@ -68,7 +68,7 @@ class Process(subprocess.Popen):
         except subprocess.TimeoutExpired:
             self.send_signal(signal.SIGABRT)
             with contextlib.suppress(subprocess.TimeoutExpired):
-                self.wait(ENDED_S)
+                self.wait(TOLD_S)
             self.kill_group()
             pytest.fail(f"{self.args} did not end within {ENDED_S} s:\n{self.text()}")
 
