@@ -64,31 +64,29 @@ class Row:
 
     def restore(self) -> Any:
         """Build the tuple that lies here."""
-        return self._unpack(self._numbers.unpack_from(self._row))
+        return self.build(self.copy())
+
+    def copy(self) -> bytes:
+        """Return the numbers that lie here, for `build`."""
+        return self._row.raw
+
+    def build(self, numbers: bytes) -> Any:
+        """Build a tuple."""
+        return self._unpack(self._numbers.unpack(numbers))
 
 
 class Moved:
-    """A state that lies flat; it is built when somebody looks at it, before the next step moves on."""
+    """A state as a step left it; it is built when somebody looks at it."""
 
     def __init__(self, row: Row) -> None:
-        self._row: Row | None = row
+        self._numbers, self._build = row.copy(), row.build
         self._built: Any = None
 
     def built(self) -> Any:
-        """Return the state.
-
-        Raises:
-            RuntimeError: the step has been called with another state since.
-        """
+        """Return the state."""
         if self._built is None:
-            if self._row is None:
-                raise RuntimeError("the step has moved on from this state, at which nobody looked in time")
-            self._built = self._row.restore()
+            self._built = self._build(self._numbers)
         return self._built
-
-    def pass_by(self) -> None:
-        """Know no more where the state lies."""
-        self._row = None
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.built(), name)
@@ -107,7 +105,7 @@ class CompiledStep:
         self._state, self._inputs, self._p, self._output = map(Row, example)
         self._at = tuple(row.at for row in (self._state, self._inputs, self._p, self._output))
         self._known: Any = None  # parameters that lie flat
-        self._moved: Moved | None = None
+        self._moved: Moved | None = None  # the state that does
 
     def __call__(self, state: Any, *arguments: Any) -> tuple[Any, Any]:
         """Return the state a step later, and the output; arguments are the inputs, the parameters, dt [s]."""
@@ -117,8 +115,6 @@ class CompiledStep:
             self._p.store(p)
         if state is not self._moved:
             self._state.store(state.built() if isinstance(state, Moved) else state)
-        if self._moved is not None:
-            self._moved.pass_by()
         self._inputs.store(inputs)
         self._kernel(*self._at, dt)
         self._moved = Moved(self._state)
