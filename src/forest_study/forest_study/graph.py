@@ -74,7 +74,7 @@ def joystick(source: str, duration: float, listeners: int, faults: str = "") -> 
     """Return the joystick source, with what goes wrong with it."""
     told = {"source": source, "duration": duration, "wait_for_subscribers": listeners, "faults": faults}
     arguments = tuple(word for name, value in told.items() for word in parameter(name, value))
-    return NodeSpec("joystick", "forest_control.joystick_node", arguments)
+    return NodeSpec("joystick", "forest_control.joystick_node", arguments, urgent=True)
 
 
 def control(machine: str, scheme: str, shadow: bool, describe: bool) -> tuple[NodeSpec, NodeSpec]:
@@ -82,18 +82,19 @@ def control(machine: str, scheme: str, shadow: bool, describe: bool) -> tuple[No
     known = machine_arguments(machine)
     told = ("-p", f"scheme:={scheme}", "-p", f"publish_description:={str(describe).lower()}")
     return (
-        NodeSpec("controller", "forest_control.controller_node", (*known, *told)),
+        NodeSpec("controller", "forest_control.controller_node", (*known, *told), urgent=True),
         NodeSpec(
             "valve_driver",
             "forest_control.valve_driver_node",
             (*known, "-p", f"shadow:={str(shadow).lower()}"),
+            urgent=True,
         ),
     )
 
 
 def simulator(machine: str) -> NodeSpec:
     """Return the simulated machine."""
-    return NodeSpec("simulator", "forest_sim.simulator_node", machine_arguments(machine))
+    return NodeSpec("simulator", "forest_sim.simulator_node", machine_arguments(machine), urgent=True)
 
 
 def recorder(bag: Path) -> NodeSpec:

@@ -25,6 +25,7 @@ from typing import IO, TYPE_CHECKING, NamedTuple
 
 from forest_msgs_py.environment import PARENT_VARIABLE, prepare_environment
 from forest_study.exclusive import AlreadyRunning, Failure, only_graph
+from forest_study.urgency import hurry
 
 if TYPE_CHECKING:
     from forest_study.guard import Guard
@@ -44,12 +45,13 @@ class Stopped(Exception):
 
 
 class NodeSpec(NamedTuple):
-    """A node to start: its ROS name, module, and ROS arguments, and whether the others need it."""
+    """A node to start: its ROS name, module, ROS arguments; is it needed by others, must it be in time."""
 
     name: str
     module: str
     arguments: tuple[str, ...] = ()
     needed: bool = True
+    urgent: bool = False
 
 
 class _Process(NamedTuple):
@@ -179,6 +181,8 @@ class Supervisor:
                 env={**os.environ, PARENT_VARIABLE: str(os.getpid())},
                 start_new_session=True,  # a Ctrl-C reaches the supervisor alone, which keeps the order
             )
+        if spec.urgent:
+            hurry(popen.pid)
         self._processes.append(_Process(spec, popen, log, log.open(encoding="utf-8", errors="replace")))
 
     def _join_ros(self) -> "Guard":
