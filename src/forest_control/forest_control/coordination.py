@@ -109,14 +109,13 @@ def servo(
 ) -> tuple[Memory, Triple]:
     """Return the memory one step on, and the commanded joint rates u [rad/s]."""
     m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
-    still = rests(memory, a)
     b_1, jerk = _smooth_acceleration(m_1, a[0], p, dt)
     b_2, _ = _smooth_acceleration(m_2, a[1], p, dt)
     b_3, _ = _smooth_acceleration(m_3, a[2], p, dt)
     torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, inertia(r, p.swing), p, dt)
-    swing, u_1 = _joint_servo(m_1, Signals(a[0], b_1, r[0], s[0], v[0], extra), still, 0, p, dt)
-    boom, u_2 = _joint_servo(m_2, Signals(a[1], b_2, r[1], s[1], v[1], 0.0), still, 1, p, dt)
-    stick, u_3 = _joint_servo(m_3, Signals(a[2], b_3, r[2], s[2], v[2], 0.0), still, 2, p, dt)
+    swing, u_1 = _joint_servo(m_1, Signals(a[0], b_1, r[0], s[0], v[0], extra), _rests(m_1, a[0]), 0, p, dt)
+    boom, u_2 = _joint_servo(m_2, Signals(a[1], b_2, r[1], s[1], v[1], 0.0), _rests(m_2, a[1]), 1, p, dt)
+    stick, u_3 = _joint_servo(m_3, Signals(a[2], b_3, r[2], s[2], v[2], 0.0), _rests(m_3, a[2]), 2, p, dt)
     return Memory(memory.velocity, swing, boom, stick, torque, memory.samples), (u_1, u_2, u_3)
 
 
@@ -124,6 +123,11 @@ def rests(memory: Memory, a: Triple) -> bool:
     """Tell whether the reference rests: neither now nor a step ago any joint was wished to move [rad/s]."""
     m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
     return max(abs(a[0]), abs(a[1]), abs(a[2]), abs(m_1.a), abs(m_2.a), abs(m_3.a)) < REST_RATE
+
+
+def _rests(memory: Joint, a: float) -> bool:
+    """Tell whether one joint's reference rests, be it that others move [rad/s]."""
+    return max(abs(a), abs(memory.a)) < REST_RATE
 
 
 def held(
