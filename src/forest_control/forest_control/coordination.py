@@ -150,7 +150,8 @@ def _joint_servo(
     # What the integral has learnt of the valve at speed is kept while the joint holds.
     grown = memory.w if holds else memory.w + dt * p.integral[i] * error
     w = max(-p.integral_limit, min(p.integral_limit, grown))
-    u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.s, x.v, x.w + w), p.gains[i])
+    s = x.r - seen if still else x.s
+    u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, s, x.v, x.w + w), p.gains[i])
     return Joint(x.a, x.b, w, seen, holds, wide, side), u
 
 

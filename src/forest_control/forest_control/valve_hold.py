@@ -62,10 +62,13 @@ def obeyed(
         dt: period [s].
     """
     wide = 1.0 + (hold.wide - 1.0) * math.exp(-dt / (HELD_FORGOTTEN if held else FORGOTTEN))
-    turned_for, shut_for, calm_for = hold.turned_for + dt, hold.shut_for + dt, hold.calm_for + dt
+    calmed = dt * CALM / BRIEF if held else dt
+    turned_for, shut_for, calm_for = hold.turned_for + dt, hold.shut_for + dt, hold.calm_for + calmed
     if c == 0.0:
         return Hold(0.0, 0.0, 0.0, hold.last, turned_for, shut_for, calm_for, wide), 0.0
-    slow, quick = _passed(hold.slow, c, OPENING_LAG, dt), _passed(hold.quick, c, SHUTTING_LAG, dt)
+    stopped = held and hold.calm_for < CALM  # what it moved at is past
+    slow = _passed(hold.slow, c, SHUTTING_LAG if stopped else OPENING_LAG, dt)
+    quick = _passed(hold.quick, c, SHUTTING_LAG, dt)
     most = 1.0 if learns else MOST_HELD
     widened = max(1.0, 0.5 * wide)  # once is no cycle
     least = widened * opens
@@ -84,7 +87,7 @@ def obeyed(
         shut_for = 0.0 if hold.way != 0.0 else shut_for
         return Hold(slow, quick, 0.0, hold.last, turned_for, shut_for, calm_for, wide), 0.0
     again, turns = hold.way == 0.0 and BRIEF < shut_for < SOON, way * hold.last < 0.0
-    if again or (turns and turned_for < SOON):
+    if again or (turns and BRIEF < turned_for < SOON):
         wide = min(WIDEST, 2.0 * wide)
     turned_for = 0.0 if turns else turned_for
     obey = c if c * way > 0.0 else way * BARELY
