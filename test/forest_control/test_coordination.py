@@ -50,12 +50,37 @@ def test_the_reference_is_the_integral_of_the_governed_wish_without_drift():
 def test_a_resting_joint_holds_until_its_error_has_grown():
     c, memory = P.coordinated, coordination.REST
     for _ in range(200):
-        memory, u = coordination.servo(memory, ZERO, (2.5e-4, 0.0, 0.0), ZERO, ZERO, c, PERIOD)
+        memory, u = coordination.servo(memory, ZERO, (2.5e-4, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
         assert u == (HELD, HELD, HELD)
     for _ in range(200):
-        memory, u = coordination.servo(memory, ZERO, (4e-4, 0.0, 0.0), ZERO, ZERO, c, PERIOD)
+        memory, u = coordination.servo(memory, ZERO, (4e-4, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
     assert u[0] > 0.0
     assert u[1:] == (HELD, HELD)
+
+
+def test_a_joint_holds_while_only_others_are_wished_to_move():
+    c, memory, a = P.coordinated, coordination.REST, (0.0, 0.1, 0.0)
+    for _ in range(4000):
+        memory, u = coordination.servo(memory, a, (5e-5, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
+        assert u[0] == HELD
+        assert u[1] > 0.0
+    assert memory.swing.w == 0.0  # for nothing that it could do
+
+
+def test_the_integral_of_a_resting_joint_winds_up_only_while_its_valve_is_open():
+    c, r = P.coordinated, (1e-3, 0.0, 0.0)
+    gathered = {}
+    for volts in (0.0, 1.1):
+        memory = coordination.REST
+        for _ in range(2000):
+            memory, _ = coordination.servo(memory, ZERO, r, ZERO, ZERO, (volts, 0.0, 0.0), c, PERIOD)
+        gathered[volts] = memory.swing.w
+    assert 0.0 < gathered[0.0] <= coordination.MOST_GATHERED
+    assert gathered[1.1] > 5.0 * coordination.MOST_GATHERED
+    memory, u = coordination.servo(memory, ZERO, ZERO, ZERO, ZERO, ZERO, c, PERIOD)
+    for _ in range(200):
+        memory, u = coordination.servo(memory, ZERO, ZERO, ZERO, ZERO, ZERO, c, PERIOD)
+    assert (memory.swing.w, u[0]) == (0.0, HELD)  # it has opened the valve, and is done
 
 
 def test_the_reference_starts_from_the_mean_of_what_was_measured_at_rest():

@@ -7,9 +7,9 @@
 | r, s | reference and measured joint angle | rad |
 | w | integral of K_i (r - s) | rad/s |
 
-The reference is the operator's wish with its steps turned into ramps, so that b is finite. While the
-reference rests, a joint that is near it holds: its valve stays shut until the error has grown, or noise would
-open it back and forth through the overlap for ever.
+The reference is the operator's wish with its steps turned into ramps, so that b is finite. While a joint's
+reference rests, be it that others move, a joint that is near it holds: its valve stays shut until the error
+has grown, or noise would open it back and forth through the overlap for ever.
 """
 
 import math
@@ -24,6 +24,7 @@ ZERO: Triple = (0.0, 0.0, 0.0)
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests
 ERROR_LAG = 0.05  # [s] of the low-pass through which an error decides about holding
 HELD = 1e-9  # [rad/s] commanded to a joint that holds: no motion, but the valve driver may feed what leaks
+MOST_GATHERED = 2e-3  # [rad/s] of the integral at rest, while the valve is shut
 WIDEST, FORGOTTEN = 16.0, 20.0  # how far holding may widen; [s] in which that fades
 HIGHEST_ACCELERATION = 2.0  # [rad/s^2] a jump of the governor's must not kick the valves
 
@@ -52,6 +53,7 @@ class Joint(NamedTuple):
     holding: bool = True
     wide: float = 1.0  # hold and release error over what is set
     side: float = 0.0  # of the error that it moved for last, at rest: 1, -1
+    gathered: float = 0.0  # part of w that was gathered at rest [rad/s]
 
 
 AT_REST = Joint()
@@ -105,18 +107,40 @@ def ramped(velocity: Triple, wish: Triple, acceleration: float, dt: float) -> Tr
 
 
 def servo(
-    memory: Memory, a: Triple, r: Triple, s: Triple, v: Triple, p: CoordinationParameters, dt: float
+    memory: Memory,
+    a: Triple,
+    r: Triple,
+    s: Triple,
+    v: Triple,
+    volts: Triple,
+    p: CoordinationParameters,
+    dt: float,
 ) -> tuple[Memory, Triple]:
-    """Return the memory one step on, and the commanded joint rates u [rad/s]."""
+    """Return the memory one step on, and the commanded joint rates u [rad/s].
+
+    Args:
+        memory: before.
+        a: governed rates wished [rad/s].
+        r: reference angles [rad].
+        s: measured angles [rad].
+        v: measured rates [rad/s].
+        volts: that the valves were given last [V]; 0: shut.
+        p: parameters.
+        dt: [s].
+    """
     m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
     still = rests(memory, a)
     b_1, jerk = _smooth_acceleration(m_1, a[0], p, dt)
     b_2, _ = _smooth_acceleration(m_2, a[1], p, dt)
     b_3, _ = _smooth_acceleration(m_3, a[2], p, dt)
     torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, inertia(r, p.swing), p, dt)
-    swing, u_1 = _joint_servo(m_1, Signals(a[0], b_1, r[0], s[0], v[0], extra), still, 0, p, dt)
-    boom, u_2 = _joint_servo(m_2, Signals(a[1], b_2, r[1], s[1], v[1], 0.0), still, 1, p, dt)
-    stick, u_3 = _joint_servo(m_3, Signals(a[2], b_3, r[2], s[2], v[2], 0.0), still, 2, p, dt)
+    swing, u_1 = _joint_servo(
+        m_1, Signals(a[0], b_1, r[0], s[0], v[0], extra), volts[0] == 0.0, still, 0, p, dt
+    )
+    boom, u_2 = _joint_servo(m_2, Signals(a[1], b_2, r[1], s[1], v[1], 0.0), volts[1] == 0.0, still, 1, p, dt)
+    stick, u_3 = _joint_servo(
+        m_3, Signals(a[2], b_3, r[2], s[2], v[2], 0.0), volts[2] == 0.0, still, 2, p, dt
+    )
     return Memory(memory.velocity, swing, boom, stick, torque, memory.samples), (u_1, u_2, u_3)
 
 
@@ -124,6 +148,11 @@ def rests(memory: Memory, a: Triple) -> bool:
     """Tell whether the reference rests: neither now nor a step ago any joint was wished to move [rad/s]."""
     m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
     return max(abs(a[0]), abs(a[1]), abs(a[2]), abs(m_1.a), abs(m_2.a), abs(m_3.a)) < REST_RATE
+
+
+def _rests(memory: Joint, a: float) -> bool:
+    """Tell whether one joint's reference rests, be it that others move [rad/s]."""
+    return max(abs(a), abs(memory.a)) < REST_RATE
 
 
 def held(
@@ -138,16 +167,45 @@ def held(
 
 
 def _joint_servo(
-    memory: Joint, x: Signals, still: bool, i: int, p: CoordinationParameters, dt: float
+    memory: Joint, x: Signals, shut: bool, all_rest: bool, i: int, p: CoordinationParameters, dt: float
 ) -> tuple[Joint, float]:
-    """Return one joint's memory one step on, and its u [rad/s]; `x.w` is what else is fed forward."""
-    error = x.r - x.s
+    """Return one joint's memory one step on, and its u [rad/s].
+
+    Args:
+        memory: before.
+        x: its signals; `x.w` is what else is fed forward.
+        shut: the driver keeps its valve shut.
+        all_rest: the reference of no joint moves.
+        i: which joint.
+        p: parameters.
+        dt: [s].
+    """
+    # A valve that is open, to feed what leaks, is better served by the servo than by holding.
+    error, still = x.r - x.s, all_rest or (shut and _rests(memory, x.a))
     seen, holds, wide, side = held(memory, error, still, p, dt)
+    gathered = _gathered(memory, dt * p.integral[i] * error, still, holds, shut)
     # What the integral has learnt of the valve at speed is kept while the joint holds.
-    grown = memory.w if holds else memory.w + dt * p.integral[i] * error
+    grown = memory.w - memory.gathered + gathered if still else memory.w + dt * p.integral[i] * error
     w = max(-p.integral_limit, min(p.integral_limit, grown))
-    u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.s, x.v, x.w + w), p.gains[i])
-    return Joint(x.a, x.b, w, seen, holds, wide, side), u
+    s = x.r - seen if still and shut else x.s  # there is time to hear less noise
+    u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, s, x.v, x.w + w), p.gains[i])
+    return Joint(x.a, x.b, w, seen, holds, wide, side, gathered), u
+
+
+def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) -> float:
+    """Return what the integral has gathered at rest [rad/s].
+
+    Of a valve that is open to feed what leaks, all. One that is shut it only helps to open: more would open
+    it wide, and the other way once the joint has moved.
+    """
+    before = memory.gathered
+    if not still or (holds and shut):
+        return 0.0
+    if holds:
+        return before
+    if not shut:
+        return before + step
+    return max(min(before, -MOST_GATHERED), min(max(before, MOST_GATHERED), before + step))
 
 
 def _widened(memory: Joint, seen: float, still: bool, holds: bool, dt: float) -> tuple[float, float]:

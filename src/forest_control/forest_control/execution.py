@@ -20,7 +20,7 @@ def carried_out(
     after = within_lead(advanced(p.scheme, r, a, wish.velocity, p.links, dt), s, p)
     if p.scheme == Scheme.COORDINATED:
         before = coordination.going(state.memory, wish.velocity)
-        memory, u = coordination.servo(before, a, r, s, inputs.rates, p.coordinated, dt)
+        memory, u = coordination.servo(before, a, r, s, inputs.rates, inputs.voltages, p.coordinated, dt)
     else:
         memory, u = _thesis_servo(state.memory, wish, after, inputs, p, dt)
     offset = offset_to(u, state, p)

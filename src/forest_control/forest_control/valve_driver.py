@@ -55,6 +55,8 @@ HELD = 1e-6  # [V] a command below wishes that the actuator be held
 LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than nothing for a moment
 SOONEST = 0.0025  # [s] no command is expected sooner than this after another, whatever the stamps say
 FORGOTTEN = 0.3  # [s] in which it is expected again that voltages come in time
+BORNE = 1.5  # [rad/s] low-pass of the load that the swing has borne for long
+LASTING = 2.0  # times that, at the most, of its load is fed while it is held
 LEAST_FED = 0.004  # [V] of leakage: less lets the tip sink by under 3 mm/s and is not worth an open valve
 
 
@@ -72,6 +74,7 @@ class State(NamedTuple):
     phase: float = 0.0  # of the dither, in turns
     learners: Learners = (UNLEARNT, UNLEARNT, UNLEARNT)
     ahead: float = 0.0  # [s] for how long a voltage may stay in force
+    borne: float = 0.0  # swing's load, low-passed more slowly [N m]
 
 
 class Pressures(NamedTuple):
@@ -194,7 +197,9 @@ def _axis(
     hold, wanted, saturated = state.holds[i], command, False
     if p.compensate:
         # A leaking motor under load must be fed to stand still, be the command ever so small; none is none.
-        leaked = rated * axis.slip * state.loads[i] / axis.rated_speed
+        # While the swing is held its weight on a slope counts, not how it was stopped, nor how it rocks.
+        load = _weight(state.loads[0], state.borne) if i == 0 and abs(command) < HELD else state.loads[i]
+        leaked = rated * axis.slip * load / axis.rated_speed
         fed = command + leaked if command != 0.0 else 0.0
         opens = p.hold_zone if abs(leaked) <= _worth(leaked, spool) else min(LEAST_FED, p.hold_zone)
         hold, fed = obeyed(
@@ -222,6 +227,12 @@ def _left(axis: AxisDriver, dt: float) -> float:
     return 0.0 if axis.spool_lag == 0.0 else math.exp(-dt / axis.spool_lag)
 
 
+def _weight(load: float, borne: float) -> float:
+    """Return what of a load [N m] has been borne for long: no more than `LASTING` times that."""
+    most = LASTING * abs(borne)
+    return max(-most, min(most, load)) if load * borne > 0.0 else 0.0
+
+
 def _worth(leaked: float, spool: float) -> float:
     """Return what must leak [V] to be fed; half of it keeps a valve open, so that it does not chatter."""
     return LEAST_FED if spool * leaked <= 0.0 else 0.5 * LEAST_FED
@@ -246,14 +257,18 @@ def plausible(pressures: Pressures, p: Parameters) -> bool:
 
 def _filter_loads(state: State, pressures: Pressures, seen: bool, p: Parameters, dt: float) -> State:
     if not seen:
-        return state._replace(loads=REST.loads, primed=False, means=REST.means)
+        return state._replace(loads=REST.loads, primed=False, means=REST.means, borne=REST.borne)
     weight = 1.0 - math.exp(-p.load_bandwidth * dt) if state.primed else 1.0
     fast = 1.0 - math.exp(-FILLING * dt) if state.primed else 1.0
+    slow = 1.0 - math.exp(-BORNE * dt) if state.primed else 1.0
     swing = _filtered(0, state, pressures, p.axes[0], weight, fast)
     boom = _filtered(1, state, pressures, p.axes[1], weight, fast)
     stick = _filtered(2, state, pressures, p.axes[2], weight, fast)
     return state._replace(
-        loads=(swing[0], boom[0], stick[0]), primed=True, means=(swing[1], boom[1], stick[1])
+        loads=(swing[0], boom[0], stick[0]),
+        primed=True,
+        means=(swing[1], boom[1], stick[1]),
+        borne=state.borne + slow * (swing[0] - state.borne),
     )
 
 

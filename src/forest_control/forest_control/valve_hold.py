@@ -11,8 +11,9 @@ quarter of the zone, or turned round.
 
 An over-compensated inverse cannot open a valve a little: the actuator jumps, overshoots, is sent back, and so
 on. So every time that a valve is opened again soon after it was shut, or turned soon after it was turned, its
-zone doubles, but for the first time, up to `WIDEST` / 2 times; that fades in `FORGOTTEN` s, soon while
-the actuator is held, and at once in motion.
+zone doubles, but for the first time, up to `WIDEST` / 2 times; that fades in `FORGOTTEN` s, and at once in
+motion. What is turned back within `BRIEF` is noise and no cycle. An actuator that is held for as long has
+come to rest.
 """
 
 import math
@@ -25,7 +26,6 @@ BRIEF, SOON = 0.05, 1.0  # [s] shut: briefer is noise or a reversal in motion
 SURE = 14.0  # zones, a command that no cycle reaches
 CALM = 0.5  # [s] without a command that must be motion: longer than a reversal takes
 WIDEST, FORGOTTEN = 32.0, 5.0
-HELD_FORGOTTEN = 1.0  # [s]
 MOST_HELD = 5.0  # zones that a motion may start late by
 BARELY = 1e-9  # [V] of an open valve whose command's noise has turned round
 
@@ -61,11 +61,14 @@ def obeyed(
         learns: the overlap is being learnt, which ends a cycle: no motion need start late.
         dt: period [s].
     """
-    wide = 1.0 + (hold.wide - 1.0) * math.exp(-dt / (HELD_FORGOTTEN if held else FORGOTTEN))
-    turned_for, shut_for, calm_for = hold.turned_for + dt, hold.shut_for + dt, hold.calm_for + dt
+    wide = 1.0 + (hold.wide - 1.0) * math.exp(-dt / FORGOTTEN)
+    calmed = dt * CALM / BRIEF if held else dt  # [s]
+    turned_for, shut_for, calm_for = hold.turned_for + dt, hold.shut_for + dt, hold.calm_for + calmed
     if c == 0.0:
         return Hold(0.0, 0.0, 0.0, hold.last, turned_for, shut_for, calm_for, wide), 0.0
-    slow, quick = _passed(hold.slow, c, OPENING_LAG, dt), _passed(hold.quick, c, SHUTTING_LAG, dt)
+    stops = held and hold.calm_for < CALM  # what it moved at is past
+    slow = c if stops else _passed(hold.slow, c, OPENING_LAG, dt)
+    quick = _passed(hold.quick, c, SHUTTING_LAG, dt)
     most = 1.0 if learns else MOST_HELD
     widened = max(1.0, 0.5 * wide)  # once is no cycle
     least = widened * opens
@@ -84,7 +87,7 @@ def obeyed(
         shut_for = 0.0 if hold.way != 0.0 else shut_for
         return Hold(slow, quick, 0.0, hold.last, turned_for, shut_for, calm_for, wide), 0.0
     again, turns = hold.way == 0.0 and BRIEF < shut_for < SOON, way * hold.last < 0.0
-    if again or (turns and turned_for < SOON):
+    if again or (turns and BRIEF < turned_for < SOON):
         wide = min(WIDEST, 2.0 * wide)
     turned_for = 0.0 if turns else turned_for
     obey = c if c * way > 0.0 else way * BARELY
