@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from forest_compile import flat
 from forest_description.machine import load_machine
 from forest_ident.warming import plants_at
-from forest_sim import flat
 from forest_sim.thermal import parameters_at
 
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from forest_compile import flat
 from forest_description.machine import Machine
-from forest_sim import flat
 from forest_sim.parameters import PlantParameters
 from forest_sim.thermal import parameters_at
 
