@@ -1,6 +1,6 @@
 """Do the 95 % intervals of `forest-ident` hold the truth? See interval_coverage.py, which does it.
 
-python benchmarks/coverage.py [--experiments 200] [--seed 0] [--out coverage.json]
+python benchmarks/coverage.py [--sessions 200] [--only NAME ...] [--processes 2] [--json FILE]
 """
 
 if __name__ != "__main__":

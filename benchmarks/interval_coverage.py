@@ -1,20 +1,30 @@
 """Do the 95 % intervals of `forest-ident` hold the truth in 95 of 100 simulated experiments?
 
-    python benchmarks/coverage.py [--experiments 200] [--seed 0] [--out coverage.json]
+    python benchmarks/coverage.py [--sessions 200] [--seed 0] [--only NAME ...] [--processes 2] [--json FILE]
 
-Each experiment is another unit of every sensor, other noise and another machine: valve, hose and swing with
+Each session is another unit of every sensor, other noise and another machine: valve, hose and swing with
 parameters drawn within 40 % of the shipped crane's. Linear estimates and refinement as `forest-ident fit`
 makes them. Printed: how often each parameter's interval held the truth, and all of them pooled; with the
-standard error of a share that small, because 200 experiments know a share of 95 % to 1.5 %.
+standard error of a share that small, because 200 sessions know a share of 95 % to 1.5 %.
+
+With --json every finished session is written at once, and sessions that the file holds are not run again: a
+long count may be stopped and gone on with. Every session tells of which source it is.
 """
 
 import argparse
+import hashlib
 import json
 import math
+import time
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+import forest_ident
 from forest_description.machine import Machine, load_machine
 from forest_ident.ident_experiment import experiment
 from forest_ident.identification import identify
@@ -33,6 +43,8 @@ DRAWN = (
 )
 EXPERIMENTS = ("valve", "hose", "motor_external", "motor_internal", "damping_swing")
 WITHIN = 0.4
+NORMAL_95 = 1.959963985
+Trial = dict[str, float]
 
 
 def drawn(machine: Machine, generator: np.random.Generator) -> Machine:
@@ -42,7 +54,7 @@ def drawn(machine: Machine, generator: np.random.Generator) -> Machine:
     return with_values(machine, values)
 
 
-def trial(seed: int, names: tuple[str, ...] = EXPERIMENTS) -> dict[str, float]:
+def trial(seed: int, names: tuple[str, ...] = EXPERIMENTS) -> Trial:
     """Return (estimate - truth)/standard error of every parameter that one simulated session tells."""
     start = load_machine("c180")
     truth = drawn(start, np.random.default_rng([seed, 95]))
@@ -57,33 +69,86 @@ def trial(seed: int, names: tuple[str, ...] = EXPERIMENTS) -> dict[str, float]:
     return away
 
 
-def coverage(trials: list[dict[str, float]]) -> dict[str, float]:
+def timed(seed: int, names: tuple[str, ...]) -> tuple[Trial, float]:
+    """Return a trial with the CPU time that it took [s]."""
+    began = time.process_time()
+    return trial(seed, names), time.process_time() - began
+
+
+def coverage(trials: list[Trial]) -> dict[str, float]:
     """Return the share of 95 % intervals that hold the truth, per parameter and pooled."""
     keys = list(dict.fromkeys(key for trial in trials for key in trial))
-    held = {key: [abs(t[key]) <= 1.959963985 for t in trials if key in t] for key in keys}
+    held = {key: [abs(t[key]) <= NORMAL_95 for t in trials if key in t] for key in keys}
     shares = {key: float(np.mean(hits)) for key, hits in held.items()}
     pooled = [hit for hits in held.values() for hit in hits]
     return {**shares, "pooled": float(np.mean(pooled)) if pooled else math.nan}
 
 
-def main() -> None:
-    """Run the trials; print and write the shares."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    parser.add_argument("--experiments", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--names", nargs="+", default=list(EXPERIMENTS), help="experiments of a session")
-    parser.add_argument("--out", type=Path)
-    options = parser.parse_args()
-    trials = []
-    for k in range(options.experiments):
-        trials.append(trial(options.seed + k, tuple(options.names)))
-        away = ", ".join(f"{key.rpartition('.')[2]} {z:+.1f}" for key, z in trials[-1].items())
-        print(f"{k + 1}/{options.experiments}: {away}", flush=True)
+def table(trials: list[Trial]) -> str:
+    """Return the shares as text, with how many there were and how far the estimates scatter."""
     shares = coverage(trials)
+    lines = ["| parameter | sessions | held, % | standard error, % | scatter of error/standard error |"]
+    lines.append("|---|---|---|---|---|")
     for key, share in shares.items():
-        print(f"{key:<40} {100.0 * share:5.1f} %")
-    if options.out is not None:
-        options.out.write_text(json.dumps({"coverage": shares, "trials": trials}, indent=1) + "\n")
+        all_of = [z for t in trials for k, z in t.items() if key in (k, "pooled")]
+        error = math.sqrt(max(share * (1.0 - share), 1e-12) / len(all_of))
+        scatter = math.sqrt(float(np.mean(np.square(all_of))))
+        lines.append(f"| {key} | {len(all_of)} | {100 * share:.1f} | {100 * error:.1f} | {scatter:.2f} |")
+    return "\n".join(lines)
+
+
+def source() -> str:
+    """Return a digest of what estimates: the modules of forest_ident."""
+    digest = hashlib.sha256()
+    for file in sorted(Path(forest_ident.__path__[0]).glob("*.py")):
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def kept(file: Path | None, names: tuple[str, ...]) -> dict[int, dict[str, Any]]:
+    """Return the sessions that a file holds of these experiments, by seed."""
+    if file is None or not file.exists():
+        return {}
+    told = json.loads(file.read_text())
+    if tuple(told["experiments"]) != names:
+        return {}
+    return {int(seed): one for seed, one in told["sessions"].items()}
+
+
+def missing(seeds: list[int], names: tuple[str, ...], processes: int) -> Iterator[tuple[int, dict[str, Any]]]:
+    """Run sessions side by side; give each when it is done."""
+    of_source = source()
+    with ProcessPoolExecutor(processes) as pool:
+        running = {pool.submit(timed, seed, names): seed for seed in seeds}
+        for done in as_completed(running):
+            away, seconds = done.result()
+            yield running[done], {"away": away, "cpu_s": round(seconds, 2), "source": of_source}
+
+
+def main() -> None:
+    """Run the sessions; print and write the shares."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--sessions", type=int, default=200, metavar="N")
+    parser.add_argument("--seed", type=int, default=0, help="of the first session")
+    parser.add_argument("--only", nargs="+", choices=EXPERIMENTS, default=EXPERIMENTS, metavar="NAME")
+    parser.add_argument("--processes", type=int, default=2, metavar="N")
+    parser.add_argument("--json", type=Path, metavar="FILE")
+    options = parser.parse_args()
+    names = tuple(options.only)
+    done = kept(options.json, names)
+    seeds = [options.seed + k for k in range(options.sessions)]
+    for seed, one in missing([seed for seed in seeds if seed not in done], names, options.processes):
+        done[seed] = one
+        away = ", ".join(f"{key.rpartition('.')[2]} {z:+.1f}" for key, z in one["away"].items())
+        print(f"{len(done)}/{len(seeds)}, seed {seed}, {one['cpu_s']:.0f} s: {away}", flush=True)
+        if options.json is not None:
+            told = {"experiments": names, "sessions": done}
+            options.json.write_text(json.dumps(told, indent=1) + "\n")
+    counted = [done[seed] for seed in seeds]
+    print(table([one["away"] for one in counted]))
+    print(f"CPU time {sum(one['cpu_s'] for one in counted):.0f} s of {len(counted)} sessions")
+    of = Counter(one["source"] for one in counted)
+    print(f"sessions by source of forest_ident: {', '.join(f'{k}: {n}' for k, n in of.items())}")
 
 
 if __name__ == "__main__":

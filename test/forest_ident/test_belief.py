@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from forest_ident.belief import NOTHING, inverse, prior, updated
+from forest_ident.belief import NOTHING, inverse, prior, updated, widened
 
 
 def test_one_fit_after_the_other_is_as_good_as_both_at_once():
@@ -26,3 +26,11 @@ def test_what_is_not_known_yet_has_its_own_spread():
     mean, information = prior(NOTHING, ("a", "b"), np.array([1.0, 2.0]), np.array([np.inf, 0.5]))
     assert mean.tolist() == [1.0, 2.0]
     assert information.tolist() == [[0.0, 0.0], [0.0, 4.0]]
+
+
+def test_what_moves_by_chance_is_known_less_well_and_hangs_together_less():
+    belief = updated(NOTHING, ("a", "b"), np.zeros(2), np.array([[1.0, 0.9], [0.9, 1.0]]))
+    wide = widened(belief, {"b": 1.0, "c": 5.0})
+    assert wide.of("a") == belief.of("a")
+    assert wide.of("b")[1] == pytest.approx(np.sqrt(2.0))
+    assert widened(NOTHING, {"b": 1.0}).names == ()

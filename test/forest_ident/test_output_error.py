@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from forest_ident.fit_statistics import condition_number, trust
+from forest_ident.fit_statistics import condition_number, inflation
 from forest_ident.output_error import Channel, Unknown, fit
 
 X = np.linspace(0.0, 1.0, 2000)
@@ -45,8 +45,28 @@ def pulse(values):
 def test_scatter_between_blocks_counts_the_more_blocks_there_are():
     one, many = np.zeros((100, 1)), np.ones((100, 1))
     one[3] = 1.0
-    assert trust(one)[0] < 0.02
-    assert trust(many)[0] > 0.99
+    assert inflation(2.0 * one, one)[0] < 3.0
+    assert inflation(2.0 * many, many)[0] == pytest.approx(4.0, rel=0.02)
+
+
+def test_chance_is_not_taken_for_residuals_that_hang_together():
+    scores = np.random.default_rng(2).standard_normal((60, 500))
+    factors = inflation(scores, np.ones((60, 500)))
+    assert factors.min() == 1.0
+    assert factors.mean() < 1.05
+
+
+def test_derivatives_are_kept_where_the_model_is_nearly_straight():
+    calls = []
+
+    def counted(values):
+        calls.append(values)
+        return decay(values)
+
+    y = decay({"size": 2.0, "rate": 3.0})["y"] + np.random.default_rng(1).normal(0.0, 0.05, len(X))
+    found = fit(counted, {"y": y}, [Channel("y", 0.05)], [Unknown("size", 2.01), Unknown("rate", 3.02)])
+    assert found.iterations >= 2
+    assert len(calls) <= 1 + 2 + found.iterations
 
 
 def test_residuals_that_hang_together_widen_the_errors():

@@ -222,10 +222,11 @@ class Machine(ParameterSet):
 
 
 def load_machine(name_or_path: str | Path = "c180") -> Machine:
-    """Return a machine from a shipped name ("c180", "c180_thesis", "loader") or a YAML file.
+    """Return a machine from a shipped name ("c180", "c180_thesis", "loader"), drawn, or from a YAML file.
 
     Args:
-        name_or_path: A name without suffix looks up a shipped machine; anything else is a file.
+        name_or_path: A name without suffix looks up a shipped machine; "unknown:7" draws one
+            (`forest_description.unknown`); anything else is a file.
 
     Raises:
         MachineError: The file is not usable; the message has file, line, key, value and what is allowed.

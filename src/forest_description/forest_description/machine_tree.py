@@ -2,7 +2,7 @@
 
 A file may say ``based_on: c180_thesis`` and then give only what differs. ``null`` removes an optional
 component. The YAML is read as nodes, not as plain values, because every complaint names the line that it is
-about.
+about. The file of an `unknown` machine is drawn.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import yaml
 
+from forest_description import unknown
 from forest_description.parameter import MachineError
 
 QUANTITY_KEYS = ("value", "unit", "source")
@@ -60,7 +61,7 @@ def read(name_or_path: str | Path) -> Branch:
     """Return the tree of a machine file, laid over the machine that it is based on.
 
     Args:
-        name_or_path: A shipped name (no suffix, no folder) or a file.
+        name_or_path: A shipped name (no suffix, no folder), one that is drawn (`unknown`), or a file.
 
     Raises:
         MachineError: No such machine, unreadable file, not YAML, or a circle of ``based_on``.
@@ -80,7 +81,7 @@ def texts(name_or_path: str | Path) -> list[tuple[str, str]]:
 
 def _layers(name: str, folder: Path, derived: tuple[str, ...]) -> list[tuple[str, str, Branch]]:
     """Read a machine named in a file of ``folder``; ``derived`` are the machines that are based on it."""
-    shipped = Path(name).suffix == "" and Path(name).name == name
+    shipped = unknown.is_unknown(name) or (Path(name).suffix == "" and Path(name).name == name)
     identity = name if shipped else str((folder / name).resolve())
     if identity in derived:
         raise MachineError(f"based_on goes round in a circle: {' -> '.join([*derived, identity])}")
@@ -97,12 +98,30 @@ def _layers(name: str, folder: Path, derived: tuple[str, ...]) -> list[tuple[str
 
 
 def _shipped_text(name: str) -> tuple[str, str]:
-    """Return file label and text of a shipped machine."""
+    """Return file label and text of a shipped machine, or of one that is drawn."""
+    if unknown.is_unknown(name):
+        return name, unknown.text(name, _numbers(read(unknown.parts(name)[1]), ""))
     if name not in shipped_machines():
         known = ", ".join(shipped_machines())
-        raise MachineError(f"no machine named {name!r}: there are {known}; a file needs its suffix (.yaml)")
+        raise MachineError(
+            f"no machine named {name!r}: there are {known}, unknown:SEED; a file needs its suffix (.yaml)"
+        )
     label = f"{name}.yaml"
     return label, (resources.files("forest_description") / "machines" / label).read_text("utf-8")
+
+
+def _numbers(tree: Branch, prefix: str) -> dict[str, unknown.Number]:
+    """Return the numbers of a tree, which is a shipped machine's and thus whole, by dotted key."""
+    found: dict[str, unknown.Number] = {}
+    for key, item in tree.children.items():
+        if not isinstance(item, Branch):
+            continue
+        value, unit = item.children.get("value"), item.children.get("unit")
+        if isinstance(value, Leaf) and isinstance(unit, Leaf):
+            found[prefix + key] = unknown.Number(float(str(value.text)), str(unit.text))
+        else:
+            found |= _numbers(item, f"{prefix}{key}.")
+    return found
 
 
 def _file_text(path: Path) -> tuple[str, str]:

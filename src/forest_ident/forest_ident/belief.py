@@ -15,6 +15,7 @@ they hang together with it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +44,12 @@ class Belief(NamedTuple):
 
 
 NOTHING = Belief()
+
+
+def widened(belief: Belief, by: Mapping[str, float]) -> Belief:
+    """Return what is left of a belief when chance moved some of its names; by: standard deviations."""
+    more = np.diag([by.get(name, 0.0) ** 2 for name in belief.names])
+    return belief._replace(covariance=belief.covariance + more.reshape(belief.covariance.shape))
 
 
 def prior(belief: Belief, names: tuple[str, ...], start: Floats, spread: Floats) -> tuple[Floats, Floats]:

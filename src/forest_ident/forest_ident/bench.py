@@ -20,6 +20,7 @@ The motor's rig (fig. 4.9) is the machine itself with its platform tilted, see `
 from __future__ import annotations
 
 import dataclasses
+from functools import lru_cache
 
 from forest_description.hose import GeometricHose, MeasuredHose
 from forest_description.machine import Machine, Manipulator, Sensors, load_machine
@@ -112,9 +113,14 @@ def _nothing_to_move(m: Manipulator) -> Manipulator:
     return dataclasses.replace(m, log=None, pendulum=None, **bare)  # type: ignore[arg-type]
 
 
+@lru_cache(maxsize=1)
+def _usual() -> Sensors:
+    return load_machine("c180").sensors
+
+
 def _table_4_2(machine: Machine) -> Sensors:
     """Return the machine's sensors; what it lacks, the bench has as Table 4.2 says."""
-    usual, own = load_machine("c180").sensors, machine.sensors
+    usual, own = _usual(), machine.sensors
     wanted = ("pressure", "flow_meter", "spool_sensor", "thermocouple")
     missing = {name: getattr(usual, name) for name in wanted if getattr(own, name) is None}
     return dataclasses.replace(own, **missing)

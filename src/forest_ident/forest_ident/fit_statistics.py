@@ -16,21 +16,26 @@ from scipy.special import log_ndtr
 
 Floats = NDArray[np.float64]
 
-FEW_BLOCKS = 8.0  # with so many the scatter between blocks counts half
+CERTAIN = 2.0  # standard errors of the scatter's excess at which half of it is believed
 
 
-def trust(white: Floats) -> Floats:
-    """Return how far (0 .. 1) each parameter's spread may be read off the scatter between blocks.
+def inflation(scores: Floats, white: Floats) -> Floats:
+    """Return the factor (1 or more) on each parameter's variance, since residuals are not white.
 
-    Where one or two blocks hold nearly all that is known of a parameter, the fit has made just their scores
-    small, and their scatter says nothing. There the residuals are taken for white.
+    F = sum of scores^2 / sum of white is 1 +- sqrt(2/n) for white residuals, n blocks that have a say. Its
+    excess d = F - 1 counts as d^3/(d^2 + 4 * 2/n): chance is not believed, what is far from it is. Where one
+    or two blocks hold nearly all that is known of a parameter, the fit has made just their scores small, and
+    their scatter says nothing.
 
     Args:
+        scores: of the blocks, each its pull on every parameter (blocks, parameters).
         white: variance that each block would add if residuals were white (blocks, parameters).
     """
     total, squares = np.sum(white, axis=0), np.sum(white**2, axis=0)
-    blocks = total**2 / np.maximum(squares, 1e-300)  # as many as have a say
-    return np.asarray(blocks**2 / (blocks**2 + FEW_BLOCKS**2), dtype=np.float64)
+    blocks = np.maximum(total**2 / np.maximum(squares, 1e-300), 1.0)
+    excess = np.maximum(np.sum(scores**2, axis=0) / np.maximum(total, 1e-300) - 1.0, 0.0)
+    chance = CERTAIN**2 * 2.0 / blocks
+    return np.asarray(1.0 + excess**3 / (excess**2 + chance), dtype=np.float64)
 
 
 def censor(

@@ -11,6 +11,10 @@
 
 The meters lag, the transducers do not: left as it is, that phase makes negative values (Thesis section
 4.3.4.4). Here the pressures are sent through the meters' lag first, so that both sides have it.
+
+P_in bends at once when the spool sets off, which it does at a sample. A smoothing sum over samples of spacing
+h misses h^2/12 times the jump of the slope there; at 200 Hz that made I 3 to 9 % too low. So the jump is read
+off the samples to either side and put right (Euler and Maclaurin's formula).
 """
 
 from __future__ import annotations
@@ -27,7 +31,8 @@ from forest_ident.session import Session
 
 Floats = NDArray[np.float64]
 
-BANDWIDTH = 8.0  # [Hz] of the smoothing
+BANDWIDTH = 16.0  # [Hz] of the smoothing
+RATES = 0.08  # of the sampling rate: the greatest bandwidth in a record that is sampled slower than at 200 Hz
 GROUPS = 4
 
 
@@ -85,18 +90,38 @@ def terms(
 ) -> tuple[Floats, Floats, Floats, Floats, slice]:
     """Return smoothed P_in - P_c, dQ_1/dt, Q_1 - Q_2, dP_c/dt, and the rows that hold."""
     period = session.period
-    p_in, p_out = (
-        lagged(session.column(f"swing_pressure_1_{place}"), lag, period) for place in ("valve", "actuator")
-    )
+    entrance, leaving = (session.column(f"swing_pressure_1_{place}") for place in ("valve", "actuator"))
+    p_in = lagged(unbent(entrance, session.voltages[:, 0]), lag, period)
+    p_out = lagged(leaving, lag, period)
     q_1, q_2 = session.column("swing_flow"), session.column("stick_flow")
     p_c = p_out + resistance * (q_2 if laminar else q_2 * np.abs(q_2))
+    bandwidth = min(BANDWIDTH, RATES / period)
     return (
-        smooth(p_in - p_c, BANDWIDTH, period),
-        derivative(q_1, BANDWIDTH, period),
-        smooth(q_1 - q_2, BANDWIDTH, period),
-        derivative(p_c, BANDWIDTH, period),
-        inner(len(q_1), BANDWIDTH, period),
+        smooth(p_in - p_c, bandwidth, period),
+        derivative(q_1, bandwidth, period),
+        smooth(q_1 - q_2, bandwidth, period),
+        derivative(p_c, bandwidth, period),
+        inner(len(q_1), bandwidth, period),
     )
+
+
+def unbent(column: Floats, voltage: Floats) -> Floats:
+    """Return a column whose samples at changes of the voltage make up for its bends there.
+
+    A sample gets h/12 (f'_after - f'_before), by differences to the three samples on either side.
+
+    Args:
+        column: sampled with spacing h.
+        voltage: held from each row on.
+    """
+    found, bends = column.copy(), np.flatnonzero(np.diff(voltage)) + 1
+    n = bends[(bends >= 3) & (bends < len(column) - 3)]
+    after, before = (
+        -11.0 * column[n] + 18.0 * column[n + way] - 9.0 * column[n + 2 * way] + 2.0 * column[n + 3 * way]
+        for way in (1, -1)
+    )
+    found[n] += (after + before) / 72.0
+    return found
 
 
 def _mean_quotient(dividend: Floats, divisor: Floats) -> float:

@@ -28,8 +28,6 @@ from forest_ident.session import Session
 Floats = NDArray[np.float64]
 
 HELD_OUT = ("validation", "motion")
-MODEL_ERROR = 3e-4  # of a value: what the integrator and the oil's temperature by the second leave
-MODEL_VOLTS = 3e-5  # [V] likewise
 OWN_VALVE = (4.0, 0.01)  # standard errors and volts by which a valve must differ to be told on its own
 MASS_DIFFERS = (4.0, 0.03)  # standard errors and share by which a mass must differ to be corrected
 
@@ -244,18 +242,13 @@ def _follow(result: Result, belief: Belief) -> None:
 
 
 def _conclude(result: Result) -> None:
-    """Add the model's own error, and what only a linear estimator told."""
+    """Add what only a linear estimator told."""
     for first in result.linear:
         if first.main and first.key not in result.estimates:
             unit = machine_file.parameters(Machine)[first.key].unit
             result.estimates[first.key] = judged(
                 Estimate(first.key, first.value, first.error, unit, first.condition, first.method)
             )
-    # A rig's circuit is simulated as finely as it is read; a crane's record is not.
-    crane = any(refinement.is_crane(r.session) for r in result.refined)
-    for key, e in result.estimates.items() if crane else ():
-        own = MODEL_ERROR * abs(e.value) if e.positive else MODEL_VOLTS
-        result.estimates[key] = judged(e._replace(standard_error=math.hypot(e.standard_error, own)))
     result.machine = _pooled(result)
 
 

@@ -12,11 +12,11 @@ import numpy as np
 from forest_description.machine import Machine
 from forest_description.sensing import FlowMeter, LinearTransducer
 from forest_ident.output_error import Channel
+from forest_ident.prediction import rest
 from forest_ident.session import Session
 from forest_sim.sensor_suite import KINDS
 
 TINY = {"rad": 1e-6, "m": 1e-6, "Pa": 100.0, "m3/s": 1e-9, "K": 1e-3, "rad/s": 1e-3, "V": 1e-6}
-REST_ROWS = 200  # that the mean of the start is taken over
 KIND = {channel: kind for kind in KINDS for channel in kind.channels}
 
 
@@ -40,14 +40,24 @@ def channel(machine: Machine, session: Session, name: str) -> Channel:
     if isinstance(part, LinearTransducer):
         step = part.full_scale * (part.resolution or 0.0)
         return Channel(name, math.hypot(noise, step / math.sqrt(12.0)), offset=step / math.sqrt(12.0))
+    made = Channel(name, noise, offset=accuracy)
     if kind.name == "pressure":
-        offset = accuracy * part.full_scale
-        return Channel(name, noise, offset=offset, zero=True, high=part.full_scale)
-    if kind.name == "case_drain":
-        return Channel(name, noise, gain=accuracy)
-    # A resolver's start is as read, so the static error is in both; what is left is the start's own noise.
-    offset = noise / math.sqrt(REST_ROWS) if kind.name == "resolver" else accuracy
-    return Channel(name, noise, offset=offset)
+        made = made._replace(offset=accuracy * part.full_scale, zero=True, high=part.full_scale)
+    elif kind.name == "case_drain":
+        made = made._replace(offset=0.0, gain=accuracy)
+    elif kind.name == "resolver":
+        # The start is as read, so the static error is in both; what is left is this start's own noise.
+        made = made._replace(offset=start_noise(machine, session, name), run=session.name)
+    return made
+
+
+def start_noise(machine: Machine, session: Session, name: str) -> float:
+    """Return the standard deviation [rad] of the angle that a session's simulation starts with."""
+    part = machine.sensors.resolver
+    if part is None or session.facts.get("exact_sensors", 0.0) > 0.0:
+        return 0.0
+    rows = rest(session, name.startswith("swing"))
+    return (part.noise or 0.0) / math.sqrt(rows.stop - rows.start)
 
 
 def judged(machine: Machine, session: Session, names: tuple[str, ...]) -> list[Channel]:

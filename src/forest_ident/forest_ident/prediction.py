@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_description.machine import AXES, Machine
-from forest_description.temperature import at_temperature
 from forest_ident.readings import Columns, lagged, true_columns
 from forest_ident.session import Session
+from forest_ident.warming import plants_at
 from forest_sim.compiled import fastest_record
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation
@@ -28,7 +28,7 @@ Floats = NDArray[np.float64]
 
 BLOCK = 1.0  # [s] over which the oil has one temperature
 STEP = 1e-3  # [s] of the integrator
-TEMPERATURE_STEP = 0.02  # [K] to which temperatures are rounded, so that plants are made but once
+REST_ROWS = 200  # at most, that the mean of the start is taken over
 
 
 class Offsets(NamedTuple):
@@ -95,31 +95,41 @@ def _plants(
     if bench or machine.oil is None or warm is None:
         return [(0, count, plant_parameters(machine))]
     per_block = max(1, round(BLOCK / session.period))
-    found = []
-    for first in range(0, count, per_block):
-        last = min(first + per_block, count)
-        mean = float(np.mean(warm[first:last])) + offset
-        mean = TEMPERATURE_STEP * round(mean / TEMPERATURE_STEP)
-        found.append((first, last, plant_parameters(at_temperature(machine, mean))))
-    return found
+    firsts = list(range(0, count, per_block))
+    means = [float(np.mean(warm[first : first + per_block])) + offset for first in firsts]
+    plants = plants_at(machine, means)
+    return [(first, min(first + per_block, count), p) for first, p in zip(firsts, plants, strict=True)]
+
+
+def rest(session: Session, creeps: bool = True) -> slice:
+    """Return the rows at rest of which the start is the mean.
+
+    Args:
+        session: of the crane.
+        creeps: whether it is asked for an axis that moves with its valve shut. If no voltage ever comes, a
+            creep is what the session is about, and it may begin with the first row.
+    """
+    moving = np.flatnonzero(np.any(session.voltages != 0.0, axis=1))
+    if len(moving) == 0:
+        return slice(0, 1 if creeps else min(REST_ROWS, len(session.time)))
+    return slice(0, max(1, min(int(moving[0]), REST_ROWS)))
 
 
 def _start(session: Session, p: PlantParameters, bench: bool, offsets: Offsets) -> Simulation:
     """Return the plant at rest where the session starts."""
-    moving = np.flatnonzero(np.any(session.voltages != 0.0, axis=1))
-    rest = slice(0, max(1, min(int(moving[0]) if len(moving) else len(session.time), 200)))
     if bench:
         return equilibrium((0.0, 0.5, -1.5), p)
-    if len(moving) == 0:
-        rest = slice(0, 1)  # nothing was commanded, so it may creep from the first row on
-    angles = [float(np.mean(session.column(f"{axis}_resolver")[rest])) for axis in AXES]
+    rests = [rest(session, axis == "swing") for axis in AXES]
+    columns = [session.column(f"{axis}_resolver") for axis in AXES]
+    angles = [float(np.mean(column[rows])) for column, rows in zip(columns, rests, strict=True)]
+    rows = rests[0]
     true = tuple(angle + offset for angle, offset in zip(angles, offsets[:3], strict=True))
     at_rest = equilibrium((true[0], true[1], true[2]), p)
     plant = at_rest.plant
     for axis in AXES:
         ports = [f"{axis}_pressure_{port}_actuator" for port in (1, 2)]
         if session.has(*ports):
-            one, two = (float(np.mean(session.column(port)[rest])) for port in ports)
+            one, two = (float(np.mean(session.column(port)[rows])) for port in ports)
             state = getattr(plant, axis)._replace(pressure_1=one, pressure_2=two)
             plant = plant._replace(**{axis: state})
     return at_rest._replace(plant=plant)

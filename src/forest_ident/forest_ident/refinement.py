@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from forest_description.machine import AXES, Machine
 from forest_description.pump import PressureCompensatedPump
 from forest_ident import bench, experiments, judging
-from forest_ident.belief import Belief
+from forest_ident.belief import Belief, widened
 from forest_ident.keys import value_of, with_directions, with_values
 from forest_ident.output_error import Fit, Unknown, fit
 from forest_ident.prediction import Offsets, predict
@@ -40,6 +40,7 @@ HELD_SHARE = 0.3  # of rows that repeat the last one: from there on the sensors 
 SHUT_SHARE = 0.03  # of the greatest flow: less counts as shut
 SHUT_AROUND = 0.05  # [s] before and after
 SETTLED = 0.25  # [s] after a change of voltage
+FORGOTTEN = 2.0  # [s] after which a crane's pressures do not remember with which ones the record began
 RIG = ("rig.load", "swing.angle", "boom.angle", "stick.angle", "oil.offset", "tilt")
 
 
@@ -99,17 +100,19 @@ def task(machine: Machine, session: Session) -> Task | None:
 
 def _crane_task(machine: Machine, session: Session, kind: str, axis: int) -> Task | None:
     pump = _pump_keys(machine)
-    valve, hoses = _law(valve_section(machine, axis)), _hose_keys(machine, axis)
+    section = valve_section(machine, axis)
+    valve = (*_law(section), f"{section}.port_2_area", *_spool_keys(machine, section))
+    hoses = _hose_keys(machine, axis)
     leakage = ("swing.internal_leakage_resistance", "swing.external_leakage_resistance")
     offsets = ("boom.angle", "stick.angle", "oil.offset")
     shut = session.name == "motor_internal"
     if session.name in ("motor_external", "motor_internal"):
         free = leakage if session.name == "motor_internal" else leakage[1:]
         more = ("swing.damping",) if session.name == "motor_internal" else ("swing.damping", leakage[0])
-        carried = more if shut else (*more, *valve, *pump)
+        carried = (*more, *hoses) if shut else (*more, *valve, *hoses, *pump)
         tilt = ("tilt", "swing.angle") if shut else ()
-        channels = (*_axis_channels(0), "case_drain")
-        return Task(free, carried, channels, ("oil.offset", *tilt))
+        channels = (*_axis_channels(0)[: -1 if shut else None], "case_drain")
+        return Task(free, carried, channels, (*offsets, *tilt))
     if kind == "deadband":
         section = f"{AXES[axis]}.valve"
         return Task(
@@ -139,7 +142,7 @@ def _spool_keys(machine: Machine, section: str) -> tuple[str, ...]:
 
 def _hose_keys(machine: Machine, axis: int) -> tuple[str, ...]:
     section, regime = hose_section(machine, axis), machine.drives[axis].flow_regime
-    return tuple(f"{section}.{part}" for part in (f"{regime}_resistance", "capacitance"))
+    return tuple(f"{section}.{part}" for part in (f"{regime}_resistance", "inertance", "capacitance"))
 
 
 def _bench_channels(spool: bool) -> tuple[str, ...]:
@@ -180,9 +183,14 @@ def refine(
     is_bench = session.name.split("_")[0] in ("valve", "spool", "hose")
     unknowns = _unknowns(machine, session, work)
     channels = judging.judged(machine, session, work.channels)
+    # Static errors stay, the noise of the means that a session starts from is its own.
+    noise = {f"{axis}.angle": judging.start_noise(machine, session, axis) for axis in AXES}
+    belief = widened(belief, noise)
     measured = _fresh({c.name: session.column(c.name) for c in channels})
     if is_bench:
         measured = _while_open(measured, session, SETTLED if session.name.startswith("valve") else 0.0)
+    else:
+        measured = _without_start(measured, session)
 
     def model(values: Mapping[str, float]) -> Mapping[str, Floats]:
         return _predicted(machine, session, values, is_bench)
@@ -196,6 +204,18 @@ def _fresh(measured: Mapping[str, Floats]) -> dict[str, Floats]:
     if float(np.mean(same)) < HELD_SHARE:
         return dict(measured)
     return {name: np.where(same, np.nan, column) for name, column in measured.items()}
+
+
+def _without_start(measured: Mapping[str, Floats], session: Session) -> dict[str, Floats]:
+    """Return a crane's columns without the pressures that it began with.
+
+    The simulation begins with those that were read, with the transducers' errors: no prediction, then.
+    """
+    begun = np.arange(len(session.time)) < round(FORGOTTEN / session.period)
+    return {
+        name: np.where(begun, np.nan, column) if "_pressure_" in name else column
+        for name, column in measured.items()
+    }
 
 
 def _while_open(measured: Mapping[str, Floats], session: Session, settled: float) -> dict[str, Floats]:

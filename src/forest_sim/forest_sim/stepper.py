@@ -5,6 +5,7 @@ lies in an array that the machine code moves in place.
 """
 
 import ctypes
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from forest_sim.integrator import Simulation
 from forest_sim.manipulator import Triple
 from forest_sim.parameters import PlantParameters
 from forest_sim.recording import restore, store
+
+_packers: list[Callable[[PlantParameters], flat.Row]] = []
+"""One for all machines, which are of one shape: a warming machine gets a stepper every second."""
 
 NO_STRIDE, ONE_ROW, UNRECORDED = 0, 1, 0
 
@@ -31,7 +35,7 @@ class Stepper:
         self._kernel = KEPT.kernel()
         self.state: NDArray[np.float64] = np.array(flat.packer(simulation)(simulation), dtype=np.float64)
         """What `recording.STATE` names; it may be read and written between calls."""
-        self._parameters = np.array(flat.packer(p)(p), dtype=np.float64)
+        self._parameters = np.array(_packed(p), dtype=np.float64)
         self._voltages = (ctypes.c_double * 3)()
         self._pace = (ctypes.c_double * 2)()  # length and count of steps
         pace = ctypes.addressof(self._pace)
@@ -55,3 +59,9 @@ class Stepper:
     @simulation.setter
     def simulation(self, simulation: Simulation) -> None:
         store(simulation, self.state)
+
+
+def _packed(p: PlantParameters) -> flat.Row:
+    if not _packers:
+        _packers.append(flat.packer(p))
+    return _packers[0](p)
