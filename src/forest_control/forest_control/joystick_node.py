@@ -80,8 +80,9 @@ class JoystickNode(Node):
         if self._begun is None:
             if not self._pace.lockstep and self._publisher.get_subscription_count() < self._listeners:
                 return
-            self._begun = self._pace.now()
+            # Before the beginning: a process' first line takes a tenth of a second on a busy computer.
             self.get_logger().info(f"playing for {self._length:g} s")
+            self._begun = self._pace.now()
         elapsed = self._pace.now() - self._begun
         if isinstance(self._record, JoyRecord):
             message, over = self._replayed(self._record, elapsed), elapsed > self._length
