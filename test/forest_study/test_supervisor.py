@@ -113,11 +113,15 @@ def test_shadow_computes_commands_and_publishes_no_voltage(start_graph, valves, 
     assert node.count_publishers("/valve_voltages") == 0
 
 
-def test_without_simulator_there_is_no_machine_of_ours(start_graph, valves, wait_until):
-    graph = start_graph("--no-simulator")
-    wait_until(lambda: valves.count > 5, executor=valves.executor)
+def test_without_simulator_there_is_no_machine_of_ours_and_the_controller_describes_the_robot(
+    start_graph, valves, wait_until
+):
+    graph, heard = start_graph("--no-simulator"), []
+    subscription(valves.node, topics.ROBOT_DESCRIPTION, heard.append)
+    wait_until(lambda: valves.count > 5 and heard, executor=valves.executor)
     assert set(nodes_of(graph)) == {"controller", "valve_driver"}
     assert valves.node.count_publishers("/joint_states") == 0
+    assert heard[0].data.startswith("<?xml")
 
 
 def test_nodes_speak_and_listen_as_the_topic_table_says(start_graph, valves, wait_until):
@@ -158,11 +162,3 @@ def test_a_driver_that_hangs_still_ends_in_zero_voltage(moving_graph, valves, wa
     wait_until(lambda: moving_graph.poll() is not None, executor=valves.executor)
     wait_until(lambda: valves.shut > valves.opened, executor=valves.executor)
     assert not [name for name, pid in nodes.items() if alive(pid)]
-
-
-def test_without_a_simulator_the_controller_describes_the_robot(start_graph, valves, wait_until):
-    start_graph("--no-simulator")
-    heard = []
-    subscription(valves.node, topics.ROBOT_DESCRIPTION, heard.append)
-    wait_until(lambda: heard, executor=valves.executor)
-    assert heard[0].data.startswith("<?xml")
