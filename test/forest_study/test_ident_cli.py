@@ -61,6 +61,15 @@ def test_without_a_graph_the_bag_gives_the_session_back(tmp_path):
         assert np.array_equal(again.readings[channel], column), channel
 
 
+def test_a_rig_in_the_graph_is_driven_as_without_it_and_has_its_second_meter_behind_the_hose(bags):
+    session = session_bag.read(bags / "spool_lag")
+    alone = experiment("spool_lag", load_machine("c180"), seed=2, longest=TRIAL)
+    assert np.array_equal(session.voltages, alone.voltages)
+    for meter in ("swing_flow", "stick_flow"):
+        assert np.abs(session.column(meter) - alone.column(meter)).max() < 1.5e-5  # [m^3/s], ten deviations
+    assert np.abs(session.column("stick_flow")).max() > 1e-3
+
+
 def test_a_fit_writes_a_machine_that_loads_and_a_report_that_stands_alone(bags, tmp_path, capsys):
     out, report = tmp_path / "found.yaml", tmp_path / "report"
     assert main(["fit", str(bags), "--out", str(out), "--report", str(report)]) == 0

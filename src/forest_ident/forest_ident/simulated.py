@@ -121,11 +121,7 @@ class _Trace:
             true_columns(states[first:end], p, around._replace(temperatures=(t, t, t)), self._bench)
             for (first, p, t), end in zip(plants, ends, strict=True)
         ]
-        of = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-        for first, _, temperature in self._plants[1:]:
-            for place in ("tank", "pump", "motor"):
-                of[f"{place}_temperature"][first - 1] = temperature  # read with the plant before
-        return of
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
 assert PLACE["swing_angle"] == 0  # `_Trace.angles` counts on six columns per axis
