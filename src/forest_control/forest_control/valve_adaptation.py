@@ -43,9 +43,9 @@ PURITY = 0.95  # of that, in this one direction and measurable
 MODEL_VOLTS, MODEL_SHARE = 0.005, 0.02  # [V]; of x: how well the law itself is believed
 UNSURE = 0.25  # of the deadband's first variance: above, no motion is looked at as above
 CLEAR = 4.0  # standard deviations that a flow, or its absence, must show
-FINE = 0.1  # of DEADBAND_SPREAD: a flow noisier than that cannot tell its absence
+FINE = 0.35  # of DEADBAND_SPREAD: a flow noisier than that cannot tell its absence
 LAG_SPREAD = 0.006  # [s] by which a spool may be slower or quicker than its file says
-SEARCH = 1.0  # [V/s] at which d is raised: the low-pass is 60 ms late, and as much too far it goes
+SEARCH = 1.0  # [V/s] at which d is raised: the low-pass is 30 ms late, and as much too far it goes
 
 
 class AdaptationParameters(NamedTuple):

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from forest_description.valve import ValveLaw
 
-BANDWIDTH = 2.0 * math.pi * 5.0  # [rad/s] of both stages of the low-pass
+BANDWIDTH = 2.0 * math.pi * 10.0  # [rad/s] of both stages of the low-pass: a jump must be learnt in time
 EMPTY = 1e5  # [Pa] below, anti-cavitation checks may feed a port past the valve
 ABOVE_SUPPLY = 1.1  # of the supply pressure: above, a port's relief valve may open
 LEAST_DROP = 0.02  # of the supply pressure, at an orifice, to tell its flow
