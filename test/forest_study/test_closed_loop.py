@@ -36,25 +36,31 @@ def rms_mm(trajectory):
     return 1e3 * np.sqrt(np.mean(np.sum(trajectory.tip_error() ** 2, axis=1)))
 
 
-def test_scheme_d_tracks_the_thesis_input_under_90_mm():
-    assert rms_mm(session(thesis, 10.0)) < 90.0
+@pytest.fixture(scope="module")
+def scheme_d():
+    """The thesis' session in scheme (d)."""
+    return session(thesis, 10.0)
+
+
+def test_scheme_d_tracks_the_thesis_input_under_90_mm(scheme_d):
+    assert rms_mm(scheme_d) < 90.0
 
 
 def test_scheme_c_tracks_the_thesis_input_under_90_mm():
     assert rms_mm(session(thesis, 10.0, Scheme.JACOBIAN_VELOCITY)) < 90.0
 
 
-def test_pressures_stay_between_tank_and_what_relief_allows():
-    pressures = session(thesis, 10.0).pressures
+def test_pressures_stay_between_tank_and_what_relief_allows(scheme_d):
+    pressures = scheme_d.pressures
     assert pressures.min() > -1e5
     assert pressures.max() < C180.port_valves.relief_pressure + 1.5e6
 
 
-def test_compensation_is_what_makes_it_track():
+def test_compensation_is_what_makes_it_track(scheme_d):
     """The same session with the driver's compensation off: the overlap eats the command."""
     off = valve_driver.Settings(compensate=False)
     blind = run(C180, thesis, 10.0, START, controller.Settings(scheme=Scheme.JACOBIAN_POSITION), off)
-    assert rms_mm(blind) > 1.5 * rms_mm(session(thesis, 10.0))
+    assert rms_mm(blind) > 1.5 * rms_mm(scheme_d)
 
 
 def sensing(text="", noise=False, seed=0):
