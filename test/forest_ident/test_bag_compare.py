@@ -202,6 +202,10 @@ def test_a_damaged_bag_is_refused_with_advice(make_bag, content, capsys):
     ("flags", "problem"),
     [
         (["--topics", "/nothing"], "no topic '/nothing' in either bag; there are /hydraulics/auxiliary"),
+        (
+            ["--tolerance", "/nothing=1"],
+            "--tolerance /nothing: no such topic; there are /hydraulics/auxiliary",
+        ),
         (["--align", "/nothing"], "/nothing"),
         (["--json", "/nowhere/c.json"], "/nowhere/c.json: No such file"),
     ],

@@ -20,6 +20,7 @@ LEARNT = tuple(
 STATUS_TIMEOUT = 1.0  # [s] at which what was learnt is forgotten; it comes at 10 Hz
 VOLTAGE_TIMEOUT = 0.1  # [s]
 SILENT = 0.2  # [s] at which the driver is missed: by then the valves are shut, and the reference is ahead
+DEAF = 1.5  # [s] of shut valves at which it counts as not obeying: links may be 0.6 s late, either way
 HEARD = 0.5  # [V] of an ideal valve: what is commanded beyond is more than any hold zone, and opens the valve
 
 
@@ -70,7 +71,7 @@ class ValveReports:
             return "valve driver: no voltages"
         if self._voltages != ZERO or max(map(abs, command)) <= HEARD:
             self._obeyed = now
-        return "valve driver: keeps the valves shut" if now - self._obeyed > SILENT else ""
+        return "valve driver: keeps the valves shut" if now - self._obeyed > DEAF else ""
 
     def _reach_of(self, learnt: tuple[float, ...]) -> Reach:
         """Return the reach for deadbands [V] and gains by `LEARNT`."""

@@ -78,6 +78,9 @@ def _compared(options: argparse.Namespace) -> Comparison:
         for name in (*options.ignore, *(options.topics or ())):
             if name not in there:
                 raise BagError(f"no topic '{name}' in either bag; there are {', '.join(sorted(there))}")
+        for name, _ in options.tolerance:
+            if not any(name in ("", one) or name.startswith(f"{one}.") for one in there):
+                raise BagError(f"--tolerance {name}: no such topic; there are {', '.join(sorted(there))}")
         if options.align is None:
             return compare(a, b, options.ignore, options.topics)
         return compare_aligned(a, b, options.align, options.ignore, options.topics)
