@@ -16,8 +16,10 @@ from forest_ident import (
     linear,
     motor_leakage,
     valve_characteristic,
+    weighing,
 )
 from forest_ident.ident_experiment import experiment
+from forest_ident.result import Result
 from forest_sim.sensor_suite import CHANNELS, sensor_suite
 
 
@@ -109,9 +111,25 @@ def test_a_load_that_nobody_told_is_weighed(unknown_machine):
     loaded = dataclasses.replace(
         unknown_machine, manipulator=dataclasses.replace(unknown_machine.manipulator, head_mass=900.0)
     )
-    line = gravity.head_mass(unknown_machine, experiment("gravity", loaded, seed=3))
-    assert line is not None
-    assert line.values[0] == pytest.approx(900.0, rel=0.02)
+    session = experiment("gravity", loaded, seed=3)
+    assert gravity.masses(unknown_machine, session).values[0] == pytest.approx(900.0, rel=0.02)
+    for one, true in zip(
+        gravity.moments(unknown_machine, session), gravity.moments(loaded, session), strict=True
+    ):
+        assert abs(one.value - true.told) < 5.0 * one.error + 0.01 * abs(true.told), one
+
+
+def test_boom_and_head_are_weighed_together_and_a_right_mass_is_left_alone(unknown_machine):
+    links = dataclasses.replace(
+        unknown_machine.manipulator, boom_mass=1.2 * unknown_machine.manipulator.boom_mass
+    )
+    session = experiment("gravity", dataclasses.replace(unknown_machine, manipulator=links), seed=3)
+    result = Result(unknown_machine, unknown_machine)
+    weighing.weigh(result, session)
+    found = result.machine.manipulator
+    assert found.boom_mass == pytest.approx(links.boom_mass, rel=0.02)
+    assert found.head_mass == pytest.approx(links.head_mass, rel=0.02)
+    assert "stick and head are not told apart" in result.remarks[0]
 
 
 def test_a_transducers_offset_is_found_even_below_its_zero():

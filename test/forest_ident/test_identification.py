@@ -7,6 +7,7 @@ from forest_ident.identification import identify
 from forest_ident.keys import value_of
 from forest_ident.prediction import predict
 from forest_ident.session import SessionError
+from forest_ident.untold import untold
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +39,14 @@ def test_the_file_gives_back_what_was_found(identified, tmp_path):
 
 def test_a_valve_that_is_the_same_both_ways_is_told_once(identified):
     assert identified.machine.valve.backward is None
+
+
+def test_what_the_records_could_not_tell_is_said_with_the_motion_that_would(identified):
+    missing = dict(untold(identified))
+    assert "steps of flow" in missing["hose.inertance"]
+    assert "swing valve shut" in missing["swing.internal_leakage_resistance"]
+    assert "weighed by itself" in missing["manipulator.stick_mass"]
+    assert not missing.keys() & identified.estimates.keys()
 
 
 def test_exact_sensors_give_the_parameters_to_half_a_per_cent(sessions, unknown_machine):

@@ -33,6 +33,10 @@ A section whose `kind` is another one than the base's is given anew, with all it
 relief valve opens at its `supply_pressure`. A polynomial C_R must fall from `deadband_voltage` (negative, if
 the valve is underlapped) to `rated_voltage`.
 
+In place of a machine's name, `unknown:SEED` (`unknown`: seed 0) names one that is drawn within 40 % of c180
+in all that [identification](identification.md) finds, `unknown:SEED:loader` one of another machine; equal
+seeds are one machine, in every command.
+
 Without `based_on` every key must be given; *or null* marks those that may be `null`. Every slip is answered
 with file, line, key and what is allowed: `forest-sim check my_crane.yaml`. Units may be any of the quantity;
 ranges are wide and in SI: they catch a slipped decimal point, not an unusual crane.

@@ -29,7 +29,15 @@ MOTION = {
     "external_leakage_resistance": "the swing driven for minutes with its case drain measured",
     "damping": "the axis at several steady speeds, both ways through the same angles",
     "head_mass": "boom and stick resting in five or more poses",
+    "boom_mass": "boom and stick resting in five or more poses",
+    "stick_mass": "the head weighed by itself, or taken off: at rest both pull alike",
+    "base_zz": "fast starts and stops of the swing, boom and stick folded and stretched; it is taken as told",
 }
+
+
+def motion_for(key: str) -> str:
+    """Return the motion that tells a parameter."""
+    return MOTION.get(key.rpartition(".")[2], "a motion in which it matters")
 
 
 class Estimate(NamedTuple):
@@ -61,7 +69,7 @@ class Estimate(NamedTuple):
 
 def judged(e: Estimate) -> Estimate:
     """Return the estimate with a plain warning if the data cannot tell its value, and what motion would."""
-    motion = MOTION.get(e.key.rpartition(".")[2], "a motion in which it matters")
+    motion = motion_for(e.key)
     if not (math.isfinite(e.value) and math.isfinite(e.standard_error)):
         return e._replace(warning=f"the data hold nothing of {e.key}; it takes {motion}")
     reference = abs(e.value) if e.positive else 1.0

@@ -6,15 +6,17 @@
 | J | lever arm dx/dq | m/rad |
 | G_m(q) | torque of gravity per mass m of boom, stick, head | N m/kg |
 
-    F J - G_rest(q) = G_m(q) m       boom and stick, at every pose; m: the head with what it holds
+    F J - G_rest(q) = G_m(q) m       boom and stick, at every pose
 
-The links are taken from the machine file: their masses and the head's pull almost alike, and one pose's
-torques do not tell them apart. Not in the thesis, which has its masses from drawings (section 4.4.1).
+Rests tell two sums along the links and two across them (`moments`), not every mass. Not in the thesis, which
+has its masses from drawings (section 4.4.1).
 """
 
 from __future__ import annotations
 
 import dataclasses
+import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,22 +57,65 @@ def poses(machine: Machine, session: Session) -> tuple[Floats, Floats]:
     return table[:, :3], table[:, 3:]
 
 
-def head_mass(machine: Machine, session: Session) -> Line | None:
-    """Return the head's mass [kg]; None for fewer than three poses, or a head that hangs or holds a log.
+class Moment(NamedTuple):
+    """A sum of masses times distances that forces at rest tell."""
+
+    name: str
+    value: float  # [kg m]
+    error: float  # [kg m]
+    told: float  # [kg m] by the machine file
+    condition: float
+
+
+def moments(machine: Machine, session: Session) -> list[Moment]:
+    """Return the four sums that forces at rest tell; nothing for fewer than three poses, or with a log.
+
+        stick: g ((m3 x3 + m4 l3) cos(q2 + q3) - m3 y3 sin(q2 + q3))
+        boom:  g ((m2 x2 + (m3 + m4) l2) cos q2 - m2 y2 sin q2) + the stick's
+
+    Thesis App. B, G(q).
 
     Args:
-        machine: whose geometry, links and areas hold.
+        machine: whose linkages and areas hold.
         session: with rests.
     """
     m = machine.manipulator
-    if m.pendulum is not None or m.log is not None:
-        return None
     angles, torques = poses(machine, session)
-    if len(angles) < 3:
-        return None
-    empty = _torques(dataclasses.replace(m, head_mass=0.0), angles)
-    per_kilogram = _torques(dataclasses.replace(m, head_mass=1.0), angles) - empty
-    return solve([per_kilogram.ravel()], (torques - empty).ravel(), block=2)
+    if m.log is not None or len(angles) < 3:
+        return []
+    down, boom = m.gravity * math.cos(m.platform_tilt), angles[:, 1]
+    stick, none = boom + angles[:, 2], np.zeros(len(angles))
+    of_boom = [down * np.cos(boom), -down * np.sin(boom)]
+    of_stick = [down * np.cos(stick), -down * np.sin(stick)]
+    rows = [np.column_stack([column, none]).ravel() for column in of_boom]
+    line = solve([*rows, *(np.repeat(column, 2) for column in of_stick)], torques.ravel(), block=2)
+    told = {
+        "m2 x2 + (m3 + m4) l2": m.boom_mass * m.boom_x + (m.stick_mass + m.head_mass) * m.boom_length,
+        "m2 y2": m.boom_mass * m.boom_y,
+        "m3 x3 + m4 l3": m.stick_mass * m.stick_x + m.head_mass * m.stick_length,
+        "m3 y3": m.stick_mass * m.stick_y,
+    }
+    pairs = zip(told, line.values.tolist(), line.errors.tolist(), strict=True)
+    return [Moment(name, value, error, told[name], line.condition) for name, value, error in pairs]
+
+
+def masses(machine: Machine, session: Session, names: tuple[str, ...] = ("head_mass",)) -> Line:
+    """Return some masses [kg] that forces at rest tell, the others as told; three or more poses, no log.
+
+    Args:
+        machine: whose geometry, other masses and areas hold.
+        session: with rests.
+        names: of `Manipulator`'s masses.
+    """
+    m = dataclasses.replace(machine.manipulator, pendulum=None)  # what hangs at rest pulls at the tip
+    angles, torques = poses(machine, session)
+    empty = dataclasses.replace(m, **dict.fromkeys(names, 0.0))  # type: ignore[arg-type]
+    without = _torques(empty, angles)
+    columns = [
+        (_torques(dataclasses.replace(empty, **{name: 1.0}), angles) - without).ravel()  # type: ignore[arg-type]
+        for name in names
+    ]
+    return solve(columns, (torques - without).ravel(), block=2)
 
 
 def _torques(m: Manipulator, angles: Floats) -> Floats:

@@ -10,8 +10,9 @@ from typing import Any
 
 from forest_description.machine import load_machine
 from forest_ident import identification, machine_writer, session_bag
-from forest_ident.identification import Result
+from forest_ident.result import Result, table
 from forest_ident.session import SessionError
+from forest_ident.untold import untold
 
 WIDTH = 30  # characters of the progress bar
 
@@ -53,6 +54,8 @@ def run(options: argparse.Namespace) -> int:
     print(text_table(result))
     for remark in result.remarks:
         print(f"  remark: {remark}")
+    for key, motion in untold(result):
+        print(f"  not told by these records, left as it was: {key}; it takes {motion}")
     print(f"  {options.out}")
     if options.report is not None:
         from forest_ident.report import write  # matplotlib takes half a second
@@ -86,7 +89,7 @@ def _is_bag(path: Path) -> bool:
 def text_table(result: Result) -> str:
     """Return what was found as text: old, new, interval, warning."""
     lines = [f"  {'parameter':<42} {'told':>11} {'found':>11}  95 % interval"]
-    for e, told in identification.table(result):
+    for e, told in table(result):
         low, high = e.interval
         was = "-" if told is None else f"{told:.5g}"
         lines.append(f"  {e.key:<42} {was:>11} {e.value:>11.5g}  {low:.5g} .. {high:.5g} {e.unit}")

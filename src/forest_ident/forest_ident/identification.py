@@ -9,49 +9,25 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from forest_description import machine_file
-from forest_description.machine import AXES, Machine, MachineError
-from forest_ident import calibration, correction, experiments, gravity, judging, linear, refinement
+from forest_description.machine import Machine
+from forest_ident import calibration, correction, experiments, judging, linear, pooling, refinement, weighing
 from forest_ident.belief import NOTHING, Belief
 from forest_ident.estimate import Estimate, judged
 from forest_ident.keys import value_of, with_directions, with_values
 from forest_ident.linear import First
 from forest_ident.output_error import Fit
+from forest_ident.result import Refined, Result
 from forest_ident.session import Session
 
 Floats = NDArray[np.float64]
 
 HELD_OUT = ("validation", "motion")
 OWN_VALVE = (4.0, 0.01)  # standard errors and volts by which a valve must differ to be told on its own
-MASS_DIFFERS = (4.0, 0.03)  # standard errors and share by which a mass must differ to be corrected
-
-
-class Refined(NamedTuple):
-    """A session with what the refinement made of it."""
-
-    session: Session
-    fit: Fit
-    free: tuple[str, ...]
-
-
-@dataclass
-class Result:
-    """Everything that an identification found."""
-
-    start: Machine
-    machine: Machine
-    estimates: dict[str, Estimate] = field(default_factory=dict)
-    linear: list[First] = field(default_factory=list)
-    refined: list[Refined] = field(default_factory=list)
-    calibration: list[calibration.Offset] = field(default_factory=list)
-    held_out: list[Session] = field(default_factory=list)
-    remarks: list[str] = field(default_factory=list)
 
 
 Progress = Callable[[str, float], None]
@@ -151,7 +127,7 @@ def _told_offsets(start: Machine, sessions: Sequence[Session]) -> list[calibrati
 def _take_linear(result: Result, session: Session) -> None:
     """Estimate what a session tells by itself, and go on from there."""
     if session.name == "gravity":
-        _weigh(result, session)
+        weighing.weigh(result, session)
         return
     if session.facts.get("exact_sensors", 0.0) == 0.0:
         session = correction.corrected(session, result.machine)
@@ -159,21 +135,6 @@ def _take_linear(result: Result, session: Session) -> None:
     result.linear += found
     usable = {f.key: f.value for f in found if f.main and math.isfinite(f.value) and f.value > 0.0}
     result.machine = with_values(result.machine, usable)
-
-
-def _weigh(result: Result, session: Session) -> None:
-    line, key = gravity.head_mass(result.machine, session), "manipulator.head_mass"
-    if line is None:
-        result.remarks.append("load: no check; it takes three or more poses at rest, head without log")
-        return
-    value, error, told = float(line.values[0]), float(line.errors[0]), value_of(result.start, key)
-    result.linear.append(First(key, value, error, line.condition, "forces at rest", False))
-    away = abs(value - told)
-    if away < MASS_DIFFERS[0] * error or away < MASS_DIFFERS[1] * told or value <= 0.0:
-        return
-    result.machine = with_values(result.machine, {key: value})
-    result.estimates[key] = judged(Estimate(key, value, error, "kg", line.condition, "forces at rest"))
-    result.remarks.append(f"{key}: the forces at rest say {value:.1f} kg, told were {told:.1f} kg")
 
 
 def _refine(result: Result, session: Session, belief: Belief, progress: Callable[[], None]) -> Belief:
@@ -249,71 +210,4 @@ def _conclude(result: Result) -> None:
             result.estimates[first.key] = judged(
                 Estimate(first.key, first.value, first.error, unit, first.condition, first.method)
             )
-    result.machine = _pooled(result)
-
-
-def _pooled(result: Result) -> Machine:
-    """Return the machine with valves told once where both directions agree and the start tells them once."""
-    machine = result.machine
-    for section in ("valve", *(f"{axis}.valve" for axis in AXES)):
-        pairs = [(f"{section}.{part}", f"{section}.backward.{part}") for part in _LAW]
-        if not all(key in result.estimates for pair in pairs for key in pair):
-            continue
-        both = [(result.estimates[one], result.estimates[two]) for one, two in pairs]
-        if any(_apart(one, two) for one, two in both) or _told_twice(result.start, section):
-            continue
-        values = {}
-        for one, two in both:
-            weights = np.array([one.standard_error, two.standard_error]) ** -2.0
-            value = float(np.average([one.value, two.value], weights=weights))
-            error = min(one.standard_error, two.standard_error)
-            result.estimates[one.key] = judged(one._replace(value=value, standard_error=error))
-            del result.estimates[two.key]
-            values[one.key] = value
-        machine = with_values(_once(machine, section), values)
-    return machine
-
-
-_LAW = ("deadband_voltage", "minimum_resistance")
-
-
-def _apart(one: Estimate, two: Estimate) -> bool:
-    least = 0.005 if not one.positive else 0.003 * one.value
-    return abs(one.value - two.value) > max(4.0 * math.hypot(one.standard_error, two.standard_error), least)
-
-
-def _told_twice(machine: Machine, section: str) -> bool:
-    axis, _, _ = section.rpartition(".")
-    valve = getattr(machine, axis).valve if axis else machine.valve
-    return valve is not None and valve.backward is not None
-
-
-def _once(machine: Machine, section: str) -> Machine:
-    axis, _, _ = section.rpartition(".")
-    if not axis:
-        return dataclasses.replace(machine, valve=dataclasses.replace(machine.valve, backward=None))
-    drive = getattr(machine, axis)
-    drive = dataclasses.replace(drive, valve=dataclasses.replace(drive.valve, backward=None))
-    return dataclasses.replace(machine, **{axis: drive})
-
-
-def table(result: Result) -> list[tuple[Estimate, float | None]]:
-    """Return every estimate with what the start said of it, in the machine file's order."""
-    order = list(machine_file.parameters(Machine))
-    keys = sorted(result.estimates, key=order.index)
-    return [(result.estimates[key], _told(result.start, key)) for key in keys]
-
-
-def _told(machine: Machine, key: str) -> float | None:
-    """Return what a machine said of a number: itself, of both directions, or of all axes."""
-    own, axis = key.replace("backward.", ""), key.partition(".")[0]
-    shared = own.partition(".")[2] if axis in AXES and ".valve." in key else own
-    found = (_there(machine, candidate) for candidate in (key, own, shared))
-    return next((value for value in found if value is not None), None)
-
-
-def _there(machine: Machine, key: str) -> float | None:
-    try:
-        return value_of(machine, key)
-    except MachineError:
-        return None
+    result.machine = pooling.pooled(result)

@@ -12,8 +12,8 @@ from typing import Any
 from forest_description.hose import GeometricHose, MeasuredHose
 from forest_description.machine import AXES, Machine, load_machine
 from forest_ident.estimate import NORMAL_95, Estimate
-from forest_ident.identification import Result
 from forest_ident.keys import value_of
+from forest_ident.result import Result
 
 HOSE_PARTS = ("length", "bore", "turbulent_resistance", "laminar_resistance", "inertance", "capacitance")
 HOSE_UNITS = ("m", "m", "Pa*s2/m6", "Pa*s/m3", "Pa*s2/m3", "m3/Pa")

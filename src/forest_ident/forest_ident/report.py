@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from forest_description.machine import Machine
-from forest_ident import identification, report_pictures, validation
-from forest_ident.identification import Refined, Result
+from forest_ident import report_pictures, validation
+from forest_ident.result import Refined, Result, table
 from forest_ident.session import Session, SessionError
+from forest_ident.untold import untold
 from forest_ident.validation_report import comparison
 
 STYLE = (
@@ -37,6 +38,7 @@ def write(result: Result, directory: Path) -> Path:
         "<h2>Parameters</h2>",
         _parameters(result),
         *(f'<p class="warning">{html.escape(text)}</p>' for text in result.remarks),
+        *(f"<p>{html.escape(f'{key}: as told; it takes {how}')}</p>" for key, how in untold(result)),
         "<h2>What the linear estimators said</h2>",
         _linear(result),
         "<h2>Sensors</h2>",
@@ -91,7 +93,7 @@ def _picture(draw: Callable[[Any], None], size: tuple[float, float] = (6.0, 3.6)
 
 def _parameters(result: Result) -> str:
     lines = []
-    for e, told in identification.table(result):
+    for e, told in table(result):
         low, high = e.interval
         old = "-" if told is None else f"{told:.5g}"
         cells = (

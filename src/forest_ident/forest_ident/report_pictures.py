@@ -22,7 +22,7 @@ from forest_ident import (
     valve_characteristic,
 )
 from forest_ident.differentiator import derivative, smooth
-from forest_ident.identification import Refined
+from forest_ident.result import Refined
 from forest_ident.session import Session
 
 MEASURED, FITTED = {"color": "C0"}, {"color": "k", "linestyle": ":", "linewidth": 1.8}
