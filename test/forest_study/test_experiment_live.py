@@ -39,11 +39,12 @@ def switches():
         graph.close()
 
 
-def kill_the_operator_in_motion(out, found):
-    """Kill it once it drives; keep what was switched then, and when it died."""
+def kill_the_operator_in_motion(out, found, over):
+    """Kill it once it drives, unless it is over before; keep what was switched then, and when it died."""
     log = out / "log" / "damping_boom" / f"{OPERATOR}.log"
     while not (log.exists() and "at 1 of" in log.read_text()):
-        time.sleep(0.01)
+        if over.wait(0.01):
+            return
     found.append(switches())
     found.append(time.monotonic())
     kill(nodes_of(SimpleNamespace(pid=os.getpid()))[OPERATOR], signal.SIGKILL)
@@ -67,12 +68,15 @@ def test_what_it_switches_is_put_back_at_its_end_and_after_its_death_and_an_emer
     assert not session.voltages[:, (0, 2)].any()
     assert not session.voltages[-1].any()
 
-    found = []
-    killer = threading.Thread(target=kill_the_operator_in_motion, args=(tmp_path / "killed", found))
+    found, over = [], threading.Event()
+    killer = threading.Thread(target=kill_the_operator_in_motion, args=(tmp_path / "killed", found, over))
     killer.start()
-    assert experiment(tmp_path / "killed") == 1
+    code = experiment(tmp_path / "killed")
+    over.set()
     killer.join()
-    assert f"{OPERATOR} was killed by SIGKILL" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert code == 1, said
+    assert f"{OPERATOR} was killed by SIGKILL" in said
     assert found[0] == {"compensate": False, "hands_off": True}
     wait_until(lambda: valves.shut > found[1], executor=valves.executor)
     assert valves.opened < valves.shut
