@@ -8,6 +8,7 @@ arguments and returns the exit code. Exit codes: 0 well, 1 failed, 2 wrong argum
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Sequence
 from typing import Any
 
@@ -47,3 +48,7 @@ def _parser(modules: Sequence[Any]) -> argparse.ArgumentParser:
     for verb in modules:
         verb.add_parser(verbs)
     return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,8 +1,9 @@
 """Sessions on disk: a bag of the graph's topics, and beside it what was done by hand.
 
-The bag is what the recorder writes of a session: what the machine can know, commands and voltages, no ground
-truth. `experiment.yaml` in its directory names the experiment and the facts that no sensor tells, with units;
-a person who runs the experiment on iron writes it by hand. Without that file a bag is a "motion".
+The bag is what the recorder writes of a session: what the machine can know, commands and voltages; the ground
+truth that a simulator tells beside is not read. `experiment.yaml` in its directory names the experiment and
+the facts that no sensor tells, with units; a person who runs the experiment otherwise writes it by hand.
+Without that file a bag is a "motion".
 """
 
 from __future__ import annotations

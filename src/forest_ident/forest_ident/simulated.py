@@ -1,9 +1,9 @@
 """An experiment on a simulated machine: the scripted operator, the plant, the sensors, without a graph.
 
-It is what the graph in lockstep does, at a hundred times its speed: row k is step k + 1, and with exact
-sensors voltages and states are the same to the last bit. With noise they are not: the operator sees the true
-angles here, and the sensors draw in another order. The oil warms as it does in `forest_sim.simulation`; a
-bench's is kept at one temperature by its cooler.
+It is what the graph in lockstep does, much faster: row k is step k + 1, and with exact sensors voltages and
+states are the same to the last bit, what is derived of them to rounding. With noise they are not: the
+operator sees the true angles here, and the sensors draw in another order. The oil warms as it does in
+`forest_sim.simulation`; a bench's is kept at one temperature by its cooler.
 """
 
 from __future__ import annotations

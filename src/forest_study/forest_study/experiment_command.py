@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from forest_ident.ident_experiment import duration, experiment, seed_number, tol
 from forest_ident.ident_fit import Bar
 from forest_ident.session import SessionError
 from forest_study import experiment_graph
+from forest_study.exclusive import Failure
 from forest_study.experiment_graph import Conditions
 from forest_study.graph import ros_namespace
 from forest_study.supervisor import Stopped
@@ -75,6 +77,7 @@ def run(options: argparse.Namespace) -> int:
         machine = load_machine(options.machine or DEFAULT)
         print("\n\n".join(told(name, machine) for name in experiments.names(machine)))
         return 0
+    made_here = options.out is not None and not options.out.exists()
     try:
         if options.live:
             from forest_study import experiment_live  # ROS takes a third of a second
@@ -83,6 +86,10 @@ def run(options: argparse.Namespace) -> int:
         return _simulated(options)
     except Stopped as stopped:
         raise KeyboardInterrupt from stopped
+    except (Failure, SessionError):
+        if made_here and not any(options.out.rglob("*.mcap")):  # the same command shall work another time
+            shutil.rmtree(options.out, ignore_errors=True)
+        raise
 
 
 def _simulated(options: argparse.Namespace) -> int:
