@@ -1,6 +1,7 @@
 """The counting behind `benchmarks/coverage.py`, and a reduced run of what it counts."""
 
 import importlib.util
+import json
 import math
 from pathlib import Path
 
@@ -28,3 +29,18 @@ def test_a_session_of_the_coverage_run_is_near_its_truth():
     away = benchmark.trial(3, ("spool_lag",))
     assert set(away) == {"valve.spool_bandwidth"}
     assert all(math.isfinite(z) and abs(z) < 4.0 for z in away.values())
+
+
+def test_a_count_goes_on_where_it_was_stopped(tmp_path):
+    file, one = tmp_path / "coverage.json", {"away": {"a": 1.0}, "cpu_s": 2.0, "source": "x"}
+    file.write_text(json.dumps({"experiments": ["valve"], "sessions": {"7": one}}))
+    assert benchmark.kept(file, ("valve",)) == {7: one}
+    assert benchmark.kept(file, ("hose",)) == {}
+    assert benchmark.kept(None, ("valve",)) == {}
+
+
+def test_the_table_has_every_parameter_and_all_of_them():
+    lines = benchmark.table([{"a": 1.0, "b": 3.0}, {"a": -1.0}]).splitlines()
+    assert lines[2].startswith("| a | 2 | 100.0 |")
+    assert lines[3].startswith("| b | 1 | 0.0 |")
+    assert lines[4].startswith("| pooled | 3 | 66.7 |")

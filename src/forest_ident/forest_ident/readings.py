@@ -117,17 +117,27 @@ def valve_pressures(
         if port == 1
         else (law.backward.resistance_2, law.forward.resistance_2)
     )
-    pressure = hose.copy()
-    drop = flow * np.abs(flow)
+    pressure, leak = hose.copy(), law.leakage
     filled, drained = to_supply > SHUT, to_tank > SHUT
-    pressure[filled] = (supply - c_supply * drop / np.maximum(to_supply, SHUT) ** 2)[filled]
-    pressure[drained] = (-c_tank * drop / np.maximum(to_tank, SHUT) ** 2)[drained]
-    odd = (filled & drained) | (law.leakage > 0.0) | (filled & (law.load_check != 0))
+    wide = c_supply / np.maximum(to_supply, SHUT) ** 2, c_tank / np.maximum(to_tank, SHUT) ** 2
+    pressure[filled] = _behind_edge(flow, wide[0], supply, supply, leak)[filled]
+    pressure[drained] = _behind_edge(flow, wide[1], np.zeros(len(flow)), supply, leak)[drained]
+    if leak > 0.0:
+        shut = ~(filled | drained)
+        pressure[shut] = ((leak * supply - flow) / (2.0 * leak))[shut]
+    odd = filled & (drained | (law.load_check != 0))
     for k in np.flatnonzero(odd).tolist():
         ports = valve_ports(float(spool[k]), law)
         here: Port = ports.port_1 if port == 1 else ports.port_2
         pressure[k] = port_pressure(float(hose[k]), float(flow[k]), here, float(supply[k]))
     return pressure
+
+
+def _behind_edge(flow: Floats, resistance: Floats, source: Floats, supply: Floats, leak: float) -> Floats:
+    """Return the pressure [Pa] behind one open edge from a source [Pa], what leaks included (`port.meet`)."""
+    y = flow - leak * supply + 2.0 * leak * source
+    o = 2.0 * y / (1.0 + np.sqrt(1.0 + 8.0 * leak * resistance * np.abs(y)))
+    return source - resistance * o * np.abs(o)
 
 
 def openings(voltage: Floats, way: Direction, curve: Curve) -> Floats:
