@@ -18,13 +18,13 @@ ZERO = (0.0, 0.0, 0.0)  # [V]
 class Crane:
     """A crane that stands still, with a valve driver of which there are but the parameters."""
 
-    def __init__(self, peer, make_node, start_node):
+    def __init__(self, peer, make_node, start_node, experiment):
         self.peer, self.angles = peer, START
         self.driver = make_node("valve_driver")
         self.driver.declare_parameter("compensate", True)
         peer.executor.add_node(self.driver)
         self.commands = peer.hear(topics.VALVE_COMMANDS)
-        told = ("-p", "experiment:=damping_boom", "-p", "timeout:=1.0")
+        told = ("-p", f"experiment:={experiment}", "-p", "timeout:=1.0")
         self.operator = start_node("experiment_operator_node", *told)
         self.timers = [
             peer.repeat(topics.PRESSURES, self.pressures, 200.0),
@@ -61,17 +61,18 @@ def press(crane):
 
 
 @pytest.mark.parametrize(
-    ("trouble", "sentence"),
+    ("experiment", "trouble", "sentence"),
     [
-        (silence, "nothing good of the machine's state for 1 s"),
-        (go_beyond, "the boom stands at 71.6 deg; allowed in this experiment"),
-        (press, "emergency stop pressed"),
+        ("damping_boom", silence, "nothing good of the machine's state for 1 s"),
+        ("damping_boom", go_beyond, "the boom stands at 71.6 deg; allowed in this experiment"),
+        ("damping_boom", press, "emergency stop pressed"),
+        ("valve", go_beyond, "the boom moves: valve or hose are still on the crane"),
     ],
 )
 def test_in_trouble_it_ends_at_zero_and_the_driver_compensates_again(
-    peer, make_node, start_node, trouble, sentence
+    peer, make_node, start_node, experiment, trouble, sentence
 ):
-    crane = Crane(peer, make_node, start_node)
+    crane = Crane(peer, make_node, start_node, experiment)
     peer.until(lambda: crane.is_driven() or crane.operator.poll() is not None)
     assert crane.operator.poll() is None, crane.operator.text()
     assert not crane.compensates()

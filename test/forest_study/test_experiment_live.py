@@ -99,6 +99,11 @@ def test_where_no_graph_runs_it_says_so_in_one_sentence(domain_id, tmp_path, cap
     assert not (tmp_path / "out").exists()
 
 
+def test_what_needs_several_set_ups_is_not_run_unasked(tmp_path, capsys):
+    assert main(["experiment", "all", "--live", "--yes", "--out", str(tmp_path / "out")]) == 1
+    assert "each experiment wants another set-up" in capsys.readouterr().err
+
+
 def test_nobody_who_could_confirm_is_a_no():
     assert not sys.stdin.isatty()
     with pytest.raises(SessionError, match="nobody can answer here; allowed: --yes"):

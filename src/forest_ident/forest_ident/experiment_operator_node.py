@@ -31,6 +31,7 @@ from forest_msgs_py.unpacking import JointReader
 ZERO: Triple = (0.0, 0.0, 0.0)
 WATCHDOG_PERIOD = 0.02  # [s]
 START_LIMIT = 15.0  # [s] for everybody to be there
+STANDS = 0.02  # [rad] by which a joint of the crane may move while its valve is on a rig
 PROGRESS = "operator at"  # begins a line on standard output for each second: of so many
 
 
@@ -52,7 +53,10 @@ class ExperimentOperatorNode(Node):
         self._created = self._received = self._pace.now()
         self._command = speaker(self._pace, topics.VALVE_COMMANDS)
         self._inputs, self._joints = Inputs(self._pace, self._plan), JointReader(topics.JOINTS)
+        self._crane: Any = None
+        self._stood: tuple[float, ...] = ()
         if self._plan.bench:
+            self._crane = None if self._pace.lockstep else self._pace.inbox(topics.JOINT_STATES)
             self._pace.on(topics.PRESSURES, self._on_pressures)
         else:
             self._pace.on(topics.JOINT_STATES, self._on_joints)
@@ -129,6 +133,7 @@ class ExperimentOperatorNode(Node):
         if not self._begun and not self._begin(angles):
             self._command.say(stamp, ZERO)
             return
+        self._see_that_the_crane_stands()
         seen = self._inputs.read(angles)
         self._watched, reason = operator_watch.step(self._watched, seen, self._bounds, dt)
         if reason:
@@ -136,6 +141,21 @@ class ExperimentOperatorNode(Node):
         self._state, volts = excitation.step(self._state, angles, self._programme, dt)
         self._command.say(stamp, volts)
         self._tell()
+
+    def _see_that_the_crane_stands(self) -> None:
+        """On a rig the crane's joints, where they are told, must not move.
+
+        Raises:
+            NodeFailure: one does: what is driven is still on the crane, without bounds.
+        """
+        arrival = self._crane.newest() if self._crane is not None else None
+        if arrival is None or (reading := self._joints.read(arrival.message)).problem:
+            return
+        angles = reading.values.position
+        self._stood = self._stood or angles
+        for name, angle, stood in zip(topics.JOINTS, angles, self._stood, strict=True):
+            if abs(angle - stood) > STANDS:
+                raise NodeFailure(f"the {name} moves: valve or hose are still on the crane, not on the rig")
 
     def _begin(self, angles: Triple) -> bool:
         """Begin when everybody is there; live, the swing goes about where it stands."""

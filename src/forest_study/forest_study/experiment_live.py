@@ -43,6 +43,8 @@ def run(options: argparse.Namespace) -> int:
     """
     if options.exact:
         raise SessionError("--exact is of simulated sensors; allowed with --live: without it")
+    if options.yes and options.name == "all":
+        raise SessionError("all: each experiment wants another set-up; allowed with --live --yes: one NAME")
     graph = LiveGraph(options.namespace)
     try:
         return _run(options, graph)
