@@ -291,32 +291,29 @@ def said(part, message):
     return next((status.message for status in message.status if status.name == part), "")
 
 
-def test_a_frozen_sensor_stops_the_crane_and_is_named(rig, peer):
-    r = rig().hold_the_deadman()
-    r.joy = joy  # deflected throughout
-    r.joints = lambda now: joint_state(topics.JOINTS, now, ANGLES, (0.0, 0.0, 0.0))
-    peer.until(r.standing)
-    peer.until(lambda: "swing is the same to the last bit" in r.process.text())
-    r.joints = joints
-    r.commands.clear()
-    peer.until(lambda: len(r.commands) > 40)
-    assert r.standing(40)
-    r.push()
-
-
-def test_when_the_valve_driver_falls_silent_the_levers_must_be_centred_again(rig, peer):
+def test_a_silent_driver_and_a_frozen_sensor_stop_the_crane_until_the_levers_were_centred(rig, peer):
     r = rig()
     voltages = lambda now: float_array(topics.VALVE_VOLTAGES, now, (1.0, 0.0, 0.0))  # noqa: E731
+    frozen = lambda now: joint_state(topics.JOINTS, now, ANGLES, (0.0, 0.0, 0.0))  # noqa: E731
     driver = peer.repeat(topics.VALVE_VOLTAGES, voltages, 200.0)
     r.hold_the_deadman()
+
+    def stands_and_goes_on_standing(mend):
+        peer.until(r.standing)
+        mend()
+        r.commands.clear()
+        peer.until(lambda: len(r.commands) > 40)
+        assert r.standing(40)
+
     r.joy = joy  # deflected throughout
     driver.cancel()
-    peer.until(r.standing)
+    stands_and_goes_on_standing(driver.reset)
     peer.until(lambda: "standing still: valve driver: no voltages" in r.process.text())
-    driver.reset()
-    r.commands.clear()
-    peer.until(lambda: len(r.commands) > 40)
-    assert r.standing(40)
+    r.push()
+    r.joy, r.joints = joy, frozen
+    peer.until(lambda: "swing is the same to the last bit" in r.process.text())
+    r.joints = joints
+    stands_and_goes_on_standing(lambda: None)
     r.push()
 
 
