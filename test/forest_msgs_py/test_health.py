@@ -63,3 +63,14 @@ def test_what_is_told_of_a_message_without_end_has_one(peer, health):
     peer.until(lambda: health.heard)
     assert told(health.heard[0])[0][2].startswith("axes are 0.0, 0.0")
     assert len(told(health.heard[0])[0][2]) < 500
+
+
+def test_a_new_sort_of_trouble_is_logged_at_once_and_no_more_than_a_few_in_a_second(health):
+    health.note("pump", "no pressure")
+    health.note("pump", "")
+    for step in range(100):
+        health.note("pump", f"it leaks {step} litres")
+    assert health.lines == ["standing still: no pressure", "standing still: it leaks 0 litres"]
+    for word in "abcdefghijklmnop":
+        health.note("pump", word)
+    assert len(health.lines) <= 10
