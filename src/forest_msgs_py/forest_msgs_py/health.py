@@ -2,7 +2,7 @@
 
 A node notes for each of its parts what is wrong with it, or "" when it is well. The first note of a sort of
 trouble is logged, repetitions at most once a second; /diagnostics gets all parts when one of them changes
-between well and unwell, and once a second. Its periods are counted in stamps: a run in simulated time repeats.
+between well and unwell, and once a second. Its periods are counted in stamps, so that a run repeats.
 """
 
 from __future__ import annotations
