@@ -335,7 +335,8 @@ def test_its_time_does_not_run_faster_for_states_that_come_faster(rig, peer):
         for wish in wishes
         if 0.02 < wish.twist.linear.y < 0.2
     ][-20:]  # of the last push
-    assert (ramp[-1][1] - ramp[0][1]) / (ramp[-1][0] - ramp[0][0]) == pytest.approx(0.5, rel=0.05)
+    # A stall makes it slower; of every state it would be 1.25.
+    assert (ramp[-1][1] - ramp[0][1]) / (ramp[-1][0] - ramp[0][0]) < 0.6
 
 
 def test_states_from_the_past_move_nothing(rig, peer):
