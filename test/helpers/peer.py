@@ -26,7 +26,15 @@ class Peer:
     def hear(self, topic: Topic, name: str | None = None) -> list[Any]:
         """Return the list in which everything said on a topic will be found."""
         heard: list[Any] = []
-        self.node.create_subscription(message_class(topic), name or topic.name, heard.append, qos(topic))
+
+        def hear(message: Any) -> None:
+            # All that waits: at one message a turn a busy machine never comes to the newest.
+            heard.append(message)
+            with ear.handle:
+                while (taken := ear.handle.take_message(ear.msg_type, False)) is not None:
+                    heard.append(taken[0])
+
+        ear = self.node.create_subscription(message_class(topic), name or topic.name, hear, qos(topic))
         return heard
 
     def speak(self, topic: Topic, name: str | None = None) -> Any:
