@@ -21,7 +21,7 @@ class Valves:
         self.node, self.executor = node, SingleThreadedExecutor(context=node.context)
         self.executor.add_node(node)
         self.count, self.opened, self.shut = 0, -math.inf, -math.inf
-        subscription(node, topics.VALVE_VOLTAGES, self._hear)
+        self.ear = subscription(node, topics.VALVE_VOLTAGES, self._hear)
 
     def _hear(self, message, info):
         # When it was said: what a dead writer left unacknowledged may come a second late, and a machine that

@@ -17,7 +17,9 @@ ZERO_WITHIN = 0.2  # [s] from the death of any node to the last voltage that is 
 def moving_graph(start_graph, valves, wait_until, tmp_path):
     """A graph with every node, in the middle of the thesis' session."""
     graph = start_graph("--joystick", "thesis", "--record", str(tmp_path / "bag"))
-    wait_until(lambda: valves.open, executor=valves.executor)
+    # Driver and guard: whoever dies before the listener has met both is not heard at the end.
+    speakers = valves.ear.get_publisher_count
+    wait_until(lambda: valves.open and speakers() == 2, executor=valves.executor)
     return graph
 
 
