@@ -48,6 +48,13 @@ def test_repeated_signals_do_not_interrupt_the_last_words(talker, wait_until):
     assert "Traceback" not in process.text()
 
 
+def test_a_signal_that_comes_while_the_process_ends_does_not_change_its_exit_code(talker, wait_until):
+    process = talker("-p", "fault:=done")
+    wait_until(lambda: "last words" in process.text())
+    wait_until(lambda: process.poll() is not None or process.send_signal(signal.SIGTERM))
+    assert process.returncode == 0
+
+
 def test_a_bug_in_a_callback_ends_the_node_with_traceback_and_last_words(talker):
     process = talker("-p", "fault:=bug")
     assert process.ended() == 1

@@ -66,7 +66,8 @@ class _StopSignals:
         self.react: Callable[[], None] = lambda: None
         self._reader, self._writer = socket.socketpair()
         self._writer.setblocking(False)
-        self._before = [signal.signal(number, self._ignore) for number in STOP_SIGNALS]
+        for number in STOP_SIGNALS:
+            signal.signal(number, self._ignore)
         signal.set_wakeup_fd(self._writer.fileno(), warn_on_full_buffer=False)
         self._thread = threading.Thread(target=self._watch, name="stop-signals", daemon=True)
         self._thread.start()
@@ -82,14 +83,14 @@ class _StopSignals:
                 self.react()
 
     def close(self) -> None:
-        """Give the signals back to whoever had them."""
+        """End watching. A signal that comes while the process ends must not change its exit code."""
         self.react = lambda: None
+        for number in STOP_SIGNALS:
+            signal.signal(number, signal.SIG_IGN)
         signal.set_wakeup_fd(-1)
         self._writer.close()
         self._thread.join()
         self._reader.close()
-        for number, handler in zip(STOP_SIGNALS, self._before, strict=True):
-            signal.signal(number, handler)
 
 
 def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> int:
