@@ -25,7 +25,7 @@ from forest_msgs_py.packing import pack_clock
 from forest_msgs_py.parameters import declare
 from forest_msgs_py.step_account import read_account
 from forest_msgs_py.step_order import StepOrder
-from forest_msgs_py.step_topics import STEP_NS, lockstep_qos, silences
+from forest_msgs_py.step_topics import DEPTH, STEP_NS, lockstep_qos, silences
 from forest_msgs_py.topics import find, message_class, offered_qos, unlisted
 
 WALL_CLOCK = "/parameter_events"  # carries the time of day: no two runs say the same
@@ -71,7 +71,12 @@ class StepListener:
             durability=DurabilityPolicy.TRANSIENT_LOCAL,
         )
         self._roll = Inbox(node, message_class(topics.ROLL), topics.ROLL.name, latched)
-        self._accounts = Inbox(node, message_class(topics.SAID), topics.SAID.name, lockstep_qos(), raw=True)
+        # All nodes' accounts wait in one queue, with `lockstep_quiet` 1 one of each step: the machine may be
+        # hundreds of steps ahead, and what the queue lets go would be missing in the bag.
+        depth = DEPTH * len(nodes)
+        self._accounts = Inbox(
+            node, message_class(topics.SAID), topics.SAID.name, lockstep_qos(depth), raw=True
+        )
         self._silences = silences(node, topics.SILENCE)
         self._taken = node.create_publisher(
             message_class(topics.RECORDED), topics.RECORDED.name, lockstep_qos()

@@ -21,10 +21,10 @@ LATE = 40  # steps: until then it is known, too, on which topics of `Quiet` noth
 SPAN = "@"  # between a topic's name and the steps in which it is silent; in no name
 
 
-def lockstep_qos() -> QoSProfile:
+def lockstep_qos(depth: int = DEPTH) -> QoSProfile:
     """Reliable, deep, and for late readers, too: discovery takes as long as it takes."""
     return QoSProfile(
-        depth=DEPTH, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+        depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
     )
 
 
