@@ -29,10 +29,10 @@ def told():
 
 def test_an_account_tells_all_that_was_said_once():
     first, second = map(read_account, told())
-    assert first[:2] == ("controller", 9)
-    assert list(first[2]) == [Said(0, 7, b"seven"), Said(3, 9, b""), Said(0, 9, b"nine")]
-    assert second[:2] == ("controller", 10)
-    assert list(second[2]) == []
+    assert first[:3] == ("controller", 0, 9)
+    assert list(first[3]) == [Said(0, 7, b"seven"), Said(3, 9, b""), Said(0, 9, b"nine")]
+    assert second[:3] == ("controller", 9, 10)
+    assert list(second[3]) == []
 
 
 def test_an_account_is_a_message_of_its_type():

@@ -32,7 +32,9 @@ def run(seed):
         half = int(luck.integers(1, last))
         for first, until in ((1, half), (half + 1, last)):
             messages = [one for step in range(first, until + 1) for one in said(node, step)]
-            feed.append((node, lambda n=node, u=until, m=messages: order.add_account(n, u, m)))
+            feed.append(
+                (node, lambda n=node, f=first, u=until, m=messages: order.add_account(n, f - 1, u, m))
+            )
     # Accounts of a node come in their order, those of several nodes in any.
     for node in luck.permutation([node for node, _ in feed]):
         feed.pop(next(i for i, (who, _) in enumerate(feed) if who == node))[1]()
@@ -56,7 +58,7 @@ def test_order_and_number_do_not_depend_on_arrival():
 def test_a_step_waits_for_the_account_of_each_node_and_names_who_is_behind():
     _, order = run(0)
     assert order.missing() == "step 4: no account of valve_driver"
-    order.add_account("valve_driver", 4, [])
+    order.add_account("valve_driver", 3, 4, [])
     assert [name for name, _, _ in order.complete()] == [
         "/joint_states",
         "/valve_commands",
@@ -69,19 +71,31 @@ def test_a_step_waits_for_the_account_of_each_node_and_names_who_is_behind():
 def test_nothing_is_complete_before_every_node_has_told_its_outputs():
     order = StepOrder(("a", "b"))
     order.answer_the_roll("a\n/x T")
-    order.add_account("a", 1, [Said(0, 1, b"")])
+    order.add_account("a", 0, 1, [Said(0, 1, b"")])
     assert list(order.complete()) == []
     assert order.missing() == "step 0: no outputs told by b"
     order.answer_the_roll("b\n/y T")
-    order.add_account("b", 1, [])
+    order.add_account("b", 0, 1, [])
     assert [name for name, _, _ in order.complete()] == ["/x"]
 
 
 def test_nothing_is_complete_before_every_latched_topic_was_said():
     order = StepOrder(("a",))
     order.answer_the_roll("a\n/x T\n/l S latched")
-    order.add_account("a", 1, [Said(0, 1, b"")])
+    order.add_account("a", 0, 1, [Said(0, 1, b"")])
     assert list(order.complete()) == []
     assert order.missing() == "step 0: no message on /l"
     order.add_latched("/l", b"")
     assert [(name, step) for name, step, _ in order.complete()] == [("/l", 0), ("/x", 1)]
+
+
+def test_a_lost_account_is_named_and_nothing_after_it_counts():
+    order = StepOrder(("a", "b"))
+    for node in ("a", "b"):
+        order.answer_the_roll(f"{node}\n/{node} T")
+        order.add_account(node, 0, 20, [Said(0, 20, b"")])
+    order.add_account("b", 20, 60, [Said(0, 60, b"")])
+    order.add_account("a", 40, 60, [Said(0, 60, b"")])
+    assert [(name, step) for name, step, _ in order.complete()] == [("/a", 20), ("/b", 20)]
+    assert order.reached == 20
+    assert order.lost == "the account of a of steps 21 to 40 was lost"

@@ -3,12 +3,13 @@
 A recorder that subscribed to every topic would be woken for each message, some twenty times in a step, and
 each time costs more, at either end, than the message. So it subscribes to none: every node keeps the bytes
 that it hands to the middleware, and tells them on `lockstep/said`. What an account does not hold, was not
-said.
+said; an account that was lost shows in the next, which does not begin where the one before it ended.
 
 ===============  ===========================================================================================
 part             bytes, little-endian
 ===============  ===========================================================================================
-head             last step [4] that the account covers, length of the node's name [4], the name
+head             step after which the account begins [4], last step that it covers [4], length of the node's
+                 name [4], the name
 each message     place of its topic on the node's roll [4], step [4], size [4], the message
 ===============  ===========================================================================================
 """
@@ -27,7 +28,7 @@ from forest_msgs_py.step_order import Said
 from forest_msgs_py.topics import SAID, message_class
 
 _ARRAY = struct.Struct("<4sIII")  # encapsulation, no dimensions, no offset, size
-_HEAD = struct.Struct("<II")
+_HEAD = struct.Struct("<III")
 _EACH = struct.Struct("<III")
 
 
@@ -47,6 +48,7 @@ class Account:
         self._publish = raw_publish(self._publisher)
         self._name = node.get_name().encode()
         self._parts: list[bytes] = []
+        self._told = 0  # last step of the account before
 
     def note(self, place: int, step: int, data: bytes) -> None:
         """Keep a message."""
@@ -54,18 +56,20 @@ class Account:
 
     def tell(self, step: int) -> None:
         """Tell everything up to a step."""
-        body = b"".join((_HEAD.pack(step, len(self._name)), self._name, *self._parts))
+        head = _HEAD.pack(self._told, step, len(self._name))
+        body = b"".join((head, self._name, *self._parts))
         self._parts.clear()
+        self._told = step
         self._publish(_ARRAY.pack(ENCAPSULATION, 0, 0, len(body)) + body)
 
 
-def read_account(data: bytes) -> tuple[str, int, Iterator[Said]]:
-    """A node's name, the last step of which it tells everything, and what it said."""
-    step, length = _HEAD.unpack_from(data, _ARRAY.size)
+def read_account(data: bytes) -> tuple[str, int, int, Iterator[Said]]:
+    """A node's name, the step after which and the one until which it tells everything, and what it said."""
+    since, step, length = _HEAD.unpack_from(data, _ARRAY.size)
     begin = _ARRAY.size + _HEAD.size
     name = data[begin : begin + length].decode()
     *_, size = _ARRAY.unpack_from(data)
-    return name, step, _messages(data, begin + length, _ARRAY.size + size)
+    return name, since, step, _messages(data, begin + length, _ARRAY.size + size)
 
 
 def _messages(data: bytes, place: int, end: int) -> Iterator[Said]:

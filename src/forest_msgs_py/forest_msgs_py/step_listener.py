@@ -97,8 +97,10 @@ class StepListener:
 
         Raises:
             Finished: once, when the run's last step was taken the last time.
-            NodeFailure: no step was completed for as long as the guard allows.
+            NodeFailure: an account was lost, or no step was completed for as long as the guard allows.
         """
+        if self._order.lost:
+            raise NodeFailure(f"{self._order.lost}: the record ends before it")
         over = 0 <= self._end <= self._told
         if over and not self._finished and self._settled(self._nodes):
             self._finished = True

@@ -41,6 +41,7 @@ class StepOrder:
         self._messages: dict[int, list[tuple[str, bytes]]] = defaultdict(list)  # by step
         self._awaited: set[str] = set()  # latched topics without a message yet
         self._next = 0  # step
+        self.lost = ""  # which account, in words
 
     @property
     def reached(self) -> int:
@@ -73,9 +74,18 @@ class StepOrder:
         self._messages[0].append((name, data))
         self._awaited.discard(name)
 
-    def add_account(self, node: str, until: int, said: Iterable[Said]) -> None:
-        """Take in all that a node said up to a step; a stranger's account is none of the run's."""
+    def add_account(self, node: str, since: int, until: int, said: Iterable[Said]) -> None:
+        """Take in all that a node said after one step and up to another.
+
+        A stranger's account is none of the run's. Once an account is lost, its node's steps are complete up
+        to there and never again.
+        """
         if node not in self._spoken:
+            return
+        if since > self._told[node]:
+            self.lost = (
+                self.lost or f"the account of {node} of steps {self._told[node] + 1} to {since} was lost"
+            )
             return
         names = self._spoken[node]
         for place, step, data in said:
