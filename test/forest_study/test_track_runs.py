@@ -141,7 +141,7 @@ def test_the_command_tells_every_run_and_how_they_spread(tmp_path):
         (("--runs", "many"), "'many'; allowed: 1 .. 1000, whole"),
         (("--runs", "0"), "'0'; allowed: 1 .. 1000, whole"),
         (("--seed", "-1"), "'-1'; allowed: 0 .. 2147483647, whole"),
-        (("--speed", "nan"), "'nan'; allowed: 0.01 .. 3.0 m/s"),
+        (("--speed", "nan"), "'nan'; allowed: 0.01 .. 3 m/s"),
     ],
 )
 def test_wrong_numbers_are_answered_with_what_is_allowed(given, allowed, tmp_path, capsys):

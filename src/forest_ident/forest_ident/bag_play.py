@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import math
 import re
 from pathlib import Path
 
 from forest_ident.play_options import PlayOptions
+from forest_sim.command_line import number
 
 NAME = re.compile(r"(~/|/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # as ROS allows them
 CLOCK_HZ = 40.0  # as `ros2 bag play`
@@ -27,15 +27,15 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     parser.set_defaults(command=run)
     parser.add_argument("bag", type=Path, metavar="BAG", help="a directory, .mcap or .db3")
     parser.add_argument(
-        "-r", "--rate", type=_Number(0.0, 1e6), default=1.0, help="default: 1; 0: as fast as possible"
+        "-r", "--rate", type=number(0.0, 1e6), default=1.0, help="default: 1; 0: as fast as possible"
     )
     parser.add_argument("-l", "--loop", action="store_true", help="again and again")
-    parser.add_argument("--start-offset", type=_Number(0.0), default=0.0, metavar="S", help="begin there")
+    parser.add_argument("--start-offset", type=number(0.0), default=0.0, metavar="S", help="begin there")
     parser.add_argument(
         "--duration",
         "--playback-duration",
         dest="duration",
-        type=_Number(0.0),
+        type=number(0.0),
         metavar="S",
         help="of the bag's time (default: to its end)",
     )
@@ -61,7 +61,7 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     parser.add_argument(
         "--clock",
         nargs="?",
-        type=_Number(0.1, 1e4),
+        type=number(0.1, 1e4),
         const=CLOCK_HZ,
         default=0.0,
         metavar="HZ",
@@ -74,7 +74,7 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     parser.add_argument(
         "-d",
         "--delay",
-        type=_Number(0.0, 3600.0),
+        type=number(0.0, 3600.0),
         default=0.5,
         metavar="S",
         help="before the first message, for readers to find the player (default: 0.5)",
@@ -103,25 +103,6 @@ def run(options: argparse.Namespace) -> int:
         options.stats,
     )
     return run_node(lambda: PlayerNode(chosen), [])
-
-
-class _Number:
-    """A number within bounds."""
-
-    def __init__(self, low: float, high: float = math.inf) -> None:
-        self._low, self._high = low, high
-
-    def __call__(self, text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not (self._low <= value <= self._high and math.isfinite(value)):
-            bounds = (
-                f"{self._low:g} .. {self._high:g}" if math.isfinite(self._high) else f"{self._low:g} or more"
-            )
-            raise argparse.ArgumentTypeError(f"{text!r}; allowed: {bounds}")
-        return value
 
 
 def _remap(text: str) -> tuple[str, str]:

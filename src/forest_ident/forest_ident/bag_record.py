@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import re
 import time
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 
 from forest_ident.topic_choice import ChoiceError, compiled
 from forest_msgs_py.mcap_chunk import COMPRESSIONS
+from forest_sim.command_line import number
 
 NODE = "bag_recorder"  # not the name of a graph's own recorder: both may record
 SERVICES = f"While it records, the services /{NODE}/start, stop, split, snapshot and mark act on it."
@@ -26,11 +26,11 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
     add = parser.add_argument
     add("-o", "--output", type=Path, metavar="DIR", help="to be made (default: rosbag2_ and the time)")
     add("--compression", choices=COMPRESSIONS, default="zstd", help="default: %(default)s")
-    add("-d", "--max-duration", "--max-bag-duration", type=_limit, metavar="S",
+    add("-d", "--max-duration", "--max-bag-duration", type=number(0.0, 1e9), metavar="S",
         help="begin another file after so many seconds (default: 3600; 0: never)")  # fmt: skip
-    add("--max-size", type=_limit, metavar="MB", help="begin another file before one is larger")
-    add("-b", "--max-bag-size", type=_limit, metavar="BYTES", help="the same in bytes")
-    add("--snapshot-seconds", type=_limit, metavar="S",
+    add("--max-size", type=number(0.0, 1e9), metavar="MB", help="begin another file before one is larger")
+    add("-b", "--max-bag-size", type=number(0.0, 1e9), metavar="BYTES", help="the same in bytes")
+    add("--snapshot-seconds", type=number(0.0, 1e9), metavar="S",
         help=f"keep the last seconds in memory; /{NODE}/snapshot writes them")  # fmt: skip
     add("--start-paused", action="store_true", help=f"record nothing before /{NODE}/start")
     add("--node-name", type=_name, default=NODE, metavar="NAME", help="default: %(default)s")
@@ -45,16 +45,6 @@ def _add_choice(parser: argparse.ArgumentParser) -> None:
     add("-a", "--all", action="store_true", help="record every topic; so does no choice at all")
     add("-x", "--exclude", nargs="+", type=_regex, default=[], metavar="TOPIC",
         help="but not these: names, or regular expressions that a name contains")  # fmt: skip
-
-
-def _limit(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0.0 <= value <= 1e9:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0 (no limit) or more")
-    return value
 
 
 def _name(text: str) -> str:

@@ -16,6 +16,7 @@ from forest_ident import actuator_fit, actuator_record
 from forest_ident.actuator_fit import Columns, Fit, Floats, rms
 from forest_ident.actuator_priors import PRIORS, actuator, unit, unit_factor
 from forest_ident.actuator_record import Record, RecordError, Scales
+from forest_sim.command_line import whole
 
 STARTS, STARTS_INTERPRETED = 32, 1
 TOLD = 0.8  # of a prior's width: a standard error above that was not told by the record
@@ -33,15 +34,9 @@ def add_parser(verbs: Any) -> None:
     help_out = "for prediction.csv, actuator.json, prediction.png"
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help=help_out)
     help_starts = f"points the fit starts from (default {STARTS}; without llvmlite {STARTS_INTERPRETED})"
-    parser.add_argument("--starts", type=_count, metavar="N", help=help_starts)
+    parser.add_argument("--starts", type=whole(1), metavar="N", help=help_starts)
     help_cross = "also fit parts of TRAIN and foretell the rest; the table goes into actuator.json"
     parser.add_argument("--cross-validate", action="store_true", help=help_cross)
-
-
-def _count(text: str) -> int:
-    if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is no whole number of at least 1")
-    return int(text)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import math
 
@@ -10,14 +9,6 @@ from forest_description.machine import Machine
 from forest_ident import calibration, experiments, simulated
 from forest_ident.session import Session
 from forest_sim.sensor_suite import Suite, sensor_suite
-
-
-def seed_number(text: str) -> int:
-    """Return the seed that a flag names."""
-    value = int(text)
-    if not 0 <= value < 2**31:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0 .. {2**31 - 1}")
-    return value
 
 
 def experiment(

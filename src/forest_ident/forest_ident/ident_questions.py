@@ -9,8 +9,8 @@ from typing import Any
 
 from forest_description.machine import load_machine
 from forest_ident import questions
-from forest_ident.ident_experiment import seed_number
 from forest_ident.session import SessionError
+from forest_sim.command_line import whole
 
 
 def add_parser(verbs: Any) -> None:
@@ -20,7 +20,7 @@ def add_parser(verbs: Any) -> None:
     parser.set_defaults(command=run)
     parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
     parser.add_argument(
-        "--seed", type=seed_number, default=0, metavar="N", help="of sensors and lots (default: 0)"
+        "--seed", type=whole(0), default=0, metavar="N", help="of sensors and lots (default: 0)"
     )
     parser.add_argument("--exact", action="store_true", help="exact sensors instead of Table 4.2's")
     parser.add_argument(

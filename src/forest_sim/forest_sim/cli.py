@@ -15,6 +15,7 @@ from forest_description.machine import Machine, MachineError, load_machine
 from forest_description.machine_tree import shipped_machines
 from forest_description.temperature import at_temperature
 from forest_sim import command_line, inputs
+from forest_sim.command_line import number, whole
 from forest_sim.inputs import InputError, Voltages
 from forest_sim.manipulator import Triple
 from forest_sim.simulation import Run, RunError, checked_angles, start_angles
@@ -57,7 +58,7 @@ def _parser() -> argparse.ArgumentParser:
         "--sensor-noise", action="store_true", help="errors, noise, lag and rate of sensors"
     )
     simulate.add_argument(
-        "--seed", type=_whole, default=0, help="of the sensors' errors and noise; default: 0"
+        "--seed", type=whole(0), default=0, help="of the sensors' errors and noise; default: 0"
     )
     simulate.add_argument(
         "--stuck-spools", default="", metavar="AXES", help="axes whose spools do not move, e.g. 'boom, stick'"
@@ -65,7 +66,7 @@ def _parser() -> argparse.ArgumentParser:
     simulate.add_argument(
         "--tip-force",
         nargs=3,
-        type=_number(-1e6, 1e6, "N"),
+        type=number(-1e6, 1e6, "N"),
         default=(0.0, 0.0, 0.0),
         metavar=("X", "Y", "Z"),
         help="on the tip all the time, in the base frame [N]",
@@ -88,16 +89,14 @@ def _parser() -> argparse.ArgumentParser:
     modes.add_argument(
         "--voltages",
         nargs=3,
-        type=_number(-inputs.GREATEST, inputs.GREATEST, "V"),
+        type=number(-inputs.GREATEST, inputs.GREATEST, "V"),
         default=(0.0, 0.0, 0.0),
         metavar=("SWING", "BOOM", "STICK"),
         help="spool positions [V], the crane moving steadily through the pose; default: shut",
     )
     modes.add_argument("--json", action="store_true", help="print JSON in SI units")
     modes.add_argument("--map", action="store_true", help="over the workspace, valves shut; needs --out")
-    modes.add_argument(
-        "--spacing", type=_number(0.02, 2.0, "m"), default=0.1, help="of the map; default: 0.1"
-    )
+    modes.add_argument("--spacing", type=number(0.02, 2.0, "m"), default=0.1, help="of the map; default: 0.1")
     modes.add_argument("--out", type=Path, metavar="DIR", help="directory to be made for the map")
     check = _command(commands, "check", _check, "load a machine file and tell what it amounts to")
     check.add_argument("machine", metavar="FILE", help="machine file or name")
@@ -116,7 +115,7 @@ def _command(
     parser.set_defaults(command=function, parser=parser)
     if name != "check":
         parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
-    celsius = _number(-60.0, 200.0, "degC")
+    celsius = number(-60.0, 200.0, "degC")
     parser.add_argument(
         "--temperature", type=celsius, metavar="C", help="of all oil [degC]; default: the file's"
     )
@@ -124,7 +123,7 @@ def _command(
 
 
 def _add_run(parser: argparse.ArgumentParser) -> None:
-    volts, hertz = _number(0.0, inputs.GREATEST, "V"), _number(1e-3, 1000.0, "Hz")
+    volts, hertz = number(0.0, inputs.GREATEST, "V"), command_line.number(1e-3, 1000.0, "Hz")
     parser.add_argument(
         "--voltages",
         default="step",
@@ -134,7 +133,7 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--duration",
-        type=_number(0.01, LONGEST, "s"),
+        type=number(0.01, LONGEST, "s"),
         metavar="S",
         help="default: as long as the input, 60 for chirp",
     )
@@ -142,15 +141,21 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--start-tip",
         nargs=3,
-        type=_number(-100.0, 100.0, "m"),
+        type=number(-100.0, 100.0, "m"),
         metavar=("X", "Y", "Z"),
         help=f"where the tip starts, at rest; default: {START}",
     )
     parser.add_argument(
-        "--rate", type=_number(0.1, 10_000.0, "Hz"), default=200.0, help="of the rows [Hz]; default: 200"
+        "--rate",
+        type=number(0.1, 10_000.0, "Hz"),
+        default=200.0,
+        help="of the rows [Hz]; default: 200",
     )
     parser.add_argument(
-        "--step", type=_number(1e-6, 0.1, "s"), default=1e-3, help="of the integrator [s]; default: 0.001"
+        "--step",
+        type=number(1e-6, 0.1, "s"),
+        default=1e-3,
+        help="of the integrator [s]; default: 0.001",
     )
     parser.add_argument("--amplitude", type=volts, help="of step (4), chirp (4) and thesis (5) [V]")
     parser.add_argument("--chirp-from", type=hertz, default=0.1, metavar="HZ", help="default: 0.1")
@@ -162,32 +167,17 @@ def _add_pose(parser: argparse.ArgumentParser) -> None:
     pose.add_argument(
         "--tip",
         nargs=3,
-        type=_number(-100.0, 100.0, "m"),
+        type=number(-100.0, 100.0, "m"),
         metavar=("X", "Y", "Z"),
         help=f"where the tip is; default: {START}",
     )
     pose.add_argument(
         "--angles",
         nargs=3,
-        type=_number(-720.0, 720.0, "deg"),
+        type=number(-720.0, 720.0, "deg"),
         metavar=("SWING", "BOOM", "STICK"),
         help="the joints' angles [deg]",
     )
-
-
-def _number(low: float, high: float, unit: str) -> Callable[[str], float]:
-    """Return an argument's type: a number in a range."""
-
-    def read(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not low <= value <= high:  # false for NaN as well
-            raise argparse.ArgumentTypeError(f"{text!r}; allowed: {low:g} .. {high:g} {unit}")
-        return value
-
-    return read
 
 
 def _simulate(options: argparse.Namespace) -> int:
@@ -240,12 +230,6 @@ def _check(options: argparse.Namespace) -> int:
     from forest_sim.commands import show_check
 
     return show_check(_machine(options))
-
-
-def _whole(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: 0, 1, 2, ...")
-    return int(text)
 
 
 def _machine(options: argparse.Namespace) -> Machine:

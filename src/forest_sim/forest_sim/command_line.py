@@ -1,9 +1,42 @@
-"""How the project's commands end: one sentence for what went wrong, and an exit code that scripts can use."""
+"""What the project's commands share: how they read a number, and how they end.
+
+They end with one sentence for what went wrong, and an exit code that scripts can use.
+"""
 
 import argparse
 import contextlib
+import math
 import sys
 from collections.abc import Callable
+
+LARGEST = 2**31 - 1  # whole number that a flag takes: seeds are as large
+
+
+def number(low: float, high: float = math.inf, unit: str = "") -> Callable[[str], float]:
+    """Return an argument's type: a finite number within bounds."""
+    bounds = f"{low:g} or more" if math.isinf(high) else f"{low:g} .. {high:g}"
+
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not (low <= value <= high and math.isfinite(value)):
+            raise argparse.ArgumentTypeError(f"{text!r}; allowed: {f'{bounds} {unit}'.strip()}")
+        return value
+
+    return read
+
+
+def whole(low: int, high: int = LARGEST) -> Callable[[str], int]:
+    """Return an argument's type: a whole number within bounds."""
+
+    def read(text: str) -> int:
+        if not (text.isdecimal() and low <= int(text) <= high):
+            raise argparse.ArgumentTypeError(f"{text!r}; allowed: {low} .. {high}, whole")
+        return int(text)
+
+    return read
 
 
 def run(program: str, options: argparse.Namespace, errors: tuple[type[Exception], ...]) -> int:

@@ -18,6 +18,7 @@ from forest_control.joystick_faults import parse_joystick_faults
 from forest_control.sources import LEAD_IN, LEAD_OUT, THESIS_DURATION, LeverError, read_levers
 from forest_description.limits import joint_limits
 from forest_description.machine import AXES, MachineError, load_machine
+from forest_sim.command_line import number
 from forest_study import graph
 from forest_study.exclusive import AlreadyRunning, Failure
 from forest_study.lockstep_run import GUARD, RECORDER, STEP, in_lockstep
@@ -59,8 +60,8 @@ class Progress:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the demo; return 0 when every node ended well, 1 after a failure, 130 when the user stopped it."""
     options = _parse(arguments)
-    for number in STOP_SIGNALS:  # before and after the graph; while it runs, its supervisor stops it in order
-        signal.signal(number, _leave)
+    for sign in STOP_SIGNALS:  # before and after the graph; while it runs, its supervisor stops it in order
+        signal.signal(sign, _leave)
     try:
         with contextlib.suppress(BrokenPipeError):
             return _demo(options)
@@ -89,7 +90,10 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     )
     graph.add_graph_options(parser)
     parser.add_argument(
-        "--duration", type=_seconds, metavar="S", help="length of the session (default: 10, or the CSV's)"
+        "--duration",
+        type=number(0.5, 86400.0, "s"),
+        metavar="S",
+        help="length of the session (default: 10, or the CSV's)",
     )
     parser.add_argument(
         "--out", type=Path, default=Path("bags/demo"), metavar="DIR", help="default: %(default)s"
@@ -101,7 +105,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument(
         "--guard",
-        type=_guard,
+        type=number(0.1, 3600.0, "s"),
         default=GUARD,
         metavar="S",
         help="in lockstep: end a run in which a message stays out for so long (default: %(default)g)",
@@ -117,26 +121,12 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def _seconds(text: str, low: float = 0.5, high: float = 86400.0) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not low <= value <= high:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: {low:g} .. {high:g} seconds")
-    return value
-
-
 def _faults(text: str) -> str:
     try:
         parse_joystick_faults(text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from error
     return text
-
-
-def _guard(text: str) -> float:
-    return _seconds(text, 0.1, 3600.0)
 
 
 def _demo(options: argparse.Namespace) -> int:

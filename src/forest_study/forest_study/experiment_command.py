@@ -12,15 +12,15 @@ from __future__ import annotations
 import argparse
 import math
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from forest_description.machine import Machine, load_machine
 from forest_ident import calibration, experiments, session_bag
-from forest_ident.ident_experiment import duration, experiment, seed_number, told
+from forest_ident.ident_experiment import duration, experiment, told
 from forest_ident.ident_fit import Bar
 from forest_ident.session import SessionError
+from forest_sim.command_line import number, whole
 from forest_study import experiment_graph
 from forest_study.exclusive import Failure
 from forest_study.experiment_graph import Conditions
@@ -42,7 +42,7 @@ def add_parser(verbs: Any) -> None:
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="to be made; gets one bag per experiment")
     parser.add_argument(
-        "--seed", type=seed_number, default=0, metavar="N", help="of sensors and lots (default: 0)"
+        "--seed", type=whole(0), default=0, metavar="N", help="of sensors and lots (default: 0)"
     )
     parser.add_argument("--exact", action="store_true", help="exact sensors instead of Table 4.2's")
     how = parser.add_mutually_exclusive_group()
@@ -51,14 +51,18 @@ def add_parser(verbs: Any) -> None:
     parser.add_argument("--yes", action="store_true", help="with --live: all is prepared, do not ask")
     parser.add_argument(
         "--timeout",
-        type=_number(0.01, 1.0),
+        type=number(0.01, 1.0, "s"),
         default=0.1,
         metavar="S",
         help="with --live: the machine's state "
         "is lost, and the experiment ends, when none has come for so long (default: %(default)s)",
     )
     parser.add_argument(
-        "--trial", type=_number(2.5, 1e6), default=math.inf, metavar="S", help="cut every programme off there"
+        "--trial",
+        type=number(2.5, 1e6, "s"),
+        default=math.inf,
+        metavar="S",
+        help="cut every programme off there",
     )
     parser.add_argument(
         "--namespace", type=ros_namespace, default="/", help="ROS namespace of the graph (default: /)"
@@ -117,21 +121,6 @@ def _simulated(options: argparse.Namespace) -> int:
 def conditions_of(options: argparse.Namespace, machine: str) -> Conditions:
     """Return how the experiments are made, with a machine's name or file."""
     return Conditions(machine, options.seed, options.exact, options.trial, options.timeout, options.namespace)
-
-
-def _number(low: float, high: float) -> Callable[[str], float]:
-    """Return what reads a flag's number within bounds."""
-
-    def read(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(f"{text!r}; allowed: {low:g} .. {high:g} seconds")
-        return value
-
-    return read
 
 
 def wanted(options: argparse.Namespace, machine: Machine) -> tuple[str, ...]:

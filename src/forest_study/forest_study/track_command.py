@@ -8,26 +8,25 @@ import argparse
 import json
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 from forest_compile.kept import can_compile
 from forest_control.position_source import Source
 from forest_control.schemes import LABELS, scheme_named
 from forest_description.machine import Machine, load_machine
+from forest_sim.command_line import number, whole
 from forest_study import mismatch
 from forest_study.exclusive import Failure
 from forest_study.paths import NAMES, TipPath, path_named
 from forest_study.track import Course, Score, Session, follow, noisy, prepare, scored
 from forest_study.track_runs import Run, Variation, quantiles, run_many
 
-Number = TypeVar("Number", int, float)
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     add = parser.add_argument
     add("--path", required=True, help=f"{', '.join(NAMES)}, all, or a CSV of waypoints x,y,z [m]")
-    add("--speed", type=_speed, default=0.5, metavar="V", help="m/s (default: %(default)s)")
+    add("--speed", type=number(0.01, 3.0, "m/s"), default=0.5, metavar="V", help="m/s (default: %(default)s)")
     add("--scheme", choices=[label for label in LABELS if label != "joint"], default="coordinated")
     sources = [source.name.lower() for source in Source]
     text = "what tells boom and stick (default: %(default)s)"
@@ -36,9 +35,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--model", help="what controller and driver believe (default: the machine)")
     add("--noise", action="store_true", help="sensors jitter")
     add("--static-errors", action="store_true", help="with --noise: uncalibrated sensors")
-    add("--seed", type=_seed, default=0, metavar="N", help="of the first run (default: %(default)s)")
+    add("--seed", type=whole(0), default=0, metavar="N", help="of the first run (default: %(default)s)")
     add(
-        "--runs", "--seeds", type=_count, default=1, metavar="N", help="runs per path, each with its own seed"
+        "--runs",
+        "--seeds",
+        type=whole(1, 1000),
+        default=1,
+        metavar="N",
+        help="runs per path, each with its own seed",
     )
     add(
         "--mismatch",
@@ -49,35 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=mismatch.HELP,
     )
     add("--adapt", action="store_true", help="the valve driver learns deadbands and gains on the way")
-    add("--laps", type=_count, default=1, metavar="N", help="default: %(default)s")
+    add("--laps", type=whole(1, 1000), default=1, metavar="N", help="default: %(default)s")
     add("--through-ros", action="store_true", help="the nodes make every run, in lockstep; same figures")
-
-
-def _speed(text: str) -> float:
-    return _number(text, float, 0.01, 3.0, " m/s")
-
-
-def _seed(text: str) -> int:
-    return _number(text, int, 0, 2**31 - 1, ", whole")
-
-
-def _count(text: str) -> int:
-    return _number(text, int, 1, 1000, ", whole")
-
-
-def _number(text: str, kind: Callable[[str], Number], low: Number, high: Number, what: str) -> Number:
-    """Return a number of the command line.
-
-    Raises:
-        argparse.ArgumentTypeError: it is none, or out of its range.
-    """
-    try:
-        value = kind(text)
-    except ValueError:
-        value = None
-    if value is None or not low <= value <= high:
-        raise argparse.ArgumentTypeError(f"{text!r}; allowed: {low} .. {high}{what}")
-    return value
 
 
 def run(options: argparse.Namespace) -> int:
