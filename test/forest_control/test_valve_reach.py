@@ -11,13 +11,11 @@ from forest_control.valve_reach import (
     FULL,
     LEAST,
     MOST,
-    PATIENCE,
     RELAXED,
     Reach,
     bounded,
     ceiling,
     learnt_reach,
-    open_wide,
     strained,
 )
 from forest_description.machine import load_machine
@@ -30,13 +28,20 @@ AXES = axis_drivers(C180)
 CAPACITY = capacity(C180, AXES)
 POSE = (0.0, 0.4, -1.4)
 DT = 0.005
+RATED = (10.0, 10.0, 10.0)
 AHEAD, HERE, BEHIND = (0.2, 0.1, 0.1), (0.0, 0.0, 0.0), (0.0, 0.0, 0.02)
 
 
-def run(strains, seconds, wide, a=AHEAD, e=BEHIND, v=(0.2, 0.1, 0.06)):
+def run(strains, seconds, volts=10.0, axes=AXES, a=AHEAD, e=BEHIND, v=(0.2, 0.1, 0.06)):
     for _ in range(round(seconds / DT)):
-        strains = strained(strains, (False, False, wide), a, e, v, DT)
+        strains = strained(strains, (0.0, 0.0, volts), RATED, axes, a, e, v, DT)
     return strains
+
+
+def slow(bandwidth):
+    """What is known of valves whose spools have a bandwidth [Hz]; none: they follow at once."""
+    lag = 0.0 if bandwidth is None else 1.0 / (2.0 * math.pi * bandwidth)
+    return tuple(axis._replace(spool_lag=lag) for axis in AXES)
 
 
 def test_a_valve_as_filed_reaches_everything_and_one_that_is_not_known_counts_as_such():
@@ -69,24 +74,29 @@ def test_planned_rates_are_those_of_the_weaker_plant():
 
 
 def test_a_joint_that_falls_behind_with_its_valve_open_wide_is_waited_for():
-    assert run(RELAXED, 0.9 * PATIENCE, True).stick.ceiling == math.inf
-    slow = run(RELAXED, PATIENCE + 0.3, True).stick
-    assert 0.0 < ceiling(slow, 0.1) < 0.06  # under what it reaches: it comes back
-    assert ceiling(slow, -0.1) == math.inf  # the other way nothing is known
+    for volts in (10.0, -10.0):
+        late = run(RELAXED, 0.4, volts).stick
+        assert 0.0 < ceiling(late, 0.1) < 0.06  # under what it reaches: it comes back
+        assert ceiling(late, -0.1) == math.inf  # the other way nothing is known
+
+
+@pytest.mark.parametrize("bandwidth", [None, 12.0, 2.0, 0.2])
+def test_nobody_waits_for_a_spool_that_is_on_its_way(bandwidth):
+    """The voltage is full from the first moment on."""
+    axes, there = slow(bandwidth), 0.0 if bandwidth is None else -math.log(0.05) / (2.0 * math.pi * bandwidth)
+    if there > 0.0:
+        assert run(RELAXED, there - DT, axes=axes).stick.ceiling == math.inf
+    assert run(RELAXED, there + 2.0 * DT, axes=axes).stick.ceiling < AHEAD[2]
 
 
 def test_nobody_waits_for_a_joint_that_keeps_up_or_whose_valve_has_room():
-    assert run(RELAXED, 1.0, False).stick.ceiling == math.inf
-    assert run(RELAXED, 1.0, True, e=HERE).stick.ceiling == math.inf
-    assert run(RELAXED, 1.0, True, e=(0.0, 0.0, -0.02)).stick.ceiling == math.inf
+    assert run(RELAXED, 1.0, 9.0).stick.ceiling == math.inf
+    assert run(RELAXED, 1.0, e=HERE).stick.ceiling == math.inf
+    assert run(RELAXED, 1.0, e=(0.0, 0.0, -0.02)).stick.ceiling == math.inf
 
 
 def test_waiting_ends_once_the_valve_has_room():
-    slow = run(RELAXED, 0.5, True)
-    ceilings = [run(slow, seconds, False).stick.ceiling for seconds in (0.25, 0.5, 3.0)]
-    assert slow.stick.ceiling < ceilings[0] < ceilings[1]
+    late = run(RELAXED, 0.5)
+    ceilings = [run(late, seconds, 5.0).stick.ceiling for seconds in (0.25, 0.5, 3.0)]
+    assert late.stick.ceiling < ceilings[0] < ceilings[1]
     assert ceilings[2] == math.inf
-
-
-def test_a_valve_at_its_rating_is_open_wide_either_way():
-    assert open_wide((9.5, -10.0, 10.0), (10.0, 10.0, 10.0)) == (False, True, True)

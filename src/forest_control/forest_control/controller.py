@@ -27,7 +27,7 @@ from forest_control.settings import Parameters as Parameters
 from forest_control.settings import Settings as Settings
 from forest_control.settings import parameters as parameters
 from forest_control.stopping import NO_STOP, Stop
-from forest_control.valve_reach import RELAXED, Strains, Valves, open_wide, strained
+from forest_control.valve_reach import RELAXED, Strains, Valves, strained
 from forest_control.wish import governed_wish, wished_rates, wished_velocity
 from forest_control.wish import governor_at as governor_at
 from forest_description.kinematics import joint_rates, tip_position, tip_velocity
@@ -59,8 +59,8 @@ def _strains(state: State, inputs: Inputs, p: Parameters, dt: float) -> Strains:
         return RELAXED
     m = state.memory
     a, e = (m.swing.a, m.boom.a, m.stick.a), minus(state.reference, inputs.angles)
-    wide = open_wide(inputs.voltages, p.rated_voltages)
-    return strained(state.strains, wide, a, e, inputs.rates, dt)
+    volts, axes = inputs.voltages, p.capacity.axes
+    return strained(state.strains, volts, p.rated_voltages, axes, a, e, inputs.rates, dt)
 
 
 def _stepped(state: State, inputs: Inputs, valves: Valves, p: Parameters, dt: float) -> tuple[State, Output]:

@@ -26,7 +26,15 @@ from forest_control.valve_adaptation import UNLEARNT, Learner, blind, learn, lea
 from forest_control.valve_flow import Sight
 from forest_control.valve_hold import CALM, SHUT, Hold, obeyed
 from forest_control.valve_inverse import required_opening, spool_voltage
-from forest_control.valve_knowledge import AxisDriver, Parameters, Settings, axis_drivers, parameters
+from forest_control.valve_knowledge import (
+    AxisDriver,
+    Parameters,
+    Settings,
+    axis_drivers,
+    left,
+    moved_spools,
+    parameters,
+)
 
 __all__ = [
     "REST",
@@ -174,13 +182,10 @@ def _moved_on(state: State, p: Parameters, dt: float) -> State:
     A voltage that was in force for longer than usual lets expect that the next ones may be, too: the longest
     time, forgotten in `FORGOTTEN`.
     """
-    before, volts = state.spools, state.voltages
-    swing = volts[0] + _left(p.axes[0], dt) * (before[0] - volts[0])
-    boom = volts[1] + _left(p.axes[1], dt) * (before[1] - volts[1])
-    stick = volts[2] + _left(p.axes[2], dt) * (before[2] - volts[2])
+    before, after = state.spools, moved_spools(state.spools, state.voltages, p.axes, dt)
     return state._replace(
-        spools=(swing, boom, stick),
-        strokes=(0.5 * (before[0] + swing), 0.5 * (before[1] + boom), 0.5 * (before[2] + stick)),
+        spools=after,
+        strokes=(0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1]), 0.5 * (before[2] + after[2])),
         ahead=max(dt, dt + math.exp(-dt / FORGOTTEN) * (state.ahead - dt)),
     )
 
@@ -215,16 +220,11 @@ def _axis(
             # A first-order spool comes to just beyond the overlap only after some time constants; asked for
             # more, it is there in one period; in force for longer, that would throw the valve wide open.
             # Outside the overlap the command's lead makes up for the lag; at rest there is time.
-            wanted = spool + (wanted - spool) / (1.0 - _left(axis, max(SOONEST, state.ahead)))
+            wanted = spool + (wanted - spool) / (1.0 - left(axis, max(SOONEST, state.ahead)))
     most = p.slew_limit * dt if dt > 0.0 or p.slew_limit < math.inf else math.inf  # not inf * 0
     slewed = max(state.voltages[i] - most, min(state.voltages[i] + most, wanted))
     voltage = max(-low, min(rated, slewed))
     return AxisMemory(hold, voltage, saturated)
-
-
-def _left(axis: AxisDriver, dt: float) -> float:
-    """Return the part of its way that a spool has still to go after dt [s]."""
-    return 0.0 if axis.spool_lag == 0.0 else math.exp(-dt / axis.spool_lag)
 
 
 def _weight(load: float, borne: float) -> float:

@@ -12,6 +12,8 @@ from forest_description.actuation import displacements, rated_speeds
 from forest_description.machine import Machine
 from forest_description.valve import ValveLaw
 
+Triple = tuple[float, float, float]
+
 NOISY_SERVO = 35.0  # [1/s] seven standard deviations of the position through a servo's gain of 5 1/s
 
 
@@ -26,6 +28,9 @@ class AxisDriver(NamedTuple):
     hose_square: float = 0.0  # [N s^2/m^2; N m s^2] and with its square
     slip: float = 0.0  # [rad/s per N m] speed that the motor's leakage takes under load
     spool_lag: float = 0.0  # [s]; 0: the spool follows at once
+
+
+Axes = tuple[AxisDriver, AxisDriver, AxisDriver]
 
 
 class Settings(NamedTuple):
@@ -48,7 +53,7 @@ class Settings(NamedTuple):
 class Parameters(NamedTuple):
     """What the driver knows of the machine."""
 
-    axes: tuple[AxisDriver, AxisDriver, AxisDriver]
+    axes: Axes
     supply_pressure: float  # [Pa], the highest that the pump keeps
     idle_pressure: float  # [Pa], the least, while nobody draws; taken where it is not measured
     compensate: bool
@@ -92,7 +97,7 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
     )
 
 
-def axis_drivers(machine: Machine, beyond_valve: bool = True) -> tuple[AxisDriver, AxisDriver, AxisDriver]:
+def axis_drivers(machine: Machine, beyond_valve: bool = True) -> Axes:
     """Return what a driver knows of a machine's actuators, of the valve alone or of what lies beyond, too."""
     speeds = rated_speeds(machine)
     return (
@@ -100,6 +105,20 @@ def axis_drivers(machine: Machine, beyond_valve: bool = True) -> tuple[AxisDrive
         _axis_driver(machine, 1, speeds[1], beyond_valve),
         _axis_driver(machine, 2, speeds[2], beyond_valve),
     )
+
+
+def moved_spools(spools: Triple, voltages: Triple, axes: Axes, dt: float) -> Triple:
+    """Return where first-order spools [V] are after voltages [V] were in force for dt [s]."""
+    return (
+        voltages[0] + left(axes[0], dt) * (spools[0] - voltages[0]),
+        voltages[1] + left(axes[1], dt) * (spools[1] - voltages[1]),
+        voltages[2] + left(axes[2], dt) * (spools[2] - voltages[2]),
+    )
+
+
+def left(axis: AxisDriver, dt: float) -> float:
+    """Return the part of its way that a spool has still to go after dt [s]."""
+    return 0.0 if axis.spool_lag == 0.0 else math.exp(-dt / axis.spool_lag)
 
 
 def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool) -> AxisDriver:

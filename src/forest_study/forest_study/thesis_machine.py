@@ -7,8 +7,8 @@ w_n was, is here the first-order lag of the valves' spools:
 | plant | spools | gains of (a) to (d) | of `coordinated` |
 |---|---|---|---|
 | as built | 12 Hz | the graph's | the graph's |
-| 2 Hz | 2 Hz | the thesis' for 2 Hz | K_p, K_i as on the linear plant, T longer by the lag |
-| 0.2 Hz | 0.2 Hz | the thesis' for 0.2 Hz | alike |
+| 2 Hz | 2 Hz | the thesis' for 2 Hz | K_p below, K_i as on the linear plant, T longer by the lag |
+| 0.2 Hz | 0.2 Hz | the thesis' for 0.2 Hz | alike; D = 2 sqrt(K_p/w_n) - 1 damps K_p with the lag fully |
 
 A mismatch m makes the valves' flow 1/(1 + m) of what controller and driver believe, and the spools (1 + m)
 times as fast: the linear plant's joint with k fixed. Errors, drifts and signs as in `thesis_study`. Scheme
@@ -39,7 +39,9 @@ from forest_study.thesis_study import gains as thesis_gains
 MACHINE = "c180"
 REST_BEFORE = 1.0  # [s] in which the coordinated scheme finds the pose that it starts from
 TIP_SPEED = 0.6  # [m/s] at full deflection; the input needs 0.47
-FEEDBACK_DAMPING = 1.25  # of `coordinated` with slow spools; 0.8 as on the linear plant lets the crane rock
+# [1/s] K_p of `coordinated`. More than w_n/6.25 lets the crane rock on its hoses at 2.3 Hz; a spool of 0.2 Hz
+# lets little of that through.
+FEEDBACK = {2.0: 2.0, 0.2: 5.0}
 WRONG = (-0.2, 0.2)
 
 Plant = float | None
@@ -76,7 +78,8 @@ def settings_of(scheme: Scheme, plant: str) -> controller.Settings:
         return made
     w_n, servo = 2.0 * math.pi * bandwidth, thesis_gains(Case(bandwidth))
     # The graph's servos ask for rates, the thesis' drive a plant whose rate is W_0/w_n times that.
-    scale, k_p = DRIVE / w_n, w_n / (4.0 * FEEDBACK_DAMPING**2)
+    scale, k_p = DRIVE / w_n, FEEDBACK[bandwidth]
+    damping = 2.0 * math.sqrt(k_p / w_n) - 1.0
     spools = load_machine(MACHINE).valve.spool_bandwidth
     lag = 1.0 / w_n - (0.0 if spools is None else 1.0 / (2.0 * math.pi * spools))
     return made._replace(
@@ -85,6 +88,11 @@ def settings_of(scheme: Scheme, plant: str) -> controller.Settings:
         damping_gain=_three(scale * servo.damping_gain),
         feedback_gain=_three(k_p),
         integral_gain=_three(INTEGRAL_SHARE * k_p**2),
+        rate_gain=(
+            max(made.rate_gain[0], damping),
+            max(made.rate_gain[1], damping),
+            max(made.rate_gain[2], damping),
+        ),
         lead_time=(made.lead_time[0] + lag, made.lead_time[1] + lag, made.lead_time[2] + lag),
     )
 
