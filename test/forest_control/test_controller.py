@@ -187,6 +187,19 @@ def test_beyond_a_limit_the_reference_does_not_pull_the_joint_in():
     assert output.command == ZERO
 
 
+@pytest.mark.parametrize("scheme", [s for s in Scheme if closes_on_position(s)])
+@pytest.mark.parametrize("outwards", [0.01, -0.01])
+def test_between_margin_and_limit_noise_does_not_draw_the_reference_in(scheme, outwards):
+    """It went with the innermost sample, and the tip 26 mm after it."""
+    p, rng, state = parameters(scheme), np.random.default_rng(4), REST
+    edge = p.governor.upper if outwards > 0.0 else p.governor.lower
+    pose = (0.0, edge[1] + outwards, edge[2] + outwards)
+    for _ in range(400):
+        read = tuple((pose + rng.normal(0.0, 2e-4, 3)).tolist())
+        state, _ = controller.step(state, inputs(angles=read), p, PERIOD)
+    assert state.reference == pytest.approx(pose, abs=4e-4)  # the schemes of the thesis begin with one sample
+
+
 def test_parameters_keep_the_margin_from_every_joint_limit():
     p = parameters(joint_margin=0.05)
     for i, (low, high) in enumerate(joint_limits(MACHINE)):

@@ -17,7 +17,7 @@ def carried_out(
 ) -> tuple[State, Output]:
     """Return the state and the output of a step that carries out a governed wish."""
     r, s, a = state.reference, inputs.angles, wish.rates
-    after = within_lead(advanced(p.scheme, r, a, wish.velocity, p.links, dt), s, p)
+    after = within_lead(advanced(p.scheme, r, a, wish.velocity, p.links, dt), r, s, p)
     if p.scheme == Scheme.COORDINATED:
         before = coordination.going(state.memory, wish.velocity)
         memory, u = coordination.servo(before, a, r, s, inputs.rates, inputs.voltages, p.coordinated, dt)
@@ -28,7 +28,7 @@ def carried_out(
     tip_wish = wish.velocity
     if p.scheme == Scheme.COORDINATED and offset != ZERO:
         # The reference goes the way that is commanded, or the servo would fight what fades.
-        after = within_lead(moved(after, offset, dt), s, p)
+        after = within_lead(moved(after, offset, dt), r, s, p)
         tip_wish = moved(tip_wish, tip_velocity(pose, offset, p.links), 1.0)
     output = Output(to_voltage(u, s, p), tip_wish, wish.governed)
     fading, mode = faded(offset, dt), p.hand.mode

@@ -47,7 +47,7 @@ def taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
     velocity = tip_velocity(s, a, p.links) if state.scheme == Scheme.JOINT else state.memory.velocity
     shut = max(abs(u[0]), abs(u[1]), abs(u[2])) <= coordination.HELD
     samples = 0 if still and shut else coordination.MOST_SAMPLES
-    r = within_lead(r, s, p)
+    r = within_lead(r, s, s, p)
     if state.scheme != Scheme.JOINT:
         a = joint_rates(r, velocity, p.links)  # else the lead would take the other pose's rates for a jerk
     memory = coordination.in_motion(velocity, a, samples)
@@ -87,11 +87,25 @@ def faded(offset: Triple, dt: float) -> Triple:
     )
 
 
-def within_lead(r: Triple, s: Triple, p: Parameters) -> Triple:
-    """Return reference angles [rad] within `lead` of the joints and inside their limits."""
-    return _within_lead(r[0], s[0], 0, p), _within_lead(r[1], s[1], 1, p), _within_lead(r[2], s[2], 2, p)
+def within_lead(r: Triple, before: Triple, s: Triple, p: Parameters) -> Triple:
+    """Return reference angles [rad] within `lead` of the joints, and inside their limits.
+
+    A machine may stand between margin and limit. There the reference goes no further out than it was before;
+    bounded by what is measured, noise would draw it inwards step by step.
+
+    Args:
+        r: reference angles.
+        before: where they were, or are allowed to be.
+        s: measured angles.
+        p: parameters.
+    """
+    return (
+        _within_lead(r[0], before[0], s[0], 0, p),
+        _within_lead(r[1], before[1], s[1], 1, p),
+        _within_lead(r[2], before[2], s[2], 2, p),
+    )
 
 
-def _within_lead(r: float, s: float, i: int, p: Parameters) -> float:
-    lower, upper = min(p.governor.lower[i], s), max(p.governor.upper[i], s)
+def _within_lead(r: float, before: float, s: float, i: int, p: Parameters) -> float:
+    lower, upper = min(p.governor.lower[i], before), max(p.governor.upper[i], before)
     return max(lower, min(upper, max(s - p.lead, min(s + p.lead, r))))
