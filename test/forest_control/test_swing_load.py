@@ -7,11 +7,12 @@ from forest_control.capacity import capacity, gravity_torques, greatest_rates
 from forest_control.swing_load import inertia, swing_load
 from forest_control.valve_driver import axis_drivers
 from forest_control.valve_reach import FULL
+from forest_description.actuation import displacements
 from forest_description.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_sim.manipulator import dynamics, fold_head
 
-C180 = load_machine("c180")
+C180, LOADER = load_machine("c180"), load_machine("loader")
 BODY = fold_head(C180.manipulator)
 CAPACITY = capacity(C180, axis_drivers(C180))
 
@@ -25,6 +26,12 @@ def test_inertia_about_the_swing_axis_is_the_plants():
     load = swing_load(C180)
     for q in poses():
         assert inertia(q, load) == pytest.approx(dynamics(q, (0.0, 0.0, 0.0), BODY).m_11, rel=1e-12)
+
+
+def test_a_load_sensing_pump_leaves_its_margin_for_either_edge_of_the_swings_valve():
+    """A pump of constant pressure leaves all of it."""
+    for machine, pressure in ((C180, C180.pump.supply_pressure), (LOADER, 2.0 * LOADER.pump.margin)):
+        assert swing_load(machine).valve_drop == pytest.approx(displacements(machine, 0)[0] * pressure)
 
 
 def test_gravity_torques_are_the_plants():

@@ -237,10 +237,10 @@ def _swing_forward(
 ) -> tuple[float, float]:
     """Return the torque [N m] that the driver knows of by now, and the rate [rad/s] to add to the swing's.
 
-    The hoses yield under the torque M_11 b: their oil takes jerk / w_0^2. And the driver learns the load
-    slowly: what it does not know yet makes the valve slower by half its share of the greatest torque.
+    The hoses yield under the torque M_11 b + B a, and take up oil as it grows. And the driver learns the load
+    slowly: what it does not know yet makes the valve slower by half its share of the valve's drop.
     """
     torque = m_11 * b + p.swing.damping * a
     known += (1.0 - math.exp(-p.load_bandwidth * dt)) * (torque - known)
-    slower = abs(a) * (torque - known) / (2.0 * p.swing.greatest_torque)
-    return known, m_11 / p.swing.stiffness * jerk + slower
+    slower = abs(a) * (torque - known) / (2.0 * p.swing.valve_drop)
+    return known, (m_11 * jerk + p.swing.damping * b) / p.swing.stiffness + slower

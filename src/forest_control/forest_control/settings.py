@@ -51,7 +51,7 @@ class Settings(NamedTuple):
     feedback_gain: Triple = (3.0, 5.0, 5.0)  # K_p of the coordinated scheme [1/s]
     integral_gain: Triple = (3.0, 4.0, 4.0)  # K_i of the coordinated scheme [1/s^2]
     rate_gain: Triple = (0.4, 0.0, 0.0)  # D of the coordinated scheme; only the swing rocks slowly
-    lead_time: Triple = (0.02, 0.013, 0.013)  # T [s]
+    lead_time: Triple = (0.018, 0.013, 0.013)  # T [s]
     load_bandwidth: float = 1.0  # [Hz] of the valve driver's
     tip_acceleration: float = 4.0  # [m/s^2] of the coordinated scheme's reference: steps become ramps
     joint_margin: float = 0.0175  # [rad] kept from every joint limit

@@ -10,6 +10,7 @@ whose load changes as it speeds up. Boom and stick carry mostly their weight, wh
 | D | oil per swing angle | m^3/rad |
 | C | capacitance of one hose; both work on the motor as springs, together 2 D^2 / C | m^3/Pa |
 | w_0 | natural frequency of the crane on this oil, w_0^2 = 2 D^2 / (C M_11) | rad/s |
+| N | pressure drop of both edges of the swing's valve, as a torque | N m |
 """
 
 import math
@@ -32,7 +33,7 @@ class SwingLoad(NamedTuple):
     stick: tuple[float, ...]  # alike, with what it carries
     damping: float  # [N m s/rad]
     stiffness: float  # 2 D^2 / C [N m/rad]
-    greatest_torque: float  # D P_s [N m]
+    valve_drop: float  # N [N m] of a crane that is not loaded
 
 
 def inertia(q: Triple, load: SwingLoad) -> float:
@@ -63,5 +64,6 @@ def swing_load(machine: Machine) -> SwingLoad:
         stick=tuple(stick_body(m)),
         damping=machine.swing.damping,
         stiffness=2.0 * oil**2 / capacitance,
-        greatest_torque=oil * machine.pump.supply_pressure,
+        # A load-sensing pump leaves its margin for the inlet's edge; the outlet's, alike, takes as much.
+        valve_drop=oil * min(machine.pump.supply_pressure, 2.0 * machine.pump.idle_pressure),
     )
