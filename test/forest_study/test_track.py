@@ -101,6 +101,12 @@ def test_coordinated_stands_a_heavier_head_a_slower_spool_and_a_tilt():
         assert score.max_mm < 10.0
 
 
+@pytest.mark.parametrize(("name", "speed"), [("sweep", 0.1), ("radial", 0.02), ("circle_v", 0.05)])
+def test_slow_motion_does_not_swing_up_on_the_oil(name, speed):
+    """A cylinder's valve that is open a little does not damp what a quick position loop feeds at 8 Hz."""
+    assert session(name, speed=speed).total.velocity_rms < 0.02  # 0.07 to 0.18 m/s before
+
+
 def test_fast_paths_are_governed_not_saturated():
     score = session("radial", speed=1.0).total
     assert score.rms_mm < 1.0

@@ -10,19 +10,23 @@
 The reference is the operator's wish with its steps turned into ramps, so that b is finite. While a joint's
 reference rests, be it that others move, a joint that is near it holds: its valve stays shut until the error
 has grown, or noise would open it back and forth through the overlap for ever.
+
+Boom and stick rock on their oil at some 8 Hz, and a valve that is open a little hardly damps that: a position
+error that is heard at once feeds it, and slow motion swings up. Through the low-pass of `ERROR_LAG` it comes
+late by more than a quarter of a turn and damps. Faster, up to `FULL_RATE`, the valve damps and all is heard.
 """
 
 import math
 from typing import NamedTuple
 
-from forest_control.schemes import Gains, Signals, coordinated
+from forest_control.schemes import FULL_RATE, Gains, Signals, coordinated
 from forest_control.swing_load import SwingLoad, inertia
 
 Triple = tuple[float, float, float]
 ZERO: Triple = (0.0, 0.0, 0.0)
 
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests
-ERROR_LAG = 0.05  # [s] of the low-pass through which an error decides about holding
+ERROR_LAG = 0.05  # [s] of the low-pass through which an error decides about holding, or, slow, is heard
 HELD = 1e-9  # [rad/s] commanded to a joint that holds: no motion, but the valve driver may feed what leaks
 MOST_GATHERED = 2e-3  # [rad/s] of the integral at rest, while the valve is shut
 WIDEST, FORGOTTEN = 16.0, 20.0  # how far holding may widen; [s] in which that fades
@@ -187,8 +191,11 @@ def _joint_servo(
     # What the integral has learnt of the valve at speed is kept while the joint holds.
     grown = memory.w - memory.gathered + gathered if still else memory.w + dt * p.integral[i] * error
     w = max(-p.integral_limit, min(p.integral_limit, grown))
-    s = x.r - seen if still and shut else x.s  # there is time to hear less noise
-    u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, s, x.v, x.w + w), p.gains[i])
+    quick = 1.0 if i == 0 else min(1.0, (x.a / FULL_RATE) ** 2)
+    heard = (
+        seen if still and shut else seen + quick * (error - seen)
+    )  # at rest there is time to hear less noise
+    u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.r - heard, x.v, x.w + w), p.gains[i])
     return Joint(x.a, x.b, w, seen, holds, wide, side, gathered), u
 
 
