@@ -22,7 +22,6 @@ from forest_ident.ident_fit import Bar
 from forest_ident.session import SessionError
 from forest_sim.command_line import number, whole
 from forest_study import experiment_graph
-from forest_study.exclusive import Failure
 from forest_study.experiment_graph import Conditions
 from forest_study.graph import ros_namespace
 from forest_study.supervisor import Stopped
@@ -90,10 +89,9 @@ def run(options: argparse.Namespace) -> int:
         return _simulated(options)
     except Stopped as stopped:
         raise KeyboardInterrupt from stopped
-    except (Failure, SessionError):
+    finally:
         if made_here and not any(options.out.rglob("*.mcap")):  # the same command shall work another time
             shutil.rmtree(options.out, ignore_errors=True)
-        raise
 
 
 def _simulated(options: argparse.Namespace) -> int:

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import math
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 from forest_description.machine import load_machine
-from forest_ident import calibration, session_bag
+from forest_ident import calibration, facts, session_bag
 from forest_ident.ident_experiment import duration, told
 from forest_ident.session import SessionError
 from forest_ident.switches import DRIVER, WANTED, Switches
@@ -27,8 +28,10 @@ from forest_study.exclusive import Failure
 from forest_study.experiment_command import LOGS, Progress, conditions_of, make_directory, wanted
 from forest_study.experiment_graph import OPERATOR, Conditions, listener, operator
 from forest_study.supervisor import NodeSpec, Supervisor
+from forest_study.terminal import Question, ask
 
 RECORDER = "experiment_recorder"
+VOLUME, LITRE = "case_drain_volume", 1e-3  # [m3]
 LISTENERS = 2  # driver and recorder hear the commands
 RESET = "ros2 service call /reset_emergency_stop std_srvs/srv/Trigger"
 
@@ -69,13 +72,13 @@ def _run(options: argparse.Namespace, graph: LiveGraph) -> int:
         bar.begin(name)
         if name == calibration.NAME:
             _demand(graph, topics.PRESSURES)
-            facts = _calibration(options.namespace, bag, logs, bar.tell, options.yes)
+            known = _calibration(options.namespace, bag, logs, bar.tell, options.yes)
         else:
-            facts = _experiment(graph, name, conditions, bag, logs, bar.tell)
+            known = _experiment(graph, name, conditions, bag, logs, bar.tell)
         bar.end()
+        session_bag.write_facts(bag, name, known)  # before the last question: nobody need answer it
         if name.startswith("motor") and not options.yes:
-            facts |= _vessel()
-        session_bag.write_facts(bag, name, facts)
+            session_bag.write_facts(bag, name, known | _vessel(bag))
         print(f"  recorded: {bag}\n", flush=True)
     return 0
 
@@ -117,7 +120,7 @@ def _ask_whether_prepared(sure: bool) -> None:
         return
     if not sys.stdin.isatty():
         raise SessionError("--live asks before each experiment, and nobody can answer here; allowed: --yes")
-    if input("  Prepared, and nobody near the crane? It will move. Type yes: ").strip().lower() != "yes":
+    if ask("  Prepared, and nobody near the crane? It will move. Type yes: ").lower() != "yes":
         raise SessionError("not confirmed; the experiment was not begun")
 
 
@@ -159,16 +162,24 @@ def _tell_of_leftovers(switches: Switches) -> None:
                 print(f"  note: {node}'s {name} is {value} already, and will be left so", flush=True)
 
 
-def _vessel() -> dict[str, float]:
-    """Ask what the vessel under the case drain holds."""
+def _vessel(bag: Path) -> dict[str, float]:
+    """Ask what the vessel under the case drain holds.
+
+    Raises:
+        SessionError: nobody answers; the message says where the volume can be written.
+    """
     while sys.stdin.isatty():
-        text = input("  Oil in the vessel [m3], nothing if the drain has a meter: ").strip()
+        try:
+            text = ask("  Oil in the vessel [L], nothing if the drain has a meter: ")
+        except SessionError as error:
+            later = f"the record is whole, write {VOLUME} into {bag / session_bag.FILE}"
+            raise SessionError(f"{error}; {later}") from error
         if not text:
             break
         try:
-            return {"case_drain_volume": float(text)}
-        except ValueError:
-            print(f"  {text!r} is not a number")
+            return {VOLUME: facts.checked(VOLUME, text, LITRE)}
+        except ValueError as error:
+            print(f"  {error} L")
     return {}
 
 
@@ -176,28 +187,54 @@ def _calibration(
     namespace: str, bag: Path, logs: Path, tell: Callable[[float], None], sure: bool
 ) -> dict[str, float]:
     """Record the sensors, first in ice, then in boiling water; return when which began and ended [s]."""
-    marks: list[int] = []
-    begun = time.monotonic()
+    baths = _Baths(tell, sure)
+    with contextlib.suppress(_Recorded), _joining([_recorder(bag)], namespace, logs, _ignored) as running:
+        running.run(progress=baths.watch)
+    first = int(read_bag(bag).series(topics.PRESSURES).log_time_ns[0])
+    ice, boiling = ((mark - first) * 1e-9 for mark in baths.marks)
+    return {"ice_until": ice, "boiling_from": boiling}
 
-    def watch() -> None:
-        nonlocal begun
-        elapsed = time.monotonic() - begun
-        tell(elapsed + calibration.EACH * bool(marks))
+
+class _Baths:
+    """The thermocouples in ice, on their way, in boiling water; the supervisor watches on meanwhile.
+
+    Args:
+        tell: told how far it is [s].
+        sure: the change needs no confirmation.
+    """
+
+    def __init__(self, tell: Callable[[float], None], sure: bool) -> None:
+        self.marks: list[int] = []  # [ns] when ice ended, and boiling water began
+        self._tell, self._sure = tell, sure
+        self._begun = math.nan
+        self._question: Question | None = None
+
+    def watch(self) -> None:
+        """Go on to the next bath when it is time and somebody says so.
+
+        Raises:
+            _Recorded: both baths are done.
+            SessionError: nobody can say so any more.
+        """
+        if self._question is not None:
+            if self._question.answered():
+                self._question, self._begun = None, time.monotonic()
+                self.marks.append(time.time_ns())
+            return
+        if math.isnan(self._begun):
+            self._begun = time.monotonic()
+        elapsed = time.monotonic() - self._begun
+        self._tell(elapsed + calibration.EACH * bool(self.marks))
         if elapsed < calibration.EACH:
             return
-        if marks:
+        if self.marks:
             raise _Recorded
-        marks.append(time.time_ns())
-        if not sure:
-            input("\n  Now the thermocouples into boiling water; then press Enter: ")
-        marks.append(time.time_ns())
-        begun = time.monotonic()
-
-    with contextlib.suppress(_Recorded), _joining([_recorder(bag)], namespace, logs, _ignored) as running:
-        running.run(progress=watch)
-    first = int(read_bag(bag).series(topics.PRESSURES).log_time_ns[0])
-    ice, boiling = ((mark - first) * 1e-9 for mark in marks)
-    return {"ice_until": ice, "boiling_from": boiling}
+        self.marks.append(time.time_ns())
+        if self._sure:
+            self.marks.append(self.marks[0])
+            self._begun = time.monotonic()
+        else:
+            self._question = Question("\n  Now the thermocouples into boiling water; then press Enter: ")
 
 
 def _ignored(_line: str) -> None:
