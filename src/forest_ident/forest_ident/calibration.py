@@ -30,12 +30,14 @@ from forest_description.machine import Machine
 from forest_ident.judging import KIND, channel
 from forest_ident.output_error import Unknown, fit
 from forest_ident.readings import read
-from forest_ident.session import Session
+from forest_ident.session import Session, SessionError
 from forest_sim.sensor_suite import Suite
 
 Floats = NDArray[np.float64]
 
 NAME = "calibration"
+NEAR = 25.0  # [K] a thermocouple may be off; further, it is not in that bath
+VENTED = 1e6  # [Pa] a transducer may be off; further, its line is not open to the air
 ICE, BOILING = 273.15, 373.15  # [K], at 1013 hPa
 EACH, PERIOD = 20.0, 0.005  # [s] in ice, and in boiling water; of the samples
 SETUP = (
@@ -87,7 +89,11 @@ def simulated(suite: Suite) -> Session:
 
 
 def calibrate(machine: Machine, session: Session) -> list[Offset]:
-    """Return what a calibration's record says of every sensor in it. Thesis section 4.3.1."""
+    """Return what a calibration's record says of every sensor in it. Thesis section 4.3.1.
+
+    Raises:
+        SessionError: a transducer was under pressure, or a thermocouple not in its bath.
+    """
     found = []
     for name in sorted(session.readings):
         if KIND[name].name == "pressure":
@@ -100,6 +106,11 @@ def calibrate(machine: Machine, session: Session) -> list[Offset]:
 def _transducer(machine: Machine, session: Session, name: str) -> Offset:
     """Return a pressure transducer's offset, by maximum likelihood with its zero as censoring."""
     y = session.column(name)
+    if not abs(float(np.mean(y))) < VENTED:
+        raise SessionError(
+            f"calibration: {name} reads {1e-6 * float(np.mean(y)):.2f} MPa; allowed: less than "
+            f"{1e-6 * VENTED:g} MPa, with the pump off and the lines open to the air"
+        )
     if np.ptp(y) == 0.0:
         return Offset(name, float(y[0]), 0.0 if y[0] > 0.0 else math.inf, 1.0, 0.0, "Pa")
     judged = channel(machine, session, name)._replace(offset=0.0)
@@ -118,6 +129,13 @@ def _thermocouple(session: Session, name: str) -> Offset:
     y, change = session.column(name), session.facts.get("ice_until", EACH)
     boiling = session.facts.get("boiling_from", change)
     ice, water = y[session.time < change - 1.0], y[session.time > boiling + 1.0]
+    for bath, rows, point in (("ice", ice, ICE), ("boiling water", water, BOILING)):
+        read = float(np.mean(rows)) if len(rows) > 1 else math.nan
+        if not abs(read - point) < NEAR:
+            raise SessionError(
+                f"calibration: {name} reads {read:.1f} K in {bath}; allowed: {point:g} K within {NEAR:g} K, "
+                "with ice until ice_until and boiling water from boiling_from in experiment.yaml"
+            )
     errors = [float(np.std(part)) / math.sqrt(len(part)) for part in (ice, water)]
     gain = float(np.mean(water) - np.mean(ice)) / (BOILING - ICE)
     return Offset(

@@ -61,6 +61,14 @@ class Estimate(NamedTuple):
         reach = NORMAL_95 * self.standard_error
         return self.value - reach, self.value + reach
 
+    def spelled(self) -> tuple[str, str, str]:
+        """Return value and both ends of the interval, in digits that tell them apart."""
+        low, high = self.interval
+        apart = (high - low) / max(abs(low), abs(high), 1e-300)
+        digits = 5 if not 0.0 < apart < 1.0 else min(max(5, 2 - math.floor(math.log10(apart))), 12)
+        value, low_text, high_text = (f"{number:.{digits}g}" for number in (self.value, low, high))
+        return value, low_text, high_text
+
     def holds(self, truth: float) -> bool:
         """Tell whether the interval holds a value [unit]."""
         low, high = self.interval

@@ -23,7 +23,7 @@ class Fact(NamedTuple):
 
 
 FACTS = {
-    "case_drain_volume": Fact("m3", 1e-6, 1.0),
+    "case_drain_volume": Fact("m3", 0.0, 1.0),
     "hose_length": Fact("m", 0.01, 100.0),
     "hose_axis": Fact("1", 0, 2, whole=True),
     "laminar": Fact("1", 0, 1, whole=True),

@@ -20,6 +20,8 @@ Columns = Mapping[str, Floats]
 Jacobian = Sequence[Mapping[str, Floats]]
 """Derivatives of the predicted columns, one entry per parameter."""
 
+UNTOLD = 1e3  # standard error of what neither record nor belief says a word of: not 0
+
 
 class Unknown(NamedTuple):
     """A parameter: dotted key (or name of an offset), start, prior, whether it is positive (logarithm)."""
@@ -173,7 +175,8 @@ class Problem:
         of the next fit it would claim to know some of their sums and differences far too well.
         """
         information, _ = self.normal(theta, predicted, jacobian)
-        spread = inverse(information + self.known)
+        known = information + self.known
+        spread = inverse(known + np.diag(np.where(np.diag(known) > 0.0, 0.0, UNTOLD**-2)))
         count = max(len(y) for y in self._y.values()) // self._block + 1
         found, white = np.zeros((count, len(theta))), np.zeros((count, len(theta)))
         for _, residual, j in self._rows(theta, predicted, jacobian):

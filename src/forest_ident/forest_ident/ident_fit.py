@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 import time
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from forest_description.machine import load_machine
-from forest_ident import identification, machine_writer, session_bag
+import numpy as np
+
+from forest_description.machine import Machine, load_machine
+from forest_ident import experiments, identification, machine_writer, session_bag
+from forest_ident.calibration import Offset
+from forest_ident.estimate import NORMAL_95
 from forest_ident.result import Result, table
-from forest_ident.session import SessionError
+from forest_ident.session import Session, SessionError
 from forest_ident.untold import untold
 
 WIDTH = 30  # characters of the progress bar
@@ -37,31 +43,90 @@ def run(options: argparse.Namespace) -> int:
     Raises:
         SessionError: a bag is not usable, or nothing can be estimated from them.
     """
-    if options.out.suffix != ".yaml":
-        raise SessionError(f"--out {options.out}: allowed: a file that ends in .yaml")
-    if options.report is not None and options.report.exists():
-        raise SessionError(f"{options.report} exists already; choose another --report or remove it")
+    _demand_room(options.out, options.report)
     start = load_machine(options.start)
-    sessions = [session_bag.read(path) for path in found(options.bags)]
+    sessions = {path: session_bag.read(path) for path in found(options.bags)}
+    _refuse_strangers(start, sessions)
+    _refuse_twice(sessions)
     bar = Bar()
-    result = identification.identify(start, sessions, bar, refine=not options.linear)
+    result = identification.identify(start, list(sessions.values()), bar, refine=not options.linear)
     bar.end()
-    if not result.estimates:
-        names = ", ".join(session.name for session in sessions)
-        raise SessionError(f"nothing can be estimated from {names}; record some of the experiments first")
-    options.out.parent.mkdir(parents=True, exist_ok=True)
+    if not (result.estimates or result.calibration):
+        said = "".join(f"; {remark}" for remark in result.remarks)
+        names = ", ".join(session.name for session in sessions.values())
+        raise SessionError(
+            f"nothing for a machine file from {names}{said}; `forest-ident experiment list` tells which "
+            "records hold something"
+        )
     result.machine = machine_writer.write(result, options.start, options.out)
     print(text_table(result))
-    for remark in result.remarks:
-        print(f"  remark: {remark}")
-    for key, motion in untold(result):
-        print(f"  not told by these records, left as it was: {key}; it takes {motion}")
+    _tell_rest(result, sessions)
     print(f"  {options.out}")
     if options.report is not None:
         from forest_ident.report import write  # matplotlib takes half a second
 
         print(f"  {write(result, options.report)}")
     return 0
+
+
+def _tell_rest(result: Result, sessions: dict[Path, Session]) -> None:
+    for remark in result.remarks:
+        print(f"  remark: {remark}")
+    for path, session in sessions.items():
+        if session.name in identification.HELD_OUT:
+            print(f"  held out, not used: {path} ({session.name})")
+    for key, motion in untold(result):
+        print(f"  not told by these records, left as it was: {key}; it takes {motion}")
+
+
+def _demand_room(out: Path, report: Path | None) -> None:
+    """Refuse before the fit where its result could not be written.
+
+    Raises:
+        SessionError: a file or directory is there already, or cannot be made.
+    """
+    if out.suffix != ".yaml":
+        raise SessionError(f"--out {out}: allowed: a file that ends in .yaml")
+    for option, path in (("--out", out), ("--report", report)):
+        if path is None:
+            continue
+        if path.exists():
+            raise SessionError(f"{path} exists already; choose another {option} or remove it")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.touch()
+            path.unlink()
+        except OSError as error:
+            raise SessionError(
+                f"{option} {path}: cannot be written ({error.strerror}); allowed: a folder you may write to"
+            ) from error
+
+
+def _refuse_strangers(start: Machine, sessions: dict[Path, Session]) -> None:
+    """Refuse records of experiments that a machine has not.
+
+    Raises:
+        SessionError: there is one; the message names those it has.
+    """
+    known = tuple(dict.fromkeys((*experiments.names(start), *identification.HELD_OUT)))
+    for path, session in sessions.items():
+        if session.name not in known:
+            raise SessionError(
+                f"{path}: {start.name} has no experiment {session.name!r}; allowed: {', '.join(known)}; "
+                "another machine's records take another --start"
+            )
+
+
+def _refuse_twice(sessions: dict[Path, Session]) -> None:
+    """Refuse a record that comes twice: its errors would be taken for independent ones.
+
+    Raises:
+        SessionError: two bags hold the same.
+    """
+    for (one, first), (two, second) in combinations(sessions.items(), 2):
+        same = first.name == second.name and first.readings.keys() == second.readings.keys()
+        if same and all(np.array_equal(first.readings[key], second.readings[key]) for key in first.readings):
+            raise SessionError(f"{one} and {two} hold the same record of {first.name}; allowed: each once")
 
 
 def found(paths: list[Path]) -> list[Path]:
@@ -87,15 +152,25 @@ def _is_bag(path: Path) -> bool:
 
 
 def text_table(result: Result) -> str:
-    """Return what was found as text: old, new, interval, warning."""
-    lines = [f"  {'parameter':<42} {'told':>11} {'found':>11}  95 % interval"]
+    """Return what was found as text: old, new, interval, warning; sensors."""
+    lines = [f"  {'parameter':<42} {'told':>11} {'found':>13}  95 % interval"]
     for e, told in table(result):
-        low, high = e.interval
+        value, low, high = e.spelled()
         was = "-" if told is None else f"{told:.5g}"
-        lines.append(f"  {e.key:<42} {was:>11} {e.value:>11.5g}  {low:.5g} .. {high:.5g} {e.unit}")
+        lines.append(f"  {e.key:<42} {was:>11} {value:>13}  {low} .. {high} {e.unit}")
         if e.warning:
             lines.append(f"    warning: {e.warning}")
-    return "\n".join(lines)
+    return "\n".join(lines + [_calibrated(o) for o in result.calibration if math.isfinite(o.offset_error)])
+
+
+def _calibrated(o: Offset) -> str:
+    """Return what was found of a sensor; an error of 0 is of what was not looked for."""
+    parts = []
+    if o.offset_error > 0.0:
+        parts.append(f"offset {o.offset:.4g} ± {NORMAL_95 * o.offset_error:.2g} {o.unit}")
+    if o.gain_error > 0.0:
+        parts.append(f"gain {o.gain:.6f} ± {NORMAL_95 * o.gain_error:.1g}")
+    return f"  sensors.calibration.{o.channel:<26} {', '.join(parts)}"
 
 
 class Bar:

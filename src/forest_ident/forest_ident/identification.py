@@ -15,9 +15,19 @@ from numpy.typing import NDArray
 
 from forest_description import machine_file
 from forest_description.machine import Machine
-from forest_ident import calibration, correction, experiments, judging, linear, pooling, refinement, weighing
+from forest_ident import (
+    calibration,
+    correction,
+    doubts,
+    experiments,
+    judging,
+    linear,
+    pooling,
+    refinement,
+    weighing,
+)
 from forest_ident.belief import NOTHING, Belief
-from forest_ident.estimate import Estimate, judged
+from forest_ident.estimate import Estimate, judged, motion_for
 from forest_ident.keys import value_of, with_directions, with_values
 from forest_ident.linear import First
 from forest_ident.output_error import Fit
@@ -46,6 +56,9 @@ def identify(
         sessions: in any order.
         progress: called with what is being done and the share that is done.
         refine: whether the simulator refines what the linear estimators found.
+
+    Raises:
+        SessionError: a session does not hold its experiment.
     """
     order = experiments.names(start)
     known = [s for s in sessions if s.name in order and s.name not in HELD_OUT]
@@ -53,9 +66,11 @@ def identify(
     result = Result(start, _prepared(start, known))
     result.held_out = [s for s in sessions if s.name in HELD_OUT]
     _calibrate(result, known)
+    result.remarks += [doubts.cut(session) for session in known if not session.whole]
     for session in known:
         progress(f"{session.name}: linear estimates", 0.0)
-        _take_linear(result, session)
+        with doubts.evaluated(session):
+            _take_linear(result, session)
     belief = _believed([*_told_offsets(start, known), *result.calibration])
     work = [s for s in known if refine and refinement.task(result.machine, s) is not None]
     for place, session in enumerate(work):
@@ -66,7 +81,8 @@ def identify(
             part = min(count[0] / 70.0, 1.0) / len(work)
             progress(f"{session.name}: refinement, simulation {count[0]}", share + part)
 
-        belief = _refine(result, session, belief, told)
+        with doubts.evaluated(session):
+            belief = _refine(result, session, belief, told)
     progress("done", 1.0)
     _conclude(result)
     return result
@@ -133,8 +149,12 @@ def _take_linear(result: Result, session: Session) -> None:
         session = correction.corrected(session, result.machine)
     found = linear.estimates(result.machine, session)
     result.linear += found
-    usable = {f.key: f.value for f in found if f.main and math.isfinite(f.value) and f.value > 0.0}
+    usable = {f.key: f.value for f in found if f.main and _usable(f)}
     result.machine = with_values(result.machine, usable)
+
+
+def _usable(first: First) -> bool:
+    return math.isfinite(first.value) and first.value > 0.0
 
 
 def _refine(result: Result, session: Session, belief: Belief, progress: Callable[[], None]) -> Belief:
@@ -143,6 +163,7 @@ def _refine(result: Result, session: Session, belief: Belief, progress: Callable
         return belief
     work, fit = done
     result.refined.append(Refined(session, fit, work.free))
+    result.remarks += doubts.unexplained(result.start, session, fit)
     if session.name.startswith("deadband_"):
         return _compare_valve(result, session, belief, fit)
     for key in work.free:
@@ -205,7 +226,13 @@ def _follow(result: Result, belief: Belief) -> None:
 def _conclude(result: Result) -> None:
     """Add what only a linear estimator told."""
     for first in result.linear:
-        if first.main and first.key not in result.estimates:
+        if not first.main or first.key in result.estimates:
+            continue
+        if not _usable(first):
+            result.remarks.append(
+                f"the records hold nothing of {first.key}; it takes {motion_for(first.key)}"
+            )
+        else:
             unit = machine_file.parameters(Machine)[first.key].unit
             result.estimates[first.key] = judged(
                 Estimate(first.key, first.value, first.error, unit, first.condition, first.method)

@@ -13,7 +13,11 @@ from forest_ident import bench, damping, hose_dynamics, hose_resistance, motor_l
 from forest_ident.keys import value_of
 from forest_ident.least_squares import Line
 from forest_ident.refinement import hose_section
-from forest_ident.session import Session
+from forest_ident.session import Session, SessionError
+
+ENOUGH = 4  # steady openings each way, steady flows: fewer do not make a line
+LONG = 20.0  # [s]: of creep, or of oil in the drain
+MOVED = 0.05  # [rad]
 
 
 class First(NamedTuple):
@@ -65,13 +69,20 @@ def estimates(machine: Machine, session: Session) -> list[First]:
     Args:
         machine: as far as it is known; a motor's internal leakage needs its external one, damping the areas.
         session: any; of an unknown name it supports nothing.
+
+    Raises:
+        SessionError: it does not hold what its experiment is made for.
     """
     kind, _, tail = session.name.partition("_")
     if kind == "valve":
         return _valve(machine, session, f"{tail}.valve" if tail in AXES else "valve")
     if kind == "hose":
         return _hose(machine, session)
+    if kind == "motor":
+        _demand(session, session.time[-1] >= LONG, f"{session.time[-1]:.0f} s", f"{LONG:.0f} s or more")
     if session.name == "motor_external":
+        measured = session.has("case_drain") or "case_drain_volume" in session.facts
+        _demand(session, measured, "no flow of the case drain", "its meter, or the fact case_drain_volume")
         line = motor_leakage.external(machine, session)
         return [_inverse("swing.external_leakage_resistance", line, "case drain (4.8)")]
     if session.name == "motor_internal":
@@ -79,14 +90,30 @@ def estimates(machine: Machine, session: Session) -> list[First]:
         line = motor_leakage.internal(machine, session, drained)
         return [_inverse("swing.internal_leakage_resistance", line, "creep on the tilted platform (4.7)")]
     if kind == "damping" and tail in AXES:
+        moved = float(np.ptp(session.column(f"{tail}_resolver")))
+        _demand(session, moved > MOVED, f"a motion over {moved:.3f} rad", f"more than {MOVED} rad")
         line = damping.damping(machine, session, AXES.index(tail))
         value, error = float(line.values[0]), float(line.errors[0])
         return [First(f"{tail}.damping", value, error, line.condition, "least squares (4.11)")]
     return []
 
 
+def _demand(session: Session, there: bool, holds: str, allowed: str) -> None:
+    """Refuse a session that does not hold what its experiment is made for.
+
+    Raises:
+        SessionError: it does not.
+    """
+    if not there:
+        raise SessionError(f"{session.name}: the record holds {holds}; it takes {allowed}")
+
+
 def _valve(machine: Machine, session: Session, section: str) -> list[First]:
     points = valve_characteristic.points(session, highest(machine, session))
+    seen = np.abs(points.flow) > 1.02 * floor(machine, session)
+    ways = [int(np.sum(seen & (np.sign(points.voltage) == way))) for way in (1.0, -1.0)]
+    holds = f"{ways[0]} steady openings forward and {ways[1]} backward with flow above the meter's floor"
+    _demand(session, min(ways) >= ENOUGH, holds, f"{ENOUGH} each or more")
     owner = getattr(machine, section.partition(".")[0]).valve if "." in section else machine.valve
     noise = (machine.sensors.flow_meter.noise or 0.0) if machine.sensors.flow_meter else 0.0
     noise = max(noise / math.sqrt(float(np.median(points.samples))), 1e-10)
@@ -97,10 +124,17 @@ def _valve(machine: Machine, session: Session, section: str) -> list[First]:
 
 
 def _hose(machine: Machine, session: Session) -> list[First]:
-    laminar = session.facts.get("laminar", 0.0) > 0.0
-    section = hose_section(machine, int(session.facts.get("hose_axis", 0.0)))
+    facts = [name for name in ("hose_axis", "laminar") if name not in session.facts]
+    _demand(session, not facts, f"no fact {', '.join(facts)}", "hose_axis (0, 1, 2) and laminar (0, 1)")
+    laminar, axis = session.facts["laminar"] > 0.0, int(session.facts["hose_axis"])
+    section, length = hose_section(machine, axis), bench.as_measured(machine, machine.hose_of(axis)).length
+    piece = session.facts.get("hose_length", length)
+    told = f"the {length:g} m of {section}.length, in whose numbers R, I and C are told"
+    _demand(session, math.isclose(piece, length, rel_tol=1e-3), f"a piece of {piece:g} m", told)
     low, high = floor(machine, session), highest(machine, session)
-    line = hose_resistance.resistance(*hose_resistance.steady(session, low, high), laminar)
+    flow, drop = hose_resistance.steady(session, low, high)
+    _demand(session, len(flow) >= ENOUGH, f"{len(flow)} steady flows", f"{ENOUGH} or more")
+    line = hose_resistance.resistance(flow, drop, laminar)
     key = f"{section}.{'laminar' if laminar else 'turbulent'}_resistance"
     value = float(line.values[0])
     found = [First(key, value, float(line.errors[0]), line.condition, "least squares (4.4)")]

@@ -109,9 +109,9 @@ def _measured(tree: dict[str, Any], section: str, result: Result) -> None:
 
 
 def _quantity(e: Estimate) -> str:
-    low, high = e.interval
+    _, low, high = e.spelled()
     doubt = f"; {e.warning}" if e.warning else ""
-    source = f"identified: {e.method}, 95 % interval {low:.5g} .. {high:.5g}{doubt}"
+    source = f"identified: {e.method}, 95 % interval {low} .. {high}{doubt}"
     return f'{{value: {e.value:.9g}, unit: {e.unit}, source: "{source}"}}'
 
 

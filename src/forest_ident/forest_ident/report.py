@@ -94,11 +94,11 @@ def _picture(draw: Callable[[Any], None], size: tuple[float, float] = (6.0, 3.6)
 def _parameters(result: Result) -> str:
     lines = []
     for e, told in table(result):
-        low, high = e.interval
+        value, low, high = e.spelled()
         old = "-" if told is None else f"{told:.5g}"
         cells = (
-            f"{e.value:.5g}",
-            f"{low:.5g} .. {high:.5g}",
+            value,
+            f"{low} .. {high}",
             e.unit,
             f"{e.condition:.3g}",
             e.method,

@@ -36,6 +36,8 @@ class Session:
     readings: Mapping[str, Floats]
     facts: Mapping[str, float] = field(default_factory=dict)
     """What the sensors do not tell: by hand set or read, SI."""
+    whole: bool = True
+    """False: its recorder was killed, or the file was cut; this is what is whole of it."""
 
     @property
     def period(self) -> float:
@@ -61,7 +63,7 @@ class Session:
         """Return the rows from ``first`` to before ``last``."""
         rows = slice(first, last)
         readings = {name: column[rows] for name, column in self.readings.items()}
-        return Session(self.name, self.time[rows], self.voltages[rows], readings, self.facts)
+        return Session(self.name, self.time[rows], self.voltages[rows], readings, self.facts, self.whole)
 
     def temperature(self) -> Floats | None:
         """Return the oil's temperature [K], the mean of its thermocouples; None if there are none."""

@@ -16,6 +16,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from forest_ident.facts import FACTS, value
 from forest_ident.readings import speeds
 from forest_ident.session import Session, SessionError
 from forest_msgs_py.bag_writer import BagWriter, Layout
@@ -42,15 +43,6 @@ FILE = "experiment.yaml"
 SAME_CLOCK = 1_000_000_000  # [ns] by which a message may be sent later than it is stamped
 TICK = 1000  # [ns]
 CHUNK_BYTES = 1024 * 1024
-UNITS = {
-    "case_drain_volume": "m3",
-    "hose_length": "m",
-    "hose_axis": "1",
-    "laminar": "1",
-    "exact_sensors": "1",
-    "ice_until": "s",
-    "boiling_from": "s",
-}
 # Channel of the sensors to (topic, label), for what is written and read alike.
 PLACES: dict[str, tuple[Topic, str]] = {
     **{f"{axis}_resolver": (JOINT_STATES, f"{axis}.position") for axis in AXES},
@@ -107,7 +99,7 @@ def write_facts(directory: Path, experiment: str, facts: Mapping[str, float]) ->
     Raises:
         OSError: it cannot be written.
     """
-    told = {key: {"value": float(value), "unit": UNITS.get(key, "1")} for key, value in sorted(facts.items())}
+    told = {key: {"value": float(value), "unit": FACTS[key].unit} for key, value in sorted(facts.items())}
     text = yaml.safe_dump({"experiment": experiment, "facts": told}, sort_keys=False)
     (directory / FILE).write_text(text, encoding="utf-8")
 
@@ -160,17 +152,18 @@ def read(path: Path) -> Session:
     grid = period * np.arange(round(time[-1] / period) + 1)
     try:
         volts = bag.series(VALVE_VOLTAGES)
+        columns = [volts.column(axis) for axis in AXES]
     except NotInBag as error:
         raise SessionError(f"{path}: {error}") from error
     given = _given(volts.time_ns - begin, bag.sent_ns(VALVE_VOLTAGES) - begin, period)
-    voltages = np.column_stack([_held(given, volts.column(axis), grid) for axis in AXES])
+    voltages = np.column_stack([_held(given, column, grid) for column in columns])
     readings = {}
     for channel, (topic, label) in PLACES.items():
         if bag.name(topic) is None or label not in bag.series(topic).labels:
             continue
         series = bag.series(topic)
         readings[channel] = _at(series.time_ns - begin, series.column(label), grid)
-    return Session(name, grid, voltages, readings, facts)
+    return Session(name, grid, voltages, readings, facts, bag.complete)
 
 
 def _first_there(bag: Bag, path: Path) -> Topic:
@@ -216,8 +209,8 @@ def _experiment(path: Path) -> tuple[str, dict[str, float]]:
     try:
         content = parsed(file.read_text("utf-8"))
         name = str(content["experiment"])
-        facts = {str(key): float(fact["value"]) for key, fact in (content.get("facts") or {}).items()}
-    except (yaml.YAMLError, KeyError, TypeError, ValueError) as error:
+        facts = {str(key): value(str(key), told) for key, told in (content.get("facts") or {}).items()}
+    except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError) as error:
         raise SessionError(
             f"{file}: not usable ({error}); allowed: experiment: NAME and "
             "facts: {key: {value: 1.0, unit: m3}}"
