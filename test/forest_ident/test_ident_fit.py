@@ -14,6 +14,7 @@ from forest_ident.estimate import Estimate
 from forest_ident.fit_problem import Channel, Problem, Unknown
 from forest_ident.ident_cli import main
 from forest_ident.ident_experiment import experiment
+from forest_ident.ident_fit import found
 
 C180 = load_machine("c180")
 
@@ -122,6 +123,16 @@ def test_what_cannot_be_written_is_said_before_the_fit_and_nothing_is_overwritte
         asked = ["fit", str(bags / "valve"), "--out", str(tmp_path / "new.yaml")]
         assert main([*asked, option, str(tmp_path / path)]) == 1
         assert f"{option} {tmp_path / path}: cannot be written" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("file", ["bag_0.mcap", "bag_0.db3", "bag_0.mcap.zstd", "bag_0.db3.zstd"])
+def test_a_record_of_rosbag2s_is_a_bag_in_each_of_its_kinds(file, tmp_path):
+    bag = tmp_path / "records" / "valve"
+    bag.mkdir(parents=True)
+    (bag / file).touch()
+    (tmp_path / "records" / "log").mkdir()
+    assert found([tmp_path / "records"]) == found([bag]) == [bag]
+    assert found([bag / file]) == [bag / file]
 
 
 def test_a_bag_that_was_cut_off_is_used_and_said_to_be(bags, sessions, tmp_path):

@@ -19,6 +19,7 @@ from forest_ident.estimate import NORMAL_95
 from forest_ident.result import Result, table
 from forest_ident.session import Session, SessionError
 from forest_ident.untold import untold
+from forest_msgs_py.bag_reader import FILE_KINDS, SUFFIXES
 
 WIDTH = 30  # characters of the progress bar
 
@@ -143,12 +144,14 @@ def found(paths: list[Path]) -> list[Path]:
         elif inside:
             bags.extend(inside)
         else:
-            raise SessionError(f"{path}: no bag there; allowed: a bag, an .mcap file or a directory of bags")
+            raise SessionError(f"{path}: no bag there; allowed: {FILE_KINDS}, or a directory of bags")
     return bags
 
 
 def _is_bag(path: Path) -> bool:
-    return (path.is_file() and path.suffix == ".mcap") or (path.is_dir() and any(path.glob("*.mcap")))
+    if path.is_dir():
+        return any(child.is_file() and child.name.endswith(SUFFIXES) for child in path.iterdir())
+    return path.is_file() and path.name.endswith(SUFFIXES)
 
 
 def text_table(result: Result) -> str:
