@@ -219,6 +219,14 @@ def test_the_command_writes_a_prediction_with_state_carried_on(record, tmp_path,
         ("sample,valve,pressure,position\n0,1\n", "line 2: ends before column 'pressure'"),
         ("sample,valve,pressure,position\n", "has a head but no samples"),
         ("", "line 1: column 'sample' is missing"),
+        (
+            "sample;valve;pressure;position\n0;1;2;3\n",
+            "allowed: a head with sample, valve, pressure, position,",
+        ),
+        (
+            "sample,valve,valve,pressure,position\n0,1,1,2,3\n",
+            "'valve' stands there twice; allowed: each once",
+        ),
         ("sample,valve,pressure,position\n0,1,2,3\n", "has 1 samples; a fit needs at least 60"),
     ],
 )

@@ -64,7 +64,13 @@ def read(path: Path, whole: bool = True) -> Record:
     missing = [name for name in wanted if name not in head]
     if missing:
         had = ", ".join(head) or "nothing"
-        raise RecordError(f"{path}, line 1: column {missing[0]!r} is missing; the head names {had}")
+        allowed = f"a head with {', '.join(wanted)}, columns separated by commas"
+        raise RecordError(
+            f"{path}, line 1: column {missing[0]!r} is missing; the head names {had}; allowed: {allowed}"
+        )
+    twice = [name for name in wanted if head.count(name) > 1]
+    if twice:
+        raise RecordError(f"{path}, line 1: column {twice[0]!r} stands there twice; allowed: each once")
     body = [(rows.line_num, row) for row in rows if any(item.strip() for item in row)]
     if not body:
         raise RecordError(f"{path} has a head but no samples")
