@@ -150,6 +150,10 @@ def _write(out: Path, test: Record, foretold: Floats, found: dict[str, Any]) -> 
     draw(out / "prediction.png", test, foretold)
     ending = "" if found["rms_test"] is None else f"; on TEST: {found['rms_test']:.4f}"
     print(f"RMS of pressure on TRAIN: {found['rms_train']:.4f}{ending}")
+    for fold in found.get("cross_validation", []):
+        (first, end), (begin, stop) = fold["held_out"], fold["fitted"]
+        rows = f"rows {first} to {end - 1}, fitted to {begin} to {stop - 1}"
+        print(f"held out, {rows}: RMS {fold['rms_held_out']:.4f}")
     untold = [name for name, p in found["parameters"].items() if not p["told_by_record"]]
     if untold:
         print(f"this record hardly tells: {', '.join(untold)}")

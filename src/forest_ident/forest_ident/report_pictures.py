@@ -10,8 +10,9 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from forest_description.machine import AXES, Machine
+from forest_description.machine import AXES, Machine, MeasuredHose
 from forest_ident import (
     bench,
     damping,
@@ -25,6 +26,9 @@ from forest_ident.differentiator import derivative, smooth
 from forest_ident.result import Refined
 from forest_ident.session import Session
 
+Floats = NDArray[np.float64]
+
+MOST = 99.5  # [%] of the samples that a picture's scale must hold
 MEASURED, FITTED = {"color": "C0"}, {"color": "k", "linestyle": ":", "linewidth": 1.8}
 
 
@@ -68,21 +72,40 @@ def hose(axes: Any, machine: Machine, session: Session) -> None:
     axes.legend()
 
 
-def dynamics(axes: Any, machine: Machine, session: Session) -> None:
-    """What the inertance and the capacitance are the slopes of. Thesis fig. 4.8."""
+def inertance(axes: Any, machine: Machine, session: Session) -> None:
+    """What speeds the oil up over how fast it is sped up: the slope is I. Thesis fig. 4.8."""
+    of, (drop, rate, _, _) = _dynamics(machine, session)
+    _slope(axes, rate, 1e-6 * drop, 1e-6 * of.inertance)
+    title = f"{session.name}: inertance (fig. 4.8)"
+    axes.set(xlabel="dQ_1/dt, m³/s²", ylabel="P_in - P_c, MPa", title=title)
+
+
+def capacitance(axes: Any, machine: Machine, session: Session) -> None:
+    """Flow that stays in the hose over the rise of its pressure: the slope is C. Thesis fig. 4.8."""
+    of, (_, _, difference, rate) = _dynamics(machine, session)
+    _slope(axes, 1e-9 * rate, 1e3 * difference, 1e12 * of.capacitance)
+    title = f"{session.name}: capacitance (fig. 4.8)"
+    axes.set(xlabel="dP_c/dt, GPa/s", ylabel="Q_1 - Q_2, L/s", title=title)
+
+
+def _dynamics(machine: Machine, session: Session) -> tuple[MeasuredHose, tuple[Floats, ...]]:
+    """Return the hose, and every fifth row of the terms of its equations."""
     laminar = session.facts.get("laminar", 0.0) > 0.0
     of = bench.as_measured(machine, machine.hose_of(int(session.facts.get("hose_axis", 0.0))))
     r = of.laminar_resistance if laminar else of.turbulent_resistance
     meter = machine.sensors.flow_meter
     lag = meter.time_constant if meter and linear.floor(machine, session) > 0.0 else 0.0
-    drop, rate, difference, pressure_rate, rows = hose_dynamics.terms(session, r, laminar, lag)
+    *terms, rows = hose_dynamics.terms(session, r, laminar, lag)
     part = slice(rows.start, rows.stop, 5)
-    axes.plot(rate[part], 1e-6 * drop[part], ",", label="P_in - P_c over dQ_1/dt, MPa", color="C0")
-    axes.plot(rate[part], 1e-6 * of.inertance * rate[part], "k:", label="I")
-    other = axes.twinx()
-    other.plot(1e-9 * pressure_rate[part], 1e3 * difference[part], ",", color="C1")
-    other.set_ylabel("Q_1 - Q_2 over dP_c/dt (orange), L/s")
-    axes.set(xlabel="m³/s²; GPa/s", title=f"{session.name}: inertance, capacitance (fig. 4.8)")
+    return of, tuple(term[part] for term in terms)
+
+
+def _slope(axes: Any, x: Floats, y: Floats, slope: float) -> None:
+    """Points and the line through zero; a jump between two samples lies far out and does not count."""
+    ends = np.percentile(np.abs(x), MOST) * np.array([-1.0, 1.0])
+    axes.plot(x, y, ".", markersize=3, label="read", **MEASURED)
+    axes.plot(ends, slope * ends, label="fit", **FITTED)
+    axes.set(xlim=1.1 * ends, ylim=1.3 * slope * ends)
     axes.legend()
 
 
@@ -160,7 +183,7 @@ def autocorrelation(residual: Any, lags: int = 40) -> Any:
 
 PICTURES = {
     "valve": (valve,),
-    "hose": (hose, dynamics),
+    "hose": (hose, inertance, capacitance),
     "motor_external": (external,),
     "motor_internal": (internal,),
     "damping": (friction,),

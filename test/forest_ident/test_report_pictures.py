@@ -1,0 +1,28 @@
+"""Pictures of the report show what they are for."""
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from forest_description.machine import load_machine
+from forest_ident import report_pictures
+from forest_ident.ident_experiment import experiment
+
+
+@pytest.mark.parametrize("draw", [report_pictures.inertance, report_pictures.capacitance])
+def test_a_jump_between_two_samples_does_not_shrink_the_picture(draw):
+    mpl.use("Agg")
+    from matplotlib import pyplot
+
+    machine = load_machine("c180")
+    figure, axes = pyplot.subplots()
+    draw(axes, machine, experiment("hose", machine, seed=3, longest=16.0))
+    read, fitted = axes.lines
+    x, y = read.get_data()
+    inside = np.abs(x) < axes.get_xlim()[1]
+    assert 0.97 < np.mean(inside) < 1.0
+    ends = np.interp(fitted.get_xdata(), *fitted.get_data())
+    assert ends[1] > 0.7 * axes.get_ylim()[1]  # the line fills it
+    slope = ends[1] / fitted.get_xdata()[1]
+    assert np.median(np.abs(y - slope * x)[inside]) < 0.05 * ends[1]
+    pyplot.close(figure)
