@@ -48,6 +48,33 @@ def test_a_profile_keeps_below_a_limit_on_the_way_and_stops_at_corners():
     assert slow.speed[slow.way > 1.2].max() > 0.3
 
 
+@pytest.mark.parametrize("count", [24, 360])
+def test_a_circle_of_waypoints_is_as_quick_as_a_circle(count):
+    turns = np.linspace(0.0, 2.0 * np.pi, count + 1)
+    slope = np.sqrt(0.5)
+    points = [(5.9 - slope * np.cos(t), np.sin(t), 0.8 - slope * np.cos(t)) for t in turns.tolist()]
+    path = polyline("tilted", points)
+    assert path.length == pytest.approx(2.0 * np.pi, rel=1e-3)
+    assert path.stops == (0.0, path.length)
+    away = [
+        np.linalg.norm(np.array(path.at(s)) - (5.9, 0.0, 0.8)) for s in np.linspace(0.0, path.length, 999)
+    ]
+    assert np.abs(np.array(away) - 1.0).max() < 1e-3
+    profile = fastest(path, 0.5, RAMP, lambda place, along: UNLIMITED)
+    assert profile.duration == pytest.approx(path.length / 0.5 + 0.5 / RAMP, rel=1e-3)
+
+
+def test_a_path_stops_at_corners_and_at_repeated_points_and_slows_down_in_bends():
+    here, there, back = (5.0, 0.0, 1.0), (6.0, 0.0, 1.0), (7.0, 0.0, 1.0)
+    assert polyline("through", [here, there, back]).stops == (0.0, 2.0)
+    assert polyline("stop", [here, there, there, back]).stops == (0.0, 1.0, 2.0)
+    assert polyline("and back", [here, here, there, here]).stops == (0.0, 1.0, 2.0)
+    turns = np.linspace(0.0, 2.0 * np.pi, 61).tolist()
+    tight = polyline("tight", [(5.5 + 0.05 * np.cos(t), 0.05 * np.sin(t), 1.0) for t in turns])
+    speeds = fastest(tight, 2.0, 10.0, lambda place, along: UNLIMITED).speed
+    assert speeds.max() == pytest.approx(np.sqrt(1.5 * 0.05), rel=0.05)  # 1.5 m/s^2 across the way
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_a_reversed_path_ends_where_the_path_starts(name):
     path = path_named(name)
@@ -149,7 +176,12 @@ def test_the_command_writes_scores_and_a_picture(tmp_path, capsys):
 
 @pytest.mark.parametrize(
     ("text", "says"),
-    [("x,y\n1,2\n", "header"), ("x,y,z\n1,2,up\n", "way.csv:2"), ("x,y,z\n1,2,3\n", "two or more points")],
+    [
+        ("x,y,z\n5,0,1\n1e300,0,1\n", "longer than 200 m"),
+        ("x,y\n1,2\n", "header"),
+        ("x,y,z\n1,2,up\n", "way.csv:2"),
+        ("x,y,z\n1,2,3\n", "two or more points"),
+    ],
 )
 def test_a_wrong_file_of_waypoints_is_answered_with_what_is_wrong(tmp_path, text, says):
     way = tmp_path / "way.csv"

@@ -6,10 +6,12 @@
 | v | speed along it | m/s |
 | a | its acceleration on ramps | m/s^2 |
 
-A profile is the fastest that speed, ramps and the governor's limits allow: v(s) is bounded at every place,
-and v^2 may change by at most 2 a per metre. At corners the tip stops.
+A profile is the fastest that speed, ramps, bends and the governor's limits allow: v(s) is bounded at every
+place, and v^2 may change by at most 2 a per metre. A path of waypoints stops at both ends, at corners, and at
+a waypoint that is said twice; in between it is the cubic spline through its waypoints.
 """
 
+import bisect
 import csv
 import math
 from collections.abc import Callable
@@ -19,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 Triple = tuple[float, float, float]
 Floats = NDArray[np.float64]
@@ -26,7 +29,10 @@ Floats = NDArray[np.float64]
 STEP = 1e-3  # [m] of the profile
 NAMES = ("sweep", "radial", "vertical", "circle_h", "circle_v")
 CENTRE: Triple = (5.9, 0.0, 0.8)  # [m] of both circles, radius 1 m
-SHORTEST = 1e-6  # [m] between two waypoints
+SHORTEST = 1e-6  # [m] between two waypoints; nearer ones are one, where the tip stops
+LONGEST = 200.0  # [m]
+CORNER = math.radians(25.0)  # a sharper turn is a corner
+BEND, BASE = 1.5, 0.02  # [m/s^2] across the way in a bend, at the most; [m] over which a bend is measured
 
 
 class PathError(ValueError):
@@ -82,17 +88,56 @@ def path_named(name: str) -> TipPath:
 
 
 def polyline(name: str, points: list[Triple]) -> TipPath:
-    """Return straight lines from point to point [m]."""
-    if len(points) < 2 or any(math.dist(a, b) < SHORTEST for a, b in pairwise(points)):
-        raise PathError(f"{name}: a path needs two or more points, each away from the one before")
-    ways = np.cumsum([0.0, *(math.dist(a, b) for a, b in pairwise(points))])
-    table = np.array(points)
+    """Return the way from point to point [m]: straight from corner to corner, smooth in between."""
+    stretches = _stretches(points)
+    if not stretches:
+        raise PathError(f"{name}: a path needs two or more points that are not all the same")
+    if sum(math.dist(a, b) for stretch in stretches for a, b in pairwise(stretch)) > LONGEST:
+        raise PathError(f"{name}: the path is longer than {LONGEST:g} m")
+    table, ends = np.array(stretches[0][:1]), [0]
+    for stretch in stretches:
+        table = np.vstack([table, _smooth(stretch)[1:]])
+        ends.append(len(table) - 1)
+    ways = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(table, axis=0), axis=1))])
 
     def at(s: float) -> Triple:
         x, y, z = (float(np.interp(s, ways, table[:, i])) for i in range(3))
         return x, y, z
 
-    return TipPath(name, float(ways[-1]), at, tuple(ways.tolist()))
+    return TipPath(name, float(ways[-1]), at, tuple(ways[ends].tolist()))
+
+
+def _stretches(points: list[Triple]) -> list[list[Triple]]:
+    """Return the points [m] from stop to stop: both ends, corners, and points that are said twice."""
+    stretches: list[list[Triple]] = []
+    stops = True
+    for here, there in pairwise(points):
+        if math.dist(here, there) < SHORTEST:
+            stops = True
+            continue
+        if stops or _turn(stretches[-1][-2], here, there) > CORNER:
+            stretches.append([here])
+        stretches[-1].append(there)
+        stops = False
+    return stretches
+
+
+def _turn(a: Triple, b: Triple, c: Triple) -> float:
+    """Return the angle [rad] by which the way from a over b to c turns at b."""
+    before, after = np.subtract(b, a), np.subtract(c, b)
+    size = float(np.linalg.norm(before) * np.linalg.norm(after))
+    return math.acos(max(-1.0, min(1.0, float(before @ after) / size))) if size > 0.0 else 0.0
+
+
+def _smooth(stretch: list[Triple]) -> Floats:
+    """Return points [N, 3] m, close together, on the cubic spline through the points of a stretch."""
+    table = np.array(stretch)
+    if len(table) == 2:
+        return table
+    ways = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(table, axis=0), axis=1))])
+    within = [np.linspace(a, b, math.ceil((b - a) / STEP) + 1)[1:] for a, b in pairwise(ways.tolist())]
+    smooth: Floats = CubicSpline(ways, table)(np.concatenate([[0.0], *within]))
+    return smooth
 
 
 def reverse(path: TipPath) -> TipPath:
@@ -119,7 +164,9 @@ def fastest(
     """
     ways = np.unique(np.concatenate([np.linspace(a, b, max(3, math.ceil((b - a) / STEP) + 1))
                                      for a, b in pairwise(path.stops)]))  # fmt: skip
-    square = np.array([min(speed, limit(path.at(s), _direction(path, s))) ** 2 for s in ways.tolist()])
+    square = np.array(
+        [min(speed, _bend(path, s), limit(path.at(s), _direction(path, s))) ** 2 for s in ways.tolist()]
+    )
     square[np.isin(ways, path.stops)] = 0.0
     gain = 2.0 * acceleration * np.diff(ways)
     for k in range(1, len(ways)):
@@ -136,6 +183,16 @@ def _direction(path: TipPath, s: float) -> Triple:
     a, b = path.at(max(0.0, s - 0.5 * STEP)), path.at(min(path.length, s + 0.5 * STEP))
     size = math.dist(a, b) or 1.0
     return (b[0] - a[0]) / size, (b[1] - a[1]) / size, (b[2] - a[2]) / size
+
+
+def _bend(path: TipPath, s: float) -> float:
+    """Return the speed [m/s] that the bend of the path allows at s."""
+    k = bisect.bisect_right(path.stops, s)
+    if k == 0 or k == len(path.stops):
+        return math.inf
+    base = min(BASE, s - path.stops[k - 1], path.stops[k] - s)
+    turn = _turn(path.at(s - base), path.at(s), path.at(s + base))
+    return math.sqrt(BEND * base / turn) if turn > 1e-3 else math.inf
 
 
 def _circle(name: str) -> TipPath:

@@ -25,7 +25,8 @@ from forest_study.track_runs import Run, Variation, quantiles, run_many
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's options."""
     add = parser.add_argument
-    add("--path", required=True, help=f"{', '.join(NAMES)}, all, or a CSV of waypoints x,y,z [m]")
+    corners = "smooth where it turns by less than 25 deg; it stops at corners and at points that are repeated"
+    add("--path", required=True, help=f"{', '.join(NAMES)}, all, or a CSV of waypoints x,y,z [m]: {corners}")
     add("--speed", type=number(0.01, 3.0, "m/s"), default=0.5, metavar="V", help="m/s (default: %(default)s)")
     add("--scheme", choices=[label for label in LABELS if label != "joint"], default="coordinated")
     sources = [source.name.lower() for source in Source]
