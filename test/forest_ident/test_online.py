@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident import online, recursive
+from forest_ident import online_beside, recursive
 from forest_ident.ident_experiment import experiment
-from forest_ident.readings import speeds
 
 
 def test_it_ends_where_least_squares_does():
@@ -42,24 +41,11 @@ def test_without_motion_the_covariance_stays_bounded():
     assert max(e.covariance) <= recursive.GREATEST
 
 
-def test_running_estimates_come_near_the_truth():
+def test_running_estimates_come_near_the_truth(monkeypatch):
     axis, name = 2, "stick"
     machine = load_machine("c180")
-    session = experiment(f"damping_{name}", machine, seed=4, longest=40.0)
-    p = online.parameters(machine)
-    state = online.initial(p)
-    angles = np.column_stack([session.column(f"{a}_resolver") for a in ("swing", "boom", "stick")])
-    rates = np.column_stack([speeds(column, session.period) for column in angles.T])
-    ports = [
-        np.column_stack([session.column(f"{a}_pressure_{k}_actuator") for a in ("swing", "boom", "stick")])
-        for k in (1, 2)
-    ]
-    supply = session.column("supply_pressure")
-    for k in range(0, len(session.time), 2):
-        rows = [tuple(table[k].tolist()) for table in (angles, rates, *ports)]
-        sample = online.Sample(*rows, float(supply[k]), tuple(session.voltages[k].tolist()))
-        state = online.step(state, sample, p, 2.0 * session.period)
-    told = dict(zip(online.LABELS, online.report(state), strict=True))
+    session = experiment(f"damping_{name}", machine, seed=4, longest=30.0)
+    told = online_beside.estimates(machine, session)
     truth = {
         "deadband_forward": 1.0,
         "deadband_backward": 1.0,
@@ -70,3 +56,9 @@ def test_running_estimates_come_near_the_truth():
         found, spread = told[f"{name}_{part}"], told[f"{name}_{part}_spread"]
         assert abs(found - value) < 4.0 * spread, part
         assert spread < 0.25 * value, part
+    monkeypatch.setattr(online_beside, "estimates", lambda *_: told)
+    beside = {b.name: b for b in online_beside.beside(machine, machine, session)}
+    assert set(beside) == {f"{name}_{part}" for part in (*truth, "gain_backward")}
+    for part, value in truth.items():
+        assert beside[f"{name}_{part}"].settled == pytest.approx(value, rel=1e-12)
+        assert beside[f"{name}_{part}"].running == told[f"{name}_{part}"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import html
 import io
 from collections.abc import Callable, Sequence
@@ -13,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from forest_description.machine import Machine
-from forest_ident import report_pictures, validation
+from forest_ident import online_beside, report_pictures, validation
+from forest_ident.estimate import NORMAL_95
 from forest_ident.result import Refined, Result, table
 from forest_ident.session import Session, SessionError
 from forest_ident.untold import untold
@@ -41,6 +43,7 @@ def write(result: Result, directory: Path) -> Path:
         *(f"<p>{html.escape(f'{key}: as told; it takes {how}')}</p>" for key, how in untold(result)),
         "<h2>What the linear estimators said</h2>",
         _linear(result),
+        *_on_line(result),
         "<h2>Sensors</h2>",
         _sensors(result),
         "<h2>Experiments</h2>",
@@ -116,12 +119,30 @@ def _linear(result: Result) -> str:
     return rows(("parameter", "value", "standard error", "condition", "method"), lines)
 
 
+def _on_line(result: Result) -> list[str]:
+    """Return what the running estimates end with on the same records. Thesis table 4.1."""
+    lines = []
+    for session in sessions_of(result):
+        if not session.name.startswith("damping_"):
+            continue
+        with contextlib.suppress(SessionError):  # a sensor that the off-line fit can do without
+            for b in online_beside.beside(result.start, result.machine, session):
+                running = f"{b.running:.4g} ± {NORMAL_95 * b.spread:.2g}"
+                lines.append((b.record, b.name, f"{b.told:.4g}", running, f"{b.settled:.4g}", b.unit))
+    head = ("record", "quantity", "told", "on line, at its end", "off line, all records", "unit")
+    return ["<h2>On line, over the same records</h2>", rows(head, lines)] if lines else []
+
+
 def _sensors(result: Result) -> str:
     lines = [
-        (o.channel, f"{o.offset:.4g} ± {o.offset_error:.2g} {o.unit}", f"{o.gain:.6f} ± {o.gain_error:.1g}")
+        (
+            o.channel,
+            f"{o.offset:.4g} ± {NORMAL_95 * o.offset_error:.2g} {o.unit}" if o.offset_error > 0.0 else "-",
+            f"{o.gain:.6f} ± {NORMAL_95 * o.gain_error:.1g}" if o.gain_error > 0.0 else "-",
+        )
         for o in result.calibration
     ]
-    return rows(("sensor", "offset", "gain"), lines) if lines else "<p>Not calibrated.</p>"
+    return rows(("sensor", "offset ± 95 %", "gain ± 95 %"), lines) if lines else "<p>Not calibrated.</p>"
 
 
 def _pictures(result: Result) -> list[str]:
