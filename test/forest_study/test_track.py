@@ -190,6 +190,11 @@ def test_a_wrong_file_of_waypoints_is_answered_with_what_is_wrong(tmp_path, text
         path_named(str(way))
 
 
+def test_static_errors_without_noise_are_refused_not_ignored(tmp_path, capsys):
+    assert cli.main(["track", "--path", "radial", "--static-errors", "--out", str(tmp_path / "out")]) == 1
+    assert "--noise" in capsys.readouterr().err
+
+
 def test_a_path_out_of_reach_is_refused(tmp_path, capsys):
     way = tmp_path / "far.csv"
     way.write_text("x,y,z\n5,0,1\n9,0,1\n")

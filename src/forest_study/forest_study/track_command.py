@@ -73,6 +73,8 @@ def run(options: argparse.Namespace) -> int:
         raise StudyError("track needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
     if options.through_ros and options.mismatch:
         raise StudyError("track: --through-ros does not go with --mismatch: nodes read machines from files")
+    if options.static_errors and not options.noise:
+        raise StudyError("track: --static-errors goes with --noise: without it the sensors are exact")
     machine = load_machine(options.machine)
     model = load_machine(options.model) if options.model else machine
     paths = [path_named(name) for name in (NAMES if options.path == "all" else (options.path,))]
