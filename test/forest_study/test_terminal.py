@@ -3,13 +3,15 @@
 import os
 import pty
 import sys
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 pytest.importorskip("rclpy")
 
 from forest_ident.session import SessionError
-from forest_study import experiment_live
+from forest_study import baths, experiment_live
 from forest_study.ident_cli import main
 from forest_study.terminal import NOBODY, Question, ask
 
@@ -50,26 +52,35 @@ def test_the_baths_are_changed_when_somebody_says_so_and_the_graph_is_watched_me
     keyboard, monkeypatch
 ):
     now = [0.0]
-    monkeypatch.setattr(experiment_live.time, "monotonic", lambda: now[0])
-    baths = experiment_live._Baths(lambda _time: None, sure=False)
+    monkeypatch.setattr(baths.time, "monotonic", lambda: now[0])
+    asked = baths.Baths(lambda _time: None, sure=False)
     for now[0] in (0.0, 19.9, 20.1, 300.0):
-        baths.watch()  # returns: Ctrl-C and a dead recorder are noticed while the question stands
-    assert len(baths.marks) == 1
+        asked.watch()  # returns: Ctrl-C and a dead recorder are noticed while the question stands
+    assert len(asked.marks) == 1
     keyboard(b"\n")
-    baths.watch()
-    assert len(baths.marks) == 2
+    asked.watch()
+    assert len(asked.marks) == 2
     for now[0] in (300.0, 319.9):
-        baths.watch()
+        asked.watch()
     now[0] = 320.1
-    with pytest.raises(experiment_live._Recorded):
-        baths.watch()
+    with pytest.raises(baths.Recorded):
+        asked.watch()
+
+
+def test_pauses_in_which_a_machine_shuts_its_valves_are_told(tmp_path, monkeypatch, capsys):
+    sent = np.cumsum([0, 5_000_000, 99_000_000, 300_000_000, 5_000_000, 150_000_000])
+    monkeypatch.setattr(experiment_live, "read_bag", lambda _bag: SimpleNamespace(sent_ns=lambda _: sent))
+    experiment_live._warn_of_pauses(tmp_path, 0.1)
+    assert "paused 2 times, for up to 0.30 s" in capsys.readouterr().out
+    experiment_live._warn_of_pauses(tmp_path, 0.5)
+    assert not capsys.readouterr().out
 
 
 def test_a_volume_that_no_vessel_holds_is_asked_for_again(keyboard, monkeypatch, capsys, tmp_path):
     answers = iter(["much", "-1", "nan", "0.71"])
     monkeypatch.setattr("builtins.input", lambda _question: next(answers))
     assert experiment_live._vessel(tmp_path) == {"case_drain_volume": 0.71e-3}
-    assert capsys.readouterr().out.count("allowed: 0.001 .. 1000 L") == 3
+    assert capsys.readouterr().out.count("allowed: 0 .. 1000 L") == 3
     monkeypatch.setattr("builtins.input", _ended)
     with pytest.raises(SessionError, match=r"the record is whole, write case_drain_volume into .*yaml"):
         experiment_live._vessel(tmp_path)

@@ -41,7 +41,7 @@ def unexplained(start: Machine, session: Session, fit: Fit) -> list[str]:
     left = f"{fit.noise[worst]:.2g} {judging.KIND[worst].unit} are left at {worst}"
     remark = (
         f"{session.name}: the model does not explain this record: {left}, {times[worst]:.0f} times the "
-        "sensor's noise; intervals mean little then, and the record may be another machine's"
+        "sensor's noise; intervals mean little then: is it another machine's, or was its computer late?"
     )
     return [remark]
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import math
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
+
+import numpy as np
 
 from forest_description.machine import load_machine
 from forest_ident import calibration, facts, session_bag
@@ -24,11 +24,12 @@ from forest_msgs_py import topics
 from forest_msgs_py.live_graph import LiveGraph, NoAnswer
 from forest_msgs_py.series import read_bag
 from forest_study import graph as nodes
+from forest_study.baths import Baths, Recorded
 from forest_study.exclusive import Failure
 from forest_study.experiment_command import LOGS, Progress, conditions_of, make_directory, wanted
 from forest_study.experiment_graph import OPERATOR, Conditions, listener, operator
 from forest_study.supervisor import NodeSpec, Supervisor
-from forest_study.terminal import Question, ask
+from forest_study.terminal import ask
 
 RECORDER = "experiment_recorder"
 VOLUME, LITRE = "case_drain_volume", 1e-3  # [m3]
@@ -75,6 +76,7 @@ def _run(options: argparse.Namespace, graph: LiveGraph) -> int:
             known = _calibration(options.namespace, bag, logs, bar.tell, options.yes)
         else:
             known = _experiment(graph, name, conditions, bag, logs, bar.tell)
+            _warn_of_pauses(bag, machine.command_timeout)
         bar.end()
         session_bag.write_facts(bag, name, known)  # before the last question: nobody need answer it
         if name.startswith("motor") and not options.yes:
@@ -143,6 +145,23 @@ def _experiment(
     return dict(plan.facts)
 
 
+def _warn_of_pauses(bag: Path, timeout: float) -> None:
+    """Say so if voltages came so late that the machine shut its valves meanwhile, which no topic tells.
+
+    Args:
+        bag: of the experiment.
+        timeout: after which a machine shuts its valves [s].
+    """
+    pauses = np.diff(read_bag(bag).sent_ns(topics.VALVE_VOLTAGES)) * 1e-9
+    late = pauses[pauses > timeout]
+    if len(late):
+        print(
+            f"  warning: the voltages paused {len(late)} times, for up to {np.max(late):.2f} s; a machine "
+            f"shuts its valves after {timeout:g} s without: this computer was too busy",
+            flush=True,
+        )
+
+
 def _joining(specs: list[NodeSpec], namespace: str, logs: Path, echo: Callable[[str], None]) -> Supervisor:
     """Return the supervisor of nodes that join a graph; its driver says zero, not we."""
     return Supervisor(specs, namespace, logs, may_publish=False, echo=echo, alone=False)
@@ -187,59 +206,13 @@ def _calibration(
     namespace: str, bag: Path, logs: Path, tell: Callable[[float], None], sure: bool
 ) -> dict[str, float]:
     """Record the sensors, first in ice, then in boiling water; return when which began and ended [s]."""
-    baths = _Baths(tell, sure)
-    with contextlib.suppress(_Recorded), _joining([_recorder(bag)], namespace, logs, _ignored) as running:
+    baths = Baths(tell, sure)
+    with contextlib.suppress(Recorded), _joining([_recorder(bag)], namespace, logs, _ignored) as running:
         running.run(progress=baths.watch)
     first = int(read_bag(bag).series(topics.PRESSURES).log_time_ns[0])
     ice, boiling = ((mark - first) * 1e-9 for mark in baths.marks)
     return {"ice_until": ice, "boiling_from": boiling}
 
 
-class _Baths:
-    """The thermocouples in ice, on their way, in boiling water; the supervisor watches on meanwhile.
-
-    Args:
-        tell: told how far it is [s].
-        sure: the change needs no confirmation.
-    """
-
-    def __init__(self, tell: Callable[[float], None], sure: bool) -> None:
-        self.marks: list[int] = []  # [ns] when ice ended, and boiling water began
-        self._tell, self._sure = tell, sure
-        self._begun = math.nan
-        self._question: Question | None = None
-
-    def watch(self) -> None:
-        """Go on to the next bath when it is time and somebody says so.
-
-        Raises:
-            _Recorded: both baths are done.
-            SessionError: nobody can say so any more.
-        """
-        if self._question is not None:
-            if self._question.answered():
-                self._question, self._begun = None, time.monotonic()
-                self.marks.append(time.time_ns())
-            return
-        if math.isnan(self._begun):
-            self._begun = time.monotonic()
-        elapsed = time.monotonic() - self._begun
-        self._tell(elapsed + calibration.EACH * bool(self.marks))
-        if elapsed < calibration.EACH:
-            return
-        if self.marks:
-            raise _Recorded
-        self.marks.append(time.time_ns())
-        if self._sure:
-            self.marks.append(self.marks[0])
-            self._begun = time.monotonic()
-        else:
-            self._question = Question("\n  Now the thermocouples into boiling water; then press Enter: ")
-
-
 def _ignored(_line: str) -> None:
     """Take a line of a node's log."""
-
-
-class _Recorded(Exception):
-    """The calibration is over."""
