@@ -1,4 +1,4 @@
-"""The running estimates of `online` over a record, beside what the off-line fit says. Thesis table 4.1."""
+"""The running estimates of `online` over a record, beside what the off-line fit says."""
 
 from __future__ import annotations
 
@@ -56,6 +56,8 @@ def estimates(machine: Machine, session: Session) -> dict[str, float]:
 
 def beside(start: Machine, found: Machine, session: Session) -> list[Beside]:
     """Return what the on-line estimation says of the axis that a session moved, beside the off-line fit.
+
+    Thesis table 4.1.
 
     Args:
         start: as told, from which the on-line estimation begins.

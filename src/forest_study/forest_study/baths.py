@@ -1,4 +1,4 @@
-"""When the thermocouples change over from ice to boiling water. Thesis section 4.3.1."""
+"""When the thermocouples change over from ice to boiling water."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ class Recorded(Exception):
 
 class Baths:
     """The thermocouples in ice, on their way, in boiling water; the supervisor watches on meanwhile.
+
+    Thesis section 4.3.1.
 
     Args:
         tell: told how far it is [s].
