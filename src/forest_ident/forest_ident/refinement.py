@@ -42,6 +42,7 @@ SHUT_SHARE = 0.03  # of the greatest flow: less counts as shut
 AT_FLOOR = 1.02  # of the meter's floor: less is no reading
 SHUT_AROUND = 0.05  # [s] before and after
 SETTLED = 0.25  # [s] after a change of voltage
+FORGOTTEN = 2.0  # [s] after which a crane's pressures have settled from how the record began
 BEGUN = "start."
 BEGUN_NOISE = 1e4  # [Pa] by which pressures drift while the mean of the start is taken
 RIG = (BEGUN, "rig.load", "swing.angle", "boom.angle", "stick.angle", "oil.offset", "tilt")
@@ -189,7 +190,7 @@ def refine(
     if session.name.startswith("deadband"):
         machine = with_directions(machine, f"{session.name.partition('_')[2]}.valve")
     is_bench = session.name.split("_")[0] in ("valve", "spool", "hose")
-    unknowns = _unknowns(machine, session, work)
+    unknowns = [*_unknowns(machine, session, work), *_begun(machine, session, work, belief)]
     sensed = dataclasses.replace(machine, sensors=bench.meters(machine)) if is_bench else machine
     channels = judging.judged(sensed, session, work.channels)
     # Static errors stay, the noise of the means that a session starts from is its own.
@@ -200,6 +201,8 @@ def refine(
         floor = max((c.floor for c in channels), default=0.0)
         settled = SETTLED if session.name.startswith("valve") else 0.0
         measured = _while_open(measured, session, settled, floor)
+    else:
+        measured = _without_start(measured, session)
     known = session if _is_exact(session) else correction.corrected(session, machine)
 
     def model(values: Mapping[str, float]) -> Mapping[str, Floats]:
@@ -214,6 +217,18 @@ def _fresh(measured: Mapping[str, Floats]) -> dict[str, Floats]:
     if float(np.mean(same)) < HELD_SHARE:
         return dict(measured)
     return {name: np.where(same, np.nan, column) for name, column in measured.items()}
+
+
+def _without_start(measured: Mapping[str, Floats], session: Session) -> dict[str, Floats]:
+    """Return a crane's columns without the pressures that it began with.
+
+    The simulation begins at rest with those that were read: no prediction, and the flows there are not.
+    """
+    begun = np.arange(len(session.time)) < round(FORGOTTEN / session.period)
+    return {
+        name: np.where(begun, np.nan, column) if "_pressure_" in name else column
+        for name, column in measured.items()
+    }
 
 
 def _while_open(
@@ -243,7 +258,6 @@ def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
         positive = not key.endswith("deadband_voltage")
         spread = math.inf if key in work.free else UNKNOWN
         found.append(Unknown(key, value_of(machine, key), spread, positive))
-    found += _begun(machine, session, work)
     exact = _is_exact(session)
     for name in work.nuisances:
         if name == "rig.load":
@@ -263,16 +277,18 @@ def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
     return found
 
 
-def _begun(machine: Machine, session: Session, work: Task) -> list[Unknown]:
+def _begun(machine: Machine, session: Session, work: Task, belief: Belief) -> list[Unknown]:
     """Return the pressures that a crane's record began with: behind a shut valve they are felt for long."""
-    if not is_crane(session):
-        return []
-    there = [name for name in work.channels if "_pressure_" in name and session.has(name)]
-    channels = (judging.channel(machine, session, name) for name in there)
-    return [
-        Unknown(f"{BEGUN}{c.name}.{session.name}", 0.0, math.hypot(c.offset, BEGUN_NOISE), False, 100.0)
-        for c in channels
-    ]
+    found: list[Unknown] = []
+    for name in work.channels if is_crane(session) else ():
+        if "_pressure_" not in name or not session.has(name):
+            continue
+        offset = judging.channel(machine, session, name).offset
+        if f"{name}.b" in belief.names:  # calibrated: the record is read with that
+            _, offset = belief.of(f"{name}.b")
+        spread = math.hypot(offset, BEGUN_NOISE)
+        found.append(Unknown(f"{BEGUN}{name}.{session.name}", 0.0, spread, False, 100.0))
+    return found
 
 
 def _is_exact(session: Session) -> bool:
