@@ -122,7 +122,7 @@ def meters(machine: Machine) -> Sensors:
     """Return what reads on a bench: the machine's sensors, and what it lacks as Table 4.2 says.
 
     Whoever judges a bench's record must ask here: a crane without flow meters has none to be judged by, and
-    the floor that the bench's stand at would be taken for flow. Thesis table 4.2.
+    the floor that the bench's stand at would be taken for flow.
     """
     usual, own = _usual(), machine.sensors
     wanted = ("pressure", "flow_meter", "spool_sensor", "thermocouple")
