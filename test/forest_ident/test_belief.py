@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from forest_ident.belief import NOTHING, inverse, prior, updated, widened
+from forest_ident.belief import NOTHING, inverse, prior, spread_of, updated, widened
 
 
 def test_one_fit_after_the_other_is_as_good_as_both_at_once():
@@ -34,3 +34,11 @@ def test_what_moves_by_chance_is_known_less_well_and_hangs_together_less():
     assert wide.of("a") == belief.of("a")
     assert wide.of("b")[1] == pytest.approx(np.sqrt(2.0))
     assert widened(NOTHING, {"b": 1.0}).names == ()
+
+
+def test_a_direction_that_nobody_sees_is_unknown():
+    seen = np.array([[1.0, 1.0], [1.0, 1.0]])  # the sum alone
+    assert np.all(np.diag(spread_of(seen)) > 1e10)
+    assert np.ones(2) @ spread_of(seen) @ np.ones(2) == pytest.approx(1.0, rel=1e-2)
+    whole = np.diag([4.0, 1e-14])
+    assert spread_of(whole) == pytest.approx(np.diag([0.25, 1e14]))

@@ -44,6 +44,7 @@ class Belief(NamedTuple):
 
 
 NOTHING = Belief()
+UNSEEN = 1e-13  # of the greatest information: less is the arithmetic's
 
 
 def widened(belief: Belief, by: Mapping[str, float]) -> Belief:
@@ -102,6 +103,17 @@ def updated(belief: Belief, names: tuple[str, ...], mean: Floats, covariance: Fl
     m[found] = mean
     s[np.ix_(found, found)] = covariance
     return Belief(every, m, 0.5 * (s + s.T))
+
+
+def spread_of(information: Floats) -> Floats:
+    """Return the covariance that belongs to an information matrix; where that is empty, a huge one.
+
+    A pseudo-inverse says of a direction that the data do not see at all that its variance is zero.
+    """
+    scale = np.sqrt(np.maximum(np.diag(information), UNSEEN))
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
+    values = np.maximum(values, UNSEEN * np.max(values))
+    return np.asarray((vectors / values) @ vectors.T / np.outer(scale, scale))
 
 
 def inverse(matrix: Floats) -> Floats:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from forest_description.calibrating import line_of
 from forest_description.machine import Machine
+from forest_ident import bench
 from forest_ident.judging import KIND
 from forest_ident.session import Session
 
@@ -51,7 +52,7 @@ def as_read(columns: Mapping[str, Floats], machine: Machine) -> dict[str, Floats
 
 def _ends(machine: Machine, name: str) -> list[float]:
     """Return where a channel's readings stand when the truth is beyond."""
-    part = getattr(machine.sensors, KIND[name].name, None)
+    part = getattr(bench.meters(machine), KIND[name].name, None)
     names = ("full_scale",) if KIND[name].name == "pressure" else ("lowest", "highest")
     found = [float(getattr(part, end)) for end in names if part is not None]
     return [0.0, *found] if KIND[name].name == "pressure" else found

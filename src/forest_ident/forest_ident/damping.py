@@ -24,6 +24,7 @@ from forest_ident.differentiator import derivative, inner, smooth
 from forest_ident.least_squares import Line, solve
 from forest_ident.readings import length_and_arm
 from forest_ident.session import Session
+from forest_sim.friction import friction, friction_force
 from forest_sim.manipulator import dynamics, fold_head
 
 Floats = NDArray[np.float64]
@@ -64,8 +65,14 @@ def equation(machine: Machine, session: Session, axis: int) -> tuple[Floats, Flo
 
 
 def damping(machine: Machine, session: Session, axis: int) -> Line:
-    """Return B with c_0 and c_1; arguments as `equation`. Thesis eq. 4.11."""
+    """Return B with c_0 and c_1; arguments as `equation`. Thesis eq. 4.11.
+
+    Differs: dry friction that the file tells is taken off first, or it would become damping.
+    """
     alpha, speed, angle = equation(machine, session, axis)
+    if axis > 0:
+        told = friction(machine.boom.friction if axis == 1 else machine.stick.friction)
+        alpha = alpha - np.array([friction_force(v, told) for v in speed.tolist()])
     columns = [speed, np.ones(len(speed)), angle - np.mean(angle)]
     return solve(columns, alpha, block=max(1, round(1.0 / (EVERY * session.period))))
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 NORMAL_95 = 1.959963985
 ILL_CONDITIONED = 1e5
-LOOSE = 0.2  # of a positive value: a standard error beyond it says that the data cannot tell
+LOOSE = 0.2  # of a positive value, of a volt: a standard error beyond it says that the data cannot tell
 
 MOTION = {
     "deadband_voltage": "slow ramps of the voltage through the overlap, both ways",
@@ -28,6 +28,9 @@ MOTION = {
     "internal_leakage_resistance": "the crane creeping on a tilted platform, its swing valve shut",
     "external_leakage_resistance": "the swing driven for minutes with its case drain measured",
     "damping": "the axis at several steady speeds, both ways through the same angles",
+    "supply_pressure": "an axis held against its end, a transducer in the supply",
+    "margin": "oil flowing at several loads, a transducer in the supply",
+    "response_time": "steps of flow or load, a transducer in the supply",
     "head_mass": "boom and stick resting in five or more poses",
     "boom_mass": "boom and stick resting in five or more poses",
     "stick_mass": "the head weighed by itself, or taken off: at rest both pull alike",
@@ -75,13 +78,17 @@ class Estimate(NamedTuple):
         return low <= truth <= high
 
 
+def is_loose(value: float, error: float, positive: bool) -> bool:
+    """Tell whether a standard error says that the data cannot tell a value."""
+    return not (math.isfinite(value) and error <= LOOSE * (abs(value) if positive else 1.0))
+
+
 def judged(e: Estimate) -> Estimate:
     """Return the estimate with a plain warning if the data cannot tell its value, and what motion would."""
-    motion = motion_for(e.key)
+    e, motion = e._replace(warning=""), motion_for(e.key)
     if not (math.isfinite(e.value) and math.isfinite(e.standard_error)):
         return e._replace(warning=f"the data hold nothing of {e.key}; it takes {motion}")
-    reference = abs(e.value) if e.positive else 1.0
-    if e.standard_error > LOOSE * reference:
+    if is_loose(e.value, e.standard_error, e.positive):
         return e._replace(warning=f"the data cannot tell {e.key} (interval too wide); it takes {motion}")
     if e.condition > ILL_CONDITIONED:
         return e._replace(

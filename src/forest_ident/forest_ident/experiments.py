@@ -192,7 +192,8 @@ def _motor(name: str, machine: Machine) -> Plan:
         )
         start = (0.9, rest[1], rest[2])
         programme = Programme((None, None, None), 100.0)
-        return Plan(name, tilted, programme, start, False, setup, _crane_limits(), {})
+        told = {"platform_tilt": TILT}  # for cranes without an inclinometer
+        return Plan(name, tilted, programme, start, False, setup, _crane_limits(), told)
     rated = machine.valve_of(0).rated_voltage
     rows = stairs(tuple(rated * share for share in (0.3, 0.4, 0.25, 0.35)), 2.5)
     setup = (

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_ident.belief import Belief, inverse, prior
+from forest_ident.belief import Belief, prior, spread_of
 from forest_ident.fit_statistics import censor, inflation
 
 Floats = NDArray[np.float64]
@@ -176,7 +176,7 @@ class Problem:
         """
         information, _ = self.normal(theta, predicted, jacobian)
         known = information + self.known
-        spread = inverse(known + np.diag(np.where(np.diag(known) > 0.0, 0.0, UNTOLD**-2)))
+        spread = spread_of(known + np.diag(np.where(np.diag(known) > 0.0, 0.0, UNTOLD**-2)))
         count = max(len(y) for y in self._y.values()) // self._block + 1
         found, white = np.zeros((count, len(theta))), np.zeros((count, len(theta)))
         for _, residual, j in self._rows(theta, predicted, jacobian):

@@ -27,7 +27,7 @@ from forest_ident import (
     weighing,
 )
 from forest_ident.belief import NOTHING, Belief
-from forest_ident.estimate import Estimate, judged, motion_for
+from forest_ident.estimate import Estimate, is_loose, judged, motion_for
 from forest_ident.keys import value_of, with_directions, with_values
 from forest_ident.linear import First
 from forest_ident.output_error import Fit
@@ -149,12 +149,16 @@ def _take_linear(result: Result, session: Session) -> None:
         session = correction.corrected(session, result.machine)
     found = linear.estimates(result.machine, session)
     result.linear += found
-    usable = {f.key: f.value for f in found if f.main and _usable(f)}
+    usable = {f.key: f.value for f in found if f.main and _usable(f) and not _is_loose(f)}
     result.machine = with_values(result.machine, usable)
 
 
 def _usable(first: First) -> bool:
     return math.isfinite(first.value) and first.value > 0.0
+
+
+def _is_loose(first: First) -> bool:
+    return is_loose(first.value, first.error, not first.key.endswith("deadband_voltage"))
 
 
 def _refine(result: Result, session: Session, belief: Belief, progress: Callable[[], None]) -> Belief:

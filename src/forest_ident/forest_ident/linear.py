@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from forest_description.machine import AXES, CylinderDrive, Machine, SwingDrive
+from forest_description.sensing import FlowMeter
 from forest_ident import bench, damping, hose_dynamics, hose_resistance, motor_leakage, valve_characteristic
 from forest_ident.keys import value_of
 from forest_ident.least_squares import Line
@@ -31,20 +32,23 @@ class First(NamedTuple):
     main: bool = True
 
 
+def meter(machine: Machine, session: Session | None = None) -> FlowMeter | None:
+    """Return the flow meters of a machine's bench; None for exact ones."""
+    if session is not None and session.facts.get("exact_sensors", 0.0) > 0.0:
+        return None
+    return bench.meters(machine).flow_meter
+
+
 def floor(machine: Machine, session: Session | None = None) -> float:
     """Return the flow meters' floor [m^3/s]; 0 for exact ones."""
-    meter = machine.sensors.flow_meter
-    if meter is None or (session is not None and session.facts.get("exact_sensors", 0.0) > 0.0):
-        return 0.0
-    return meter.lowest
+    read = meter(machine, session)
+    return read.lowest if read else 0.0
 
 
 def highest(machine: Machine, session: Session) -> float:
     """Return the flow meters' greatest flow [m^3/s]; inf for exact ones."""
-    meter = machine.sensors.flow_meter
-    if meter is None or session.facts.get("exact_sensors", 0.0) > 0.0:
-        return math.inf
-    return meter.highest
+    read = meter(machine, session)
+    return read.highest if read else math.inf
 
 
 def with_measured_hose(machine: Machine, axis: int) -> Machine:
@@ -115,7 +119,8 @@ def _valve(machine: Machine, session: Session, section: str) -> list[First]:
     holds = f"{ways[0]} steady openings forward and {ways[1]} backward with flow above the meter's floor"
     _demand(session, min(ways) >= ENOUGH, holds, f"{ENOUGH} each or more")
     owner = getattr(machine, section.partition(".")[0]).valve if "." in section else machine.valve
-    noise = (machine.sensors.flow_meter.noise or 0.0) if machine.sensors.flow_meter else 0.0
+    read = meter(machine, session)
+    noise = (read.noise or 0.0) if read else 0.0
     noise = max(noise / math.sqrt(float(np.median(points.samples))), 1e-10)
     fit = valve_characteristic.law(points, owner, floor(machine, session), noise)
     keys = valve_characteristic.KEYS
@@ -138,8 +143,8 @@ def _hose(machine: Machine, session: Session) -> list[First]:
     key = f"{section}.{'laminar' if laminar else 'turbulent'}_resistance"
     value = float(line.values[0])
     found = [First(key, value, float(line.errors[0]), line.condition, "least squares (4.4)")]
-    meter = machine.sensors.flow_meter
-    lag = meter.time_constant if meter and low > 0.0 else 0.0
+    read = meter(machine, session)
+    lag = read.time_constant if read else 0.0
     inertance, capacitance = hose_dynamics.joint(session, value, laminar, lag, low, high)
     groups = hose_dynamics.four_group_means(session, value, laminar)
     for name, one, means in zip(("inertance", "capacitance"), (inertance, capacitance), groups, strict=True):

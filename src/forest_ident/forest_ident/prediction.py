@@ -7,6 +7,7 @@ lag, which Table 4.2 tells.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -41,10 +42,16 @@ class Offsets(NamedTuple):
 
 
 TRUE = Offsets()
+AS_READ: Mapping[str, float] = {}
 
 
 def predict(
-    machine: Machine, session: Session, bench: bool, offsets: Offsets = TRUE, valves: bool = False
+    machine: Machine,
+    session: Session,
+    bench: bool,
+    offsets: Offsets = TRUE,
+    valves: bool = False,
+    begun: Mapping[str, float] = AS_READ,
 ) -> Columns:
     """Return the predicted readings, by channel.
 
@@ -54,11 +61,12 @@ def predict(
         bench: whether the session was on a rig of `bench`.
         offsets: of the sensors.
         valves: whether pressures at the valves are wanted; a rig's always are.
+        begun: pressures at the start [Pa], true minus read, by channel.
     """
     count, period = len(session.time), session.period
     plants = _plants(machine, session, bench, offsets.temperature)
     states = np.zeros((count, len(STATE)))
-    simulation = _start(session, plants[0][2], bench, offsets)
+    simulation = _start(session, plants[0][2], bench, offsets, begun)
     store(simulation, states[0])
     substeps = max(1, round(period / STEP))
     record = fastest_record()
@@ -115,7 +123,9 @@ def rest(session: Session, creeps: bool = True) -> slice:
     return slice(0, max(1, min(int(moving[0]), REST_ROWS)))
 
 
-def _start(session: Session, p: PlantParameters, bench: bool, offsets: Offsets) -> Simulation:
+def _start(
+    session: Session, p: PlantParameters, bench: bool, offsets: Offsets, begun: Mapping[str, float]
+) -> Simulation:
     """Return the plant at rest where the session starts."""
     if bench:
         return equilibrium((0.0, 0.5, -1.5), p)
@@ -129,7 +139,7 @@ def _start(session: Session, p: PlantParameters, bench: bool, offsets: Offsets) 
     for axis in AXES:
         ports = [f"{axis}_pressure_{port}_actuator" for port in (1, 2)]
         if session.has(*ports):
-            one, two = (float(np.mean(session.column(port)[rows])) for port in ports)
+            one, two = (float(np.mean(session.column(port)[rows])) + begun.get(port, 0.0) for port in ports)
             state = getattr(plant, axis)._replace(pressure_1=one, pressure_2=two)
             plant = plant._replace(**{axis: state})
     return at_rest._replace(plant=plant)

@@ -12,6 +12,7 @@ Names of unknowns that are no parameters of the machine:
 | swing.angle, boom.angle, stick.angle | static errors of the resolvers, true minus read |
 | oil.offset | static error of the thermocouples' mean |
 | tilt | of the platform, as far as the inclinometer may be off |
+| start.CHANNEL.RECORD | pressure that a record of the crane began with, true minus read |
 """
 
 from __future__ import annotations
@@ -25,8 +26,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_description.machine import AXES, Machine
-from forest_description.pump import PressureCompensatedPump
-from forest_ident import bench, experiments, judging
+from forest_description.pump import LoadSensingPump, PressureCompensatedPump
+from forest_ident import bench, correction, experiments, judging
 from forest_ident.belief import Belief, widened
 from forest_ident.keys import value_of, with_directions, with_values
 from forest_ident.output_error import Fit, Unknown, fit
@@ -38,10 +39,13 @@ Floats = NDArray[np.float64]
 UNKNOWN = 0.4  # of what no experiment has found yet: relative, or volts
 HELD_SHARE = 0.3  # of rows that repeat the last one: from there on the sensors are slower
 SHUT_SHARE = 0.03  # of the greatest flow: less counts as shut
+AT_FLOOR = 1.02  # of the meter's floor: less is no reading
 SHUT_AROUND = 0.05  # [s] before and after
 SETTLED = 0.25  # [s] after a change of voltage
-FORGOTTEN = 2.0  # [s] after which a crane's pressures do not remember with which ones the record began
-RIG = ("rig.load", "swing.angle", "boom.angle", "stick.angle", "oil.offset", "tilt")
+FORGOTTEN = 2.0  # [s] after which a crane's pressures have settled from how the record began
+BEGUN = "start."
+BEGUN_NOISE = 1e4  # [Pa] by which pressures drift while the mean of the start is taken
+RIG = (BEGUN, "rig.load", "swing.angle", "boom.angle", "stick.angle", "oil.offset", "tilt")
 
 
 class Task(NamedTuple):
@@ -93,7 +97,7 @@ def task(machine: Machine, session: Session) -> Task | None:
         law = "laminar" if laminar else "turbulent"
         free = tuple(f"{section}.{part}" for part in (f"{law}_resistance", "inertance", "capacitance"))
         valve = valve_section(machine, axis)
-        carried = (*_law(valve), *_spool_keys(machine, valve), *pump)
+        carried = (*_law(valve), f"{valve}.port_2_area", *_spool_keys(machine, valve), *pump)
         return Task(free, carried, _bench_channels(spool=False), ("rig.load",))
     return _crane_task(machine, session, kind, axis)
 
@@ -117,7 +121,10 @@ def _crane_task(machine: Machine, session: Session, kind: str, axis: int) -> Tas
         section = f"{AXES[axis]}.valve"
         return Task(
             (f"{section}.deadband_voltage", f"{section}.backward.deadband_voltage"),
-            (*_law(section)[1::2], f"{AXES[axis]}.damping", *(leakage if axis == 0 else ()), *pump),
+            (
+                *(*_law(section)[1::2], f"{section}.port_2_area", f"{AXES[axis]}.damping"),
+                *(*(leakage if axis == 0 else ()), *pump),
+            ),
             _axis_channels(axis),
             offsets,
         )
@@ -130,6 +137,8 @@ def _crane_task(machine: Machine, session: Session, kind: str, axis: int) -> Tas
 def _pump_keys(machine: Machine) -> tuple[str, ...]:
     if isinstance(machine.pump, PressureCompensatedPump):
         return ("pump.supply_pressure", "pump.compensator_band")
+    if isinstance(machine.pump, LoadSensingPump):  # which no experiment loads up to its greatest pressure
+        return ("pump.margin", "pump.response_time")
     return ("pump.supply_pressure",)
 
 
@@ -181,19 +190,23 @@ def refine(
     if session.name.startswith("deadband"):
         machine = with_directions(machine, f"{session.name.partition('_')[2]}.valve")
     is_bench = session.name.split("_")[0] in ("valve", "spool", "hose")
-    unknowns = _unknowns(machine, session, work)
-    channels = judging.judged(machine, session, work.channels)
+    unknowns = [*_unknowns(machine, session, work), *_begun(machine, session, work, belief)]
+    sensed = dataclasses.replace(machine, sensors=bench.meters(machine)) if is_bench else machine
+    channels = judging.judged(sensed, session, work.channels)
     # Static errors stay, the noise of the means that a session starts from is its own.
     noise = {f"{axis}.angle": judging.start_noise(machine, session, axis) for axis in AXES}
     belief = widened(belief, noise)
     measured = _fresh({c.name: session.column(c.name) for c in channels})
     if is_bench:
-        measured = _while_open(measured, session, SETTLED if session.name.startswith("valve") else 0.0)
+        floor = max((c.floor for c in channels), default=0.0)
+        settled = SETTLED if session.name.startswith("valve") else 0.0
+        measured = _while_open(measured, session, settled, floor)
     else:
         measured = _without_start(measured, session)
+    known = session if _is_exact(session) else correction.corrected(session, machine)
 
     def model(values: Mapping[str, float]) -> Mapping[str, Floats]:
-        return _predicted(machine, session, values, is_bench)
+        return _predicted(machine, known, values, is_bench)
 
     return work, fit(model, measured, channels, unknowns, progress, belief=belief)
 
@@ -209,7 +222,7 @@ def _fresh(measured: Mapping[str, Floats]) -> dict[str, Floats]:
 def _without_start(measured: Mapping[str, Floats], session: Session) -> dict[str, Floats]:
     """Return a crane's columns without the pressures that it began with.
 
-    The simulation begins with those that were read, with the transducers' errors: no prediction, then.
+    The simulation begins at rest with those that were read: no prediction, and the flows there are not.
     """
     begun = np.arange(len(session.time)) < round(FORGOTTEN / session.period)
     return {
@@ -218,14 +231,17 @@ def _without_start(measured: Mapping[str, Floats], session: Session) -> dict[str
     }
 
 
-def _while_open(measured: Mapping[str, Floats], session: Session, settled: float) -> dict[str, Floats]:
+def _while_open(
+    measured: Mapping[str, Floats], session: Session, settled: float, floor: float
+) -> dict[str, Floats]:
     """Return a bench's columns without the rows in which the valve is next to shut, or has just moved.
 
-    What a closing valve traps in the hoses depends on the last millisecond before, and tells nothing. How
-    the flow gets from one level to the next is the hoses' matter, not the valve's.
+    What a closing valve traps in the hoses depends on the last millisecond before, and tells nothing; nor
+    does a shut valve stand out where the meter's floor is all it shows. How the flow gets from one level to
+    the next is the hoses' matter, not the valve's.
     """
     flow = session.column("swing_flow")
-    shut = np.abs(flow) < SHUT_SHARE * float(np.max(np.abs(flow)))
+    shut = np.abs(flow) < max(SHUT_SHARE * float(np.max(np.abs(flow))), AT_FLOOR * floor)
     around = round(SHUT_AROUND / session.period)
     shut = np.convolve(shut, np.ones(2 * around + 1), mode="same") > 0.5
     moved = np.diff(session.voltages[:, 0], prepend=0.0) != 0.0
@@ -242,7 +258,7 @@ def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
         positive = not key.endswith("deadband_voltage")
         spread = math.inf if key in work.free else UNKNOWN
         found.append(Unknown(key, value_of(machine, key), spread, positive))
-    exact = session.facts.get("exact_sensors", 0.0) > 0.0
+    exact = _is_exact(session)
     for name in work.nuisances:
         if name == "rig.load":
             found.append(Unknown(f"{name}.{session.name}", _load(session), math.inf))
@@ -259,6 +275,24 @@ def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
             if sd > 0.0:
                 found.append(Unknown(name, 0.0, sd, positive=False))
     return found
+
+
+def _begun(machine: Machine, session: Session, work: Task, belief: Belief) -> list[Unknown]:
+    """Return the pressures that a crane's record began with: behind a shut valve they are felt for long."""
+    found: list[Unknown] = []
+    for name in work.channels if is_crane(session) else ():
+        if "_pressure_" not in name or not session.has(name):
+            continue
+        offset = judging.channel(machine, session, name).offset
+        if f"{name}.b" in belief.names:  # calibrated: the record is read with that
+            _, offset = belief.of(f"{name}.b")
+        spread = math.hypot(offset, BEGUN_NOISE)
+        found.append(Unknown(f"{BEGUN}{name}.{session.name}", 0.0, spread, False, 100.0))
+    return found
+
+
+def _is_exact(session: Session) -> bool:
+    return session.facts.get("exact_sensors", 0.0) > 0.0
 
 
 def _load(session: Session) -> float:
@@ -306,4 +340,5 @@ def _predicted(
         values.get("stick.angle", 0.0),
         values.get("oil.offset", 0.0),
     )
-    return predict(model, session, is_bench, offsets)
+    begun = {key.split(".")[1]: value for key, value in values.items() if key.startswith(BEGUN)}
+    return predict(model, session, is_bench, offsets, begun=begun)

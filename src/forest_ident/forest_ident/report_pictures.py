@@ -93,8 +93,8 @@ def _dynamics(machine: Machine, session: Session) -> tuple[MeasuredHose, tuple[F
     laminar = session.facts.get("laminar", 0.0) > 0.0
     of = bench.as_measured(machine, machine.hose_of(int(session.facts.get("hose_axis", 0.0))))
     r = of.laminar_resistance if laminar else of.turbulent_resistance
-    meter = machine.sensors.flow_meter
-    lag = meter.time_constant if meter and linear.floor(machine, session) > 0.0 else 0.0
+    meter = linear.meter(machine, session)
+    lag = meter.time_constant if meter else 0.0
     *terms, rows = hose_dynamics.terms(session, r, laminar, lag)
     part = slice(rows.start, rows.stop, 5)
     return of, tuple(term[part] for term in terms)

@@ -15,7 +15,8 @@ MASSES = tuple(f"manipulator.{name}" for name in ("head_mass", "boom_mass", "sti
 def sought(machine: Machine) -> tuple[str, ...]:
     """Return the keys of all that identification is asked for on a machine."""
     valves = dict.fromkeys(valve_section(machine, axis) for axis in range(3))
-    keys = [f"{section}.{part}" for section in valves for part in VALVE]
+    keys = ["pump.supply_pressure"]
+    keys += [f"{section}.{part}" for section in valves for part in VALVE]
     for axis in range(3):
         section, regime = hose_section(machine, axis), machine.drives[axis].flow_regime
         keys += [f"{section}.{part}" for part in (f"{regime}_resistance", "inertance", "capacitance")]

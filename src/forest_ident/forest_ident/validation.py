@@ -65,7 +65,8 @@ def signals(model: Machine, session: Session) -> list[Signal]:
     if missing or len(session.time) < 100:
         raise SessionError(f"{session.name}: too short, or without {', '.join(missing) or 'samples'}")
     exact = session.facts.get("exact_sensors", 0.0) > 0.0
-    of = predict(refinement.prepared(model, session), session, bench=False)
+    known = session if exact else correction.corrected(session, model)
+    of = predict(refinement.prepared(model, session), known, bench=False)
     of = of if exact else correction.as_read(of, model)
     found: list[Signal] = []
     for axis in AXES:
