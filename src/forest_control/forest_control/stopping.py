@@ -26,7 +26,7 @@ from forest_description.kinematics import Links, is_singular, joint_rates, tip_v
 Triple = tuple[float, float, float]
 CLOSED_LOOP = 0.24  # [s] T of a scheme that holds its reference: just inside 0.25 s, softest for the swing
 OPEN_LOOP = 0.16  # [s] T of the others
-LAG = 0.01  # [s] after which spool and oil answer
+LAG = 0.015  # [s] after which spool and oil answer
 ASTRAY = 0.01  # [rad] a joint that is further from its reference has stalled: it must not be pulled there
 
 
