@@ -186,7 +186,7 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--rows", nargs="+", choices=list(ROWS), default=list(ROWS))
-    parser.add_argument("--motions", type=int, default=600, help="a row and machine (default: %(default)s)")
+    parser.add_argument("--motions", type=int, default=400, help="a row and machine (default: %(default)s)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="every motion's figures")
     options = parser.parse_args()
     ended: dict[str, dict[str, list[Stop]]] = {name: {} for name in MACHINES}

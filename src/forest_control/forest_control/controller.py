@@ -130,7 +130,7 @@ def _stopping_at_reference(
 
 
 def _braking(p: Parameters) -> Parameters:
-    """Return the parameters of a stop: the oil for the swing's damping, fed forward, would brake it too much."""
+    """Return the parameters of a stop: the oil for the swing's damping, fed forward, brakes it too much."""
     c = p.coordinated
     swing, boom, stick = c.gains
     lead = max(0.0, swing.lead_time - c.swing.damping / c.swing.stiffness)
