@@ -39,6 +39,7 @@ def benchmark(monkeypatch):
             "recorder",
             "closed_loop",
             "lockstep",
+            "stopping",
         }
     ]:
         del sys.modules[name]
@@ -150,3 +151,13 @@ def test_lockstep_s_table_counts_the_steps_between_two_runs(benchmark):
     told = benchmark("lockstep").table({"simulator": 1.0}, {"simulator": 3.0, "recorder": 1.0}, 1000, 2.5)
     assert "| simulator | 2.00 |\n| recorder | 1.00 |\n| together | 3.00 |" in told
     assert told.endswith("A step: 2.00 ms on the wall, 2.50 x real time.")
+
+
+def test_a_random_motion_that_is_let_go_is_judged_and_told(benchmark):
+    stopping = benchmark("stopping")
+    ended = stopping.stops("c180", stopping.ROWS["exact"], 3)
+    assert all(0.0 < stop.time <= stopping.WITHIN and stop.way < 0.070 for stop in ended)
+    seconds, way, beside, rocks = stopping.cells(ended)
+    assert [text.count("/") for text in (seconds, way, beside)] == [2, 2, 2]
+    assert rocks.endswith(" %")
+    assert stopping.summary({"exact": ended})["shut_s"] <= stopping.WITHIN

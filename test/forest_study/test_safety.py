@@ -96,8 +96,48 @@ def test_let_go_the_tip_stops_along_its_path_within_a_quarter_second_and_70_mm(d
     shut = round((FAULT + WITHIN) / PERIOD)
     assert not moved.commands[shut:].any()
     assert not moved.voltages[shut:].any()
+    stopping = moved.commands[round(FAULT / PERIOD) + 1 : shut]
+    assert not ((stopping > 0.0).any(axis=0) & (stopping < 0.0).any(axis=0)).any()  # no valve turns round
     later = moved.tip[shut:]  # the crane rocks on the oil that is shut in its hoses
     assert np.linalg.norm(later - later[-1], axis=1).max() < 0.010
+
+
+# Start [deg], levers' deflections and for how long [s]; what ails the crane when the deadman is let go.
+MOTIONS = {
+    "swing behind its reference": (
+        "c180",
+        (85.4, 58.0, -53.2),
+        [(0.855, (0.09, -0.68, 0.14)), (1.29, (-0.5, 0.05, -0.17)), (1.48, (0.49, -0.06, 0.08))],
+    ),
+    "swing rocks": (
+        "c180",
+        (176.0, 48.1, -72.8),
+        [(0.955, (-0.37, -0.66, -0.26)), (0.36, (0.95, 0.02, 0.32))],
+    ),
+    "hoses still fill": ("loader", (180.1, 0.0, -55.8), [(0.165, (0.86, 0.5, -0.01))]),
+    "swing rocks on soft hoses": (
+        "loader",
+        (-175.9, 30.1, -81.1),
+        [(1.2, (-0.19, -0.46, -0.17)), (0.825, (0.06, 0.52, -0.25)), (0.335, (-1.0, 0.04, -0.08))],
+    ),
+}
+
+
+@pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
+def test_let_go_in_the_midst_of_a_wild_motion_it_stops_as_soon(motion):
+    name, start, wishes = motion
+    held = [Operator(Levers(*levers)) for time, levers in wishes for _ in range(round(time / PERIOD))]
+    rows = [Operator(REST)] * 20 + held + [Operator(REST, False)] * 120
+    settings = controller.Settings(tip_speed=SPEED), valve_driver.Settings()
+
+    def operator(time):
+        return rows[round(time / PERIOD)]
+
+    pose = tuple(np.radians(start).tolist())
+    moved = run(load_machine(name), operator, PERIOD * len(rows), pose, *settings)
+    time, way, _ = stop_from(moved, PERIOD * (20 + len(held)))
+    assert time <= WITHIN
+    assert way < 0.070
 
 
 @pytest.mark.parametrize("scheme", TIP_SCHEMES)

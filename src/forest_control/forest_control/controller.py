@@ -114,15 +114,27 @@ def _stopping_at_reference(
     stop: Stop, state: State, inputs: Inputs, valves: Valves, p: Parameters, dt: float
 ) -> tuple[State, Output]:
     """Advance the stop of a scheme that follows its reference to the end."""
+    if state.enabled:
+        state = state._replace(reference=inputs.angles)
     r = state.reference
-    velocity = scaled(stop.wish, stopping.share(stop))
-    velocity = workspace.slid(tip_position(r, p.links), velocity, p.workspace)
+    tip, left, late = tip_position(r, p.links), stopping.share(stop), stopping.share_late(stop)
+    velocity = workspace.slid(tip, scaled(stop.wish, left), p.workspace)
     wish = governed_wish(r, inputs.angles, joint_rates(r, velocity, p.links), velocity, valves, p)
-    after, output = carried_out(state, wish, r, inputs, p, dt)
+    followed = scaled(workspace.slid(tip, scaled(stop.wish, late), p.workspace), wish.governed.factor)
+    wish = Wish(wish.rates, followed, wish.governed)
+    after, output = carried_out(state, wish, r, inputs, _braking(p), dt)
     released = Governed(wish.governed.factor, Limit.RELEASED)
-    m, u = after.memory, after.rates
+    m, u = after.memory, stopping.onwards(after.rates, wish.rates)
     after = State(after.reference, False, m, p.scheme, u, after.offset, NO_MODE, ZERO, False, stop)
-    return after, Output(output.command, output.tip_wish, released)
+    return after, Output(to_voltage(u, inputs.angles, p), output.tip_wish, released)
+
+
+def _braking(p: Parameters) -> Parameters:
+    """Return the parameters of a stop: the oil for the swing's damping, fed forward, brakes it too much."""
+    c = p.coordinated
+    swing, boom, stick = c.gains
+    lead = max(0.0, swing.lead_time - c.swing.damping / c.swing.stiffness)
+    return p._replace(coordinated=c._replace(gains=(swing._replace(lead_time=lead), boom, stick)))
 
 
 def _stop_from(state: State, s: Triple, p: Parameters) -> Stop:
