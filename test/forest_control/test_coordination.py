@@ -52,10 +52,14 @@ def test_a_resting_joint_holds_until_its_error_has_grown():
     for _ in range(200):
         memory, u = coordination.servo(memory, ZERO, (2.5e-4, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
         assert u == (HELD, HELD, HELD)
-    for _ in range(200):
+        assert coordination.inches(memory) == ZERO
+    asked = 0.0
+    for _ in range(100):
         memory, u = coordination.servo(memory, ZERO, (4e-4, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
-    assert u[0] > 0.0
-    assert u[1:] == (HELD, HELD)
+        asked += PERIOD * coordination.inches(memory)[0]
+    assert 0.0 < asked < 4e-4
+    assert u == (HELD, HELD, HELD)
+    assert coordination.inches(memory)[1:] == (0.0, 0.0)
 
 
 def test_a_joint_holds_while_only_others_are_wished_to_move():
@@ -70,10 +74,10 @@ def test_a_joint_holds_while_only_others_are_wished_to_move():
 def test_the_integral_of_a_resting_joint_winds_up_only_while_its_valve_is_open():
     c, r = P.coordinated, (1e-3, 0.0, 0.0)
     gathered = {}
-    for volts in (0.0, 1.1):
+    for volts, a in ((0.0, (0.0, 0.1, 0.0)), (1.1, ZERO)):
         memory = coordination.REST
         for _ in range(2000):
-            memory, _ = coordination.servo(memory, ZERO, r, ZERO, ZERO, (volts, 0.0, 0.0), c, PERIOD)
+            memory, _ = coordination.servo(memory, a, r, ZERO, ZERO, (volts, 0.0, 0.0), c, PERIOD)
         gathered[volts] = memory.swing.w
     assert 0.0 < gathered[0.0] <= coordination.MOST_GATHERED
     assert gathered[1.1] > 5.0 * coordination.MOST_GATHERED

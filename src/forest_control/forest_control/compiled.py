@@ -21,6 +21,7 @@ from forest_control import (
     governor,
     hand,
     handover,
+    inching,
     levers,
     plausibility,
     position_source,
@@ -46,7 +47,8 @@ Step = Callable[..., tuple[Any, Any]]
 
 LAWS: tuple[ModuleType, ...] = (
     *(actuation, kinematics, linkage, valve),
-    *(capacity, control_state, controller, coordination, execution, governor, hand, handover, levers),
+    *(capacity, control_state, controller, coordination, execution, governor, hand, handover),
+    *(inching, levers),
     *(plausibility, position_source, schemes, settings, singularity, stopping),
     *(swing_load, valve_adaptation, valve_driver, valve_flow, valve_hold, valve_inverse, valve_knowledge),
     *(valve_reach, wish, workspace),

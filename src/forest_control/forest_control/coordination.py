@@ -9,7 +9,8 @@
 
 The reference is the operator's wish with its steps turned into ramps, so that b is finite. While a joint's
 reference rests, be it that others move, a joint that is near it holds: its valve stays shut until the error
-has grown, or noise would open it back and forth through the overlap for ever.
+has grown, or noise would open it back and forth through the overlap for ever. Where all references rest the
+joints are soon inched to their places instead (`inching`).
 
 Boom and stick rock on their oil at some 8 Hz, and a valve that is open a little hardly damps that: a position
 error that is heard at once feeds it, and slow motion swings up. Through the low-pass of `ERROR_LAG` it comes
@@ -19,8 +20,10 @@ late by more than a quarter of a turn and damps. Faster, up to `FULL_RATE`, the 
 import math
 from typing import NamedTuple
 
+from forest_control.inching import MOVING, Inching, inched, is_due, served
 from forest_control.schemes import FULL_RATE, Gains, Signals, coordinated
 from forest_control.swing_load import SwingLoad, inertia
+from forest_description.actuation import Linkages, actuator_speeds_to_joint_rates
 
 Triple = tuple[float, float, float]
 ZERO: Triple = (0.0, 0.0, 0.0)
@@ -45,6 +48,8 @@ class CoordinationParameters(NamedTuple):
     integral_limit: float  # [rad/s]
     hold_error: float  # [rad] a resting joint this near holds
     release_error: float  # [rad] and moves again beyond this
+    inches: Triple  # [rad/s, m/s, m/s] speeds of the actuators while a resting joint is inched
+    linkages: Linkages
 
 
 class Joint(NamedTuple):
@@ -58,6 +63,7 @@ class Joint(NamedTuple):
     wide: float = 1.0  # hold and release error over what is set
     side: float = 0.0  # of the error that it moved for last, at rest: 1, -1
     gathered: float = 0.0  # part of w that was gathered at rest [rad/s]
+    inching: Inching = MOVING
 
 
 AT_REST = Joint()
@@ -84,7 +90,7 @@ def in_motion(velocity: Triple, a: Triple, samples: int) -> Memory:
 
 
 def _going(a: float) -> Joint:
-    return Joint(a, 0.0, 0.0, 0.0, True, 1.0, 0.0)
+    return Joint(a, 0.0, 0.0, 0.0, True, 1.0, 0.0, 0.0, MOVING)
 
 
 def going(memory: Memory, velocity: Triple) -> Memory:
@@ -137,15 +143,23 @@ def servo(
     b_1, jerk = _smooth_acceleration(m_1, a[0], p, dt)
     b_2, _ = _smooth_acceleration(m_2, a[1], p, dt)
     b_3, _ = _smooth_acceleration(m_3, a[2], p, dt)
+    inch = actuator_speeds_to_joint_rates(s, p.inches, p.linkages)
     torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, inertia(r, p.swing), p, dt)
     swing, u_1 = _joint_servo(
-        m_1, Signals(a[0], b_1, r[0], s[0], v[0], extra), volts[0] == 0.0, still, 0, p, dt
+        m_1, Signals(a[0], b_1, r[0], s[0], v[0], extra), volts[0] == 0.0, still, inch[0], 0, p, dt
     )
-    boom, u_2 = _joint_servo(m_2, Signals(a[1], b_2, r[1], s[1], v[1], 0.0), volts[1] == 0.0, still, 1, p, dt)
+    boom, u_2 = _joint_servo(
+        m_2, Signals(a[1], b_2, r[1], s[1], v[1], 0.0), volts[1] == 0.0, still, inch[1], 1, p, dt
+    )
     stick, u_3 = _joint_servo(
-        m_3, Signals(a[2], b_3, r[2], s[2], v[2], 0.0), volts[2] == 0.0, still, 2, p, dt
+        m_3, Signals(a[2], b_3, r[2], s[2], v[2], 0.0), volts[2] == 0.0, still, inch[2], 2, p, dt
     )
     return Memory(memory.velocity, swing, boom, stick, torque, memory.samples), (u_1, u_2, u_3)
+
+
+def inches(memory: Memory) -> Triple:
+    """Return the rates [rad/s] at which joints at rest are inched now."""
+    return memory.swing.inching.rate, memory.boom.inching.rate, memory.stick.inching.rate
 
 
 def rests(memory: Memory, a: Triple) -> bool:
@@ -171,7 +185,14 @@ def held(
 
 
 def _joint_servo(
-    memory: Joint, x: Signals, shut: bool, all_rest: bool, i: int, p: CoordinationParameters, dt: float
+    memory: Joint,
+    x: Signals,
+    shut: bool,
+    all_rest: bool,
+    inch: float,
+    i: int,
+    p: CoordinationParameters,
+    dt: float,
 ) -> tuple[Joint, float]:
     """Return one joint's memory one step on, and its u [rad/s].
 
@@ -180,6 +201,7 @@ def _joint_servo(
         x: its signals; `x.w` is what else is fed forward.
         shut: the driver keeps its valve shut.
         all_rest: the reference of no joint moves.
+        inch: rate of an inch, of either sign [rad/s].
         i: which joint.
         p: parameters.
         dt: [s].
@@ -187,16 +209,19 @@ def _joint_servo(
     # A valve that is open, to feed what leaks, is better served by the servo than by holding.
     error, still = x.r - x.s, all_rest or (shut and _rests(memory, x.a))
     seen, holds, wide, side = held(memory, error, still, p, dt)
+    if all_rest and is_due(memory.inching, shut):
+        kept = 0.0 if shut else memory.gathered
+        w, inching = memory.w - memory.gathered + kept, inched(memory.inching, error, shut, abs(inch), dt)
+        return Joint(x.a, x.b, w, seen, True, 1.0, 0.0, kept, inching), HELD
     gathered = _gathered(memory, dt * p.integral[i] * error, still, holds, shut)
     # What the integral has learnt of the valve at speed is kept while the joint holds.
     grown = memory.w - memory.gathered + gathered if still else memory.w + dt * p.integral[i] * error
     w = max(-p.integral_limit, min(p.integral_limit, grown))
     quick = 1.0 if i == 0 else min(1.0, (x.a / FULL_RATE) ** 2)
-    heard = (
-        seen if still and shut else seen + quick * (error - seen)
-    )  # at rest there is time to hear less noise
+    heard = seen if still else seen + quick * (error - seen)  # at rest there is time to hear less noise
     u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.r - heard, x.v, x.w + w), p.gains[i])
-    return Joint(x.a, x.b, w, seen, holds, wide, side, gathered), u
+    inching = served(memory.inching, dt) if all_rest else MOVING
+    return Joint(x.a, x.b, w, seen, holds, wide, side, gathered, inching), u
 
 
 def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) -> float:

@@ -3,6 +3,7 @@
 from forest_control import coordination
 from forest_control.control_state import ZERO, Inputs, Output, State, Triple, Wish
 from forest_control.handover import faded, offset_to, within_lead
+from forest_control.inching import MOVING
 from forest_control.schemes import Scheme, Signals, advanced, closes_on_position, moved, servo
 from forest_control.settings import Parameters
 from forest_control.stopping import NO_STOP
@@ -30,7 +31,9 @@ def carried_out(
         # The reference goes the way that is commanded, or the servo would fight what fades.
         after = within_lead(moved(after, offset, dt), r, s, p)
         tip_wish = moved(tip_wish, tip_velocity(pose, offset, p.links), 1.0)
-    output = Output(to_voltage(u, s, p), tip_wish, wish.governed)
+    # What takes over while a joint is inched takes nothing over of that.
+    command = to_voltage(moved(u, coordination.inches(memory), 1.0), s, p)
+    output = Output(command, tip_wish, wish.governed)
     fading, mode = faded(offset, dt), p.hand.mode
     return State(after, True, memory, p.scheme, u, fading, mode, state.clutch, False, NO_STOP), output
 
@@ -64,7 +67,7 @@ def _joint_servo(
         if holds and abs(r[i] - s) < NEAR
         else servo(p.scheme, Signals(a, 0.0, r[i], s, v, 0.0), p.gains[i])
     )
-    return coordination.Joint(a, 0.0, 0.0, seen, holds, wide, side), u
+    return coordination.Joint(a, 0.0, 0.0, seen, holds, wide, side, 0.0, MOVING), u
 
 
 def to_voltage(rates: Triple, angles: Triple, p: Parameters) -> Triple:

@@ -35,6 +35,7 @@ from forest_description.kinematics import Links, is_singular, joint_rates, neare
 Triple = tuple[float, float, float]
 ZERO: Triple = (0.0, 0.0, 0.0)
 
+FADED = 1e-3  # [rad/s] of an offset: less of it opens no valve for long enough to be felt, and keeps one open
 FULL_RATE = 0.1  # [rad/s] a wish from which the coordinated scheme hears all of the rate
 REST_RATE = 2e-3  # [rad/s] a smaller wish counts as none for a velocity servo
 
@@ -191,4 +192,4 @@ def reference_that_gives(scheme: int, u: float, s: float, v: float, g: Gains) ->
 
 def decayed(offset: float, dt: float, time: float) -> float:
     """Return what is left of an offset after dt [s] of an exponential decay."""
-    return offset * math.exp(-dt / time) if abs(offset) > 1e-9 else 0.0
+    return offset * math.exp(-dt / time) if abs(offset) > FADED else 0.0

@@ -12,6 +12,7 @@ from forest_control.schemes import Gains, Scheme
 from forest_control.singularity import BENT
 from forest_control.swing_load import swing_load
 from forest_control.valve_driver import axis_drivers
+from forest_control.valve_knowledge import command_noise
 from forest_control.workspace import OPEN, Workspace
 from forest_description.actuation import Linkages, displacements, rated_speeds
 from forest_description.kinematics import Links
@@ -25,6 +26,7 @@ SMOOTHING = 0.01  # [s] of the reference's acceleration
 INTEGRAL_LIMIT = 0.1  # [rad/s] more than any valve is wrong by
 HOLD_ERROR = 1.5e-4  # [rad] above the resolvers' low-passed jitter; 1 mm of the tip
 RELEASE_ERROR = 3e-4  # [rad] 2 mm
+INCH, OVER_NOISE = 0.03, 1.25  # of the rated speed; of what the valve driver may take for noise
 CLOSEST = 0.03  # of the arm's length: how near the tip comes to the swing axis in tip schemes
 FLOW_RESERVE = 0.95  # of the pumps' flow: leakage and the loads' oil need the rest
 
@@ -108,8 +110,17 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
             integral_limit=INTEGRAL_LIMIT,
             hold_error=HOLD_ERROR,
             release_error=RELEASE_ERROR,
+            inches=(_inch(machine, 0), _inch(machine, 1), _inch(machine, 2)),
+            linkages=machine.linkages,
         ),
     )
+
+
+def _inch(machine: Machine, axis: int) -> float:
+    """Return the actuator's speed [rad/s; m/s] while a resting joint is inched."""
+    rated = machine.valve_of(axis).rated_voltage
+    share = max(INCH, OVER_NOISE * command_noise(machine, axis) / rated)
+    return share * rated_speeds(machine)[axis]
 
 
 def _hand(settings: Settings) -> Hand:

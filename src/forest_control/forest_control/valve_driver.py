@@ -64,8 +64,7 @@ LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less th
 SOONEST = 0.0025  # [s] no command is expected sooner than this after another, whatever the stamps say
 FORGOTTEN = 0.3  # [s] in which it is expected again that voltages come in time
 BORNE = 1.5  # [rad/s] low-pass of the load that the swing has borne for long
-LASTING = 2.0  # times that, at the most, of its load is fed while it is held
-LEAST_FED = 0.004  # [V] of leakage: less lets the tip sink by under 3 mm/s and is not worth an open valve
+LASTING = 2.0  # times that, at the most, its load may be, or that its load, to be fed while it is held
 
 
 class State(NamedTuple):
@@ -206,7 +205,8 @@ def _axis(
         load = _weight(state.loads[0], state.borne) if i == 0 and abs(command) < HELD else state.loads[i]
         leaked = rated * axis.slip * load / axis.rated_speed
         fed = command + leaked if command != 0.0 else 0.0
-        opens = p.hold_zone if abs(leaked) <= _worth(leaked, spool) else min(LEAST_FED, p.hold_zone)
+        least = axis.least_fed
+        opens = p.hold_zone if abs(leaked) <= _worth(leaked, spool, least) else min(least, p.hold_zone)
         hold, fed = obeyed(
             hold, fed, p.hold_zone, opens, p.command_noises[i], abs(command) < HELD, p.adapt, dt
         )
@@ -228,14 +228,13 @@ def _axis(
 
 
 def _weight(load: float, borne: float) -> float:
-    """Return what of a load [N m] has been borne for long: no more than `LASTING` times that."""
-    most = LASTING * abs(borne)
-    return max(-most, min(most, load)) if load * borne > 0.0 else 0.0
+    """Return a load [N m] that has been borne for long, within `LASTING`; none that comes and goes."""
+    return load if load * borne > 0.0 and 1.0 / LASTING < load / borne < LASTING else 0.0
 
 
-def _worth(leaked: float, spool: float) -> float:
-    """Return what must leak [V] to be fed; half of it keeps a valve open, so that it does not chatter."""
-    return LEAST_FED if spool * leaked <= 0.0 else 0.5 * LEAST_FED
+def _worth(leaked: float, spool: float, least: float) -> float:
+    """Return what must leak [V] to be fed; 3/4 of it keep a valve open, so that it does not chatter."""
+    return least if spool * leaked <= 0.0 else 0.75 * least
 
 
 def _dithered(voltage: float, dither: float, axis: AxisDriver) -> float:

@@ -14,6 +14,8 @@ from forest_description.valve import ValveLaw
 
 Triple = tuple[float, float, float]
 
+LEAST_FED = 0.001  # [V] lets the tip sink by under 1 mm/s
+MISJUDGED = 0.2  # [V] by which an overlap may be thought too wide, twice over
 NOISY_SERVO = 35.0  # [1/s] seven standard deviations of the position through a servo's gain of 5 1/s
 
 
@@ -27,6 +29,7 @@ class AxisDriver(NamedTuple):
     hose_linear: float = 0.0  # [N s/m; N m s] both hoses' loss that goes with the speed, at the actuator
     hose_square: float = 0.0  # [N s^2/m^2; N m s^2] and with its square
     slip: float = 0.0  # [rad/s per N m] speed that the motor's leakage takes under load
+    least_fed: float = 0.0  # [V] leakage under this is not worth an open valve
     spool_lag: float = 0.0  # [s]; 0: the spool follows at once
 
 
@@ -80,9 +83,9 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
         beyond_valve=settings.compensate and settings.beyond_valve,
         hold_zone=settings.hold_zone,
         command_noises=(
-            _command_noise(machine, 0),
-            _command_noise(machine, 1),
-            _command_noise(machine, 2),
+            command_noise(machine, 0),
+            command_noise(machine, 1),
+            command_noise(machine, 2),
         ),
         load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
         minimum_drop=settings.minimum_drop,
@@ -131,6 +134,7 @@ def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool) 
         hose_linear=linear,
         hose_square=square,
         slip=_slip(machine, axis),
+        least_fed=_least_fed(machine, axis),
         spool_lag=_spool_lag(machine, axis),
     )
 
@@ -163,7 +167,17 @@ def _slip(machine: Machine, axis: int) -> float:
     return leakage / oil**2
 
 
-def _command_noise(machine: Machine, axis: int) -> float:
+def _least_fed(machine: Machine, axis: int) -> float:
+    """Return from how much leakage on [V] an actuator is fed that is held.
+
+    Friction, too, is a load: it must not seem to leak what drives against it. Else a valve that a misjudged
+    overlap opens too wide would keep itself open.
+    """
+    feigned = _slip(machine, axis) * machine.swing.damping if axis == 0 else 0.0
+    return max(LEAST_FED, feigned * MISJUDGED)
+
+
+def command_noise(machine: Machine, axis: int) -> float:
     """Return what a servo may make of its position's noise [V]."""
     noise = _position_noise(machine, axis) * NOISY_SERVO
     return machine.valve_of(axis).rated_voltage * noise / rated_speeds(machine)[axis]
