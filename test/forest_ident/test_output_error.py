@@ -106,3 +106,27 @@ def test_what_cannot_be_told_apart_has_a_great_condition_number():
     j = np.column_stack([X, X + 1e-7 * X**2])
     assert condition_number(j.T @ j) > 1e5
     assert condition_number(np.eye(2)) == pytest.approx(1.0)
+
+
+def test_noise_of_what_drives_the_model_counts():
+    """Four hundred rows have one reading of the input: its noise does not average out among them."""
+    rows = np.arange(len(X)) // 400
+    true = np.array([1.0, 2.0, 0.5, 1.5, 3.0])
+
+    def driven_by(read):
+        return lambda values: {"y": values["gain"] * read[rows]}
+
+    scatter, errors = [], []
+    for seed in range(60):
+        luck = np.random.default_rng(seed)
+        read = luck.normal(true, 0.05)
+        again = [driven_by(luck.normal(read, 0.05)) for _ in range(8)]
+        y = {"y": 2.0 * true[rows] + luck.normal(0.0, 0.05, len(X))}
+        told = [Channel("y", 0.05)], [Unknown("gain", 1.9)]
+        blind, found = fit(driven_by(read), y, *told), fit(driven_by(read), y, *told, redrawn=again)
+        assert found.values == blind.values
+        scatter.append(found.values["gain"] - 2.0)
+        errors.append((blind.errors["gain"], found.errors["gain"]))
+    blind, found = np.mean(errors, axis=0)
+    assert blind < 0.6 * np.std(scatter)
+    assert found == pytest.approx(np.std(scatter), rel=0.25)

@@ -20,8 +20,6 @@ Columns = Mapping[str, Floats]
 Jacobian = Sequence[Mapping[str, Floats]]
 """Derivatives of the predicted columns, one entry per parameter."""
 
-UNTOLD = 1e3  # standard error of what neither record nor belief says a word of: not 0
-
 
 class Unknown(NamedTuple):
     """A parameter: dotted key (or name of an offset), start, prior, whether it is positive (logarithm)."""
@@ -168,15 +166,22 @@ class Problem:
                     j[:, self.count + place] = slope * (column if kind == "g" else 1.0)
             yield c, residual, j
 
-    def covariance(self, theta: Floats, predicted: Mapping[str, Floats], jacobian: Jacobian) -> Floats:
+    def covariance(
+        self, theta: Floats, predicted: Columns, jacobian: Jacobian, redrawn: Sequence[Columns] = ()
+    ) -> Floats:
         """Return the covariance of theta: of white residuals, widened as far as the blocks' scatter asks for.
 
         A sandwich of some ten blocks knows the variances, but no correlations of as many parameters: as prior
         of the next fit it would claim to know some of their sums and differences far too well.
+
+        Args:
+            theta: at the end of the fit.
+            predicted: there.
+            jacobian: there.
+            redrawn: predicted with the noise of the model's inputs once more: how far that moves theta.
         """
-        information, _ = self.normal(theta, predicted, jacobian)
-        known = information + self.known
-        spread = spread_of(known + np.diag(np.where(np.diag(known) > 0.0, 0.0, UNTOLD**-2)))
+        information, gradient = self.normal(theta, predicted, jacobian)
+        spread = spread_of(information + self.known)
         count = max(len(y) for y in self._y.values()) // self._block + 1
         found, white = np.zeros((count, len(theta))), np.zeros((count, len(theta)))
         for _, residual, j in self._rows(theta, predicted, jacobian):
@@ -186,4 +191,6 @@ class Problem:
         beforehand = np.diag(spread @ self.known @ spread)
         wanted = beforehand + inflation(found, white) * np.sum(white, axis=0)
         scale = np.sqrt(np.maximum(wanted / np.maximum(np.diag(spread), 1e-300), 1.0))
-        return np.asarray(spread * np.outer(scale, scale), dtype=np.float64)
+        moves = [spread @ (self.normal(theta, after, jacobian)[1] - gradient) for after in redrawn]
+        fed = np.mean([np.outer(move, move) for move in moves], axis=0) if moves else 0.0
+        return np.asarray(spread * np.outer(scale, scale) + fed, dtype=np.float64)

@@ -15,7 +15,8 @@ Readings at a meter's floor, or at a transducer's zero, are censored: what is sa
 true value is below, so they count with the logarithm of that probability. Gauss-Newton with Marquardt's
 damping; derivatives by forward differences, each a simulation. The covariance is the usual one, of white
 residuals, with every variance widened to that of the sandwich over blocks of `BLOCK` rows where the scatter
-of the blocks shows that residuals are not white (`fit_statistics.inflation`).
+of the blocks shows that residuals are not white (`fit_statistics.inflation`). What the noise of the model's
+own measured inputs does to the estimates shows in no residual; it is tried, by drawing that noise once more.
 
 Thesis section 4.1.2. Differs: the thesis estimates each parameter by a linear least-squares fit of its own;
 those are where this starts.
@@ -34,7 +35,7 @@ from forest_ident.belief import NOTHING, Belief, inverse, updated
 from forest_ident.fit_problem import Channel, Columns, Fit, Jacobian, Problem, Unknown
 from forest_ident.fit_statistics import condition_number
 
-__all__ = ["Channel", "Fit", "Unknown", "fit"]
+__all__ = ["Channel", "Fit", "Model", "Unknown", "fit"]
 
 Floats = NDArray[np.float64]
 
@@ -58,6 +59,7 @@ def fit(
     progress: Callable[[], None] = lambda: None,
     block: int = BLOCK,
     belief: Belief = NOTHING,
+    redrawn: Sequence[Model] = (),
 ) -> Fit:
     """Return the parameters that explain the measured columns best.
 
@@ -69,9 +71,10 @@ def fit(
         progress: called after every simulation.
         block: rows within which residuals may hang together.
         belief: what earlier fits found, of parameters and of the sensors' static errors.
+        redrawn: the model again, each time with the noise of what it was fed once more.
     """
     problem = Problem(measured, channels, unknowns, block, belief)
-    return _Search(model, problem, unknowns, channels, progress).fit(belief)
+    return _Search(model, problem, unknowns, channels, progress, redrawn).fit(belief)
 
 
 class _Search:
@@ -84,14 +87,16 @@ class _Search:
         unknowns: Sequence[Unknown],
         channels: Sequence[Channel],
         progress: Callable[[], None],
+        redrawn: Sequence[Model],
     ) -> None:
+        self._redrawn = redrawn
         self._model, self._problem, self._progress = model, problem, progress
         self._unknowns, self._channels = unknowns, channels
 
     def fit(self, belief: Belief) -> Fit:
         """Return the end of the search; ``belief`` as in `fit`."""
         problem, theta, damping, last = self._problem, self._problem.mean.copy(), DAMPING, math.inf
-        predicted = self._simulate(theta)
+        predicted = self._simulate(self._model, theta)
         problem.learn_noise(theta, predicted)
         jacobian, taken, fresh, iterations = self._derivatives(theta, predicted), theta, True, 0
         while iterations < ITERATIONS:
@@ -112,8 +117,8 @@ class _Search:
         moves = np.abs(theta - taken)[: len(self._unknowns)]
         return max((m / u.difference for m, u in zip(moves, self._unknowns, strict=True)), default=0.0)
 
-    def _simulate(self, theta: Floats) -> dict[str, Floats]:
-        of = self._model(self._problem.values(theta))
+    def _simulate(self, model: Model, theta: Floats) -> dict[str, Floats]:
+        of = model(self._problem.values(theta))
         self._progress()
         return {c.name: np.asarray(of[c.name], dtype=np.float64) for c in self._channels}
 
@@ -122,7 +127,7 @@ class _Search:
         for place, unknown in enumerate(self._unknowns):
             moved = theta.copy()
             moved[place] += unknown.difference
-            after = self._simulate(moved)
+            after = self._simulate(self._model, moved)
             found.append(
                 {name: (after[name] - column) / unknown.difference for name, column in predicted.items()}
             )
@@ -145,7 +150,7 @@ class _Search:
             move = -np.linalg.solve(damped, slope)
             move = np.clip(move, -self._problem.reach, self._problem.reach)
             try:
-                after = self._simulate(theta + move)
+                after = self._simulate(self._model, theta + move)
             except (MachineError, ValueError):
                 damping = 10.0 * max(damping, 1e-3)
                 continue
@@ -165,7 +170,8 @@ class _Search:
     ) -> Fit:
         problem = self._problem
         information, _ = self._problem.normal(theta, predicted, jacobian)
-        covariance = problem.covariance(theta, predicted, jacobian)
+        inputs = [self._simulate(model, theta) for model in self._redrawn]
+        covariance = problem.covariance(theta, predicted, jacobian, inputs)
         values, errors = self._problem.values(theta), {}
         for place, u in enumerate(self._unknowns):
             error = math.sqrt(max(covariance[place, place], 0.0))

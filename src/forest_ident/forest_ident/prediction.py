@@ -7,6 +7,7 @@ lag, which Table 4.2 tells.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from forest_description.machine import AXES, Machine
 from forest_ident.readings import Columns, lagged, true_columns
-from forest_ident.session import Session
+from forest_ident.session import THERMOCOUPLES, Session
 from forest_ident.warming import plants_at
 from forest_sim.compiled import fastest_record
 from forest_sim.equilibrium import equilibrium
@@ -30,6 +31,7 @@ Floats = NDArray[np.float64]
 BLOCK = 1.0  # [s] over which the oil has one temperature
 STEP = 1e-3  # [s] of the integrator
 REST_ROWS = 200  # at most, that the mean of the start is taken over
+REDRAWN = 8  # times
 
 
 class Offsets(NamedTuple):
@@ -107,6 +109,24 @@ def _plants(
     means = [float(np.mean(warm[first : first + per_block])) + offset for first in firsts]
     plants = plants_at(machine, means)
     return [(first, min(first + per_block, count), p) for first, p in zip(firsts, plants, strict=True)]
+
+
+def redrawn(machine: Machine, session: Session) -> list[Session]:
+    """Return a session some times over, each time with the thermocouples' noise once more on their readings.
+
+    The measured temperature drives a prediction: what its noise does, does not show in the residuals. Empty
+    where the temperature drives nothing, or its sensors are exact.
+    """
+    part = machine.sensors.thermocouple
+    noise = 0.0 if part is None or not _is_sampled(session) else part.noise or 0.0
+    if noise == 0.0 or machine.oil is None:
+        return []
+    names, generator = [name for name in THERMOCOUPLES if session.has(name)], np.random.default_rng(0)
+    found = []
+    for _ in range(REDRAWN if names else 0):
+        more = {name: generator.normal(session.column(name), noise) for name in names}
+        found.append(dataclasses.replace(session, readings={**session.readings, **more}))
+    return found
 
 
 def rest(session: Session, creeps: bool = True) -> slice:

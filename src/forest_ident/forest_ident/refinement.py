@@ -30,8 +30,8 @@ from forest_description.pump import LoadSensingPump, PressureCompensatedPump
 from forest_ident import bench, correction, experiments, judging
 from forest_ident.belief import Belief, widened
 from forest_ident.keys import value_of, with_directions, with_values
-from forest_ident.output_error import Fit, Unknown, fit
-from forest_ident.prediction import Offsets, predict
+from forest_ident.output_error import Fit, Model, Unknown, fit
+from forest_ident.prediction import Offsets, predict, redrawn
 from forest_ident.session import Session
 
 Floats = NDArray[np.float64]
@@ -205,10 +205,11 @@ def refine(
         measured = _without_start(measured, session)
     known = session if _is_exact(session) else correction.corrected(session, machine)
 
-    def model(values: Mapping[str, float]) -> Mapping[str, Floats]:
-        return _predicted(machine, known, values, is_bench)
+    def driven_by(inputs: Session) -> Model:
+        return lambda values: _predicted(machine, inputs, values, is_bench)
 
-    return work, fit(model, measured, channels, unknowns, progress, belief=belief)
+    again = () if is_bench else [driven_by(one) for one in redrawn(machine, known)]
+    return work, fit(driven_by(known), measured, channels, unknowns, progress, belief=belief, redrawn=again)
 
 
 def _fresh(measured: Mapping[str, Floats]) -> dict[str, Floats]:

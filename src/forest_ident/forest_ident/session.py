@@ -21,6 +21,9 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
+THERMOCOUPLES = ("tank_temperature", "pump_temperature", "motor_temperature")
+
+
 class SessionError(ValueError):
     """A session does not hold what is asked of it; the message says what is missing."""
 
@@ -67,6 +70,5 @@ class Session:
 
     def temperature(self) -> Floats | None:
         """Return the oil's temperature [K], the mean of its thermocouples; None if there are none."""
-        names = [f"{place}_temperature" for place in ("tank", "pump", "motor")]
-        columns = [self.readings[name] for name in names if self.has(name)]
+        columns = [self.readings[name] for name in THERMOCOUPLES if self.has(name)]
         return np.asarray(np.mean(columns, axis=0), dtype=np.float64) if columns else None
