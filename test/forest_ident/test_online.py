@@ -1,10 +1,11 @@
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident import online_beside, recursive
+from forest_ident import online_beside, recursive, report
 from forest_ident.ident_experiment import experiment
 
 
@@ -62,3 +63,7 @@ def test_running_estimates_come_near_the_truth(monkeypatch):
     for part, value in truth.items():
         assert beside[f"{name}_{part}"].settled == pytest.approx(value, rel=1e-12)
         assert beside[f"{name}_{part}"].running == told[f"{name}_{part}"]
+    result = SimpleNamespace(start=machine, machine=machine, refined=[SimpleNamespace(session=session)])
+    page = "".join(report._on_line(result))
+    assert "on line, at its end" in page
+    assert f"{beside[f'{name}_damping'].running:.4g} ±" in page

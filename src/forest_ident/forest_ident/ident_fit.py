@@ -16,7 +16,7 @@ from forest_description.machine import Machine, load_machine
 from forest_ident import experiments, identification, machine_writer, session_bag
 from forest_ident.calibration import Offset
 from forest_ident.estimate import NORMAL_95
-from forest_ident.result import Result, table
+from forest_ident.result import Result, table, told
 from forest_ident.session import Session, SessionError
 from forest_ident.untold import untold
 from forest_msgs_py.bag_reader import FILE_KINDS, SUFFIXES
@@ -33,6 +33,8 @@ def add_parser(verbs: Any) -> None:
     parser.add_argument("--start", default="c180", metavar="NAME|FILE", help="default: %(default)s")
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="identified machine")
     parser.add_argument("--report", type=Path, metavar="DIR", help="to be made: report.html")
+    help_truth = "of a simulated machine: told beside what was found, and not used for it"
+    parser.add_argument("--truth", metavar="NAME|FILE", help=help_truth)
     parser.add_argument(
         "--linear", action="store_true", help="the thesis' estimators alone, without refinement"
     )
@@ -46,6 +48,7 @@ def run(options: argparse.Namespace) -> int:
     """
     _demand_room(options.out, options.report)
     start = load_machine(options.start)
+    truth = None if options.truth is None else load_machine(options.truth)
     sessions = {path: session_bag.read(path) for path in found(options.bags)}
     _refuse_strangers(start, sessions)
     _refuse_twice(sessions)
@@ -61,6 +64,8 @@ def run(options: argparse.Namespace) -> int:
         )
     result.machine = machine_writer.write(result, options.start, options.out)
     print(text_table(result))
+    if truth is not None:
+        print(against(result, truth))
     _tell_rest(result, sessions)
     print(f"  {options.out}")
     if options.report is not None:
@@ -157,13 +162,28 @@ def _is_bag(path: Path) -> bool:
 def text_table(result: Result) -> str:
     """Return what was found as text: old, new, interval, warning; sensors."""
     lines = [f"  {'parameter':<42} {'told':>11} {'found':>13}  95 % interval"]
-    for e, told in table(result):
+    for e, before in table(result):
         value, low, high = e.spelled()
-        was = "-" if told is None else f"{told:.5g}"
+        was = "-" if before is None else f"{before:.5g}"
         lines.append(f"  {e.key:<42} {was:>11} {value:>13}  {low} .. {high} {e.unit}")
         if e.warning:
             lines.append(f"    warning: {e.warning}")
     return "\n".join(lines + [_calibrated(o) for o in result.calibration if math.isfinite(o.offset_error)])
+
+
+def against(result: Result, truth: Machine) -> str:
+    """Return how far every estimate is from the truth, and whether its interval holds that."""
+    lines, held = [], 0
+    for e, _ in table(result):
+        true = told(truth, e.key)
+        if true is None:
+            continue
+        holds = e.holds(true)
+        held += holds
+        off = f"{100.0 * (e.value / true - 1.0):+.5f} %" if true != 0.0 and e.positive else ""
+        off = off or f"{e.value - true:+.7f} {e.unit}"
+        lines.append(f"  {e.key:<42} truth {true:<11.6g} off by {off}{'' if holds else ', interval misses'}")
+    return "\n".join([*lines, f"  {held} of {len(lines)} 95 % intervals hold the truth"])
 
 
 def _calibrated(o: Offset) -> str:

@@ -41,10 +41,10 @@ def table(result: Result) -> list[tuple[Estimate, float | None]]:
     """Return every estimate with what the start said of it, in the machine file's order."""
     order = list(machine_file.parameters(Machine))
     keys = sorted(result.estimates, key=order.index)
-    return [(result.estimates[key], _told(result.start, key)) for key in keys]
+    return [(result.estimates[key], told(result.start, key)) for key in keys]
 
 
-def _told(machine: Machine, key: str) -> float | None:
+def told(machine: Machine, key: str) -> float | None:
     """Return what a machine said of a number: itself, of both directions, or of all axes."""
     own, axis = key.replace("backward.", ""), key.partition(".")[0]
     shared = own.partition(".")[2] if axis in AXES and ".valve." in key else own
