@@ -134,6 +134,12 @@ def test_slow_motion_does_not_swing_up_on_the_oil(name, speed):
     assert session(name, speed=speed).total.velocity_rms < 0.02  # 0.07 to 0.18 m/s before
 
 
+@pytest.mark.parametrize(("name", "seed"), [("circle_h", 0), ("sweep", 1)])
+def test_a_slow_swing_is_not_taken_for_a_cycle_at_rest(name, seed):
+    """Its valve opens and shuts, always the same way; the hold zone grew, and the tip went in jerks."""
+    assert session(name, speed=0.02, seed=seed).total.rms_mm < 2.5  # 9.8 on circle_h before
+
+
 def test_fast_paths_are_governed_not_saturated():
     score = session("radial", speed=1.0).total
     assert score.rms_mm < 1.0

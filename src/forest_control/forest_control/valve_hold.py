@@ -10,10 +10,10 @@ one opens the valve when its low-passed value is over the zone, and shuts it whe
 quarter of the zone, or turned round.
 
 An over-compensated inverse cannot open a valve a little: the actuator jumps, overshoots, is sent back, and so
-on. So every time that a valve is opened again soon after it was shut, or turned soon after it was turned, its
-zone doubles, but for the first time, up to `WIDEST` / 2 times; that fades in `FORGOTTEN` s, and at once in
-motion. What is turned back within `BRIEF` is noise and no cycle. An actuator that is held for as long has
-come to rest.
+on. So every time that a valve is opened the other way soon after it was shut or turned, its zone doubles, but
+for the first time, up to `WIDEST` / 2 times; that fades in `FORGOTTEN` s, and at once in motion. What opens
+again the same way is slow motion, unless it feeds what leaks. What is turned back within `BRIEF` is noise and
+no cycle. An actuator that is held for as long has come to rest.
 """
 
 import math
@@ -40,7 +40,7 @@ class Hold(NamedTuple):
     turned_for: float = 0.0  # [s] since it opened the other way than before
     shut_for: float = 0.0  # [s]
     calm_for: float = 0.0  # [s] since c was more than noise
-    wide: float = 1.0  # twice for every opening soon after shutting
+    wide: float = 1.0  # twice for every turn of a cycle
 
 
 SHUT = Hold(0.0, 0.0, 0.0, 0.0, SOON, SOON, CALM, 1.0)
@@ -86,7 +86,9 @@ def obeyed(
     if way == 0.0:
         shut_for = 0.0 if hold.way != 0.0 else shut_for
         return Hold(slow, quick, 0.0, hold.last, turned_for, shut_for, calm_for, wide), 0.0
-    again, turns = hold.way == 0.0 and BRIEF < shut_for < SOON, way * hold.last < 0.0
+    turns = way * hold.last < 0.0
+    # Opened the same way again, for a wish: slow motion, no cycle.
+    again = hold.way == 0.0 and (turns or held) and BRIEF < shut_for < SOON
     if again or (turns and BRIEF < turned_for < SOON):
         wide = min(WIDEST, 2.0 * wide)
     turned_for = 0.0 if turns else turned_for
