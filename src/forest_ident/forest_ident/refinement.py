@@ -256,7 +256,8 @@ def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
     found = []
     for key in (*work.free, *work.carried):
         positive = not key.endswith("deadband_voltage")
-        spread = math.inf if key in work.free else UNKNOWN
+        # An overlap that a curve in volts hides stays where it was told, or it would leave the curve behind.
+        spread = math.inf if key in work.free and positive else UNKNOWN
         found.append(Unknown(key, value_of(machine, key), spread, positive))
     exact = _is_exact(session)
     for name in work.nuisances:
