@@ -6,12 +6,13 @@ A remark where a fit still says something; a `SessionError` that names the recor
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 from collections.abc import Iterator
 
 import numpy as np
 
 from forest_description.machine import Machine
-from forest_ident import judging
+from forest_ident import bench, judging
 from forest_ident.fit_problem import Fit
 from forest_ident.session import Session, SessionError
 
@@ -27,14 +28,15 @@ def unexplained(start: Machine, session: Session, fit: Fit) -> list[str]:
     """Return a remark if residuals are far above the noise of a sensor, naming the worst.
 
     Args:
-        start: whose file tells the sensors' noise; a sensor that it has not is not judged.
+        start: whose file tells the sensors' noise; what it lacks is a bench's.
         session: that was fitted.
         fit: of it.
     """
     if session.facts.get("exact_sensors", 0.0) > 0.0:
         return []
-    known = (name for name in fit.noise if getattr(start.sensors, judging.KIND[name].name) is not None)
-    times = {name: fit.noise[name] / judging.channel(start, session, name).noise for name in known}
+    sensed = dataclasses.replace(start, sensors=bench.meters(start))
+    known = (name for name in fit.noise if getattr(sensed.sensors, judging.KIND[name].name) is not None)
+    times = {name: fit.noise[name] / judging.channel(sensed, session, name).noise for name in known}
     worst = max(times, key=times.__getitem__, default="")
     if not worst or times[worst] < FAR:
         return []

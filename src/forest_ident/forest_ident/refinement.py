@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from forest_description.machine import AXES, Machine
 from forest_description.pump import LoadSensingPump, PressureCompensatedPump
-from forest_ident import bench, correction, experiments, judging
+from forest_ident import bench, correction, counted, experiments, judging
 from forest_ident.belief import Belief, widened
 from forest_ident.keys import value_of, with_directions, with_values
 from forest_ident.output_error import Fit, Model, Unknown, fit
@@ -37,12 +37,7 @@ from forest_ident.session import Session
 Floats = NDArray[np.float64]
 
 UNKNOWN = 0.4  # of what no experiment has found yet: relative, or volts
-HELD_SHARE = 0.3  # of rows that repeat the last one: from there on the sensors are slower
-SHUT_SHARE = 0.03  # of the greatest flow: less counts as shut
-AT_FLOOR = 1.02  # of the meter's floor: less is no reading
-SHUT_AROUND = 0.05  # [s] before and after
 SETTLED = 0.25  # [s] after a change of voltage
-FORGOTTEN = 2.0  # [s] after which a crane's pressures have settled from how the record began
 BEGUN = "start."
 BEGUN_NOISE = 1e4  # [Pa] by which pressures drift while the mean of the start is taken
 RIG = (BEGUN, "rig.load", "swing.angle", "boom.angle", "stick.angle", "oil.offset", "tilt")
@@ -196,13 +191,13 @@ def refine(
     # Static errors stay, the noise of the means that a session starts from is its own.
     noise = {f"{axis}.angle": judging.start_noise(machine, session, axis) for axis in AXES}
     belief = widened(belief, noise)
-    measured = _fresh({c.name: session.column(c.name) for c in channels})
+    measured = counted.fresh({c.name: session.column(c.name) for c in channels})
     if is_bench:
         floor = max((c.floor for c in channels), default=0.0)
         settled = SETTLED if session.name.startswith("valve") else 0.0
-        measured = _while_open(measured, session, settled, floor)
+        measured = counted.while_open(measured, session, settled, floor)
     else:
-        measured = _without_start(measured, session)
+        measured = counted.without_start(measured, session)
     known = session if _is_exact(session) else correction.corrected(session, machine)
 
     def driven_by(inputs: Session) -> Model:
@@ -212,52 +207,12 @@ def refine(
     return work, fit(driven_by(known), measured, channels, unknowns, progress, belief=belief, redrawn=again)
 
 
-def _fresh(measured: Mapping[str, Floats]) -> dict[str, Floats]:
-    """Return columns without the rows that repeat the last one: sensors sampled slower than the record."""
-    same = np.all([np.diff(column, prepend=np.nan) == 0.0 for column in measured.values()], axis=0)
-    if float(np.mean(same)) < HELD_SHARE:
-        return dict(measured)
-    return {name: np.where(same, np.nan, column) for name, column in measured.items()}
-
-
-def _without_start(measured: Mapping[str, Floats], session: Session) -> dict[str, Floats]:
-    """Return a crane's columns without the pressures that it began with.
-
-    The simulation begins at rest with those that were read: no prediction, and the flows there are not.
-    """
-    begun = np.arange(len(session.time)) < round(FORGOTTEN / session.period)
-    return {
-        name: np.where(begun, np.nan, column) if "_pressure_" in name else column
-        for name, column in measured.items()
-    }
-
-
-def _while_open(
-    measured: Mapping[str, Floats], session: Session, settled: float, floor: float
-) -> dict[str, Floats]:
-    """Return a bench's columns without the rows in which the valve is next to shut, or has just moved.
-
-    What a closing valve traps in the hoses depends on the last millisecond before, and tells nothing; nor
-    does a shut valve stand out where the meter's floor is all it shows. How the flow gets from one level to
-    the next is the hoses' matter, not the valve's.
-    """
-    flow = session.column("swing_flow")
-    shut = np.abs(flow) < max(SHUT_SHARE * float(np.max(np.abs(flow))), AT_FLOOR * floor)
-    around = round(SHUT_AROUND / session.period)
-    shut = np.convolve(shut, np.ones(2 * around + 1), mode="same") > 0.5
-    moved = np.diff(session.voltages[:, 0], prepend=0.0) != 0.0
-    shut |= np.convolve(moved, np.ones(max(1, round(settled / session.period))))[: len(flow)] > 0.5
-    kept = {"swing_spool"}
-    return {
-        name: column if name in kept else np.where(shut, np.nan, column) for name, column in measured.items()
-    }
-
-
 def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
     found = []
     for key in (*work.free, *work.carried):
         positive = not key.endswith("deadband_voltage")
-        spread = math.inf if key in work.free else UNKNOWN
+        # An overlap that a curve in volts hides stays where it was told, or it would leave the curve behind.
+        spread = math.inf if key in work.free and positive else UNKNOWN
         found.append(Unknown(key, value_of(machine, key), spread, positive))
     exact = _is_exact(session)
     for name in work.nuisances:
