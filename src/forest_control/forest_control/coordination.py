@@ -212,7 +212,7 @@ def _joint_servo(
     if all_rest and is_due(memory.inching, shut):
         kept = 0.0 if shut else memory.gathered
         w, inching = memory.w - memory.gathered + kept, inched(memory.inching, error, shut, abs(inch), dt)
-        return Joint(x.a, x.b, w, seen, True, 1.0, 0.0, kept, inching), HELD
+        return Joint(x.a, x.b, w, seen, True, wide, side, kept, inching), HELD
     gathered = _gathered(memory, dt * p.integral[i] * error, still, holds, shut)
     # What the integral has learnt of the valve at speed is kept while the joint holds.
     grown = memory.w - memory.gathered + gathered if still else memory.w + dt * p.integral[i] * error
