@@ -80,7 +80,7 @@ def test_what_it_switches_is_put_back_at_its_end_and_after_its_death_and_an_emer
     assert found[0] == {"compensate": False, "hands_off": True}
     wait_until(lambda: valves.shut > found[1], executor=valves.executor)
     assert valves.opened < valves.shut
-    assert switches() == {"compensate": True, "hands_off": False}
+    assert switches() == {"compensate": True, "hands_off": False}, said
 
     said = publisher(valves.node, topics.EMERGENCY_STOP)
     wait_until(lambda: said.get_subscription_count() >= 2, executor=valves.executor)

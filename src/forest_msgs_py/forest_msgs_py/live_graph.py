@@ -25,6 +25,7 @@ from forest_msgs_py.topics import Topic
 
 LOOK = 3.0  # [s] for a node to be found, and to answer
 SETTLE = 0.5  # [s] in which who is there is found
+AGAIN = 0.5  # [s] after which a question without an answer is put once more
 LATCHED = 0.3  # [s] for what was said before to arrive, once its speaker is known
 POLL = 0.02  # [s]
 UNKNOWN = "_NODE_NAME_UNKNOWN_"  # as the middleware says
@@ -137,10 +138,14 @@ class LiveGraph:
         try:
             if not self._until(client.service_is_ready, LOOK):
                 raise NoAnswer(f"no node {node} answers in {self.place}")
-            future = client.call_async(request)
-            if not self._until(future.done, LOOK):
-                raise NoAnswer(f"{node} did not answer within {LOOK:g} s")
-            return future.result()
+            # A question is lost if the node has not found the asker yet, and so is an answer. To set a
+            # parameter twice does no harm.
+            asked: list[Any] = []
+            for _ in range(round(LOOK / AGAIN)):
+                asked.append(client.call_async(request))
+                if self._until(lambda: any(future.done() for future in asked), AGAIN):
+                    return next(future.result() for future in asked if future.done())
+            raise NoAnswer(f"{node} did not answer within {LOOK:g} s")
         finally:
             self._node.destroy_client(client)
 
