@@ -218,9 +218,8 @@ def _joint_servo(
     grown = memory.w - memory.gathered + gathered if still else memory.w + dt * p.integral[i] * error
     w = max(-p.integral_limit, min(p.integral_limit, grown))
     quick = 1.0 if i == 0 else min(1.0, (x.a / FULL_RATE) ** 2)
-    heard = (
-        seen if still and shut else seen + quick * (error - seen)
-    )  # at rest there is time to hear less noise
+    # At rest there is time to hear less noise.
+    heard = seen if still and shut else seen + quick * (error - seen)
     u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.r - heard, x.v, x.w + w), p.gains[i])
     inching = served(memory.inching, dt) if all_rest else MOVING
     return Joint(x.a, x.b, w, seen, holds, wide, side, gathered, inching), u
