@@ -220,6 +220,7 @@ class Supervisor:
         self._interrupt_commanding()  # or a living driver would contradict the zero
         self._zero_voltage()
         self.stop()
+        self._zero_voltage()  # the last word, for a reader, too, that found this guard only meanwhile
 
     def _interrupt_commanding(self) -> None:
         """Have the commanding nodes say zero and stop, all at once: none shall miss another and complain."""
