@@ -46,6 +46,12 @@ def while_open(
     What a closing valve traps in the hoses depends on the last millisecond before, and tells nothing; nor
     does a shut valve stand out where the meter's floor is all it shows. How the flow gets from one level to
     the next is the hoses' matter, not the valve's.
+
+    Args:
+        measured: columns by channel, a value a row.
+        session: whose flow and voltages tell when the valve was shut or moved.
+        settled: time after a change of voltage that does not count [s].
+        floor: of the flow meter [m^3/s].
     """
     flow = session.column("swing_flow")
     shut = np.abs(flow) < max(SHUT_SHARE * float(np.max(np.abs(flow))), AT_FLOOR * floor)

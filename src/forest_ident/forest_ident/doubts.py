@@ -32,7 +32,7 @@ def unexplained(start: Machine, session: Session, fit: Fit) -> list[str]:
         session: that was fitted.
         fit: of it.
     """
-    if session.facts.get("exact_sensors", 0.0) > 0.0:
+    if session.is_exact:
         return []
     sensed = dataclasses.replace(start, sensors=bench.meters(start))
     known = (name for name in fit.noise if getattr(sensed.sensors, judging.KIND[name].name) is not None)

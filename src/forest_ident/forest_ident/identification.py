@@ -107,7 +107,7 @@ def _calibrate(result: Result, sessions: Sequence[Session]) -> None:
         if session.name == "valve":
             ratio = calibration.meter_gain(session, floor)
             result.calibration += [ratio] if ratio is not None else []
-    if any(session.facts.get("exact_sensors", 0.0) > 0.0 for session in sessions):
+    if any(session.is_exact for session in sessions):
         return
     sensors = dataclasses.replace(
         result.machine.sensors, calibration=calibration.told(result.start, result.calibration)
@@ -129,7 +129,7 @@ def _believed(offsets: Sequence[calibration.Offset]) -> Belief:
 def _told_offsets(start: Machine, sessions: Sequence[Session]) -> list[calibration.Offset]:
     """Return the transducers' offsets that the start's file tells, known to a sample's noise."""
     part = start.sensors.pressure
-    if part is None or any(s.facts.get("exact_sensors", 0.0) > 0.0 for s in sessions):
+    if part is None or any(s.is_exact for s in sessions):
         return []
     return [
         calibration.Offset(
@@ -145,7 +145,7 @@ def _take_linear(result: Result, session: Session) -> None:
     if session.name == "gravity":
         weighing.weigh(result, session)
         return
-    if session.facts.get("exact_sensors", 0.0) == 0.0:
+    if not session.is_exact:
         session = correction.corrected(session, result.machine)
     found = linear.estimates(result.machine, session)
     result.linear += found

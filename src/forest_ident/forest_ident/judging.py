@@ -31,7 +31,7 @@ def channel(machine: Machine, session: Session, name: str) -> Channel:
     kind = KIND[name]
     tiny = Channel(name, TINY[kind.unit])
     part = getattr(machine.sensors, kind.name)
-    if session.facts.get("exact_sensors", 0.0) > 0.0 or part is None:
+    if session.is_exact or part is None:
         return tiny
     noise = max(part.noise or 0.0, tiny.noise)
     accuracy = (getattr(part, "accuracy", 0.0) or 0.0) / math.sqrt(3.0)  # uniform within the bound
@@ -54,7 +54,7 @@ def channel(machine: Machine, session: Session, name: str) -> Channel:
 def start_noise(machine: Machine, session: Session, name: str) -> float:
     """Return the standard deviation [rad] of the angle that a session's simulation starts with."""
     part = machine.sensors.resolver
-    if part is None or session.facts.get("exact_sensors", 0.0) > 0.0:
+    if part is None or session.is_exact:
         return 0.0
     rows = rest(session, name.startswith("swing"))
     return (part.noise or 0.0) / math.sqrt(rows.stop - rows.start)
@@ -69,6 +69,6 @@ def judged(machine: Machine, session: Session, names: tuple[str, ...]) -> list[C
 def accuracy(machine: Machine, session: Session, kind: str) -> float:
     """Return the standard deviation of a kind's static error; 0 for exact sensors."""
     part = getattr(machine.sensors, kind)
-    if part is None or session.facts.get("exact_sensors", 0.0) > 0.0:
+    if part is None or session.is_exact:
         return 0.0
     return float((part.accuracy or 0.0) / math.sqrt(3.0))

@@ -10,7 +10,15 @@ import numpy as np
 
 from forest_description.machine import AXES, CylinderDrive, Machine, SwingDrive
 from forest_description.sensing import FlowMeter
-from forest_ident import bench, damping, hose_dynamics, hose_resistance, motor_leakage, valve_characteristic
+from forest_ident import (
+    bench,
+    counted,
+    damping,
+    hose_dynamics,
+    hose_resistance,
+    motor_leakage,
+    valve_characteristic,
+)
 from forest_ident.keys import value_of
 from forest_ident.least_squares import Line
 from forest_ident.refinement import hose_section
@@ -34,7 +42,7 @@ class First(NamedTuple):
 
 def meter(machine: Machine, session: Session | None = None) -> FlowMeter | None:
     """Return the flow meters of a machine's bench; None for exact ones."""
-    if session is not None and session.facts.get("exact_sensors", 0.0) > 0.0:
+    if session is not None and session.is_exact:
         return None
     return bench.meters(machine).flow_meter
 
@@ -114,7 +122,7 @@ def _demand(session: Session, there: bool, holds: str, allowed: str) -> None:
 
 def _valve(machine: Machine, session: Session, section: str) -> list[First]:
     points = valve_characteristic.points(session, highest(machine, session))
-    seen = np.abs(points.flow) > 1.02 * floor(machine, session)
+    seen = np.abs(points.flow) > counted.AT_FLOOR * floor(machine, session)
     ways = [int(np.sum(seen & (np.sign(points.voltage) == way))) for way in (1.0, -1.0)]
     holds = f"{ways[0]} steady openings forward and {ways[1]} backward with flow above the meter's floor"
     _demand(session, min(ways) >= ENOUGH, holds, f"{ENOUGH} each or more")

@@ -84,17 +84,13 @@ def predict(
         parts.append(true_columns(states[seen], p, around, bench, bench or valves))
     of = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     meter = machine.sensors.flow_meter
-    lag = meter.time_constant if meter is not None and _is_sampled(session) else 0.0
+    # Exact meters of the simulator (`--exact`) do not lag.
+    lag = meter.time_constant if meter is not None and not session.is_exact else 0.0
     for name in ("swing_flow", "stick_flow"):
         of[name] = lagged(of[name], lag, period)
     for axis, offset in zip(AXES, offsets[:3], strict=True):
         of[f"{axis}_resolver"] = of[f"{axis}_resolver"] - offset
     return of
-
-
-def _is_sampled(session: Session) -> bool:
-    """Tell whether the flow meters lag: exact ones of the simulator (`--exact`) do not."""
-    return session.facts.get("exact_sensors", 0.0) == 0.0
 
 
 def _plants(
@@ -118,7 +114,7 @@ def redrawn(machine: Machine, session: Session) -> list[Session]:
     where the temperature drives nothing, or its sensors are exact.
     """
     part = machine.sensors.thermocouple
-    noise = 0.0 if part is None or not _is_sampled(session) else part.noise or 0.0
+    noise = 0.0 if part is None or session.is_exact else part.noise or 0.0
     if noise == 0.0 or machine.oil is None:
         return []
     names, generator = [name for name in THERMOCOUPLES if session.has(name)], np.random.default_rng(0)

@@ -198,7 +198,7 @@ def refine(
         measured = counted.while_open(measured, session, settled, floor)
     else:
         measured = counted.without_start(measured, session)
-    known = session if _is_exact(session) else correction.corrected(session, machine)
+    known = session if session.is_exact else correction.corrected(session, machine)
 
     def driven_by(inputs: Session) -> Model:
         return lambda values: _predicted(machine, inputs, values, is_bench)
@@ -214,7 +214,7 @@ def _unknowns(machine: Machine, session: Session, work: Task) -> list[Unknown]:
         # An overlap that a curve in volts hides stays where it was told, or it would leave the curve behind.
         spread = math.inf if key in work.free and positive else UNKNOWN
         found.append(Unknown(key, value_of(machine, key), spread, positive))
-    exact = _is_exact(session)
+    exact = session.is_exact
     for name in work.nuisances:
         if name == "rig.load":
             found.append(Unknown(f"{name}.{session.name}", _load(session), math.inf))
@@ -245,10 +245,6 @@ def _begun(machine: Machine, session: Session, work: Task, belief: Belief) -> li
         spread = math.hypot(offset, BEGUN_NOISE)
         found.append(Unknown(f"{BEGUN}{name}.{session.name}", 0.0, spread, False, 100.0))
     return found
-
-
-def _is_exact(session: Session) -> bool:
-    return session.facts.get("exact_sensors", 0.0) > 0.0
 
 
 def _load(session: Session) -> float:

@@ -47,6 +47,11 @@ class Session:
         """Time between two rows [s]."""
         return float(np.median(np.diff(self.time)))
 
+    @property
+    def is_exact(self) -> bool:
+        """Whether a simulator's exact sensors made it."""
+        return self.facts.get("exact_sensors", 0.0) > 0.0
+
     def has(self, *channels: str) -> bool:
         """Tell whether all of these channels were there, with samples throughout."""
         return all(name in self.readings and np.isfinite(self.readings[name]).all() for name in channels)

@@ -64,7 +64,7 @@ def signals(model: Machine, session: Session) -> list[Signal]:
     missing = [f"{axis}_resolver" for axis in AXES if not session.has(f"{axis}_resolver")]
     if missing or len(session.time) < 100:
         raise SessionError(f"{session.name}: too short, or without {', '.join(missing) or 'samples'}")
-    exact = session.facts.get("exact_sensors", 0.0) > 0.0
+    exact = session.is_exact
     known = session if exact else correction.corrected(session, model)
     of = predict(refinement.prepared(model, session), known, bench=False)
     of = of if exact else correction.as_read(of, model)
