@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import re
 import sys
 from pathlib import Path
 
-from forest_ident.play_options import PlayOptions
+from forest_ident.play_options import NAME, PlayOptions
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
 from forest_sim.command_line import number
 
 CANNOT_PLAY = 2  # exit code
-NAME = re.compile(r"(~/|/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # as ROS allows them
 CHECKED_PER_S = 150e6  # bytes of a file, by zstd some 6 times as many (benchmarks/checking.py)
 LONG = 3.0  # [s] of checking, of which one is told beforehand
 CLOCK_HZ = 40.0  # as `ros2 bag play`
@@ -132,7 +130,10 @@ def _check(bag: Path) -> None:
     with BagReader(bag) as reader:
         seconds = reader.size / CHECKED_PER_S
         if seconds > LONG:
-            print(f"forest-bag: checks {bag}, which takes some {seconds:.0f} s (--no-check)", file=sys.stderr)
+            print(
+                f"forest-bag: checking {bag} first, some {seconds:.0f} s (not with --no-check)",
+                file=sys.stderr,
+            )
         reader.check()
 
 
