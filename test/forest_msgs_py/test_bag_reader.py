@@ -264,6 +264,11 @@ def test_metadata_that_is_no_yaml_is_named_with_advice(tmp_path, text):
     (tmp_path / "metadata.yaml").write_text(text)
     with pytest.raises(BagError, match=r"metadata.yaml is not YAML: .*; 'forest-bag recover"):
         BagReader(tmp_path)
+
+
+def test_a_lenient_reader_does_without_metadata_that_is_no_yaml(tmp_path):
+    write_mcap(tmp_path / "bag_0.mcap", SHUFFLED)
+    (tmp_path / "metadata.yaml").write_text("a: [")
     with BagReader(tmp_path, lenient=True) as bag:
         assert len(list(bag.messages())) == len(SHUFFLED)
         assert not bag.complete
