@@ -40,6 +40,7 @@ def benchmark(monkeypatch):
             "closed_loop",
             "lockstep",
             "stopping",
+            "killed",
         }
     ]:
         del sys.modules[name]
@@ -138,6 +139,11 @@ def test_recorder_s_table_compares_with_the_bare_node(benchmark):
     *_, bare, recorder = benchmark("recorder").table(rows).splitlines()
     assert bare == "| bare | 1000 | 0 | 80.0 | 1.00 | 0.0 MB |"
     assert recorder == "| recorder zstd | 1000 | 2 | 20.0 | 0.25 | 0.0 MB |"
+
+
+def test_killed_recorders_are_told_by_what_they_lost_and_how_many_left_nothing(benchmark):
+    rows = [{"load": 4, "first": 0.0, "span": 1.5, "lost": [0.1, None, 0.02, 0.03]}]
+    assert benchmark("killed").table(rows).endswith("| 4 | 0 to 1.5 | 4 | 1 | 0.030 | 0.100 | 0.100 |")
 
 
 def test_the_closed_loops_benchmark_compares_equal_loops_and_tells_both_factors(benchmark):

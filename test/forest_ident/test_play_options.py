@@ -39,6 +39,15 @@ def test_what_is_installed_is_played_and_the_rest_is_named():
     assert "/old is not played: it is encoded as ros1; allowed: cdr" in old
 
 
+@pytest.mark.parametrize("name", ["", "/1a", "/a b", "/a/", "/é"])
+def test_a_name_that_ros_does_not_allow_is_left_out_and_named_or_renamed(name):
+    odd = JOY._replace(topic=name)
+    selection = chosen(JOY, odd)
+    assert selection.names == {"/joy": "/joy"}
+    assert f"{name!r} is no name of a topic" in selection.warnings[0]
+    assert chosen(odd, remaps=((name, "/good"),)).names == {name: "/good"}
+
+
 def test_topics_are_chosen_and_renamed():
     both = (JOY, JOY._replace(topic="/other"))
     assert chosen(*both, topics=("/joy",)).names == {"/joy": "/joy"}

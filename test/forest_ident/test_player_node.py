@@ -13,7 +13,8 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from forest_msgs_py import messages, topics
-from forest_msgs_py.bag_writer import BagWriter
+from forest_msgs_py.bag_reader import BagReader
+from forest_msgs_py.bag_writer import BagWriter, Layout
 from forest_msgs_py.cdr import to_cdr
 
 PERIOD = 5_000_000
@@ -135,3 +136,35 @@ def test_a_damaged_bag_is_refused_with_advice(make_bag, play):
     assert process.ended() == 2
     assert f"forest-bag recover {bag}" in process.text()
     assert process.text().count("\n") == 1
+
+
+@pytest.fixture
+def changed_bag(tmp_path):
+    """Its last chunk but one has a changed byte, which opening it does not meet."""
+    writer = BagWriter(tmp_path / "changed", Layout("none", chunk_bytes=1000))
+    writer.add_topic("/joint_states", topics.JOINT_STATES.type, [], "")
+    for step in range(5 * N):  # more than are read ahead at once
+        writer.write("/joint_states", to_cdr(joints(step)), START + PERIOD * step, START + PERIOD * step)
+    writer.close()
+    with BagReader(writer.directory) as reader:
+        (file,) = reader.files
+        piece = file.pieces[-2]
+    data = bytearray(file.path.read_bytes())
+    data[piece.offset + piece.length - 1] ^= 1
+    file.path.write_bytes(data)
+    return writer.directory
+
+
+def test_of_a_bag_with_changed_bytes_nothing_is_played(changed_bag, play, peer):
+    heard = peer.hear(topics.JOINT_STATES)
+    process = play(changed_bag, "-d", "0", "--wait-for-subscribers")
+    peer.until(lambda: process.poll() is not None)
+    assert process.returncode == 2
+    assert "the chunk's checksum is wrong; 'forest-bag recover" in process.text()
+    assert process.text().count("\n") == 1
+    assert not heard
+    unchecked = play(changed_bag, "--no-check", "-r", "0", "--wait-for-subscribers")
+    peer.until(lambda: unchecked.poll() is not None)
+    assert unchecked.returncode == 1
+    peer.until(lambda: heard)
+    assert "the chunk's checksum is wrong" in unchecked.text()

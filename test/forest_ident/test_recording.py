@@ -38,7 +38,13 @@ def waiting():
 
 
 @pytest.fixture
-def recording(clock, waiting, tmp_path):
+def said():
+    """What was logged."""
+    return []
+
+
+@pytest.fixture
+def recording(clock, waiting, said, tmp_path):
     session = Session(tmp_path / "bag", Layout(durable=True))
     session.add_topic("/depth", "std_msgs/msg/Float64", OFFER, "")
     session.start()
@@ -48,7 +54,7 @@ def recording(clock, waiting, tmp_path):
         waiting.clear()
         return taken
 
-    yield Recording(session, take, lambda _: None)
+    yield Recording(session, take, said.append)
     session.stop()
 
 
@@ -70,6 +76,27 @@ def test_what_is_older_than_two_tenths_of_a_second_is_on_the_disk(recording, clo
         recording.turn()
         ages.append((step + 1 - on_disk(tmp_path / "bag")) * 0.01)
     assert max(ages) <= FLUSH_PERIOD_S + 0.01
+
+
+def test_it_is_said_that_it_records_when_the_first_message_is_on_the_disk(
+    recording, clock, waiting, said, tmp_path
+):
+    """And not for what the recorder hears of itself."""
+    recording.session.add_topic("/rosout", "rcl_interfaces/msg/Log", OFFER, "")
+    recording.turn()
+    waiting.append(heard(0)._replace(name="/rosout"))
+    clock.now += 0.01
+    recording.turn()
+    assert (said, on_disk(tmp_path / "bag")) == ([], 0)
+    waiting.append(heard(1))
+    clock.now += 0.01
+    recording.turn()
+    assert said == [f"recording to {tmp_path / 'bag'}"]
+    assert on_disk(tmp_path / "bag") == 2
+    waiting.append(heard(2))
+    clock.now += 0.01
+    recording.turn()
+    assert (len(said), on_disk(tmp_path / "bag")) == (1, 2)
 
 
 def test_losses_are_told_by_topic(recording, waiting):

@@ -5,13 +5,16 @@ import errno
 import os
 import random
 import threading
+import zlib
 
 import pytest
 from mcap.reader import NonSeekingReader, make_reader
 from mcap.stream_reader import StreamReader
 
+from forest_msgs_py.bag_reader import BagReader
 from forest_msgs_py.mcap_chunk import COMPRESSIONS
 from forest_msgs_py.mcap_file import McapFile
+from forest_msgs_py.raw_messages import Damaged
 
 
 def written(path, count=300, **options):
@@ -66,6 +69,63 @@ def test_summary_offsets_and_message_indexes_point_at_their_records(tmp_path):
             assert int.from_bytes(data[place + 9 : place + 11], "little") == channel
     for offset in offsets:
         assert data[offset.group_start] == offset.group_opcode
+
+
+def records_of(data):
+    """Opcode, begin and end of each record, by the MCAP specification: opcode, length, content."""
+    place = 8
+    while place < len(data) - 8:
+        end = place + 9 + int.from_bytes(data[place + 1 : place + 9], "little")
+        yield data[place], place, end
+        place = end
+
+
+def number(data, place, size=4):
+    return int.from_bytes(data[place : place + size], "little")
+
+
+def test_the_checksums_of_summary_and_attachments_are_those_of_the_specification(tmp_path):
+    """mcap's own reader tests the chunks' only, so these are computed from the bytes."""
+    file = written(tmp_path / "a.mcap")
+    for name, content in (
+        ("machine.yaml", b"name: c180"),
+        ("empty", b""),
+        ("large", bytes(range(256)) * 100),
+    ):
+        file.attach(name, "application/yaml", content, 5)
+    file.finish()
+    data = (tmp_path / "a.mcap").read_bytes()
+    records = list(records_of(data))
+    opcode, footer, end = records[-1]
+    assert (opcode, end) == (0x02, len(data) - 8)
+    summary = number(data, footer + 9, 8)
+    assert summary in [begin for _, begin, _ in records]
+    assert number(data, end - 4) == zlib.crc32(data[summary : end - 4]) != 0
+    attachments = [(begin + 9, end) for opcode, begin, end in records if opcode == 0x09]
+    assert len(attachments) == 3
+    for begin, end in attachments:
+        assert number(data, end - 4) == zlib.crc32(data[begin : end - 4]) != 0
+
+
+def test_a_changed_byte_of_summary_or_attachment_is_noticed_by_our_reader(tmp_path):
+    file = written(tmp_path / "a.mcap")
+    file.attach("machine.yaml", "application/yaml", b"name: c180", 5)
+    file.finish()
+    whole = (tmp_path / "a.mcap").read_bytes()
+    summary = number(whole, len(whole) - 8 - 20, 8)
+    places = {
+        "its index is damaged": whole.index(b"/text_1", summary) + 6,
+        "the attachment's checksum is wrong": whole.index(b"name: c180") + 8,
+    }
+    for problem, place in places.items():
+        changed = bytearray(whole)
+        changed[place] ^= 1
+        (tmp_path / "b.mcap").write_bytes(changed)
+        with pytest.raises(Damaged, match=problem):
+            BagReader(tmp_path / "b.mcap")
+        with BagReader(tmp_path / "b.mcap", lenient=True) as bag:
+            assert list(bag.channels) == ["/text_0", "/text_1", "/text_2"]
+            assert sum(1 for _ in bag.messages()) == 300
 
 
 class FullDisk:

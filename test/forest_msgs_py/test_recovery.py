@@ -10,6 +10,7 @@ from mcap.writer import CompressionType, Writer
 
 from forest_msgs_py.bag_files import BagError, bag_files
 from forest_msgs_py.bag_writer import Attached, BagWriter, Layout
+from forest_msgs_py.mcap_records import MAGIC
 from forest_msgs_py.recovery import recover
 
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
@@ -91,10 +92,18 @@ def test_a_bag_cut_off_anywhere_keeps_every_whole_chunk(tmp_path, compression):
     data, chunks = whole.read_bytes(), chunks_of(whole)
     generator = random.Random(11)
     near = [end + d for end, _ in chunks[:3] for d in (-1, 0, 1)]
-    for number, cut in enumerate([8, 9, 40, *near, *generator.sample(range(8, len(data)), 40)]):
+    attached = data.index(b"name: c180") + len(b"name: c180") + 4  # with its checksum
+    for number, cut in enumerate(
+        [8, 9, 40, attached - 1, attached, *near, *generator.sample(range(8, len(data)), 40)]
+    ):
         file = tmp_path / f"cut_{number}.mcap"
         file.write_bytes(data[:cut])
         out = tmp_path / f"out_{number}"
+        if cut < attached:
+            with pytest.raises(BagError, match="holds neither a message nor an attachment"):
+                recover([file], out)
+            assert not out.exists()
+            continue
         recovered = recover([file], out)
         expected = sum(count for end, count in chunks if end <= cut)
         assert recovered.messages == expected
@@ -193,9 +202,17 @@ def test_of_several_files_the_empty_one_is_left_out(tmp_path):
     assert count_by_rosbags(tmp_path / "out") == 800
 
 
-@pytest.mark.parametrize("content", [b"", b"what is this?"])
-def test_what_is_no_mcap_file_is_refused_and_makes_no_directory(tmp_path, content):
+@pytest.mark.parametrize(
+    ("content", "problem"),
+    [
+        (b"", r"a\.mcap is empty \(0 bytes\)"),
+        (b"what is this?", r"a\.mcap: nothing in it can be read"),
+        (MAGIC, r"a\.mcap holds neither a message nor an attachment"),
+    ],
+    ids=["empty", "text", "begun"],
+)
+def test_what_holds_nothing_is_refused_and_makes_no_directory(tmp_path, content, problem):
     (tmp_path / "a.mcap").write_bytes(content)
-    with pytest.raises(BagError, match=r"a\.mcap: nothing in it can be read"):
+    with pytest.raises(BagError, match=problem):
         recover([tmp_path / "a.mcap"], tmp_path / "out")
     assert not (tmp_path / "out").exists()

@@ -9,6 +9,7 @@ import sys
 import pytest
 from graph_processes import kill, nodes_of
 from lockstep_sessions import LOCKSTEP_STEPS, lockstep_session
+from mcap.reader import make_reader
 
 pytest.importorskip("rclpy")
 
@@ -53,6 +54,13 @@ def test_the_joystick_replayed_beside_programs_that_take_every_core_gives_the_ru
         process.kill_group()
     done = compare(lockstep_bag, tmp_path / "bag")
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_what_is_attached_carries_the_run_s_time_and_not_the_computer_s(lockstep_bag):
+    with next(lockstep_bag.glob("*.mcap")).open("rb") as stream:
+        attached = list(make_reader(stream).iter_attachments())
+    assert "parameters/simulator.yaml" in [attachment.name for attachment in attached]
+    assert {(attachment.log_time, attachment.create_time) for attachment in attached} == {(0, 0)}
 
 
 def test_faults_of_the_joystick_are_events_in_simulated_time(lockstep_bag):

@@ -39,7 +39,8 @@ def as_json(reader: BagReader, found: Survey) -> dict[str, Any]:
         "bag": str(reader.path),
         "complete": reader.complete,
         "problems": reader.problems,
-        "bytes": sum(reader.sizes),
+        "notes": reader.notes,
+        "bytes": reader.size,
         "start_ns": first,
         "end_ns": last,
         "duration_s": (last - first) / NS_PER_S,
@@ -48,12 +49,12 @@ def as_json(reader: BagReader, found: Survey) -> dict[str, Any]:
         "files": [
             {
                 "name": file.path.name,
-                "bytes": size,
+                "bytes": file.path.stat().st_size,
                 "start_ns": min((piece.first_ns for piece in file.pieces), default=0),
                 "end_ns": max((piece.last_ns for piece in file.pieces), default=0),
                 "complete": file.complete,
             }
-            for file, size in zip(reader.files, reader.sizes, strict=False)
+            for file in reader.files
         ],
         "topics": {
             name: {
@@ -87,6 +88,7 @@ def as_text(reader: BagReader, found: Survey) -> str:
     lines = [
         f"bag        {told['bag']}{'' if told['complete'] else '  (damaged)'}",
         *(f"problem    {problem}" for problem in told["problems"]),
+        *(f"note       {note}" for note in told["notes"]),
         f"start      {_date(first)}",
         f"duration   {told['duration_s']:.3f} s",
         f"messages   {told['messages']}, lost {told['lost']}",

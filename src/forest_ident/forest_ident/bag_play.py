@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import re
+import sys
 from pathlib import Path
 
-from forest_ident.play_options import PlayOptions
+from forest_ident.play_options import NAME, PlayOptions
+from forest_msgs_py.bag_files import BagError
+from forest_msgs_py.bag_reader import BagReader
 from forest_sim.command_line import number
 
-NAME = re.compile(r"(~/|/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # as ROS allows them
+CANNOT_PLAY = 2  # exit code
+CHECKED_PER_S = 150e6  # bytes of a file, by zstd some 6 times as many (benchmarks/checking.py)
+LONG = 3.0  # [s] of checking, of which one is told beforehand
 CLOCK_HZ = 40.0  # as `ros2 bag play`
 
 
@@ -79,11 +83,22 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         metavar="S",
         help="before the first message, for readers to find the player (default: 0.5)",
     )
+    parser.add_argument(
+        "--no-check",
+        action="store_true",
+        help="play at once: without it the whole bag is read first, and not played if bytes were changed",
+    )
     parser.add_argument("--stats", action="store_true", help="tell at the end how late messages were")
 
 
 def run(options: argparse.Namespace) -> int:
     """Play; return the exit code."""
+    try:
+        if not options.no_check:
+            _check(options.bag)
+    except (BagError, OSError) as error:
+        print(f"forest-bag: {error}", file=sys.stderr)
+        return CANNOT_PLAY
     from forest_ident.player_node import PlayerNode
     from forest_msgs_py.node import run_node
 
@@ -103,6 +118,23 @@ def run(options: argparse.Namespace) -> int:
         options.stats,
     )
     return run_node(lambda: PlayerNode(chosen), [])
+
+
+def _check(bag: Path) -> None:
+    """Read all of a bag: what is found behind half of it would be found with the machine in motion.
+
+    Raises:
+        BagError: this is no bag, or bytes of it were changed.
+        OSError: it cannot be read.
+    """
+    with BagReader(bag) as reader:
+        seconds = reader.size / CHECKED_PER_S
+        if seconds > LONG:
+            print(
+                f"forest-bag: checking {bag} first, some {seconds:.0f} s (not with --no-check)",
+                file=sys.stderr,
+            )
+        reader.check()
 
 
 def _remap(text: str) -> tuple[str, str]:

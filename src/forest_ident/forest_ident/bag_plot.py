@@ -59,7 +59,15 @@ def joint_limits(reader: BagReader) -> dict[str, tuple[float, float]]:
     for joint in robot.iter("joint"):
         limit = joint.find("limit")
         if joint.get("name") in JOINTS and limit is not None:
-            low, high = float(limit.get("lower", -math.inf)), float(limit.get("upper", math.inf))
+            low, high = _number(limit.get("lower")), _number(limit.get("upper"))
             if math.isfinite(low) and math.isfinite(high):
                 limits[str(joint.get("name"))] = (low, high)
     return limits
+
+
+def _number(text: str | None) -> float:
+    """A number; NaN where there is none."""
+    try:
+        return float(text or "")
+    except ValueError:
+        return math.nan

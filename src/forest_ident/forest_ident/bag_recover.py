@@ -24,7 +24,7 @@ def run(options: argparse.Namespace) -> int:
     """Recover and say what there was; return the exit code.
 
     Raises:
-        BagError: there is nothing to recover.
+        BagError: there is nothing to recover, or no message.
         OSError: the output exists, or the disk is full.
     """
     files = bag_files(options.bag)
@@ -33,6 +33,8 @@ def run(options: argparse.Namespace) -> int:
         raise BagError(f"{output} exists; allowed: a directory to be made (-o DIR)")
     recovered = recover(files, output)
     print("\n".join(_report(recovered)))
+    if not recovered.messages:
+        raise BagError(f"no message of {options.bag} can be read; {output} holds what else there was")
     print(f"recovered {recovered.messages} messages of {len(recovered.topics)} topics: {output}")
     return 0
 

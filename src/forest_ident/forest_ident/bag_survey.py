@@ -16,9 +16,9 @@ import struct
 from dataclasses import dataclass, field
 from typing import Any
 
-from forest_msgs_py.bag_metadata import LOST
+from forest_msgs_py.bag_metadata import recorded_losses
 from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.qos_profiles import offered
+from forest_msgs_py.qos_profiles import described
 from forest_msgs_py.raw_messages import RawMessage
 from forest_msgs_py.rows import NS_PER_S
 from forest_msgs_py.sequences import SequenceGaps
@@ -110,19 +110,16 @@ def survey(reader: BagReader) -> Survey:
             found.events.append((message.log_ns, _text(message.data)))
     for topic in found.topics.values():
         topic.learn()
-    counted = reader.information.get("custom_data") or {}
-    for key, value in counted.items():
-        name = key.removeprefix(f"{LOST}:")
-        if key.startswith(f"{LOST}:") and name in found.topics:
-            found.topics[name].lost = int(value)
+    for name, count in recorded_losses(reader.information).items():
+        if name in found.topics:
+            found.topics[name].lost = count
     return found
 
 
 def _topic(channels: list[Any]) -> TopicSurvey:
-    profiles = [profile for channel in channels[:1] for profile in offered(channel.qos)]
+    profiles = described(channels[0].qos)
     types = sorted({channel.type for channel in channels})
-    qos = sorted({profile.text() for profile in profiles})
-    return TopicSurvey(", ".join(types), qos, channels[0].type_hash, max(1, len(profiles)))
+    return TopicSurvey(", ".join(types), sorted(set(profiles)), channels[0].type_hash, max(1, len(profiles)))
 
 
 def _text(data: bytes) -> str:

@@ -77,11 +77,19 @@ def joined(bag: Bag, topics: Collection[str] = (), at: str = "", hold: bool = Fa
     for name, series in found.items():
         if name not in wanted:
             continue
-        doubled = len(series.time_ns) - len(np.unique(series.time_ns))
-        if doubled:
-            notes.append(f"{name}: {doubled} messages share their stamp with a later one, which is kept")
+        notes += _notes(name, series)
         columns += _columns(name, series, stamps, hold or bool(at))
     return Table(stamps, columns, notes)
+
+
+def _notes(name: str, series: Series) -> list[str]:
+    """What of a topic is not in the table as it is in the bag."""
+    notes = []
+    if series.unreadable:
+        notes.append(f"{name}: {series.unreadable} messages are not of its type, their rows are empty")
+    if doubled := len(series.time_ns) - len(np.unique(series.time_ns)):
+        notes.append(f"{name}: {doubled} messages share their stamp with a later one, which is kept")
+    return notes
 
 
 def _in_order(series: Series) -> Series:

@@ -20,7 +20,7 @@ from forest_ident.comparison import Comparison, Place, SignalDifference, TopicDi
 from forest_msgs_py.bag_reader import BagReader
 from forest_msgs_py.raw_messages import RawMessage
 from forest_msgs_py.rows import NS_PER_S, Row, texts
-from forest_msgs_py.series import message_reader
+from forest_msgs_py.series import Unreadable, message_reader
 from forest_msgs_py.topics import AUXILIARY, find
 
 WALL_CLOCK_TOPICS = ("/rosout", "/parameter_events")  # stamped by the system's clock in any run
@@ -97,8 +97,10 @@ class _Waiting:
 
     @cached_property
     def decoded(self) -> tuple[Row, Any] | None:
-        """The numbers, and the whole message; None: its type is not installed."""
-        return None if self._read is None else self._read(self.raw.data)
+        """The numbers, and the whole message; None: its type is not installed, or its bytes are not of it."""
+        with contextlib.suppress(Unreadable):
+            return None if self._read is None else self._read(self.raw.data)
+        return None
 
     @property
     def stamp_ns(self) -> int | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -11,6 +12,8 @@ from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
 from forest_msgs_py.qos_profiles import Qos, for_replay, offered
 from forest_msgs_py.topics import CLOCK
+
+NAME = re.compile(r"(~/|/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # as ROS allows them
 
 
 class PlayOptions(NamedTuple):
@@ -97,6 +100,9 @@ def _problem(
     topic: str, kinds: set[tuple[str, str]], options: PlayOptions, is_installed: Callable[[str], bool]
 ) -> str:
     """Say why a topic cannot be played; "" if it can."""
+    name = dict(options.remaps).get(topic, topic)
+    if not NAME.fullmatch(name):
+        return f"{name!r} is no name of a topic; allowed: letters, digits and _ between slashes (-m OLD:=NEW)"
     if topic == CLOCK.name and options.clock:
         return "--clock publishes it"
     if len(kinds) > 1:

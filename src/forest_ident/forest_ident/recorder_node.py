@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import sys
 import threading
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -91,7 +90,8 @@ class RecorderNode(Node):
                 session.start()
         except OSError as error:
             raise ParameterError(refused % error) from error
-        self.get_logger().info(f"{'paused, will record' if paused else 'recording'} to {output}")
+        begin = "paused, will record" if paused else "waits for the first message, to be recorded"
+        self.get_logger().info(f"{begin} to {output}")
         return session
 
     def run(self, stopping: threading.Event) -> None:
@@ -122,7 +122,7 @@ class RecorderNode(Node):
         return self._survey.has_heard(nodes)
 
     def _learn(self, name: str, parameters: dict[str, Any]) -> None:
-        self._recording.guard(lambda: self._run_context.node(name, parameters, time.time_ns()))
+        self._recording.guard(lambda: self._run_context.node(name, parameters, self._listener.context_ns()))
 
     def _mark(self) -> str:
         """Say an event on /events, which is recorded as every topic is."""

@@ -12,6 +12,8 @@ from forest_msgs_py.bag_writer import FLUSH_PERIOD_S
 from forest_msgs_py.graph_listener import Heard
 from forest_msgs_py.node import NodeFailure
 
+LOGS = ("/rosout", "/parameter_events")  # the recorder hears its own words there before anybody is found
+
 
 class Refusal(Exception):
     """What was asked cannot be done now; the text says why."""
@@ -34,10 +36,11 @@ class Recording:
         self._lock = threading.RLock()
         self._failure: NodeFailure | None = None
         self._flushed = 0.0
+        self._begun = self._said_so = False  # somebody was heard; it was said that this is recorded
         self._status = Status(log, time.monotonic())
 
     def turn(self) -> None:
-        """Write what has arrived; now and then flush, and say how it is going.
+        """Write what has arrived; flush the first of it at once, then now and then; say how it is going.
 
         Raises:
             NodeFailure: the disk is full.
@@ -47,9 +50,13 @@ class Recording:
                 raise self._failure
             now = time.monotonic()
             self.guard(self._drain)
-            if now - self._flushed >= FLUSH_PERIOD_S:
+            begins = self._begun and not self._said_so
+            if begins or now - self._flushed >= FLUSH_PERIOD_S:
                 self._flushed = now
                 self.guard(self.session.flush)
+            if begins:
+                self._said_so = True
+                self._log(f"recording to {self.session.directory}")
             if self._status.due(now):
                 lost = sum(self.session.lost.values())
                 self._status.say(now, self.session.size, self.session.message_count, lost)
@@ -99,7 +106,9 @@ class Recording:
             if self.session.recording:
                 raise Refusal(f"recording already, to {self.session.directory}")
             try:
-                return f"recording to {self.session.start()}"
+                directory = self.session.start()
+                self._begun = self._said_so = True
+                return f"recording to {directory}"
             except OSError as error:
                 raise Refusal(f"cannot record: {error}") from error
 
@@ -157,3 +166,4 @@ class Recording:
         for received, name, data, sent, sequence, missed in self._take():
             session.write(name, data, received, sent, sequence)
             session.missed(name, missed)
+            self._begun = self._begun or (session.recording and name not in LOGS)

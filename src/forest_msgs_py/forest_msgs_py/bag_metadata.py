@@ -87,6 +87,21 @@ def _topic(topic: TopicEntry) -> dict[str, Any]:
     return {"topic_metadata": metadata, "message_count": topic.messages}
 
 
+def recorded_losses(about: Mapping[str, Any]) -> dict[str, int]:
+    """Return the recorder's own counts of lost messages by topic, out of what `information` made.
+
+    Args:
+        about: whatever stands in somebody's file; what cannot be understood is left out.
+    """
+    custom, prefix = about.get("custom_data"), f"{LOST}:"
+    told = custom.items() if isinstance(custom, dict) else ()
+    return {
+        key.removeprefix(prefix): int(count)
+        for key, count in told
+        if isinstance(key, str) and key.startswith(prefix) and str(count).isdecimal()
+    }
+
+
 def write_metadata(directory: Path, about: dict[str, Any]) -> None:
     """Write the file whole or, should the power fail meanwhile, not at all.
 

@@ -7,6 +7,7 @@ reading may begin anywhere. No ROS in here.
 
 from __future__ import annotations
 
+import contextlib
 import re
 import tempfile
 from bisect import bisect_left
@@ -21,6 +22,7 @@ import yaml
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.mcap_pieces import McapPieces
 from forest_msgs_py.raw_messages import BagFile, Channel, Damaged, Piece, RawMessage
+from forest_msgs_py.salvage import is_recoverable
 from forest_msgs_py.sqlite_pieces import SqlitePieces
 from forest_msgs_py.yaml_text import parsed
 
@@ -47,12 +49,12 @@ class BagReader:
         self.lenient = lenient
         self.problems: list[str] = []
         self._unpacked: tempfile.TemporaryDirectory[str] | None = None
-        self.information = _information(self.path)
+        self.information = self._information()
         compression = str(self.information.get("compression_mode") or "").lower()
         self._by_message = compression == "message"
         self.files: list[BagFile] = []
         paths = self._paths()
-        self.sizes = [file.stat().st_size for file in paths]
+        self.size = sum(file.stat().st_size for file in paths)  # bytes
         try:
             for file in paths:
                 self._open(file)
@@ -77,6 +79,11 @@ class BagReader:
             file.close()
         if self._unpacked is not None:
             self._unpacked.cleanup()
+
+    @property
+    def notes(self) -> list[str]:
+        """What the user should know, although nothing is wrong."""
+        return [note for file in self.files for note in file.notes]
 
     @property
     def channels(self) -> dict[str, list[Channel]]:
@@ -122,50 +129,80 @@ class BagReader:
             waiting.sort(key=_log_time)
         yield from waiting
 
+    def check(self) -> None:
+        """Look at all of it: checksums where it has them, structure, compressed messages.
+
+        Raises:
+            Damaged: bytes were changed (a lenient reader notes it).
+        """
+        for file in self.files:
+            with self._watched():
+                file.check()
+            for piece in file.pieces if self._by_message else ():
+                self._read(piece, file, None, 0)
+
     def _read(
         self, piece: Piece, file: BagFile, topics: Collection[str] | None, start_ns: int
     ) -> list[RawMessage]:
-        try:
+        with self._watched():
             found = [
                 message
                 for message in file.read(piece)
                 if message.log_ns >= start_ns and (topics is None or message.channel.topic in topics)
             ]
             return [_decompressed(message) for message in found] if self._by_message else found
+        return []
+
+    @contextlib.contextmanager
+    def _watched(self) -> Iterator[None]:
+        """Say what helps with damage that is met, or, lenient, note it."""
+        try:
+            yield
         except Damaged as error:
-            if not self.lenient:
-                raise Damaged(f"{error}; {_advice(self.path)}") from error
             if str(error) not in self.problems:
-                self.problems.append(str(error))
-                self.complete = False
-            return []
+                self._note(str(error))
+            self.complete = False
 
     def _paths(self) -> list[Path]:
         """The bag's files: as metadata.yaml lists them, else all there are, counted as people count."""
         if not self.path.exists():
             raise BagError(f"{self.path} does not exist; allowed: {FILE_KINDS}")
         if not self.path.is_dir():
-            if not self.path.name.endswith(SUFFIXES):
+            if not (self.path.name.endswith(SUFFIXES) and self.path.is_file()):
                 raise BagError(f"{self.path} is no bag; allowed: {FILE_KINDS}")
             return [self.path]
-        listed = self.information.get("relative_file_paths") or []
-        files = [self.path / Path(str(name)).name for name in listed]
+        listed = self.information.get("relative_file_paths")
+        listed = listed if isinstance(listed, list) else []
+        files = list(dict.fromkeys(self.path / Path(str(name)).name for name in listed))
         missing = [file.name for file in files if not file.is_file()]
         if missing and not self.lenient:
             names = ", ".join(missing)
-            raise BagError(f"{self.path} lacks {names} of its metadata.yaml; {_advice(self.path)}")
+            raise BagError(f"{self.path} lacks {names} of its metadata.yaml{_advice(self.path)}")
         self.problems += [f"{name} of metadata.yaml is not there" for name in missing]
-        there = sorted((file for file in self.path.iterdir() if file.name.endswith(SUFFIXES)), key=_counted)
-        files = [file for file in files if file.is_file()] or there
+        there = (file for file in self.path.iterdir() if file.name.endswith(SUFFIXES) and file.is_file())
+        files = [file for file in files if file.is_file()] or sorted(there, key=_counted)
         if not files:
             raise BagError(f"no .mcap file in {self.path} and no .db3; allowed: {FILE_KINDS}")
         return files
 
+    def _information(self) -> dict[str, Any]:
+        """Read metadata.yaml; {} where there is none, or nothing in it."""
+        file = self.path / "metadata.yaml"
+        if not file.is_file():
+            return {}
+        try:
+            content = parsed(file.read_text(encoding="utf-8"))
+        except (yaml.YAMLError, UnicodeDecodeError) as error:
+            self._note(f"{file} is not YAML: {' '.join(str(error).split())}")
+            return {}
+        information = content.get("rosbag2_bagfile_information") if isinstance(content, dict) else None
+        return information if isinstance(information, dict) else {}
+
     def _open(self, path: Path) -> None:
         plain = self._without_zstd(path)
-        kind = McapPieces if ".mcap" in plain.name else SqlitePieces
+        kind = McapPieces if plain.suffix == ".mcap" else SqlitePieces
         try:
-            file: BagFile = kind(plain)
+            file: BagFile = kind(path, plain)
         except Damaged as error:
             self._note(str(error))
             return
@@ -175,7 +212,7 @@ class BagReader:
 
     def _note(self, problem: str) -> None:
         if not self.lenient:
-            raise Damaged(f"{problem}; {_advice(self.path)}")
+            raise Damaged(f"{problem}{_advice(self.path)}")
         self.problems.append(problem)
 
     def _without_zstd(self, path: Path) -> Path:
@@ -192,19 +229,6 @@ class BagReader:
         except zstandard.ZstdError as error:
             self._note(f"{path} is damaged: it cannot be decompressed ({error})")
         return plain
-
-
-def _information(path: Path) -> dict[str, Any]:
-    """Read metadata.yaml; {} where there is none, or nothing in it."""
-    file = path / "metadata.yaml"
-    if not file.is_file():
-        return {}
-    try:
-        content = parsed(file.read_text(encoding="utf-8"))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise BagError(f"{file} is not YAML: {' '.join(str(error).split())}; {_advice(path)}") from error
-    information = content.get("rosbag2_bagfile_information") if isinstance(content, dict) else None
-    return information if isinstance(information, dict) else {}
 
 
 def _concerns(piece: Piece, file: BagFile, topics: Collection[str] | None) -> bool:
@@ -224,8 +248,9 @@ def _decompressed(message: RawMessage) -> RawMessage:
 
 def _counted(path: Path) -> tuple[Any, ...]:
     """Sort ``bag_10`` behind ``bag_9``."""
-    return tuple(int(part) if part.isdigit() else part for part in re.split(r"(\d+)", path.name))
+    return tuple(int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", path.name))
 
 
 def _advice(path: Path) -> str:
-    return f"'forest-bag recover {path}' saves what is whole"
+    """What follows a complaint: what helps, if anything does."""
+    return f"; 'forest-bag recover {path}' saves what is whole" if is_recoverable(path) else ""

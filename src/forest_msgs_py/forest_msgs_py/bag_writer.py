@@ -33,7 +33,7 @@ from forest_msgs_py.latched import Latched, Sample
 
 __all__ = ["FLUSH_PERIOD_S", "Attached", "BagWriter", "Layout"]
 
-FLUSH_PERIOD_S = 0.1  # what a killed recorder loses at most
+FLUSH_PERIOD_S = 0.1  # what a killed recorder loses, if it was let run
 CHUNKS_PER_FILE = 100_000  # three hours of flushes: a file's index is bounded in memory, here and in readers
 
 

@@ -31,6 +31,7 @@ from forest_msgs_py.messages import (
     sensor_joint_state,
     twist_stamped,
 )
+from forest_msgs_py.rows import MOST_STAMP
 from forest_msgs_py.topics import FLOAT_ARRAY, JOINT_STATE, POSE, TWIST, Topic
 
 MARKED_STAMP = 1_234_567_891_987_654_321  # [ns]
@@ -93,7 +94,7 @@ class Encoder:
     def decode(self, messages: Sequence[bytes]) -> tuple[NDArray[np.int64], NDArray[np.float64]] | None:
         """Stamps [N] and numbers [N, k] of messages that differ from the first only where numbers stand.
 
-        None if one of them differs elsewhere, in its labels or its frame, say.
+        None if one of them differs elsewhere, in its labels or its frame, say, or has no stamp.
         """
         size = len(self._template)
         if not messages or any(len(message) != size for message in messages):
@@ -111,6 +112,8 @@ class Encoder:
         kinds, place = (("<i4", "<u4") if self._in_header else ("<f8", "<f8")), self._stamp_place
         sec = _get(buffer, place, kinds[0])
         nanosec = _get(buffer, place + np.dtype(kinds[0]).itemsize, kinds[1])
+        if not ((np.abs(sec) < MOST_STAMP) & (np.abs(nanosec) < MOST_STAMP)).all():
+            return None
         stamps = sec.astype(np.int64) * NS_PER_S + nanosec.astype(np.int64)
         values = np.column_stack([_get(buffer, place, "<f8") for place in self._places])
         return stamps, values

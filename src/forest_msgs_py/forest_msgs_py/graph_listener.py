@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Sequence
 from operator import itemgetter
 from typing import Any, NamedTuple
@@ -87,6 +88,10 @@ class GraphListener:
                 self._follow(name, types[0])
             else:
                 self._refuse(name, f"has {len(types)} types ({', '.join(types)}); allowed: one")
+
+    def context_ns(self) -> int:
+        """Log time of what is told now beside messages [ns]."""
+        return time.time_ns()
 
     def take(self) -> list[Heard]:
         """Return what has arrived since the last time, in the order of arrival."""

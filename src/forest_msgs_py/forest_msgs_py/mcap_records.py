@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import struct
 import zlib
+from io import BytesIO
 
 import lz4.frame
 import zstandard
-from mcap.records import Chunk
+from mcap.data_stream import ReadDataStream
+from mcap.records import Attachment, Chunk
 
 MAGIC = b"\x89MCAP0\r\n"
 HEAD = struct.Struct("<BQ")  # opcode, length
@@ -32,6 +34,22 @@ def chunk_records(chunk: Chunk) -> bytes:
     if chunk.uncompressed_crc and zlib.crc32(content) != chunk.uncompressed_crc:
         raise ValueError("the chunk's checksum is wrong")
     return content
+
+
+def attachment(content: bytes) -> Attachment:
+    """Return an attachment, tested against its checksum, which mcap's own reader skips.
+
+    Raises:
+        ValueError: it is damaged.
+    """
+    stream = ReadDataStream(BytesIO(content))
+    record: Attachment = Attachment.read(stream)
+    if stream.count != len(content):
+        raise ValueError("the attachment's lengths do not add up")
+    checksum = int.from_bytes(content[-4:], "little")
+    if checksum not in (0, zlib.crc32(content[:-4])):
+        raise ValueError("the attachment's checksum is wrong")
+    return record
 
 
 def _decompressed(chunk: Chunk) -> bytes:

@@ -36,11 +36,14 @@ class Qos(NamedTuple):
     manual: bool = False  # liveliness manual_by_topic
     lease_ns: int = 0
 
-    def text(self) -> str:
-        """For people, in the words of the topic table."""
-        reliability = "reliable" if self.reliable else "best effort"
-        durability = "latched" if self.latched else "volatile"
-        return f"{reliability}, {durability}, {'keep all' if self.keep_all else f'depth {self.depth}'}"
+
+def described(qos: Any) -> list[str]:
+    """Each profile for people, in the words of the topic table; what the bag leaves open is "unknown".
+
+    Args:
+        qos: as of `offered`.
+    """
+    return [_description(entry) for entry in _entries(qos)]
 
 
 def offered(qos: Any) -> list[Qos]:
@@ -49,14 +52,7 @@ def offered(qos: Any) -> list[Qos]:
     Args:
         qos: ``offered_qos_profiles`` of a bag: a list, or a text of YAML.
     """
-    if isinstance(qos, str):
-        try:
-            qos = parsed(qos)
-        except yaml.YAMLError:
-            return []
-    if not isinstance(qos, list):
-        return []
-    return [_profile(entry) for entry in qos if isinstance(entry, dict)]
+    return [_profile(entry) for entry in _entries(qos)]
 
 
 def for_replay(profiles: list[Qos]) -> Qos:
@@ -77,6 +73,33 @@ def for_replay(profiles: list[Qos]) -> Qos:
     )
     limits = {profile[4:] for profile in profiles}
     return Qos(*joint[:4], *profiles[0][4:]) if len(limits) == 1 else joint
+
+
+def _entries(qos: Any) -> list[dict[str, Any]]:
+    if isinstance(qos, str):
+        try:
+            qos = parsed(qos)
+        except yaml.YAMLError:
+            return []
+    return [entry for entry in qos if isinstance(entry, dict)] if isinstance(qos, list) else []
+
+
+def _description(entry: dict[str, Any]) -> str:
+    def told(policy: str, words: tuple[str, ...], others: dict[str, str]) -> str:
+        word = _word(entry.get(policy), words)
+        if word in ("unknown", "none"):
+            return f"{policy} unknown"
+        return others.get(word, word.replace("_", " "))
+
+    history, depth = _word(entry.get("history"), HISTORY), entry.get("depth")
+    depth_told = f"depth {depth}" if isinstance(depth, int) and depth > 0 else "depth unknown"
+    return ", ".join(
+        (
+            told("reliability", RELIABILITY, {}),
+            told("durability", DURABILITY, {"transient_local": "latched"}),
+            "keep all" if history == "keep_all" else depth_told,
+        )
+    )
 
 
 def _profile(entry: dict[str, Any]) -> Qos:

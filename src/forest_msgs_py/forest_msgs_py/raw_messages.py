@@ -59,14 +59,17 @@ class BagFile(Protocol):
     path: Path
     channels: dict[int, Channel]
     pieces: list[Piece]
-    counts: dict[int, int] | None  # by channel; None: nobody counted
     complete: bool
     problems: list[str]
+    notes: list[str]  # what the user should know, although nothing is wrong
     attachments: list[tuple[str, bytes]]
     metadata: list[tuple[str, dict[str, str]]]
 
     def read(self, piece: Piece) -> list[RawMessage]:
         """Read the messages of a piece, in the file's order; raises Damaged."""
+
+    def check(self) -> None:
+        """Look at all of it; raises Damaged."""
 
     def close(self) -> None:
         """Let go of the file."""

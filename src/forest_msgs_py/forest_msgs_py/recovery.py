@@ -12,6 +12,7 @@ from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_metadata import FileEntry, TopicEntry, dump, information, write_metadata
 from forest_msgs_py.mcap_file import McapFile
+from forest_msgs_py.mcap_records import MAGIC
 from forest_msgs_py.salvage import Salvage
 from forest_msgs_py.sequences import SequenceGaps
 from forest_msgs_py.yaml_text import parsed
@@ -79,7 +80,7 @@ def recover(files: Sequence[Path], output: Path) -> Recovered:
     entries: list[FileEntry] = []
     salvages = [Salvage(file) for file in files]
     if all(salvage.empty for salvage in salvages):
-        raise BagError(f"{', '.join(map(str, files))}: nothing in it can be read; is it an MCAP file?")
+        raise BagError("; ".join(map(_why_nothing, files)))
     output.mkdir(parents=True)
     for salvage in salvages:
         path = None if salvage.empty else output / f"{output.resolve().name}_{len(entries)}.mcap"
@@ -88,6 +89,16 @@ def recover(files: Sequence[Path], output: Path) -> Recovered:
             entries.append(_copy(salvage, path, recovered))
     write_metadata(output, recovered.about(entries))
     return recovered
+
+
+def _why_nothing(file: Path) -> str:
+    with file.open("rb") as stream:
+        start = stream.read(len(MAGIC))
+    if not start:
+        return f"{file} is empty (0 bytes): nothing to recover"
+    if start != MAGIC:
+        return f"{file}: nothing in it can be read; is it an MCAP file?"
+    return f"{file} holds neither a message nor an attachment that can be read: nothing to recover"
 
 
 def _copy(salvage: Salvage, path: Path, recovered: Recovered) -> FileEntry:

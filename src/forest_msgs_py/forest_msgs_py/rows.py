@@ -22,6 +22,7 @@ from forest_msgs_py.topics import (
 
 NS_PER_S = 1_000_000_000
 LONGEST_ARRAY = 256
+MOST_STAMP = 2**32  # seconds, or nanoseconds
 
 
 class Row(NamedTuple):
@@ -61,8 +62,15 @@ def _take_array(topic: Topic, message: Any) -> Row:
     if len(labels) != len(values):
         labels = tuple(f"value_{place}" for place in range(len(values)))
     units = dict(zip(topic.labels, topic.units, strict=True))
-    stamp = int(message.data[0]) * NS_PER_S + int(message.data[1]) if offset == 2 else None
-    return Row(stamp, labels, tuple(units.get(label, "") for label in labels), values)
+    return Row(_array_stamp(message), labels, tuple(units.get(label, "") for label in labels), values)
+
+
+def _array_stamp(message: Any) -> int | None:
+    """The stamp that leads an array of ours; None where there is none, or nothing that can be one."""
+    stamp: Any = message.data[:2] if message.layout.data_offset == 2 else ()
+    if len(stamp) < 2 or not all(abs(number) < MOST_STAMP for number in stamp):
+        return None
+    return int(stamp[0]) * NS_PER_S + int(stamp[1])
 
 
 def _take_xyz(part: Callable[[Any], Any], unit: str) -> Callable[[Topic, Any], Row]:

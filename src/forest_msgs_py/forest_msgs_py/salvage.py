@@ -9,7 +9,6 @@ from __future__ import annotations
 import mmap
 import re
 import struct
-import zlib
 from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
@@ -20,7 +19,8 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Metadata, Schema
 
-from forest_msgs_py.mcap_records import HEAD, MAGIC, MESSAGE, chunk_records
+from forest_msgs_py.bag_files import BagError, bag_files
+from forest_msgs_py.mcap_records import HEAD, MAGIC, MESSAGE, attachment, chunk_records
 
 # How a record that is looked for begins: no length has more than five digits to the base 256.
 _BEGINNING = re.compile(rb"[\x03\x04\x06\x09\x0c].{5}\x00{3}", re.DOTALL)
@@ -28,7 +28,6 @@ _READERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
     Opcode.SCHEMA: Schema.read,
     Opcode.CHANNEL: Channel.read,
     Opcode.CHUNK: Chunk.read,
-    Opcode.ATTACHMENT: Attachment.read,
     Opcode.METADATA: Metadata.read,
 }
 _WITHOUT_USE = {Opcode.HEADER, Opcode.MESSAGE_INDEX, *range(0x80, 0x100)}  # of these: anybody's own records
@@ -48,15 +47,16 @@ class Salvage:
     Attributes:
         damages: places that could not be read, so far.
         complete: whether the end of the data was found, as a file that was closed has it.
-        empty: whether not even the beginning of an MCAP file is there, nor anything else.
+        empty: whether there is neither a message nor an attachment.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.damages: list[Damage] = []
         self.complete = False
-        self.empty = next(iter(self), None) is None and not self._begins()
+        self.empty = not any(isinstance(record, Message | Attachment) for record in self)
         self.damages.clear()
+        self.complete = False
 
     def __iter__(self) -> Iterator[McapRecord]:
         """Yield what is whole, definitions first where the summary has them.
@@ -69,10 +69,6 @@ class Salvage:
         with self.path.open("rb") as stream, mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as data:
             yield from _summary(data)
             yield from self._data(data)
-
-    def _begins(self) -> bool:
-        with self.path.open("rb") as stream:
-            return stream.read(len(MAGIC)) == MAGIC
 
     def _data(self, data: mmap.mmap) -> Iterator[McapRecord]:
         place = len(MAGIC) if data[: len(MAGIC)] == MAGIC else 0
@@ -114,6 +110,14 @@ class Salvage:
         return len(data)
 
 
+def is_recoverable(path: Path) -> bool:
+    """Whether a bag, a directory or one file, holds anything that a recovery would save."""
+    try:
+        return any(not Salvage(file).empty for file in bag_files(path))
+    except (BagError, OSError):
+        return False
+
+
 def _head(data: mmap.mmap, place: int) -> tuple[int, int]:
     """A record's opcode, and where it ends; beyond the file if its head is cut off."""
     if place + HEAD.size > len(data):
@@ -138,16 +142,14 @@ def _parsed(opcode: int, content: bytes) -> McapRecord | None:
     Raises:
         ValueError: its lengths or its checksum do not agree.
     """
+    if opcode == Opcode.ATTACHMENT:
+        return attachment(content)
     if opcode not in _READERS:
         return None
     stream = _stream(content)
     record = _READERS[opcode](stream)
     if stream.count != len(content):
         raise ValueError("the lengths within the record do not add up")
-    if isinstance(record, Attachment):
-        checksum = int.from_bytes(content[-4:], "little")
-        if checksum not in (0, zlib.crc32(content[:-4])):
-            raise ValueError("the attachment's checksum is wrong")
     return record
 
 

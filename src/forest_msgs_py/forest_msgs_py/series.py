@@ -19,18 +19,23 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from forest_msgs_py.alike import decoded
 from forest_msgs_py.bag_files import BagError
+from forest_msgs_py.bag_metadata import recorded_losses
 from forest_msgs_py.bag_reader import BagReader
 from forest_msgs_py.qos_profiles import offered
 from forest_msgs_py.raw_messages import Channel, RawMessage
 from forest_msgs_py.rows import NS_PER_S, TAKERS, Row, take_any
 from forest_msgs_py.sequences import SequenceGaps
 from forest_msgs_py.topics import Topic, find, message_class, unlisted
-from forest_msgs_py.yaml_text import parsed
+
+LATEST_NS = 2**63 - 1  # of a log time in an array; MCAP's own are unsigned
+
+
+class Unreadable(ValueError):
+    """Bytes that are no message of the type that the bag tells."""
 
 
 class NotInBag(LookupError):
@@ -55,7 +60,10 @@ class TopicInfo:
 
 
 class Series(NamedTuple):
-    """One topic over time; NaN where a message lacks a column, as ``incomplete`` of them do."""
+    """One topic over time; NaN where a message lacks a column, as ``incomplete`` of them do.
+
+    ``unreadable`` of these are no messages of the topic's type: they have no column at all.
+    """
 
     time_ns: NDArray[np.int64]
     log_time_ns: NDArray[np.int64]
@@ -63,6 +71,7 @@ class Series(NamedTuple):
     labels: tuple[str, ...]
     units: tuple[str, ...]
     incomplete: int
+    unreadable: int = 0
 
     def column(self, label: str) -> NDArray[np.float64]:
         """The values of one label, [N].
@@ -150,27 +159,14 @@ def read_bag(path: str | Path, topics: Collection[str] | None = None) -> Bag:
                     messages.setdefault(message.channel.topic, []).append(message)
             channels = {name: found[0] for name, found in reader.channels.items()}
             complete = reader.complete
+            lost = recorded_losses(reader.information)
     except BagError as error:
         raise FileNotFoundError(str(error)) from error
-    lost = _recorded_losses(path)
     infos = {
         name: _info(channel, messages.setdefault(name, []), lost.get(name))
         for name, channel in channels.items()
     }
     return Bag(infos, messages, complete)
-
-
-def _recorded_losses(path: Path) -> dict[str, int]:
-    """The recorder's own counts, from metadata.yaml; {} if the bag has none."""
-    file = path / "metadata.yaml"
-    if not path.is_dir() or not file.is_file():
-        return {}
-    prefix = "lost_messages:"
-    try:
-        custom = parsed(file.read_text("utf-8"))["rosbag2_bagfile_information"].get("custom_data") or {}
-        return {key[len(prefix) :]: int(value) for key, value in custom.items() if key.startswith(prefix)}
-    except (yaml.YAMLError, UnicodeDecodeError, LookupError, TypeError, AttributeError, ValueError):
-        return {}  # what else is there of the bag can be read without
 
 
 def _info(channel: Channel, messages: list[RawMessage], lost: int | None) -> TopicInfo:
@@ -199,12 +195,16 @@ def message_reader(name: str, type_name: str) -> Callable[[bytes], tuple[Row, An
 
     Raises:
         ValueError: the type is not installed here.
+        Unreadable: (what is returned) the bytes are no message of the type.
     """
     kind, decode = _decoder(name, type_name)
     take = TAKERS.get(type_name, take_any)
 
     def read(data: bytes) -> tuple[Row, Any]:
-        message = decode(data)
+        try:
+            message = decode(data)
+        except (RuntimeError, MemoryError, UnicodeDecodeError) as error:  # of the middleware
+            raise Unreadable(f"{name}: bytes that are no {type_name}") from error
         return take(kind, message), message
 
     return read
@@ -226,11 +226,12 @@ def _series(name: str, type_name: str, messages: list[RawMessage]) -> Series:
     read = row_reader(name, type_name)
     row = find(name)
     kind = row if row is not None and row.type == type_name else unlisted(name, type_name)
-    log_time = np.array([message.log_ns for message in messages], dtype=np.int64)
-    alike = decoded(kind, [m.data for m in messages], read(messages[0].data)) if messages else None
+    log_time = np.array([min(message.log_ns, LATEST_NS) for message in messages], dtype=np.int64)
+    rows, unreadable = _rows(read, messages[:1])
+    alike = decoded(kind, [m.data for m in messages], rows[0]) if messages else None
     if alike is not None:
         return Series(alike.stamps_ns, log_time, alike.values, alike.labels, alike.units, 0)
-    rows = [read(message.data) for message in messages]
+    rows, unreadable = _rows(read, messages)
     columns = dict(zip(kind.labels, kind.units, strict=True)) if not rows else {}
     for row_ in rows:
         if row_.labels != tuple(columns):
@@ -246,4 +247,17 @@ def _series(name: str, type_name: str, messages: list[RawMessage]) -> Series:
         dtype=np.int64,
     )
     incomplete = sum(len(r.labels) < len(columns) for r in rows)
-    return Series(time, log_time, values, tuple(columns), tuple(columns.values()), incomplete)
+    return Series(time, log_time, values, tuple(columns), tuple(columns.values()), incomplete, unreadable)
+
+
+def _rows(read: Callable[[bytes], Row], messages: list[RawMessage]) -> tuple[list[Row], int]:
+    """One row for each message, an empty one for what is unreadable, and how many of these there are."""
+    found = [_row(read, message.data) for message in messages]
+    return [row or Row(None, (), (), ()) for row in found], found.count(None)
+
+
+def _row(read: Callable[[bytes], Row], data: bytes) -> Row | None:
+    try:
+        return read(data)
+    except Unreadable:
+        return None

@@ -92,6 +92,10 @@ class StepListener:
         """Subscribe to what has appeared beside the run since the last look."""
         self._beside.look()
 
+    def context_ns(self) -> int:
+        """Log time of what is told beside messages [ns]: 0, since when a node answers is chance."""
+        return 0
+
     def take(self) -> list[Heard]:
         """Return the messages of the steps that have become complete since the last time.
 
