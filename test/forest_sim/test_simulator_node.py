@@ -301,3 +301,17 @@ def test_asked_to_stop_it_ends_with_code_0_and_without_a_word(rig, peer, number)
     peer.until(lambda: r.truth)
     assert r.process.stop(number) == 0
     assert r.process.text() == ""
+
+
+def test_voltages_beyond_the_rating_and_their_absence_are_said(rig, peer):
+    heard, r = peer.hear(topics.DIAGNOSTICS), rig()
+    said = lambda: {status.message for message in heard for status in message.status}  # noqa: E731
+    peer.until(lambda: "waiting for voltages on /valve_voltages" in said())
+    clipped = "valve_voltages: swing is 40 V, clipped to its rating of 10 V"
+    peer.repeat(topics.VALVE_VOLTAGES, lambda now: voltages(now, (40.0, 0.0, 0.0)), 200.0)
+    peer.until(lambda: clipped in said())
+    peer.until(lambda: clipped in r.process.text())
+    told = {pair.key: pair.value for status in heard[-1].status for pair in status.values}
+    assert told["machine"] == MACHINE.name
+    assert float(told["command_timeout [s]"]) == MACHINE.command_timeout
+    assert int(told["clipped since start"]) > 0
