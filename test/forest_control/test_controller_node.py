@@ -14,7 +14,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import Trigger
 
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
-from forest_description.kinematics import tip_position
+from forest_description.kinematics import tip_orientation, tip_position
 from forest_description.linkage import cylinder_length
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
@@ -128,6 +128,8 @@ def test_without_a_joystick_it_commands_zero_and_tells_where_the_tip_is(rig, pee
     assert all(volts(message) == (0.0, 0.0, 0.0) for message in r.commands)
     tip = poses[0].pose.position
     assert (tip.x, tip.y, tip.z) == pytest.approx(tip_position(ANGLES, load_machine().manipulator.links))
+    turn = poses[0].pose.orientation
+    assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx(tip_orientation(ANGLES))
     assert wishes[-1].twist.linear.y == 0.0
 
 

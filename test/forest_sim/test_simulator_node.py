@@ -12,6 +12,7 @@ from stall import Stall
 
 pytest.importorskip("rclpy")
 
+from forest_description.kinematics import tip_orientation
 from forest_description.limits import start_tip
 from forest_description.machine import load_machine
 from forest_description.urdf import robot_description
@@ -147,6 +148,8 @@ def test_it_starts_at_rest_with_the_tip_where_asked(peer, start_simulator):
     peer.until(lambda: len(poses) > 20 and len(truth) > 20)
     point = poses[-1].pose.position
     assert (point.x, point.y, point.z) == pytest.approx((5.0, -1.0, 0.5), abs=1e-6)
+    turn, angles = poses[-1].pose.orientation, truth[-1].position
+    assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx(tip_orientation(angles), abs=1e-6)
     assert list(truth[-1].velocity) == pytest.approx([0.0] * 3, abs=1e-6)
 
 

@@ -254,7 +254,7 @@ class ControllerNode(Node):
         self._asked = output.command
         if not self._hands_off():
             self._command.say(stamp, output.command)
-        self._pose.say(stamp, told.tip)
+        self._pose.say(stamp, (*told.tip, *told.tip_orientation))
         self._twist.say(stamp, told.tip_velocity)
         if self._tuning.core.scheme != Scheme.JOINT:
             self._wish.say(stamp, output.tip_wish)

@@ -66,6 +66,7 @@ class Topic(NamedTuple):
 
 
 _XYZ = ("x", "y", "z")
+_POSE, _POSE_UNITS = (*_XYZ, "qx", "qy", "qz", "qw"), ("m",) * 3 + ("1",) * 4
 _PRESSURE_LABELS = tuple(
     f"{axis}_{port}_{place}" for axis in JOINTS for port in (1, 2) for place in ("valve", "actuator")
 )
@@ -145,8 +146,8 @@ VALVE_DRIVER_STATUS = Topic(
     (_DRIVER,), (_CONTROLLER,), late=True,
 )
 TIP_POSE = Topic(
-    "tip/pose", POSE, _XYZ, ("m",) * 3, _RATE,
-    "Tip position from the measured joints; z up from the boom pivot.",
+    "tip/pose", POSE, _POSE, _POSE_UNITS, _RATE,
+    "Tip by the measured joints: the URDF's frame `tip`; z up from the boom pivot, turned as the stick is.",
     (_CONTROLLER,), _NOBODY,
 )
 TIP_TWIST = Topic(
@@ -186,8 +187,8 @@ GROUND_TRUTH_JOINT_STATES = Topic(
     (_SIMULATOR,), _NOBODY,
 )
 GROUND_TRUTH_TIP_POSE = Topic(
-    "ground_truth/tip/pose", POSE, _XYZ, ("m",) * 3, _RATE,
-    "True tip position of the simulator; for evaluation only.",
+    "ground_truth/tip/pose", POSE, _POSE, _POSE_UNITS, _RATE,
+    "True tip of the simulator, turned as the stick is; for evaluation only.",
     (_SIMULATOR,), _NOBODY,
 )
 GROUND_TRUTH_TIP_TWIST = Topic(
@@ -375,6 +376,10 @@ def markdown() -> str:
             "**Diagnostics.** OK: the part works. WARN: it works, but it waits for somebody, cannot hear",
             "somebody, or clips a command. ERROR: something is wrong, and the node stands still or does",
             "without. The values are ages, rates since the last time, counts, and the limits in force.",
+            "",
+            "**Poses.** `tip/pose` is the URDF's frame `tip` in `base_link`: x along the stick, y level to",
+            "the left. A pose whose orientation nobody knows, as of an imported log, has an all-zero",
+            "quaternion.",
             "",
             f"| {' | '.join(head)} |",
             f"|{'---|' * len(head)}",

@@ -19,6 +19,7 @@ from typing import Any
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 
+from forest_description.kinematics import tip_orientation
 from forest_description.limits import pose_at, start_tip
 from forest_description.machine import Machine, load_machine
 from forest_description.urdf import robot_description
@@ -196,7 +197,8 @@ class SimulatorNode(Node):
         self._say(topics.FLOWS, seen.flows)
         self._say(topics.AUXILIARY, (*auxiliary, *map(float, self._machine.events), float(self._missed)))
         self._say(topics.GROUND_TRUTH_JOINT_STATES, _flat(report.joints))
-        self._say(topics.GROUND_TRUTH_TIP_POSE, report.tip)
+        orientation = tip_orientation(report.joints.position)
+        self._say(topics.GROUND_TRUTH_TIP_POSE, (*report.tip, *orientation))
         self._say(topics.GROUND_TRUTH_TIP_TWIST, report.tip_velocity)
 
     def _say(self, topic: topics.Topic, values: tuple[float, ...]) -> None:
