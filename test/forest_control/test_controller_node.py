@@ -9,10 +9,12 @@ import pytest
 
 pytest.importorskip("rclpy")
 
+from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import Trigger
 
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
-from forest_description.kinematics import tip_position
+from forest_description.kinematics import tip_orientation, tip_position
 from forest_description.linkage import cylinder_length
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
@@ -126,6 +128,8 @@ def test_without_a_joystick_it_commands_zero_and_tells_where_the_tip_is(rig, pee
     assert all(volts(message) == (0.0, 0.0, 0.0) for message in r.commands)
     tip = poses[0].pose.position
     assert (tip.x, tip.y, tip.z) == pytest.approx(tip_position(ANGLES, load_machine().manipulator.links))
+    turn = poses[0].pose.orientation
+    assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx(tip_orientation(ANGLES))
     assert wishes[-1].twist.linear.y == 0.0
 
 
@@ -284,11 +288,57 @@ def test_a_trouble_comes_as_a_diagnostic(rig, peer):
     peer.until(lambda: any(said("controller: joystick", m).startswith("joy: axes are") for m in heard))
     r.joints = lambda now: joints(now, (0.2, math.nan, -1.5))
     peer.until(lambda: any(said("controller: machine", m).startswith("joint state: posi") for m in heard))
-    assert said("controller: joystick", heard[0]) == "well"
+    assert said("controller: joystick", heard[0]) in ("well", "waiting for a joystick on /joy")
 
 
 def said(part, message):
     return next((status.message for status in message.status if status.name == part), "")
+
+
+def values(message):
+    return {pair.key: pair.value for status in message.status for pair in status.values}
+
+
+def test_without_a_joystick_it_says_that_it_waits_for_one_and_once_in_the_log(rig, peer):
+    heard, waiting = peer.hear(topics.DIAGNOSTICS), "waiting for a joystick on /joy"
+    r = rig()
+    peer.until(lambda: waiting in r.process.text() and len(heard) > 3)
+    joystick = [status for message in heard for status in message.status if "joystick" in status.name]
+    assert {(status.level, status.message) for status in joystick} == {(DiagnosticStatus.WARN, waiting)}
+    assert r.process.text().count(waiting) == 1
+    told = values(heard[-1])
+    assert told["/joy age [s]"] == "never heard"
+    assert told["state"] == "silent"
+    assert float(told["/joint_states rate [Hz]"]) > 0.0
+    limits = ("joy_timeout [s]", "frozen_timeout [s]", "state_timeout [s]", "tip_speed [m/s]")
+    assert [float(told[name]) for name in limits] == [0.15, 2.0, 0.1, 0.5]
+
+
+def test_before_the_machine_speaks_it_is_waited_for_and_a_joystick_that_is_there_is_known(peer, start_node):
+    heard = peer.hear(topics.DIAGNOSTICS)
+    start_node("controller_node")
+    peer.repeat(topics.JOY, lambda now: joy(held=False))
+    awaited = "waiting for the machine's state on /joint_states"
+    peer.until(lambda: any(said("controller: joystick", message) == "well" for message in heard))
+    assert all(said("controller: machine", message) == awaited for message in heard)
+
+
+def test_a_joystick_that_publishes_best_effort_moves_the_crane(rig, peer):
+    r = rig()
+    lossy = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    joystick = peer.node.create_publisher(topics.message_class(topics.JOY), topics.JOY.name, lossy)
+    r.joy = centred
+    peer.node.create_timer(0.01, lambda: joystick.publish(r.joy()))
+    r.push()
+
+
+def test_a_driver_that_cannot_be_heard_is_named_in_log_and_diagnostics(rig, peer):
+    heard, r = peer.hear(topics.DIAGNOSTICS), rig()
+    lossy = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    peer.node.create_publisher(topics.message_class(topics.VALVE_VOLTAGES), topics.VALVE_VOLTAGES.name, lossy)
+    told = "/valve_voltages of /peer is not heard: best effort publisher and reliable subscription"
+    peer.until(lambda: any(said("controller: machine", message) == told for message in heard))
+    peer.until(lambda: told in r.process.text())
 
 
 def test_a_silent_driver_and_a_frozen_sensor_stop_the_crane_until_the_levers_were_centred(rig, peer):

@@ -361,3 +361,16 @@ def test_its_settings_can_be_changed_while_it_works_and_nonsense_is_refused(rig,
     assert "Max: 1.0" in refused.reason
     assert answer("compensate", True).successful
     peer.until(lambda: r.at(compensated()))
+
+
+def test_a_command_beyond_the_rating_is_obeyed_as_far_as_it_goes_and_said(rig, peer):
+    heard, r = peer.hear(topics.DIAGNOSTICS), rig("-p", "compensate:=false")
+    r.command = lambda now: command(now, (15.0, 0.0, 0.0))
+    r.drive()
+    clipped = "valve_commands: swing is 15 V, clipped to its rating of 10 V"
+    peer.until(lambda: clipped in {status.message for message in heard for status in message.status})
+    assert max(volts(message)[0] for message in r.voltages) == 10.0
+    assert f"[valve_driver]: {clipped}" in r.process.text()
+    told = {pair.key: pair.value for status in heard[-1].status for pair in status.values}
+    assert int(told["clipped since start"]) > 0
+    assert told["swing rating [V]"] == "10"

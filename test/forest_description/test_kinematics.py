@@ -13,6 +13,7 @@ from forest_description.kinematics import (
     jacobian_determinant,
     joint_rates,
     nearest_pose,
+    tip_orientation,
     tip_position,
     tip_velocity,
 )
@@ -45,6 +46,22 @@ POSES = random_poses()
 
 def test_tip_of_the_check_pose():
     assert tip_position(CHECK_POSE, LINKS) == pytest.approx((5.86855, 0.0, -1.66395), abs=5e-6)
+
+
+def turned(quaternion, vector):
+    """A vector turned by a unit quaternion, v + 2 u × (u × v + w v)."""
+    u, w = np.array(quaternion[:3]), quaternion[3]
+    return vector + 2.0 * np.cross(u, np.cross(u, vector) + w * np.array(vector))
+
+
+@pytest.mark.parametrize("q", POSES)
+def test_the_tips_frame_lies_along_the_stick_and_its_y_axis_is_level_to_the_left(q):
+    stick = np.subtract(tip_position(q, LINKS), tip_position(q, LINKS._replace(stick=0.0)))
+    quaternion = tip_orientation(q)
+    assert np.linalg.norm(quaternion) == pytest.approx(1.0, abs=1e-12)
+    assert turned(quaternion, (1.0, 0.0, 0.0)) == pytest.approx(stick / LINKS.stick, abs=1e-12)
+    left = (-math.sin(q[0]), math.cos(q[0]), 0.0)
+    assert turned(quaternion, (0.0, 1.0, 0.0)) == pytest.approx(left, abs=1e-12)
 
 
 def test_determinant_of_the_check_pose():

@@ -1,16 +1,20 @@
 """Claims about the emergency stop: anybody stops, only a reset on purpose ends it, no restart forgets."""
 
+import time
+
 import pytest
 
 pytest.importorskip("rclpy")
 
 from rclpy.node import Node
-from rclpy.qos import QoSProfile
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import Trigger
 
 from forest_msgs_py import emergency_stop
 from forest_msgs_py.emergency_stop import EmergencyStop
 from forest_msgs_py.topics import EMERGENCY_STOP, EMERGENCY_STOPPED, message_class, qos
+
+LIVE = 2  # subscriptions of a node by which it hears a command live: reliable, and best-effort
 
 
 class Stoppable:
@@ -81,7 +85,7 @@ def test_a_true_from_anybody_stops_every_node_at_once(peer, controller, driver, 
         sender = peer.node.create_publisher(kind, EMERGENCY_STOP.name, qos(EMERGENCY_STOPPED))
     else:
         sender = peer.node.create_publisher(kind, EMERGENCY_STOP.name, QoSProfile(depth=1))
-    peer.until(lambda: sender.get_subscription_count() >= (4 if latched else 2))
+    peer.until(lambda: sender.get_subscription_count() >= 2 * (3 if latched else LIVE))
     say(sender, True)
     peer.until(lambda: controller.stop.pressed and driver.stop.pressed)
     assert (controller.acted, driver.acted) == (1, 1)
@@ -96,7 +100,7 @@ def test_a_true_from_anybody_stops_every_node_at_once(peer, controller, driver, 
 def test_who_says_false_again_and_again_resets_nothing_and_a_reset_on_purpose_does(peer, controller, driver):
     """A panel that tells its state ten times a second would undo a stop that somebody else pressed."""
     panel = peer.speak(EMERGENCY_STOP)
-    peer.until(lambda: panel.get_subscription_count() == 2)
+    peer.until(lambda: panel.get_subscription_count() == 2 * LIVE)
 
     def heard(count):
         say(panel, False)
@@ -145,7 +149,7 @@ def test_a_stop_that_a_panel_latched_before_any_node_started_stops_it(peer, star
     say(panel, True)
     late = start("controller")
     peer.until(lambda: late.stop.pressed)
-    peer.until(lambda: panel.get_subscription_count() == 2)
+    peer.until(lambda: panel.get_subscription_count() == LIVE + 1)
     say(panel, False)
     peer.until(lambda: not late.stop.pressed)
 
@@ -166,3 +170,56 @@ def test_a_false_from_before_the_stop_does_not_reset_it(peer, controller):
     controller.stop.press()
     controller.stop._on_command(message_class(EMERGENCY_STOP)(data=False), before)
     assert controller.stop.pressed
+
+
+def test_a_stop_that_is_said_best_effort_is_obeyed_once(peer, controller):
+    lossy = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    panel = peer.node.create_publisher(message_class(EMERGENCY_STOP), EMERGENCY_STOP.name, lossy)
+    peer.until(lambda: panel.get_subscription_count() == 1)
+    peer.until(lambda: say(panel, True) or controller.stop.pressed)
+    assert controller.acted == 1
+
+
+def test_a_command_that_comes_by_two_subscriptions_counts_once(peer, controller):
+    """Else the later copy of a true would undo the reset that followed it."""
+    stamped = {"source_timestamp": 2**62}
+    controller.stop._on_command(message_class(EMERGENCY_STOP)(data=True), stamped)
+    controller.stop.reset()
+    controller.stop._on_command(message_class(EMERGENCY_STOP)(data=True), stamped)
+    assert not controller.stop.pressed
+
+
+def test_a_panel_that_joins_before_any_stop_hears_from_each_node_that_it_is_not_stopped(
+    peer, controller, driver
+):
+    latched = QoSProfile(depth=10, durability=qos(EMERGENCY_STOPPED).durability)
+    kind, joined = message_class(EMERGENCY_STOPPED), []
+    peer.node.create_subscription(kind, EMERGENCY_STOPPED.name, joined.append, latched)
+    peer.until(lambda: len(joined) == 2)
+    assert not any(message.data for message in joined)
+
+
+def test_a_node_that_starts_resets_nobody_and_is_stopped_itself(peer, start, controller):
+    assert call(peer, "/emergency_stop").success
+    late = start("valve_driver", "~/")
+    peer.until(lambda: late.stop.pressed)
+    peer.until(lambda: late.stop._state.get_subscription_count() == 2)
+    again = start("valve_driver", "~/")  # its first word reaches the controller live, newer than the stop
+    peer.until(lambda: again.stop.pressed)
+    assert controller.stop.pressed
+    assert controller.acted == 1
+
+
+def test_whoever_publishes_the_state_so_that_it_is_not_heard_is_named(peer, controller):
+    peer.node.create_publisher(message_class(EMERGENCY_STOPPED), EMERGENCY_STOPPED.name, QoSProfile(depth=1))
+    peer.until(controller.stop.unheard)
+    assert controller.stop.unheard().startswith("/emergency_stopped of /peer is not heard: ")
+
+
+def test_a_reset_that_follows_at_once_is_no_older_than_a_nodes_own_word_that_it_is_stopped(peer, controller):
+    controller.stop.press()
+    said = time.time_ns()
+    asked = {"source_timestamp": time.time_ns()}
+    controller.stop._on_state(message_class(EMERGENCY_STOPPED)(data=True), {"source_timestamp": said})
+    controller.stop._on_command(message_class(EMERGENCY_STOP)(data=False), asked)
+    assert not controller.stop.pressed

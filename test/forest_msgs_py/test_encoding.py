@@ -51,6 +51,15 @@ def test_a_reading_that_is_missing_has_no_label_and_an_empty_message_is_none():
     assert part == to_cdr(messages.float_array(topics.PRESSURES, 5_000_000, [0.0] * 4, labels=labels))
 
 
+def test_a_tip_without_a_place_is_left_out_and_one_without_an_orientation_is_not():
+    values = np.ones((3, 7))
+    values[1, 3:], values[2, 1] = np.nan, np.nan
+    whole, placed, nothing = Encoder(topics.TIP_POSE, "base_link").encode(STAMPS, values)
+    assert whole == to_cdr(messages.pose_stamped(0, "base_link", (1.0,) * 7))
+    assert placed == to_cdr(messages.pose_stamped(5_000_000, "base_link", (1.0,) * 3))
+    assert nothing is None
+
+
 def test_a_joint_that_is_missing_is_left_out():
     values = np.zeros((3, 9))
     values[:, [1, 4, 7]] = np.nan

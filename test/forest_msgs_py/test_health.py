@@ -1,5 +1,7 @@
 """Claims about a node's health: a trouble is told at once and every second, and logged as often."""
 
+from types import SimpleNamespace
+
 import pytest
 
 pytest.importorskip("rclpy")
@@ -8,7 +10,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 
 from forest_msgs_py import topics
-from forest_msgs_py.health import Health
+from forest_msgs_py.health import Health, beyond
 
 S = 1_000_000_000
 
@@ -27,7 +29,24 @@ def health(peer, monkeypatch):
 
 class Lines:
     def __init__(self, lines):
-        self.warning = lines.append
+        self.warning = self.info = lines.append
+
+
+class Input:
+    """A source that a test lets miss somebody, or not hear somebody."""
+
+    def __init__(self):
+        self.who, self.whom, self.asked = "", "", 0
+
+    def waiting(self):
+        return self.who
+
+    def unheard(self):
+        return self.whom
+
+    def values(self):
+        self.asked += 1
+        return {"/joy age [s]": 0.0123456, "alive": True, "speeds [m/s]": (1.0, 0.5), "messages": 3}
 
 
 def told(message):
@@ -74,3 +93,81 @@ def test_a_new_sort_of_trouble_is_logged_at_once_and_no_more_than_a_few_in_a_sec
     for word in "abcdefghijklmnop":
         health.note("pump", word)
     assert len(health.lines) <= 10
+
+
+def test_a_trouble_that_comes_and_goes_with_each_message_is_told_ten_times_a_second(health, monkeypatch):
+    told = []
+    monkeypatch.setattr(health, "_publisher", SimpleNamespace(publish=told.append))
+    for step in range(401):
+        health.note("pump", "it leaks" if step % 2 else "")
+        health.publish(step * S // 200)
+    assert len(told) == 21
+    counts = {pair.key: pair.value for pair in told[-1].status[1].values}
+    assert counts["troubles since start"] == "200"
+
+
+def test_who_is_waited_for_is_a_warning_and_logged_once_when_the_graph_has_had_time_to_start(peer, health):
+    joystick = Input()
+    health.watch("joystick", joystick)
+    joystick.who = "waiting for a joystick on /joy"
+    for step in range(1200):
+        health.publish(step * S // 200)
+    assert health.lines == ["waiting for a joystick on /joy"]
+    joystick.who = ""
+    health.publish(6 * S)
+    peer.until(lambda: len(health.heard) == 7)
+    assert [told(message)[0][1:] for message in health.heard] == [
+        *[(DiagnosticStatus.WARN, "waiting for a joystick on /joy")] * 6,
+        (DiagnosticStatus.OK, "well"),
+    ]
+    joystick.who = "waiting for a joystick on /joy"
+    for second in range(7, 12):
+        health.publish(second * S)
+    assert health.lines == ["waiting for a joystick on /joy"] * 2
+
+
+def test_who_is_not_heard_is_a_warning_beside_what_else_a_person_should_know(peer, health):
+    pump = Input()
+    health.watch("pump", pump)
+    pump.whom = "/joy of /pad is not heard"
+    health.warn("pump", "it is clipped")
+    health.publish(S)
+    health.note("pump", "no pressure")
+    health.publish(2 * S)
+    peer.until(lambda: len(health.heard) == 2)
+    assert told(health.heard[0])[1][1:] == (DiagnosticStatus.WARN, "it is clipped; /joy of /pad is not heard")
+    assert told(health.heard[1])[1][1:] == (DiagnosticStatus.ERROR, "no pressure")
+    assert told(health.heard[0])[0][2] == "well"
+
+
+def test_what_a_person_should_know_is_told_at_once_and_logged_without_a_consequence(health, monkeypatch):
+    monkeypatch.setattr("forest_msgs_py.health.time.monotonic", lambda: 1000.0)  # within the same second
+    for step in range(200):
+        health.warn("pump", f"clipped {step}")
+    assert health.lines == ["clipped 0"]
+
+
+def test_the_values_are_asked_for_only_when_they_are_told_and_carry_their_units(peer, health):
+    joystick = Input()
+    health.watch("joystick", joystick, values=lambda: {"joy_timeout [s]": 0.15})
+    health.note("joystick", "gone")
+    for step in range(200):
+        health.publish(S + step * S // 200)
+    assert joystick.asked == 1
+    peer.until(lambda: health.heard)
+    values = {pair.key: pair.value for pair in health.heard[0].status[0].values}
+    assert values == {
+        "/joy age [s]": "0.01235",
+        "alive": "true",
+        "speeds [m/s]": "1, 0.5",
+        "messages": "3",
+        "joy_timeout [s]": "0.15",
+        "troubles since start": "1",
+    }
+
+
+def test_a_value_beyond_its_rating_is_named_with_both():
+    ratings = (10.0, 10.0, 8.0)
+    assert beyond(topics.VALVE_COMMANDS, (10.0, -10.0, 8.0), ratings) == ""
+    said = "valve_commands: stick is -9 V, clipped to its rating of 8 V"
+    assert beyond(topics.VALVE_COMMANDS, (0.0, 0.0, -9.0), ratings) == said

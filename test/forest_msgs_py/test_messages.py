@@ -192,4 +192,11 @@ def test_tip_messages_carry_stamp_frame_and_vector():
         assert messages.stamp_to_ns(message.header.stamp) == STAMP
         assert message.header.frame_id == "base_link"
     assert (twist.twist.linear.x, twist.twist.linear.y, twist.twist.linear.z) == (0.1, -0.2, 0.3)
-    assert (pose.pose.position.x, pose.pose.position.z, pose.pose.orientation.w) == (5.0, 1.0, 1.0)
+    assert (pose.pose.position.x, pose.pose.position.z) == (5.0, 1.0)
+
+
+def test_a_tip_whose_orientation_is_not_known_has_none_rather_than_the_identity():
+    turned = (0.5, -0.5, 0.5, 0.5)
+    for told, expected in ((turned, turned), ((), (0.0,) * 4), ((0.5, math.nan, 0.5, 0.5), (0.0,) * 4)):
+        turn = messages.pose_stamped(STAMP, "base_link", (5.0, 0.0, 1.0, *told)).pose.orientation
+        assert (turn.x, turn.y, turn.z, turn.w) == expected

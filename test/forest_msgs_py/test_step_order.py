@@ -89,6 +89,38 @@ def test_nothing_is_complete_before_every_latched_topic_was_said():
     assert [(name, step) for name, step, _ in order.complete()] == [("/l", 0), ("/x", 1)]
 
 
+def test_a_latched_topic_of_two_nodes_is_complete_when_both_have_spoken():
+    order = StepOrder(("a", "b"))
+    for node in ("a", "b"):
+        order.answer_the_roll(f"{node}\n/{node} T\n/l S latched")
+        order.add_account(node, 0, 1, [])
+    order.add_latched("/l", b"first")
+    assert list(order.complete()) == []
+    assert order.missing() == "step 0: no message on /l"
+    order.add_latched("/l", b"and second")
+    assert list(order.complete()) == [("/l", 0, b"and second"), ("/l", 0, b"first")]
+
+
+def test_a_latched_message_may_come_before_its_node_has_told_its_outputs():
+    order = StepOrder(("a", "b"))
+    order.answer_the_roll("a\n/l S latched")
+    order.add_latched("/l", b"of a")
+    order.add_latched("/l", b"of b")
+    order.answer_the_roll("b\n/l S latched")
+    assert [data for _, _, data in order.complete()] == [b"of a", b"of b"]
+
+
+def test_what_is_said_on_a_latched_topic_in_the_middle_of_a_run_is_recorded_there():
+    order = StepOrder(("a",))
+    order.answer_the_roll("a\n/x T\n/l S latched")
+    order.add_latched("/l", b"start")
+    order.add_account("a", 0, 1, [])
+    assert list(order.complete()) == [("/l", 0, b"start")]
+    order.add_latched("/l", b"stop")
+    order.add_account("a", 1, 3, [])
+    assert list(order.complete()) == [("/l", 2, b"stop")]
+
+
 def test_a_lost_account_is_named_and_nothing_after_it_counts():
     order = StepOrder(("a", "b"))
     for node in ("a", "b"):

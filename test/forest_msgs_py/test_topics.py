@@ -53,7 +53,7 @@ def test_type_and_qos_of_every_topic_exist(row):
     assert topics.message_class(row).__name__ == row.type.rsplit("/", 1)[1]
     profile = topics.qos(row)
     assert profile.depth == (1 if row.latched else 200 if row.rate_hz >= 100 else 10)
-    assert topics.qos(row, reading=True).depth == (1 if row.latched else 10)
+    assert topics.qos(row, reading=True).depth == 10
     assert profile.reliability.short_key == "reliable"
     assert profile.durability.short_key == ("transient_local" if row.latched else "volatile")
 
@@ -70,3 +70,16 @@ def test_type_and_qos_of_every_topic_exist(row):
 )
 def test_a_resolved_name_finds_its_row_in_any_namespace(name, row):
     assert topics.find(name) == row
+
+
+def test_what_machines_and_joysticks_of_others_say_is_heard_from_best_effort_publishers_too():
+    qos = pytest.importorskip("rclpy.qos")
+    lossy = qos.QoSProfile(depth=5, reliability=qos.ReliabilityPolicy.BEST_EFFORT)
+    heard = {
+        row.name
+        for row in TOPICS
+        if qos.qos_check_compatible(lossy, topics.qos(row, reading=True))[0] != qos.QoSCompatibility.ERROR
+    }
+    sensed = {"joint_states", "actuator_states", *(f"hydraulics/{what}" for what in ("pressures", "supply"))}
+    assert heard == {"joy", "hydraulics/flows", "hydraulics/auxiliary", *sensed}
+    assert all(topics.qos(row).reliability == qos.ReliabilityPolicy.RELIABLE for row in TOPICS)

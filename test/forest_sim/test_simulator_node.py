@@ -12,6 +12,7 @@ from stall import Stall
 
 pytest.importorskip("rclpy")
 
+from forest_description.kinematics import tip_orientation
 from forest_description.limits import start_tip
 from forest_description.machine import load_machine
 from forest_description.urdf import robot_description
@@ -147,6 +148,8 @@ def test_it_starts_at_rest_with_the_tip_where_asked(peer, start_simulator):
     peer.until(lambda: len(poses) > 20 and len(truth) > 20)
     point = poses[-1].pose.position
     assert (point.x, point.y, point.z) == pytest.approx((5.0, -1.0, 0.5), abs=1e-6)
+    turn, angles = poses[-1].pose.orientation, truth[-1].position
+    assert (turn.x, turn.y, turn.z, turn.w) == pytest.approx(tip_orientation(angles), abs=1e-6)
     assert list(truth[-1].velocity) == pytest.approx([0.0] * 3, abs=1e-6)
 
 
@@ -301,3 +304,17 @@ def test_asked_to_stop_it_ends_with_code_0_and_without_a_word(rig, peer, number)
     peer.until(lambda: r.truth)
     assert r.process.stop(number) == 0
     assert r.process.text() == ""
+
+
+def test_voltages_beyond_the_rating_and_their_absence_are_said(rig, peer):
+    heard, r = peer.hear(topics.DIAGNOSTICS), rig()
+    said = lambda: {status.message for message in heard for status in message.status}  # noqa: E731
+    peer.until(lambda: "waiting for voltages on /valve_voltages" in said())
+    clipped = "valve_voltages: swing is 40 V, clipped to its rating of 10 V"
+    peer.repeat(topics.VALVE_VOLTAGES, lambda now: voltages(now, (40.0, 0.0, 0.0)), 200.0)
+    peer.until(lambda: clipped in said())
+    peer.until(lambda: clipped in r.process.text())
+    told = {pair.key: pair.value for status in heard[-1].status for pair in status.values}
+    assert told["machine"] == MACHINE.name
+    assert float(told["command_timeout [s]"]) == MACHINE.command_timeout
+    assert int(told["clipped since start"]) > 0

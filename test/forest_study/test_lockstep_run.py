@@ -72,6 +72,15 @@ def test_faults_of_the_joystick_are_events_in_simulated_time(lockstep_bag):
     assert (joy.values[frozen] == joy.values[steps.index(119)]).all()
 
 
+def test_a_recorder_that_dies_ends_the_run_and_is_named(tmp_path, domain_id, start_process, wait_until):
+    options = ("--lockstep", "--duration", "0.5", "--out", str(tmp_path / "out"))
+    demo = start_process(["-m", "forest_study.demo", *options])
+    wait_until(lambda: "recorder" in nodes_of(demo))
+    kill(nodes_of(demo)["recorder"], signal.SIGKILL)
+    assert demo.ended() == 1
+    assert "recorder was killed by SIGKILL" in demo.text()
+
+
 def test_a_node_that_hangs_ends_the_run_and_is_named(tmp_path, domain_id, start_process, wait_until):
     options = ("--lockstep", "--guard", "5", "--duration", "3600", "--out", str(tmp_path / "out"))
     demo = start_process(["-m", "forest_study.demo", *options])

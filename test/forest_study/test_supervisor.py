@@ -72,6 +72,33 @@ def test_no_node_outlives_a_supervisor_that_is_killed(moving_graph, valves, wait
     wait_until(lambda: valves.shut > valves.opened, executor=valves.executor)
 
 
+def test_a_graph_whose_joystick_source_has_played_to_its_end_runs_until_it_is_stopped(
+    start_graph, valves, wait_until, levers
+):
+    graph = start_graph("--joystick", str(levers))
+    wait_until(lambda: "played to its end; Ctrl-C stops" in graph.text(), executor=valves.executor)
+    seen = valves.count
+    wait_until(lambda: valves.count > seen + 100, executor=valves.executor)
+    assert graph.poll() is None
+    kill(graph.pid, signal.SIGINT)
+    wait_until(lambda: graph.poll() is not None, executor=valves.executor)
+    assert graph.returncode == 0, graph.text()
+
+
+def test_every_node_that_is_not_hidden_offers_its_parameters_and_without_a_joystick_one_is_waited_for(
+    start_graph, valves, wait_until
+):
+    graph, node = start_graph(), valves.node
+    names = {"controller", "valve_driver", "simulator"}
+    wait_until(lambda: names <= set(node.get_node_names()), executor=valves.executor)
+    wait_until(lambda: "waiting for a joystick on /joy" in graph.text(), executor=valves.executor)
+    visible = {name for name in node.get_node_names() if not name.startswith("_")} - {node.get_name()}
+    assert visible == names
+    for name in visible:
+        offered = {service for service, _ in node.get_service_names_and_types_by_node(name, "/")}
+        assert {f"/{name}/list_parameters", f"/{name}/get_parameters"} <= offered
+
+
 def test_a_second_graph_is_refused_and_the_first_goes_on(
     start_graph, start_process, valves, wait_until, tmp_path
 ):

@@ -57,6 +57,7 @@ class Told(NamedTuple):
 
     output: Output
     tip: Triple  # [m]
+    tip_orientation: tuple[float, float, float, float]  # quaternion x, y, z, w
     tip_velocity: Triple  # [m/s]
 
 

@@ -30,7 +30,7 @@ from forest_control.stopping import NO_STOP, Stop
 from forest_control.valve_reach import RELAXED, Strains, Valves, strained
 from forest_control.wish import governed_wish, wished_rates, wished_velocity
 from forest_control.wish import governor_at as governor_at
-from forest_description.kinematics import joint_rates, tip_position, tip_velocity
+from forest_description.kinematics import joint_rates, tip_orientation, tip_position, tip_velocity
 
 
 def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Output]:
@@ -49,8 +49,8 @@ def told(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
     """Do as `step`, and tell where the tip is and how it moves, by the angles that count."""
     state, output = step(state, inputs, p, dt)
     angles = corrected(inputs.angles, state.correction)
-    motion = tip_position(angles, p.links), tip_velocity(angles, inputs.rates, p.links)
-    return state, Told(output, motion[0], motion[1])
+    velocity = tip_velocity(angles, inputs.rates, p.links)
+    return state, Told(output, tip_position(angles, p.links), tip_orientation(angles), velocity)
 
 
 def _strains(state: State, inputs: Inputs, p: Parameters, dt: float) -> Strains:

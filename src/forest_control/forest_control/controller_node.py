@@ -37,6 +37,7 @@ from forest_description.urdf import robot_description
 from forest_msgs_py import topics
 from forest_msgs_py.emergency_stop import EmergencyStop
 from forest_msgs_py.health import Health
+from forest_msgs_py.input_status import InputStatus
 from forest_msgs_py.node import run_node
 from forest_msgs_py.pace import pace, speaker
 from forest_msgs_py.parameters import Tunables, declare
@@ -48,6 +49,8 @@ from forest_msgs_py.unpacking import JointReader, read_joy_data
 FRAME = "base_link"
 ZERO: Triple = (0.0, 0.0, 0.0)
 WATCHDOG_PERIOD = 0.02  # [s]
+# Settings that limit the motion, as /diagnostics tells them.
+TOLD = {"scheme": "", "tip_speed": " [m/s]", "joint_rates": " [rad/s]", "joint_margin": " [rad]"}
 GOES_BACK = "joy: a stamp goes back; allowed: rising stamps, or none"
 
 
@@ -60,7 +63,8 @@ class ControllerNode(Node):
         self.run = self._pace.run
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
-        self._machine, tunables = machine, self._declare_tunables()
+        self._machine, self._tunables = machine, self._declare_tunables()
+        tunables = self._tunables
         self._workspace = self._walls()
         core = controller.parameters(machine, settings_from(tunables.values), self._workspace)
         self._tuning = Retuning(core)
@@ -79,7 +83,8 @@ class ControllerNode(Node):
         self._hold = lever_hold.CENTRED
         said = self._pace.publisher(topics.DIAGNOSTICS)
         self._health = Health(self, ("joystick", "machine", "emergency stop"), "standing still", said)
-        self._stop = EmergencyStop(self, "", self._against_reset, self._stand_still)
+        stopped = self._pace.publisher(topics.EMERGENCY_STOPPED)
+        self._stop = EmergencyStop(self, "", self._against_reset, self._stand_still, stopped)
         self._declare_outputs()
         if get("publish_description", False, "publish robot_description; where no simulator does"):
             self._describe(machine)
@@ -89,8 +94,8 @@ class ControllerNode(Node):
             self._pace.inbox(topics.ACTUATOR_STATES),
             JointReader(topics.ACTUATORS),
         )
-        self._pace.on(topics.JOINT_STATES, self._on_joint_states)
-        self._pace.every(WATCHDOG_PERIOD, self._watch)
+        self._watch_inputs(self._pace.on(topics.JOINT_STATES, self._on_joint_states))
+        self._pace.every(WATCHDOG_PERIOD, self._on_watchdog)
 
     def _declare_tunables(self) -> Tunables:
         """What may be set while the node runs; an operator's profile gives what is not."""
@@ -112,6 +117,31 @@ class ControllerNode(Node):
         self._twist = speaker(self._pace, topics.TIP_TWIST, FRAME)
         self._wish = speaker(self._pace, topics.TIP_TWIST_COMMAND, FRAME)
         self._status = speaker(self._pace, topics.CONTROLLER_STATUS, plain=self._plain)
+
+    def _watch_inputs(self, joints: Any) -> None:
+        """Have /diagnostics tell of what the controller hears."""
+        heard, reports = partial(InputStatus, self, self._pace), (self._valves.volts, self._valves.status)
+        joystick = heard(self._joy, "a joystick", self._is_nobody_there)
+        self._health.watch("joystick", joystick, values=self._joystick_values)
+        others = map(heard, (self._actuators, *reports))
+        self._health.watch("machine", heard(joints, "the machine's state"), *others, values=self._limits)
+        self._health.watch("emergency stop", self._stop)
+
+    def _joystick_values(self) -> dict[str, Any]:
+        watch, p = self._joystick, self._watch_settings
+        state = {"state": watch.joystick.name.lower(), "deadman held": watch.held, "armed": watch.armed}
+        timeouts = {"joy_timeout [s]": p.timeout, "frozen_timeout [s]": p.frozen_timeout}
+        return {**state, **timeouts, "centre [1]": p.centre, "out of order since start": watch.out_of_order}
+
+    def _limits(self) -> dict[str, Any]:
+        timeouts = {"state_timeout [s]": self._state_timeout, "hands_off": self._hands_off()}
+        limits = {name + unit: self._tunables.values[name] for name, unit in TOLD.items()}
+        return timeouts | limits
+
+    def _is_nobody_there(self) -> bool:
+        """Tell whether there never was a joystick, or it went after the deadman was released."""
+        watch = self._joystick
+        return watch.joystick == Joystick.SILENT or (watch.joystick == Joystick.LOST and not watch.held)
 
     def _walls(self) -> Workspace:
         doc = f"walls: {', '.join(workspaces())}, or path of a file; empty: none"
@@ -203,7 +233,7 @@ class ControllerNode(Node):
         p = self._watch_settings
         self._joystick, operator = joystick_watch.judge(self._joystick, self._pace.now(), allowed, p)
         # A joystick that goes after the deadman was released is not missed.
-        gone = self._joystick.joystick == Joystick.LOST and not self._joystick.held
+        gone = self._is_nobody_there()
         problem = self._joy_problem or ("" if gone else PROBLEMS[self._joystick.joystick])
         self._health.note("joystick", problem)
         self._health.note("emergency stop", "emergency stop pressed" if self._stop.pressed else "")
@@ -224,7 +254,7 @@ class ControllerNode(Node):
         self._asked = output.command
         if not self._hands_off():
             self._command.say(stamp, output.command)
-        self._pose.say(stamp, told.tip)
+        self._pose.say(stamp, (*told.tip, *told.tip_orientation))
         self._twist.say(stamp, told.tip_velocity)
         if self._tuning.core.scheme != Scheme.JOINT:
             self._wish.say(stamp, output.tip_wish)
@@ -232,6 +262,12 @@ class ControllerNode(Node):
         codes = held_back.factor, held_back.limit, watch.armed, watch.joystick, self._stop.pressed
         self._status.say(stamp, codes)
         self._health.publish(stamp)
+
+    def _on_watchdog(self) -> None:
+        self._watch()
+        if not self._period.started:  # nobody else would tell
+            self._operator(False)
+            self._health.publish(self._pace.stamp())
 
     def _watch(self) -> None:
         if self._pace.now() - self._state_received > self._state_timeout and self._period.started:

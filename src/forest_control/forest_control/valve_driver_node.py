@@ -19,7 +19,8 @@ from forest_control.valve_tunables import TUNABLES
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py import topics
 from forest_msgs_py.emergency_stop import EmergencyStop
-from forest_msgs_py.health import Health
+from forest_msgs_py.health import Health, beyond, rating_values
+from forest_msgs_py.input_status import InputStatus
 from forest_msgs_py.node import run_node
 from forest_msgs_py.pace import pace, speaker
 from forest_msgs_py.parameters import Tunables, declare
@@ -56,15 +57,39 @@ class ValveDriverNode(Node):
         self._order, self._asked = StampOrder(self._command_timeout), ZERO
         said = self._pace.publisher(topics.DIAGNOSTICS)
         self._health = Health(self, ("commands", "pressures", "emergency stop"), "valves centred", said)
-        self._stop = EmergencyStop(self, "~/", self._against_reset, self._stand_still)
+        stopped = self._pace.publisher(topics.EMERGENCY_STOPPED)
+        self._stop = EmergencyStop(self, "~/", self._against_reset, self._stand_still, stopped)
         self._voltages = (
             None if self._shadow else speaker(self._pace, topics.VALVE_VOLTAGES, plain=self._plain)
         )
         self._status = speaker(self._pace, topics.VALVE_DRIVER_STATUS, plain=self._plain)
         self._commands = ArrayReader(topics.VALVE_COMMANDS)
-        self._pace.on(topics.VALVE_COMMANDS, self._on_command)
+        commands = self._pace.on(topics.VALVE_COMMANDS, self._on_command)
         self._measured = Measurements(self._pace, timeout, self._core.idle_pressure)
+        self._ratings, self._clipped = [machine.valve_of(axis).rated_voltage for axis in range(3)], 0
+        self._watch_inputs(commands)
         self._pace.every(WATCHDOG_PERIOD, self._watch)
+
+    def _watch_inputs(self, commands: Any) -> None:
+        """Have /diagnostics tell of what the driver hears."""
+        heard = partial(InputStatus, self, self._pace)
+        self._health.watch("commands", heard(commands, "commands"), values=self._command_values)
+        pressures, *others = self._measured.boxes
+        missed = heard(pressures, "pressures (the nominal load is taken)", self._is_blind)
+        self._health.watch("pressures", missed, *map(heard, others), values=self._pressure_values)
+        self._health.watch("emergency stop", self._stop)
+
+    def _command_values(self) -> dict[str, Any]:
+        limits = {"command_timeout [s]": self._command_timeout, **rating_values(self._ratings)}
+        return limits | {"clipped since start": self._clipped, "shadow": self._shadow}
+
+    def _pressure_values(self) -> dict[str, Any]:
+        settings = {name: self._tunables.values[name] for name in ("compensate", "adapt")}
+        return {"pressure_timeout [s]": self._measured.timeout, **settings}
+
+    def _is_blind(self) -> bool:
+        """Tell whether a command has to do without pressures."""
+        return self._command_age() <= self._command_timeout and self._measured.are_missing()
 
     def _set(self, machine: Machine, values: dict[str, Any]) -> None:
         self._core = valve_driver.parameters(machine, valve_driver.Settings(**values))
@@ -85,6 +110,9 @@ class ValveDriverNode(Node):
             self._stand_still()
             return
         self._command_received, self._asked = sent, reading.values
+        clipped = beyond(topics.VALVE_COMMANDS, reading.values, self._ratings)
+        self._health.warn("commands", clipped)
+        self._clipped += bool(clipped)
         if self._stop.pressed:
             self._stand_still()
             return

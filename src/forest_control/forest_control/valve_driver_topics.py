@@ -29,8 +29,8 @@ class Measurements:
     """
 
     def __init__(self, pace: Any, timeout: float, idle_pressure: float) -> None:
-        self._pace, self._timeout, self._idle = pace, timeout, idle_pressure
-        self._boxes = [pace.inbox(t) for t in (topics.PRESSURES, topics.SUPPLY, topics.ACTUATOR_STATES)]
+        self._pace, self.timeout, self._idle = pace, timeout, idle_pressure
+        self.boxes = [pace.inbox(t) for t in (topics.PRESSURES, topics.SUPPLY, topics.ACTUATOR_STATES)]
         self._port_readers, self._valve_readers = (
             [ArrayReader(topics.PRESSURES, labels) for labels in group] for group in (PORTS, VALVES)
         )
@@ -45,7 +45,7 @@ class Measurements:
     def read(self, learning: bool) -> str:
         """Take the newest samples, to learn all of them; return what is wrong with the pressures, or ""."""
         problem = ""
-        pressures, supply, actuators = (box.newest() for box in self._boxes)
+        pressures, supply, actuators = (box.newest() for box in self.boxes)
         if pressures:
             ports, problem, self._stamp = _arrays(pressures.message, self._port_readers)
             if not problem:
@@ -74,11 +74,15 @@ class Measurements:
 
     def pressures(self) -> Pressures:
         """Return what the transducers say, or `UNSEEN`: then the driver takes the nominal pressure drop."""
-        if not self._fresh("ports"):
+        if self.are_missing():
             return UNSEEN
         return Pressures(
             self._ports[0], self._ports[1], self._supply if self._fresh("supply") else self._idle
         )
+
+    def are_missing(self) -> bool:
+        """Tell whether there are no pressures that may be believed."""
+        return not self._fresh("ports")
 
     def motion(self) -> Motion:
         """Return what the driver may learn from; of an actuator whose position is not measured, NaN."""
@@ -91,7 +95,7 @@ class Measurements:
         return Motion((swing, boom, stick), self._valves[0], self._valves[1])
 
     def _fresh(self, what: str) -> bool:
-        return bool(self._pace.now() - self._received[what] <= self._timeout)
+        return bool(self._pace.now() - self._received[what] <= self.timeout)
 
 
 def _arrays(data: bytes, readers: list[ArrayReader]) -> tuple[list[Triple], str, int]:

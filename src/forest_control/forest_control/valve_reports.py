@@ -34,8 +34,8 @@ class ValveReports:
 
     def __init__(self, pace: Any, machine: Machine) -> None:
         self._pace = pace
-        self._status = pace.inbox(topics.VALVE_DRIVER_STATUS, answered=True)
-        self._volts = pace.inbox(topics.VALVE_VOLTAGES, answered=True)
+        self.status = pace.inbox(topics.VALVE_DRIVER_STATUS, answered=True)
+        self.volts = pace.inbox(topics.VALVE_VOLTAGES, answered=True)
         self._status_reader = ArrayReader(topics.VALVE_DRIVER_STATUS, LEARNT)
         self._volts_reader = ArrayReader(topics.VALVE_VOLTAGES, topics.JOINTS)
         laws = [machine.valve_of(axis).law for axis in range(3)]
@@ -47,11 +47,11 @@ class ValveReports:
     def read(self) -> tuple[Reach, Triple]:
         """Return the valves' reach, and the voltages [V]."""
         now = self._pace.now()
-        if status := self._status.newest():
+        if status := self.status.newest():
             reading = self._status_reader.read(status.message, 0)
             if not reading.problem:
                 self._reach, self._reach_received = self._reach_of(reading.values), status.time
-        if volts := self._volts.newest():
+        if volts := self.volts.newest():
             reading = self._volts_reader.read(volts.message, 0)
             if not reading.problem:
                 self._voltages, self._voltages_received = reading.values, volts.time

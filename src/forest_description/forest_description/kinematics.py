@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
+Quaternion = tuple[float, float, float, float]
 
 SINGULAR_SHARE = 1e-6
 """|det J| below this share of l2 l3 (l1 + l2 + l3), the bound of |det J|, counts as singular."""
@@ -42,6 +43,20 @@ def tip_position(q: Vector, links: Links) -> Vector:
     r = l1 + l2 * math.cos(q[1]) + l3 * math.cos(q[1] + q[2])
     z = l2 * math.sin(q[1]) + l3 * math.sin(q[1] + q[2])
     return (r * math.cos(q[0]), r * math.sin(q[0]), z)
+
+
+def tip_orientation(q: Vector) -> Quaternion:
+    """Return the orientation of the stick, and so of the frame at its tip, as a unit quaternion (x, y, z, w).
+
+    A turn by q1 about z, then by −(q2 + q3) about the y axis that turned with it: x points along the stick
+    towards the tip, y stays level. With s, c of q1/2 and s', c' of (q2 + q3)/2: (s s', −c s', s c', c c').
+
+    Args:
+        q: Joint angles (swing, boom, stick) [rad].
+    """
+    s, c = math.sin(0.5 * q[0]), math.cos(0.5 * q[0])
+    s_pitch, c_pitch = math.sin(0.5 * (q[1] + q[2])), math.cos(0.5 * (q[1] + q[2]))
+    return (s * s_pitch, -c * s_pitch, s * c_pitch, c * c_pitch)
 
 
 def jacobian(q: Vector, links: Links) -> Matrix:

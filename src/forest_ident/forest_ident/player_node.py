@@ -58,7 +58,8 @@ class PlayerNode(Node):
         self._remote = Remote(self._player, self._reader.span, self._set_rate, self.get_logger().info)
         offer_triggers(self, self._remote.services)
         values = {"rate": options.rate, "seek": 0.0}
-        offer_parameters(self, values, PARAMETERS, self._remote.refuse, self._remote.apply)
+        highest = self._remote.highest
+        offer_parameters(self, values, PARAMETERS, highest, self._remote.refuse, self._remote.apply)
         self._done = self.create_guard_condition(self._finish)
         sys.setswitchinterval(SWITCH_S)
         gc.freeze()

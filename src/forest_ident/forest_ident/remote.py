@@ -37,6 +37,11 @@ class Remote:
         self._player, self._span, self._set_rate, self._say = player, span, set_rate, say
 
     @property
+    def highest(self) -> dict[str, float]:
+        """Highest value of each parameter; the lowest is 0."""
+        return {"rate": HIGHEST_RATE, "seek": (self._span[1] - self._span[0]) / NS_PER_S}
+
+    @property
     def services(self) -> dict[str, Callable[[], tuple[bool, str]]]:
         """Actions by the service's name, each giving success and a sentence."""
         return {
@@ -62,7 +67,7 @@ class Remote:
         """Say why a parameter may not have a value; "" if it may, or is none of these."""
         if name not in PARAMETERS:
             return ""
-        high = HIGHEST_RATE if name == "rate" else (self._span[1] - self._span[0]) / NS_PER_S
+        high = self.highest[name]
         number = isinstance(value, (int, float)) and not isinstance(value, bool)
         if number and 0.0 <= value <= high:
             return ""

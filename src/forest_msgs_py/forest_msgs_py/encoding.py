@@ -14,6 +14,7 @@ values        float64 [N, k], k numbers per message in the order of `columns`
 
 from __future__ import annotations
 
+import math
 import struct
 from collections.abc import Sequence
 from typing import Any
@@ -61,7 +62,7 @@ class Encoder:
             topic: row of the topic table.
             frame: frame of poses and twists.
         """
-        self._topic = topic
+        self._topic, self._frame = topic, frame
         self._marks = [MARK * (place + 1) for place in range(len(columns(topic)))]
         data = to_cdr(_message(topic, frame, self._marks))
         self._template = np.frombuffer(data, dtype=np.uint8)
@@ -87,7 +88,7 @@ class Encoder:
             _put(buffer, place, values[:, column].astype("<f8"))
         encoded: list[bytes | None] = [row.tobytes() for row in buffer]
         for row in np.flatnonzero(np.isnan(values).any(axis=1)).tolist():
-            message = _partial_message(self._topic, int(stamps_ns[row]), values[row].tolist())
+            message = _partial_message(self._topic, self._frame, int(stamps_ns[row]), values[row].tolist())
             encoded[row] = None if message is None else to_cdr(message)
         return encoded
 
@@ -135,7 +136,10 @@ def _message(topic: Topic, frame: str, values: list[float]) -> Any:
     return float_array(topic, MARKED_STAMP, values)
 
 
-def _partial_message(topic: Topic, stamp_ns: int, values: list[float]) -> Any:
+def _partial_message(topic: Topic, frame: str, stamp_ns: int, values: list[float]) -> Any:
+    if topic.type in (POSE, TWIST):
+        make = pose_stamped if topic.type == POSE else twist_stamped
+        return None if any(map(math.isnan, values[:3])) else make(stamp_ns, frame, values)
     if topic.type == JOINT_STATE:
         n = len(topic.labels)
         return sensor_joint_state(topic.labels, stamp_ns, values[:n], values[n : 2 * n], values[2 * n :])

@@ -53,7 +53,25 @@ class _NeverWoken(CallbackGroup):
         pass
 
 
-class Inbox:
+class Tally:
+    """How many messages of a topic were taken, and how old the newest is."""
+
+    subscription: Any = None  # that brings them
+
+    def __init__(self) -> None:
+        self.count, self._sent_ns = 0, 0
+
+    def note(self, info: dict[str, int]) -> None:
+        """Count a message by the middleware's info about it."""
+        self.count += 1
+        self._sent_ns = info["source_timestamp"]
+
+    def age(self) -> float:
+        """Return for how long the newest message has been sent [s]; inf if there is none."""
+        return (time.time_ns() - self._sent_ns) * 1e-9 if self.count else math.inf
+
+
+class Inbox(Tally):
     """Messages of one topic, waiting in the middleware's queue until they are taken.
 
     Args:
@@ -65,6 +83,7 @@ class Inbox:
     """
 
     def __init__(self, node: Node, message: Any, name: str, profile: QoSProfile, raw: bool = False) -> None:
+        super().__init__()
         self.subscription = node.create_subscription(
             message,
             name,
@@ -80,6 +99,7 @@ class Inbox:
         handle, message, raw = self.subscription.handle, self.subscription.msg_type, self.subscription.raw
         with handle:
             while (taken := handle.take_message(message, raw)) is not None:
+                self.note(taken[1])
                 yield taken
 
     def arrivals(self) -> Iterator[Arrival]:

@@ -137,10 +137,12 @@ class Lockstep:
             self._silences.append(silences(self._node, topics.QUIET))
         return made
 
-    def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> None:
+    def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> StepInbox:
         """Call with the message of each step in which one is said, and the step's time [s]."""
-        self._callbacks.append((self.inbox(topic), callback))
+        made = self.inbox(topic)
+        self._callbacks.append((made, callback))
         self._inboxes.insert(0, self._inboxes.pop())  # the last to come: waited for first, most often alone
+        return made
 
     def every(self, period: float, callback: Callable[[], None]) -> None:
         """Call once in a period [s], after the step's message; in each step if the period is shorter."""

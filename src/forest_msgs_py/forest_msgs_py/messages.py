@@ -29,6 +29,8 @@ from forest_msgs_py.topics import Topic
 
 NS_PER_S = 1_000_000_000
 STAMP_SIZE = 2  # sec and nanosec in front of the values
+POSE_SIZE = 7  # position and quaternion
+UNSET = (0.0, 0.0, 0.0, 0.0)  # an orientation that nobody knows
 MAX_SEC = 2**31 - 1  # builtin_interfaces/Time holds an int32
 
 
@@ -232,12 +234,18 @@ def twist_stamped(stamp_ns: int, frame: str, linear: Sequence[float]) -> TwistSt
     return message
 
 
-def pose_stamped(stamp_ns: int, frame: str, position: Sequence[float]) -> PoseStamped:
-    """Position of the tip, [x, y, z], m, in ``frame``; a tip has no orientation: identity."""
+def pose_stamped(stamp_ns: int, frame: str, values: Sequence[float]) -> PoseStamped:
+    """Pose of the tip in ``frame``: [x, y, z], m, and perhaps the quaternion [qx, qy, qz, qw].
+
+    Without a quaternion, or with NaN in it, the orientation is all zero: ROS' sign for one that nobody set.
+    """
     message = PoseStamped()
     message.header.stamp, message.header.frame_id = ns_to_stamp(stamp_ns), frame
     point = message.pose.position
-    point.x, point.y, point.z = map(float, position)
+    point.x, point.y, point.z = map(float, values[:3])
+    told = len(values) == POSE_SIZE and math.isfinite(sum(values[3:]))
+    turn = message.pose.orientation
+    turn.x, turn.y, turn.z, turn.w = map(float, values[3:]) if told else UNSET
     return message
 
 

@@ -152,7 +152,7 @@ def _spin(node: Node, signals: _StopSignals) -> int:
     last_words: Callable[[], None] | None = getattr(node, "stop", None)
     if last_words is not None:
         code = max(code, _outcome(last_words))
-        _let_arrive(node)
+    _let_arrive(node)  # what was said in a thread of the node's, too, as the last account of a lockstep run
     executor.shutdown(timeout_sec=0.0)
     return code
 

@@ -25,7 +25,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from forest_msgs_py.inbox import inbox, sent_at
+from forest_msgs_py.inbox import Tally, inbox, sent_at
 from forest_msgs_py.lockstep import Lockstep
 from forest_msgs_py.node import publisher, raw_publish, subscription, timer
 from forest_msgs_py.packing import Packer, Speaker
@@ -59,13 +59,16 @@ class Live:
         """A subscription to be read when its messages are needed."""
         return inbox(self._node, topic)
 
-    def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> None:
+    def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> Tally:
         """Call with each message of a topic and the time at which it was sent, by `now`'s clock [s]."""
+        tally = Tally()
 
         def arrived(data: bytes, info: dict[str, int]) -> None:
+            tally.note(info)
             callback(data, sent_at(info))
 
-        subscription(self._node, topic, arrived, raw=True)
+        tally.subscription = subscription(self._node, topic, arrived, raw=True)
+        return tally
 
     def every(self, period: float, callback: Callable[[], None]) -> None:
         """Call once in a period [s]."""

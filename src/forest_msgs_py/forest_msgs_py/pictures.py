@@ -124,7 +124,7 @@ def draw_tip_path(bag: Bag) -> Figure:
     try:
         _, wished, moved = tip_error(bag)
     except NotInBag:
-        moved = _need(bag, GROUND_TRUTH_TIP_POSE).values
+        moved = _need(bag, GROUND_TRUTH_TIP_POSE).values[:, :3]
     figure, (top, side) = new_figure(1, 2, 5.2, "Path of the tip")
     for axes, project in ((top, _from_above), (side, _from_the_side)):
         axes.plot(*project(moved), label="moved", color="C0")

@@ -16,6 +16,8 @@ from forest_msgs_py.topics import (
     JOY_BUTTONS,
     JOY_TYPE,
     POSE,
+    TIP_POSE,
+    TIP_TWIST,
     TWIST,
     Topic,
 )
@@ -73,12 +75,15 @@ def _array_stamp(message: Any) -> int | None:
     return int(stamp[0]) * NS_PER_S + int(stamp[1])
 
 
-def _take_xyz(part: Callable[[Any], Any], unit: str) -> Callable[[Topic, Any], Row]:
-    def take(_topic: Topic, message: Any) -> Row:
-        vector = part(message)
-        return Row(_stamp(message), ("x", "y", "z"), (unit,) * 3, (vector.x, vector.y, vector.z))
+def _take_pose(_topic: Topic, message: Any) -> Row:
+    point, turn = message.pose.position, message.pose.orientation
+    values = (point.x, point.y, point.z, turn.x, turn.y, turn.z, turn.w)
+    return Row(_stamp(message), TIP_POSE.labels, TIP_POSE.units, values)
 
-    return take
+
+def _take_twist(_topic: Topic, message: Any) -> Row:
+    speed = message.twist.linear
+    return Row(_stamp(message), TIP_TWIST.labels, TIP_TWIST.units, (speed.x, speed.y, speed.z))
 
 
 def _take_joy(_topic: Topic, message: Any) -> Row:
@@ -147,8 +152,8 @@ def _collect_texts(value: Any, path: str, found: dict[str, Any]) -> None:
 TAKERS: dict[str, Callable[[Topic, Any], Row]] = {
     JOINT_STATE: _take_joints,
     FLOAT_ARRAY: _take_array,
-    POSE: _take_xyz(lambda message: message.pose.position, "m"),
-    TWIST: _take_xyz(lambda message: message.twist.linear, "m/s"),
+    POSE: _take_pose,
+    TWIST: _take_twist,
     JOY_TYPE: _take_joy,
     CLOCK.type: _take_clock,
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
@@ -29,6 +29,7 @@ def offer_parameters(
     node: Node,
     values: Mapping[str, float],
     texts: Mapping[str, str],
+    highest: Mapping[str, float],
     refuse: Callable[[str, Any], str],
     apply: Callable[[str, Any], None],
 ) -> None:
@@ -38,11 +39,13 @@ def offer_parameters(
         node: whose parameters they are.
         values: at the start.
         texts: description of each.
+        highest: of each; the lowest is 0.
         refuse: says why a parameter may not have a value; "" if it may.
         apply: acts on a value that was set.
     """
     for name, value in values.items():
         descriptor = ParameterDescriptor(description=texts[name], dynamic_typing=True)
+        descriptor.floating_point_range = [FloatingPointRange(from_value=0.0, to_value=highest[name])]
         node.declare_parameter(name, value, descriptor)
 
     def check(parameters: list[Parameter]) -> SetParametersResult:

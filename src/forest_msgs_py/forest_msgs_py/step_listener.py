@@ -159,7 +159,7 @@ class StepListener:
         row = find(name) or unlisted(name, type_name)
         if name in self._order.latched:
             kind = message_class(unlisted(name, type_name))
-            self._latched[name] = Inbox(self._node, kind, name, topics.qos(row), raw=True)
+            self._latched[name] = Inbox(self._node, kind, name, topics.qos(row, reading=True), raw=True)
         if self._wanted(name, (type_name,)):
             self._offered(Offer(name, type_name, [offered_qos(row)], str(endpoints[0].topic_type_hash)))
 

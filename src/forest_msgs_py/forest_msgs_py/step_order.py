@@ -7,7 +7,7 @@ Latched topics on the roll are step 0. See :mod:`forest_msgs_py.lockstep`.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from typing import NamedTuple
@@ -39,7 +39,8 @@ class StepOrder:
         self.latched: set[str] = set()
         self._spoken: dict[str, list[str]] = {}  # by node: topics, in the order of its roll
         self._messages: dict[int, list[tuple[str, bytes]]] = defaultdict(list)  # by step
-        self._awaited: set[str] = set()  # latched topics without a message yet
+        # First messages of latched topics, one of each publisher; below zero: it came before its node's roll.
+        self._awaited: Counter[str] = Counter()
         self._next = 0  # step
         self.lost = ""  # which account, in words
 
@@ -65,14 +66,14 @@ class StepOrder:
             self.types[name] = type_name
             if output.endswith(LATCHED):
                 self.latched.add(name)
-                self._awaited.add(name)
+                self._awaited[name] += 1
             else:
                 self._spoken[node].append(name)
 
     def add_latched(self, name: str, data: bytes) -> None:
-        """Take in a message of a latched topic."""
-        self._messages[0].append((name, data))
-        self._awaited.discard(name)
+        """Take in a message of a latched topic; one that comes in the middle of a run counts in that step."""
+        self._messages[self._next].append((name, data))
+        self._awaited[name] -= 1
 
     def add_account(self, node: str, since: int, until: int, said: Iterable[Said]) -> None:
         """Take in all that a node said after one step and up to another.
@@ -97,17 +98,20 @@ class StepOrder:
         if self._absent:
             return f"step {self._next}: no outputs told by {', '.join(sorted(self._absent))}"
         if self._next == 0:
-            return f"step 0: no message on {', '.join(sorted(self._awaited))}"
+            return f"step 0: no message on {', '.join(sorted(self._unsaid()))}"
         return f"step {self._next}: no account of {', '.join(sorted(self._behind()))}"
 
     def complete(self) -> Iterator[tuple[str, int, bytes]]:
         """Yield topic, step and bytes of the messages of every step that is complete by now."""
-        if self._absent or self._awaited:
+        if self._absent or self._unsaid():
             return
         for step in range(self._next, min(self._told.values()) + 1):
             for name, data in sorted(self._messages.pop(step, []), key=_place):
                 yield name, step, data
             self._next = step + 1
+
+    def _unsaid(self) -> list[str]:
+        return [name for name, count in self._awaited.items() if count > 0]
 
     def _behind(self) -> list[str]:
         return [node for node, told in self._told.items() if told < self._next]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
@@ -105,6 +106,7 @@ class StepInbox:
         self._waiting: dict[int, bytes] = {}
         self._silent: set[int] = set()
         self._current: tuple[bytes, float] | None = None
+        self.count, self._step_ns, self._said_ns = 0, 0, 0
 
     def collect(self, until: int = -1) -> None:
         """Take what has arrived, until it is known what counts in the step of this stamp [ns]."""
@@ -136,8 +138,14 @@ class StepInbox:
         said = stamp - self._lag_ns
         data = self._waiting.pop(said, None)
         self._silent.discard(said)
+        self._step_ns = stamp
         if data is not None:
             self._current = data, said / NS_PER_S
+            self.count, self._said_ns = self.count + 1, said
+
+    def age(self) -> float:
+        """Return for how long the newest message has been said, in simulated time [s]; inf: there is none."""
+        return (self._step_ns - self._said_ns) / NS_PER_S if self.count else math.inf
 
     def newest(self) -> Arrival | None:
         """Return the message of this step, once; None if nothing was said."""

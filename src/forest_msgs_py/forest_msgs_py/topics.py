@@ -62,9 +62,11 @@ class Topic(NamedTuple):
     latched: bool = False
     recorded: bool = True
     late: bool = False  # read by nodes for what it tells slowly; in lockstep `LATE` steps after it was said
+    sensed: bool = False  # a stream that others publish, too; the next sample makes up for a lost one
 
 
 _XYZ = ("x", "y", "z")
+_POSE, _POSE_UNITS = (*_XYZ, "qx", "qy", "qz", "qw"), ("m",) * 3 + ("1",) * 4
 _PRESSURE_LABELS = tuple(
     f"{axis}_{port}_{place}" for axis in JOINTS for port in (1, 2) for place in ("valve", "actuator")
 )
@@ -83,32 +85,32 @@ _RATE = SENSOR_RATE_HZ
 JOY = Topic(
     "joy", JOY_TYPE, JOY_AXES, ("1",) * 6, JOY_RATE_HZ,
     "Levers -1..1 and buttons in game_controller order; any joystick node, or a replay.",
-    (_JOYSTICK,), (_CONTROLLER,),
+    (_JOYSTICK,), (_CONTROLLER,), sensed=True,
 )
 JOINT_STATES = Topic(
     "joint_states", JOINT_STATE, JOINTS, ("rad, rad/s, N·m",) * 3, _RATE,
     "Joints as a machine can know them: sampled angle, causal speed estimate, torque from pressures.",
-    (_SIMULATOR,), (_CONTROLLER,),
+    (_SIMULATOR,), (_CONTROLLER,), sensed=True,
 )
 ACTUATOR_STATES = Topic(
     "actuator_states", JOINT_STATE, ACTUATORS, ("rad, rad/s, N·m", "m, m/s, N", "m, m/s, N"), _RATE,
     "Swing motor and cylinders as a machine can know them.",
-    (_SIMULATOR,), (_CONTROLLER, _DRIVER),
+    (_SIMULATOR,), (_CONTROLLER, _DRIVER), sensed=True,
 )
 PRESSURES = Topic(
     "hydraulics/pressures", FLOAT_ARRAY, _PRESSURE_LABELS, ("Pa",) * 12, _RATE,
     "Gauge pressure by axis, port and place: the twelve transducers of the thesis.",
-    (_SIMULATOR,), (_DRIVER,),
+    (_SIMULATOR,), (_DRIVER,), sensed=True,
 )
 FLOWS = Topic(
     "hydraulics/flows", FLOAT_ARRAY, ("swing_1", "stick_1"), ("m³/s",) * 2, _RATE,
     "Flow into port 1, where a meter is (Table 4.2).",
-    (_SIMULATOR,), _NOBODY,
+    (_SIMULATOR,), _NOBODY, sensed=True,
 )
 SUPPLY = Topic(
     "hydraulics/supply", FLOAT_ARRAY, ("pressure", "flow", "saturation"), ("Pa", "m³/s", "1"), _RATE,
     "Pump: pressure, flow, and the part of its flow limit in use (1 is saturated; the ideal pump: 0).",
-    (_SIMULATOR,), (_DRIVER,),
+    (_SIMULATOR,), (_DRIVER,), sensed=True,
 )
 AUXILIARY = Topic(
     "hydraulics/auxiliary", FLOAT_ARRAY,
@@ -120,7 +122,7 @@ AUXILIARY = Topic(
     ),
     ("V", "V", "V", "m³/s", "K", "K", "K", "rad/s", "rad", "rad", "1", "1", "1", "1"), _RATE,
     "Spools as the voltage that holds them, case drain, oil temperatures, engine, tilt; counts since start.",
-    (_SIMULATOR,), _NOBODY,
+    (_SIMULATOR,), _NOBODY, sensed=True,
 )
 VALVE_COMMANDS = Topic(
     "valve_commands", FLOAT_ARRAY, JOINTS, ("V",) * 3, _RATE,
@@ -144,8 +146,8 @@ VALVE_DRIVER_STATUS = Topic(
     (_DRIVER,), (_CONTROLLER,), late=True,
 )
 TIP_POSE = Topic(
-    "tip/pose", POSE, _XYZ, ("m",) * 3, _RATE,
-    "Tip position from the measured joints; z up from the boom pivot.",
+    "tip/pose", POSE, _POSE, _POSE_UNITS, _RATE,
+    "Tip by the measured joints: the URDF's frame `tip`; z up from the boom pivot, turned as the stick is.",
     (_CONTROLLER,), _NOBODY,
 )
 TIP_TWIST = Topic(
@@ -171,7 +173,7 @@ EMERGENCY_STOP = Topic(
 )
 EMERGENCY_STOPPED = Topic(
     "emergency_stopped", "std_msgs/msg/Bool", (), (), 0.0,
-    "Whether a node stands still after an emergency stop; true stops the others, too.",
+    "Whether a node stands still after an emergency stop, from its start on; true stops the others, too.",
     (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER), latched=True,
 )
 IDENTIFICATION = Topic(
@@ -185,8 +187,8 @@ GROUND_TRUTH_JOINT_STATES = Topic(
     (_SIMULATOR,), _NOBODY,
 )
 GROUND_TRUTH_TIP_POSE = Topic(
-    "ground_truth/tip/pose", POSE, _XYZ, ("m",) * 3, _RATE,
-    "True tip position of the simulator; for evaluation only.",
+    "ground_truth/tip/pose", POSE, _POSE, _POSE_UNITS, _RATE,
+    "True tip of the simulator, turned as the stick is; for evaluation only.",
     (_SIMULATOR,), _NOBODY,
 )
 GROUND_TRUTH_TIP_TWIST = Topic(
@@ -280,7 +282,11 @@ def queue_depth(topic: Topic) -> int:
 
 
 def qos(topic: Topic, reading: bool = False) -> QoSProfile:
-    """Reliable everywhere; latched topics keep their last message for those who come late.
+    """Publishers are reliable; latched topics keep their last message for those who come late.
+
+    A subscription to what is sensed is best-effort: it hears reliable publishers and best-effort ones, and a
+    lost sample does not hold back those after it until it was repeated. Of what is latched it keeps more
+    than one message, or the last of one publisher would take the place of another's.
 
     Args:
         topic: row of the table.
@@ -289,8 +295,10 @@ def qos(topic: Topic, reading: bool = False) -> QoSProfile:
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
     durability = DurabilityPolicy.TRANSIENT_LOCAL if topic.latched else DurabilityPolicy.VOLATILE
-    depth = min(READER_DEPTH, queue_depth(topic)) if reading else queue_depth(topic)
-    return QoSProfile(depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=durability)
+    lossy = reading and topic.sensed
+    reliability = ReliabilityPolicy.BEST_EFFORT if lossy else ReliabilityPolicy.RELIABLE
+    depth = READER_DEPTH if reading else queue_depth(topic)
+    return QoSProfile(depth=depth, reliability=reliability, durability=durability)
 
 
 def offered_qos(topic: Topic) -> dict[str, Any]:
@@ -336,6 +344,7 @@ def _fields(topic: Topic) -> str:
 
 def _row(topic: Topic) -> str:
     quality = f"reliable, {'latched' if topic.latched else 'volatile'}, depth {queue_depth(topic)}"
+    quality += "; read best-effort" if topic.sensed else ""
     people = (", ".join(topic.publishers) or "-", ", ".join(topic.subscribers) or "-")
     rate = f"{topic.rate_hz:g} Hz" if topic.rate_hz else "on change"
     cells = (f"`{topic.name}`", topic.type, _fields(topic), rate, quality, "yes" if topic.recorded else "no")
@@ -355,6 +364,22 @@ def markdown() -> str:
             "`layout.dim[0].label`; with `data_offset` 0 the values stand alone and count as of now.",
             "A sensor that is not there, or has lost its sample, is absent from the labels (a joint from the",
             "names), never NaN; a message of which nothing is left is not sent.",
+            "",
+            "**QoS.** Our publishers are reliable. What sensors and joysticks say is read best-effort, so",
+            "that drivers which publish best-effort are heard, too; `emergency_stop` is read in every way.",
+            "On the other topics a publisher that offers less than is asked for is not heard: the node that",
+            "does not hear it names it on `/diagnostics` (WARN) and in its log.",
+            "",
+            "**Emergency stop.** Controller and valve driver each latch `emergency_stopped` from their start",
+            "on. Who joins gets the last word of each; the machine stands as long as one of them says true.",
+            "",
+            "**Diagnostics.** OK: the part works. WARN: it works, but it waits for somebody, cannot hear",
+            "somebody, or clips a command. ERROR: something is wrong, and the node stands still or does",
+            "without. The values are ages, rates since the last time, counts, and the limits in force.",
+            "",
+            "**Poses.** `tip/pose` is the URDF's frame `tip` in `base_link`: x along the stick, y level to",
+            "the left. A pose whose orientation nobody knows, as of an imported log, has an all-zero",
+            "quaternion.",
             "",
             f"| {' | '.join(head)} |",
             f"|{'---|' * len(head)}",

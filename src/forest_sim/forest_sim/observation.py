@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from forest_description.kinematics import tip_orientation
 from forest_description.machine import Machine
 from forest_msgs_py import topics
 from forest_msgs_py.topics import Topic
@@ -92,7 +93,7 @@ class Observer:
             (seen.supply_pressure, seen.supply_flow, seen.supply_saturation),
             (*auxiliary, *map(float, simulation.events), 0.0),
             _motion(report.joints),
-            report.tip,
+            (*report.tip, *tip_orientation(report.joints.position)),
             report.tip_velocity,
         )
 

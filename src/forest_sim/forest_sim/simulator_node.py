@@ -19,11 +19,13 @@ from typing import Any
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 
+from forest_description.kinematics import tip_orientation
 from forest_description.limits import pose_at, start_tip
 from forest_description.machine import Machine, load_machine
 from forest_description.urdf import robot_description
 from forest_msgs_py import topics
-from forest_msgs_py.health import Health
+from forest_msgs_py.health import Health, beyond, rating_values
+from forest_msgs_py.input_status import InputStatus
 from forest_msgs_py.node import run_node
 from forest_msgs_py.pace import pace, speaker
 from forest_msgs_py.parameters import ParameterError, declare, declare_triple
@@ -75,12 +77,13 @@ class SimulatorNode(Node):
             if "simulator" in topic.publishers and topic not in (topics.DIAGNOSTICS, topics.ROBOT_DESCRIPTION)
         }
         said = self._pace.publisher(topics.DIAGNOSTICS)
-        self._health = Health(self, ("voltages",), "valves centred", said)
+        self._health = Health(self, ("voltages", "machine"), "valves centred", said)
         self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
         text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
         self._description.publish(text)
         self._voltage_reader = ArrayReader(topics.VALVE_VOLTAGES)
         self._voltage_inbox = self._pace.inbox(topics.VALVE_VOLTAGES)
+        self._watch_voltages(machine)
         self._stamp = self._pace.stamp()
         self._next = time.monotonic_ns() + PERIOD_NS
         if self._pace.lockstep:
@@ -117,6 +120,25 @@ class SimulatorNode(Node):
             return SetParametersResult(successful=False, reason=f"parameter {error}")
         return SetParametersResult(successful=True)
 
+    def _watch_voltages(self, machine: Machine) -> None:
+        """Have /diagnostics tell of the voltages, and of what goes on in the machine."""
+        self._ratings, self._clipped = [machine.valve_of(axis).rated_voltage for axis in range(3)], 0
+        heard = InputStatus(self, self._pace, self._voltage_inbox, "voltages", self._is_unattended)
+        self._health.watch("voltages", heard, values=self._voltage_values)
+        self._health.watch("machine", values=self._machine_values)
+
+    def _voltage_values(self) -> dict[str, Any]:
+        timeout = {"command_timeout [s]": self._machine.machine.command_timeout}
+        return timeout | rating_values(self._ratings) | {"clipped since start": self._clipped}
+
+    def _machine_values(self) -> dict[str, Any]:
+        counts = self._machine.events._asdict() | {"missed_deadlines": self._missed}
+        named = {f"{what.replace('_', ' ')} since start": count for what, count in counts.items()}
+        return {"machine": self._machine.machine.name} | named
+
+    def _is_unattended(self) -> bool:
+        return self._pace.now() - self._received > self._machine.machine.command_timeout
+
     def _read_voltages(self) -> None:
         """Take the newest command; a bad one, and one that is too old, centres the valves."""
         arrival = self._voltage_inbox.newest()
@@ -126,11 +148,14 @@ class SimulatorNode(Node):
             if not problem and reading.values != ZERO:  # zero is obeyed in any order
                 problem = self._order.problem("valve_voltages", reading.stamp_ns, arrival.time)
             self._health.note("voltages", problem)
+            clipped = "" if problem else beyond(topics.VALVE_VOLTAGES, reading.values, self._ratings)
+            self._health.warn("voltages", clipped)
+            self._clipped += bool(clipped)
             self._voltages = ZERO if problem else reading.values
             self._received = arrival.time
-        self._health.publish(self._stamp)
-        if self._pace.now() - self._received > self._machine.machine.command_timeout:
+        if self._is_unattended():
             self._voltages = ZERO
+            self._health.warn("voltages", "")
 
     def _keep_time(self, stopping: threading.Event) -> None:
         """Keep the time, live, until the node stops."""
@@ -159,6 +184,7 @@ class SimulatorNode(Node):
         with self._changing:
             report = self._machine.step(self._voltages)
         self._publish(report)
+        self._health.publish(self._stamp)  # last: nobody waits for it
 
     def _publish(self, report: Report) -> None:
         """Publish one sample; what the driver needs goes before what makes the controller step."""
@@ -171,7 +197,8 @@ class SimulatorNode(Node):
         self._say(topics.FLOWS, seen.flows)
         self._say(topics.AUXILIARY, (*auxiliary, *map(float, self._machine.events), float(self._missed)))
         self._say(topics.GROUND_TRUTH_JOINT_STATES, _flat(report.joints))
-        self._say(topics.GROUND_TRUTH_TIP_POSE, report.tip)
+        orientation = tip_orientation(report.joints.position)
+        self._say(topics.GROUND_TRUTH_TIP_POSE, (*report.tip, *orientation))
         self._say(topics.GROUND_TRUTH_TIP_TWIST, report.tip_velocity)
 
     def _say(self, topic: topics.Topic, values: tuple[float, ...]) -> None:

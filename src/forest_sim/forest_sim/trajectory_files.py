@@ -79,7 +79,7 @@ class TrajectoryFiles:
         Raises:
             OSError: the disk is full, or a file cannot be written.
         """
-        self._write_csv(block, observed[GROUND_TRUTH_TIP_POSE])
+        self._write_csv(block, observed[GROUND_TRUTH_TIP_POSE][:, :3])
         stamps = np.round(block.time * 1e9).astype(np.int64)
         encoded = [(_resolved(t), self._encoders[t].encode(stamps, observed[t])) for t in OBSERVED]
         for row, stamp in enumerate(stamps.tolist()):

@@ -112,7 +112,7 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         "--joystick",
         type=source_path,
         metavar="thesis|FILE.csv|BAG",
-        help="play this; default: /joy is yours",
+        help="play this once; default: /joy is yours",
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag there")
     return parser.parse_args(arguments)
@@ -134,8 +134,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with Supervisor(
             nodes, options.namespace, logs, not options.shadow, lambda line: print(line, flush=True)
         ) as graph:
-            graph.run(until="joystick" if options.joystick else None)
-        print("the joystick source has played to its end; stopped", flush=True)
+            if options.joystick:
+                graph.run(until="joystick")
+                print("the joystick source has played to its end; Ctrl-C stops the graph", flush=True)
+            graph.run()
     except Stopped:
         print("stopped", flush=True)
     except (Failure, OSError) as error:

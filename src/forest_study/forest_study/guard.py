@@ -16,7 +16,7 @@ from forest_study.exclusive import Failure
 
 
 class Guard:
-    """A node named supervisor.
+    """A node named _supervisor: hidden, as ROS calls it, from those who ask every node for its parameters.
 
     Args:
         namespace: of the graph, "/" or "/name".
@@ -34,7 +34,7 @@ class Guard:
         try:
             rclpy.init(context=self._context, args=[], signal_handler_options=SignalHandlerOptions.NO)
             self._node = rclpy.create_node(
-                "supervisor",
+                "_supervisor",
                 context=self._context,
                 namespace=namespace,
                 enable_rosout=False,

@@ -29,8 +29,8 @@ def in_lockstep(nodes: Sequence[NodeSpec], steps: int, guard: float = GUARD) -> 
     leading = (*graph.parameter("steps", steps), *graph.parameter("wait_for_recorder", recorded))
     run = graph.parameter("lockstep_nodes", [node.name for node in nodes if node.name != RECORDER])
     more = dict.fromkeys(graph.LEADERS, (*stepping, *leading)) | {RECORDER: (*told, *run)}
-    return [
-        node._replace(arguments=(*node.arguments, *more.get(node.name, stepping)), urgent=False)  # they wait
+    return [  # not urgent, for they wait; all needed: a run without its record would wait for ever
+        node._replace(arguments=(*node.arguments, *more.get(node.name, stepping)), urgent=False, needed=True)
         for node in nodes
     ]
 

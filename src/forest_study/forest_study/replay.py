@@ -16,7 +16,7 @@ from forest_ident import bag_cli
 from forest_msgs_py.bag_files import BagError
 from forest_msgs_py.bag_reader import BagReader
 from forest_msgs_py.stamps import STAMPED
-from forest_msgs_py.topics import DIAGNOSTICS, find
+from forest_msgs_py.topics import DIAGNOSTICS, EMERGENCY_STOPPED, find
 from forest_msgs_py.yaml_text import parsed
 from forest_study import graph, lockstep_run
 from forest_study.exclusive import Failure
@@ -27,6 +27,7 @@ MODULES = {
     "valve_driver": "forest_control.valve_driver_node",
     "simulator": "forest_sim.simulator_node",
 }
+SHARED = (DIAGNOSTICS, EMERGENCY_STOPPED)  # topics on which several nodes speak
 RUN_OWN = ("lockstep", "lockstep_guard", "steps", "wait_for_recorder")  # of a run, not of a node
 STEP_NS = 5_000_000
 MOST_STEPS = 200 * 86_400  # a day; stamps of the wall clock are far beyond
@@ -96,9 +97,10 @@ def run(options: argparse.Namespace) -> int:
     else:
         nodes.append(_player(bag, topics, names))
     lockstep_run.run([*nodes, graph.recorder(out / "bag")], steps, out / "log")
-    # Of /diagnostics everybody says a part: without those who are not there it cannot be the same.
+    # Of these everybody says a part: without those who are not there they cannot be the same.
     alone = "simulator" not in names
-    ignored = [word for name in topics if alone and find(name) == DIAGNOSTICS for word in ("--ignore", name)]
+    shared = [name for name in topics if alone and find(name) in SHARED]
+    ignored = ["--ignore", *shared] if shared else []
     allowed = [word for text in options.tolerance for word in ("--tolerance", text)]
     return bag_cli.main(["compare", str(bag), str(out / "bag"), *ignored, *allowed])
 

@@ -89,6 +89,7 @@ class Supervisor:
         self._processes: list[_Process] = []
         self._stop_requested = False
         self._next_look = 0.0
+        self._finished: set[str] = set()  # nodes that ended by themselves, as they should
         self._stack = contextlib.ExitStack()
         self._guard: Guard
         self._say_zero: Callable[[], None] = lambda: None
@@ -122,7 +123,7 @@ class Supervisor:
         self._stack.close()
 
     def run(self, until: str | None = None, progress: Callable[[], None] | None = None) -> None:
-        """Watch the graph until the node `until` has finished by itself, or forever.
+        """Watch the graph until the node `until` has finished by itself, or forever; called again, go on.
 
         Raises:
             Failure: a node that is needed ended unasked.
@@ -131,9 +132,10 @@ class Supervisor:
         while not self._stop_requested:
             for process in self._processes:
                 code = process.popen.poll()
-                if code is None:
+                if code is None or process.spec.name in self._finished:
                     continue
                 if process.spec.name == until and code == 0:
+                    self._finished.add(until)
                     return
                 self._bear(process, code)
             self._look_around()

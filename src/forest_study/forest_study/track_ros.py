@@ -119,7 +119,7 @@ def trajectory(bag: Bag, steps: int) -> Trajectory:
         Failure: it lacks a step of the machine.
     """
     angles = _rows(bag, topics.GROUND_TRUTH_JOINT_STATES, steps, math.nan)[:, :3]
-    tip = _rows(bag, topics.GROUND_TRUTH_TIP_POSE, steps, math.nan)
+    tip = _rows(bag, topics.GROUND_TRUTH_TIP_POSE, steps, math.nan)[:, :3]
     if np.isnan(angles).any() or np.isnan(tip).any():
         raise Failure("the bag of the run through ROS lacks steps of the machine")
     return Trajectory(

@@ -1,0 +1,77 @@
+"""What a node hears on a topic, as /diagnostics tells it: how often, how old, and whom it cannot hear."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import QoSCompatibility, ReliabilityPolicy, qos_check_compatible
+
+WINDOW = 0.5  # [s] over which a rate is measured, at least
+
+
+class InputStatus:
+    """Statistics of one subscription, computed when they are asked for.
+
+    Args:
+        node: that subscribes.
+        pace: of the node.
+        ear: the inbox, or what the pace's `on` gave.
+        what: is waited for, as "a joystick"; "" for nothing.
+        is_missed: whether it is; default: as long as no message has ever come.
+    """
+
+    def __init__(
+        self, node: Node, pace: Any, ear: Any, what: str = "", is_missed: Callable[[], bool] | None = None
+    ) -> None:
+        self._pace, self._ear, self._what = pace, ear, what
+        self._is_missed = is_missed or (lambda: bool(what) and ear.count == 0)
+        self._name: str = ear.subscription.topic_name
+        asks = not pace.lockstep and ear.subscription.qos_profile.reliability == ReliabilityPolicy.RELIABLE
+        self._strangers = Strangers(node, ear.subscription) if asks else None
+        self._since, self._before, self._rate = pace.now(), 0, math.nan
+
+    def waiting(self) -> str:
+        """Return what is waited for, and where; "" for nothing."""
+        return f"waiting for {self._what} on {self._name}" if self._is_missed() else ""
+
+    def unheard(self) -> str:
+        """Return which publishers the subscription cannot hear, and why; "" for none."""
+        return self._strangers.told() if self._strangers is not None else ""
+
+    def values(self) -> dict[str, Any]:
+        """Return age, rate and count of the messages."""
+        now, count, age = self._pace.now(), self._ear.count, self._ear.age()
+        if (elapsed := now - self._since) >= WINDOW:
+            self._rate = (count - self._before) / elapsed
+            self._since, self._before = now, count
+        return {
+            f"{self._name} age [s]": "never heard" if math.isinf(age) else age,
+            f"{self._name} rate [Hz]": "unknown" if math.isnan(self._rate) else self._rate,
+            f"{self._name} messages": count,
+        }
+
+
+class Strangers:
+    """Publishers that offer less than a subscription asks for: the middleware brings nothing of theirs.
+
+    ROS tells the publisher's side of that, which may be somebody else's, on a computer that nobody looks at.
+    """
+
+    def __init__(self, node: Node, subscription: Any) -> None:
+        self._node, self._subscription = node, subscription
+
+    def told(self) -> str:
+        """Return who is not heard, and why; "" for nobody."""
+        name, asked = self._subscription.topic_name, self._subscription.qos_profile
+        found: dict[str, str] = {}
+        for one in self._node.get_publishers_info_by_topic(name):
+            fits, why = qos_check_compatible(one.qos_profile, asked)
+            if fits == QoSCompatibility.ERROR:
+                found[f"{one.node_namespace.rstrip('/')}/{one.node_name}"] = why
+        if not found:
+            return ""
+        reasons = filter(None, next(iter(found.values())).lower().replace("error: ", "").split(";"))
+        return f"{name} of {', '.join(found)} is not heard: {', '.join(reasons)}"

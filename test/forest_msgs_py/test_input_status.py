@@ -1,0 +1,104 @@
+"""What a node hears on a topic is told as it is: age, rate and count, and who is missed or not heard."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+
+pytest.importorskip("rclpy")
+
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from forest_msgs_py import topics
+from forest_msgs_py.inbox import inbox
+from forest_msgs_py.input_status import InputStatus
+from forest_msgs_py.topics import message_class
+
+LOSSY = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+
+
+class Pace:
+    """Time by hand."""
+
+    lockstep, time = False, 100.0
+
+    def now(self):
+        return self.time
+
+
+@pytest.fixture
+def pace():
+    return Pace()
+
+
+def by_hand(pace, **options):
+    """The status of an ear whose count and age a test sets."""
+    profile = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    ear = SimpleNamespace(count=0, age=lambda: math.inf)
+    ear.subscription = SimpleNamespace(topic_name="/joy", qos_profile=profile)
+    return ear, InputStatus(None, pace, ear, **options)
+
+
+def test_nothing_heard_is_said_in_words_and_waited_for(pace):
+    _, status = by_hand(pace, what="a joystick")
+    assert status.waiting() == "waiting for a joystick on /joy"
+    values = {"/joy age [s]": "never heard", "/joy rate [Hz]": "unknown", "/joy messages": 0}
+    assert status.values() == values
+
+
+def test_what_has_come_is_no_longer_waited_for_unless_the_node_misses_it(pace):
+    ear, status = by_hand(pace, what="a joystick")
+    ear.count = 1
+    assert status.waiting() == ""
+    ear, status = by_hand(pace, what="a joystick", is_missed=lambda: ear.count < 3)
+    ear.count = 2
+    assert status.waiting() == "waiting for a joystick on /joy"
+
+
+def test_of_what_need_not_come_nothing_is_waited_for(pace):
+    _, status = by_hand(pace)
+    assert status.waiting() == ""
+
+
+def test_the_rate_is_that_since_it_was_asked_for_last_over_half_a_second_at_least(pace):
+    ear, status = by_hand(pace)
+    pace.time, ear.count, ear.age = 102.0, 100, lambda: 0.25
+    values = {"/joy age [s]": 0.25, "/joy rate [Hz]": 50.0, "/joy messages": 100}
+    assert status.values() == values
+    pace.time, ear.count = 102.4, 200
+    assert status.values()["/joy rate [Hz]"] == 50.0
+    pace.time = 103.0
+    assert status.values()["/joy rate [Hz]"] == 100.0
+
+
+def test_an_inbox_counts_what_was_taken_and_knows_how_old_the_newest_is(peer, pace):
+    box = inbox(peer.node, topics.VALVE_COMMANDS)
+    status = InputStatus(peer.node, pace, box, "commands")
+    talker = peer.speak(topics.VALVE_COMMANDS)
+    for _ in range(3):
+        talker.publish(message_class(topics.VALVE_COMMANDS)())
+    peer.until(lambda: box.newest() or box.count == 3)
+    assert status.waiting() == ""
+    assert 0.0 <= status.values()["/valve_commands age [s]"] < 60.0
+
+
+def test_a_publisher_that_offers_less_than_is_asked_for_is_named_as_long_as_it_is_there(
+    peer, pace, make_node
+):
+    status = InputStatus(peer.node, pace, inbox(peer.node, topics.VALVE_COMMANDS), "commands")
+    assert status.unheard() == ""
+    pad = make_node("pad", namespace="/cab")
+    kind = message_class(topics.VALVE_COMMANDS)
+    pad.create_publisher(kind, "/valve_commands", 1)  # reliable
+    offered = pad.create_publisher(kind, "/valve_commands", LOSSY)
+    peer.until(status.unheard)
+    said = "/valve_commands of /cab/pad is not heard: best effort publisher and reliable subscription"
+    assert status.unheard() == said
+    pad.destroy_publisher(offered)
+    peer.until(lambda: not status.unheard())
+
+
+def test_a_best_effort_joystick_is_heard(peer):
+    box = inbox(peer.node, topics.JOY)
+    joystick = peer.node.create_publisher(message_class(topics.JOY), "/joy", LOSSY)
+    peer.until(lambda: joystick.publish(message_class(topics.JOY)()) or box.newest())
