@@ -109,6 +109,7 @@ def entry(tmp_path, monkeypatch):
         ("max(LIMITS[0]", "max(LIMITS[-2]"),
         ("total = 0.0", "total = -0.0"),
         ("Result(total)", "Result(total, 0.25)"),
+        ("curve(line.oil.density)", "curve(line.oil.stiffness)"),
         ("import curve", "import limited as curve"),
         ("import math\n", "import math\n\ndef max(a, b):\n    return a\n"),  # another meaning of a name
     ],

@@ -9,7 +9,6 @@ too little. Strings do not count: no law can use them.
 import hashlib
 import re
 from collections.abc import Iterator
-from enum import Enum
 from importlib.machinery import SourceFileLoader
 from types import CodeType, FunctionType
 from typing import Any
@@ -129,8 +128,6 @@ class _Fingerprint:
         for name, value in getattr(sort, "_field_defaults", {}).items():
             self.tell(name)
             self.value(value)
-        if issubclass(sort, Enum):
-            self.tell([(name, repr(member.value)) for name, member in sort.__members__.items()])
 
     def _is_known(self, one: type | FunctionType) -> bool:
         """Tell whether a function or type has been added already; add its name if not."""
