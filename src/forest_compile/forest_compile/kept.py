@@ -6,6 +6,7 @@ asks for a `kernel` makes it. A node, which must start at once, asks for what is
 interpreted otherwise.
 """
 
+import contextlib
 import hashlib
 import importlib.util
 import logging
@@ -50,8 +51,10 @@ class Kept:
 
     @property
     def file(self) -> Path | None:
-        """Where the code lies; None if it does not."""
-        return next((file for file in (self._shared, self._object) if file.exists()), None)
+        """Where the code lies that the next process will use; None if there is none."""
+        with contextlib.suppress(OSError):
+            return next((f for f in (self._shared, self._object) if kernel_files.read(f) is not None), None)
+        return None
 
     @cached_property
     def entry(self) -> Entry:

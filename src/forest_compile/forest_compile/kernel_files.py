@@ -72,6 +72,8 @@ def write(path: Path, code: bytes) -> None:
 
 def _check(path: Path, facts: os.stat_result, kind: int) -> None:
     """Raise UntrustedError unless a file is of a kind, the user's, and writable to no other."""
+    if stat.S_ISLNK(facts.st_mode):
+        raise UntrustedError(f"{path} is a link")
     if stat.S_IFMT(facts.st_mode) != kind:
         raise UntrustedError(f"{path} is no {'directory' if kind == stat.S_IFDIR else 'file'}")
     if facts.st_uid != os.geteuid():
