@@ -44,6 +44,7 @@ def curve(x, slope=2.0):
     return slope * x + math.sin(x)
 
 def limited(x):
+    "Keep it within."
     return max(LIMITS[0], min(x, LIMITS[1]))
 
 def unrelated(x):
@@ -105,12 +106,13 @@ def entry(tmp_path, monkeypatch):
         ("LIMITS = (0.5, 2.0)", "LIMITS = (0.5, 2)"),
         ("slope=2.0", "slope=2.5"),
         ("math.sin(x)", "math.cos(x)"),
-        ("+ math.sin(x)", "- math.sin(x)"),
+        ("+ math.sin(", "- math.sin("),
         ("max(LIMITS[0]", "max(LIMITS[-2]"),
         ("total = 0.0", "total = -0.0"),
         ("Result(total)", "Result(total, 0.25)"),
         ("curve(line.oil.density)", "curve(line.oil.stiffness)"),
         ("import curve", "import limited as curve"),
+        ("def curve", "# another line, of which a kernel may tell\ndef curve"),
         ("import math\n", "import math\n\ndef max(a, b):\n    return a\n"),  # another meaning of a name
     ],
 )
@@ -124,8 +126,12 @@ def test_a_change_of_what_counts_is_another_digest(entry, before, after):
         ("", ""),
         ("def unrelated(x):\n    return SCALE", "def unrelated(x):\n    return UNUSED"),
         ("SCALE = 3.0", "SCALE = 4.0"),
-        ("def curve", "# a comment, and other places\n\n\ndef curve"),
-        ("def limited(x):\n", 'def limited(x):\n    """Say what it does."""\n'),
+        (
+            "    return slope * x + math.sin(x)",
+            "    return slope * x + math.sin(x)  # a comment",
+        ),
+        ("Keep it within.", "Keep x within limits."),
+        ("UNUSED = 7.0", "UNUSED = 8.0"),
     ],
 )
 def test_a_change_of_what_does_not_count_is_none(entry, before, after):
@@ -141,6 +147,11 @@ def test_another_flat_layout_is_another_digest(entry, values):
 
 def test_other_numbers_in_the_same_layout_are_no_other_digest(entry):
     assert fingerprint.digest(entry(values=lambda _: ((9.0, -1.0), 1))) == fingerprint.digest(entry())
+
+
+def test_another_default_of_a_keyword_is_another_digest(entry):
+    some, others = (entry("slope=2.0", f"slope=2.0, *, phase={phase}") for phase in (0.0, 0.5))
+    assert fingerprint.digest(some) != fingerprint.digest(others)
 
 
 def test_so_do_all_parts_of_an_entry(entry):

@@ -19,6 +19,7 @@ Names = frozenset[str]
 _PARTS = (
     *("co_code", "co_exceptiontable", "co_flags", "co_argcount", "co_posonlyargcount"),
     *("co_kwonlyargcount", "co_names", "co_varnames", "co_freevars", "co_cellvars"),
+    *("co_firstlineno", "co_linetable"),  # a kernel may name the place of what fails in it
 )
 
 
@@ -45,7 +46,7 @@ def changed(entry: Entry) -> Iterator[FunctionType]:
 
 
 def _written(path: str) -> list[list[Any]]:
-    """Return what the functions of a file do; nothing if it is no file."""
+    """Return what a file's functions do, and in which lines; nothing if it is no file."""
     try:
         code = SourceFileLoader(path, path).get_code(path)  # quick, for Python keeps it
     except OSError:
@@ -115,6 +116,7 @@ class _Fingerprint:
         if self._is_known(function):
             return
         self.value(function.__defaults__ or ())
+        self.value(tuple(sorted((function.__kwdefaults__ or {}).items())))
         self.tell(_words(function.__code__))
         names = frozenset(_names(function.__code__))
         for name in sorted(names & function.__globals__.keys()):
@@ -152,7 +154,7 @@ def _names(code: CodeType) -> Iterator[str]:
 
 
 def _words(code: CodeType) -> list[Any]:
-    """Return what a function does, without where it stands."""
+    """Return what a function does, and in which lines."""
     numbers = [constant for constant in code.co_consts if isinstance(constant, int | float | tuple)]
     return [*(getattr(code, part, b"") for part in _PARTS), numbers, *map(_words, _inner(code))]
 

@@ -30,7 +30,7 @@ class Kept:
     """
 
     def __init__(self, name: str, entry: Callable[[], Entry]) -> None:
-        self._name, self._entry = name, entry
+        self.name, self._entry = name, entry
         self._loaded: machine_code.Kernel | None = None
 
     def kernel(self) -> machine_code.Kernel:
@@ -67,7 +67,7 @@ class Kept:
         for source in sorted(Path(__file__).parent.glob("*.py")):
             mark.update(source.read_bytes())
         mark.update(fingerprint.digest(self.entry).encode())
-        return kernel_files.directory() / f"{self._name}-{mark.hexdigest()[:24]}.so"
+        return kernel_files.directory() / f"{self.name}-{mark.hexdigest()[:24]}.so"
 
     @property
     def _object(self) -> Path:
@@ -85,7 +85,7 @@ class Kept:
             if code is not None and can_compile():
                 return machine_code.load(code, self.entry.arguments)
         except OSError as error:
-            _log.warning("the machine code of %s is not used: %s; %s", self._name, error, otherwise)
+            _log.warning("the machine code of %s is not used: %s; %s", self.name, error, otherwise)
         return None
 
     def _made(self) -> machine_code.Kernel:
@@ -101,7 +101,7 @@ class Kept:
         try:
             kernel_files.write(file, made)
         except OSError as error:
-            _log.warning("the machine code of %s cannot be kept: %s", self._name, error)
+            _log.warning("the machine code of %s cannot be kept: %s", self.name, error)
         return kernel
 
 
