@@ -78,6 +78,7 @@ def test_a_hose_with_another_field_has_no_kernel_yet(tmp_path, field, ready):
     (copy / "hose.py").write_text(
         text.replace("    capacitance: float\n", f"    capacitance: float\n{field}")
     )
-    environment = os.environ | {"PYTHONPATH": str(tmp_path)}
+    path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    environment = os.environ | {"PYTHONPATH": path}
     child = subprocess.run([sys.executable, "-c", LOOK], env=environment, capture_output=True, text=True)
     assert child.stdout.split() == list(map(str, ready)), child.stderr
