@@ -21,6 +21,19 @@ from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from forest_compile import fingerprint, flat, machine_code, translate
+from forest_compile.entry import Entry
+from forest_control import compiled as control
+from forest_control import controller, valve_driver
+from forest_description.kinematics import nearest_pose
+from forest_description.machine import load_machine
+from forest_sim import sensor_run, sensors
+from forest_sim.equilibrium import equilibrium
+from forest_sim.integrator import step
+from forest_sim.parameters import plant_parameters
+
 COMPILERS = {"ours": "forest_compile", "numba": "Numba"}
 STEPS, REPEATS = 5000, 40
 HEAD = (
@@ -45,11 +58,6 @@ class Law(NamedTuple):
 
 def plant() -> Law:
     """Return the plant's step: three axes with open valves, energy not accounted."""
-    from forest_description.machine import load_machine
-    from forest_sim.equilibrium import equilibrium
-    from forest_sim.integrator import step
-    from forest_sim.parameters import plant_parameters
-
     p = plant_parameters(load_machine("c180"))
     start = equilibrium((0.0, 0.5, -1.5), p)
     return Law(step, "state = step(state, inputs[0], dt, p)", start, ((3.0, -2.0, 2.5),), p, 1e-3)
@@ -57,45 +65,9 @@ def plant() -> Law:
 
 def kinematics() -> Law:
     """Return the joint angles nearest to a pose, from the tip's position."""
-    from forest_description.kinematics import nearest_pose
-    from forest_description.machine import load_machine
-
     links = load_machine("c180").manipulator.links
     call = "state = step(inputs[0], state, p)"
     return Law(nearest_pose, call, (0.3, 0.5, -1.4), ((5.0, 1.0, 0.5),), links, 0.0)
-
-
-def sensors() -> Law:
-    """Return the sensors' report."""
-    from forest_sim import sensor_run
-    from forest_sim.sensors import report
-
-    return _stepping(report, sensor_run._example())
-
-
-def controller() -> Law:
-    """Return the controller's step."""
-    from forest_control import compiled
-    from forest_control.controller import told
-
-    return _stepping(told, compiled._control())
-
-
-def driver() -> Law:
-    """Return the valve driver's step."""
-    from forest_control import compiled
-    from forest_control.valve_driver import step_seen
-
-    return _stepping(step_seen, compiled._drive())
-
-
-LAWS = {
-    "plant": plant,
-    "kinematics": kinematics,
-    "sensors": sensors,
-    "controller": controller,
-    "driver": driver,
-}
 
 
 def _stepping(step: Any, example: Any) -> Law:
@@ -105,13 +77,17 @@ def _stepping(step: Any, example: Any) -> Law:
     return Law(step, call, example.state, example.inputs, example.p, 0.005, timed=False)
 
 
+LAWS = {
+    "plant": plant,
+    "kinematics": kinematics,
+    "sensors": lambda: _stepping(sensors.report, sensor_run._example()),
+    "controller": lambda: _stepping(controller.told, control._control()),
+    "driver": lambda: _stepping(valve_driver.step_seen, control._drive()),
+}
+
+
 def by_ours(law: Law) -> Run:
     """Return a function of a count of steps that gives the last state, laid out flat."""
-    import numpy as np
-
-    from forest_compile import flat, machine_code, translate
-    from forest_compile.entry import Entry
-
     paths = [path for path, _ in flat.leaves(law.state, "state")]
     lines = ["def kernel(row, given, parameters, dt, count):", "    for _ in range(count):"]
     lines += [f"        {law.call}", *(f"    row[{i}] = {path}" for i, path in enumerate(paths))]
@@ -137,8 +113,6 @@ def by_ours(law: Law) -> Run:
 def by_numba(law: Law) -> Run:
     """Return the same by Numba."""
     import numba
-
-    from forest_compile import flat
 
     lines = ["def loop(state, inputs, p, dt, count):", "    for _ in range(count):"]
     names: dict[str, Any] = {"step": _jitted(law.step, {})}
@@ -189,9 +163,6 @@ def measure(name: str, compiler: str) -> Row:
 
 
 def _count(law: Law) -> int:
-    from forest_compile import fingerprint
-    from forest_compile.entry import Entry
-
     found = fingerprint.functions(Entry("", {"step": law.step}, "", {}, {}))
     return sum(function.__module__.startswith("forest_") for function in found)
 
