@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import work as benchmark
-from forest_compile import flat, machine_code
+from forest_compile import flat, machine_code, translate
 from forest_description.machine import load_machine
 from forest_sim import compiled
 from forest_sim.equilibrium import equilibrium
@@ -51,8 +51,8 @@ class Runner(NamedTuple):
 def kernel_without(parts: Iterable[str]) -> machine_code.Kernel:
     """Return the kernel with the parameters of some components taken for granted."""
     names = tuple(parts)
-    text = compiled.kernel_text(lambda path: any(name in f"{path}." for name in names))
-    return machine_code.load(machine_code.optimised(text), compiled.ARGUMENTS)
+    entry = compiled.entry(lambda path: any(name in f"{path}." for name in names))
+    return machine_code.load(machine_code.optimised(translate.text(entry)), entry.arguments)
 
 
 def measure(seconds: float, repeats: int) -> list[Row]:

@@ -188,16 +188,17 @@ make_venv() {
 }
 
 compile_laws() { # once, for the nodes, which never compile; studies do by themselves, so nothing is fatal
-    local module code
+    local module line
     say "Compiling plant, controller and driver (some seconds) …"
     for module in forest_sim.compiled forest_control.compiled; do
-        if run_quietly "$venv/bin/python" -m "$module"; then
-            code=${step_text##*$'\n'}
-            [[ -s $code ]] || say "what $module made cannot be kept in ${code%/*}; its nodes run interpreted."
-        else
+        run_quietly "$venv/bin/python" -m "$module" || {
             printf '%s\n' "$step_text" >>"$log" 2>/dev/null || true
-            say "$module could not compile, so its nodes run interpreted (${step_text##*$'\n'})."
-        fi
+            say "$module made no machine code, so its nodes run interpreted (${step_text##*$'\n'})."
+            continue
+        }
+        while read -r line; do # where each lies; and, if it was made anew, why
+            [[ $line == /* ]] || say "$line"
+        done <<<"$step_text"
     done
 }
 

@@ -2,10 +2,12 @@
 
 import importlib
 import json
+import math
 import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 import appendix_b
 import numpy as np
@@ -34,6 +36,7 @@ def benchmark(monkeypatch):
             "peers",
             "work",
             "reference",
+            "compilers",
             "components",
             "many",
             "recorder",
@@ -167,3 +170,35 @@ def test_a_random_motion_that_is_let_go_is_judged_and_told(benchmark):
     assert [text.count("/") for text in (seconds, way, beside)] == [2, 2, 2]
     assert rocks.endswith(" %")
     assert stopping.summary({"exact": ended})["shut_s"] <= stopping.WITHIN
+
+
+class Sunk(NamedTuple):
+    depth: float
+    speed: float
+
+
+def sinks(state, p, dt):
+    speed = state.speed + dt * (p[0] - math.sin(state.depth))
+    return Sunk(state.depth + dt * speed, speed)
+
+
+def replaces(state, p, dt):
+    return state._replace(depth=state.depth + dt * p[0])
+
+
+def test_both_compilers_get_the_same_laws_and_a_refusal_is_told(benchmark):
+    compilers = benchmark("compilers")
+    for step in (sinks, replaces):
+        law = compilers.Law(step, "state = step(state, p, dt)", Sunk(0.0, 0.5), (0.0,), (0.3,), 0.01)
+        compilers.LAWS[step.__name__] = lambda law=law: law
+    ours, numba, taken, refused = (
+        compilers.measure(law, name) for law in ("sinks", "replaces") for name in ("ours", "numba")
+    )
+    assert ours["state"] == numba["state"] != (0.0, 0.5)
+    assert ours.keys() == numba.keys() == taken.keys()
+    assert refused["refused"] == "TypingError: Unknown attribute '_replace' of type Sunk"
+    lines = list(compilers.table([ours, numba, taken, refused]))
+    assert ["to compile" in line for line in lines] == [False, True, False, False]
+    assert "| Numba | refuses: TypingError" in lines[3]
+    sentence = "sinks: after 100 steps no number differs by more than 0e+00 of itself"
+    assert list(compilers.differences([ours, numba, taken, refused])) == [sentence]

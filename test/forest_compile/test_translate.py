@@ -199,8 +199,8 @@ def test_so_does_a_stored_row_of_tuples():
 
 
 def test_a_function_kept_apart_is_the_same():
-    assert_translated(tuples, points(), ("swapped", "len_of_powers"))
-    assert_translated(nested, points(), ("choices", "loops"))
+    assert_translated(tuples, points(), (swapped, len_of_powers))
+    assert_translated(nested, points(), (choices, loops))
 
 
 def nested(p):

@@ -10,7 +10,8 @@ import struct
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from forest_compile import flat, machine_code, translate
+from forest_compile import flat, machine_code
+from forest_compile.entry import Entry
 
 ARGUMENTS = "ppppd"  # state, inputs, parameters, output; dt
 _HEAD = "def kernel(state, inputs, parameters, output, dt):"
@@ -25,13 +26,13 @@ class Example(NamedTuple):
     output: Any
 
 
-def kernel_text(step: Callable[..., Any], example: Example, apart: tuple[str, ...]) -> str:
-    """Return a step as LLVM's text.
+def entry(step: Callable[..., Any], example: Example, apart: tuple[Callable[..., Any], ...]) -> Entry:
+    """Return what a step's kernel is made of.
 
     Args:
         step: of the laws.
         example: of what it takes and gives.
-        apart: names of functions that stay functions; see `translate`.
+        apart: functions that stay functions; see `translate`.
     """
     given = ", ".join(f"given[{i}]" for i in range(len(example.inputs)))
     lines = [
@@ -40,13 +41,12 @@ def kernel_text(step: Callable[..., Any], example: Example, apart: tuple[str, ..
         *(f"    state[{i}] = {path}" for i, (path, _) in enumerate(flat.leaves(example.state, "after"))),
         *(f"    output[{i}] = {path}" for i, (path, _) in enumerate(flat.leaves(example.output, "result"))),
     ]
-    library = translate.Library(apart)
-    library.entry(
-        *(machine_code.ENTRY, "\n".join(lines), {"step": step}, ARGUMENTS),
+    return Entry(
+        *("\n".join(lines), {"step": step}, ARGUMENTS),
         views={"p": ("parameters", example.p), "given": ("inputs", example.inputs)},
         copies={"before": ("state", example.state)},
+        apart=apart,
     )
-    return "\n".join(library.text())
 
 
 class Row:
@@ -96,8 +96,8 @@ class CompiledStep:
     """The call.
 
     Args:
-        kernel: the loaded code of `kernel_text`.
-        example: as of `kernel_text`.
+        kernel: the loaded code of `entry`.
+        example: as of `entry`.
     """
 
     def __init__(self, kernel: machine_code.Kernel, example: Example) -> None:

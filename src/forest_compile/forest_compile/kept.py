@@ -1,33 +1,24 @@
-"""Machine code that is kept: made once for a state of the sources, loaded within milliseconds ever after.
+"""Machine code that is kept: made once for a state of the laws, loaded within milliseconds ever after.
 
-The object code lies in a cache under a digest of the interpreter, the processor, the translator and the laws'
-sources. Only who asks for a kernel by `kernel` makes it; a node, which must start at once, asks whether
-`is_ready`, and runs interpreted otherwise.
+The code lies in a cache under a digest of the kernel's entry and of all that its laws mean
+(`fingerprint`), of the translator's sources, the interpreter, LLVM's release and the processor. Only who
+asks for a `kernel` makes it. A node, which must start at once, asks for what is `ready`, and runs
+interpreted otherwise.
 """
 
+import contextlib
 import hashlib
 import importlib.util
-import os
+import logging
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
-from types import ModuleType
 
-from forest_compile import (
-    flat,
-    llvm_text,
-    machine_code,
-    translate,
-    translate_expressions,
-    translate_numbers,
-    translate_statements,
-)
+from forest_compile import fingerprint, kernel_files, machine_code
+from forest_compile.entry import Entry
 
-COMPILER: tuple[ModuleType, ...] = (
-    *(llvm_text, translate_numbers, translate_expressions, translate_statements, translate),
-    *(machine_code, flat, sys.modules[__name__]),
-)
+_log = logging.getLogger(__name__)
 
 
 class Kept:
@@ -35,15 +26,11 @@ class Kept:
 
     Args:
         name: what its file's name begins with.
-        laws: modules of all that is translated, and of who writes the text.
-        text: writes LLVM's text.
-        arguments: of the kernel; see `machine_code.load`.
+        entry: returns what the kernel is made of.
     """
 
-    def __init__(
-        self, name: str, laws: Sequence[ModuleType], text: Callable[[], str], arguments: str
-    ) -> None:
-        self._name, self._laws, self.text, self._arguments = name, laws, text, arguments
+    def __init__(self, name: str, entry: Callable[[], Entry]) -> None:
+        self.name, self._entry = name, entry
         self._loaded: machine_code.Kernel | None = None
 
     def kernel(self) -> machine_code.Kernel:
@@ -53,37 +40,88 @@ class Kept:
             ModuleNotFoundError: llvmlite is not installed.
         """
         if self._loaded is None:
-            try:
-                code = self.file.read_bytes()
-            except OSError:
-                code = machine_code.optimised(self.text())
-                machine_code.write(self.file, code)
-            self._loaded = machine_code.load(code, self._arguments)
+            self._loaded = self._found("it is made anew") or self._made()
+        return self._loaded
+
+    def ready(self) -> machine_code.Kernel | None:
+        """Return the function if its code is there; None if it would have to be made."""
+        if self._loaded is None:
+            self._loaded = self._found("its laws run interpreted")
         return self._loaded
 
     @property
-    def is_ready(self) -> bool:
-        """Whether the code is there, or would have to be made first."""
-        return can_compile() and self.file.exists()
+    def file(self) -> Path | None:
+        """Where the code lies that the next process will use; None if there is none."""
+        with contextlib.suppress(OSError):
+            return next((f for f in (self._shared, self._object) if kernel_files.read(f) is not None), None)
+        return None
 
     @cached_property
-    def file(self) -> Path:
-        """Where this version's object code lies for this interpreter and processor.
+    def entry(self) -> Entry:
+        """What the kernel is made of."""
+        return self._entry()
 
-        Raises:
-            ModuleNotFoundError: llvmlite is not installed.
-        """
-        digest = hashlib.sha256(f"{sys.version} {machine_code.processor()}".encode())
-        for module in (*self._laws, *COMPILER):
-            digest.update(Path(str(module.__file__)).read_bytes())
-        return cache_directory() / f"{self._name}-{digest.hexdigest()[:24]}.o"
+    @cached_property
+    def _shared(self) -> Path:
+        mark = hashlib.sha256(f"{sys.version} {machine_code.bound_to()}".encode())
+        for source in sorted(Path(__file__).parent.glob("*.py")):
+            mark.update(source.read_bytes())
+        mark.update(fingerprint.digest(self.entry).encode())
+        return kernel_files.directory() / f"{self.name}-{mark.hexdigest()[:24]}.so"
+
+    @property
+    def _object(self) -> Path:
+        return self._shared.with_suffix(".o")
+
+    def _found(self, otherwise: str) -> machine_code.Kernel | None:
+        """Return the function if its code is there; say what is there but not used."""
+        return self._loads(self._shared, otherwise) or self._loads(self._object, otherwise)
+
+    def _loads(self, file: Path, otherwise: str) -> machine_code.Kernel | None:
+        try:
+            code = kernel_files.read(file)
+            if code is not None and file == self._shared:
+                return machine_code.load_shared(code, self.entry.arguments)
+            if code is not None and can_compile():
+                return machine_code.load(code, self.entry.arguments)
+        except OSError as error:
+            _log.warning("the machine code of %s is not used: %s; %s", self.name, error, otherwise)
+        return None
+
+    def _made(self) -> machine_code.Kernel:
+        from forest_compile import translate
+
+        code = machine_code.optimised(translate.text(self.entry))
+        try:
+            file, made = self._shared, machine_code.linked(code)
+            kernel = machine_code.load_shared(made, self.entry.arguments)
+        except OSError:  # there is no linker, or the system does not load what it makes
+            file, made = self._object, code
+            kernel = machine_code.load(code, self.entry.arguments)
+        try:
+            kernel_files.write(file, made)
+        except OSError as error:
+            _log.warning("the machine code of %s cannot be kept: %s", self.name, error)
+        return kernel
 
 
 def can_compile() -> bool:
-    """Tell whether compiled code can be made and loaded."""
+    """Tell whether machine code can be made."""
     return importlib.util.find_spec("llvmlite") is not None
 
 
-def cache_directory() -> Path:
-    """Return where object code is kept."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "forest_sim"
+def make(*kernels: Kept) -> int:
+    """Make kernels that are not there, and print where they are.
+
+    Returns:
+        The exit code of a program that does no more: 1 if nodes will run interpreted.
+    """
+    if not can_compile():
+        print("llvmlite is not installed")
+        return 1
+    for kept in kernels:
+        kept.kernel()
+        if kept.file is None:
+            return 1  # the log says why
+        print(kept.file)
+    return 0

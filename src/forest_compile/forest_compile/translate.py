@@ -3,15 +3,17 @@
 The subset: functions of numbers and nested tuples of numbers, without effects; assignment, `if`, `for` over a
 range, `while`, `break`, `return`; arithmetic, comparison, and the functions in `translate_numbers`.
 Each call is written out where it stands, so that LLVM sees the plant in one piece, except of functions that
-are named as seldom called or large: those stay functions. A compiler for all of Python needs five times as
-long, and for machine code that is no faster.
+are named as seldom called or large: those stay functions. `benchmarks/compilers.py` measures this against a
+compiler for much more of Python (Numba).
 """
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from types import FunctionType
 from typing import Any
 
+from forest_compile import fingerprint, llvm_text
+from forest_compile.entry import Entry
 from forest_compile.llvm_text import (
     DOUBLE,
     WHOLE,
@@ -25,6 +27,7 @@ from forest_compile.llvm_text import (
     scalars,
     size,
 )
+from forest_compile.machine_code import ENTRY
 from forest_compile.translate_expressions import Frame
 from forest_compile.translate_numbers import ONE_ARGUMENT, TWO_ARGUMENTS, NotTranslatedError
 from forest_compile.translate_statements import Statements, Variables
@@ -32,11 +35,29 @@ from forest_compile.translate_statements import Statements, Variables
 KINDS = {"p": "ptr noalias", "d": DOUBLE, "i": WHOLE}
 
 
+def text(entry: Entry) -> str:
+    """Return an entry as LLVM's text.
+
+    Raises:
+        NotTranslatedError: something in it, or in the laws that it calls, is outside the subset; or a law's
+            file does not say what was imported.
+    """
+    for function in fingerprint.changed(entry):
+        raise NotTranslatedError(
+            f"{function.__module__}.{function.__qualname__}: {function.__code__.co_filename} was changed "
+            "after it was imported; start again"
+        )
+    library = Library(entry.apart)
+    fixed = {place: llvm_text.number(value) for place, value in entry.fixed.items()}
+    library.entry(ENTRY, entry.text, dict(entry.names), entry.arguments, entry.views, entry.copies, fixed)
+    return "\n".join(library.text())
+
+
 class Library:
     """The functions that stay functions, and the text of all."""
 
-    def __init__(self, apart: tuple[str, ...]) -> None:
-        """Keep functions of these names apart."""
+    def __init__(self, apart: Collection[Callable[..., Any]]) -> None:
+        """Keep these functions apart."""
         self._apart = apart
         self._known: dict[Any, tuple[str, list[str], Value]] = {}
         self._lines: list[str] = []
@@ -93,7 +114,7 @@ class Library:
 
     def is_apart(self, function: FunctionType) -> bool:
         """Tell whether calls of a function stay calls."""
-        return function.__name__ in self._apart
+        return function in self._apart
 
     def function(self, function: FunctionType, arguments: list[Value]) -> tuple[str, list[str], Value]:
         """Return name, kinds of results and result of a function that stays one, for such arguments."""

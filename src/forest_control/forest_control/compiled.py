@@ -7,66 +7,38 @@ node takes it if it is there, and runs interpreted otherwise.
 
 import sys
 from collections.abc import Callable
-from types import ModuleType
+from functools import lru_cache
 from typing import Any
 
-from forest_compile.compiled_step import ARGUMENTS, CompiledStep, Example, kernel_text
-from forest_compile.kept import Kept, can_compile
-from forest_control import (
-    capacity,
-    control_state,
-    controller,
-    coordination,
-    execution,
-    governor,
-    hand,
-    handover,
-    inching,
-    levers,
-    plausibility,
-    position_source,
-    schemes,
-    settings,
-    singularity,
-    stopping,
-    swing_load,
-    valve_adaptation,
-    valve_driver,
-    valve_flow,
-    valve_hold,
-    valve_inverse,
-    valve_knowledge,
-    valve_reach,
-    wish,
-    workspace,
-)
-from forest_description import actuation, kinematics, linkage, valve
+from forest_compile import compiled_step, kept
+from forest_compile.compiled_step import CompiledStep, Example
+from forest_compile.kept import Kept
+from forest_control import controller, hand, handover, levers, stopping, valve_driver, workspace
+from forest_description import kinematics
 from forest_description.machine import load_machine
 
 Step = Callable[..., tuple[Any, Any]]
 
-LAWS: tuple[ModuleType, ...] = (
-    *(actuation, kinematics, linkage, valve),
-    *(capacity, control_state, controller, coordination, execution, governor, hand, handover),
-    *(inching, levers),
-    *(plausibility, position_source, schemes, settings, singularity, stopping),
-    *(swing_load, valve_adaptation, valve_driver, valve_flow, valve_hold, valve_inverse, valve_knowledge),
-    *(valve_reach, wish, workspace),
-)
 # What is seldom called stays a function; all else is written out.
-APART = ("_stopping", "taken_over", "nearest_pose", "share", "slid", "tip_following")
+APART = (
+    *(controller._stopping, handover.taken_over, kinematics.nearest_pose, stopping.share),
+    *(workspace.share, workspace.slid, hand.tip_following),
+)
 
 
 def controller_step() -> Step:
     """Return `controller.told`, compiled if its code is there."""
-    return CompiledStep(CONTROLLER.kernel(), _control()) if CONTROLLER.is_ready else controller.told
+    kernel = CONTROLLER.ready()
+    return CompiledStep(kernel, _control()) if kernel else controller.told
 
 
 def driver_step() -> Step:
     """Return `valve_driver.step_seen`, compiled if its code is there."""
-    return CompiledStep(DRIVER.kernel(), _drive()) if DRIVER.is_ready else valve_driver.step_seen
+    kernel = DRIVER.ready()
+    return CompiledStep(kernel, _drive()) if kernel else valve_driver.step_seen
 
 
+@lru_cache(maxsize=1)
 def _control() -> Example:
     """Return values of the types that all machines share."""
     p = controller.parameters(load_machine("c180"), controller.Settings())
@@ -75,6 +47,7 @@ def _control() -> Example:
     return Example(state, (inputs,), p, told)
 
 
+@lru_cache(maxsize=1)
 def _drive() -> Example:
     p = valve_driver.parameters(load_machine("c180"), valve_driver.Settings())
     inputs = (0.0, 0.0, 0.0), valve_driver.UNSEEN, valve_driver.STILL
@@ -82,22 +55,13 @@ def _drive() -> Example:
     return Example(state, inputs, p, voltages)
 
 
-def _kept(name: str, step: Step, example: Callable[[], Example]) -> Kept:
-    sources = *LAWS, sys.modules[__name__], sys.modules[kernel_text.__module__]
-    return Kept(name, sources, lambda: kernel_text(step, example(), APART), ARGUMENTS)
-
-
-CONTROLLER = _kept("controller", controller.told, _control)
-DRIVER = _kept("valve-driver", valve_driver.step_seen, _drive)
+CONTROLLER = Kept("controller", lambda: compiled_step.entry(controller.told, _control(), APART))
+DRIVER = Kept("valve-driver", lambda: compiled_step.entry(valve_driver.step_seen, _drive(), APART))
 
 
 def main() -> None:
     """Make the machine code if it is not there, and tell where it is."""
-    if not can_compile():
-        sys.exit("llvmlite is not installed: the nodes run interpreted")
-    for kept in (CONTROLLER, DRIVER):
-        kept.kernel()
-        print(kept.file)
+    sys.exit(kept.make(CONTROLLER, DRIVER))
 
 
 if __name__ == "__main__":

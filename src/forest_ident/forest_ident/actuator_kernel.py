@@ -12,9 +12,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_compile import flat, machine_code, translate
-from forest_compile.kept import can_compile
-from forest_ident import actuator_steps
+from forest_compile import flat
+from forest_compile.entry import Entry
+from forest_compile.kept import Kept, can_compile
+from forest_ident import actuator_model, actuator_steps
 from forest_ident.actuator_model import Parameters
 from forest_ident.actuator_steps import SUBSTEPS
 
@@ -64,12 +65,7 @@ def _interpreted(signal: Floats, count: int, p: Parameters, pressures: Floats, p
 
 
 def _compiled() -> Callable[[Floats, int, Parameters, Floats, Floats], None]:
-    names = {"run": actuator_steps.run}
-    example = Parameters(*(1.0 for _ in Parameters._fields))
-    library = translate.Library(("rate", "sensed_pressure"))
-    library.entry(machine_code.ENTRY, _TEXT, names, _LETTERS, views={"p": ("parameters", example)}, copies={})
-    kernel = machine_code.load(machine_code.optimised("\n".join(library.text())), _LETTERS)
-    pack = flat.packer(example)
+    kernel, pack = KEPT.kernel(), flat.packer(_EXAMPLE)
 
     def run(signal: Floats, count: int, p: Parameters, pressures: Floats, positions: Floats) -> None:
         row, filled = np.array(pack(p)), np.empty(1)
@@ -78,3 +74,14 @@ def _compiled() -> Callable[[Floats, int, Parameters, Floats, Floats], None]:
         kernel(at[0], count, SUBSTEPS, *at[1:])
 
     return run
+
+
+_EXAMPLE = Parameters(*(1.0 for _ in Parameters._fields))
+_ENTRY = Entry(
+    *(_TEXT, {"run": actuator_steps.run}, _LETTERS),
+    views={"p": ("parameters", _EXAMPLE)},
+    copies={},
+    apart=(actuator_model.rate, actuator_model.sensed_pressure),
+)
+KEPT = Kept("actuator", lambda: _ENTRY)
+"""The actuator's simulation as machine code."""

@@ -10,70 +10,34 @@ import sys
 import threading
 from collections.abc import Callable
 from functools import lru_cache
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_compile import flat, machine_code, translate
+from forest_compile import flat, kept, machine_code
+from forest_compile.entry import Entry
 from forest_compile.kept import Kept, can_compile
-from forest_compile.llvm_text import number
-from forest_description import linkage, valve
+from forest_description import valve
 from forest_description.machine import load_machine
-from forest_sim import (
-    actuator,
-    end_stop,
-    friction,
-    integrator,
-    line,
-    manipulator,
-    mechanics,
-    parameters,
-    pendulum,
-    plant,
-    port,
-    power,
-    recording,
-    spool,
-    stage,
-    supply,
-)
+from forest_sim import integrator, pendulum, plant, port, power, recording, spool, stage
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation
 from forest_sim.manipulator import Triple
 from forest_sim.pace import Pace, given
 from forest_sim.parameters import PlantParameters, plant_parameters
 
-LAWS: tuple[ModuleType, ...] = (
-    linkage,
-    valve,
-    spool,
-    supply,
-    actuator,
-    friction,
-    end_stop,
-    port,
-    line,
-    manipulator,
-    pendulum,
-    mechanics,
-    plant,
-    stage,
-    integrator,
-    power,
-)
 # What is seldom called, or only with the energy account: written out, it would make the whole larger.
 APART = (
-    "_two_edges",
-    "pendulum_dynamics",
-    "_second_order",
-    "_curved_opening",
-    "_solve_further",
-    "_try_again",
-    "power_flows",
-    "_axis_power",
-    "_axis_derivative",
+    port._two_edges,
+    pendulum.pendulum_dynamics,
+    spool._second_order,
+    valve._curved_opening,
+    stage._solve_further,
+    stage._try_again,
+    power.power_flows,
+    power._axis_power,
+    plant._axis_derivative,
 )
 # state, voltages and their stride, length and count of each row's steps and their stride, rows, recorded (0:
 # nothing, 1: states, 2: energies, too), parameters, states, energies
@@ -105,7 +69,7 @@ def compiled_record() -> Record:
 
 def ready_advance() -> Advance | None:
     """Return the compiled `integrator.advance` if its code is there; None if it would have to be made."""
-    return compiled_advance() if KEPT.is_ready else None
+    return compiled_advance() if KEPT.ready() else None
 
 
 def fastest_record() -> Record:
@@ -186,8 +150,8 @@ def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
     return advance, record
 
 
-def kernel_text(fixed: Callable[[str], bool] = lambda _: False) -> str:
-    """Return the kernel as LLVM's text: it steps a machine that lies flat, and records it if asked to.
+def entry(fixed: Callable[[str], bool] = lambda _: False) -> Entry:
+    """Return what the kernel is made of: it steps a machine that lies flat, and records it if asked to.
 
     Args:
         fixed: tells which parameters ("p.guard.relief_pressure") are taken for granted as `c180_thesis` has
@@ -220,18 +184,15 @@ def kernel_text(fixed: Callable[[str], bool] = lambda _: False) -> str:
         *(f"            states[s + {i}] = {path}" for i, path in enumerate(state)),
         *(f"    state[{i}] = {path}" for i, path in enumerate(state)),
     ]
-    library = translate.Library(APART)
-    library.entry(
-        *(machine_code.ENTRY, "\n".join(lines), names, ARGUMENTS),
+    return Entry(
+        *("\n".join(lines), names, ARGUMENTS),
         views={"p": ("parameters", p)},
         copies={"simulation": ("state", simulation)},
+        apart=APART,
         fixed={
-            ("parameters", at): number(value)
-            for at, (path, value) in enumerate(flat.leaves(p, "p"))
-            if fixed(path)
+            ("parameters", at): value for at, (path, value) in enumerate(flat.leaves(p, "p")) if fixed(path)
         },
     )
-    return "\n".join(library.text())
 
 
 @lru_cache(maxsize=1)
@@ -241,17 +202,15 @@ def _example() -> tuple[Simulation, PlantParameters]:
     return equilibrium((0.0, 0.5, -1.5), p), p
 
 
-KEPT = Kept("plant", (*LAWS, parameters, sys.modules[__name__]), kernel_text, ARGUMENTS)
+KEPT = Kept("plant", entry)
 """The kernel, which moves a flat machine in place (`stepper`)."""
 
 
 def main() -> None:
     """Make what the simulator node needs, if it is not there, and tell where it is."""
-    from forest_sim.sensor_run import KEPT as SENSORS  # which needs the laws named here
+    from forest_sim.sensor_run import KEPT as SENSORS  # which needs what is named here
 
-    for kept in (KEPT, SENSORS):
-        kept.kernel()
-        print(kept.file)
+    sys.exit(kept.make(KEPT, SENSORS))
 
 
 if __name__ == "__main__":

@@ -4,21 +4,20 @@
 interpreted otherwise, with the same readings to the last bit.
 """
 
-import sys
+from functools import lru_cache
 
-from forest_compile.compiled_step import ARGUMENTS, CompiledStep, Example, kernel_text
+from forest_compile import compiled_step
+from forest_compile.compiled_step import CompiledStep, Example
+from forest_compile.entry import Entry
 from forest_compile.kept import Kept
-from forest_description import kinematics
 from forest_description.kinematics import Links
 from forest_description.machine import load_machine
-from forest_sim import channel, compiled, measurement, sensor_suite, sensors
+from forest_sim import compiled, sensors
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation
 from forest_sim.parameters import PlantParameters, plant_parameters
 from forest_sim.sensor_suite import EXACT_SUITE, NO_DRAWS, Suite, conditions, draw, noise_generator
 from forest_sim.sensors import Report, Sensors, Surroundings
-
-LAWS = *compiled.LAWS, kinematics, channel, measurement, sensor_suite, sensors
 
 
 class SensorRun:
@@ -47,7 +46,8 @@ class SensorRun:
         self._generator = noise_generator(suite, run) if by_chance else None
         self._state = sensors.at_rest(simulation, plant, suite, around)
         self._known = Sensors(plant, suite.channels, suite.period, around), links
-        self._report = CompiledStep(KEPT.kernel(), _example()) if KEPT.is_ready else sensors.report
+        kernel = KEPT.ready()
+        self._report = CompiledStep(kernel, _example()) if kernel else sensors.report
 
     def learn(self, plant: PlantParameters, around: Surroundings) -> None:
         """From now on the plant, or what is around it, is another."""
@@ -63,6 +63,7 @@ class SensorRun:
         return report
 
 
+@lru_cache(maxsize=1)
 def _example() -> Example:
     """Return values of the types that all machines share."""
     machine = load_machine("c180")
@@ -74,14 +75,9 @@ def _example() -> Example:
     return Example(state, (simulation, NO_DRAWS.normal), known, report)
 
 
-def _text() -> str:
-    return kernel_text(sensors.report, _example(), compiled.APART)
+def _entry() -> Entry:
+    return compiled_step.entry(sensors.report, _example(), compiled.APART)
 
 
-KEPT = Kept(
-    "sensors",
-    (*LAWS, compiled, sys.modules[__name__], sys.modules[kernel_text.__module__]),
-    _text,
-    ARGUMENTS,
-)
+KEPT = Kept("sensors", _entry)
 """`sensors.report` as machine code."""

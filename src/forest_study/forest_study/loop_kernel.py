@@ -4,21 +4,20 @@ A run gives what `closed_loop.run` gives, to the last bit, for sensors without f
 released while a run is under way, so that threads use all cores.
 """
 
-import sys
 from collections.abc import Callable
 from functools import lru_cache
-from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_compile import flat, machine_code, translate
+from forest_compile import flat
+from forest_compile.entry import Entry
 from forest_compile.kept import Kept, can_compile
 from forest_control import compiled as control_compiled
 from forest_control import controller, levers, valve_driver, valve_reach
 from forest_description.machine import Machine, load_machine
-from forest_sim import channel, compiled, measurement, sensor_suite, sensors
+from forest_sim import compiled, sensor_suite, sensors
 from forest_sim.equilibrium import equilibrium
 from forest_sim.manipulator import Triple
 from forest_sim.parameters import PlantParameters, plant_parameters
@@ -29,10 +28,6 @@ from forest_study.loop_core import CHANNEL_COUNT, Happened, Knowledge, Loop, Sen
 
 Floats = NDArray[np.float64]
 
-LAWS: tuple[ModuleType, ...] = (
-    *(*compiled.LAWS, compiled, *control_compiled.LAWS, control_compiled),
-    *(channel, measurement, sensor_suite, sensors, closed_loop, loop_core),
-)
 # What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
 APART = (*compiled.APART, *control_compiled.APART)
 # state, knowledge, levers (4 a row: swing, boom, stick, enabled), normals, recorded, rows
@@ -176,8 +171,8 @@ def _pack(kind: str, value: Loop | Knowledge) -> Floats:
 _packers: dict[str, Callable[[Any], flat.Row]] = {}
 
 
-def kernel_text() -> str:
-    """Return the loop as LLVM's text: levers and draws in, what happened out, a row a period."""
+def entry() -> Entry:
+    """Return what the loop's kernel is made of: levers and draws in, what happened out, a row a period."""
     k, loop = _example()
     names: dict[str, Any] = {"period": loop_core.period, "Levers": levers.Levers}
     after = [path for path, _ in flat.leaves(loop, "after")]
@@ -193,13 +188,8 @@ def kernel_text() -> str:
         *(f"        state[{i}] = {path}" for i, path in enumerate(after)),
         *(f"        recorded[{RECORDED} * row + {i}] = {path}" for i, path in enumerate(out)),
     ]
-    library = translate.Library(APART)
-    library.entry(
-        *(machine_code.ENTRY, "\n".join(lines), names, ARGUMENTS),
-        views={"k": ("knowledge", k)},
-        copies={},
-    )
-    return "\n".join(library.text())
+    views = {"k": ("knowledge", k)}
+    return Entry("\n".join(lines), names, ARGUMENTS, views, copies={}, apart=APART)
 
 
 @lru_cache(maxsize=1)
@@ -211,5 +201,5 @@ def _example() -> tuple[Knowledge, Loop]:
     return k, begin(k, (0.0, 0.5, -1.5), suite)
 
 
-KEPT = Kept("loop", (*LAWS, sys.modules[__name__]), kernel_text, ARGUMENTS)
+KEPT = Kept("loop", entry)
 """The compiled loop."""

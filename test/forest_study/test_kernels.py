@@ -1,0 +1,84 @@
+"""Every kernel's digest covers all that is translated for it; a type that changes makes another kernel."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("llvmlite")
+
+import forest_description
+from forest_compile import fingerprint, translate, translate_statements
+from forest_control import compiled as control
+from forest_control import stopping
+from forest_ident import actuator_kernel, actuator_steps
+from forest_sim import compiled, friction, integrator, port, sensor_run
+from forest_study import loop_kernel
+
+KERNELS = {
+    "plant": compiled.KEPT,
+    "sensors": sensor_run.KEPT,
+    "controller": control.CONTROLLER,
+    "driver": control.DRIVER,
+    "loop": loop_kernel.KEPT,
+    "actuator": actuator_kernel.KEPT,
+}
+LOOK = """
+from forest_control import compiled as control
+from forest_sim import compiled, sensor_run
+for kept in (compiled.KEPT, sensor_run.KEPT, control.CONTROLLER, control.DRIVER):
+    print(kept.ready() is not None)
+"""
+
+
+@pytest.mark.parametrize("name", KERNELS)
+def test_the_digest_covers_every_function_that_is_translated(monkeypatch, name):
+    entry = KERNELS[name].entry
+    used, read = set(), translate_statements.source
+
+    def recorded(function):
+        used.add(function)
+        return read(function)
+
+    monkeypatch.setattr(translate_statements, "source", recorded)
+    translate.text(entry)
+    covered = set(fingerprint.functions(entry))
+    assert used <= covered
+    assert len(used) >= 0.9 * len(covered) > 2  # and little else
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "value", "others"),
+    [
+        (friction, "_magnitude", port.is_shut, {"plant", "loop", "actuator"}),
+        (integrator, "GAMMA", 0.5, {"plant", "loop"}),
+        (stopping, "share", port.is_shut, {"controller", "loop"}),
+        (actuator_steps, "rate", port.is_shut, {"actuator"}),
+    ],
+)
+def test_what_lies_deep_down_counts_for_the_kernels_that_use_it(monkeypatch, module, name, value, others):
+    before = {key: fingerprint.digest(kept.entry) for key, kept in KERNELS.items()}
+    monkeypatch.setattr(module, name, value)
+    assert {key for key, kept in KERNELS.items() if fingerprint.digest(kept.entry) != before[key]} == others
+
+
+@pytest.mark.parametrize(
+    ("field", "ready"), [("", [True] * 4), ("    roughness: float = 0.0\n", [False, False, True, True])]
+)
+def test_a_hose_with_another_field_has_no_kernel_yet(tmp_path, field, ready):
+    """An old kernel would take each number for the one before it."""
+    for name in ("plant", "sensors", "controller", "driver"):
+        KERNELS[name].kernel()
+    copy = shutil.copytree(Path(forest_description.__file__).parent, tmp_path / "forest_description")
+    text = (copy / "hose.py").read_text()
+    assert text.count("    capacitance: float\n") == 1
+    (copy / "hose.py").write_text(
+        text.replace("    capacitance: float\n", f"    capacitance: float\n{field}")
+    )
+    path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    environment = os.environ | {"PYTHONPATH": path}
+    child = subprocess.run([sys.executable, "-c", LOOK], env=environment, capture_output=True, text=True)
+    assert child.stdout.split() == list(map(str, ready)), child.stderr
