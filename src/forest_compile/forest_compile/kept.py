@@ -22,10 +22,11 @@ from forest_compile import (
     translate_expressions,
     translate_numbers,
     translate_statements,
+    translate_whole,
 )
 
 COMPILER: tuple[ModuleType, ...] = (
-    *(llvm_text, translate_numbers, translate_expressions, translate_statements, translate),
+    *(llvm_text, translate_whole, translate_numbers, translate_expressions, translate_statements, translate),
     *(machine_code, flat, sys.modules[__name__]),
 )
 

@@ -55,11 +55,13 @@ def load(code: bytes, arguments: str) -> Kernel:
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    prototype = ctypes.CFUNCTYPE(None, *(ARGUMENTS[letter] for letter in arguments))
+    prototype = ctypes.CFUNCTYPE(ctypes.c_char_p, *(ARGUMENTS[letter] for letter in arguments))
     function = prototype(engine.get_function_address(ENTRY))
 
     def kernel(*values: Any) -> None:
-        function(*values)
+        fault: bytes | None = function(*values)
+        if fault:
+            raise ArithmeticError(fault.decode())
 
     kernel.keep = (engine, library)  # type: ignore[attr-defined]  # as long as the function lives
     return kernel
