@@ -550,6 +550,11 @@ def summed(p):
     return total
 
 
+def halved(p):
+    there_and_back = (p.n + 9007199254740991) - 9007199254740991
+    return there_and_back + (p.n + 9007199254740990) / 2
+
+
 def cut(p):
     return int(p.x)
 
@@ -576,6 +581,7 @@ def strided(p):
 FAULTS = [
     (product, P(n=2), "a whole number beyond"),
     (summed, P(n=1), "a whole number beyond"),
+    (halved, P(n=2), "a whole number beyond"),
     (cut, P(math.nan), "a whole number beyond 2.*or of no number"),
     (cut, P(-1e16), "a whole number beyond"),
     (floor, P(math.inf), "a whole number beyond"),

@@ -9,8 +9,8 @@
 | block | a stretch of instructions that is entered at its label alone and left at its end alone |
 | fault | what ends a call early: its text is what the function returns |
 
-A whole number is at most `LARGEST` on either side of zero, so that a double holds it exactly and no sum or
-difference of two leaves 64 bits.
+A whole number is at most `LARGEST` on either side of zero, so that a double holds it exactly. Sums on the way
+to one may be larger: `bound` tells how much.
 """
 
 import struct
@@ -167,6 +167,7 @@ class Function:
         self._bodies: dict[str, list[str]] = {}
         self._ends: dict[str, str] = {}
         self._count = 0
+        self._bounds: dict[str, int] = {}
         self.faults: list[tuple[str, str | Scalar]] = []  # block, text or pointer
         self.block = ""
         self.open = False
@@ -189,6 +190,19 @@ class Function:
         name = f"%v{self._count}"
         self._bodies[block or self.block].append(f"{name} = {text}")
         return Scalar(kind, name)
+
+    def bound(self, value: Scalar) -> int:
+        """Return what a whole number or truth is at most, on either side of zero."""
+        constant = known(value)
+        if constant is not None:
+            return abs(constant)
+        return 1 if value.kind == TRUTH else self._bounds.get(value.text, LARGEST)
+
+    def bounded(self, value: Scalar, *among: Scalar, most: int = 0) -> Scalar:
+        """Return a whole number after noting that it is one of several, or at most so much."""
+        if value.kind == WHOLE:
+            self._bounds[value.text] = max([most, *map(self.bound, among)])
+        return value
 
     def do(self, text: str) -> None:
         """Write an instruction without result."""
@@ -255,10 +269,11 @@ class Function:
         constant = known(value)
         if constant is not None and kind == WHOLE:
             return Scalar(WHOLE, str(constant))
+        if kind == WHOLE and value.kind == TRUTH:
+            return self.bounded(self.emit(WHOLE, f"zext i1 {value.text} to i64", block), most=1)
         ways = {
             (WHOLE, DOUBLE): "sitofp",
             (DOUBLE, WHOLE): "fptosi",
-            (TRUTH, WHOLE): "zext",
             (TRUTH, DOUBLE): "uitofp",
         }
         if kind == TRUTH:
@@ -337,8 +352,8 @@ class Function:
             here = self.emit(TRUTH, f"icmp eq i64 {index.text}, {i}").text
             pairs = zip(scalars(other), scalars(result), strict=True)
             picked = [
-                self.emit(
-                    a.kind, f"select i1 {here}, {a.kind} {a.text}, {a.kind} {self.converted(b, a.kind).text}"
+                self.bounded(
+                    self.emit(a.kind, f"select i1 {here}, {a.kind} {a.text}, {a.kind} {b.text}"), a, b
                 )
                 for a, b in pairs
             ]
@@ -350,7 +365,7 @@ class Function:
             return numbers[0]
         kind = common_kind(numbers)
         numbers = [self.converted(n, kind, block) for n, block in zip(numbers, blocks, strict=True)]
-        return self._first(kind, _phi(kind, zip(blocks, numbers, strict=True)))
+        return self.bounded(self._first(kind, _phi(kind, zip(blocks, numbers, strict=True))), *numbers)
 
     def repeated(self, value: Value, before: str) -> tuple[Value, Callable[[str, Value], None]]:
         """Return what a value is at the head of a loop, entered from a block `before`.

@@ -68,7 +68,7 @@ class Numbers(WholeNumbers):
         return self.into.converted(value, TRUTH)
 
     def _double(self, value: Scalar) -> Scalar:
-        return self.into.converted(value, DOUBLE)
+        return self.into.converted(self.settled(value), DOUBLE)
 
     def operation(self, sort: ast.operator, left: Scalar, right: Scalar) -> Scalar:
         """Return a sum, difference, product, quotient, remainder or power."""
@@ -99,7 +99,8 @@ class Numbers(WholeNumbers):
             raise NotTranslatedError(f"{type(sort).__name__} is not translated")
         if isinstance(left, Scalar) and isinstance(right, Scalar):
             kind = DOUBLE if DOUBLE in (left.kind, right.kind) else WHOLE
-            left, right = self.into.converted(left, kind), self.into.converted(right, kind)
+            both = self._double if kind == DOUBLE else self.whole
+            left, right = both(left), both(right)
             condition = _COMPARISONS[type(sort)][kind == WHOLE]
             instruction = "icmp" if kind == WHOLE else "fcmp"
             return self.into.emit(TRUTH, f"{instruction} {condition} {kind} {left.text}, {right.text}")
@@ -155,7 +156,7 @@ class Numbers(WholeNumbers):
         for other in others:
             beyond = self._compared(sort, other, result)
             text = f"select i1 {beyond.text}, {kind} {other.text}, {kind} {result.text}"
-            result = self.into.emit(kind, text)
+            result = self.into.bounded(self.into.emit(kind, text), result, other)
         return result
 
 

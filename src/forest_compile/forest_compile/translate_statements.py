@@ -13,12 +13,12 @@ from types import FunctionType
 from typing import Protocol
 
 from forest_compile.llvm_text import (
-    DOUBLE,
     POINTER,
     TRUTH,
     WHOLE,
     Function,
     NotTranslatedError,
+    Record,
     Row,
     Scalar,
     Stored,
@@ -89,7 +89,7 @@ class Statements(Expressions):
             raise NotTranslatedError(f"{function.__qualname__!r} calls itself")
         if not self._library.is_apart(function):
             return self.written_out(function, arguments)
-        arguments = [a if isinstance(a, Stored) else self.into.taken(a) for a in arguments]
+        arguments = [a if isinstance(a, Stored) else self.settled_all(self.into.taken(a)) for a in arguments]
         name, results, shape = self._library.function(function, arguments)
         given: list[str] = []
         for argument in arguments:
@@ -106,6 +106,12 @@ class Statements(Expressions):
             fault = numbers.pop()
             self.into.require(self.into.emit(TRUTH, f"icmp eq ptr {fault.text}, null"), fault)
         return rebuilt(shape, iter(numbers))
+
+    def settled_all(self, value: Value) -> Value:
+        """Return a value once all whole numbers in it are known to be no larger than they may."""
+        if isinstance(value, Record):
+            return Record(value.sort, tuple(self.settled_all(item) for item in value.items))
+        return self.settled(value) if isinstance(value, Scalar) else value
 
     def written_out(self, function: FunctionType, arguments: list[Value]) -> Value:
         """Return what a function of the laws gives, its statements written here.
@@ -195,7 +201,7 @@ class Statements(Expressions):
             if not (isinstance(row, Row) and isinstance(value, Scalar)):
                 raise NotTranslatedError(f"{ast.unparse(target)!r}: only rows take numbers")
             at = self.into.element(row.text, self.row_index(index))
-            stored = self.into.converted(value, DOUBLE)
+            stored = self._double(value)
             self.into.do(f"store double {stored.text}, ptr {at.text}, align 8")
         else:
             raise NotTranslatedError(f"{ast.unparse(target)!r} is not assigned to")
@@ -208,7 +214,7 @@ class Statements(Expressions):
     def _do_return(self, node: ast.Return, frame: Frame) -> None:
         if node.value is None:
             raise NotTranslatedError("a return without value is not translated")
-        value = self.value(node.value, frame)
+        value = self.settled_all(self.value(node.value, frame))
         frame.returns.append((self.into.block, value))
         self.into.open = False
 
@@ -263,7 +269,8 @@ class Statements(Expressions):
             raise NotTranslatedError("only ranges are gone through")
         if not isinstance(node.target, ast.Name) or call.keywords:
             raise NotTranslatedError(f"{ast.unparse(node.target)!r} is no counter, or the range is none")
-        first, end, stride = self._range([self.whole(self.number(item, frame)) for item in call.args])
+        numbers = [self.settled(self.whole(self.number(item, frame))) for item in call.args]
+        first, end, stride = self._range(numbers)
         counter = node.target.id + "'"  # no name of Python's, so that the body cannot change it
         into, target = self.into, node.target.id
 
@@ -314,8 +321,12 @@ class Statements(Expressions):
             begin: returns variables that a round begins with.
             advance: returns the counters after a round.
         """
-        into, before = self.into, self.into.block
+        into = self.into
         changed = {n.id for n in ast.walk(node) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        frame.variables = dict(frame.variables)
+        for name in sorted(changed & set(frame.variables)):
+            frame.variables[name] = self.settled_all(frame.variables[name])
+        before = into.block
         head, body, done = into.label(), into.label(), into.label()
         into.jump(head)
         into.start(head)
@@ -337,9 +348,11 @@ class Statements(Expressions):
             raise NotTranslatedError("a loop that never goes round is not translated")
         frame.line = node.lineno
         frame.variables = frame.variables | advance()
-        for name, close in closing.items():
+        for name in closing:
             if name not in frame.variables:
                 raise NotTranslatedError(f"a loop makes something of another kind of {name!r}")
+            frame.variables[name] = self.settled_all(frame.variables[name])
+        for name, close in closing.items():
             close(into.block, frame.variables[name])
         into.jump(head)
         self._meet(self._else(node, done, outside, frame) + frame.breaks.pop(), frame)

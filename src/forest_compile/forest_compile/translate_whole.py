@@ -22,6 +22,7 @@ from forest_compile.llvm_text import (
 
 TRUE, FALSE = Scalar(TRUTH, "true"), Scalar(TRUTH, "false")
 ZERO = Scalar(WHOLE, "0")
+ROOM = 2**62  # for sums of whole numbers, before they leave 64 bits
 LIMIT = Scalar(DOUBLE, "0x4340000000000000")  # LARGEST + 1
 _Operation = tuple[str, Callable[[int, int], int]]
 _OPERATIONS: dict[type[ast.operator], _Operation] = {
@@ -67,17 +68,33 @@ class WholeNumbers:
             return number(python(a, b))
         if instruction == "srem":
             return self._whole_remainder(left, right)
-        unwrapped = "" if instruction == "mul" else " nsw"
-        result = self.into.emit(WHOLE, f"{instruction}{unwrapped} i64 {left.text}, {right.text}")
         if instruction == "mul":
-            # The doubles' product is exact while it is small enough, and not small enough otherwise.
-            factors = [self.into.converted(factor, DOUBLE).text for factor in (left, right)]
-            self._require_small(self.into.emit(DOUBLE, f"fmul double {factors[0]}, {factors[1]}"))
-            return result
-        moved = self.into.emit(WHOLE, f"add nsw i64 {result.text}, {LARGEST}")
+            return self._product(left, right)
+        bound = self.into.bound(left) + self.into.bound(right)
+        if bound > ROOM:
+            left, right, bound = self.settled(left), self.settled(right), 2 * LARGEST
+        result = self.into.emit(WHOLE, f"{instruction} nsw i64 {left.text}, {right.text}")
+        return self.into.bounded(result, most=bound)
+
+    def _product(self, left: Scalar, right: Scalar) -> Scalar:
+        left, right = self.settled(left), self.settled(right)
+        bound = self.into.bound(left) * self.into.bound(right)
+        result = self.into.emit(WHOLE, f"mul i64 {left.text}, {right.text}")
+        if bound <= ROOM:
+            return self.into.bounded(result, most=bound)
+        # The doubles' product is exact while it is small enough, and not small enough otherwise.
+        factors = [self.into.converted(factor, DOUBLE).text for factor in (left, right)]
+        self._require_small(self.into.emit(DOUBLE, f"fmul double {factors[0]}, {factors[1]}"))
+        return result
+
+    def settled(self, value: Scalar) -> Scalar:
+        """Return a number once it is known that a whole one is no larger than `LARGEST`."""
+        if value.kind != WHOLE or self.into.bound(value) <= LARGEST:
+            return value
+        moved = self.into.emit(WHOLE, f"add nsw i64 {value.text}, {LARGEST}")
         small = self.into.emit(TRUTH, f"icmp ule i64 {moved.text}, {2 * LARGEST}")
         self.require(small, "a whole number beyond 2**53 - 1")
-        return result
+        return self.into.bounded(self.into.emit(WHOLE, f"add i64 {value.text}, 0"), most=LARGEST)
 
     def _whole_remainder(self, left: Scalar, right: Scalar) -> Scalar:
         """Return Python's remainder, which has the divisor's sign; the processor's has the dividend's."""
@@ -89,14 +106,15 @@ class WholeNumbers:
         some = into.emit(TRUTH, f"icmp ne i64 {rest.text}, 0")
         wrong = into.emit(TRUTH, f"and i1 {differ.text}, {some.text}")
         moved = into.emit(WHOLE, f"add i64 {rest.text}, {right.text}")
-        return into.emit(WHOLE, f"select i1 {wrong.text}, i64 {moved.text}, i64 {rest.text}")
+        rest = into.emit(WHOLE, f"select i1 {wrong.text}, i64 {moved.text}, i64 {rest.text}")
+        return into.bounded(rest, right)
 
     def negative(self, value: Scalar) -> Scalar:
         """Return a whole number or truth with the other sign; zero has none."""
         constant = known(value)
         if constant is not None:
             return number(-constant)
-        return self.into.emit(WHOLE, f"sub nsw i64 0, {self.whole(value).text}")
+        return self.into.bounded(self.into.emit(WHOLE, f"sub nsw i64 0, {self.whole(value).text}"), value)
 
     def cut(self, value: Scalar) -> Scalar:
         """Return a number as `int()` does."""
