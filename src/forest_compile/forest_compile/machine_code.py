@@ -37,7 +37,8 @@ def optimised(text: str) -> bytes:
 def load(code: bytes, arguments: str) -> Kernel:
     """Return the function `ENTRY` of object code made on this processor.
 
-    It releases Python's lock while it runs, so that threads run side by side.
+    It releases Python's lock while it runs, so that threads run side by side. It raises ArithmeticError where
+    the laws end with a fault, see `translate_numbers`.
 
     Args:
         code: from `optimised`.
