@@ -116,6 +116,7 @@ class CompiledStep:
         if state is not self._moved:
             self._state.store(state.built() if isinstance(state, Moved) else state)
         self._inputs.store(inputs)
+        self._moved = None  # the kernel overwrites it, if only in part where it ends with a fault
         self._kernel(*self._at, dt)
         self._moved = Moved(self._state)
         return self._moved, self._output.restore()

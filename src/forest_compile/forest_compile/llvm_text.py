@@ -7,13 +7,34 @@
 | Stored | a tuple that lies flat in a row of doubles (`flat`); its numbers are loaded where they are used |
 | Row | an array of doubles |
 | block | a stretch of instructions that is entered at its label alone and left at its end alone |
+| fault | what ends a call early: its text is what the function returns |
+
+A whole number is at most `LARGEST` on either side of zero, so that a double holds it exactly. Sums on the way
+to one may be larger: `bound` tells how much.
 """
 
 import struct
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
-DOUBLE, WHOLE, TRUTH = "double", "i64", "i1"
+DOUBLE, WHOLE, TRUTH, POINTER = "double", "i64", "i1", "ptr"
+LARGEST = 2**53 - 1  # whole number
+FAULT = "fault"  # label of the block where faults arrive
+
+
+class NotTranslatedError(TypeError):
+    """Something in the laws is outside the subset.
+
+    The message tells what, and in which function, file and line.
+
+    Args:
+        message: what.
+        place: where; "" while it is not known.
+    """
+
+    def __init__(self, message: str, place: str = "") -> None:
+        super().__init__(f"{place}: {message}" if place else message)
+        self.message, self.place = message, place
 
 
 class Scalar(NamedTuple):
@@ -51,18 +72,27 @@ def constant(value: Any) -> Value:
     """Return a number or a nested tuple of numbers as it stands in the text.
 
     Raises:
-        TypeError: it is something else.
+        NotTranslatedError: it is something else, or a whole number beyond `LARGEST`.
     """
     if isinstance(value, bool):
         return Scalar(TRUTH, "true" if value else "false")
     if isinstance(value, int):
+        if abs(value) > LARGEST:
+            raise NotTranslatedError(f"{value} is beyond the largest whole number, 2**53 - 1")
         return Scalar(WHOLE, str(int(value)))  # an IntEnum's member, too
     if isinstance(value, float):
         return Scalar(DOUBLE, f"0x{struct.pack('>d', value).hex().upper()}")
     if isinstance(value, tuple):
         sort = type(value) if hasattr(value, "_fields") else None
         return Record(sort, tuple(constant(item) for item in value))
-    raise TypeError(f"{value!r} is no number")
+    raise NotTranslatedError(f"{value!r} is no number")
+
+
+def known(value: Scalar) -> int | None:
+    """Return a whole number or truth that is a constant; None if it is none."""
+    if value.kind == TRUTH:
+        return {"true": 1, "false": 0}.get(value.text)
+    return int(value.text) if value.kind == WHOLE and value.text.lstrip("-").isdigit() else None
 
 
 def number(value: float) -> Scalar:
@@ -84,7 +114,7 @@ def scalars(value: Value) -> Iterator[Scalar]:
     elif isinstance(value, Scalar):
         yield value
     else:
-        raise TypeError(f"{value} lies in memory")
+        raise NotTranslatedError("a row is no number, and no tuple of numbers")
 
 
 def rebuilt(value: Value, numbers: Iterator[Scalar]) -> Value:
@@ -94,17 +124,34 @@ def rebuilt(value: Value, numbers: Iterator[Scalar]) -> Value:
     return next(numbers)
 
 
-def widest(numbers: Sequence[Scalar]) -> str:
-    """Return the kind that all numbers can be without loss: double, whole number, truth."""
-    return next(kind for kind in (DOUBLE, WHOLE, TRUTH) if any(number.kind == kind for number in numbers))
+def common_kind(numbers: Sequence[Scalar]) -> str:
+    """Return the kind that one of several numbers has: double, or whole number, or truth.
+
+    Raises:
+        NotTranslatedError: some are doubles and others are not. Python would go on with the one or the other,
+            and a whole number has no negative zero.
+    """
+    kinds = {number.kind for number in numbers}
+    if DOUBLE in kinds and len(kinds) > 1:
+        raise NotTranslatedError("a double on one way, a whole number on another; write 0.0, or float(...)")
+    return next(kind for kind in (DOUBLE, WHOLE, TRUTH) if kind in kinds)
 
 
-def _sort(value: Value) -> type | None:
-    """Return the NamedTuple that a tuple is; None if it is a plain one."""
+def sort_of(value: Value) -> type | None:
+    """Return the NamedTuple that a tuple is; None if it is a plain one, or none."""
     if isinstance(value, Record):
         return value.sort
     example = value.example if isinstance(value, Stored) else None
     return type(example) if hasattr(example, "_fields") else None
+
+
+def shape(value: Value) -> Any:
+    """Return what items of one tuple must have in common to be chosen by a variable index."""
+    if isinstance(value, Scalar):
+        return value.kind
+    if isinstance(value, Record):
+        return value.sort, tuple(shape(item) for item in value.items)
+    return shape(constant(value.example)) if isinstance(value, Stored) else value
 
 
 class Function:
@@ -120,6 +167,8 @@ class Function:
         self._bodies: dict[str, list[str]] = {}
         self._ends: dict[str, str] = {}
         self._count = 0
+        self._bounds: dict[str, int] = {}
+        self.faults: list[tuple[str, str | Scalar]] = []  # block, text or pointer
         self.block = ""
         self.open = False
         self._entry = self.label()
@@ -142,6 +191,19 @@ class Function:
         self._bodies[block or self.block].append(f"{name} = {text}")
         return Scalar(kind, name)
 
+    def bound(self, value: Scalar) -> int:
+        """Return what a whole number or truth is at most, on either side of zero."""
+        constant = known(value)
+        if constant is not None:
+            return abs(constant)
+        return 1 if value.kind == TRUTH else self._bounds.get(value.text, LARGEST)
+
+    def bounded(self, value: Scalar, *among: Scalar, most: int = 0) -> Scalar:
+        """Return a whole number after noting that it is one of several, or at most so much."""
+        if value.kind == WHOLE:
+            self._bounds[value.text] = max([most, *map(self.bound, among)])
+        return value
+
     def do(self, text: str) -> None:
         """Write an instruction without result."""
         self._bodies[self.block].append(text)
@@ -160,6 +222,26 @@ class Function:
         """Go on at one label or the other."""
         self.end(f"br i1 {condition.text}, label %{yes}, label %{no}")
 
+    def require(self, condition: Scalar, fault: str | Scalar) -> None:
+        """Go on if a condition holds; else the function ends with a fault: a text, or what points to one."""
+        further = self.label()
+        self.faults.append((self.block, fault))
+        self.end(f"br i1 {condition.text}, label %{further}, label %{FAULT}, !prof !0")
+        self.start(further)
+
+    def fault(self, names: Callable[[str], str]) -> Scalar:
+        """Go on where faults arrive; return the pointer to the text of the one that did.
+
+        Args:
+            names: gives a text's name in the module.
+        """
+        self.start(FAULT)
+        arrivals = [
+            (block, fault if isinstance(fault, Scalar) else Scalar(POINTER, names(fault)))
+            for block, fault in self.faults
+        ]
+        return self._first(POINTER, _phi(POINTER, arrivals))
+
     def text(self) -> Iterator[str]:
         """Yield the function's lines."""
         for label, body in self._bodies.items():
@@ -170,7 +252,7 @@ class Function:
     def element(self, row: str, index: Scalar | int, block: str | None = None) -> Scalar:
         """Return the address of a number of a row."""
         at = str(index) if isinstance(index, int) else index.text
-        return self.emit("ptr", f"getelementptr double, ptr {row}, i64 {at}", block)
+        return self.emit(POINTER, f"getelementptr double, ptr {row}, i64 {at}", block)
 
     def load(self, row: str, index: Scalar | int, block: str | None = None) -> Scalar:
         """Return a number of a row."""
@@ -178,13 +260,20 @@ class Function:
         return self.emit(DOUBLE, f"load double, ptr {at.text}, align 8", block)
 
     def converted(self, value: Scalar, kind: str, block: str | None = None) -> Scalar:
-        """Return a number as one of another kind; a double is cut to a whole number as int() does."""
+        """Return a number as one of another kind; a double is cut to a whole number as int() does.
+
+        Whether it is small enough for that is for others to see.
+        """
         if value.kind == kind:
             return value
+        constant = known(value)
+        if constant is not None and kind == WHOLE:
+            return Scalar(WHOLE, str(constant))
+        if kind == WHOLE and value.kind == TRUTH:
+            return self.bounded(self.emit(WHOLE, f"zext i1 {value.text} to i64", block), most=1)
         ways = {
             (WHOLE, DOUBLE): "sitofp",
             (DOUBLE, WHOLE): "fptosi",
-            (TRUTH, WHOLE): "zext",
             (TRUTH, DOUBLE): "uitofp",
         }
         if kind == TRUTH:
@@ -194,11 +283,12 @@ class Function:
 
     def member(self, value: Value, index: int, block: str | None = None) -> Value:
         """Return an item of a tuple."""
-        if isinstance(value, Record):
-            return value.items[index]
+        count = _count(value)
+        if not -count <= index < count:
+            raise NotTranslatedError(f"there is no item {index} in a tuple of {count}")
+        index %= count
         if not isinstance(value, Stored):
-            raise TypeError(f"{value} is no tuple")
-        index %= len(value.example)
+            return self.items(value)[index]
         item = value.example[index]
         offset = value.offset + size(value.example[:index])
         if isinstance(item, tuple):
@@ -216,11 +306,15 @@ class Function:
         if isinstance(value, Record):
             return Record(value.sort, tuple(self.taken(item, block) for item in value.items))
         if isinstance(value, Stored):
-            return Record(_sort(value), tuple(self.taken(item, block) for item in self.items(value, block)))
+            return Record(sort_of(value), tuple(self.taken(item, block) for item in self.items(value, block)))
         return value
 
     def joined(self, arrivals: Sequence[tuple[str, Value]]) -> Value:
-        """Return what a value is in the block being written, to which others lead with values of theirs."""
+        """Return what a value is in the block being written, to which others lead with values of theirs.
+
+        Raises:
+            NotTranslatedError: they are not of one kind.
+        """
         values = [value for _, value in arrivals]
         if all(value == values[0] for value in values):
             return values[0]
@@ -228,23 +322,23 @@ class Function:
             return self._joined(
                 [block for block, _ in arrivals], [v for v in values if isinstance(v, Scalar)]
             )
+        if len({(sort_of(value), _count(value)) for value in values}) > 1:
+            raise NotTranslatedError("tuples of different types or lengths on different ways")
         # Item by item: what is the same on all ways may stay in memory.
         ways = [(block, self.items(value, block)) for block, value in arrivals]
         places = zip(*(items for _, items in ways), strict=True)
         blocks = [block for block, _ in ways]
         joined = (self.joined(list(zip(blocks, place, strict=True))) for place in places)
-        return Record(_sort(values[0]), tuple(joined))
+        return Record(sort_of(values[0]), tuple(joined))
 
     def items(self, value: Value, block: str | None = None) -> tuple[Value, ...]:
         """Return the items of a tuple; what lies in memory is not loaded unless it is a number."""
         if isinstance(value, Record):
             return value.items
-        if not isinstance(value, Stored):
-            raise TypeError(f"{value} is no tuple")
-        return tuple(self.member(value, i, block) for i in range(len(value.example)))
+        return tuple(self.member(value, i, block) for i in range(_count(value)))
 
     def chosen(self, value: Value, index: Scalar) -> Value:
-        """Return the item of a tuple of items alike at an index that varies."""
+        """Return the item of a tuple of items alike at an index that varies, and is none beyond it."""
         if isinstance(value, Stored):
             example = value.example[0]
             at = self.emit(WHOLE, f"mul i64 {index.text}, {size(example)}")
@@ -258,8 +352,8 @@ class Function:
             here = self.emit(TRUTH, f"icmp eq i64 {index.text}, {i}").text
             pairs = zip(scalars(other), scalars(result), strict=True)
             picked = [
-                self.emit(
-                    a.kind, f"select i1 {here}, {a.kind} {a.text}, {a.kind} {self.converted(b, a.kind).text}"
+                self.bounded(
+                    self.emit(a.kind, f"select i1 {here}, {a.kind} {a.text}, {a.kind} {b.text}"), a, b
                 )
                 for a, b in pairs
             ]
@@ -269,9 +363,9 @@ class Function:
     def _joined(self, blocks: Sequence[str], numbers: Sequence[Scalar]) -> Scalar:
         if all(number == numbers[0] for number in numbers):
             return numbers[0]
-        kind = widest(numbers)
+        kind = common_kind(numbers)
         numbers = [self.converted(n, kind, block) for n, block in zip(numbers, blocks, strict=True)]
-        return self._first(kind, _phi(kind, zip(blocks, numbers, strict=True)))
+        return self.bounded(self._first(kind, _phi(kind, zip(blocks, numbers, strict=True))), *numbers)
 
     def repeated(self, value: Value, before: str) -> tuple[Value, Callable[[str, Value], None]]:
         """Return what a value is at the head of a loop, entered from a block `before`.
@@ -283,10 +377,12 @@ class Function:
         head, numbers = self.block, list(scalars(taken))
 
         def close(block: str, after: Value) -> None:
-            around = scalars(self.taken(after, block))
-            for place, first, again in zip(heads, numbers, around, strict=True):
-                if widest([place, again]) != place.kind:
-                    raise TypeError(f"a loop makes a {again.kind} of what is a {place.kind} before it")
+            around = self.taken(after, block)
+            if _structure(around) != _structure(taken):
+                raise NotTranslatedError("a loop makes something of another type or length of a tuple")
+            for place, first, again in zip(heads, numbers, scalars(around), strict=True):
+                if common_kind([place, again]) != place.kind:
+                    raise NotTranslatedError("a loop makes a whole number of what is a truth before it")
                 again = self.converted(again, place.kind, block)
                 text = _phi(place.kind, [(before, first), (block, again)])
                 at = self._bodies[head].index(f"{place.text} = ")
@@ -300,6 +396,20 @@ class Function:
         name = f"%v{self._count}"
         self._bodies[self.block].insert(0, f"{name} = {text}")
         return Scalar(kind, name)
+
+
+def _count(value: Value) -> int:
+    """Return how many items a tuple has."""
+    if isinstance(value, Record):
+        return len(value.items)
+    if not isinstance(value, Stored):
+        raise NotTranslatedError("a number or a row is no tuple")
+    return len(value.example)
+
+
+def _structure(value: Value) -> Any:
+    """Return the lengths and NamedTuples of a value all of whose numbers are loaded."""
+    return (value.sort, *map(_structure, value.items)) if isinstance(value, Record) else None
 
 
 def _phi(kind: str, arrivals: Iterable[tuple[str, Scalar]]) -> str:

@@ -85,7 +85,8 @@ def load_shared(code: bytes, arguments: str) -> Kernel:
 def load(code: bytes, arguments: str) -> Kernel:
     """Return the function `ENTRY` of object code made on this processor.
 
-    It releases Python's lock while it runs, so that threads run side by side.
+    It releases Python's lock while it runs, so that threads run side by side. It raises ArithmeticError where
+    the laws end with a fault, see `translate_numbers`.
 
     Args:
         code: from `optimised`.
@@ -108,10 +109,12 @@ def load(code: bytes, arguments: str) -> Kernel:
 
 def _callable(at: Any, arguments: str, *keep: Any) -> Kernel:
     """Return a function at an address as one of Python's, which keeps alive what its code needs."""
-    function = ctypes.CFUNCTYPE(None, *(ARGUMENTS[letter] for letter in arguments))(at)
+    function = ctypes.CFUNCTYPE(ctypes.c_char_p, *(ARGUMENTS[letter] for letter in arguments))(at)
 
     def kernel(*values: Any) -> None:
-        function(*values)
+        fault: bytes | None = function(*values)
+        if fault:
+            raise ArithmeticError(fault.decode())
 
     kernel.keep = keep  # type: ignore[attr-defined]
     return kernel

@@ -1,7 +1,11 @@
 """The laws, which are ordinary Python, as LLVM's text: one function that takes rows of doubles.
 
 The subset: functions of numbers and nested tuples of numbers, without effects; assignment, `if`, `for` over a
-range, `while`, `break`, `return`; arithmetic, comparison, and the functions in `translate_numbers`.
+range, `while`, `break`, `else`, `return`; arithmetic, comparison, and the functions in `translate_numbers`,
+where also stands what becomes of Python's errors. All else is refused (`NotTranslatedError`), with function,
+file and line. A variable is of one kind on every way: double, whole number, truth, or a tuple of one type.
+One that is not may not be used. Names outside of functions mean what they meant when the text was written.
+A square is the C library's power, as in Python; a product is faster.
 Each call is written out where it stands, so that LLVM sees the plant in one piece, except of functions that
 are named as seldom called or large: those stay functions. `benchmarks/compilers.py` measures this against a
 compiler for much more of Python (Numba).
@@ -9,15 +13,18 @@ compiler for much more of Python (Numba).
 
 import ast
 from collections.abc import Callable, Collection, Iterator, Mapping
-from types import FunctionType
+from types import CodeType, FunctionType
 from typing import Any
 
 from forest_compile import fingerprint, llvm_text
 from forest_compile.entry import Entry
+from forest_compile.flat import leaves
 from forest_compile.llvm_text import (
     DOUBLE,
+    POINTER,
     WHOLE,
     Function,
+    NotTranslatedError,
     Record,
     Row,
     Scalar,
@@ -29,8 +36,9 @@ from forest_compile.llvm_text import (
 )
 from forest_compile.machine_code import ENTRY
 from forest_compile.translate_expressions import Frame
-from forest_compile.translate_numbers import ONE_ARGUMENT, TWO_ARGUMENTS, NotTranslatedError
+from forest_compile.translate_numbers import ONE_ARGUMENT, TWO_ARGUMENTS
 from forest_compile.translate_statements import Statements, Variables
+from forest_compile.translate_whole import require_whole
 
 KINDS = {"p": "ptr noalias", "d": DOUBLE, "i": WHOLE}
 
@@ -61,15 +69,24 @@ class Library:
         self._apart = apart
         self._known: dict[Any, tuple[str, list[str], Value]] = {}
         self._lines: list[str] = []
+        self._faults: dict[str, str] = {}
+        self.under_way: list[FunctionType] = []
 
     def text(self) -> Iterator[str]:
         """Yield all lines."""
         for names, given in ((ONE_ARGUMENT, "double"), (TWO_ARGUMENTS, "double, double")):
             for name in sorted(set(names.values())):
-                yield f"declare double @{name}({given}) #0"
+                yield f"declare double @{name}({given}) #{2 if name == 'pow' else 0}"
+        for text, name in self._faults.items():
+            code = text.encode()
+            plain = "".join(chr(b) if 31 < b < 127 and b not in b'"\\' else f"\\{b:02x}" for b in code)
+            yield f'{name} = private unnamed_addr constant [{len(code) + 1} x i8] c"{plain}\\00"'
         yield from self._lines
         yield "attributes #0 = { nounwind willreturn speculatable memory(none) }"
         yield "attributes #1 = { nounwind noinline }"
+        yield '!0 = !{!"branch_weights", i32 1000000, i32 1}'  # of what a fault leaves aside
+        # Not for LLVM to replace: its root for a power of 0.5 is another last bit than CPython's.
+        yield "attributes #2 = { nounwind willreturn speculatable memory(none) nobuiltin }"
 
     def entry(
         self,
@@ -81,7 +98,7 @@ class Library:
         copies: Mapping[str, tuple[str, Any]],
         fixed: Mapping[tuple[str, int], Scalar] | None = None,
     ) -> None:
-        """Add the function that the world calls.
+        """Add the function that the world calls: it returns null, or the text of a fault.
 
         Args:
             name: of it.
@@ -92,9 +109,9 @@ class Library:
             copies: the same, of arguments that the function writes to.
             fixed: numbers that LLVM may take for granted: an argument's name, and where in it.
         """
-        (node,) = ast.parse(text).body
-        if not isinstance(node, ast.FunctionDef):
-            raise NotTranslatedError("the entry's source is no function")
+        (node,), (code, *_) = ast.parse(text).body, compile(text, name, "exec").co_consts
+        if not (isinstance(node, ast.FunctionDef) and isinstance(code, CodeType)):
+            raise NotTranslatedError("the entry's source is no function", name)
         known = {(f"%{argument}", at): number for (argument, at), number in (fixed or {}).items()}
         into, kinds = Function(known), []
         variables: Variables = {}
@@ -108,9 +125,19 @@ class Library:
             variables[view] = Stored(example, f"%{under}", 0)
         for copy, (under, example) in copies.items():
             variables[copy] = into.taken(Stored(example, f"%{under}", 0))
-        Statements(into, self).run(node.body, Frame(variables, names))
-        into.end("ret void")
-        self._lines += [f"define void @{name}({', '.join(kinds)}) nounwind {{", *into.text(), "}"]
+        for view, (under, example) in (*views.items(), *copies.items()):
+            for at, (path, leaf) in enumerate(leaves(example, view)):
+                if isinstance(leaf, int):  # or a truth
+                    require_whole(into, f"%{under}", at, f"{name}: {path}", isinstance(leaf, bool))
+        Statements(into, self).entry(node, Frame(variables, names, name, code))
+        into.end("ret ptr null")
+        if into.faults:
+            into.end(f"ret ptr {into.fault(self._fault).text}")
+        self._lines += [f"define ptr @{name}({', '.join(kinds)}) nounwind {{", *into.text(), "}"]
+
+    def _fault(self, text: str) -> str:
+        """Return a fault's name in the module."""
+        return self._faults.setdefault(text, f"@fault.{len(self._faults)}")
 
     def is_apart(self, function: FunctionType) -> bool:
         """Tell whether calls of a function stay calls."""
@@ -139,12 +166,19 @@ class Library:
         result = into.taken(Statements(into, self).written_out(function, inner))
         numbers = list(scalars(result))
         results = [number.kind for number in numbers]
+        if into.faults:
+            results.append(POINTER)
+            numbers.append(Scalar(POINTER, "null"))
         whole = "{ " + ", ".join(results) + " }"
         built = "undef"
         for k, number in enumerate(numbers):
             text = f"insertvalue {whole} {built}, {number.kind} {number.text}, {k}"
             built = into.emit(whole, text).text
         into.end(f"ret {whole} {built}")
+        if into.faults:
+            fault, last = into.fault(self._fault).text, len(results) - 1
+            text = f"insertvalue {whole} zeroinitializer, ptr {fault}, {last}"
+            into.end(f"ret {whole} {into.emit(whole, text).text}")
         name = f"{function.__name__}.{len(self._known)}.{len(self._lines)}"
         head = f"define internal {whole} @{name}({', '.join(kinds)}) #1 {{"
         self._lines += [head, *into.text(), "}"]

@@ -5,44 +5,76 @@ What is not in the subset is refused by name.
 
 import ast
 import builtins
-from collections.abc import Callable
-from types import FunctionType
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache, partial
+from pathlib import PurePath
+from types import CodeType, FunctionType
 from typing import Any
 
 from forest_compile.llvm_text import (
     DOUBLE,
     TRUTH,
     WHOLE,
+    NotTranslatedError,
     Record,
     Row,
     Scalar,
     Stored,
     Value,
     constant,
-    scalars,
+    known,
+    number,
+    shape,
+    sort_of,
 )
-from forest_compile.translate_numbers import FALSE, TRUE, NotTranslatedError, Numbers
+from forest_compile.translate_numbers import Numbers
 
 
 class Frame:
     """One call of a function: its variables, and what names mean outside it."""
 
-    def __init__(self, variables: dict[str, Value], names: dict[str, Any]) -> None:
-        self.variables, self.names = variables, names
+    def __init__(
+        self, variables: dict[str, Value], names: Mapping[str, Any], name: str, code: CodeType
+    ) -> None:
+        """Begin a call.
+
+        Args:
+            variables: the arguments.
+            names: what names mean outside.
+            name: of the function.
+            code: Python's of it, which knows file and variables.
+        """
+        self.variables, self.names, self.name = variables, names, name
+        self.file, self.own = PurePath(code.co_filename).name, {*code.co_varnames, *code.co_cellvars}
+        self.line = code.co_firstlineno
         self.returns: list[tuple[str, Value]] = []
         self.breaks: list[list[tuple[str, dict[str, Value]]]] = []
         self.continues: list[list[tuple[str, dict[str, Value]]]] = []
+
+    def place(self) -> str:
+        """Return which line is being written."""
+        return f"{self.name} ({self.file}, line {self.line})"
 
 
 class Expressions(Numbers):
     """Writes expressions into a function."""
 
+    frame: Frame
+    """The call that is being written."""
+
+    def place(self) -> str:
+        """Return which function, file and line is being written."""
+        return self.frame.place()
+
     def value(self, node: ast.expr, frame: Frame) -> Value:
         """Return what an expression gives."""
         method = getattr(self, f"_{type(node).__name__.lower()}", None)
+        line, frame.line = frame.line, node.lineno
         if method is None:
             raise NotTranslatedError(f"{ast.unparse(node)!r}: {type(node).__name__} is not translated")
         result: Value = method(node, frame)
+        frame.line = line
         return result
 
     def number(self, node: ast.expr, frame: Frame) -> Scalar:
@@ -83,12 +115,22 @@ class Expressions(Numbers):
     def _known(self, node: ast.expr, frame: Frame) -> Any:
         """Return what a name means outside the function."""
         if isinstance(node, ast.Attribute):
-            return getattr(self._known(node.value, frame), node.attr)
-        if isinstance(node, ast.Name) and node.id not in frame.variables:
-            found = frame.names.get(node.id, getattr(builtins, node.id, None))
-            if found is not None:
-                return found
+            owner = self._known(node.value, frame)
+            if hasattr(owner, node.attr):
+                return getattr(owner, node.attr)
+        elif isinstance(node, ast.Name) and node.id not in frame.variables:
+            if node.id in frame.own:
+                raise NotTranslatedError(f"{node.id!r} has no value of one kind on every way here")
+            for names in (frame.names, vars(builtins)):
+                if node.id in names:
+                    return names[node.id]
         raise NotTranslatedError(f"{ast.unparse(node)!r} has no meaning outside the function, and none in it")
+
+    def means(self, node: ast.expr, frame: Frame, function: Any) -> bool:
+        """Tell whether an expression is a name of a function, one of Python's own, say."""
+        return (
+            isinstance(node, ast.Name) and node.id not in frame.own and self._known(node, frame) is function
+        )
 
     def _attribute(self, node: ast.Attribute, frame: Frame) -> Value:
         root: ast.expr = node
@@ -97,30 +139,43 @@ class Expressions(Numbers):
         if isinstance(root, ast.Name) and root.id not in frame.variables:
             return constant(self._known(node, frame))
         value = self.value(node.value, frame)
-        sort: Any = value.sort if isinstance(value, Record) else type(getattr(value, "example", None))
-        if node.attr not in getattr(sort, "_fields", ()):
+        fields: tuple[str, ...] = getattr(sort_of(value), "_fields", ())
+        if node.attr not in fields:
             raise NotTranslatedError(f"{ast.unparse(node)!r}: there is no such field")
-        return self.into.member(value, sort._fields.index(node.attr))
+        return self.into.member(value, fields.index(node.attr))
 
     def _subscript(self, node: ast.Subscript, frame: Frame) -> Value:
-        value, index = self.value(node.value, frame), self.number(node.slice, frame)
+        value, index = self.value(node.value, frame), self.whole(self.number(node.slice, frame))
         if isinstance(value, Row):
-            return self.into.load(value.text, index)
-        if index.text.lstrip("-").isdigit():
-            return self.into.member(value, int(index.text))
-        if not self._alike(value):
+            return self.into.load(value.text, self.row_index(index))
+        at = known(index)
+        if at is not None:
+            return self.into.member(value, at)
+        items = value.example if isinstance(value, Stored) else self.into.items(value)
+        shapes = {shape(constant(item) if isinstance(value, Stored) else item) for item in items}
+        if len(shapes) != 1:
             raise NotTranslatedError(f"{ast.unparse(node)!r}: only items alike have a variable index")
-        return self.into.chosen(value, index)
+        return self.into.chosen(value, self._item_index(index, len(items)))
 
-    def _alike(self, value: Value) -> bool:
-        """Tell whether a tuple's items are of one shape."""
-        if isinstance(value, Stored):
-            kinds = {str(_kinds(item)) for item in value.example}
-        elif isinstance(value, Record):
-            kinds = {str([number.kind for number in scalars(self.into.taken(item))]) for item in value.items}
-        else:
-            return False
-        return len(kinds) == 1
+    def row_index(self, index: Scalar) -> Scalar:
+        """Return a whole number that is 0 or more; how long a row is, only its owner knows."""
+        at = known(index)
+        if at is not None and at < 0:
+            raise NotTranslatedError(f"index {at}: a row has no length that it could be counted from")
+        if at is None:
+            fine = self.into.emit(TRUTH, f"icmp sge i64 {index.text}, 0")
+            self.require(fine, "a negative index of a row")
+        return index
+
+    def _item_index(self, index: Scalar, count: int) -> Scalar:
+        """Return a tuple's index from 0 to its length less 1; a negative one counts from the end."""
+        into = self.into
+        negative = into.emit(TRUTH, f"icmp slt i64 {index.text}, 0")
+        from_end = into.emit(WHOLE, f"add i64 {index.text}, {count}")
+        at = into.emit(WHOLE, f"select i1 {negative.text}, i64 {from_end.text}, i64 {index.text}")
+        within = into.emit(TRUTH, f"icmp ult i64 {at.text}, {count}")
+        self.require(within, f"an index beyond a tuple of {count}")
+        return at
 
     def _tuple(self, node: ast.Tuple, frame: Frame) -> Value:
         items: list[Value] = []
@@ -135,63 +190,75 @@ class Expressions(Numbers):
         """Return `tuple([... for i in range(n)])`, n a constant, item by item; None if a call is none."""
         match node:
             case ast.Call(
-                func=ast.Name("tuple"),
+                func=outer,
                 args=[
                     ast.ListComp(
                         elt=item,
                         generators=[
                             ast.comprehension(
                                 target=ast.Name(name),
-                                iter=ast.Call(func=ast.Name("range"), args=[count]),
+                                iter=ast.Call(func=inner, args=[count], keywords=[]),
                                 ifs=[],
                             )
                         ],
                     )
                 ],
-            ):
-                number = self.number(count, frame).text
-                if not number.isdigit():
+                keywords=[],
+            ) if self.means(outer, frame, tuple) and self.means(inner, frame, range):
+                length = known(self.whole(self.number(count, frame)))
+                if length is None:
                     raise NotTranslatedError(f"{ast.unparse(node)!r}: its length is not constant")
-                items: list[Value] = []
-                for i in range(int(number)):
-                    inner = Frame(frame.variables | {name: Scalar(WHOLE, str(i))}, frame.names)
-                    items.append(self.value(item, inner))
+                items, outside = [], frame.variables
+                for i in range(length):
+                    frame.variables = outside | {name: number(i)}
+                    items.append(self.value(item, frame))
+                frame.variables = outside
                 return Record(None, tuple(items))
         return None
 
     def _unaryop(self, node: ast.UnaryOp, frame: Frame) -> Value:
-        number = self.number(node.operand, frame)
+        value = self.number(node.operand, frame)
         if isinstance(node.op, ast.Not):
-            return self.into.emit(TRUTH, f"xor i1 {self._truth(number).text}, true")
+            return self.into.emit(TRUTH, f"xor i1 {self._truth(value).text}, true")
         if not isinstance(node.op, ast.USub):
             raise NotTranslatedError(f"{ast.unparse(node)!r} is not translated")
-        if number.kind == WHOLE:
-            if number.text.isdigit():
-                return Scalar(WHOLE, f"-{number.text}")
-            return self.into.emit(WHOLE, f"sub i64 0, {number.text}")
-        return self.into.emit(DOUBLE, f"fneg double {self.into.converted(number, DOUBLE).text}")
+        if value.kind == DOUBLE:
+            return self.into.emit(DOUBLE, f"fneg double {value.text}")
+        return self.negative(value)
 
     def _binop(self, node: ast.BinOp, frame: Frame) -> Value:
-        left = self.number(node.left, frame)
-        if isinstance(node.op, ast.Pow):
-            power = node.right.value if isinstance(node.right, ast.Constant) else None
-            if power == 2:
-                return self.operation(ast.Mult(), left, left)
-            if not isinstance(power, int | float) or left.kind != DOUBLE:
-                raise NotTranslatedError(f"{ast.unparse(node)!r}: only constant powers are translated")
-            return self._builtin(pow, [left, self.number(node.right, frame)], ast.unparse(node))
-        return self.operation(node.op, left, self.number(node.right, frame))
+        return self.operation(node.op, self.number(node.left, frame), self.number(node.right, frame))
 
     def _compare(self, node: ast.Compare, frame: Frame) -> Value:
-        values = [self.value(item, frame) for item in (node.left, *node.comparators)]
-        result: Scalar | None = None
-        for operator, left, right in zip(node.ops, values[:-1], values[1:], strict=True):
-            holds = self._compared(operator, left, right)
-            result = holds if result is None else self._both(result, holds)
-        return result or TRUE
+        left = self.value(node.left, frame)
+
+        def holds(sort: ast.cmpop, item: ast.expr) -> Scalar:
+            nonlocal left
+            before, left = left, self.value(item, frame)
+            return self._compared(sort, before, left)
+
+        pairs = zip(node.ops, node.comparators, strict=True)
+        return self._first_of([partial(holds, *pair) for pair in pairs], False)
 
     def _boolop(self, node: ast.BoolOp, frame: Frame) -> Value:
-        return self._chosen(node, frame, lambda: TRUE, lambda: FALSE)
+        parts = [partial(self.number, part, frame) for part in node.values]
+        return self._first_of(parts, isinstance(node.op, ast.Or))
+
+    def _first_of(self, parts: Sequence[Callable[[], Scalar]], decides: bool) -> Value:
+        """Return the first number whose truth is `decides`, or the last; none after it is asked for."""
+        into, arrivals, end = self.into, [], self.into.label()
+        for part in parts[:-1]:
+            value, further = part(), into.label()
+            arrivals.append((into.block, value))
+            into.branch(self._truth(value), *((end, further) if decides else (further, end)))
+            into.start(further)
+        if not arrivals:
+            return parts[0]()
+        last = parts[-1]()
+        arrivals.append((into.block, last))
+        into.jump(end)
+        into.start(end)
+        return into.joined(arrivals)
 
     def _ifexp(self, node: ast.IfExp, frame: Frame) -> Value:
         return self._chosen(
@@ -221,37 +288,47 @@ class Expressions(Numbers):
             return written
         function = self._known(node.func, frame)
         arguments = [self.value(item, frame) for item in node.args]
-        if isinstance(function, type) and issubclass(function, tuple):
-            named = {str(word.arg): self.value(word.value, frame) for word in node.keywords}
-            fields: tuple[str, ...] = getattr(function, "_fields", ())
-            given = {n: constant(v) for n, v in getattr(function, "_field_defaults", {}).items()} | named
-            return Record(function, (*arguments, *(given[name] for name in fields[len(arguments) :])))
+        named = {str(word.arg): self.value(word.value, frame) for word in node.keywords}
         if isinstance(function, FunctionType):
-            named = {str(word.arg): self.value(word.value, frame) for word in node.keywords}
-            names = function.__code__.co_varnames[: function.__code__.co_argcount]
-            last = function.__defaults__ or ()
-            missing = [name for name in names[len(arguments) :] if name not in named]
-            default = dict(zip(names[len(names) - len(last) :], last, strict=True))
-            named |= {name: constant(default[name]) for name in missing}
-            return self.call(function, [*arguments, *(named[name] for name in names[len(arguments) :])])
+            return self.call(function, [value for _, value in self._bound(node, function, arguments, named)])
+        if isinstance(function, type) and function.__bases__ == (tuple,) and hasattr(function, "_fields"):
+            return Record(function, tuple(v for _, v in self._bound(node, function, arguments, named)))
         numbers = [item for item in arguments if isinstance(item, Scalar)]
-        if len(numbers) != len(arguments) or node.keywords:
+        if len(numbers) != len(arguments) or named:
             raise NotTranslatedError(f"{ast.unparse(node)!r} is not translated")
         return self._builtin(function, numbers, ast.unparse(node))
 
+    def _bound(
+        self, node: ast.Call, function: Callable[..., Any], arguments: list[Value], named: dict[str, Value]
+    ) -> list[tuple[str, Value]]:
+        """Return name and value of each of a function's parameters, as a call gives them."""
+        signature = _signature(function)
+        if any(p.kind in (p.VAR_POSITIONAL, p.VAR_KEYWORD) for p in signature.parameters.values()):
+            raise NotTranslatedError(f"{ast.unparse(node)!r}: any number of arguments is not translated")
+        if any(word.arg is None for word in node.keywords):
+            raise NotTranslatedError(f"{ast.unparse(node)!r}: ** is not translated")
+        try:
+            given = signature.bind(*arguments, **named).arguments
+        except TypeError as error:
+            raise NotTranslatedError(f"{ast.unparse(node)!r}: {error}") from error
+        return [
+            (name, given[name] if name in given else constant(parameter.default))
+            for name, parameter in signature.parameters.items()
+        ]
+
     def _replaced(self, node: ast.Call, value: Value, frame: Frame) -> Record:
         """Return a NamedTuple with some fields changed."""
-        sort: Any = value.sort if isinstance(value, Record) else type(getattr(value, "example", None))
-        items = dict(zip(getattr(sort, "_fields", ()), self.into.items(value), strict=True))
+        fields: tuple[str, ...] = getattr(sort_of(value), "_fields", ())
+        if not fields or node.args:
+            raise NotTranslatedError(f"{ast.unparse(node)!r} is not translated")
+        items = dict(zip(fields, self.into.items(value), strict=True))
         for word in node.keywords:
             if word.arg not in items:
                 raise NotTranslatedError(f"{ast.unparse(node)!r}: there is no field {word.arg!r}")
             items[word.arg] = self.value(word.value, frame)
-        return Record(sort, tuple(items.values()))
+        return Record(sort_of(value), tuple(items.values()))
 
 
-def _kinds(example: Any) -> list[Any]:
-    """Return the types of a nested tuple's numbers."""
-    if isinstance(example, tuple):
-        return [kind for item in example for kind in _kinds(item)]
-    return [type(example)]
+@lru_cache(maxsize=1024)
+def _signature(function: Callable[..., Any]) -> inspect.Signature:
+    return inspect.signature(function, follow_wrapped=False)

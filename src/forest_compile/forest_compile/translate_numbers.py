@@ -1,8 +1,14 @@
 """Arithmetic, comparisons and functions of numbers in LLVM's text: what expressions are made of.
 
-Python's meaning is kept to the last bit, but for errors: a quotient by zero is infinite, a root of a negative
-number no number. A square is a product, where Python's `x**2` is the C library's power: in one of a thousand
-the last bit differs, so laws that must agree write the product.
+Where Python gives a number, machine code gives it to the last bit, zeros with their signs. Where it raises:
+
+| Python's error | machine code |
+|---|---|
+| division by zero, root of a negative double, overflow of a double | IEEE 754's result: infinite or NaN |
+| remainder of a whole number by zero, index beyond a tuple, `int()` of NaN | a fault: the kernel raises |
+
+A whole number beyond 2**53 - 1 is a fault, too. A fractional power of a negative number, which Python makes
+complex, is NaN. The sign of NaN is any. Tuples are compared number by number: one with NaN is unlike itself.
 """
 
 import ast
@@ -10,10 +16,19 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from forest_compile.llvm_text import DOUBLE, TRUTH, WHOLE, Function, Record, Scalar, Value
+from forest_compile.llvm_text import (
+    DOUBLE,
+    TRUTH,
+    WHOLE,
+    NotTranslatedError,
+    Scalar,
+    Value,
+    common_kind,
+    number,
+)
+from forest_compile.translate_whole import FALSE, TRUE, WholeNumbers
 
-TRUE, FALSE = Scalar(TRUTH, "true"), Scalar(TRUTH, "false")
-ZERO, INFINITE = Scalar(WHOLE, "0"), Scalar(DOUBLE, "0x7FF0000000000000")
+NO_DOUBLE, INFINITE = number(0.0), number(math.inf)
 ONE_ARGUMENT: dict[Any, str] = {
     math.sqrt: "llvm.sqrt.f64",
     abs: "llvm.fabs.f64",
@@ -30,10 +45,11 @@ TWO_ARGUMENTS: dict[Any, str] = {
     math.fmod: "fmod",
 }
 EXTERNAL = {**ONE_ARGUMENT, **TWO_ARGUMENTS}
-_ARITHMETIC: dict[type[ast.operator], tuple[str, str]] = {
-    ast.Add: ("fadd", "add"),
-    ast.Sub: ("fsub", "sub"),
-    ast.Mult: ("fmul", "mul"),
+_ARITHMETIC: dict[type[ast.operator], str] = {
+    ast.Add: "fadd",
+    ast.Sub: "fsub",
+    ast.Mult: "fmul",
+    ast.Div: "fdiv",
 }
 _COMPARISONS: dict[type[ast.cmpop], tuple[str, str]] = {
     ast.Lt: ("olt", "slt"),
@@ -45,110 +61,118 @@ _COMPARISONS: dict[type[ast.cmpop], tuple[str, str]] = {
 }
 
 
-class NotTranslatedError(TypeError):
-    """Something in the laws is outside the subset: the message tells what and where."""
-
-
-class Numbers:
+class Numbers(WholeNumbers):
     """Writes what is done to numbers into a function."""
 
-    def __init__(self, into: Function) -> None:
-        self.into = into
+    def _truth(self, value: Scalar) -> Scalar:
+        return self.into.converted(value, TRUTH)
 
-    def _truth(self, number: Scalar) -> Scalar:
-        return self.into.converted(number, TRUTH)
+    def _double(self, value: Scalar) -> Scalar:
+        return self.into.converted(self.settled(value), DOUBLE)
 
-    def operation(self, operator: ast.operator, left: Scalar, right: Scalar) -> Scalar:
-        """Return a sum, difference, product, quotient or remainder."""
-        if isinstance(operator, ast.Mod):
+    def operation(self, sort: ast.operator, left: Scalar, right: Scalar) -> Scalar:
+        """Return a sum, difference, product, quotient, remainder or power."""
+        if DOUBLE not in (left.kind, right.kind) and not isinstance(sort, ast.Div):
+            return self.whole_operation(sort, left, right)
+        left, right = self._double(left), self._double(right)
+        if isinstance(sort, ast.Mod):
             return self._remainder(left, right)
-        if isinstance(operator, ast.Div):
-            left, right = self.into.converted(left, DOUBLE), self.into.converted(right, DOUBLE)
-            return self.into.emit(DOUBLE, f"fdiv double {left.text}, {right.text}")
-        if type(operator) not in _ARITHMETIC:
-            raise NotTranslatedError(f"{type(operator).__name__} is not translated")
-        kind = DOUBLE if DOUBLE in (left.kind, right.kind) else WHOLE
-        left, right = self.into.converted(left, kind), self.into.converted(right, kind)
-        instruction = _ARITHMETIC[type(operator)][kind == WHOLE]
-        return self.into.emit(kind, f"{instruction} {kind} {left.text}, {right.text}")
+        if isinstance(sort, ast.Pow):
+            return self._external(pow, [left, right])
+        if type(sort) not in _ARITHMETIC:
+            raise NotTranslatedError(f"{type(sort).__name__} is not translated")
+        return self.into.emit(DOUBLE, f"{_ARITHMETIC[type(sort)]} double {left.text}, {right.text}")
 
     def _remainder(self, left: Scalar, right: Scalar) -> Scalar:
-        """Return Python's remainder, which has the divisor's sign; C's has the dividend's."""
-        if left.kind == DOUBLE or right.kind == DOUBLE:
-            rest = self._builtin(math.fmod, [left, right], "%")
-            add = "fadd"
-        else:
-            left, right = self.into.converted(left, WHOLE), self.into.converted(right, WHOLE)
-            rest = self.into.emit(WHOLE, f"srem i64 {left.text}, {right.text}")
-            add = "add"
-        kind = rest.kind
-        right = self.into.converted(right, kind)
-        signs = [self._compared(ast.Lt(), number, ZERO).text for number in (rest, right)]
-        differ = self.into.emit(TRUTH, f"xor i1 {signs[0]}, {signs[1]}")
-        wrong = self._both(differ, self._compared(ast.NotEq(), rest, ZERO))
-        moved = self.into.emit(kind, f"{add} {kind} {rest.text}, {right.text}")
-        text = f"select i1 {wrong.text}, {kind} {moved.text}, {kind} {rest.text}"
-        return self.into.emit(kind, text)
+        """Return Python's remainder, which has the divisor's sign, zero too; C's has the dividend's."""
+        into, rest = self.into, self._external(math.fmod, [left, right])
+        signs = [self._compared(ast.Lt(), value, NO_DOUBLE).text for value in (rest, right)]
+        differ = into.emit(TRUTH, f"xor i1 {signs[0]}, {signs[1]}")
+        moved = into.emit(DOUBLE, f"fadd double {rest.text}, {right.text}")
+        signed = into.emit(DOUBLE, f"select i1 {differ.text}, double {moved.text}, double {rest.text}")
+        zero = self._external(math.copysign, [NO_DOUBLE, right])
+        some = self._compared(ast.NotEq(), rest, NO_DOUBLE)
+        return into.emit(DOUBLE, f"select i1 {some.text}, double {signed.text}, double {zero.text}")
 
-    def _compared(self, operator: ast.cmpop, left: Value, right: Value) -> Scalar:
+    def _compared(self, sort: ast.cmpop, left: Value, right: Value) -> Scalar:
+        if type(sort) not in _COMPARISONS:
+            raise NotTranslatedError(f"{type(sort).__name__} is not translated")
         if isinstance(left, Scalar) and isinstance(right, Scalar):
             kind = DOUBLE if DOUBLE in (left.kind, right.kind) else WHOLE
-            left, right = self.into.converted(left, kind), self.into.converted(right, kind)
-            sort = _COMPARISONS[type(operator)][kind == WHOLE]
+            both = self._double if kind == DOUBLE else self.whole
+            left, right = both(left), both(right)
+            condition = _COMPARISONS[type(sort)][kind == WHOLE]
             instruction = "icmp" if kind == WHOLE else "fcmp"
-            return self.into.emit(TRUTH, f"{instruction} {sort} {kind} {left.text}, {right.text}")
-        if isinstance(operator, ast.NotEq):
+            return self.into.emit(TRUTH, f"{instruction} {condition} {kind} {left.text}, {right.text}")
+        if isinstance(sort, ast.NotEq):
             return self.into.emit(TRUTH, f"xor i1 {self._compared(ast.Eq(), left, right).text}, true")
-        one, other = self.into.taken(left), self.into.taken(right)
-        if not (isinstance(operator, ast.Eq) and isinstance(one, Record) and isinstance(other, Record)):
-            raise NotTranslatedError("tuples are compared for equality alone")
+        if not isinstance(sort, ast.Eq) or isinstance(left, Scalar) or isinstance(right, Scalar):
+            raise NotTranslatedError("tuples are compared with tuples, for equality alone")
+        one, other = self.into.items(left), self.into.items(right)
+        if len(one) != len(other):
+            return FALSE
         result = TRUE
-        for a, b in zip(one.items, other.items, strict=True):
-            result = self._both(result, self._compared(operator, a, b))
+        for a, b in zip(one, other, strict=True):
+            same = self._compared(sort, a, b)
+            result = self.into.emit(TRUTH, f"and i1 {result.text}, {same.text}")
         return result
-
-    def _both(self, one: Scalar, other: Scalar) -> Scalar:
-        return self.into.emit(TRUTH, f"and i1 {one.text}, {other.text}")
 
     def _builtin(self, function: Any, numbers: list[Scalar], text: str) -> Scalar:
         """Return what a function of numbers gives; `text` is the call's."""
+        if function not in _ARITIES:
+            raise NotTranslatedError(f"{text!r} is not translated")
+        if len(numbers) not in _ARITIES[function]:
+            raise NotTranslatedError(f"{text!r}: not with {len(numbers)} numbers")
+        whole = all(value.kind != DOUBLE for value in numbers)
+        if function is pow and whole:
+            raise NotTranslatedError(f"{text!r}: a power of whole numbers is not translated")
+        if function is abs and whole:
+            return self._extreme(ast.Gt(), [self.whole(numbers[0]), self.negative(numbers[0])])
         if function in _SPECIAL:
             return _SPECIAL[function](self, numbers)
-        if function not in EXTERNAL:
-            raise NotTranslatedError(f"{text!r} is not translated")
-        given = ", ".join(f"double {self.into.converted(number, DOUBLE).text}" for number in numbers)
+        return self._external(function, numbers)
+
+    def _external(self, function: Any, numbers: list[Scalar]) -> Scalar:
+        """Return what a function of doubles gives that LLVM or the C library has."""
+        given = ", ".join(f"double {self._double(value).text}" for value in numbers)
         return self.into.emit(DOUBLE, f"call double @{EXTERNAL[function]}({given})")
 
-    def _is_nan(self, number: Scalar) -> Scalar:
-        return self._compared(ast.NotEq(), *2 * (self.into.converted(number, DOUBLE),))
+    def _is_nan(self, value: Scalar) -> Scalar:
+        return self._compared(ast.NotEq(), *2 * (self._double(value),))
 
-    def _is_finite(self, number: Scalar) -> Scalar:
-        return self._compared(ast.Lt(), self._builtin(abs, [number], "abs"), INFINITE)
+    def _is_finite(self, value: Scalar) -> Scalar:
+        return self._compared(ast.Lt(), self._external(abs, [value]), INFINITE)
 
-    def _floor(self, number: Scalar) -> Scalar:
+    def _floor(self, value: Scalar) -> Scalar:
         """Return the greatest whole number that is not greater."""
-        cut = self.into.converted(number, WHOLE)
-        less = self._compared(ast.Lt(), number, self.into.converted(cut, DOUBLE))
-        return self.operation(ast.Sub(), cut, self.into.converted(less, WHOLE))
+        cut = self.cut(value)
+        less = self.whole(self._compared(ast.Lt(), value, cut))
+        return self.into.emit(WHOLE, f"sub i64 {cut.text}, {less.text}")
 
-    def _extreme(self, operator: ast.cmpop, numbers: list[Scalar]) -> Scalar:
+    def _extreme(self, sort: ast.cmpop, numbers: list[Scalar]) -> Scalar:
         """Return the greatest or least number; the first of equals, and of what cannot be compared."""
-        kind = DOUBLE if any(number.kind == DOUBLE for number in numbers) else WHOLE
-        result, *others = (self.into.converted(number, kind) for number in numbers)
+        kind = common_kind(numbers)
+        result, *others = (self.into.converted(value, kind) for value in numbers)
         for other in others:
-            beyond = self._compared(operator, other, result)
+            beyond = self._compared(sort, other, result)
             text = f"select i1 {beyond.text}, {kind} {other.text}, {kind} {result.text}"
-            result = self.into.emit(kind, text)
+            result = self.into.bounded(self.into.emit(kind, text), result, other)
         return result
 
 
 _SPECIAL: dict[Any, Callable[[Numbers, list[Scalar]], Scalar]] = {
     max: lambda to, given: to._extreme(ast.Gt(), given),
     min: lambda to, given: to._extreme(ast.Lt(), given),
-    int: lambda to, given: to.into.converted(given[0], WHOLE),
-    float: lambda to, given: to.into.converted(given[0], DOUBLE),
+    int: lambda to, given: to.cut(given[0]),
+    float: lambda to, given: to._double(given[0]),
     bool: lambda to, given: to._truth(given[0]),
-    math.floor: lambda to, given: to._floor(to.into.converted(given[0], DOUBLE)),
+    math.floor: lambda to, given: to._floor(given[0]),
     math.isnan: lambda to, given: to._is_nan(given[0]),
     math.isfinite: lambda to, given: to._is_finite(given[0]),
 }
+_ARITIES: dict[Any, range] = (
+    dict.fromkeys(_SPECIAL, range(1, 2))
+    | dict.fromkeys(ONE_ARGUMENT, range(1, 2))
+    | dict.fromkeys(TWO_ARGUMENTS, range(2, 3))
+    | dict.fromkeys((max, min), range(2, 1000))
+)

@@ -217,7 +217,8 @@ def _joint_servo(
     # What the integral has learnt of the valve at speed is kept while the joint holds.
     grown = memory.w - memory.gathered + gathered if still else memory.w + dt * p.integral[i] * error
     w = max(-p.integral_limit, min(p.integral_limit, grown))
-    quick = 1.0 if i == 0 else min(1.0, (x.a / FULL_RATE) ** 2)
+    part = x.a / FULL_RATE
+    quick = 1.0 if i == 0 else min(1.0, part * part)
     # At rest there is time to hear less noise.
     heard = seen if still and shut else seen + quick * (error - seen)
     u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.r - heard, x.v, x.w + w), p.gains[i])

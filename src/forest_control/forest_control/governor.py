@@ -144,8 +144,8 @@ def _softened(allowed: float, wished: float) -> float:
     if share >= FAR_OFF:
         return allowed
     # The cubic from (0, 0), slope 1, to (FAR_OFF, 1), slope 0.
-    square = (2.0 * FAR_OFF - 3.0) / FAR_OFF**2
-    cube = (2.0 * square * FAR_OFF - 1.0) / (3.0 * FAR_OFF**2)
+    square = (2.0 * FAR_OFF - 3.0) / (FAR_OFF * FAR_OFF)
+    cube = (2.0 * square * FAR_OFF - 1.0) / (3.0 * (FAR_OFF * FAR_OFF))
     return wished * (share - square * share * share + cube * share * share * share)
 
 

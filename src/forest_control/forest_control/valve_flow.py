@@ -17,6 +17,7 @@ from typing import NamedTuple
 from forest_description.valve import ValveLaw
 
 BANDWIDTH = 2.0 * math.pi * 10.0  # [rad/s] of both stages of the low-pass: a jump must be learnt in time
+CUBED_BANDWIDTH = BANDWIDTH**3
 EMPTY = 1e5  # [Pa] below, anti-cavitation checks may feed a port past the valve
 ABOVE_SUPPLY = 1.1  # of the supply pressure: above, a port's relief valve may open
 LEAST_DROP = 0.02  # of the supply pressure, at an orifice, to tell its flow
@@ -150,7 +151,7 @@ def opening_variance(low: LowPassed, a: FlowParameters, dt: float) -> float:
     times its own.
     """
     noise = a.position_noise * low.gradient_2
-    return noise * noise * BANDWIDTH**3 * dt / 4.0
+    return noise * noise * CUBED_BANDWIDTH * dt / 4.0
 
 
 def overlapping(dt: float) -> float:

@@ -55,6 +55,6 @@ def _while_filling(opposing: float, mean: float, supply: float, axis: AxisDriver
     """
     half = 0.5 * opposing / axis.displacement_1
     usual = max(LEAST_PART * supply, 0.5 * supply - half)
-    floor = LEAST_PART**2 * usual
+    floor = LEAST_PART * LEAST_PART * usual
     inlet, outlet = max(floor, supply - mean - half), max(floor, mean - half)
     return 2.0 * math.sqrt(usual) / (math.sqrt(inlet) + math.sqrt(outlet))

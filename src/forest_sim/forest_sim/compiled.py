@@ -1,8 +1,7 @@
 """The plant's steps as machine code, for studies that take millions of them and for the node.
 
 The laws stay ordinary Python; here, and only here, they are handed to a compiler. Compiled and interpreted
-steps agree to the last bit, but for squares: Python's `x**2` is the C library's power, which in one of a
-thousand is a last bit off the product. Making the machine code takes some two seconds
+steps agree to the last bit. Making the machine code takes some two seconds
 (`python -m forest_sim.compiled`), loading it (`forest_compile.kept`) some milliseconds.
 """
 

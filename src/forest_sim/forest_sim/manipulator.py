@@ -101,11 +101,11 @@ def dynamics(q: Triple, rates: Triple, body: Body) -> Dynamics:
     h_s = b.boom_length * s_2 + k_s
     r_b, r_s = b.base_offset + x_b, b.base_offset + b.boom_length * c_2 + x_s
 
-    stick_own = b.stick_mass * (b.stick_x**2 + b.stick_y**2) + b.stick_zz
+    stick_own = b.stick_mass * (b.stick_x * b.stick_x + b.stick_y * b.stick_y) + b.stick_zz
     coupling = b.stick_mass * b.boom_length * (b.stick_x * c_3 - b.stick_y * s_3)
     coriolis = b.stick_mass * b.boom_length * (b.stick_x * s_3 + b.stick_y * c_3)
-    boom_turn = (b.boom_yy - b.boom_xx) * c_2 * s_2 + b.boom_xy * (c_2**2 - s_2**2)
-    stick_turn = (b.stick_yy - b.stick_xx) * c_23 * s_23 + b.stick_xy * (c_23**2 - s_23**2)
+    boom_turn = (b.boom_yy - b.boom_xx) * c_2 * s_2 + b.boom_xy * (c_2 * c_2 - s_2 * s_2)
+    stick_turn = (b.stick_yy - b.stick_xx) * c_23 * s_23 + b.stick_xy * (c_23 * c_23 - s_23 * s_23)
     half_dm11_dq3 = -b.stick_mass * r_s * k_s - stick_turn
     half_dm11_dq2 = -b.stick_mass * r_s * h_s - b.boom_mass * r_b * h_b - boom_turn - stick_turn
 
@@ -114,26 +114,26 @@ def dynamics(q: Triple, rates: Triple, body: Body) -> Dynamics:
     s_1, c_1 = (math.sin(q[0]), math.cos(q[0])) if g_y != 0.0 else (0.0, 1.0)
     first_moment = b.stick_mass * r_s + b.boom_mass * r_b + b.base_moment
     return Dynamics(
-        m_11=b.stick_mass * r_s**2
-        + b.boom_mass * r_b**2
+        m_11=b.stick_mass * (r_s * r_s)
+        + b.boom_mass * (r_b * r_b)
         + b.base_inertia
-        + (b.boom_yy * c_2**2 + b.boom_xx * s_2**2 - 2.0 * b.boom_xy * s_2 * c_2)
-        + (b.stick_yy * c_23**2 + b.stick_xx * s_23**2 - 2.0 * b.stick_xy * s_23 * c_23),
+        + (b.boom_yy * (c_2 * c_2) + b.boom_xx * (s_2 * s_2) - 2.0 * b.boom_xy * s_2 * c_2)
+        + (b.stick_yy * (c_23 * c_23) + b.stick_xx * (s_23 * s_23) - 2.0 * b.stick_xy * s_23 * c_23),
         m_22=stick_own
         + 2.0 * coupling
-        + b.stick_mass * b.boom_length**2
-        + b.boom_mass * (b.boom_x**2 + b.boom_y**2)
+        + b.stick_mass * (b.boom_length * b.boom_length)
+        + b.boom_mass * (b.boom_x * b.boom_x + b.boom_y * b.boom_y)
         + b.boom_zz,
         m_23=stick_own + coupling,
         m_33=stick_own,
         bias=(
             2.0 * (half_dm11_dq2 * u_2 + half_dm11_dq3 * u_3) * u_1 + g_y * c_1 * first_moment,
-            -half_dm11_dq2 * u_1**2
+            -half_dm11_dq2 * (u_1 * u_1)
             - coriolis * (2.0 * u_2 + u_3) * u_3
             + g_z * (b.stick_mass * (b.boom_length * c_2 + x_s) + b.boom_mass * x_b)
             - g_y * s_1 * (b.stick_mass * h_s + b.boom_mass * h_b),
-            -half_dm11_dq3 * u_1**2
-            + coriolis * u_2**2
+            -half_dm11_dq3 * (u_1 * u_1)
+            + coriolis * (u_2 * u_2)
             + g_z * b.stick_mass * x_s
             - g_y * s_1 * b.stick_mass * k_s,
         ),

@@ -106,18 +106,18 @@ def pendulum_dynamics(
     force = _sum(mass, tip, first, turning)  # that the bias takes at the tip
     moment = _sum(first, tip, second, turning)  # and along the directions in which d moves
     return PendulumDynamics(
-        m_11=mass * radius**2 + 2.0 * first * radius * d_swing[1] + second * _dot(d_swing, d_swing),
+        m_11=mass * (radius * radius) + 2.0 * first * radius * d_swing[1] + second * _dot(d_swing, d_swing),
         m_12=first * z_2 * s_b,
         m_13=first * z_3 * s_b,
-        m_22=mass * (x_2**2 + z_2**2),
+        m_22=mass * (x_2 * x_2 + z_2 * z_2),
         m_23=mass * (x_2 * x_3 + z_2 * z_3),
-        m_33=mass * (x_3**2 + z_3**2),
+        m_33=mass * (x_3 * x_3 + z_3 * z_3),
         coupling=(
             (second * _dot(d_swing, d_alpha), first * radius * c_b + second * _dot(d_swing, d_beta)),
             (first * (x_2 * d_alpha[2] - z_2 * d_alpha[0]), first * (x_2 * d_beta[2] - z_2 * d_beta[0])),
             (first * (x_3 * d_alpha[2] - z_3 * d_alpha[0]), first * (x_3 * d_beta[2] - z_3 * d_beta[0])),
         ),
-        m_alpha=second * c_b**2,
+        m_alpha=second * (c_b * c_b),
         m_beta=second,
         crane_bias=(
             radius * force[1] + _dot(d_swing, moment),
@@ -180,9 +180,10 @@ def _accelerations(
 ) -> tuple[Triple, Triple]:
     """Return the tip's acceleration less gravity [m/s^2], and d'' [1/s^2], while no joint accelerates."""
     radius, (x_2, z_2), (x_3, z_3) = _tip(q, body)
-    u_1, pitch_2, pitch_3 = rates[0], rates[1] ** 2, (rates[1] + rates[2]) ** 2
+    u_1, u_23 = rates[0], rates[1] + rates[2]
+    pitch_2, pitch_3 = rates[1] * rates[1], u_23 * u_23
     tip = (
-        (x_3 - x_2) * pitch_2 - x_3 * pitch_3 - radius * u_1**2 + body.gravity_across * math.sin(q[0]),
+        (x_3 - x_2) * pitch_2 - x_3 * pitch_3 - radius * (u_1 * u_1) + body.gravity_across * math.sin(q[0]),
         -2.0 * u_1 * (z_2 * rates[1] + z_3 * rates[2]) + body.gravity_across * math.cos(q[0]),
         (z_3 - z_2) * pitch_2 - z_3 * pitch_3 + body.gravity_down,
     )
@@ -191,8 +192,8 @@ def _accelerations(
     a, b = angle_rates
     outward = c_a * c_b * a - s_a * s_b * b  # d' in the turning frame
     turning = (
-        -s_a * c_b * (a * a + b * b) - 2.0 * c_a * s_b * a * b - 2.0 * u_1 * c_b * b - u_1**2 * s_a * c_b,
-        -s_b * b * b + 2.0 * u_1 * outward - u_1**2 * s_b,
+        -s_a * c_b * (a * a + b * b) - 2.0 * c_a * s_b * a * b - 2.0 * u_1 * c_b * b - u_1 * u_1 * s_a * c_b,
+        -s_b * b * b + 2.0 * u_1 * outward - u_1 * u_1 * s_b,
         c_a * c_b * (a * a + b * b) - 2.0 * s_a * s_b * a * b,
     )
     return tip, turning

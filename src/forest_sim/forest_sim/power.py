@@ -120,7 +120,8 @@ def _axis_power(
         port_valves=-s.pressure_1 * guard_flow(s.pressure_1, p.guard)
         - s.pressure_2 * guard_flow(s.pressure_2, p.guard),
         resistance=(s.pressure_1 - p_1) * q_1 + (p_2 - s.pressure_2) * q_2,
-        leakage=a.internal_leakage * (p_1 - p_2) ** 2 + a.external_leakage * (p_1 * p_1 + p_2 * p_2),
+        leakage=a.internal_leakage * ((p_1 - p_2) * (p_1 - p_2))
+        + a.external_leakage * (p_1 * p_1 + p_2 * p_2),
         damping=a.damping * u * u,
         dry_friction=friction_force(u, axis.friction) * u,
         cushion=cushion_resistance(t.position, u, axis.cushion) * abs(u) * u * u,

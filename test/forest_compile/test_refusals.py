@@ -1,0 +1,626 @@
+"""What looks like the subset means what it means in Python, or is refused with its place, or is a fault."""
+
+# ruff: noqa: A001, B007, B012, C409, PLE0643, RET503, RUF015, SIM107 - wrong laws are the point.
+
+import functools
+import inspect
+import math
+import re
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+pytest.importorskip("llvmlite")
+
+from forest_compile import machine_code
+from forest_compile.llvm_text import NotTranslatedError
+from forest_compile.translate import Library
+
+
+class P(NamedTuple):
+    x: float = 1.5
+    y: float = -0.5
+    n: int = 2
+    on: bool = True
+
+
+class Q(NamedTuple):
+    x: float
+    y: float
+
+
+k, TWICE, NOTHING, WORDS, HUGE, LISTED = 5, (0.5, 1.5), None, "words", 2**53, [1.0]
+
+
+class Named(IntEnum):
+    ONE = 1
+
+
+def kernel_of(law, apart=()):
+    """A law of a `P` that gives one number, as machine code."""
+    library = Library(apart)
+    text = "def kernel(given, result):\n    result[0] = law(p)"
+    library.entry(machine_code.ENTRY, text, {"law": law}, "pp", {"p": ("given", P())}, {})
+    kernel = machine_code.load(machine_code.optimised("\n".join(library.text())), "pp")
+
+    def run(p):
+        given, result = np.array(p, dtype=float), np.empty(1)
+        kernel(given.ctypes.data, result.ctypes.data)
+        return result[0]
+
+    return run
+
+
+def after_its_loop(p):
+    i = 7
+    for i in range(p.n):
+        pass_by = i
+        if pass_by > 3:
+            break
+    return i
+
+
+def for_else(p):
+    for i in range(4):
+        if i == p.n:
+            found = 1
+            break
+    else:
+        found = 2
+    return found
+
+
+def while_else(p):
+    i = 0
+    while i < 3:
+        i += 1
+        if i == p.n:
+            break
+    else:
+        i = 9
+    return i
+
+
+def either(p):
+    return (p.x and p.y) - (p.y or 3.5) + 10.0 * ((p.n or 4) + (p.n and 8))
+
+
+def from_the_end(p):
+    return (0.5, 1.5, 2.5)[p.n % 3 - 3] + (1, 2, 3)[p.n % 2 - 2]
+
+
+def backwards(p):
+    total = 0
+    for i in range(3, -3, 2 * p.n - 5 if p.n < 3 else -2):
+        total = 3 * total + i
+    return total
+
+
+def signs(p):
+    zeros = (
+        math.copysign(1.0, p.x % -1.5),
+        math.copysign(2.0, -(p.x > 9.0)),
+        math.copysign(4.0, -abs(p.n - p.n)),
+    )
+    return zeros[0] + zeros[1] + zeros[2] + math.copysign(8.0, -3.0 % 1.5) + math.copysign(16.0, 0 * -p.n)
+
+
+def roots(p):
+    return (abs(p.x) + 0.3) ** 0.5 + abs(p.y) ** 2 + p.x**3
+
+
+def once(p, counted=k):
+    return float(0.0 < p.x <= counted != p.n) + float(0 < p.n < 3 and (1, 2, 3)[p.n] > 2)
+
+
+def unequal(p):
+    return float((p.x, p.y) == (p.x, p.y, 0.0)) + 2.0 * float((p.x, 1) != (p.x, True))
+
+
+def of_truths(p):
+    return p.on + p.on - (not p.on) * 3 + abs(-p.on) + max(p.on, p.n) + int(p.on) % -2
+
+
+RIGHT = [
+    after_its_loop,
+    for_else,
+    while_else,
+    either,
+    from_the_end,
+    backwards,
+    signs,
+    roots,
+    once,
+    unequal,
+    of_truths,
+]
+
+
+@pytest.mark.parametrize("law", RIGHT, ids=lambda law: law.__name__)
+@pytest.mark.parametrize("apart", [False, True], ids=["written out", "apart"])
+def test_it_means_what_python_means(law, apart):
+    run, rng = kernel_of(law, (law,) if apart else ()), np.random.default_rng(3)
+    points = [
+        P(*xy, n, on)
+        for n in range(-4, 7)
+        for on in (False, True)
+        for xy in rng.normal(0, 2, (60, 2)).tolist()
+    ]
+    points += [P(x, y) for x in (0.0, -0.0, 3.0, -3.0, 1.5) for y in (0.0, -0.0, 2.0)]
+    for p in points:
+        expected = float(law(p))
+        assert run(p) == expected, p
+        assert math.copysign(1.0, run(p)) == math.copysign(1.0, expected), p
+
+
+def left_over(p):
+    for k in range(p.n):
+        last = k
+    return k + last
+
+
+def twice(p):
+    return p.x
+
+
+FIRST = twice
+
+
+def twice(p):
+    return p.y
+
+
+def test_of_a_function_defined_twice_each_is_itself():
+    assert [kernel_of(law)(P()) for law in (FIRST, twice)] == [1.5, -0.5]
+
+
+def negated(function):
+    return lambda p: -function(p)
+
+
+@functools.cache
+def remembered(p):
+    return p.x
+
+
+@negated
+def replaced(p):
+    return p.x
+
+
+def unchanged(function):
+    return function
+
+
+@unchanged
+def wrapped(p):
+    return -p.x
+
+
+def remembers(p):
+    return remembered(p)
+
+
+def of_another_function(p):
+    return replaced(p)
+
+
+def decorated_within(p):
+    return wrapped(p)
+
+
+def bound_to_a_global(p):
+    if p.on:
+        k = p.n
+    return k
+
+
+def two_kinds(p):
+    step = 0 if p.on else p.x
+    return -step
+
+
+def greatest_of_two_kinds(p):
+    return max(0, p.x)
+
+
+def of_two_sorts(p):
+    pair = Q(p.x, p.y) if p.on else (p.x, p.y)
+    return pair[0]
+
+
+def of_two_lengths(p):
+    pair = (p.x, p.y) if p.on else (p.x, p.y, p.x)
+    return pair[0]
+
+
+def calls_itself(p):
+    return calls_itself(p)
+
+
+def round_about(p):
+    return round_and_back(p)
+
+
+def round_and_back(p):
+    return round_about(p)
+
+
+def without_return(p):
+    if p.on:
+        return p.x
+
+
+def whole_power(p):
+    return p.n**2
+
+
+def too_many(p):
+    a, b = (p.x, p.y, p.x)
+    return a + b
+
+
+def beyond(p):
+    return (p.x, p.y)[2] + p[9]
+
+
+def too_large(p):
+    return p.n + HUGE
+
+
+def grown_too_large(p):
+    return 94906266 * 94906267
+
+
+def wrong_arguments(p):
+    return once(p, 1, 2)
+
+
+def wrong_field(p):
+    return Q(p.x, z=p.y).x
+
+
+def missing_field(p):
+    return Q(p.x).x
+
+
+def unknown_keyword(p):
+    return once(p, other=1)
+
+
+def spread(p):
+    return once(*(p, 1))
+
+
+def of_any_number(*numbers):
+    return numbers[0]
+
+
+def calls_any_number(p):
+    return of_any_number(p.x)
+
+
+def shadowed_range(p):
+    range = p.n
+    for i in range(3):
+        p = i
+    return p
+
+
+def shadowed_max(p):
+    max = p.x
+    return max(p.x, 1.0)
+
+
+def of_a_real_range(p):
+    total = 0
+    for i in range(2.5):
+        total += i
+    return total
+
+
+def without_stride(p):
+    for i in range(0, 3, 0):
+        p = i
+    return p
+
+
+def within(p):
+    return p.x in (1.0, 2.0)
+
+
+def same(p):
+    return p.x is p.y
+
+
+def absent(p):
+    return math.nonsense + p.x
+
+
+def misspelt(p):
+    return p.x + undefined  # noqa: F821
+
+
+def nothing(p):
+    return NOTHING
+
+
+def a_word(p):
+    return WORDS
+
+
+def of_a_list(p):
+    return LISTED[0] + p.x
+
+
+def item_changed(p):
+    pair = (p.x, p.y)
+    pair[0] += 1.0
+    return pair[0]
+
+
+def field_changed(p):
+    p.x = 1.0
+    return p.x
+
+
+def made_a_tuple(p):
+    return tuple((p.x, p.y))[0]
+
+
+def rounded(p):
+    return round(p.x)
+
+
+def of_one(p):
+    return max(p.x)
+
+
+def nested(p):
+    def inner(x):
+        return x
+
+    return inner(p.x)
+
+
+def of_a_lambda(p):
+    return HALF(p.x)
+
+
+HALF = lambda x: 0.5 * x  # noqa: E731
+
+
+def real_index(p):
+    return (1.0, 2.0)[p.x]
+
+
+def matrix(p):
+    return p.x @ p.y
+
+
+def floored(p):
+    return p.x // p.y
+
+
+def inverted(p):
+    return ~p.n
+
+
+def formatted(p):
+    return f"{p.x}"
+
+
+def tried(p):
+    try:
+        return p.x
+    finally:
+        return p.y
+
+
+def a_global(p):
+    global k
+    k = p.n
+    return k
+
+
+def of_an_enum(p):
+    return Named(p.n)
+
+
+def of_a_tuple_as_truth(p):
+    return p.x if (p.x, p.y) else p.y
+
+
+def another_kind_after_a_loop(p):
+    total = 0
+    for i in range(p.n):
+        total = total + 0.5 * i
+    return total
+
+
+def very_deep(p):
+    return p.x
+
+
+class Law:
+    def method(self):
+        return self.x
+
+
+REFUSED = {
+    left_over: "'k' has no value of one kind on every way here",
+    remembers: r"'remembered\(p\)' is not translated",
+    of_another_function: "only functions that a module defines by themselves",
+    decorated_within: "a decorated function is not translated",
+    bound_to_a_global: "'k' has no value",
+    two_kinds: "a double on one way, a whole number on another",
+    greatest_of_two_kinds: "a double on one way",
+    of_two_sorts: "tuples of different types or lengths",
+    of_two_lengths: "tuples of different types or lengths",
+    calls_itself: "'calls_itself' calls itself",
+    round_about: "'round_about' calls itself",
+    without_return: "returns nothing",
+    whole_power: "Pow of whole numbers is not translated",
+    too_many: "is given a tuple of 3",
+    beyond: "there is no item 2 in a tuple of 2",
+    too_large: "9007199254740992 is beyond the largest whole number",
+    grown_too_large: "is beyond the largest whole number",
+    wrong_arguments: "too many positional arguments",
+    wrong_field: "missing a required argument: 'y'",
+    missing_field: "missing a required argument: 'y'",
+    unknown_keyword: "unexpected keyword argument 'other'",
+    spread: "Starred is not translated",
+    calls_any_number: "any number of arguments is not translated",
+    shadowed_range: "only ranges are gone through",
+    shadowed_max: "'max' has no meaning outside the function",
+    of_a_real_range: "a double where Python takes a whole number",
+    without_stride: "a range's stride is zero",
+    within: "In is not translated",
+    same: "Is is not translated",
+    absent: "'math.nonsense' has no meaning",
+    misspelt: "'undefined' has no meaning",
+    nothing: "None is no number",
+    a_word: "'words' is no number",
+    of_a_list: r"\[1.0\] is no number",
+    item_changed: "only rows take numbers",
+    field_changed: "'p.x' is not assigned to",
+    made_a_tuple: "is not translated",
+    rounded: r"'round\(p.x\)' is not translated",
+    of_one: "not with 1 numbers",
+    nested: "FunctionDef is not translated",
+    of_a_lambda: "only functions that a module defines by themselves",
+    real_index: "a double where Python takes a whole number",
+    matrix: "MatMult is not translated",
+    floored: "FloorDiv is not translated",
+    inverted: "is not translated",
+    formatted: "JoinedStr is not translated",
+    tried: "Try is not translated",
+    a_global: "Global is not translated",
+    of_an_enum: "is not translated",
+    of_a_tuple_as_truth: "is no number",
+    another_kind_after_a_loop: "a double on one way, a whole number on another",
+    Law.method: "only functions that a module defines by themselves",
+}
+
+
+@pytest.mark.parametrize("law", REFUSED, ids=lambda law: law.__name__)
+def test_it_is_refused_with_function_file_and_line(law):
+    with pytest.raises(NotTranslatedError, match=REFUSED[law]) as caught:
+        kernel_of(law)
+    place = re.match(r"\S+test_refusals\.(\S+) \(test_refusals\.py, line (\d+)\): ", str(caught.value))
+    inner = (
+        function
+        for function in (round_and_back, wrapped, HALF, replaced)
+        if function.__qualname__ == place[1]
+    )
+    named = next(inner, law)
+    lines, first = inspect.getsourcelines(named)
+    assert place[1] == named.__qualname__
+    assert first <= int(place[2]) < first + len(lines)
+
+
+def test_an_expression_too_deep_for_the_translator_is_refused_too(tmp_path):
+    text = f"def deep(p):\n    return {'-' * 700}p.x\n"
+    (tmp_path / "deep.py").write_text(text, encoding="utf-8")
+    names = {}
+    exec(compile(text, str(tmp_path / "deep.py"), "exec"), names)
+    with pytest.raises(
+        NotTranslatedError, match=r"deep \(deep.py, line 2\): not translated, for RecursionError"
+    ):
+        kernel_of(names["deep"])
+
+
+def test_a_function_without_a_file_is_refused():
+    names = {"__name__": "typed"}
+    exec("def typed(p):\n    return p.x", names)
+    with pytest.raises(NotTranslatedError, match=r"typed.typed \(<string>, line 1\): its source is no file"):
+        kernel_of(names["typed"])
+
+
+def product(p):
+    return p.n * 4194304 * 4194304 * 256
+
+
+def summed(p):
+    total = p.n
+    for i in range(60):
+        total = total + total
+    return total
+
+
+def halved(p):
+    there_and_back = (p.n + 9007199254740991) - 9007199254740991
+    return there_and_back + (p.n + 9007199254740990) / 2
+
+
+def cut(p):
+    return int(p.x)
+
+
+def floor(p):
+    return math.floor(p.x)
+
+
+def item(p):
+    return (1.0, 2.0, 3.0)[p.n]
+
+
+def remainder(p):
+    return 7 % p.n
+
+
+def strided(p):
+    total = 0
+    for i in range(0, 9, p.n):
+        total += i
+    return total
+
+
+FAULTS = [
+    (product, P(n=2), "a whole number beyond"),
+    (summed, P(n=1), "a whole number beyond"),
+    (halved, P(n=2), "a whole number beyond"),
+    (cut, P(math.nan), "a whole number beyond 2.*or of no number"),
+    (cut, P(-1e16), "a whole number beyond"),
+    (floor, P(math.inf), "a whole number beyond"),
+    (item, P(n=3), "an index beyond a tuple of 3"),
+    (item, P(n=-4), "an index beyond a tuple of 3"),
+    (remainder, P(n=0), "a remainder by zero"),
+    (strided, P(n=0), "stride is zero"),
+]
+
+
+@pytest.mark.parametrize("apart", [False, True], ids=["written out", "apart"])
+@pytest.mark.parametrize(("law", "p", "fault"), FAULTS)
+def test_what_does_not_fit_is_an_error_that_tells_its_place(law, p, fault, apart):
+    run, line = kernel_of(law, (law,) if apart else ()), law.__code__.co_firstlineno
+    harmless, place = P(n=0 if law is summed else 1), rf"{law.__name__} \(test_refusals.py, line \d+\): "
+    with pytest.raises(ArithmeticError, match=place + f".*{fault}") as caught:
+        run(p)
+    assert line < int(re.search(r"line (\d+)", str(caught.value))[1]) < line + 6
+    assert run(harmless) == law(harmless)
+
+
+@pytest.mark.parametrize("p", [P(n=2.5), P(n=2.0**53), P(n=math.nan), P(on=0.5)])
+def test_what_lies_in_a_row_for_a_whole_number_must_be_one(p):
+    with pytest.raises(ArithmeticError, match=r"kernel: p.* is no (whole number|truth)"):
+        kernel_of(cut)(p)
+
+
+def test_a_negative_index_of_a_row_is_an_error():
+    def read(index, at):
+        library = Library(())
+        text = f"def kernel(given, result, at):\n    result[0] = given[{index}]"
+        library.entry(machine_code.ENTRY, text, {}, "ppi", {}, {})
+        numbers = np.array([2.5, 0.0, 7.5])
+        kernel = machine_code.load(machine_code.optimised("\n".join(library.text())), "ppi")
+        kernel(numbers.ctypes.data, numbers.ctypes.data + 8, at)
+        return numbers[1]
+
+    assert read("at", 2) == 7.5
+    with pytest.raises(NotTranslatedError, match=r"forest_kernel \(forest_kernel, line 2\): index -1"):
+        read("-1", 0)
+    with pytest.raises(ArithmeticError, match=r"forest_kernel \(forest_kernel, line 2\): a negative index"):
+        read("at", -1)
