@@ -13,8 +13,8 @@ from forest_sim import inputs, recording
 from forest_sim.compiled import compiled_advance, compiled_record, fastest_record
 from forest_sim.energy import Account, account, heat_in, settled, unaccounted
 from forest_sim.equilibrium import equilibrium
-from forest_sim.observation import EXACT, Observer
 from forest_sim.manipulator import kinetic_energy, potential_energy
+from forest_sim.observation import EXACT, Observer
 from forest_sim.pace import even
 from forest_sim.parameters import plant_parameters
 from forest_sim.power import power_flows

@@ -11,8 +11,9 @@ from forest_description.lump import one_lump_warnings
 from forest_description.machine import AXES, Machine
 from forest_description.parameter import choice_of, parameter_of
 from forest_sim.equilibrium import equilibrium
+from forest_sim.friction_ends import large_heading, rubbing_axes, small_heading, without_dry_friction
 from forest_sim.manipulator import Triple
-from forest_sim.modes import modes, operating_point, slow_modes, unguarded
+from forest_sim.modes import SHUT, Mode, modes, operating_point, slow_modes, unguarded
 from forest_sim.parameters import plant_parameters
 from forest_sim.simulation import start_angles
 
@@ -84,16 +85,25 @@ def _holding_pressures(machine: Machine, place: int) -> Iterator[tuple[float, fl
 
 def _hose_warnings(machine: Machine) -> list[str]:
     """Return a sentence for each hose that one lump does not describe up to the crane's fastest mode."""
-    found = modes(start_angles(machine), (0.0, 0.0, 0.0), plant_parameters(machine))
+    p = without_dry_friction(plant_parameters(machine))
+    found = modes(start_angles(machine), SHUT, p)
     fastest = max((mode.frequency for mode in found if mode.kind == "links on oil"), default=0.0)
     return one_lump_warnings(machine, fastest)
+
+
+def _oscillation(mode: Mode | None) -> str:
+    """Return a mode in words."""
+    return "no oscillation" if mode is None else f"{mode.frequency:.2f} Hz, damping ratio {mode.damping:.3f}"
 
 
 def report(machine: Machine) -> str:
     """Return the machine in words and numbers."""
     angles = start_angles(machine)
     limits, w = joint_limits(machine), workspace_limits(machine)
-    slow = slow_modes(modes(angles, (0.0, 0.0, 0.0), plant_parameters(machine)))
+    p = plant_parameters(machine)
+    small = slow_modes(modes(angles, SHUT, p))
+    large = slow_modes(modes(angles, SHUT, without_dry_friction(p)))
+    rubbing = rubbing_axes(p)
     speeds, rated = full_speeds(machine, angles), rated_speeds(machine)
     lines = [f"{machine.name}: {machine.description}", "components"]
     lines += [f"  {name:<24} {what}" for name, what in components(machine)]
@@ -101,15 +111,16 @@ def report(machine: Machine) -> str:
     for place, axis in enumerate(AXES):
         low, high = (math.degrees(limit) for limit in limits[place])
         plus, minus = speeds[axis]
-        mode = slow[axis]
-        told = (
-            "no oscillation" if mode is None else f"{mode.frequency:.2f} Hz, damping ratio {mode.damping:.3f}"
-        )
+        told = _oscillation(small[axis])
+        if axis in rubbing:
+            told = f"{_oscillation(large[axis])} (small: {told})"
         lines.append(f"  {axis:<6} {low:7.1f} .. {high:6.1f} deg, {plus:+.2f}/{minus:+.2f} rad/s, {told}")
     lines.append(
         f"  speeds at full voltage, oscillations with shut valves; boom at {math.degrees(angles[1]):.1f}, "
         f"stick at {math.degrees(angles[2]):.1f} deg"
     )
+    if rubbing:
+        lines += [f"  {small_heading(rubbing)}", f"  {large_heading(rubbing)}"]
     lines += [
         "workspace",
         f"  reach  {w.reach_min:.2f} .. {w.reach_max:.2f} m from the swing axis",
