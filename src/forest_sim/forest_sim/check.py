@@ -70,7 +70,54 @@ def warnings(machine: Machine) -> list[str]:
                     f"{name}: holding the crane still takes {highest / MPA:.1f} MPa {where}, "
                     f"more than {whose} {limit / MPA:.1f} MPa"
                 )
-    return found + _hose_warnings(machine)
+    return found + _sensor_warnings(machine) + _inertia_warnings(machine) + _hose_warnings(machine)
+
+
+def _sensor_warnings(machine: Machine) -> list[str]:
+    """Return a sentence for each sensor whose reading ends before what it measures does."""
+    sensors, found = machine.sensors, []
+    if sensors.resolver is not None:
+        half = math.degrees(0.5 * sensors.resolver.full_scale)
+        for axis, limits in zip(AXES, joint_limits(machine), strict=True):
+            low, high = (math.degrees(limit) for limit in limits)
+            if low < -half or high > half:
+                found.append(
+                    f"{axis}: its resolver shows -{half:.0f} .. {half:.0f} deg, the joint goes from "
+                    f"{low:.1f} to {high:.1f} deg: beyond, the reading stands still"
+                )
+    if sensors.linear_transducer is not None:
+        shown = sensors.linear_transducer.full_scale
+        found += [
+            f"{axis}: its linear transducer shows {shown:g} m of a stroke of {drive.stroke:g} m"
+            for axis, drive in (("boom", machine.boom), ("stick", machine.stick))
+            if shown < drive.stroke
+        ]
+    if sensors.pressure is not None and sensors.pressure.full_scale < machine.pump.supply_pressure:
+        found.append(
+            f"the pressure transducers end at {sensors.pressure.full_scale / MPA:.1f} MPa, below the pump's "
+            f"{machine.pump.supply_pressure / MPA:.1f} MPa"
+        )
+    return found
+
+
+def _inertia_warnings(machine: Machine) -> list[str]:
+    """Return a sentence for each link whose mass would have to reach beyond its two ends.
+
+    Between joint and end, l apart, the integral of (x - x_c)^2 dm is at most m x_c (l - x_c). Moments about
+    the joint, taken for those about the centre of mass, exceed that.
+    """
+    m, found = machine.manipulator, []
+    for link, mass, x, length, (xx, yy, zz) in (
+        ("boom", m.boom_mass, m.boom_x, m.boom_length, (m.boom_xx, m.boom_yy, m.boom_zz)),
+        ("stick", m.stick_mass, m.stick_x, m.stick_length, (m.stick_xx, m.stick_yy, m.stick_zz)),
+    ):
+        along, most = 0.5 * (yy + zz - xx), mass * x * (length - x)
+        if along > most > 0.0:
+            found.append(
+                f"{link}_yy, {link}_zz: about its centre of mass, {mass:g} kg within the {link}'s length "
+                f"have at most {most:.4g} kg*m2 along it, not {along:.4g}: are they about the joint?"
+            )
+    return found
 
 
 def _holding_pressures(machine: Machine, place: int) -> Iterator[tuple[float, float, float]]:
