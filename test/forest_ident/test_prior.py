@@ -47,6 +47,9 @@ def test_a_belief_pulls_a_straight_model_as_gauss_says_with_all_that_hangs_toget
     places = [found.belief.names.index(name) for name in ("a", "b", "c")]
     assert found.belief.mean[places] == pytest.approx(mean, rel=1e-6)
     assert found.belief.covariance[np.ix_(places, places)] == pytest.approx(covariance, rel=1e-5, abs=1e-9)
+    believed = np.linalg.cholesky(np.linalg.inv((ROOT @ ROOT.T)[np.ix_([2, 1], [2, 1])])).T
+    whole = np.vstack([COLUMNS / sigma, believed])
+    assert found.condition == pytest.approx(np.linalg.cond(whole / np.linalg.norm(whole, axis=0)), rel=1e-4)
     assert min(abs(found.values["a"] - 1.5), abs(found.values["a"] - 1.9)) > 5e-3  # both have a say
 
 
