@@ -10,7 +10,8 @@
     c(U) = 1/(pi U) integral over a period of F(U sin t) sin t dt        (describing function)
 
 c falls from the slope dF/du at rest towards zero. A linearisation about rest has the slope: it is for small
-oscillations, in which the seals stick. Large oscillations hardly feel the dry friction.
+oscillations, in which the seals stick. Large oscillations hardly feel the dry friction. About a steady motion
+the slope is that at its speed, and the same amplitudes hold.
 """
 
 import math
@@ -79,7 +80,7 @@ def without_dry_friction(p: PlantParameters) -> PlantParameters:
 def small_heading(ends: dict[str, FrictionEnds]) -> str:
     """Return in words what a table of small oscillations is for."""
     told = ", ".join(f"{name} {1e3 * end.small:.3g} mm/s" for name, end in ends.items())
-    return f"small oscillations, the seals stick: dry friction as a damper; piston speeds below {told}"
+    return f"small oscillations: dry friction as the damper that its slope is; piston speeds below {told}"
 
 
 def large_heading(ends: dict[str, FrictionEnds]) -> str:
@@ -89,6 +90,6 @@ def large_heading(ends: dict[str, FrictionEnds]) -> str:
         for name, end in ends.items()
     )
     return (
-        "large oscillations, the pistons slide: without dry friction, which takes less than viscous friction "
+        "large oscillations: without dry friction, which takes less energy than viscous friction does "
         f"at piston speeds above {told}"
     )
