@@ -8,12 +8,15 @@ import pytest
 from forest_description.kinematics import tip_position
 from forest_description.load import Pendulum
 from forest_description.machine import Cushion, load_machine
+from forest_sim.disturbance import checked_tip_force
 from forest_sim.equilibrium import equilibrium
 from forest_sim.mechanics import HANGING_STILL, Inertia, mechanics, resisted, solve, times
 from forest_sim.parameters import plant_parameters
 from forest_sim.plant import passive_force, ports_at, supply_draw
 from forest_sim.port import port_pressure
+from forest_sim.power import AxisPower, PowerFlows, SupplyPower
 from forest_sim.spool import Spool
+from forest_sim.thermal import heat
 
 C180 = load_machine("c180")
 HANGING = dataclasses.replace(
@@ -99,3 +102,51 @@ def test_the_pump_feels_the_load_of_whichever_port_is_open_to_it(axis, way):
     assert draw.load == pytest.approx(port_pressure(pressure, fed, port, supply))
     assert draw.load > 0.0
     assert draw.flow == pytest.approx(fed)
+
+
+def test_the_heads_damping_acts_between_head_and_stick_and_on_its_own_swing():
+    p, d = plant_parameters(HANGING), 400.0
+    q, rates, head = (
+        (0.3, 0.5, -1.3),
+        (0.2, -0.4, 0.9),
+        HANGING_STILL._replace(alpha_rate=0.7, beta_rate=-0.6),
+    )
+    damped, free = (
+        mechanics(q, rates, head, p),
+        mechanics(q, rates, head, p._replace(head=p.head._replace(damping=0.0))),
+    )
+    relative = 0.7 - (-0.4) - 0.9
+    assert np.subtract(damped.bias, free.bias) == pytest.approx([0.0, -d * relative, -d * relative])
+    assert np.subtract(damped.head_bias, free.head_bias) == pytest.approx([d * relative, d * -0.6])
+
+
+def test_the_swings_stop_is_as_stiff_as_the_file_says_and_the_cylinders_as_theirs():
+    p, stops = plant_parameters(C180), C180.end_stops
+    limits = (C180.swing.lower_limit, C180.swing.upper_limit)
+    for at, sign in zip(limits, (-1.0, 1.0), strict=True):
+        force = passive_force(at + sign * 0.02, 0.0, p.swing)
+        assert force == pytest.approx(-sign * 0.02 * stops.swing_stiffness)
+        moving = passive_force(at + sign * 0.02, sign * 0.1, p.swing)
+        assert moving - force == pytest.approx(-sign * 0.1 * stops.swing_damping)
+    for axis, drive in ((p.boom, C180.boom), (p.stick, C180.stick)):
+        force = passive_force(drive.retracted_length - 0.01, 0.0, axis)
+        assert force == pytest.approx(0.01 * stops.cylinder_stiffness)
+        assert passive_force(drive.retracted_length - 0.01, -0.1, axis) - force == pytest.approx(
+            0.1 * stops.cylinder_damping
+        )
+
+
+@pytest.mark.parametrize("force", [(-2e6, 0.0, 0.0), (0.0, 2e6, 0.0), (0.0, 0.0, -1.1e6)])
+def test_a_force_is_too_great_to_either_side(force):
+    with pytest.raises(ValueError, match="allowed: 3 numbers"):
+        checked_tip_force(force)
+
+
+def test_what_an_end_stop_takes_does_not_warm_the_oil():
+    still = AxisPower(*[0.0] * len(AxisPower._fields))
+    pump = SupplyPower(
+        engine=100.0, pump_friction=5.0, pump_leakage=4.0, main_relief=3.0, manifold=8.0, supply=80.0
+    )
+    swing = still._replace(stop=30.0, joint=-7.0, hose=2.0)
+    boom, stick = still._replace(stop=-4.0, joint=11.0), still._replace(hose=-1.0)
+    assert heat(PowerFlows(pump, swing, boom, stick)) == pytest.approx(100.0 - 8.0 - (30.0 - 4.0) - 4.0 - 1.0)
