@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from forest_ident.belief import NOTHING, Belief, prior, updated
+from forest_ident.belief import NOTHING, Belief, prior, updated, widened
 from forest_ident.fit_problem import Problem
 from forest_ident.output_error import Channel, Unknown, fit
 
@@ -74,6 +74,9 @@ def test_a_prior_pulls_a_bent_model_from_afar_to_the_least_of_both_sums(size, ra
     noise = found.noise["y"]
     best = least_squares(residuals, np.log([size[0], rate[0]]), xtol=1e-14, ftol=1e-14, gtol=1e-14)
     errors = np.sqrt(np.diag(np.linalg.inv(best.jac.T @ best.jac)))
+    for place, name in enumerate(("size", "rate")):  # relative, and so in the parameter's own unit
+        assert found.errors[name] >= 0.9 * errors[place] * found.values[name]
+        assert found.errors[name] == pytest.approx(found.belief.of(name)[1] * found.values[name])
     there = np.log([found.values["size"], found.values["rate"]])
     assert np.abs(there - best.x).max() < 0.1 * errors.min()  # as near as the search goes
     assert np.abs(best.x - np.log(2.0)).max() > errors.max()  # the prior has a say
@@ -150,6 +153,11 @@ def test_what_is_new_joins_and_what_hangs_together_with_it_follows():
     assert after.of("b") == pytest.approx((-0.9, 0.2))
     assert after.of("new") == pytest.approx((3.0, 0.3))
     assert after.covariance[1, 3] == after.covariance[3, 1] == -0.01
+
+
+def test_what_chance_moves_gains_its_variance():
+    wide = widened(KNOWN, {"b": 0.3, "unheard": 9.0})
+    assert wide.covariance - KNOWN.covariance == pytest.approx(np.diag([0.0, 0.09, 0.0]))
 
 
 def test_residuals_that_hang_together_widen_what_the_data_say_and_not_what_was_believed():
