@@ -69,11 +69,11 @@ def test_a_c180_link_is_possible_and_the_thesis_link_is_not(body):
 
 
 def test_thesis_folding_leaves_out_the_heads_share_of_xx_and_xy_only():
-    full, thesis = (stick_body(dataclasses.replace(THESIS, head_folding=how)) for how in ("full", "thesis"))
-    assert (thesis.xx, thesis.xy) == (0.0, 0.0)
-    assert thesis == full._replace(xx=0.0, xy=0.0)
-    head = point_mass(THESIS.head_mass, THESIS.stick_length, 0.0)
-    bare = stick_body(dataclasses.replace(THESIS, head_mass=0.0))
+    assert (stick_body(THESIS).xx, stick_body(THESIS).xy) == (0.0, 0.0)
+    full, thesis = (stick_body(dataclasses.replace(C180, head_folding=how)) for how in ("full", "thesis"))
+    assert thesis == full._replace(xx=C180.stick_xx, xy=C180.stick_xy)
+    head = point_mass(C180.head_mass, C180.stick_length, 0.0)
+    bare = stick_body(dataclasses.replace(C180, head_mass=0.0))
     np.testing.assert_allclose(about_origin(full), about_origin(bare) + about_origin(head), rtol=1e-12)
 
 

@@ -11,6 +11,13 @@ def test_every_shipped_machine_can_be_drawn_from(base):
         assert load_machine(f"unknown:{seed}:{base}").pump == load_machine(base).pump
 
 
+def test_a_drawn_overlap_stays_below_the_voltages_at_which_a_valve_was_measured():
+    """Drawn evenly up to 1.96 V, it would pass the 1.8 V at which the stick's curve begins."""
+    overlaps = [load_machine(f"unknown:{seed}:loader").valve.deadband_voltage for seed in range(12, 22)]
+    assert sum(overlap == pytest.approx(0.95 * 1.8) for overlap in overlaps) == 3
+    assert max(overlaps) < 1.8
+
+
 def test_what_is_drawn_lies_within_two_fifths_and_the_rest_is_as_it_was():
     known = {q.key: q for q in sources("c180")}
     for key, value, unit, source in sources("unknown:3"):

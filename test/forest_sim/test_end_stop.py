@@ -50,9 +50,12 @@ def test_the_force_does_not_jump_when_the_piston_arrives_however_fast():
 
 @pytest.mark.parametrize("start", [1.3, 2.2])
 def test_resistance_is_the_forces_slope_along_an_implicit_step(start):
-    step, h = 3e-4, 1e-6
+    """Where the damper grips wholly, from a third of a millimetre on, and where it does not yet."""
+    step, h, luck = 3e-4, 1e-6, np.random.default_rng(4)
     outward = math.copysign(1.0, start - 1.75)
-    for depth, speed in np.random.default_rng(4).uniform((1e-4, -0.02), (5e-3, 0.5), (50, 2)):
+    deep = luck.uniform((4e-4, -0.02), (5e-3, 0.5), (50, 2))
+    shallow = luck.uniform((2e-5, -0.02), (1.5e-4, 0.4), (50, 2))
+    for depth, speed in (*deep, *shallow):
         base, u = start + outward * depth, outward * speed
 
         def force(v, base=base):

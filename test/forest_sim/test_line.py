@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim.line import PortGuard, flow_rate, guard_flow, pressure_rate, solve_line
+from forest_sim.line import PortGuard, drained, flow_rate, guard_flow, pressure_rate, solve_line
 from forest_sim.parameters import NO_GUARD
 from forest_sim.port import Port
 
 MACHINE = load_machine("c180")
 LINE = MACHINE.line(2, 1)
 GUARD = PortGuard(24e6, 1e-8, 0.0, 1e-7)
+SPRUNG = PortGuard(22e6, 3e-8, -4e5, 2e-7)  # whose checks open below the tank's pressure only
+GUARDS = pytest.mark.parametrize("guard", [GUARD, SPRUNG, NO_GUARD], ids=["port valves", "sprung", "none"])
 SUPPLY = 2e7
 STEP = 3e-4
 SHUT = Port(math.inf, math.inf, 0.0)
@@ -42,6 +44,9 @@ def test_port_valves_are_shut_between_their_settings_and_meet_them_without_a_ste
 def test_relief_lets_oil_out_and_anticavitation_lets_it_in():
     assert guard_flow(25e6, GUARD) == pytest.approx(-1e-8 * 1e6)
     assert guard_flow(-1e4, GUARD) == pytest.approx(1e-7 * 1e4)
+    assert guard_flow(-3e5, SPRUNG) == 0.0
+    assert guard_flow(-5e5, SPRUNG) == pytest.approx(2e-7 * 1e5)
+    assert guard_flow(23e6, SPRUNG) == pytest.approx(-3e-8 * 1e6)
 
 
 def test_a_hose_without_port_valves_holds_any_pressure():
@@ -64,7 +69,7 @@ def test_flow_settles_where_the_edge_takes_the_whole_pressure_drop(source):
     assert flow_rate(pressure, settled - 1e-4, port, SUPPLY, LINE) > 0.0
 
 
-@pytest.mark.parametrize("guard", [GUARD, NO_GUARD], ids=["port valves", "none"])
+@GUARDS
 def test_a_solved_stage_fulfils_both_laws_of_the_hose(guard):
     opened = set()
     for pressure, flow, drawn, leakage, port in cases(1):
@@ -74,10 +79,10 @@ def test_a_solved_stage_fulfils_both_laws_of_the_hose(guard):
         assert end.pressure == pytest.approx(pressure + STEP * rate, rel=1e-9, abs=1.0)
         turn = flow_rate(end.pressure, end.flow, port, SUPPLY, LINE)
         assert end.flow == pytest.approx(flow + STEP * turn, rel=1e-6, abs=1e-12 * (1.0 + abs(STEP * turn)))
-    assert opened == ({-1.0, 0.0, 1.0} if guard is GUARD else {0.0})
+    assert opened == ({0.0} if guard is NO_GUARD else {-1.0, 0.0, 1.0})
 
 
-@pytest.mark.parametrize("guard", [GUARD, NO_GUARD], ids=["port valves", "none"])
+@GUARDS
 def test_stiffness_is_how_the_pressure_answers_the_actuators_flow(guard):
     h = 1e-9
     for pressure, flow, drawn, leakage, port in cases(2, 100):
@@ -86,6 +91,23 @@ def test_stiffness_is_how_the_pressure_answers_the_actuators_flow(guard):
             for d in (-h, 0.0, h)
         )
         assert here.stiffness == pytest.approx((low.pressure - high.pressure) / (2.0 * h), rel=1e-4)
+
+
+@GUARDS
+def test_a_hose_that_gives_a_little_more_is_the_solved_one_to_first_order(guard):
+    """Pressure, flow and the port's pressure; the cases cover both edges, and shut ones."""
+    h = 1e-8
+    for pressure, flow, drawn, leakage, port in [*cases(3, 100), (5e6, 2e-3, 1e-4, 1e-12, SHUT)]:
+        here, more = (
+            solve_line(pressure, flow, drawn + d, leakage, port, SUPPLY, LINE, guard, STEP) for d in (0.0, h)
+        )
+        if np.sign(guard_flow(here.pressure, guard)) != np.sign(guard_flow(more.pressure, guard)):
+            continue
+        told = drained(here, h)
+        assert told.pressure - here.pressure == pytest.approx(more.pressure - here.pressure, rel=1e-2)
+        assert told.flow - here.flow == pytest.approx(more.flow - here.flow, rel=1e-2, abs=1e-3 * h)
+        moved = more.port_pressure - here.port_pressure
+        assert told.port_pressure - here.port_pressure == pytest.approx(moved, rel=1e-2, abs=1e-5)
 
 
 def test_a_shut_port_stops_the_flow_and_traps_the_oil():

@@ -60,6 +60,26 @@ def test_forward_nothing_is_different():
     assert same > 100
 
 
+def test_the_supply_feels_a_checked_port_as_any_other_forward_and_only_its_leakage_backward():
+    forward = backward = 0
+    for (open_, _, supply, free), (port, _, _, solved) in zip(solutions(0), solutions(1), strict=True):
+        felt = supply_coupling(solved, port, supply, LINE, STEP)
+        if from_supply(open_, supply, free) > 0.0:
+            assert felt == supply_coupling(free, open_, supply, LINE, STEP)
+            assert felt.draw > 0.0
+            forward += 1
+        elif solved.port_pressure > supply:
+            assert felt.draw == pytest.approx(port.leakage * (supply - solved.port_pressure), abs=1e-15)
+            assert felt.conductance <= port.leakage
+            backward += 1
+    assert min(forward, backward) > 100
+
+
+def test_a_resting_hose_behind_a_check_still_sees_the_tank_through_an_open_edge():
+    assert port_pressure(1.5e7, 0.0, Port(1e12, 1e12, 0.0, 1), 1e7) == pytest.approx(0.5e7)
+    assert port_pressure(1.5e7, 0.0, Port(1e12, math.inf, 0.0, 1), 1e7) == 1.5e7
+
+
 def test_a_stage_behind_a_check_obeys_the_laws_of_hose_and_port():
     for port, (pressure, flow, drawn), supply, end in solutions(check=1):
         outflow = drawn + 1e-12 * end.pressure

@@ -9,6 +9,7 @@ import pytest
 from forest_description.kinematics import tip_position
 from forest_description.load import Log
 from forest_description.machine import load_machine
+from forest_description.parameter import derived
 from forest_sim import manipulator
 from forest_sim.manipulator import dynamics, fold_head, kinetic_energy, potential_energy, tip_load_torques
 
@@ -152,7 +153,7 @@ def test_folding_the_head_keeps_mass_and_centre_of_mass():
 
 
 def test_thesis_folding_takes_up_to_three_per_cent_off_the_swings_inertia():
-    full, thesis = (fold_head(dataclasses.replace(THESIS, head_folding=how)) for how in ("full", "thesis"))
+    full, thesis = (fold_head(derived(THESIS, head_folding=how)) for how in ("full", "thesis"))
 
     def share(q):
         both = [dynamics(q, (0.0, 0.0, 0.0), body).m_11 for body in (full, thesis)]

@@ -12,7 +12,8 @@ from forest_description.load import Pendulum
 from forest_description.machine import Friction, load_machine
 from forest_sim.compiled import compiled_advance
 from forest_sim.manipulator import dynamics
-from forest_sim.modes import mode_map, modes, operating_point, slow_modes, unguarded
+from forest_sim.mode_map import mode_map
+from forest_sim.modes import modes, operating_point, slow_modes, unguarded
 from forest_sim.parameters import plant_parameters
 from forest_sim.plant import ports_at, state_derivative
 from forest_sim.simulation import start_angles
@@ -22,17 +23,22 @@ START = start_angles(C180)
 SHUT = (0.0, 0.0, 0.0)
 
 
-def ringing(machine, axis, seconds=4.0):
-    """Frequency [Hz] and damping ratio of an axis' free swings after a small kick, valves shut."""
+def rates_after(machine, axis, kick, seconds, h=2.5e-4):
+    """An axis' rates [rad/s] every h [s] after a kick [rad/s] of it, valves shut."""
     p = unguarded(plant_parameters(machine))
-    now, advance = operating_point(START, SHUT, p), compiled_advance()
-    kicked = getattr(now.plant, axis)._replace(rate=1e-4)
+    now, advance = operating_point(start_angles(machine), SHUT, p), compiled_advance()
+    kicked = getattr(now.plant, axis)._replace(rate=kick)
     now = now._replace(plant=now.plant._replace(**{axis: kicked}))
-    h, rates = 2.5e-4, []
+    rates = []
     for _ in range(round(seconds / h)):
         now = advance(now, SHUT, h, 1, p)
         rates.append(getattr(now.plant, axis).rate)
-    rates = np.array(rates)
+    return np.array(rates)
+
+
+def ringing(machine, axis, seconds=4.0):
+    """Frequency [Hz] and damping ratio of an axis' free swings after a small kick, valves shut."""
+    h, rates = 2.5e-4, rates_after(machine, axis, 1e-4, seconds)
     falling = np.flatnonzero((rates[:-1] > 0.0) & (rates[1:] <= 0.0))[1:6]
     frequency = (len(falling) - 1) / ((falling[-1] - falling[0]) * h)
     peaks = [rates[a:b].max() for a, b in pairwise(falling)]
@@ -141,3 +147,4 @@ def test_the_map_stays_inside_the_workspace():
         start_angles(C180, (point.reach, 0.0, point.height))
         assert 2.0 < point.modes["swing"].frequency < point.modes["boom"].frequency
         assert point.modes["boom"].frequency < point.modes["stick"].frequency
+    assert all(point.sliding is point.modes for point in points)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from forest_description.hose import Hose
 from forest_description.hydraulics import Valve
-from forest_description.linkage import Linkage
+from forest_description.linkage import Linkage, joint_angle
 from forest_description.parameter import (
     MachineError,
     ParameterSet,
@@ -27,13 +27,16 @@ class Friction(ParameterSet):
     smoothing_speed: float = parameter("m/s", 1e-6, 0.1, "under which friction goes through zero smoothly")
 
     def __post_init__(self) -> None:
-        """Check ranges, and that breaking away is no easier than sliding."""
+        """Check ranges, that breaking away is no easier than sliding, and that its peak shows."""
         super().__post_init__()
         if self.breakaway_force < self.coulomb_force:
             raise MachineError(
                 f"breakaway_force ({self.breakaway_force:g} N) must not be below coulomb_force "
                 f"({self.coulomb_force:g} N)"
             )
+        if self.breakaway_force > self.coulomb_force:
+            smoothed, falls = self.smoothing_speed, self.stribeck_speed
+            require_order("smoothing_speed", smoothed, "stribeck_speed", falls, "m/s")
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,7 @@ class CylinderDrive(ParameterSet):
     cushion: Cushion | None = component()
 
     def __post_init__(self) -> None:
-        """Check ranges, the areas, that the linkage closes over the stroke, and that cushions fit in it."""
+        """Check ranges, the areas, that rod and linkage allow the stroke, and that cushions fit in it."""
         super().__post_init__()
         require_order("rod_area", self.rod_area, "head_area", self.head_area, "m2")
         shortest, longest = self.retracted_length, self.retracted_length + self.stroke
@@ -102,11 +105,18 @@ class CylinderDrive(ParameterSet):
                 f"retracted_length, stroke: the cylinder goes from {shortest:g} to {longest:g} m, "
                 f"the linkage closes only between {abs(a - b):g} and {a + b:g} m"
             )
+        require_order("stroke", self.stroke, "retracted_length", self.retracted_length, "m")
         if self.cushion is not None and self.cushion.length > 0.5 * self.stroke:
             raise MachineError(
                 f"cushion.length ({self.cushion.length:g} m) must be at most half the stroke "
                 f"({0.5 * self.stroke:g} m)"
             )
+
+    @property
+    def angles(self) -> tuple[float, float]:
+        """Joint angles [rad] with the cylinder retracted and extended."""
+        ends = (self.retracted_length, self.retracted_length + self.stroke)
+        return joint_angle(ends[0], self.linkage), joint_angle(ends[1], self.linkage)
 
     @property
     def linkage(self) -> Linkage:

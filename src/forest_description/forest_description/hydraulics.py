@@ -146,8 +146,13 @@ class Valve(ParameterSet):
     )
 
     def __post_init__(self) -> None:
-        """Check ranges, that the valve opens at all, and the curve."""
+        """Check ranges, that the valve opens at all, the spool's lag, and the curve."""
         super().__post_init__()
+        if self.spool_damping is not None and self.spool_bandwidth is None:
+            raise MachineError(
+                f"spool_damping ({self.spool_damping:g}) is of a lag that spool_bandwidth: null leaves out; "
+                f"allowed: null, or a spool_bandwidth"
+            )
         require_order("deadband_voltage", self.deadband_voltage, "rated_voltage", self.rated_voltage, "V")
         if self.backward is not None:
             edge = self.backward.deadband_voltage
@@ -182,3 +187,9 @@ class PortValves(ParameterSet):
     relief_conductance: float = parameter("m3/(s*Pa)", 1e-13, 1e-5, "flow per pressure above it")
     anticavitation_pressure: float = parameter("Pa", -1e5, 1e6, "port pressure below which the tank refills")
     anticavitation_conductance: float = parameter("m3/(s*Pa)", 1e-13, 1e-5, "flow per pressure below it")
+
+    def __post_init__(self) -> None:
+        """Check ranges, and that no port is emptied and filled at once."""
+        super().__post_init__()
+        low, high = self.anticavitation_pressure, self.relief_pressure
+        require_order("anticavitation_pressure", low, "relief_pressure", high, "Pa")

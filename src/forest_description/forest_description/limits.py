@@ -12,8 +12,7 @@ import math
 from typing import NamedTuple
 
 from forest_description.kinematics import Links, Vector, inverse_kinematics, tip_position
-from forest_description.linkage import joint_angle
-from forest_description.machine import AXES, CylinderDrive, Machine
+from forest_description.machine import AXES, Machine
 
 Interval = tuple[float, float]
 THESIS_START: Vector = (5.5, 0.0, 1.0)
@@ -33,8 +32,8 @@ def joint_limits(machine: Machine) -> tuple[Interval, Interval, Interval]:
     """Return ((lower, upper), …) of swing, boom, stick [rad]; boom and stick at their strokes' ends."""
     return (
         (machine.swing.lower_limit, machine.swing.upper_limit),
-        _stroke_angles(machine.boom),
-        _stroke_angles(machine.stick),
+        machine.boom.angles,
+        machine.stick.angles,
     )
 
 
@@ -70,14 +69,6 @@ def start_tip(machine: Machine) -> Vector:
         ahead, folded = max(right, min(left, 0.0)), 0.5 * (max(low, -math.pi) + min(high, 0.0))
         return tip_position((ahead, 0.5 * sum(boom), folded), machine.manipulator.links)
     return THESIS_START
-
-
-def _stroke_angles(drive: CylinderDrive) -> Interval:
-    """Return the joint angles with the cylinder retracted and extended. Thesis App. A."""
-    return (
-        joint_angle(drive.retracted_length, drive.linkage),
-        joint_angle(drive.retracted_length + drive.stroke, drive.linkage),
-    )
 
 
 def workspace_limits(machine: Machine) -> WorkspaceLimits:

@@ -7,6 +7,8 @@ Symbols:
     I, C    its inertance [Pa·s²/m³] and capacitance [m³/Pa]; the wave in it travels at l/sqrt(I C)
 
 A soft wall, or an inertance measured with its fittings, makes the wave slower than C_0.
+
+docs/equations.md ("One lump") has the shipped machine's oscillations beside the limits of its hoses.
 """
 
 from __future__ import annotations
@@ -50,7 +52,7 @@ def one_lump_warnings(machine: Machine, highest_frequency: float) -> list[str]:
 
     Args:
         machine: At the temperature of interest.
-        highest_frequency: Of what the simulation shall show [Hz]; the c180's stiffest crane mode has 8.6 Hz.
+        highest_frequency: Of what the simulation shall show [Hz].
     """
     warnings = []
     for axis, name in enumerate(AXES):

@@ -16,8 +16,9 @@ from forest_description import machine_file, machine_tree
 from forest_description.drives import Cushion, CylinderDrive, Friction, SwingDrive
 from forest_description.hose import GeometricHose, Hose, Line, MeasuredHose
 from forest_description.hydraulics import PortValves, Valve
+from forest_description.inertia import require_rigid
 from forest_description.kinematics import Links
-from forest_description.linkage import Linkage, joint_angle
+from forest_description.linkage import Linkage
 from forest_description.load import Log, Pendulum
 from forest_description.oil import Oil
 from forest_description.parameter import (
@@ -94,12 +95,27 @@ class Manipulator(ParameterSet):
     stick_zz: float = parameter("kg*m2", 0.0, 1e7, "stick's inertia about the joint direction I3zzs")
     stick_xy: float = parameter("kg*m2", -1e7, 1e7, "stick's product of inertia I3xys")
     head_folding: str = choice(
-        "thesis", "full", doc="whether the head gives the stick its share of I3xx and I3xy, or none (thesis)"
+        "thesis",
+        "full",
+        doc="whether the head gives the stick its share of I3xx and I3xy; thesis: it gives none, and an I_xx "
+        "of 0 means that it is not told (App. B)",
     )
 
     def __post_init__(self) -> None:
-        """Check ranges, and that what hangs has a mass and its centre on the head's axis."""
+        """Check ranges, that links are bodies, that the stick resists, and how a head hangs."""
         super().__post_init__()
+        boom, stick = (
+            (self.boom_xx, self.boom_yy, self.boom_zz),
+            (self.stick_xx, self.stick_yy, self.stick_zz),
+        )
+        require_rigid("boom", self.boom_mass, boom, self.boom_xy, self.head_folding == "thesis")
+        require_rigid("stick", self.stick_mass, stick, self.stick_xy, self.head_folding == "thesis")
+        about_joint = self.stick_zz + self.stick_mass * (self.stick_x**2 + self.stick_y**2)
+        if about_joint + (self.head_mass if self.pendulum is None else 0.0) <= 0.0:
+            raise MachineError(
+                "stick_mass: nothing resists the stick's acceleration; allowed: a mass off its joint, an "
+                "inertia, or a head that does not hang"
+            )
         if self.pendulum is None:
             return
         if self.head_mass <= 0.0:
@@ -146,9 +162,15 @@ class Machine(ParameterSet):
     command_timeout: float = parameter("s", 0.005, 10.0, "age at which a voltage command counts as zero")
 
     def __post_init__(self) -> None:
-        """Check ranges, that the stick folds, and that hoses known by their bore have what else they need."""
+        """Check ranges, where the joints go, the port valves, and what hoses known by their bore need."""
         super().__post_init__()
-        self._check_fold()
+        self._check_joints()
+        valves, supply = self.port_valves, self.pump.supply_pressure
+        if valves is not None and valves.relief_pressure < supply:
+            raise MachineError(
+                f"port_valves.relief_pressure ({valves.relief_pressure:g} Pa) must not be below "
+                f"pump.supply_pressure ({supply:g} Pa): every port would pass the pump's oil to the tank"
+            )
         for axis, name in enumerate(AXES):
             drive = self.drives[axis]
             if not isinstance(self.hose_of(axis), GeometricHose):
@@ -163,11 +185,15 @@ class Machine(ParameterSet):
                     "there is no measured length to go by"
                 )
 
-    def _check_fold(self) -> None:
-        """Raise unless the stick can be on the side of the boom for which the kinematics are made."""
-        drive = self.stick
-        ends = (drive.retracted_length, drive.retracted_length + drive.stroke)
-        low, high = sorted(joint_angle(length, drive.linkage) for length in ends)
+    def _check_joints(self) -> None:
+        """Raise unless boom and stick go where the kinematics are made for."""
+        low, high = self.boom.angles
+        if not -math.pi <= low < high <= math.pi:
+            raise MachineError(
+                f"boom.angle_offset: over the stroke the boom goes from {math.degrees(low):.1f} to "
+                f"{math.degrees(high):.1f} deg; allowed: within -180 .. 180 deg (0 level, positive raised)"
+            )
+        low, high = self.stick.angles
         if not (low < 0.0 and high > -math.pi):
             raise MachineError(
                 f"stick.angle_offset: over the stroke the stick goes from {math.degrees(low):.1f} to "

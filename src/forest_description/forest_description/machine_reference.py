@@ -40,6 +40,21 @@ seeds are one machine, in every command.
 Without `based_on` every key must be given; *or null* marks those that may be `null`. Every slip is answered
 with file, line, key and what is allowed: `forest-sim check my_crane.yaml`. Units may be any of the quantity;
 ranges are wide and in SI: they catch a slipped decimal point, not an unusual crane.
+
+Numbers that contradict each other are refused, too:
+
+- moments and products of inertia that no rigid body has: I_zz above I_xx + I_yy, and so round; a plane
+  body has I_zz = I_xx + I_yy. With `head_folding: thesis`, an I_xx of 0 means that it is not told
+- inertia without mass; a stick that nothing resists
+- `spool_damping` without `spool_bandwidth`; a rated voltage within the overlap
+- a rod side larger than the head side; swapped limits; boom angles beyond ±180°
+- a stroke that passes a dead point of the linkage, or is longer than the retracted cylinder
+- a port relief below the pump's or the anti-cavitation pressure; a main relief below the pump's
+- a pump that its own leakage or its engine keeps from its pressure; half a pump
+- a compensator band above the pump's pressure or the load-sensing margin
+- friction whose `smoothing_speed` is above its `stribeck_speed`
+
+What is possible and not wise, `forest-sim check` warns of.
 """
 
 

@@ -111,14 +111,18 @@ def _shipped_text(name: str) -> tuple[str, str]:
 
 
 def _numbers(tree: Branch, prefix: str) -> dict[str, unknown.Number]:
-    """Return the numbers of a tree, which is a shipped machine's and thus whole, by dotted key."""
+    """Return the numbers of a tree, which is a shipped machine's and thus whole, by dotted key.
+
+    Of a row it is the first one.
+    """
     found: dict[str, unknown.Number] = {}
     for key, item in tree.children.items():
         if not isinstance(item, Branch):
             continue
-        value, unit = item.children.get("value"), item.children.get("unit")
-        if isinstance(value, Leaf) and isinstance(unit, Leaf):
-            found[prefix + key] = unknown.Number(float(str(value.text)), str(unit.text))
+        value, unit = item.children.get("value", item.children.get("values")), item.children.get("unit")
+        if isinstance(value, Leaf | Row) and isinstance(unit, Leaf):
+            first = value.text if isinstance(value, Leaf) else value.texts[0]
+            found[prefix + key] = unknown.Number(float(str(first)), str(unit.text))
         else:
             found |= _numbers(item, f"{prefix}{key}.")
     return found

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from forest_description.parameter import MachineError, ParameterSet, parameter
+from forest_description.parameter import MachineError, ParameterSet, parameter, require_order
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,25 @@ class _RealPump(ParameterSet):
     manifold_capacitance: float = parameter("m3/Pa", 1e-13, 1e-8, "of the oil between pumps and valves")
     relief_conductance: float = parameter("m3/(s*Pa)", 1e-13, 1e-5, "of the main relief valve, above it")
 
+    def __post_init__(self) -> None:
+        """Check ranges, that pumps are whole, and that they can build up their pressure."""
+        super().__post_init__()
+        if self.count != round(self.count):
+            raise MachineError(f"count ({self.count:g}) must be a whole number")
+        leaked = self.supply_pressure / self.leakage_resistance
+        if leaked >= self.flow_limit:
+            raise MachineError(
+                f"leakage_resistance ({self.leakage_resistance:g} Pa*s/m3) lets all that the pumps deliver "
+                f"({self.flow_limit:g} m3/s) back before supply_pressure is reached; allowed: above "
+                f"{self.supply_pressure / self.flow_limit:g} Pa*s/m3"
+            )
+        needed = leaked * self.supply_pressure / self.mechanical_efficiency
+        if needed >= self.engine_power:
+            raise MachineError(
+                f"engine_power ({self.engine_power:g} W) does not even hold supply_pressure against "
+                f"leakage_resistance; allowed: above {needed:g} W"
+            )
+
     @property
     def flow_limit(self) -> float:
         """Flow at full displacement [m³/s]."""
@@ -75,8 +94,10 @@ class _ControlledPump(_RealPump):
     compensator_band: float = parameter("Pa", 1e3, 1e7, "pressure by which full stroke lies below no flow")
 
     def __post_init__(self) -> None:
-        """Check ranges, and that the relief valve stays shut while the pump is in control."""
+        """Check ranges, that full stroke is reached, and that the relief valve is shut in control."""
         super().__post_init__()
+        band, most = self.compensator_band, self.supply_pressure
+        require_order("compensator_band", band, "supply_pressure", most, "Pa")
         if self.relief_pressure < self.supply_pressure:
             raise MachineError(
                 f"relief_pressure ({self.relief_pressure:g} Pa) must not be below supply_pressure "
@@ -101,13 +122,14 @@ class LoadSensingPump(_ControlledPump):
     response_time: float = parameter("s", 1e-3, 10.0, "time constant with which it follows the load")
 
     def __post_init__(self) -> None:
-        """Check ranges, and that the margin leaves something for a load."""
+        """Check ranges, and that the margin leaves something for a load and for the pump's droop."""
         super().__post_init__()
         if self.margin >= self.supply_pressure:
             raise MachineError(
                 f"margin ({self.margin:g} Pa) must be smaller than supply_pressure "
                 f"({self.supply_pressure:g} Pa)"
             )
+        require_order("compensator_band", self.compensator_band, "margin", self.margin, "Pa")
 
     @property
     def idle_pressure(self) -> float:

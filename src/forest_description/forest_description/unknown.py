@@ -2,14 +2,18 @@
 
 What identification is there to find is drawn within 40 % of what the base (c180) says, each number on its
 own, evenly; a valve that the base tells once gets two unlike directions. What a person reads off a gauge, a
-plate or a drawing stays: pump, geometry, masses, sensors. Equal seeds (0, if none is told) give equal
-machines, everywhere: a record, a fit and a run along a path may each name ``unknown:7`` and mean one crane.
+plate or a drawing stays: pump, geometry, masses, sensors. An overlap stays below the voltages at which a
+valve's curve was measured.
+
+Equal seeds (0, if none is told) give equal machines, everywhere: a record, a fit and a run along a path may
+each name ``unknown:7`` and mean one crane.
 
 What is drawn is written as a machine file, so that it is read, checked and shown as any other.
 """
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
@@ -29,6 +33,8 @@ DRAWN = (
     *("internal_leakage_resistance", "external_leakage_resistance", "damping"),
 )
 LAW = DRAWN[:2]  # by direction
+OVERLAP, MEASURED = "deadband_voltage", "curve.voltages"
+BELOW = 0.95  # of the lowest voltage at which a valve was measured, where an overlap would reach it
 
 
 class Number(NamedTuple):
@@ -62,7 +68,7 @@ def text(name: str, numbers: Mapping[str, Number]) -> str:
 
     Args:
         name: for which `is_unknown`.
-        numbers: of the base, by dotted key.
+        numbers: of the base, by dotted key; of a row the first one.
     """
     seed, base = parts(name)
     lines = [
@@ -86,7 +92,11 @@ def _drawn(seed: int, numbers: Mapping[str, Number]) -> dict[str, Number]:
     for key, number in _sought(numbers):
         share = np.random.default_rng([seed, zlib.crc32(key.encode())]).uniform(-WITHIN, WITHIN)
         found[key] = number._replace(value=number.value * (1.0 + float(share)))
-    return found
+    lowest = min((n.value for key, n in numbers.items() if key.endswith(MEASURED)), default=math.inf)
+    return {
+        key: n._replace(value=BELOW * lowest) if key.endswith(OVERLAP) and n.value >= lowest else n
+        for key, n in found.items()
+    }
 
 
 def _sought(numbers: Mapping[str, Number]) -> Iterator[tuple[str, Number]]:

@@ -27,6 +27,7 @@ from forest_description.machine import Machine, Manipulator, Sensors, load_machi
 
 DISPLACEMENT = 0.05  # [m^3/rad] D
 INERTIA = 25.0  # [kg m^2] of the meter: an inertance of 1e4 Pa s^2/m^3, three thousandths of the hose's
+WEIGHTLESS = 1e-6  # [kg] of boom and stick, whose inertia about the swing axis is not told
 TIGHT = 1e18  # [Pa s/m^3] leakage of the meter: none
 SHORT = 0.3  # [m] of hose between valve and load
 VALVE_LOAD, HOSE_LOAD = 1e8, 1.5e9  # [Pa s/m^3] R_L
@@ -110,7 +111,8 @@ def _nothing_to_move(m: Manipulator) -> Manipulator:
         if field.name.endswith(("_mass", "_xx", "_yy", "_xy", "_zz")) or field.name == "gravity"
     }
     bare |= {"base_zz": INERTIA, "boom_zz": 1e3, "stick_zz": 1e3}
-    return dataclasses.replace(m, log=None, pendulum=None, **bare)  # type: ignore[arg-type]
+    bare |= {"boom_mass": WEIGHTLESS, "stick_mass": WEIGHTLESS}
+    return dataclasses.replace(m, log=None, pendulum=None, head_folding="thesis", **bare)
 
 
 @lru_cache(maxsize=1)

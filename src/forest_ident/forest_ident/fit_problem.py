@@ -102,9 +102,12 @@ class Problem:
 
     def said(self, theta: Floats, name: str, column: Floats) -> Floats:
         """Return (1 + g) yhat + b."""
-        nuisance = {(n, kind): theta[self.count + i] for i, (n, kind, _) in enumerate(self._nuisances)}
-        gain, offset = float(nuisance.get((name, "g"), 0.0)), float(nuisance.get((name, "b"), 0.0))
-        return column * (1.0 + gain) + offset
+        return column * (1.0 + self._static(theta, name, "g")) + self._static(theta, name, "b")
+
+    def _static(self, theta: Floats, name: str, kind: str) -> float:
+        """Return a channel's b or g, 0 if it has none."""
+        places = (i for i, (n, k, _) in enumerate(self._nuisances) if (n, k) == (name, kind))
+        return next((float(theta[self.count + i]) for i in places), 0.0)
 
     def row(self, c: Channel, said: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
         """Return residual/sigma, its derivative by what is said, and which rows are seen, not censored."""
@@ -159,8 +162,9 @@ class Problem:
             column = predicted[c.name]
             residual, slope, _ = self.row(c, self.said(theta, c.name, column))
             j = np.zeros((len(column), len(theta)))
+            shown = slope * (1.0 + self._static(theta, c.name, "g"))
             for place, derivative in enumerate(jacobian):
-                j[:, place] = slope * derivative[c.name]
+                j[:, place] = shown * derivative[c.name]
             for place, (name, kind, _) in enumerate(self._nuisances):
                 if name == c.name:
                     j[:, self.count + place] = slope * (column if kind == "g" else 1.0)

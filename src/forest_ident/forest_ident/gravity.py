@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_description.machine import AXES, Machine, Manipulator
+from forest_description.parameter import derived
 from forest_ident.least_squares import Line, solve
 from forest_ident.readings import length_and_arm
 from forest_ident.session import Session
@@ -109,12 +110,9 @@ def masses(machine: Machine, session: Session, names: tuple[str, ...] = ("head_m
     """
     m = dataclasses.replace(machine.manipulator, pendulum=None)  # what hangs at rest pulls at the tip
     angles, torques = poses(machine, session)
-    empty = dataclasses.replace(m, **dict.fromkeys(names, 0.0))  # type: ignore[arg-type]
+    empty = derived(m, **dict.fromkeys(names, 0.0))  # no link, but what is linear in the masses
     without = _torques(empty, angles)
-    columns = [
-        (_torques(dataclasses.replace(empty, **{name: 1.0}), angles) - without).ravel()  # type: ignore[arg-type]
-        for name in names
-    ]
+    columns = [(_torques(derived(empty, **{name: 1.0}), angles) - without).ravel() for name in names]
     return solve(columns, (torques - without).ravel(), block=2)
 
 

@@ -29,6 +29,7 @@ def pooled(result: Result) -> Machine:
         for one, two in both:
             weights = np.array([one.standard_error, two.standard_error]) ** -2.0
             value = float(np.average([one.value, two.value], weights=weights))
+            # Not less than the better one's: both directions share the errors of the same sensors.
             error = min(one.standard_error, two.standard_error)
             result.estimates[one.key] = judged(one._replace(value=value, standard_error=error))
             del result.estimates[two.key]

@@ -11,8 +11,9 @@ from forest_description.lump import one_lump_warnings
 from forest_description.machine import AXES, Machine
 from forest_description.parameter import choice_of, parameter_of
 from forest_sim.equilibrium import equilibrium
+from forest_sim.friction_ends import large_heading, rubbing_axes, small_heading, without_dry_friction
 from forest_sim.manipulator import Triple
-from forest_sim.modes import modes, operating_point, slow_modes, unguarded
+from forest_sim.modes import SHUT, Mode, modes, operating_point, slow_modes, unguarded
 from forest_sim.parameters import plant_parameters
 from forest_sim.simulation import start_angles
 
@@ -69,7 +70,54 @@ def warnings(machine: Machine) -> list[str]:
                     f"{name}: holding the crane still takes {highest / MPA:.1f} MPa {where}, "
                     f"more than {whose} {limit / MPA:.1f} MPa"
                 )
-    return found + _hose_warnings(machine)
+    return found + _sensor_warnings(machine) + _inertia_warnings(machine) + _hose_warnings(machine)
+
+
+def _sensor_warnings(machine: Machine) -> list[str]:
+    """Return a sentence for each sensor whose reading ends before what it measures does."""
+    sensors, found = machine.sensors, []
+    if sensors.resolver is not None:
+        half = math.degrees(0.5 * sensors.resolver.full_scale)
+        for axis, limits in zip(AXES, joint_limits(machine), strict=True):
+            low, high = (math.degrees(limit) for limit in limits)
+            if low < -half or high > half:
+                found.append(
+                    f"{axis}: its resolver shows -{half:.0f} .. {half:.0f} deg, the joint goes from "
+                    f"{low:.1f} to {high:.1f} deg: beyond, the reading stands still"
+                )
+    if sensors.linear_transducer is not None:
+        shown = sensors.linear_transducer.full_scale
+        found += [
+            f"{axis}: its linear transducer shows {shown:g} m of a stroke of {drive.stroke:g} m"
+            for axis, drive in (("boom", machine.boom), ("stick", machine.stick))
+            if shown < drive.stroke
+        ]
+    if sensors.pressure is not None and sensors.pressure.full_scale < machine.pump.supply_pressure:
+        found.append(
+            f"the pressure transducers end at {sensors.pressure.full_scale / MPA:.1f} MPa, below the pump's "
+            f"{machine.pump.supply_pressure / MPA:.1f} MPa"
+        )
+    return found
+
+
+def _inertia_warnings(machine: Machine) -> list[str]:
+    """Return a sentence for each link whose mass would have to reach beyond its two ends.
+
+    Between joint and end, l apart, the integral of (x - x_c)^2 dm is at most m x_c (l - x_c). Moments about
+    the joint, taken for those about the centre of mass, exceed that.
+    """
+    m, found = machine.manipulator, []
+    for link, mass, x, length, (xx, yy, zz) in (
+        ("boom", m.boom_mass, m.boom_x, m.boom_length, (m.boom_xx, m.boom_yy, m.boom_zz)),
+        ("stick", m.stick_mass, m.stick_x, m.stick_length, (m.stick_xx, m.stick_yy, m.stick_zz)),
+    ):
+        along, most = 0.5 * (yy + zz - xx), mass * x * (length - x)
+        if along > most > 0.0:
+            found.append(
+                f"{link}_yy, {link}_zz: about its centre of mass, {mass:g} kg within the {link}'s length "
+                f"have at most {most:.4g} kg*m2 along it, not {along:.4g}: are they about the joint?"
+            )
+    return found
 
 
 def _holding_pressures(machine: Machine, place: int) -> Iterator[tuple[float, float, float]]:
@@ -84,16 +132,25 @@ def _holding_pressures(machine: Machine, place: int) -> Iterator[tuple[float, fl
 
 def _hose_warnings(machine: Machine) -> list[str]:
     """Return a sentence for each hose that one lump does not describe up to the crane's fastest mode."""
-    found = modes(start_angles(machine), (0.0, 0.0, 0.0), plant_parameters(machine))
+    p = without_dry_friction(plant_parameters(machine))
+    found = modes(start_angles(machine), SHUT, p)
     fastest = max((mode.frequency for mode in found if mode.kind == "links on oil"), default=0.0)
     return one_lump_warnings(machine, fastest)
+
+
+def _oscillation(mode: Mode | None) -> str:
+    """Return a mode in words."""
+    return "no oscillation" if mode is None else f"{mode.frequency:.2f} Hz, damping ratio {mode.damping:.3f}"
 
 
 def report(machine: Machine) -> str:
     """Return the machine in words and numbers."""
     angles = start_angles(machine)
     limits, w = joint_limits(machine), workspace_limits(machine)
-    slow = slow_modes(modes(angles, (0.0, 0.0, 0.0), plant_parameters(machine)))
+    p = plant_parameters(machine)
+    small = slow_modes(modes(angles, SHUT, p))
+    large = slow_modes(modes(angles, SHUT, without_dry_friction(p)))
+    rubbing = rubbing_axes(p)
     speeds, rated = full_speeds(machine, angles), rated_speeds(machine)
     lines = [f"{machine.name}: {machine.description}", "components"]
     lines += [f"  {name:<24} {what}" for name, what in components(machine)]
@@ -101,15 +158,16 @@ def report(machine: Machine) -> str:
     for place, axis in enumerate(AXES):
         low, high = (math.degrees(limit) for limit in limits[place])
         plus, minus = speeds[axis]
-        mode = slow[axis]
-        told = (
-            "no oscillation" if mode is None else f"{mode.frequency:.2f} Hz, damping ratio {mode.damping:.3f}"
-        )
+        told = _oscillation(small[axis])
+        if axis in rubbing:
+            told = f"{_oscillation(large[axis])} (small: {told})"
         lines.append(f"  {axis:<6} {low:7.1f} .. {high:6.1f} deg, {plus:+.2f}/{minus:+.2f} rad/s, {told}")
     lines.append(
         f"  speeds at full voltage, oscillations with shut valves; boom at {math.degrees(angles[1]):.1f}, "
         f"stick at {math.degrees(angles[2]):.1f} deg"
     )
+    if rubbing:
+        lines += [f"  {small_heading(rubbing)}", f"  {large_heading(rubbing)}"]
     lines += [
         "workspace",
         f"  reach  {w.reach_min:.2f} .. {w.reach_max:.2f} m from the swing axis",

@@ -15,10 +15,11 @@ import numpy as np
 from forest_compile.kept import can_compile
 from forest_description.kinematics import tip_position
 from forest_description.machine import AXES, Machine
-from forest_sim import check, modes, pumps, summary
+from forest_sim import check, mode_map, modes, pumps, summary
 from forest_sim.disturbance import UNDISTURBED, Disturbance
 from forest_sim.energy import account
 from forest_sim.equilibrium import equilibrium
+from forest_sim.friction_ends import large_heading, rubbing_axes, small_heading, without_dry_friction
 from forest_sim.inputs import Voltages
 from forest_sim.manipulator import Triple
 from forest_sim.observation import EXACT, Observer, Sensing
@@ -179,43 +180,52 @@ def show_equilibrium(machine: Machine, angles: Triple, as_json: bool) -> int:
 
 
 def show_modes(machine: Machine, angles: Triple, spools: Triple, as_json: bool) -> int:
-    """Print the natural frequencies and damping ratios at a pose."""
-    found = modes.modes(angles, spools, plant_parameters(machine))
+    """Print frequencies and damping ratios at a pose; with dry friction, of small and large oscillations."""
+    p = plant_parameters(machine)
+    ends = rubbing_axes(p)
+    small = modes.modes(angles, spools, p)
+    large = modes.modes(angles, spools, without_dry_friction(p)) if ends else small
     if as_json:
-        told = [
-            {
-                "frequency_hz": mode.frequency,
-                "damping_ratio": mode.damping,
-                "kind": mode.kind,
-                "participation": {**dict(zip(AXES, mode.axes, strict=True)), **mode.parts},
-            }
-            for mode in found
-        ]
-        print(json.dumps({"machine": machine.name, "angles_rad": list(angles), "modes": told}, indent=2))
+        told = {
+            "machine": machine.name,
+            "angles_rad": list(angles),
+            "dry_friction_speeds_m_s": {
+                axis: {
+                    "small_below": end.small,
+                    "large_above": end.large if math.isfinite(end.large) else None,
+                }
+                for axis, end in ends.items()
+            },
+            "modes": modes.told(small),
+            "modes_without_dry_friction": modes.told(large),
+        }
+        print(json.dumps(told, indent=2))
         return 0
     pose = ", ".join(f"{axis} {math.degrees(q):.1f}" for axis, q in zip(AXES, angles, strict=True))
     volts = ", ".join(f"{v:g}" for v in spools)
     print(f"  {machine.name}, {pose} deg, spools at {volts} V")
-    print(modes.table(found) if found else "  no oscillations: everything is overdamped")
+    if ends:
+        print(f"  {small_heading(ends)}")
+    print(modes.table(small))
+    if ends:
+        print(f"  {large_heading(ends)}\n{modes.table(large)}")
     return 0
 
 
 def map_modes(machine: Machine, spacing: float, out: Path) -> int:
     """Write the slow modes over the workspace as CSV and picture."""
     new_directory(out)
-    points = modes.mode_map(machine, spacing)
+    ends = rubbing_axes(plant_parameters(machine))
+    points = mode_map.mode_map(machine, spacing)
     from forest_sim.figures import draw_map
 
     file = out / "modes.csv"
-    file.write_text(modes.map_csv(points), encoding="utf-8")
-    for axis in AXES:
-        rows = [(m.frequency, m.damping) for point in points if (m := point.modes[axis]) is not None]
-        if rows:
-            frequency, damping = zip(*rows, strict=True)
-            print(
-                f"  {axis:<6} {min(frequency):6.2f} .. {max(frequency):6.2f} Hz, "
-                f"damping ratio {min(damping):.3f} .. {max(damping):.3f}"
-            )
+    file.write_text(mode_map.map_csv(points), encoding="utf-8")
+    if ends:
+        print(f"  {small_heading(ends)}")
+    print(mode_map.ranges([point.modes for point in points]))
+    if ends:
+        print(f"  {large_heading(ends)}\n{mode_map.ranges([point.sliding for point in points])}")
     picture = draw_map(points, spacing, machine, out / "modes.png")
     print(f"  {len(points)} poses\n  {file}\n  {picture}")
     return 0

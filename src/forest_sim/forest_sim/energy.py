@@ -13,8 +13,9 @@
 | mechanical | handed to the links, less what they gave back on their way down |
 | stored | in the pressure and the motion of the oil, less what was there at the start |
 
-engine = the sum of the others: `power` closes at every instant, so the integrals close as well. What the
-integration itself leaves open shows in `stored`: the oil's state at the end tells it a second time.
+The recorded flows of `power` close at every instant, so their integrals close whatever the states do: their
+sum tests nothing of a run. `settled` therefore tells `stored` from the oil's states at both ends. What the
+account then leaves open, `unaccounted`, is the error of the integration.
 """
 
 from typing import NamedTuple
@@ -81,9 +82,21 @@ def _places(name: str) -> list[int]:
     return [ENERGY.index(f"{axis}_{name}") for axis in AXES]
 
 
-def gap(a: Account) -> float:
-    """Return what the account leaves open, as a share of the engine's work."""
-    return float(a.engine - sum(a[1:])) / max(1.0, abs(float(a.engine)))
+def settled(total: Account, first: Simulation, last: Simulation, p: PlantParameters) -> Account:
+    """Return a run's account with `stored` told by the states at both ends instead of by integrated power.
+
+    Args:
+        total: the integrals over the run [J].
+        first: the machine at the start.
+        last: the machine at the end.
+        p: its parameters.
+    """
+    return total._replace(stored=np.asarray(oil_energy(last, p) - oil_energy(first, p)))
+
+
+def unaccounted(total: Account) -> float:
+    """Return what an account leaves open [J]: the engine's work less the sum of all other entries."""
+    return float(total.engine) - float(sum(total[1:]))
 
 
 def oil_energy(simulation: Simulation, p: PlantParameters) -> float:

@@ -15,7 +15,7 @@ from forest_msgs_py.encoding import columns
 from forest_msgs_py.pictures import draw_all, finish_axes, new_figure, widen
 from forest_msgs_py.series import Bag, Series, bag_of
 from forest_sim.energy import Account
-from forest_sim.modes import MapPoint
+from forest_sim.mode_map import MapPoint
 from forest_sim.observation import OBSERVED
 from forest_sim.trajectory_files import Rows
 
@@ -161,18 +161,20 @@ def _bars(axes: Axes, energies: Mapping[str, Mapping[str, float]], paths: Mappin
 
 
 def draw_map(points: Sequence[MapPoint], spacing: float, machine: Machine, out: Path) -> Path:
-    """Draw the slow modes' frequencies over the workspace, one panel for each axis.
+    """Draw the slow modes' frequencies over the workspace without dry friction, one panel for each axis.
 
     Args:
-        points: from `modes.mode_map`.
+        points: from `mode_map.mode_map`.
         spacing: of its grid [m].
         machine: whose crane's plane it is.
         out: file.
     """
     figure = Figure(figsize=(13.0, 6.6), dpi=100, layout="constrained")
-    figure.suptitle(f"Natural frequencies with shut valves: {machine.name}")
+    rubs = any(point.sliding is not point.modes for point in points)
+    without = ", without dry friction" if rubs else ""
+    figure.suptitle(f"Natural frequencies with shut valves{without}: {machine.name}")
     for axes, name in zip(figure.subplots(1, 3, sharey=True), AXES, strict=True):
-        found = [(p.reach, p.height, m) for p in points if (m := p.modes[name]) is not None]
+        found = [(p.reach, p.height, m) for p in points if (m := p.sliding[name]) is not None]
         if found:
             reach, height = np.array([p[0] for p in found]), np.array([p[1] for p in found])
             grid, extent = _grid(reach, height, np.array([p[2].frequency for p in found]), spacing)

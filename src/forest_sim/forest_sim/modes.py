@@ -12,27 +12,27 @@ motion with the joints held at the pose: each of them moves through the pose rat
 
 Relief and anti-cavitation valves, end stops and cushions are left out: they are off in the middle of the
 working range, but an emptied hose lies right at the edge of an anti-cavitation valve.
+
+Dry friction is linearised like all else. At rest that is a strong damper, which holds for small oscillations
+only; `friction_ends` tells for which, and gives the parameters for large ones.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig
 
-from forest_description.limits import workspace_limits
-from forest_description.machine import Machine
 from forest_sim.end_stop import UNCUSHIONED, EndStop
 from forest_sim.equilibrium import equilibrium
 from forest_sim.integrator import Simulation, step
 from forest_sim.manipulator import Triple
 from forest_sim.mechanics import HeadState
-from forest_sim.parameters import NO_GUARD, Axis, PlantParameters, plant_parameters
+from forest_sim.parameters import NO_GUARD, Axis, PlantParameters
 from forest_sim.plant import AxisState, PlantState, ports_at, state_derivative
 from forest_sim.port import is_shut
 from forest_sim.recording import AXES
-from forest_sim.simulation import RunError, start_angles
 from forest_sim.spool import Spool
 from forest_sim.supply import SupplyState
 
@@ -42,6 +42,7 @@ NO_STOP = EndStop(-math.inf, math.inf, 0.0, 0.0)
 DIFFERENCE = (1e-6, 1e-6, 10.0, 10.0, 1e-8, 1e-8)  # rad, rad/s, Pa, m^3/s: rounding and curvature both small
 PARTS = {"angle": "links", "rate": "links", "pressure_1": "oil", "pressure_2": "oil"}
 SETTLING, SETTLING_STEP = 3.0, 5e-3  # [s] over which the steady motion at a pose is found
+SHUT: Triple = (0.0, 0.0, 0.0)  # [V] of the spools
 SLOWEST = 1e-3  # [Hz] anything below is no oscillation but rounding
 
 
@@ -188,43 +189,23 @@ def _shaped(x: Floats) -> PlantState:
     return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]))
 
 
-class MapPoint(NamedTuple):
-    """The slow modes with the tip at a place of the crane's plane, valves shut."""
-
-    reach: float  # [m] from the swing axis
-    height: float  # [m] over the boom's pivot
-    modes: dict[str, Mode | None]  # by axis
-
-
-def mode_map(machine: Machine, spacing: float) -> list[MapPoint]:
-    """Return the slow modes over the workspace, on a square grid [m] of tip places that the strokes reach."""
-    w, p = workspace_limits(machine), plant_parameters(machine)
-    points = []
-    for reach in np.arange(max(spacing, w.reach_min), w.reach_max, spacing).tolist():
-        for height in np.arange(w.height_min, w.height_max, spacing).tolist():
-            try:
-                angles = start_angles(machine, (reach, 0.0, height))
-            except RunError:
-                continue
-            points.append(MapPoint(reach, height, slow_modes(modes(angles, (0.0, 0.0, 0.0), p))))
-    return points
-
-
-def map_csv(points: list[MapPoint]) -> str:
-    """Return the map as CSV: frequency and damping of each axis, empty where it has no oscillation."""
-    names = [f"{axis}_{what}" for axis in AXES for what in ("frequency[Hz]", "damping[1]")]
-    lines = [",".join(("reach[m]", "height[m]", *names))]
-    for point in points:
-        told = [
-            "," if mode is None else f"{mode.frequency:.6g},{mode.damping:.6g}"
-            for mode in (point.modes[axis] for axis in AXES)
-        ]
-        lines.append(",".join((f"{point.reach:.4f}", f"{point.height:.4f}", *told)))
-    return "\n".join(lines) + "\n"
+def told(found: list[Mode]) -> list[dict[str, Any]]:
+    """Return the modes for JSON."""
+    return [
+        {
+            "frequency_hz": mode.frequency,
+            "damping_ratio": mode.damping,
+            "kind": mode.kind,
+            "participation": {**dict(zip(AXES, mode.axes, strict=True)), **mode.parts},
+        }
+        for mode in found
+    ]
 
 
 def table(found: list[Mode]) -> str:
     """Return the modes in a table."""
+    if not found:
+        return "  no oscillations: everything is overdamped"
     lines = [f"  {'Hz':>8} {'damping':>8}  {'axis':<6} {'kind':<13} participation"]
     for mode in found:
         shares = {**dict(zip(AXES, mode.axes, strict=True)), **mode.parts}

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from forest_description.kinematics import tip_position
 from forest_description.limits import joint_limits
 from forest_description.machine import AXES, Machine
-from forest_sim.energy import Account, account, oil_energy
+from forest_sim.energy import Account, account, settled, unaccounted
 from forest_sim.integrator import Events
 from forest_sim.manipulator import Triple
 from forest_sim.parameters import plant_parameters
@@ -68,14 +68,12 @@ class Summary:
         What is stored is told by the oil's state at both ends. A valve that shuts at once stops a hose's flow
         at once: its kinetic energy is then among the unaccounted, with the error of the integration.
         """
-        p = plant_parameters(self._machine)
         total = account(self._energies)
-        stored = 0.0
         if self._first is not None:
-            stored = oil_energy(restore(self._last), p) - oil_energy(restore(self._first), p)
-        parts = total._replace(stored=np.asarray(stored))
-        open_ = float(parts.engine) - float(sum(parts[1:]))
-        return {name: float(value) for name, value in parts._asdict().items()} | {"unaccounted": open_}
+            p = plant_parameters(self._machine)
+            total = settled(total, restore(self._first), restore(self._last), p)
+        parts = {name: float(value) for name, value in total._asdict().items()}
+        return parts | {"unaccounted": unaccounted(total)}
 
     def result(self, run: Run, voltages: str, start: Triple) -> dict[str, Any]:
         """Return everything, for `summary.json`: SI units, degrees where the name says so."""

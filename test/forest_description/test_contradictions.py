@@ -1,0 +1,185 @@
+"""Machine files whose numbers contradict each other are refused: file, line, key, and what is allowed."""
+
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+
+from forest_description.inertia import require_rigid
+from forest_description.machine import Friction, MachineError, load_machine
+
+C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
+
+
+def written(text):
+    """A machine file in which "= 3 kg" stands for a number with its unit and a source."""
+    return re.sub(r"= (\S+) (\S+)", r"{value: \1, unit: \2, source: x}", text)
+
+
+MASSLESS = """manipulator:
+  stick_mass: = 0 kg
+  head_mass: = 0 kg
+  stick_xx: = 0 kg*m2
+  stick_yy: = 0 kg*m2
+  stick_zz: = 0 kg*m2
+"""
+LONG = """stick:
+  pivot_to_base: = 1.6 m
+  pivot_to_rod: = 1.2 m
+  retracted_length: = 1.2 m
+  stroke: = 1.5 m
+"""
+BODIES = [
+    ("c180", "boom_xx: = 0 kg*m2", "boom_zz (833.6518 kg*m2) must not be above boom_xx + boom_yy (756.0469"),
+    ("c180", "boom_xx: = 0 kg*m2", "no rigid body has such moments of inertia; allowed: boom_xx of 77.6049 "),
+    ("c180_thesis", "boom_xx: = 40 kg*m2", "allowed: boom_xx of 77.6049 kg*m2 or more"),
+    ("c180_thesis", "stick_yy: = 900 kg*m2", "stick_yy (900 kg*m2) must not be above"),
+    ("c180", "stick_zz: = 1000 kg*m2", "stick_zz (1000 kg*m2) must not be above"),
+    ("loader", "stick_yy: = 19 kg*m2", "allowed: stick_xx of 0.9 kg*m2 or more"),
+    ("loader", "boom_xx: = 70 kg*m2", "allowed: boom_yy of 37.6 kg*m2 or more"),
+    ("loader", "boom_xy: = -9 kg*m2", "allowed: -5.994789 .. 5.994789 kg*m2"),
+    (
+        "c180",
+        "stick_mass: = 0 kg",
+        "stick_mass is 0 kg: a body without mass has no inertia; allowed: above 0",
+    ),
+]
+OTHERS = [
+    ("c180_thesis", "manipulator:\n  head_folding: full\n", 2, "allowed: boom_xx of 77.6049 kg*m2 or more"),
+    (
+        "c180",
+        MASSLESS,
+        3,
+        "manipulator.stick_mass: nothing resists the stick's acceleration; allowed: a mass",
+    ),
+    (
+        "c180",
+        "valve:\n  spool_bandwidth: null\n  spool_damping: = 0.7 1\n",
+        4,
+        "valve.spool_damping (0.7) is of a lag that spool_bandwidth: null leaves out; allowed: null, or a",
+    ),
+    ("loader", "valve:\n  spool_bandwidth: null\n", 3, "valve.spool_damping (0.75) is of a lag"),
+    ("loader", "stick:\n  valve:\n    spool_bandwidth: null\n", 4, "stick.valve.spool_damping (0.75) is"),
+    ("c180", LONG, 6, "stick.stroke (1.5 m) must be smaller than retracted_length (1.2 m)"),
+    (
+        "c180",
+        "boom:\n  angle_offset: = -62 deg\n",
+        3,
+        "boom.angle_offset: over the stroke the boom goes from 87.3 to 196.0 deg; allowed: within -180",
+    ),
+    ("c180", "boom:\n  angle_offset: = 300 deg\n", 3, "the boom goes from -274.7 to -166.0 deg; allowed"),
+    (
+        "c180",
+        "port_valves:\n  relief_pressure: = 200 bar\n",
+        3,
+        "port_valves.relief_pressure (2e+07 Pa) must not be below pump.supply_pressure (2.06841e+07 Pa)",
+    ),
+    (
+        "c180",
+        "pump:\n  relief_pressure: = 400 bar\n  supply_pressure: = 300 bar\n",
+        4,
+        "port_valves.relief_pressure (2.41e+07 Pa) must not be below pump.supply_pressure (3e+07 Pa)",
+    ),
+    (
+        "c180",
+        "port_valves:\n  anticavitation_pressure: = 9 bar\n  relief_pressure: = 4 bar\n",
+        3,
+        "port_valves.anticavitation_pressure (900000 Pa) must be smaller than relief_pressure (400000 Pa)",
+    ),
+    ("c180", "pump:\n  count: = 1.5 1\n", 3, "pump.count (1.5) must be a whole number"),
+    (
+        "c180",
+        "pump:\n  leakage_resistance: = 5e9 Pa*s/m3\n",
+        3,
+        "pump.leakage_resistance (5e+09 Pa*s/m3) lets all that the pumps deliver (0.00375 m3/s) back",
+    ),
+    (
+        "c180",
+        "pump:\n  engine_power: = 2.5 kW\n",
+        3,
+        "pump.engine_power (2500 W) does not even hold supply_pressure against leakage_resistance; allowed",
+    ),
+    (
+        "c180",
+        "pump:\n  compensator_band: = 9 MPa\n  supply_pressure: = 8 MPa\n",
+        3,
+        "pump.compensator_band (9e+06 Pa) must be smaller than supply_pressure (8e+06 Pa)",
+    ),
+    (
+        "loader",
+        "pump:\n  compensator_band: = 22 bar\n",
+        3,
+        "pump.compensator_band (2.2e+06 Pa) must be smaller than margin (2.2e+06 Pa)",
+    ),
+    (
+        "loader",
+        "boom:\n  friction:\n    smoothing_speed: = 0.02 m/s\n",
+        4,
+        "boom.friction.smoothing_speed (0.02 m/s) must be smaller than stribeck_speed (0.012 m/s)",
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("base", "text", "line", "told"),
+    [*((base, f"manipulator:\n  {text}\n", 3, told) for base, text, told in BODIES), *OTHERS],
+)
+def test_a_contradiction_is_refused_with_line_key_and_what_is_allowed(tmp_path, base, text, line, told):
+    path = tmp_path / "mine.yaml"
+    path.write_text(f"based_on: {base}\n{written(text)}", "utf-8")
+    with pytest.raises(MachineError) as caught:
+        load_machine(path)
+    assert str(caught.value).startswith(f"{path}:{line}: ")
+    assert told in str(caught.value)
+
+
+def test_an_inertia_that_is_not_told_stays_allowed_as_in_the_thesis(tmp_path):
+    path = tmp_path / "mine.yaml"
+    path.write_text(written("based_on: c180_thesis\nmanipulator:\n  head_mass: = 500 kg\n"), "utf-8")
+    m = load_machine(path).manipulator
+    assert (m.boom_xx, m.stick_xx, THESIS.manipulator.boom_xx) == (0.0, 0.0, 0.0)
+
+
+def test_a_plane_body_is_a_body_however_its_numbers_are_rounded():
+    m = C180.manipulator
+    assert m.boom_xx + m.boom_yy == pytest.approx(m.boom_zz, rel=1e-12)
+    dataclasses.replace(m, boom_xx=m.boom_xx * (1.0 - 5e-7))
+    with pytest.raises(MachineError, match="no rigid body"):
+        dataclasses.replace(m, boom_xx=m.boom_xx * 0.999)
+
+
+def test_what_points_make_is_always_a_body_and_a_little_beyond_never():
+    """Principal moments of a symmetric pair of points above and below the plane, at random."""
+    rng = np.random.default_rng(4)
+    for _ in range(200):
+        count = int(rng.integers(2, 6))
+        masses = rng.uniform(0.1, 5.0, count)
+        x, y, z = rng.normal(0.0, 1.0, (3, count)) * rng.uniform(0.1, 2.0, (3, 1))
+        x, y = x - masses @ x / masses.sum(), y - masses @ y / masses.sum()
+        s_xx, s_yy, s_zz, s_xy = (masses @ a for a in (x * x, y * y, z * z, x * y))
+        moments = (s_yy + s_zz, s_xx + s_zz, s_xx + s_yy)
+        require_rigid("boom", masses.sum(), moments, s_xy)
+        beyond = (s_yy + s_zz, s_xx + s_zz, s_xx + s_yy + 2.01 * s_zz + 1e-3)
+        with pytest.raises(MachineError, match=r"boom_zz .* no rigid body"):
+            require_rigid("boom", masses.sum(), beyond, s_xy)
+        room = 1.01 * float(np.sqrt(s_xx * s_yy)) + 1e-3
+        for product in (room, -room):
+            with pytest.raises(MachineError, match=r"boom_xy"):
+                require_rigid("boom", masses.sum(), moments, product)
+
+
+def test_a_friction_without_peak_may_be_as_smooth_as_it_likes():
+    assert Friction(500.0, 500.0, 1e-3, 5e-3).smoothing_speed == 5e-3
+
+
+def test_what_is_allowed_of_a_pump_is_allowed_indeed():
+    pump = C180.pump
+    lowest = pump.supply_pressure / pump.flow_limit
+    with pytest.raises(MachineError, match=r"allowed: above 5\.51576e\+09 Pa"):
+        dataclasses.replace(pump, leakage_resistance=0.999 * lowest)
+    needed = pump.supply_pressure**2 / pump.leakage_resistance / pump.mechanical_efficiency
+    with pytest.raises(MachineError, match=r"allowed: above 2875\.22 W"):
+        dataclasses.replace(pump, engine_power=0.999 * needed)
+    dataclasses.replace(pump, engine_power=1.001 * needed)
+    dataclasses.replace(pump, leakage_resistance=1.001 * lowest, engine_power=1e6)
