@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Regenerates the three lock files from pyproject.toml; arguments (such as --upgrade) go to `uv pip compile`.
+# Regenerates the five lock files from pyproject.toml; arguments (such as --upgrade) go to `uv pip compile`.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -16,17 +16,31 @@ compile() {
         --custom-compile-command scripts/lock.sh "$@"
 }
 
+# The tests' lock holds what the run's does not, and both resolve to the same versions.
+compile_run_and_test() { # compile_run_and_test RUN_LOCK TEST_LOCK OPTIONS...
+    local run=$1 test=$2 names=() name
+    shift 2
+    compile "$@" --output-file "$run" pyproject.toml - <<<"$build_requirement"
+    while IFS= read -r name; do
+        names+=(--no-emit-package "$name")
+    done < <(sed -n 's/^\([a-z0-9][a-z0-9._-]*\)==.*/\1/p' "$run" | sort -u)
+    compile "$@" --extra test --constraint "$run" "${names[@]}" --output-file "$test" pyproject.toml
+}
+
 # EmPy is published as source only and needed only where messages are generated, so never here.
-compile --universal --python-version 3.10 --extra ros --extra fast --extra test --no-emit-package empy "$@" \
-    --output-file requirements.lock pyproject.toml - <<<"$build_requirement"
+compile_run_and_test requirements.lock requirements-test.lock \
+    --universal --python-version 3.10 --extra ros --extra fast --no-emit-package empy "$@"
 
 # The message extensions of Ubuntu 24.04's Jazzy were compiled for its own numpy, which must never be shadowed.
-compile --python-version 3.12 --python-platform x86_64-manylinux_2_28 --extra fast --extra test --no-emit-package numpy \
-    --constraint <(printf 'numpy==1.26.4\n') "$@" \
-    --output-file requirements-jazzy.lock pyproject.toml - <<<"$build_requirement"
+numpy_of_jazzy=$(mktemp)
+trap 'rm -f -- "$numpy_of_jazzy"' EXIT
+echo "numpy==1.26.4" >"$numpy_of_jazzy"
+compile_run_and_test requirements-jazzy.lock requirements-jazzy-test.lock \
+    --python-version 3.12 --python-platform x86_64-manylinux_2_28 --extra fast --no-emit-package numpy \
+    --constraint "$numpy_of_jazzy" "$@"
 
 # Extras cannot be constrained by a lock of their own, so the tools are listed here.
-compile --universal --python-version 3.10 --constraint requirements.lock "$@" \
+compile --universal --python-version 3.10 --constraint requirements.lock --constraint requirements-test.lock "$@" \
     --output-file requirements-dev.lock - <<'TOOLS'
 ruff
 mypy

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Makes .venv in the checkout and installs the locked dependencies and the seven packages into it.
 #
-#   scripts/setup.sh        what running and testing needs
-#   scripts/setup.sh dev    also the check tools (ruff, mypy, import-linter, pre-commit, colcon)
+#   scripts/setup.sh         what running needs
+#   scripts/setup.sh test    also what only the tests need (pytest, and the libraries that they compare with)
+#   scripts/setup.sh dev     what running needs, and the check tools (ruff, mypy, import-linter, pre-commit, colcon)
 #
 # PYTHON names the interpreter (CPython 3.10 to 3.14 on x86-64 Linux; default: that of .venv, or python3).
 # A sourced ROS 2 Jazzy is used in place of the ROS wheels. A second run does nothing and starts no python.
@@ -91,6 +92,7 @@ find_mode() { # -> mode: jazzy or wheels
 # A half-sourced ROS, or another environment of wheels that started us, would shadow the wheels.
 clean_environment() {
     unset PYTHONHOME
+    unset PYTHONDONTWRITEBYTECODE # pip compiles nothing: who imports a module first keeps it for the others
     [[ $mode == wheels ]] || return 0
     unset PYTHONPATH LD_LIBRARY_PATH AMENT_PREFIX_PATH ROS_DISTRO _ROS_WHEELS_BOOTSTRAP_COMPLETE
     [[ ${RMW_IMPLEMENTATION:-rmw_fastrtps_cpp} == rmw_fastrtps_cpp ]] && return 0
@@ -100,18 +102,20 @@ clean_environment() {
 
 # --- the stamp: what .venv was made from ------------------------------------------------------------------
 
-compute_keys() { # -> run_key, dev_key
-    local sums
-    sums=$(cd "$root" && sha256sum pyproject.toml requirements.lock requirements-jazzy.lock requirements-dev.lock)
+sums_of() { (cd "$root" && sha256sum -- "$@"); }
+
+compute_keys() { # -> run_key, test_key, dev_key
     run_key="checkout $root
 python $(readlink -f -- "$python") ${PYENV_VERSION:-}
 ros $ros_path
-${sums%$'\n'*}"
+$(sums_of pyproject.toml requirements.lock requirements-jazzy.lock)"
+    test_key="$run_key
+$(sums_of requirements-test.lock requirements-jazzy-test.lock)"
     dev_key="$run_key
-${sums##*$'\n'}"
+$(sums_of requirements-dev.lock)"
 }
 
-is_done() { # is_done run|dev
+is_done() { # is_done run|test|dev
     local key=${1}_key
     [[ -x $venv/bin/python && -r $venv/.stamp-$1 && -r $venv/.mode && $(<"$venv/.stamp-$1") == "${!key}" ]]
 }
@@ -137,8 +141,8 @@ explain_failure() { # explain_failure WHAT OUTPUT
     local output=$2 kept="its log is $log"
     printf '%s\n' "$output" >>"$log" 2>/dev/null || kept="its last words: ${output##*$'\n'}"
     if [[ $output == *"No space left on device"* || $output == *"Disk quota"* ]] || disk_is_full; then
-        die "the disk is full: .venv needs about 1.3 GB in $root and downloads go to ${TMPDIR:-/tmp};" \
-            "make room and run this again."
+        die "the disk is full: .venv needs 0.7 GB in $root, 1.2 GB with the tests' part and 1.3 GB with the check tools;" \
+            "downloads go to ${TMPDIR:-/tmp}; make room and run this again."
     elif [[ $output =~ NewConnectionError|Temporary\ failure|Name\ or\ service|ConnectTimeout|ReadTimeout ||
         $output =~ refused|unreachable|ProxyError|Max\ retries|Connection\ (aborted|broken)|SSLError ]]; then
         die "no network: pip cannot reach its package index ($kept)."
@@ -171,7 +175,15 @@ run_step() { # run_step WHAT COMMAND...: its output is kept only to explain a fa
 pip_install() { # pip_install WHAT ARGUMENTS...
     local what=$1
     shift
-    run_step "$what" "$venv/bin/python" -m pip --disable-pip-version-check --no-input install --no-deps "$@"
+    # Python compiles what is imported, when it is: pip would compile everything, tests of libraries included.
+    run_step "$what" "$venv/bin/python" -m pip --disable-pip-version-check --no-input \
+        install --no-compile --no-deps "$@"
+}
+
+pip_install_lock() { # pip_install_lock ""|-test
+    local lock=requirements$1.lock
+    [[ $mode == wheels ]] || lock=requirements-jazzy$1.lock
+    pip_install "installing $lock" --require-hashes --only-binary=:all: -r "$root/$lock"
 }
 
 make_venv() {
@@ -183,7 +195,7 @@ make_venv() {
     fi
     mkdir -- "$venv" 2>/dev/null || die "cannot write to $root: is it read-only, or the disk full?"
     printf '%s\n' "$python" >"$venv/.python" || die "cannot write to $venv: is the disk full?"
-    say "Installing into .venv (first time only, a minute or two) …"
+    say "Installing into .venv (first time only, about a minute) …"
     run_step "making .venv" "$python" -m venv "${options[@]}" "$venv"
 }
 
@@ -203,14 +215,19 @@ compile_laws() { # once, for the nodes, which never compile; studies do by thems
 }
 
 install_run() {
-    local lock=$root/requirements.lock
-    [[ $mode == wheels ]] || lock=$root/requirements-jazzy.lock
     make_venv
-    pip_install "installing ${lock##*/}" --require-hashes --only-binary=:all: -r "$lock"
+    pip_install_lock ""
     pip_install "installing the packages of src/" --no-build-isolation -e "$root"
     compile_laws
     printf '%s\n' "$mode" >"$venv/.mode"
     printf '%s\n' "$run_key" >"$venv/.stamp-run"
+    say "Done."
+}
+
+install_test() {
+    say "Installing what only the tests need …"
+    pip_install_lock -test
+    printf '%s\n' "$test_key" >"$venv/.stamp-test"
     say "Done."
 }
 
@@ -223,7 +240,7 @@ install_dev() {
     say "Done."
 }
 
-install() { # install run|dev
+install() { # install run|test|dev
     local lock_fd
     check_platform
     # One setup at a time; the lock goes with the process that holds it, however that ends.
@@ -238,16 +255,18 @@ install() { # install run|dev
         clean_environment
         install_run
     fi
-    [[ $1 == run ]] || is_done dev || install_dev
+    mode=$(<"$venv/.mode")
+    clean_environment
+    is_done "$1" || "install_$1"
     trap - INT TERM HUP
     exec {lock_fd}<&-
 }
 
-main() { # main [run|dev]
+main() { # main [run|test|dev]
     case ${1:-run} in
-    run | dev) ;;
+    run | test | dev) ;;
     -h | --help) sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "${BASH_SOURCE[0]}" && exit 0 ;;
-    *) die "unknown argument '$1'; allowed: dev (or nothing)." ;;
+    *) die "unknown argument '$1'; allowed: test, dev (or nothing)." ;;
     esac
     check_distro
     find_python

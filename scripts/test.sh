@@ -2,10 +2,9 @@
 # Runs the whole test suite, on every core; arguments go to pytest, which then runs in one process.
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" run
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" test
 export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST # tests talk to nobody outside this machine
 export OMP_NUM_THREADS=1                       # threads of BLAS only disturb the timing of the nodes
-unset PYTHONDONTWRITEBYTECODE                  # the tests start Python 300 times; each would compile our modules
 cd "$root"
 [[ $# -gt 0 ]] || set -- -p xdist --numprocesses auto --maxprocesses 8 --dist loadfile
 exec "$venv/bin/python" -m pytest "$@"

@@ -1,10 +1,10 @@
 """Claims about joystick inputs: the thesis' test input, and files of levers."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
+from recorded import recorded
 
 from forest_control.levers import REST, Levers
 from forest_control.sources import (
@@ -15,7 +15,6 @@ from forest_control.sources import (
     thesis_tip_velocity,
 )
 
-PERSON = Path(__file__).resolve().parents[3] / "shared" / "data" / "operator_levers.csv"
 HEADER = "time_s,swing,boom,stick\n"
 
 
@@ -113,10 +112,10 @@ def test_an_unreadable_file_is_named(tmp_path, content):
     assert str(refused.value).startswith(f"{path}: ")
 
 
-@pytest.mark.skipif(not PERSON.exists(), reason=f"{PERSON} is not there")
 def test_a_persons_levers_are_read_whole():
-    record = read_levers(PERSON)
-    rows = np.loadtxt(PERSON, delimiter=",", skiprows=1)
+    person = recorded("operator_levers.csv")
+    record = read_levers(person)
+    rows = np.loadtxt(person, delimiter=",", skiprows=1)
     assert record.times == tuple(rows[:, 0])
     assert np.array_equal(record.levers, rows[:, 1:])
     assert record.times[-1] >= 95.0

@@ -1,11 +1,10 @@
 import csv
 import json
 import math
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
+from recorded import recorded
 
 from forest_compile.kept import can_compile
 from forest_ident import (
@@ -247,11 +246,7 @@ def test_a_column_that_stands_still_is_refused(tmp_path):
 
 @compiled
 def test_half_of_the_real_crane_foretells_the_rest_of_it():
-    folder = os.environ.get("FOREST_SHARED_DATA")
-    path = Path(folder or ".") / "hydraulic_crane_first_half.csv"
-    if folder is None or not path.exists():
-        pytest.skip("FOREST_SHARED_DATA names no folder with hydraulic_crane_first_half.csv")
-    whole = actuator_record.read(path)
+    whole = actuator_record.read(recorded("hydraulic_crane_first_half.csv"))
     s = actuator_record.scales(whole)
     columns = Columns(
         whole.valve / s.valve,

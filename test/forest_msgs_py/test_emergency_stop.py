@@ -223,3 +223,19 @@ def test_a_reset_that_follows_at_once_is_no_older_than_a_nodes_own_word_that_it_
     controller.stop._on_state(message_class(EMERGENCY_STOPPED)(data=True), {"source_timestamp": said})
     controller.stop._on_command(message_class(EMERGENCY_STOP)(data=False), asked)
     assert not controller.stop.pressed
+
+
+def test_a_reset_by_service_is_said_to_all_and_a_refused_one_is_not(peer, controller):
+    heard = peer.hear(EMERGENCY_STOP)
+
+    def reset():
+        return call(peer, "/emergency_stop").success and call(peer, "/reset_emergency_stop").success
+
+    peer.until(lambda: reset() and heard)
+    before = len(heard)
+    controller.objection = "the deadman is held"
+    assert not reset()
+    controller.objection = ""
+    assert reset()
+    peer.until(lambda: len(heard) > before)
+    assert [message.data for message in heard[before:]] == [False]

@@ -8,11 +8,11 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_msgs_py import inbox as inbox_module
-from forest_msgs_py.inbox import inbox, sent_at
+from forest_msgs_py.inbox import Inbox, inbox, sent_at
 from forest_msgs_py.messages import float_array
 from forest_msgs_py.node import publisher
 from forest_msgs_py.stamped_period import LONGEST, StampedPeriod, TimeInForce
-from forest_msgs_py.topics import VALVE_VOLTAGES
+from forest_msgs_py.topics import VALVE_VOLTAGES, message_class, qos
 from forest_msgs_py.unpacking import ArrayReader
 
 
@@ -110,3 +110,73 @@ def test_what_is_said_close_behind_something_is_in_force_from_then_on():
     assert period.since(s + 20_000_000) == 0.005
     assert period.since(s) == 0.0
     assert period.since(s + 5_000_000) == 0.005
+
+
+@pytest.mark.usefixtures("standing_clocks")
+@pytest.mark.parametrize(("ahead", "believed"), [(0.049, True), (0.05, False), (0.051, False)])
+def test_clocks_may_differ_by_fifty_milliseconds(ahead, believed):
+    assert (sent_at(sent(-ahead)) > -math.inf) == believed
+
+
+@pytest.mark.usefixtures("standing_clocks")
+def test_the_time_of_sending_is_told_by_this_process_clock_whatever_the_middleware_counts_from():
+    assert sent_at(sent(0.25)) == pytest.approx(999.75, abs=1e-6)
+    assert sent_at({"source_timestamp": time.time_ns(), "received_timestamp": 0}) == 1000.0
+
+
+def test_a_stall_while_the_age_is_told_makes_a_message_older_never_newer(monkeypatch):
+    looks = iter((0.0, 0.4))  # s at which the two clocks are read
+    monkeypatch.setattr("time.time_ns", lambda: 1_800_000_000_000_000_000 + round(next(looks) * 1e9))
+    monkeypatch.setattr("time.monotonic", lambda: 1000.0 + next(looks))
+    message = {"source_timestamp": 1_800_000_000_000_000_000 - 100_000_000}  # at 999.9 s
+    assert sent_at(message) == pytest.approx(999.5, abs=1e-6)
+
+
+def test_both_messages_between_two_looks_are_told_oldest_first_each_with_its_own_time(make_node, wait_until):
+    node = make_node("both")
+    box, sender = inbox(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
+    wait_until(lambda: sender.get_subscription_count() == 1)
+    before = time.monotonic()
+    for swing in (1.0, 2.0):
+        sender.publish(float_array(VALVE_VOLTAGES, 0, (swing, 0.0, 0.0)))
+    arrived = []
+    wait_until(lambda: arrived.extend(box.arrivals()) or len(arrived) == 2)
+    assert [volts(arrival.message) for arrival in arrived] == [1.0, 2.0]
+    assert all(before - 0.05 <= arrival.time <= time.monotonic() + 0.05 for arrival in arrived)
+    assert not list(box.arrivals())
+
+
+def test_a_node_that_spins_is_not_woken_and_its_messages_wait(make_node, wait_until):
+    from rclpy.executors import SingleThreadedExecutor
+
+    node = make_node("both")
+    box, sender = inbox(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
+    wait_until(lambda: sender.get_subscription_count() == 1)
+    executor = SingleThreadedExecutor(context=node.context)
+    executor.add_node(node)
+    turns = []
+    node.create_timer(0.001, lambda: turns.append(1))
+    sender.publish(float_array(VALVE_VOLTAGES, 0, (1.0, 0.0, 0.0)))
+    wait_until(lambda: len(turns) > 20, executor=executor)
+    executor.shutdown()
+    assert not box.subscription.callback_group.can_execute(box.subscription)  # or it would wake for nothing
+    newest = []
+    wait_until(lambda: newest.append(box.newest()) or newest[-1] is not None)
+    assert volts(newest[-1].message) == 1.0
+
+
+def test_an_inbox_holds_messages_or_where_that_is_asked_for_their_bytes(make_node, wait_until):
+    node, kind = make_node("both"), message_class(VALVE_VOLTAGES)
+    parsed = Inbox(node, kind, VALVE_VOLTAGES.name, qos(VALVE_VOLTAGES))
+    raw, sender = inbox(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
+    wait_until(lambda: sender.get_subscription_count() == 2)
+    sender.publish(float_array(VALVE_VOLTAGES, 0, (1.0, 0.0, 0.0)))
+    found = {}
+    for name, box in (("parsed", parsed), ("raw", raw)):
+        wait_until(lambda name=name, box=box: found.setdefault(name, box.newest()) or found.pop(name))
+    assert isinstance(found["parsed"].message, kind)
+    assert isinstance(found["raw"].message, bytes)
+
+
+def test_an_inbox_keeps_ten_messages_of_a_fast_topic_the_present_and_not_the_past(make_node):
+    assert inbox(make_node("both"), VALVE_VOLTAGES).subscription.qos_profile.depth == 10

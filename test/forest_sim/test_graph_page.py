@@ -1,5 +1,7 @@
 """docs/linear-graphs.md and docs/graphs are what the code writes."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -62,3 +64,17 @@ def test_sums_under_a_fraction_get_names():
     assert [
         sympy.simplify(e.xreplace(sums) - x / d) for e, d in zip(two, (a + b, a + 2 * b), strict=True)
     ] == [0, 0]
+
+
+def test_without_sympy_the_command_names_it_and_writes_nothing(tmp_path):
+    absent = (
+        "import runpy, sys; sys.modules['sympy'] = None; "
+        "runpy.run_module('forest_sim.graph_page', run_name='__main__')"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", absent, str(tmp_path)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert done.stderr.startswith("graph_page needs sympy; allowed: scripts/setup.sh test")
+    assert done.stderr.count("\n") == 1
+    assert not any(tmp_path.iterdir())

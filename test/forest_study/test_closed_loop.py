@@ -1,10 +1,10 @@
 """Machine, controller and driver together in simulated time: tracking, limits, standing still when told."""
 
 import dataclasses
-from pathlib import Path
 
 import numpy as np
 import pytest
+from recorded import recorded
 
 from forest_control import controller, valve_driver
 from forest_control.levers import REST, Levers
@@ -20,7 +20,6 @@ from forest_study.loop_kernel import by_heart as run
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
-PERSON = Path(__file__).resolve().parents[3] / "shared" / "data" / "operator_levers.csv"
 
 
 def session(operator, duration, scheme=Scheme.JACOBIAN_POSITION, start=START, **options):
@@ -116,12 +115,9 @@ def test_no_lever_motion_takes_a_joint_over_its_limit(scheme, seed):
     assert np.all(margins(session(wild_levers(seed), 40.0, scheme)) > 0.0)
 
 
-@pytest.mark.skipif(
-    not PERSON.exists(), reason="the recording ../shared/data/operator_levers.csv is not here"
-)
 @pytest.mark.parametrize("scheme", list(Scheme))
 def test_a_persons_hands_keep_every_joint_inside_its_limits(scheme):
-    record = read_levers(PERSON)
+    record = read_levers(recorded("operator_levers.csv"))
     moved = session(lambda time: Operator(record.at(time)), 100.0, scheme)
     assert np.all(margins(moved) > 0.0)
     assert np.ptp(moved.angles, axis=0).max() > 0.1  # and it did drive the crane

@@ -1,5 +1,6 @@
 """The graph under fire: real processes on real DDS, killed in the middle of motion."""
 
+import math
 import signal
 import time
 
@@ -13,13 +14,27 @@ from forest_msgs_py.node import subscription
 ZERO_WITHIN = 0.2  # [s] from the death of any node to the last voltage that is not zero
 
 
+@pytest.fixture(scope="module")
+def rocking(tmp_path_factory):
+    """Levers that rock the swing for longer than any test takes; the thesis' session lasts ten seconds."""
+    path = tmp_path_factory.mktemp("levers") / "rocking.csv"
+    rows = [f"{k / 10:.1f},{0.4 * math.sin(0.1 * math.pi * k):.4f},0,0" for k in range(6000)]
+    path.write_text("\n".join(["time_s,swing,boom,stick", *rows, ""]))
+    return str(path)
+
+
 @pytest.fixture
-def moving_graph(start_graph, valves, wait_until, tmp_path):
-    """A graph with every node, in the middle of the thesis' session."""
-    graph = start_graph("--joystick", "thesis", "--record", str(tmp_path / "bag"))
+def moving_graph(start_graph, valves, wait_until, tmp_path, rocking):
+    """A graph with every node, in the middle of a session."""
+    graph = start_graph("--joystick", rocking, "--record", str(tmp_path / "bag"))
     # Driver and guard: whoever dies before the listener has met both is not heard at the end.
     speakers = valves.ear.get_publisher_count
-    wait_until(lambda: valves.open and speakers() == 2, executor=valves.executor)
+
+    def moving():
+        assert graph.poll() is None, graph.text()
+        return valves.opened > valves.shut and speakers() == 2
+
+    wait_until(moving, executor=valves.executor)
     return graph
 
 
@@ -132,8 +147,8 @@ def test_another_namespace_is_another_graph(start_graph, valves, wait_until):
     assert second.poll() is None
 
 
-def test_shadow_computes_commands_and_publishes_no_voltage(start_graph, valves, wait_until):
-    start_graph("--shadow", "--joystick", "thesis")
+def test_shadow_computes_commands_and_publishes_no_voltage(start_graph, valves, wait_until, rocking):
+    start_graph("--shadow", "--joystick", rocking)
     node = valves.node
     heard = []
     subscription(node, topics.VALVE_COMMANDS, lambda message: heard.append(max(map(abs, message.data[2:]))))
@@ -153,8 +168,8 @@ def test_without_simulator_there_is_no_machine_of_ours_and_the_controller_descri
     assert heard[0].data.startswith("<?xml")
 
 
-def test_nodes_speak_and_listen_as_the_topic_table_says(start_graph, valves, wait_until):
-    start_graph("--joystick", "thesis")
+def test_nodes_speak_and_listen_as_the_topic_table_says(start_graph, valves, wait_until, rocking):
+    start_graph("--joystick", rocking)
     node = valves.node
     speakers, listeners = (
         node.get_publisher_names_and_types_by_node,

@@ -36,8 +36,9 @@ def sent_at(info: dict[str, int]) -> float:
     it was published. Publisher and reader are on one machine, or on machines with synchronised clocks; a
     message from the future means that a clock was set, and is as good as old.
     """
+    now = time.monotonic()  # read first: a stall between the two clocks makes the message older, not newer
     age = (time.time_ns() - info["source_timestamp"]) * 1e-9
-    return time.monotonic() - age if age > -CLOCK_TOLERANCE else -math.inf
+    return now - age if age > -CLOCK_TOLERANCE else -math.inf
 
 
 class _NeverWoken(CallbackGroup):

@@ -10,8 +10,13 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-import sympy
-from sympy import Expr, Symbol
+try:
+    import sympy
+    from sympy import Expr, Symbol
+except ModuleNotFoundError:
+    if __name__ != "__main__":
+        raise
+    sys.exit("graph_page needs sympy; allowed: scripts/setup.sh test, or pip install 'forest-crane[graphs]'")
 
 from forest_sim.graph_drawing import svg
 from forest_sim.graph_layouts import CIRCUITS, Circuit
@@ -39,7 +44,8 @@ are those of the simulator. The hand's misprints are listed in [equations.md](eq
   is neither state nor input is eliminated.
 - Port 1 of the valve is open to the supply, port 2 to the tank.
 
-To change a circuit, change its branches:
+To change a circuit, change its branches. That needs sympy: `scripts/setup.sh test` installs it, or
+`pip install 'forest-crane[graphs]'`.
 
 ```python
 from forest_sim.actuation_graphs import cylinder

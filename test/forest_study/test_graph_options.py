@@ -1,0 +1,165 @@
+"""Claims about scripts/graph.sh: which nodes its options start, and with what."""
+
+import argparse
+import contextlib
+
+import pytest
+
+from forest_study import graph
+from forest_study.exclusive import Failure
+from forest_study.supervisor import Stopped
+
+
+class Started:
+    """Stands where the supervisor would start the processes, and keeps what it was told."""
+
+    def __init__(self):
+        self.nodes, self.until, self.ends, self.exit_codes = {}, [], [Stopped()], {"controller": 0}
+
+    def __call__(self, nodes, namespace, logs, may_publish, echo):
+        self.nodes = {node.name: node for node in nodes}
+        self.namespace, self.logs, self.may_publish = namespace, logs, may_publish
+        echo("a line of a node")
+        return contextlib.nullcontext(self)
+
+    def run(self, until=None):
+        self.until.append(until)
+        if end := self.ends.pop(0):
+            raise end
+
+
+@pytest.fixture
+def started(monkeypatch):
+    told = Started()
+    monkeypatch.setattr(graph, "Supervisor", told)
+    return told
+
+
+def parameters(node):
+    """What stands behind each `-p` of a node."""
+    words = node.arguments
+    assert words[::2] == ("-p",) * (len(words) // 2)
+    return dict(word.split(":=", 1) for word in words[1::2])
+
+
+def test_without_options_machine_and_control_run_and_joy_is_the_users(started, capsys):
+    assert graph.main([]) == 0
+    assert list(started.nodes) == ["controller", "valve_driver", "simulator"]
+    assert (started.namespace, started.may_publish, started.until) == ("/", True, [None])
+    assert parameters(started.nodes["controller"]) == {
+        "machine": '"c180"',
+        "scheme": "coordinated",
+        "publish_description": "false",
+    }
+    assert parameters(started.nodes["valve_driver"]) == {"machine": '"c180"', "shadow": "false"}
+    assert parameters(started.nodes["simulator"]) == {"machine": '"c180"'}
+    told = capsys.readouterr().out
+    assert told.startswith(
+        f"starting controller, valve_driver, simulator; logs in {started.logs}; Ctrl-C stops\n"
+    )
+    assert "a line of a node\n" in told
+    assert told.endswith("stopped\n")
+
+
+def test_every_option_reaches_its_nodes(started, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "levers.csv").touch()
+    options = [
+        "--machine",
+        "loader",
+        "--scheme",
+        "joint",
+        "--namespace",
+        "crane/",
+        "--joystick",
+        "levers.csv",
+    ]
+    assert graph.main([*options, "--record", "bag", "--shadow"]) == 0
+    nodes = started.nodes
+    assert list(nodes) == ["joystick", "controller", "valve_driver", "simulator", "recorder"]
+    assert (started.namespace, started.may_publish) == ("/crane", False)
+    assert started.until[0] == "joystick"
+    assert parameters(nodes["joystick"]) == {
+        "source": f'"{tmp_path}/levers.csv"',
+        "duration": "0.0",
+        "wait_for_subscribers": "1",
+        "faults": '""',
+    }
+    assert parameters(nodes["controller"])["scheme"] == "joint"
+    assert {parameters(nodes[name])["machine"] for name in ("controller", "valve_driver", "simulator")} == {
+        '"loader"'
+    }
+    assert parameters(nodes["valve_driver"])["shadow"] == "true"
+    assert parameters(nodes["recorder"]) == {"output": f'"{tmp_path}/bag"'}
+    assert [name for name, node in nodes.items() if not node.needed] == ["recorder"]
+
+
+def test_without_a_simulator_the_controller_describes_the_machine(started):
+    assert graph.main(["--no-simulator"]) == 0
+    assert list(started.nodes) == ["controller", "valve_driver"]
+    assert parameters(started.nodes["controller"])["publish_description"] == "true"
+
+
+def test_each_node_runs_its_module():
+    nodes = [graph.joystick("thesis", 3.5, 2, "lost"), *graph.control("c180", "joint", False, False)]
+    assert [(node.name, node.module, node.needed) for node in nodes] == [
+        ("joystick", "forest_control.joystick_node", True),
+        ("controller", "forest_control.controller_node", True),
+        ("valve_driver", "forest_control.valve_driver_node", True),
+    ]
+    assert parameters(nodes[0]) == {
+        "source": '"thesis"',
+        "duration": "3.5",
+        "wait_for_subscribers": "2",
+        "faults": '"lost"',
+    }
+    assert graph.simulator("c180").module == "forest_sim.simulator_node"
+
+
+def test_a_machine_file_is_named_by_its_whole_path_and_a_shipped_machine_by_its_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert graph.machine_arguments("mine.yaml") == ("-p", f'machine:="{tmp_path}/mine.yaml"')
+    assert graph.machine_arguments("loader") == ("-p", 'machine:="loader"')
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [("/", "/"), ("", "/"), ("crane", "/crane"), ("/crane/", "/crane"), ("a/_b2", "/a/_b2"), ("_", "/_")],
+)
+def test_a_namespace_has_its_leading_slash(text, name):
+    assert graph.ros_namespace(text) == name
+
+
+@pytest.mark.parametrize("text", ["1crane", "a//b", "a b", "crane/1", "kran-1", "krän", "a/b!"])
+def test_what_is_no_namespace_is_refused(text):
+    with pytest.raises(argparse.ArgumentTypeError, match="is not a ROS namespace: letters, digits and _"):
+        graph.ros_namespace(text)
+
+
+def test_a_source_is_the_thesis_or_something_that_exists(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bag").mkdir()
+    assert graph.source_path("thesis") == "thesis"
+    assert graph.source_path("bag") == str(tmp_path / "bag")
+    with pytest.raises(
+        argparse.ArgumentTypeError, match="'absent' is neither 'thesis' nor a CSV file or bag"
+    ):
+        graph.source_path("absent")
+
+
+@pytest.mark.parametrize("error", [Failure("a node ended"), OSError("a node ended")])
+def test_a_failure_is_one_sentence_and_code_one(started, capsys, error):
+    started.ends = [error]
+    assert graph.main([]) == 1
+    assert capsys.readouterr().err == "graph: a node ended\n"
+
+
+def test_a_node_that_ended_badly_shows_in_the_exit_code(started):
+    started.exit_codes = {"controller": 0, "recorder": -9}
+    assert graph.main([]) == 1
+
+
+def test_a_session_that_has_played_to_its_end_is_told_and_ends_well(started, capsys):
+    started.ends = [None, Stopped()]
+    assert graph.main(["--joystick", "thesis"]) == 0
+    assert "the joystick source has played to its end" in capsys.readouterr().out
