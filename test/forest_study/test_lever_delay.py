@@ -106,6 +106,12 @@ def test_while_the_joystick_moves_nothing_there_is_no_delay():
     assert lever_to_valve_ms(bag) == NOTHING
 
 
+def test_no_sample_waits_until_the_levers_are_armed_again():
+    bag = recorded(driven(thrown, 0.02), thrown, 0.02)
+    bag.series(topics.CONTROLLER_STATUS).column("armed")[150:250] = 0.0
+    assert lever_to_valve_ms(bag)["first"]["p99"] == 26.0
+
+
 def test_a_joystick_of_too_few_axes_tells_nothing():
     bag = recorded(driven(thrown, 0.02), thrown, 0.02)
     joy = bag.series(topics.JOY)

@@ -34,7 +34,7 @@ Floats = NDArray[np.float64]
 Times = NDArray[np.int64]
 DIGITS = 1  # of a millisecond
 MOVED = 0.2  # of the greatest deflection or wish: less is no movement
-LONGEST = 400_000_000  # [ns] what answers later answers something else
+LONGEST = 400_000_000  # [ns] what follows a movement later follows something else
 NAMES = {"first": "lever to valve", "half_step": "half of a step", "half_way": "half of a movement"}
 WISHED_BY = (1, 2, 0)  # the tip's y, z, x: what swing, boom and stick lever wish
 
@@ -68,15 +68,16 @@ def _first_ns(bag: Bag, read: Times) -> Floats:
         return np.array([])
     so_far = np.maximum.accumulate(read[reading])
     passed = np.searchsorted(so_far, said[:-1], side="right")
-    heard = np.searchsorted(states.log_time_ns[reading], known[1:])
+    state = np.searchsorted(states.log_time_ns, known[1:])  # the first that knows of the sample
+    heard = np.searchsorted(reading, state)
     places = np.maximum(passed, heard)
-    begun = states.log_time_ns[reading[0]]
-    counts = (places < len(reading)) & (known[:-1] >= begun)
+    last = np.minimum(places, len(reading) - 1)
+    never_disarmed = reading[last] - state == last - heard
+    counts = (places < len(reading)) & never_disarmed
     stamps = states.time_ns[reading[places[counts]]]
     answers = np.minimum(np.searchsorted(voltages.time_ns, stamps), len(voltages.time_ns) - 1)
     delays = voltages.log_time_ns[answers] - said[1:][counts]
-    answered = (voltages.time_ns[answers] == stamps) & (delays < LONGEST)
-    return np.asarray(delays[answered], dtype=float)
+    return np.asarray(delays[voltages.time_ns[answers] == stamps], dtype=float)
 
 
 def _read_ns(bag: Bag) -> Times:
