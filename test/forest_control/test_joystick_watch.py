@@ -12,10 +12,12 @@ from forest_control.joystick_watch import (
     Joystick,
     Sample,
     WatchParameters,
+    bad_sample,
     heartbeat_of,
     heed,
     is_released,
     judge,
+    sample_of,
 )
 from forest_control.levers import REST as CENTRED
 from forest_control.levers import Levers
@@ -131,6 +133,14 @@ def test_a_heartbeat_lets_a_source_hold_still_and_one_that_stops_counting_is_los
     assert hand.watch.joystick == Joystick.LOST
 
 
+def test_a_heartbeat_that_begins_anew_is_new():
+    hand = Hand().arm()
+    for count in (900, 901, 0, 1, 2, 900, 17):
+        for _ in range(10):
+            assert hand.say(PUSHED, heartbeat=count)
+            assert hand.watch.heartbeat == count
+
+
 def test_without_a_stamp_content_alone_decides():
     hand = Hand()
     hand.say(CENTRED, stamp=NO_STAMP)
@@ -211,6 +221,27 @@ def test_whatever_comes_levers_pass_only_live_held_and_once_centred():
         assert enabled or hand.operator.levers == CENTRED
         moved += enabled
     assert 2000 < moved < 18000
+
+
+def test_a_messages_sample_says_what_the_watch_needs():
+    axes, deadman = (0.1, 0.2, 0.9, -0.3), 2
+    rest = ((0.0,) * 4, (0, 0, 0, 0))
+    made = sample_of(7, "heartbeat:3", 1.5, (axes, (0, 0, 1, 0)), rest, deadman)
+    assert made == Sample(1.5, 7, 3, False, True, Levers(0.1, -0.3, 0.2), held=True)
+    for buttons in ((1, 1, 0, 1), (0, 0, 2, 0), (0, 0, -1, 0)):
+        assert not sample_of(7, "", 1.5, (axes, buttons), None, deadman).held
+    for before, same in (
+        (None, False),
+        (rest, True),
+        ((rest[0], (0, 0, 0, 1)), False),
+        ((axes, rest[1]), False),
+    ):
+        assert sample_of(7, "", 1.5, rest, before, deadman).same == same
+    assert sample_of(7, "", 1.5, rest, rest, deadman).heartbeat == NO_HEARTBEAT
+
+
+def test_what_cannot_be_read_has_no_stamp_no_heartbeat_and_no_levers():
+    assert bad_sample(1.5) == Sample(1.5, NO_STAMP, NO_HEARTBEAT, False, False, CENTRED, False)
 
 
 @pytest.mark.parametrize(

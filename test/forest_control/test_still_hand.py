@@ -1,6 +1,8 @@
 """Claims about stillness: a device that hangs is told from a hand that holds still by its own past."""
 
+import copy
 import csv
+import math
 from pathlib import Path
 
 import numpy as np
@@ -54,7 +56,7 @@ class Device:
             assert self.say(max(-1.0, min(1.0, round(about * half + noise) / half)))
         return self
 
-    def frozen_after(self, *levers, limit=60.0):
+    def frozen_after(self, *levers, limit=20.0):
         """Return how long [s] the same levers count."""
         self.say(*levers)
         begun = self.now
@@ -67,6 +69,14 @@ def armed(**options):
     device = Device(**options)
     assert device.say()
     return device
+
+
+KNOWN = armed().jitter(45.0)
+
+
+def restless():
+    """A joystick of which 45 s of restless play are known."""
+    return copy.copy(KNOWN)
 
 
 @pytest.mark.parametrize(
@@ -105,7 +115,7 @@ def test_a_joystick_that_is_not_known_yet_may_hold_still_for_frozen_timeout():
 
 @pytest.mark.parametrize("hold", [0.24, 0.27])
 def test_a_hold_longer_than_a_quarter_second_tells_a_still_hand(hold):
-    device = armed().jitter(45.0)
+    device = restless()
     for _ in range(round(hold / device.period)):
         assert device.say(HELD)
     device.jitter(45.0)
@@ -114,7 +124,7 @@ def test_a_hold_longer_than_a_quarter_second_tells_a_still_hand(hold):
 
 
 def test_a_button_or_another_axis_that_changes_shows_life():
-    device = armed().jitter(45.0)
+    device = restless()
     for k in range(500):
         assert device.say(HELD, other=k // 20)
     assert device.frozen_after(HELD, 0.0) == pytest.approx(0.5, abs=0.011)
@@ -122,7 +132,7 @@ def test_a_button_or_another_axis_that_changes_shows_life():
 
 @pytest.mark.parametrize("levers", [(1.0, 0.0), (-1.0, 1.0), (1.0, -1.0)])
 def test_at_an_end_where_the_clamp_hides_the_noise_it_may_hold_still(levers):
-    device = armed().jitter(45.0)
+    device = restless()
     assert device.frozen_after(*levers) == pytest.approx(P.frozen_timeout, abs=0.011)
 
 
@@ -131,7 +141,7 @@ def test_rest_and_ends_teach_nothing():
     for k in range(9000):
         assert device.say(float(k % 3 - 1), 0.0, other=k)
     assert device.frozen_after(HELD) == pytest.approx(P.frozen_timeout, abs=0.011)
-    device = armed().jitter(45.0)
+    device = restless()
     for levers in ((0.0, 0.0), (1.0, 0.0)):
         for _ in range(100):
             assert device.say(*levers)
@@ -140,7 +150,7 @@ def test_rest_and_ends_teach_nothing():
 
 
 def test_a_device_that_hung_and_goes_on_is_learnt_anew_and_not_taken_for_a_still_hand():
-    device = armed().jitter(45.0)
+    device = restless()
     device.frozen_after(HELD)
     assert not device.say(HELD, 0.01)  # alive, but deflected
     assert device.watch.joystick == Joystick.ALIVE
@@ -161,6 +171,19 @@ def test_silence_is_no_hold_and_no_play():
     assert 0.5 < device.frozen_after(HELD) < 2.0
 
 
+def test_what_is_learnt_is_the_time_in_play_between_changes():
+    device = Device()
+    for k in range(1, 7):
+        device.say(0.1 * k)
+    assert device.watch.restless == pytest.approx(5 * device.period)
+    for _ in range(30):  # a hold from almost the first moment on
+        device.say(0.1)
+    device.say(0.2)
+    assert device.watch.restless == -math.inf
+    device.say(0.3)
+    assert device.watch.restless == -math.inf
+
+
 def test_a_heartbeat_teaches_nothing_of_the_hand():
     device = armed()
     for k in range(9000):
@@ -168,14 +191,15 @@ def test_a_heartbeat_teaches_nothing_of_the_hand():
     assert device.frozen_after(HELD) == pytest.approx(P.frozen_timeout, abs=0.011)
 
 
-@pytest.mark.parametrize(("given", "after"), [(0.2, 0.2), (1.0, 0.5), (0.0, 60.0)])
+@pytest.mark.parametrize(("given", "after"), [(0.2, 0.2), (1.0, 0.5), (0.0, 20.0)])
 def test_frozen_timeout_is_the_longest_and_zero_lets_all_hold_still(given, after):
-    device = armed(p=P._replace(frozen_timeout=given)).jitter(45.0)
+    device = restless()
+    device.p = P._replace(frozen_timeout=given)
     assert device.frozen_after(HELD) == pytest.approx(after, abs=0.011)
 
 
 def test_a_frozen_stick_near_the_centre_counts_as_centred():
-    device = armed().jitter(45.0)
+    device = restless()
     for _ in range(200):
         assert device.say(0.03)  # it counts as live
         still = device.now - device.watch.moved

@@ -35,7 +35,6 @@ from forest_control.levers import Levers, levers_from_axes
 
 NO_HEARTBEAT = -1
 NO_STAMP = 0  # [ns]
-LONG_AGO = -(2**62)  # [ns]
 HEARTBEAT = "heartbeat:"  # what a Joy's frame_id begins with; a decimal count follows
 HOLD = 0.25  # [s] still in play for longer: this joystick may hold still
 QUICK = 0.5  # [s] two holds
@@ -90,7 +89,7 @@ class Watch(NamedTuple):
 
 
 REST = Watch(
-    Joystick.SILENT, LONG_AGO, NO_HEARTBEAT, -math.inf, -math.inf, 0.0, False, CENTRED, False, False, 0
+    Joystick.SILENT, NO_STAMP, NO_HEARTBEAT, -math.inf, -math.inf, 0.0, False, CENTRED, False, False, 0
 )
 
 
@@ -113,7 +112,7 @@ def heed(watch: Watch, sample: Sample) -> Watch:
         return watch._replace(held=still_held)
     if stamped and sample.stamp < watch.stamp and watch.joystick == Joystick.ALIVE:
         return watch._replace(held=still_held, out_of_order=watch.out_of_order + 1)
-    moves = beats or not sample.same or watch.moved == -math.inf
+    moves = beats or not sample.same
     return watch._replace(
         joystick=Joystick.ALIVE,
         stamp=sample.stamp,
@@ -182,7 +181,7 @@ def _is_still(watch: Watch, now: float, p: WatchParameters) -> bool:
 
 def _learnt(watch: Watch, now: float) -> float:
     """Return the restless play [s], now that axes or buttons have changed."""
-    if not in_play(watch.levers) or watch.moved == -math.inf:
+    if not in_play(watch.levers):
         return watch.restless
     if watch.joystick == Joystick.FROZEN:  # what hung may hang again: it has not shown that it may hold still
         return 0.0
