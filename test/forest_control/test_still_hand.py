@@ -184,6 +184,21 @@ def test_what_is_learnt_is_the_time_in_play_between_changes():
     assert device.watch.restless == -math.inf
 
 
+@pytest.mark.parametrize(("still", "learnt"), [(0.25, 3.25), (0.25 + 1e-9, -math.inf)])
+def test_a_quarter_second_is_no_hold_yet(still, learnt):
+    watch = restless().watch._replace(moved=2.0, fresh_since=2.0 + still, restless=3.0)
+    assert (
+        heed(watch, Sample(2.5, 10**12, NO_HEARTBEAT, False, True, Levers(0.4, 0.0, 0.0), True)).restless
+        == learnt
+    )
+
+
+def test_a_joystick_that_cannot_be_read_is_named_so_whatever_its_driver_does():
+    device = Device()
+    device.say(0.1, good=False)
+    assert problem_of(device.watch) == "joystick: its last sample cannot be read"
+
+
 def test_a_heartbeat_teaches_nothing_of_the_hand():
     device = armed()
     for k in range(9000):
@@ -211,6 +226,7 @@ def test_a_driver_that_speaks_only_on_change_is_named_when_a_still_hand_makes_it
     device = armed()
     for k in range(100):
         assert device.say(0.001 + 0.004 * k)
+    assert problem_of(device.watch) == problem_of(REST) == ""
     assert not device.look(P.timeout + 0.01)
     assert "never repeats a sample" in problem_of(device.watch)
     for _ in range(2):

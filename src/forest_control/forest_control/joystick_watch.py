@@ -242,6 +242,6 @@ def bad_sample(received: float) -> Sample:
 def heartbeat_of(frame: str) -> int:
     """Return the count that a Joy's frame_id carries ("heartbeat:17"), or `NO_HEARTBEAT`."""
     digits = frame.removeprefix(HEARTBEAT)
-    if digits == frame or not (digits.isascii() and digits.isdigit()) or len(digits) > 18:
+    if not frame.startswith(HEARTBEAT) or not (digits.isascii() and digits.isdigit()) or len(digits) > 18:
         return NO_HEARTBEAT
     return int(digits)
