@@ -169,6 +169,8 @@ def test_a_first_sample_counts_whatever_its_stamp():
         hand = Hand()
         assert hand.say(CENTRED, stamp=stamp)
         assert hand.watch.stamp == stamp
+        hand.say(PUSHED, stamp=stamp)  # it stands still
+        assert hand.watch.levers == CENTRED
         assert hand.say(PUSHED, stamp=stamp + 1)
 
 
