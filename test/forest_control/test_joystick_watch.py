@@ -287,4 +287,5 @@ def test_what_cannot_be_read_has_no_stamp_no_heartbeat_and_no_levers():
     ],
 )
 def test_the_heartbeat_is_read_from_the_frame_id(frame, count):
+    assert NO_HEARTBEAT < 0  # no count is negative
     assert heartbeat_of(frame) == count
