@@ -214,6 +214,17 @@ def test_a_sample_that_cannot_be_read_stops_and_disarms():
     hand.arm()
 
 
+@pytest.mark.parametrize("what", [{"held": False}, {"good": False}, {"held": False, "stamp": 5}])
+@pytest.mark.parametrize("same_stamp", [False, True])
+def test_what_disarms_counts_though_the_next_sample_comes_before_anybody_judges(what, same_stamp):
+    hand = Hand().arm()
+    usual = Sample(hand.now, hand.watch.stamp + 1, NO_HEARTBEAT, False, True, PUSHED, True)
+    between = usual._replace(**({"stamp": hand.watch.stamp} if same_stamp else {}) | what)
+    hand.watch = heed(heed(hand.watch, between), usual._replace(stamp=hand.watch.stamp + 2))
+    assert not hand.look()
+    hand.arm()
+
+
 def test_what_else_forbids_motion_disarms():
     hand = Hand().arm()
     assert not hand.look(allowed=False)

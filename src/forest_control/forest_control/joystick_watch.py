@@ -109,9 +109,10 @@ def heed(watch: Watch, sample: Sample) -> Watch:
     stamped, beats = sample.stamp != NO_STAMP, sample.heartbeat != NO_HEARTBEAT
     still_held = watch.held and sample.held  # a release is obeyed in any order
     if (stamped and sample.stamp == watch.stamp) or (beats and sample.heartbeat == watch.heartbeat):
-        return watch._replace(held=still_held)
+        return watch._replace(held=still_held, armed=watch.armed and still_held)
     if stamped and sample.stamp < watch.stamp and watch.joystick == Joystick.ALIVE:
-        return watch._replace(held=still_held, out_of_order=watch.out_of_order + 1)
+        armed, dropped = watch.armed and still_held, watch.out_of_order + 1
+        return watch._replace(held=still_held, armed=armed, out_of_order=dropped)
     moves = beats or not sample.same
     return watch._replace(
         joystick=Joystick.ALIVE,
@@ -123,6 +124,7 @@ def heed(watch: Watch, sample: Sample) -> Watch:
         repeats=watch.repeats or sample.same,
         levers=sample.levers,
         held=sample.held,
+        armed=watch.armed and sample.held,  # a release between two judgements counts
     )
 
 
