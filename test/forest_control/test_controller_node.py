@@ -108,7 +108,7 @@ REFUSED = {
     "tip_speed:=-3.0": "parameter 'tip_speed' is -3.0; allowed: 0.01 .. 3 m/s",
     "scheme:=telepathy": "'telepathy'; allowed: one of joint, ik_velocity, ik_position",
     "position_source:=stars": "'stars'; allowed: one of joints, cylinders",
-    "profile:=nobody": "profile 'nobody': neither shipped (default, fine, operator)",
+    "profile:=nobody": "profile 'nobody': neither shipped (default, exact, fine, operator)",
     "position_gain:=[1.0,2.0]": "parameter 'position_gain' is [1.0, 2.0]; allowed: 3 numbers",
 }
 
@@ -161,8 +161,9 @@ def test_with_the_deadman_held_it_commands_and_each_command_has_its_states_stamp
 
     r.joints = stamped
     r.hold_the_deadman()
-    peer.until(lambda: wishes and wishes[-1].twist.linear.y > 0.2499)  # the wish is a ramp
-    assert wishes[-1].twist.linear.y == pytest.approx(0.25, rel=1e-6)
+    wished = 0.5 * (0.5 - 0.05) / (1.0 - 0.05)  # by default a stick has a deadzone
+    peer.until(lambda: wishes and wishes[-1].twist.linear.y > 0.9999 * wished)  # the wish is a ramp
+    assert wishes[-1].twist.linear.y == pytest.approx(wished, rel=1e-6)
     driven = [message for message in r.commands if volts(message)[0] > 0.0]
     assert {read_float_array(topics.VALVE_COMMANDS, message, 0).stamp_ns for message in driven} <= stamps
     assert stamp_to_ns(wishes[-1].header.stamp) in stamps

@@ -35,7 +35,7 @@ def levers_file(tmp_path):
 
 def test_it_plays_a_file_row_by_row_lets_the_deadman_go_and_ends_by_itself(peer, start_node, levers_file):
     heard = peer.hear(topics.JOY)
-    process = start_node("joystick_node", "-p", f"source:={levers_file}")
+    process = start_node("joystick_node", "-p", f"source:={levers_file}", "-p", "interpolate:=false")
     stall = Stall(process.pid)
     peer.until(lambda: stall.look() and process.poll() is not None)
     assert process.returncode == 0

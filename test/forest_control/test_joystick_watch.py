@@ -12,10 +12,12 @@ from forest_control.joystick_watch import (
     Joystick,
     Sample,
     WatchParameters,
+    bad_sample,
     heartbeat_of,
     heed,
     is_released,
     judge,
+    sample_of,
 )
 from forest_control.levers import REST as CENTRED
 from forest_control.levers import Levers
@@ -63,6 +65,29 @@ def test_a_centred_stick_and_the_deadman_arm_and_then_levers_pass():
     assert hand.operator.levers == PUSHED
 
 
+def test_the_defaults_are_those_of_the_safety_document():
+    assert WatchParameters() == (0.15, 10.0, 0.05)  # timeout, frozen_timeout [s], centre
+
+
+@pytest.mark.parametrize("lever", range(3))
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_up_to_centre_and_no_further_each_lever_counts_as_centred(lever, side):
+    for deflection, armed in ((0.05, True), (0.0501, False)):
+        hand, levers = Hand(), [0.0, 0.0, 0.0]
+        levers[lever] = side * deflection
+        assert hand.say(Levers(*levers)) == armed
+        assert is_released(hand.watch._replace(held=False), 0.05) == armed
+
+
+def test_at_its_very_timeout_a_joystick_is_not_lost_yet_and_at_its_time_it_is_frozen():
+    p = P._replace(timeout=0.25)
+    watch = Hand().arm().watch._replace(fresh_since=4.0, moved=2.0, restless=10.0)
+    assert judge(watch._replace(moved=4.0), 4.25, True, p)[0].joystick == Joystick.ALIVE
+    assert judge(watch._replace(moved=4.0), 4.25 + 1e-9, True, p)[0].joystick == Joystick.LOST
+    assert judge(watch, 4.0, True, p)[0].joystick == Joystick.FROZEN
+    assert judge(watch, 4.0 - 1e-9, True, p)[0].joystick == Joystick.ALIVE
+
+
 def test_enabling_with_a_deflected_stick_moves_nothing_until_it_is_centred():
     hand = Hand()
     for k in range(50):
@@ -99,7 +124,7 @@ def test_a_stamp_that_stands_still_is_a_lost_joystick():
     assert not hand.say(CENTRED, stamp=stamp)
 
 
-def test_held_still_while_deflected_it_is_frozen_after_two_seconds_and_not_after_one_point_four():
+def test_held_still_while_deflected_it_is_frozen_after_its_time_and_moves_nothing_until_centred():
     hand = Hand().arm()
     begun = hand.now
     while hand.say(PUSHED):
@@ -116,7 +141,7 @@ def test_held_still_while_deflected_it_is_frozen_after_two_seconds_and_not_after
 )
 def test_still_is_not_frozen_when_switched_off_or_near_the_centre(p, still):
     hand = Hand(p).arm()
-    for _ in range(500):
+    for _ in range(1100):
         assert hand.say(still)
     assert hand.operator.levers == (PUSHED if still == PUSHED else CENTRED)
 
@@ -129,6 +154,24 @@ def test_a_heartbeat_lets_a_source_hold_still_and_one_that_stops_counting_is_los
     while hand.say(PUSHED, heartbeat=499):
         assert hand.now - stopped <= P.timeout + 1e-9
     assert hand.watch.joystick == Joystick.LOST
+
+
+def test_a_heartbeat_that_begins_anew_is_new():
+    hand = Hand().arm()
+    for count in (900, 901, 0, 1, 2, 900, 17):
+        for _ in range(10):
+            assert hand.say(PUSHED, heartbeat=count)
+            assert hand.watch.heartbeat == count
+
+
+def test_a_first_sample_counts_whatever_its_stamp():
+    for stamp in (-5, 1, 2**62):
+        hand = Hand()
+        assert hand.say(CENTRED, stamp=stamp)
+        assert hand.watch.stamp == stamp
+        hand.say(PUSHED, stamp=stamp)  # it stands still
+        assert hand.watch.levers == CENTRED
+        assert hand.say(PUSHED, stamp=stamp + 1)
 
 
 def test_without_a_stamp_content_alone_decides():
@@ -168,6 +211,17 @@ def test_a_sample_that_cannot_be_read_stops_and_disarms():
     assert not hand.say(PUSHED, good=False)
     assert hand.watch.joystick == Joystick.BAD
     assert not hand.say(PUSHED)
+    hand.arm()
+
+
+@pytest.mark.parametrize("what", [{"held": False}, {"good": False}, {"held": False, "stamp": 5}])
+@pytest.mark.parametrize("same_stamp", [False, True])
+def test_what_disarms_counts_though_the_next_sample_comes_before_anybody_judges(what, same_stamp):
+    hand = Hand().arm()
+    usual = Sample(hand.now, hand.watch.stamp + 1, NO_HEARTBEAT, False, True, PUSHED, True)
+    between = usual._replace(**({"stamp": hand.watch.stamp} if same_stamp else {}) | what)
+    hand.watch = heed(heed(hand.watch, between), usual._replace(stamp=hand.watch.stamp + 2))
+    assert not hand.look()
     hand.arm()
 
 
@@ -213,13 +267,36 @@ def test_whatever_comes_levers_pass_only_live_held_and_once_centred():
     assert 2000 < moved < 18000
 
 
+def test_a_messages_sample_says_what_the_watch_needs():
+    axes, deadman = (0.1, 0.2, 0.9, -0.3), 2
+    rest, again = ((tuple([0.0] * 4), tuple([0] * 4)) for _ in range(2))
+    made = sample_of(7, "heartbeat:3", 1.5, (axes, (0, 0, 1, 0)), rest, deadman)
+    assert made == Sample(1.5, 7, 3, False, True, Levers(0.1, -0.3, 0.2), held=True)
+    for buttons in ((1, 1, 0, 1), (0, 0, 2, 0), (0, 0, -1, 0)):
+        assert not sample_of(7, "", 1.5, (axes, buttons), None, deadman).held
+    for before, same in (
+        (None, False),
+        (again, True),
+        ((rest[0], (0, 0, 0, 1)), False),
+        ((axes, rest[1]), False),
+    ):
+        assert sample_of(7, "", 1.5, rest, before, deadman).same == same
+    assert sample_of(7, "", 1.5, rest, rest, deadman).heartbeat == NO_HEARTBEAT
+
+
+def test_what_cannot_be_read_has_no_stamp_no_heartbeat_and_no_levers():
+    assert bad_sample(1.5) == Sample(1.5, NO_STAMP, NO_HEARTBEAT, False, False, CENTRED, False)
+
+
 @pytest.mark.parametrize(
     ("frame", "count"),
     [
         *(("heartbeat:0", 0), ("heartbeat:123", 123), ("joystick", NO_HEARTBEAT), ("", NO_HEARTBEAT)),
         *(("heartbeat:", NO_HEARTBEAT), ("heartbeat:-3", NO_HEARTBEAT), ("heartbeat:²", NO_HEARTBEAT)),
-        ("heartbeat:" + "9" * 40, NO_HEARTBEAT),
+        *(("123", NO_HEARTBEAT), ("a heartbeat:1", NO_HEARTBEAT), ("heartbeat:1 ", NO_HEARTBEAT)),
+        *(("heartbeat:" + "9" * 18, 10**18 - 1), ("heartbeat:" + "9" * 19, NO_HEARTBEAT)),
     ],
 )
 def test_the_heartbeat_is_read_from_the_frame_id(frame, count):
+    assert NO_HEARTBEAT < 0  # no count is negative
     assert heartbeat_of(frame) == count

@@ -38,6 +38,11 @@ def test_levers_come_back_from_axes():
         assert levers_from_axes(axes_from_levers(levers)) == levers
 
 
+def test_each_lever_has_its_axis_and_the_other_axes_rest():
+    assert axes_from_levers(Levers(0.1, 0.2, -0.3)) == (0.1, -0.3, 0.0, 0.2, 0.0, 0.0)
+    assert joint_rate_wish(Levers(0.5, -0.2, 0.25), (0.8, 0.3, 0.4)) == pytest.approx((0.4, -0.06, 0.1))
+
+
 def test_levers_come_back_from_the_tip_velocity_that_they_wish():
     for levers in random_levers():
         again = levers_for_tip_velocity(wish(levers, 0.7), 0.7)

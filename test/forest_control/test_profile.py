@@ -5,14 +5,18 @@ from pathlib import Path
 
 import pytest
 
+from forest_control.hand import shaped
+from forest_control.joystick_watch import WatchParameters
+from forest_control.levers import Levers
 from forest_control.profile import KEYS, load_profile, shipped
 from forest_control.setting_file import SettingFileError
-from forest_control.settings import Settings
+from forest_control.settings import Settings, parameters
 from forest_control.tunables import TUNABLES, as_typed, settings_from
+from forest_description.machine import load_machine
 
 
 def test_every_shipped_profile_loads_into_settings():
-    assert shipped() == ("default", "fine", "operator")
+    assert shipped() == ("default", "exact", "fine", "operator")
     for name in shipped():
         profile = load_profile(name)
         assert set(profile) == set(KEYS)
@@ -21,11 +25,29 @@ def test_every_shipped_profile_loads_into_settings():
         assert {key: as_typed(key, made) for key in KEYS} == profile
 
 
-def test_the_default_profile_is_the_default():
-    assert load_profile("default") == {key: as_typed(key, Settings()) for key in KEYS}
+def test_the_exact_profile_is_what_studies_assume_and_the_default_has_a_deadzone_besides():
+    exact = {key: as_typed(key, Settings()) for key in KEYS}
+    assert load_profile("exact") == exact
+    assert exact["deadzone"] == (0.0, 0.0, 0.0)
+    assert load_profile("default") == exact | {"deadzone": (0.05, 0.05, 0.05)}
 
 
-def test_what_a_file_does_not_name_keeps_its_default_and_one_number_serves_three_levers(tmp_path):
+def shaped_by(name, *levers):
+    typed = {one.name: as_typed(one.name, Settings()) for one in TUNABLES} | load_profile(name)
+    return shaped(Levers(*levers), parameters(load_machine(), settings_from(typed)).hand)
+
+
+@pytest.mark.parametrize("name", ["default", "fine", "operator"])
+def test_a_stick_that_may_be_armed_and_one_that_rests_beside_its_centre_do_not_creep(name):
+    centre = WatchParameters().centre
+    for rest in (-0.034, centre, -centre):
+        assert shaped_by(name, rest, rest, rest) == Levers(0.0, 0.0, 0.0)
+    assert min(shaped_by(name, 0.1, 0.1, 0.1)) > 0.0
+    assert shaped_by(name, 1.0, -1.0, 1.0) == Levers(1.0, -1.0, 1.0)
+    assert shaped_by("exact", -0.034, 0.0, 0.0).swing == -0.034
+
+
+def test_what_a_file_does_not_name_is_as_in_the_default_profile_and_one_number_serves_three_levers(tmp_path):
     file = tmp_path / "mine.yaml"
     file.write_text("expo: 0.4\ndeadzone: [0, 0.1, 0.2]\ntip_speed: 1\n")
     profile = load_profile(str(file))
@@ -33,6 +55,8 @@ def test_what_a_file_does_not_name_keeps_its_default_and_one_number_serves_three
     assert profile["deadzone"] == (0.0, 0.1, 0.2)
     assert profile["tip_speed"] == 1.0
     assert profile["mode"] == "rate"
+    file.write_text("tip_speed: 1\n")
+    assert load_profile(str(file))["deadzone"] == (0.05, 0.05, 0.05)
 
 
 @pytest.mark.parametrize(
@@ -68,7 +92,9 @@ def test_a_wrong_profile_names_file_key_and_what_is_allowed(tmp_path, text, said
 
 
 def test_an_unknown_profile_is_told_which_are_shipped():
-    with pytest.raises(SettingFileError, match=r"'nobody': neither shipped \(default, fine, operator\)"):
+    with pytest.raises(
+        SettingFileError, match=r"'nobody': neither shipped \(default, exact, fine, operator\)"
+    ):
         load_profile("nobody")
 
 

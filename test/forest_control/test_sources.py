@@ -57,8 +57,25 @@ def test_thesis_levers_wish_the_thesis_velocity_and_stay_within_their_range():
         assert max(map(abs, levers)) <= 1.0
 
 
-def test_a_row_holds_until_the_next(written):
+def test_levers_go_on_lines_from_row_to_row(written):
+    record = read_levers(written(HEADER + "0.5,0.1,-0.2,0.3\n0.55,0.2,-0.2,0\n0.6,0,0.5,0\n"))
+    assert record.at(0.5) == Levers(0.1, -0.2, 0.3)
+    assert record.at(0.51) == pytest.approx((0.12, -0.2, 0.24))
+    assert record.at(0.575) == pytest.approx((0.1, 0.15, 0.0))
+    assert record.at(0.6) == Levers(0.0, 0.5, 0.0)
+
+
+@pytest.mark.parametrize("gap", [0.1, 0.4, 3.0])
+def test_a_row_that_is_followed_late_holds_until_a_tenth_of_a_second_before_the_next(written, gap):
+    record = read_levers(written(HEADER + f"0,0.2,0,0\n{gap},1,-1,0\n"))
+    assert record.at(gap - 0.1 - 1e-9) == (Levers(0.2, 0.0, 0.0) if gap > 0.1 else REST)
+    assert record.at(gap - 0.05) == pytest.approx((0.6, -0.5, 0.0))
+    assert record.at(gap) == Levers(1.0, -1.0, 0.0)
+
+
+def test_samples_as_they_are_hold_until_the_next(written):
     record = read_levers(written(HEADER + "0.5,0.1,-0.2,0.3\n0.7,1,-1,0\n1.0,0,0.5,0\n"))
+    record = record._replace(interpolated=False)
     assert record.at(0.5) == record.at(0.6999) == Levers(0.1, -0.2, 0.3)
     assert record.at(0.7) == record.at(0.9) == Levers(1.0, -1.0, 0.0)
     assert record.at(1.0) == Levers(0.0, 0.5, 0.0)
@@ -119,4 +136,8 @@ def test_a_persons_levers_are_read_whole():
     assert record.times == tuple(rows[:, 0])
     assert np.array_equal(record.levers, rows[:, 1:])
     assert record.times[-1] >= 95.0
-    assert record.at(0.5 * (record.times[100] + record.times[101])) == record.levers[100]
+    middle = record.at(0.5 * (record.times[100] + record.times[101]))
+    assert middle == pytest.approx(0.5 * (rows[100, 1:] + rows[101, 1:]))
+    assert (
+        max(abs(record.at(t + 0.005).swing - record.at(t).swing) for t in np.arange(0.0, 95.0, 0.005)) < 0.2
+    )

@@ -49,6 +49,8 @@ def test_summary_tells_the_session(session):
     assert summary["exit_codes"] == dict.fromkeys(NODES, 0)
     assert 0.0 < summary["tip_error_mm"]["rms"] <= summary["tip_error_mm"]["max"]
     assert 0.0 < summary["joy_to_valve_ms"]["p50"] <= summary["joy_to_valve_ms"]["p99"]
+    felt = summary["lever_to_valve_ms"]["first"]
+    assert 8.0 < felt["p50"] <= felt["p99"]  # read one of the joystick's periods of 10 ms behind
     left_out = max(0, summary["missed_deadlines"] - 20)  # that much the machine makes up for
     assert summary["topics"]["/joint_states"]["count"] > 500 - left_out
     assert all({"count", "rate_hz"} <= set(topic) for topic in summary["topics"].values())

@@ -6,13 +6,16 @@ import signal
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from graph_processes import kill, nodes_of
-from lockstep_sessions import LOCKSTEP_STEPS, lockstep_session
+from lockstep_sessions import LEVERS, LOCKSTEP_STEPS, lockstep_session
 from mcap.reader import make_reader
 
 pytest.importorskip("rclpy")
 
+from forest_control.levers import REST, levers_from_axes
+from forest_control.sources import LEAD_IN, read_levers
 from forest_msgs_py import topics
 from forest_msgs_py.series import read_bag
 from forest_study import lockstep_run
@@ -61,6 +64,18 @@ def test_what_is_attached_carries_the_run_s_time_and_not_the_computer_s(lockstep
         attached = list(make_reader(stream).iter_attachments())
     assert "parameters/simulator.yaml" in [attachment.name for attachment in attached]
     assert {(attachment.log_time, attachment.create_time) for attachment in attached} == {(0, 0)}
+
+
+def test_between_the_rows_of_a_file_the_levers_go_on_lines(lockstep_bag, tmp_path):
+    (tmp_path / "levers.csv").write_text(LEVERS)
+    record, joy = read_levers(tmp_path / "levers.csv"), read_bag(lockstep_bag).series(topics.JOY)
+    begun = joy.time_ns[0]
+    usual = (joy.time_ns - begun < 600_000_000) | (joy.time_ns - begun >= 700_000_000)  # else frozen
+    played = (joy.time_ns[usual] - begun) * 1e-9 - LEAD_IN
+    wished = [record.at(time) if time >= 0.0 else REST for time in played.tolist()]
+    said = [levers_from_axes(tuple(row)) for row in joy.values[usual].tolist()]
+    assert np.array(said) == pytest.approx(np.array(wished), abs=1e-6)
+    assert len({levers.swing for levers in said}) > 20  # a staircase has two
 
 
 def test_faults_of_the_joystick_are_events_in_simulated_time(lockstep_bag):

@@ -28,9 +28,12 @@ def test_table_says_that_joint_mode_has_no_tip_error():
         "lost_messages": 2,
         "tip_error_mm": None,
         "joy_to_valve_ms": None,
+        "lever_to_valve_ms": {"first": {"p50": 16.94, "p99": 51.0}, "half_step": None, "half_way": None},
         "peak_memory_mb": {"recorder": 70.4},
     }
     text = table(summary)
     assert "7, lost 2" in text
     assert "joint mode" in text
+    assert "lever to valve     16.9 ms median, 51.0 ms p99" in text
+    assert "half" not in text
     assert "recorder 70 MB" in text

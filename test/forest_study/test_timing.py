@@ -99,7 +99,10 @@ def test_the_command_finds_a_run_in_lockstep_on_the_dot(tmp_path, capsys, monkey
     assert cli.main(["timing", str(BAG), "--out", str(tmp_path / "out")]) == 0
     report = json.loads((tmp_path / "out" / "timing.json").read_text())
     assert report["periods_behind"] == [report["both"]["rms_mm"]]
-    assert "| both | " in capsys.readouterr().out
+    assert report["lever_to_valve_ms"]["first"] == {"p50": 0.0, "p99": 0.0}
+    told = capsys.readouterr().out
+    assert "lever to valve: 0.0 ms median" in told
+    assert "| both | " in told
 
 
 def test_a_bag_that_is_not_there_is_named_in_one_sentence(tmp_path, capsys):

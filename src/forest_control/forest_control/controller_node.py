@@ -14,12 +14,12 @@ from rclpy.node import Node
 
 from forest_control import compiled, controller, joystick_watch, lever_hold, stillness
 from forest_control.joystick_watch import (
-    PROBLEMS,
     Joystick,
     Operator,
     WatchParameters,
     bad_sample,
     is_released,
+    problem_of,
     sample_of,
 )
 from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, RIGHT_Y, Triple
@@ -156,7 +156,7 @@ class ControllerNode(Node):
         return WatchParameters(
             timeout=get("joy_timeout", d.timeout, "age at which the joystick is lost", "s", 0.01, 2.0),
             frozen_timeout=get(
-                "frozen_timeout", d.frozen_timeout, "still and deflected; 0: any", "s", 0.0, 60.0
+                "frozen_timeout", d.frozen_timeout, "longest hold still, deflected; 0: any", "s", 0.0, 60.0
             ),
             centre=get("centre", d.centre, "deflection that counts as centred", "", 0.001, 0.5),
         )
@@ -234,7 +234,7 @@ class ControllerNode(Node):
         self._joystick, operator = joystick_watch.judge(self._joystick, self._pace.now(), allowed, p)
         # A joystick that goes after the deadman was released is not missed.
         gone = self._is_nobody_there()
-        problem = self._joy_problem or ("" if gone else PROBLEMS[self._joystick.joystick])
+        problem = self._joy_problem or ("" if gone else problem_of(self._joystick))
         self._health.note("joystick", problem)
         self._health.note("emergency stop", "emergency stop pressed" if self._stop.pressed else "")
         if not operator.enabled:

@@ -58,7 +58,10 @@ class JoystickNode(Node):
         self._listeners = get("wait_for_subscribers", 1, "listeners to wait for", low=0, high=100)
         self._deadman = get("deadman_button", LEFT_SHOULDER, "button to hold", low=0, high=BUTTON_COUNT - 1)
         self._faults = self._declare_faults()
-        self._record: LeverRecord | JoyRecord | None = None if source == "thesis" else _record(Path(source))
+        interpolate = get("interpolate", True, "lines from row to row of a CSV; false: each row holds")
+        self._record: LeverRecord | JoyRecord | None = (
+            None if source == "thesis" else _record(Path(source), interpolate)
+        )
         self._length = duration or _length(self._record)
         self._publisher = self._pace.publisher(topics.JOY)
         self._publish = publishes_bytes(self._publisher)
@@ -134,9 +137,9 @@ class JoystickNode(Node):
         self._say(self._made(REST, False), frozenset())
 
 
-def _record(path: Path) -> LeverRecord | JoyRecord:
+def _record(path: Path, interpolate: bool) -> LeverRecord | JoyRecord:
     """Read a CSV of levers, or a bag."""
-    return read_joy_record(path) if is_bag(path) else read_levers(path)
+    return read_joy_record(path) if is_bag(path) else read_levers(path)._replace(interpolated=interpolate)
 
 
 def _length(record: LeverRecord | JoyRecord | None) -> float:

@@ -92,12 +92,13 @@ def _read(knots: tuple[Knot, ...], time: float) -> Levers:
         if after.time >= time:
             span = after.time - before.time
             share = (time - before.time) / span if span > 0.0 else 0.0
-            return _between(before.levers, after.levers, share)
+            return between(before.levers, after.levers, share)
         before = after
     return before.levers
 
 
-def _between(a: Levers, b: Levers, share: float) -> Levers:
+def between(a: Levers, b: Levers, share: float) -> Levers:
+    """Return the levers at a share, 0..1, of the way from a to b."""
     return Levers(
         a.swing + share * (b.swing - a.swing),
         a.boom + share * (b.boom - a.boom),

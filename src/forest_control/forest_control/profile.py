@@ -1,7 +1,7 @@
 """Operator profiles: stick curves, speeds, axis frame and mode of one person, in a file of theirs.
 
-A profile is a YAML mapping of some of the controller's settings (`KEYS`) to values; what it does not name
-keeps its default. Shipped ones are named by their file, others by their path.
+A profile is a YAML mapping of some of the controller's settings (`KEYS`) to values; what it does not name is
+as in the shipped `default`. Shipped ones are named by their file, others by their path.
 """
 
 from typing import Any
@@ -39,10 +39,18 @@ def load_profile(name: str) -> dict[str, Any]:
     Raises:
         SettingFileError: no such profile, or something in it is not allowed.
     """
-    given = tree_of("profile", name, "profiles")
+    return _overlaid(_overlaid({key: as_typed(key, Settings()) for key in KEYS}, "default"), name)
+
+
+def _overlaid(found: dict[str, Any], name: str) -> dict[str, Any]:
+    """Return settings, those that a profile names changed.
+
+    Raises:
+        SettingFileError: no such profile, or something in it is not allowed.
+    """
+    given, found = tree_of("profile", name, "profiles"), dict(found)
     if not isinstance(given, dict):
         raise SettingFileError(f"profile {name!r}: allowed: a mapping of {', '.join(KEYS)}")
-    found = {key: as_typed(key, Settings()) for key in KEYS}
     for key, value in given.items():
         if key not in RULES:
             raise SettingFileError(f"profile {name!r}: unknown key {shown(key)}; allowed: {', '.join(KEYS)}")

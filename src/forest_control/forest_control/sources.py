@@ -7,6 +7,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
+from forest_control.lever_hold import LONGEST as LONGEST_LINE
+from forest_control.lever_hold import between
 from forest_control.levers import REST, Levers, Triple, levers_for_tip_velocity
 
 THESIS_DURATION = 10.0  # [s] of the figures
@@ -36,17 +38,26 @@ def thesis_levers(time: float, tip_speed: float) -> Levers:
 
 
 class LeverRecord(NamedTuple):
-    """Rows of a lever file; each holds until the next."""
+    """Rows of a lever file: samples of a hand that moved between them, too."""
 
     times: tuple[float, ...]  # [s]
     levers: tuple[Levers, ...]
+    interpolated: bool = True  # False: each row holds until the next
 
     def at(self, time: float) -> Levers:
-        """Return the row that holds at a time [s]; rest before the first and after the last."""
+        """Return the levers at a time [s]; rest before the first row and after the last.
+
+        They go on a line from row to row. A row that is followed late, as in a log of changes or a list of
+        steps, holds until `lever_hold.LONGEST` before the next.
+        """
         row = bisect_right(self.times, time) - 1
         if row < 0 or time > self.times[-1]:
             return REST
-        return self.levers[row]
+        if not self.interpolated or row + 1 == len(self.times):
+            return self.levers[row]
+        end = self.times[row + 1]
+        begun = max(self.times[row], end - LONGEST_LINE)
+        return between(self.levers[row], self.levers[row + 1], max(0.0, time - begun) / (end - begun))
 
 
 def read_levers(path: Path) -> LeverRecord:

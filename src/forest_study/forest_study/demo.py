@@ -22,6 +22,7 @@ from forest_sim.command_line import number
 from forest_study import graph
 from forest_study.exclusive import AlreadyRunning, Failure
 from forest_study.lockstep_run import GUARD, RECORDER, STEP, in_lockstep
+from forest_study.profile_choice import profile_for
 from forest_study.supervisor import STOP_SIGNALS, Stopped, Supervisor
 
 LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample
@@ -135,9 +136,10 @@ def _demo(options: argparse.Namespace) -> int:
     if options.out.exists():
         raise Failure(f"{options.out} exists already; choose another --out or remove it")
     bag = options.out / "bag"
+    profile = profile_for(options.joystick, options.profile)
     nodes = [
         graph.joystick(options.joystick, duration, LISTENERS, options.joystick_faults),
-        *graph.control(options.machine, options.scheme, shadow=False, describe=False),
+        *graph.control(options.machine, options.scheme, False, False, profile),
         graph.simulator(options.machine),
         graph.recorder(bag),
     ]

@@ -5,12 +5,13 @@ import json
 import re
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from forest_control.schemes import LABELS, Scheme
 from forest_study.exclusive import Failure
+from forest_study.profile_choice import add_profile_option, profile_for
 from forest_study.supervisor import NodeSpec, Stopped, Supervisor
 
 LEADERS = ("simulator", "step_player")  # in lockstep: nodes that begin each step
@@ -30,6 +31,7 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--namespace", type=ros_namespace, default="/", help="ROS namespace of the graph (default: /)"
     )
+    add_profile_option(parser)
 
 
 def ros_namespace(text: str) -> str:
@@ -70,19 +72,33 @@ def parameter(name: str, value: Any) -> tuple[str, str]:
     return "-p", f"{name}:={json.dumps(value)}"
 
 
-def joystick(source: str, duration: float, listeners: int, faults: str = "") -> NodeSpec:
+def joystick(
+    source: str, duration: float, listeners: int, faults: str = "", interpolate: bool = True
+) -> NodeSpec:
     """Return the joystick source, with what goes wrong with it."""
     told = {"source": source, "duration": duration, "wait_for_subscribers": listeners, "faults": faults}
+    told["interpolate"] = interpolate
     arguments = tuple(word for name, value in told.items() for word in parameter(name, value))
     return NodeSpec("joystick", "forest_control.joystick_node", arguments, urgent=True)
 
 
-def control(machine: str, scheme: str, shadow: bool, describe: bool) -> tuple[NodeSpec, NodeSpec]:
-    """Return controller and valve driver; `describe` has the controller publish the URDF (no simulator)."""
+def control(
+    machine: str, scheme: str, shadow: bool, describe: bool, profile: Mapping[str, Any] | None = None
+) -> tuple[NodeSpec, NodeSpec]:
+    """Return controller and valve driver.
+
+    Args:
+        machine: shipped one, or a file.
+        scheme: of the controller.
+        shadow: the driver publishes no voltage.
+        describe: the controller publishes the URDF (there is no simulator).
+        profile: parameters of the controller that are its operator's.
+    """
     known = machine_arguments(machine)
+    personal = tuple(word for name, value in (profile or {}).items() for word in parameter(name, value))
     told = ("-p", f"scheme:={scheme}", "-p", f"publish_description:={str(describe).lower()}")
     return (
-        NodeSpec("controller", "forest_control.controller_node", (*known, *told), urgent=True),
+        NodeSpec("controller", "forest_control.controller_node", (*known, *told, *personal), urgent=True),
         NodeSpec(
             "valve_driver",
             "forest_control.valve_driver_node",
@@ -121,7 +137,8 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the graph; return 0 after a stop on request, 1 after a failure."""
     options = _parse(arguments)
-    nodes = [*control(options.machine, options.scheme, options.shadow, options.no_simulator)]
+    profile = profile_for(options.joystick, options.profile)
+    nodes = [*control(options.machine, options.scheme, options.shadow, options.no_simulator, profile)]
     if options.joystick:
         nodes.insert(0, joystick(options.joystick, 0.0, 1))
     if not options.no_simulator:

@@ -76,8 +76,8 @@ def _session(name: str, out: Path) -> tuple[list[NodeSpec], float]:
         hand.write_csv(path, hand.HEADER, *hand.hand_levers(SEED, HAND_TIME))
         source, duration, faults = str(path), HAND_TIME, ""
     nodes = [
-        graph.joystick(source, duration, 0, faults),
-        *graph.control(MACHINE, SCHEME, shadow=False, describe=False),
+        graph.joystick(source, duration, 0, faults, interpolate=False),
+        *graph.control(MACHINE, SCHEME, False, False, {"profile": "exact"}),
         graph.simulator(MACHINE),
     ]
     return nodes, LEAD_IN + duration + LEAD_OUT

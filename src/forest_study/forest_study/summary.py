@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from forest_msgs_py import topics
 from forest_msgs_py.pictures import tip_error
 from forest_msgs_py.series import Bag
+from forest_study import lever_delay
 
 SUMMARY_DIGITS = 3
 
@@ -16,8 +17,8 @@ def bag_summary(bag: Bag, scheme: str) -> dict[str, Any]:
     """Return the part of the summary that the bag tells.
 
     `tip_error_mm` is the true tip minus the integrated wish; None in the joint scheme, where no tip motion is
-    wished. `joy_to_valve_ms` is the time from a joystick sample to the first voltage that answers a later
-    state of the machine.
+    wished. `joy_to_valve_ms` is what the graph adds: the time from a joystick sample to the first voltage
+    that answers a later state of the machine. `lever_to_valve_ms` is what the hand feels (`lever_delay`).
     """
     counts = {name: _topic_summary(info) for name, info in sorted(bag.topics.items())}
     return {
@@ -25,6 +26,7 @@ def bag_summary(bag: Bag, scheme: str) -> dict[str, Any]:
         "lost_messages": sum(info.lost for info in bag.topics.values()),
         "tip_error_mm": None if scheme == "joint" else _tip_error_mm(bag),
         "joy_to_valve_ms": joy_to_valve_ms(bag),
+        "lever_to_valve_ms": lever_delay.lever_to_valve_ms(bag),
         "missed_deadlines": int(bag.series(topics.AUXILIARY).column("missed_deadlines")[-1]),
     }
 
@@ -87,6 +89,7 @@ def table(summary: dict[str, Any]) -> str:
             "joystick to valve",
             "-" if delay is None else f"{delay['p50']:.1f} ms median, {delay['p99']:.1f} ms p99",
         ),
+        *lever_delay.rows(summary["lever_to_valve_ms"]),
         ("memory", ", ".join(f"{name} {mb:.0f} MB" for name, mb in summary["peak_memory_mb"].items())),
     ]
     return "\n".join(f"  {name:<18} {value}" for name, value in rows)

@@ -27,6 +27,7 @@ from forest_control.levers import REST, Levers, levers_from_axes
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py import topics
 from forest_msgs_py.series import Bag, NotInBag, read_bag
+from forest_study import lever_delay
 from forest_study.closed_loop import PERIOD, Operator, Trajectory
 from forest_study.closed_loop import run as run_loop
 from forest_study.exclusive import Failure
@@ -160,10 +161,12 @@ def run(options: argparse.Namespace) -> int:
     """
     machine = load_machine(options.machine)
     try:
-        session, timing = measured(read_bag(options.bag), machine)
+        bag = read_bag(options.bag)
+        session, timing = measured(bag, machine)
+        felt = lever_delay.lever_to_valve_ms(bag)
     except (FileNotFoundError, NotInBag) as error:
         raise Failure(f"timing: {error}") from error
-    report = compared(session, timing, machine)
+    report = {"lever_to_valve_ms": felt, **compared(session, timing, machine)}
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / "timing.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
     print(table(report))
@@ -193,8 +196,9 @@ def table(report: dict[str, Any]) -> str:
     lines = [
         f"voltages in force answer a state 0, 1, 2, ... periods old: {', '.join(map(str, counts))} times"
     ]
+    lines += [f"{name}: {told}" for name, told in lever_delay.rows(report["lever_to_valve_ms"])]
     lines += ["| | RMS, mm | max, mm |", "|---|---|---|"]
     for name, one in report.items():
-        if name != "periods_behind":
+        if name not in ("periods_behind", "lever_to_valve_ms"):
             lines.append(f"| {name} | {one['rms_mm']:.1f} | {one['max_mm']:.1f} |")
     return "\n".join(lines)
