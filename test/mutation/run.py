@@ -10,6 +10,7 @@ interpreted: each mutant would have to be compiled anew.
 from __future__ import annotations
 
 import contextlib
+import gc
 import importlib
 import json
 import os
@@ -17,14 +18,23 @@ import resource
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import pytest
 import yaml
 
 HERE = Path(__file__).parent
 PASSED = 0
+# As import-linter has it, and the tests at the top: nothing imports what stands above it.
+LAYERS = (
+    {"conftest", "test"},
+    {"forest_study"},
+    {"forest_ident"},
+    {"forest_sim", "forest_control"},
+    {"forest_description", "forest_msgs_py"},
+    {"forest_compile"},
+)
 SPARE = 4.0  # times the processor time of the tests, at which a mutant that hangs is ended
 LIMIT_S = 300  # of a test that waits, on however busy a machine
 Mutant = dict[str, Any]
@@ -47,8 +57,21 @@ class Row(NamedTuple):
     survived: int
 
 
-def trial(tests: list[str], log: Path, processor_s: int = LIMIT_S, after: Callable[[], None] = int) -> Trial:
-    """Run tests in a fork until the first failure."""
+class Quickest:
+    """Has pytest run the quickest tests first: most mutants die of any."""
+
+    def __init__(self, durations: dict[str, float]) -> None:
+        self.durations = durations
+
+    def pytest_collection_modifyitems(self, items: list[Any]) -> None:
+        items.sort(key=lambda item: self.durations.get(item.nodeid, 0.0))
+
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        self.durations[report.nodeid] = self.durations.get(report.nodeid, 0.0) + report.duration
+
+
+def trial(tests: list[str], log: Path, quickest: Quickest, processor_s: int = LIMIT_S) -> Trial:
+    """Run tests in a fork until the first failure; what they imported and how long they took goes to files."""
     child = os.fork()
     if child == 0:
         os.setsid()
@@ -57,10 +80,8 @@ def trial(tests: list[str], log: Path, processor_s: int = LIMIT_S, after: Callab
         os.dup2(output, 2)
         resource.setrlimit(resource.RLIMIT_CPU, (processor_s, processor_s))
         signal.alarm(LIMIT_S)
-        import pytest
-
-        code = pytest.main(["-x", "-q", "-p", "no:cacheprovider", *tests])
-        after()
+        code = pytest.main(["-x", "-q", "-p", "no:cacheprovider", "--assert=plain", *tests], [quickest])
+        log.with_suffix(".json").write_text(json.dumps([sorted(sys.modules), quickest.durations]))
         sys.stdout.flush()
         os._exit(code)
     _, status, used = os.wait4(child, 0)
@@ -69,22 +90,24 @@ def trial(tests: list[str], log: Path, processor_s: int = LIMIT_S, after: Callab
     return Trial(os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime)
 
 
-def foreign(root: Path) -> list[str]:
-    """Return the names of all modules that are imported and not the project's."""
-    files = {name: str(getattr(module, "__file__", "") or "") for name, module in list(sys.modules.items())}
-    return [name for name, file in files.items() if file and not file.startswith(f"{root}/")]
-
-
-def baseline(tests: list[str], root: Path, log: Path) -> float:
-    """Return what the unbroken module's tests take [s]; import here what they import from elsewhere."""
-    names = root / "foreign.json"
-    first = trial(tests, log, after=lambda: names.write_text(json.dumps(foreign(root))) and None)
+def baseline(tests: list[str], package: str, log: Path) -> tuple[float, Quickest]:
+    """Return what the unbroken module's tests take [s]; import here what cannot import the module."""
+    first = trial(tests, log, Quickest({}))
     if first.code != PASSED:
         sys.exit(f"mutate: error: the tests fail without any mutant:\n{log.read_text()}")
-    for name in json.loads(names.read_text()):
-        with contextlib.suppress(Exception):
-            importlib.import_module(name)
-    return first.processor
+    names, durations = json.loads(log.with_suffix(".json").read_text())
+    above = {
+        name
+        for layer in LAYERS[: next(i for i, layer in enumerate(LAYERS) if package in layer) + 1]
+        for name in layer
+    }
+    for name in names:
+        if name.partition(".")[0] not in above:
+            with contextlib.suppress(Exception):
+                importlib.import_module(name)
+    gc.collect()
+    gc.freeze()
+    return first.processor, Quickest(durations)
 
 
 def is_explained(mutant: Mutant, explained: Explained) -> bool:
@@ -113,8 +136,8 @@ def outdated(mutants: list[Mutant], explained: Explained) -> list[str]:
 
 def survivors(source: Path, mutants: list[Mutant], tests: list[str], log: Path) -> list[Mutant]:
     """Return the mutants with which the tests pass."""
-    root = Path.cwd()
-    limit = 2 + int(SPARE * baseline(tests, root, log))
+    processor, quickest = baseline(tests, source.parent.name, log)
+    limit = 2 + int(SPARE * processor)
     for compiled in (source.parent / "__pycache__").glob(f"{source.stem}.*.pyc"):
         compiled.unlink()
     os.environ["PYTHONDONTWRITEBYTECODE"], sys.dont_write_bytecode = "1", True
@@ -123,7 +146,7 @@ def survivors(source: Path, mutants: list[Mutant], tests: list[str], log: Path) 
         if sys.stderr.isatty():
             print(f"\r{source.stem}: {number} of {len(mutants)} ", end="", file=sys.stderr, flush=True)
         source.write_text(mutant["text"], "utf-8")
-        if trial(tests, log, limit).code == PASSED:
+        if trial(tests, log, quickest, limit).code == PASSED:
             left.append(mutant)
     source.write_text(text, "utf-8")
     del os.environ["PYTHONDONTWRITEBYTECODE"]
