@@ -57,6 +57,11 @@ class Row(NamedTuple):
     survived: int
 
 
+def layer(package: str) -> int:
+    """Return the layer of a package."""
+    return next(number for number, packages in enumerate(LAYERS) if package in packages)
+
+
 class Quickest:
     """Has pytest run the quickest tests first: most mutants die of any."""
 
@@ -71,7 +76,7 @@ class Quickest:
 
 
 def trial(tests: list[str], log: Path, quickest: Quickest, processor_s: int = LIMIT_S) -> Trial:
-    """Run tests in a fork until the first failure; what they imported and how long they took goes to files."""
+    """Run tests in a fork until the first failure; what they imported lies beside the log, with their times."""
     child = os.fork()
     if child == 0:
         os.setsid()
@@ -96,11 +101,7 @@ def baseline(tests: list[str], package: str, log: Path) -> tuple[float, Quickest
     if first.code != PASSED:
         sys.exit(f"mutate: error: the tests fail without any mutant:\n{log.read_text()}")
     names, durations = json.loads(log.with_suffix(".json").read_text())
-    above = {
-        name
-        for layer in LAYERS[: next(i for i, layer in enumerate(LAYERS) if package in layer) + 1]
-        for name in layer
-    }
+    above = set().union(*LAYERS[: layer(package) + 1])
     for name in names:
         if name.partition(".")[0] not in above:
             with contextlib.suppress(Exception):
@@ -160,7 +161,9 @@ def chosen(stems: list[str]) -> dict[str, list[str]]:
     if unknown := set(stems) - {Path(module).stem for module in modules}:
         allowed = ", ".join(sorted(Path(module).stem for module in modules))
         sys.exit(f"mutate: error: unknown module {', '.join(sorted(unknown))}; allowed: {allowed}")
-    return {module: tests for module, tests in modules.items() if not stems or Path(module).stem in stems}
+    wanted = [module for module in modules if not stems or Path(module).stem in stems]
+    # From below: what is imported once must not be broken later.
+    return {module: modules[module] for module in sorted(wanted, key=lambda m: -layer(Path(m).parts[0]))}
 
 
 def main(generator: str, copy: str, *stems: str) -> int:
