@@ -91,6 +91,8 @@ def test_a_stop_begins_with_all_of_the_velocity_and_is_over_in_its_time(duration
         stop, steps = stopping.advanced(stop, duration / 32), steps + 1
     assert steps == 32
     assert stopping.share(stop) == 0.0
+    assert stopping.is_over(stop._replace(elapsed=duration))
+    assert not stopping.is_over(stop._replace(elapsed=0.999 * duration))
 
 
 def begun_at(pose, u, part):

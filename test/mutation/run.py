@@ -76,7 +76,7 @@ class Quickest:
 
 
 def trial(tests: list[str], log: Path, quickest: Quickest, processor_s: int = LIMIT_S) -> Trial:
-    """Run tests in a fork until the first failure; what they imported lies beside the log, with their times."""
+    """Run tests in a fork until the first failure; what they import lies beside the log, with their times."""
     child = os.fork()
     if child == 0:
         os.setsid()
