@@ -28,5 +28,6 @@ cp -a -- src test "$copy"
 for entry in [!.]*; do # what tests read, and nobody breaks
     [[ -e $copy/$entry ]] || ln -s -- "$root/$entry" "$copy/$entry"
 done
-PYTHONPATH=$(printf '%s:' "$copy"/src/*)${PYTHONPATH:-} \
-    "$venv/bin/python" "$copy/test/mutation/run.py" "$tool/bin/python" "$copy" "$@"
+packages=$(printf ':%s' "$copy"/src/*)
+PYTHONPATH=${packages#:}${PYTHONPATH:+:$PYTHONPATH} "$venv/bin/python" "$copy/test/mutation/run.py" \
+    "$tool/bin/python" "$copy" "$@"

@@ -137,7 +137,10 @@ def outdated(mutants: list[Mutant], explained: Explained) -> list[str]:
 
 def survivors(source: Path, mutants: list[Mutant], tests: list[str], log: Path) -> list[Mutant]:
     """Return the mutants with which the tests pass."""
-    processor, quickest = baseline(tests, source.parent.name, log)
+    name = ".".join(source.relative_to(log.parent / "src").parts[1:]).removesuffix(".py")
+    processor, quickest = baseline(tests, name.partition(".")[0], log)
+    if name in sys.modules:
+        sys.exit(f"mutate: error: {name} is imported already, so that no mutant of it would be.")
     limit = 2 + int(SPARE * processor)
     for compiled in (source.parent / "__pycache__").glob(f"{source.stem}.*.pyc"):
         compiled.unlink()
