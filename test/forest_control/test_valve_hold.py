@@ -189,7 +189,7 @@ def turning(every, command=0.1, turns=3):
 
 
 def test_a_valve_that_turns_without_a_pause_cycles_too_but_not_if_briefly_or_seldom():
-    assert turning(0.06, turns=1) == 1.0  # none came before
+    assert turning(0.06, turns=1) == turning(0.06, -0.1, turns=1) == 1.0  # none came before
     assert turning(0.06, turns=2) == pytest.approx(2.0, rel=0.05)
     assert turning(0.06, turns=3) == pytest.approx(4.0, rel=0.05)
     assert turning(0.9, turns=2) == pytest.approx(2.0, rel=0.2)

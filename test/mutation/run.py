@@ -152,6 +152,7 @@ def survivors(source: Path, mutants: list[Mutant], tests: list[str], log: Path) 
         source.write_text(mutant["text"], "utf-8")
         if trial(tests, log, quickest, limit).code == PASSED:
             left.append(mutant)
+            print(f"survived: {name}:{mutant['line']} {mutant['function']}: {mutant['key']}", flush=True)
     source.write_text(text, "utf-8")
     del os.environ["PYTHONDONTWRITEBYTECODE"]
     sys.dont_write_bytecode = False
@@ -181,8 +182,6 @@ def main(generator: str, copy: str, *stems: str) -> int:
         mutants = made(generator, source)
         tried = [mutant for mutant in mutants if not is_explained(mutant, explained)]
         left = survivors(source, tried, [f"test/{test}" for test in tests], root / "log")
-        for mutant in left:
-            print(f"survived: {module}:{mutant['line']} {mutant['function']}: {mutant['key']}", flush=True)
         old += [f"{module} {line}" for line in outdated(mutants, explained)]
         rows.append(Row(source.name, len(mutants), len(mutants) - len(tried), len(left)))
     print(table(rows))
