@@ -122,6 +122,16 @@ def test_what_is_no_wall_is_far_and_walls_beyond_the_number_do_not_count():
     assert share((0.0, 0.0, -2.0), wish, OPEN) == 1.0
 
 
+def test_in_a_corner_too_sharp_to_slide_into_the_tip_stops_and_it_may_still_leave():
+    """A valley of 10 degrees: each wall's slope leads into the other, in ever smaller steps."""
+    steep, flat = math.cos(math.radians(5.0)), math.sin(math.radians(5.0))
+    walls = [Wall(PLANE, (side * steep, 0.0, flat), (0.0, 0.0, 0.0), 0.0) for side in (-1.0, 1.0)]
+    for wish in ((0.0, 0.0, -1.0), (0.0, 0.3, -1.0), (0.02, 0.0, -1.0)):
+        assert slid((0.0, 0.0, 0.0), wish, workspace(*walls)) == (0.0, 0.0, 0.0)
+    assert slid((0.0, 0.0, 0.0), (0.0, 0.3, 1.0), workspace(*walls)) == (0.0, 0.3, 1.0)
+    assert slid((0.0, 0.0, 9.0), (0.0, 0.3, -0.1), workspace(*walls)) == (0.0, 0.3, -0.1)
+
+
 BOX_LOW, BOX_HIGH = (-1.0, -2.0, -3.0), (1.0, 2.0, 3.0)
 BLOCK = Wall(BOX, BOX_LOW, BOX_HIGH, 0.0)
 
@@ -188,6 +198,15 @@ def test_files_are_read_with_their_margin(tmp_path):
     assert gap((0.0, 1.5, 1.5), w.walls[7]).distance == pytest.approx(0.9)
     assert gap((0.0, 2.0, 0.0), w.walls[8]).distance == pytest.approx(0.4)
     assert load_workspace("") == OPEN
+
+
+def test_a_dozen_walls_are_read_and_no_more(tmp_path):
+    path, box = tmp_path / "yard.yaml", "{lower: [1, 1, 1], upper: [2, 2, 2]}"
+    path.write_text(f"boxes: [{', '.join([box] * 12)}]\n")
+    assert load_workspace(str(path)).number == 12
+    path.write_text(f"ground: -1\nboxes: [{', '.join([box] * 12)}]\n")
+    with pytest.raises(SettingFileError, match="13 walls; allowed: up to 12"):
+        load_workspace(str(path))
 
 
 @pytest.mark.parametrize("name", shipped())
