@@ -107,13 +107,17 @@ def test_waiting_ends_once_the_valve_has_room():
 @pytest.mark.parametrize("way", ["forward", "backward"])
 @pytest.mark.parametrize("joint", range(3))
 def test_what_is_learnt_of_one_way_of_one_valve_is_no_other_s(joint, way):
-    """The loader's valves differ in all of them."""
-    machine = load_machine("loader")
+    """No two edges are alike."""
+    axes = []
+    for i, axis in enumerate(axis_drivers(load_machine("loader"))):
+        ahead = axis.valve.forward._replace(deadband_voltage=0.5 + 0.1 * i)
+        back = axis.valve.backward._replace(deadband_voltage=1.5 + 0.1 * i)
+        axes.append(axis._replace(valve=axis.valve._replace(forward=ahead, backward=back)))
     learners = [UNLEARNT] * 3
     learners[joint] = UNLEARNT._replace(**{way: WayEstimate(deadband=0.5)})
-    reach = learnt_reach(tuple(learners), axis_drivers(machine))
-    law = getattr(machine.valve_of(joint).law, way)
-    left = 1.0 - 0.5 / (law.rated_voltage - law.deadband_voltage)
+    reach = learnt_reach(tuple(learners), tuple(axes))
+    edge = getattr(axes[joint].valve, way)
+    left = 1.0 - 0.5 / (edge.rated_voltage - edge.deadband_voltage)
     expected = {"forward": [1.0] * 3, "backward": [1.0] * 3}
     expected[way][joint] = left
     assert reach.forward == pytest.approx(tuple(expected["forward"]))

@@ -82,6 +82,8 @@ def test_what_was_learnt_is_forgotten_when_the_driver_says_it_no_more(pace, repo
 
 
 def test_voltages_count_for_a_tenth_of_a_second(pace, reports):
+    put_voltages(pace, (1.0, -10.0, 3.0))
+    assert reports.read()[1] == (1.0, -10.0, 3.0)
     pace.time = 0.0  # so that the bound itself is a number
     put_voltages(pace, (1.0, -10.0, 3.0))
     assert reports.read()[1] == (1.0, -10.0, 3.0)
