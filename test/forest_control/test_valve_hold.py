@@ -68,6 +68,9 @@ def test_one_that_may_be_noise_opens_when_its_mean_of_a_fifth_of_a_second_is_ove
     assert not any(feed(rest, sign * ZONE, 3.0)[1])
     assert any(feed(rest, sign * ZONE * 1.02, 3.0)[1])
     assert not any(feed(SHUT, sign * ZONE, 3.0)[1])
+    assert feed(rest, sign * 0.1, 0.1)[0].slow == pytest.approx(
+        sign * (0.1 - 0.099 * math.exp(-0.5))
+    )  # in motion, too
 
 
 @both_ways
@@ -132,6 +135,7 @@ def test_with_no_zone_every_command_is_obeyed():
     for command in (1e-9, -1e-9, 0.001, -0.05, 3.0):
         assert step(SHUT, command, zone=0.0)[1] == command
         assert step(moved(), command, zone=0.0)[1] == command
+        assert step(opened(math.copysign(1.0, -command)), command, zone=0.0)[1] == command
 
 
 def opened_again(hold, sign, shut=0.1, **options):
@@ -171,6 +175,16 @@ def test_the_first_turn_is_no_cycle_yet_and_the_second_needs_twice_the_command(s
 def test_what_is_briefer_than_noise_or_later_than_a_second_is_no_cycle(sign):
     for shut, cycle in ((0.03, False), (0.06, True), (0.9, True), (1.1, False)):
         assert (opened_again(step(SHUT, sign * 0.05)[0], -sign, shut).wide > 1.5) == cycle, shut
+
+
+@both_ways
+def test_a_valve_that_noise_keeps_shut_for_a_while_is_shut_as_one_without_command(sign):
+    hold, _ = step(SHUT, sign * 0.05)
+    hold, said = feed(hold, sign * 0.001, 0.3)
+    assert said[-1] == 0.0
+    assert feed(hold, -sign * 0.05, 0.3)[0].wide == pytest.approx(2.0, rel=0.1)
+    hold, _ = feed(hold, sign * 0.001, 1.2)
+    assert feed(hold, -sign * 0.05, 0.3)[0].wide == 1.0
 
 
 @both_ways
