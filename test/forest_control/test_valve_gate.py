@@ -122,6 +122,13 @@ def test_loads_and_mean_pressures_are_those_of_their_own_ports_behind_their_low_
     assert (state.loads, state.means, state.borne, state.primed) == (ZERO, ZERO, 0.0, False)
 
 
+def test_a_driver_that_begins_has_given_moved_and_borne_nothing():
+    for three in (REST.loads, REST.means, REST.spools, REST.strokes, REST.voltages):
+        assert three == ZERO
+    assert (REST.ahead, REST.borne, REST.phase) == (0.0, 0.0, 0.0)
+    assert not any((REST.primed, *REST.saturated))
+
+
 def test_where_the_spools_are_and_were_on_average_follows_from_the_voltages_in_force():
     before, volts = (1.0, -2.0, 3.0), (4.0, 5.0, -6.0)
     state = REST._replace(spools=before, voltages=volts)
