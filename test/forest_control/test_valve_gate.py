@@ -317,6 +317,31 @@ def test_at_rest_in_a_cycle_the_overlap_is_crossed_gently_and_in_motion_it_is_no
     assert (sign * volts < 1.2 * sign * target) == gently
 
 
+@every_axis
+@both_ways
+def test_an_overlap_is_crossed_by_the_edge_of_its_own_way(axis, sign):
+    """At 0.7 V the spool is past the edge backwards, at 0.5 V, and short of the one ahead, at 1 V."""
+    p = lopsided(axis)._replace(beyond_valve=True)
+    p = p._replace(axes=tuple(a._replace(spool_lag=LAG) for a in p.axes))
+    spools = on_axis(axis, sign * 0.7)
+    state = REST._replace(spools=spools, voltages=spools, ahead=PERIOD)
+    command = on_axis(axis, sign * 0.5)
+    volts = valve_driver.step(state, command, None, p, PERIOD)[1][axis]
+    target = valve_driver.step(REST, command, None, lopsided(axis), PERIOD)[1][axis]
+    assert (sign * volts > 1.2 * sign * target) == (sign > 0.0)
+
+
+@every_axis
+@both_ways
+def test_an_actuator_whose_command_is_a_millionth_of_a_volt_or_less_is_held(axis, sign):
+    for command, held_now in ((sign * 0.9e-6, True), (sign * 1.1e-6, False), (-sign * 2.0, False)):
+        state = REST
+        for k in range(32):
+            now = sign * 2.0 if k < 20 else command
+            state, _ = valve_driver.step(state, on_axis(axis, now), None, parameters(), PERIOD)
+        assert (state.holds[axis].calm_for > 0.5) == held_now, command
+
+
 # --- learning -------------------------------------------------------------------------------------
 
 
