@@ -90,8 +90,9 @@ def test_an_axis_gets_what_it_would_get_alone(machine):
 
 
 @every_axis
-def test_loads_and_mean_pressures_are_those_of_their_own_ports_behind_their_low_passes(axis):
-    p, area = parameters(), parameters().axes[axis]
+@pytest.mark.parametrize("machine", [C180, LOADER], ids=["C-180", "loader"])
+def test_loads_and_mean_pressures_are_those_of_their_own_ports_behind_their_low_passes(machine, axis):
+    p, area = parameters(machine), parameters(machine).axes[axis]
     before, after = ((5e6, 1e6), (2e6, 7e6))  # port 1, port 2
 
     def told(ports):
