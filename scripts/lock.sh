@@ -49,3 +49,8 @@ import-linter
 pre-commit
 colcon-common-extensions
 TOOLS
+
+# What scripts/mutate.sh installs for itself, beside .venv's own packages. Yattag, for reports of HTML, is published
+# as source only.
+compile --universal --python-version 3.10 --no-emit-package yattag "$@" --output-file requirements-mutate.lock - \
+    <<<"cosmic-ray"

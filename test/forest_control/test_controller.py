@@ -209,22 +209,6 @@ def test_parameters_keep_the_margin_from_every_joint_limit():
     assert p.rated_voltages == (10.0, 10.0, 10.0)
 
 
-def test_a_state_that_cannot_be_true_is_named():
-    p = parameters()
-    assert controller.implausible(MIDDLE, ZERO, p) == ""
-    degrees = tuple(math.degrees(angle) for angle in MIDDLE)
-    assert "swing is 11.4592 rad; allowed" in controller.implausible(degrees, ZERO, p)
-    assert "stick is 2 rad; allowed" in controller.implausible((0.2, 0.4, 2.0), ZERO, p)
-    assert "boom moves at 1e+308" in controller.implausible(MIDDLE, (0.0, 1e308, 0.0), p)
-    assert "no finite velocity" in controller.implausible(MIDDLE, (), p)
-
-
-def test_end_stops_may_give_without_the_state_being_refused():
-    p, limits = parameters(), joint_limits(MACHINE)
-    beyond = tuple(high + 0.05 for _, high in limits)
-    assert controller.implausible(beyond, ZERO, p) == ""
-
-
 def test_each_axis_is_clipped_at_and_scaled_with_its_own_valve_s_rated_voltage():
     loader = load_machine("loader")
     p = controller.parameters(loader, Settings(scheme=Scheme.JOINT, joint_rates=(3.0, 3.0, 3.0)))

@@ -1,17 +1,19 @@
 """Claims about the governor: it slows, it never turns, it never traps."""
 
+import itertools
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from forest_control.governor import (
-    CREEP,
     ENOUGH,
-    FAR_OFF,
-    NEGLIGIBLE_RATE,
     NO_AXIS,
     NO_STROKE,
+    Axis,
     Governed,
     GovernorParameters,
     Limit,
@@ -21,11 +23,13 @@ from forest_control.governor import (
     govern,
 )
 from forest_description.actuation import displacements, joint_rates_to_actuator_speeds
-from forest_description.kinematics import Links, joint_rates, tip_velocity
+from forest_description.kinematics import Links, joint_rates, tip_position, tip_velocity
 from forest_description.linkage import cylinder_length, lever_arm
 from forest_description.machine import load_machine
 
 LINKS = Links(0.41, 4.1, 2.9)
+CREEP, FAR_OFF, NEGLIGIBLE = 2e-3, 2.5, 1e-6  # [rad/s], times the wish, [rad/s; m/s]
+SAFETY = Path(__file__).resolve().parents[2] / "docs" / "safety.md"
 P = GovernorParameters(
     lower=(-2.0, -0.6, -2.1),
     upper=(2.0, 1.2, -0.8),
@@ -97,8 +101,8 @@ def test_backing_out_is_possible_from_everywhere():
 
 def test_rounding_towards_a_limit_does_not_stop_the_others():
     q = (0.0, P.upper[1], -1.5)
-    assert govern(q, (0.5, NEGLIGIBLE_RATE, 0.1), P) == Governed(1.0, Limit.NONE)
-    assert govern(q, (0.5, 2.0 * NEGLIGIBLE_RATE, 0.1), P) == Governed(0.0, Limit.JOINT)
+    assert govern(q, (0.5, NEGLIGIBLE, 0.1), P) == Governed(1.0, Limit.NONE)
+    assert govern(q, (0.5, 1.1 * NEGLIGIBLE, 0.1), P) == Governed(0.0, Limit.JOINT)
 
 
 def test_the_limit_that_holds_back_is_named():
@@ -157,3 +161,119 @@ def test_outside_its_stroke_a_cylinder_may_only_come_back():
     beyond = (0.0, P.upper[1] + 0.02, -1.5)
     assert govern(beyond, (0.0, 0.1, 0.0), p).factor == 0.0
     assert govern(beyond, (0.0, -0.1, 0.0), p).factor == 1.0
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0], ids=["down", "up"])
+@pytest.mark.parametrize("joint", range(3))
+def test_a_limit_begins_to_be_felt_without_a_corner(joint, sign):
+    """The factor by what the limit allows of the wish: a cubic, even at both ends."""
+    p = P._replace(rates=(math.inf,) * 3, approach=(1.0, 2.0, 2.0))
+    wish = 0.1
+
+    def factor(share):
+        q, rates = list(MIDDLE), [0.0, 0.0, 0.0]
+        room = share * wish / p.approach[joint]
+        q[joint] = p.upper[joint] - room if sign > 0.0 else p.lower[joint] + room
+        rates[joint] = sign * wish
+        return govern(tuple(q), tuple(rates), p).factor
+
+    shares = np.linspace(0.1, FAR_OFF, 241)
+    cubic = np.polynomial.Polynomial.fit(shares, [factor(share) for share in shares], 3)
+    assert cubic(shares) == pytest.approx([factor(share) for share in shares], abs=1e-9)
+    assert (cubic(0.0), cubic.deriv()(0.0)) == pytest.approx((0.0, 1.0), abs=1e-6)
+    assert (cubic(FAR_OFF), cubic.deriv()(FAR_OFF)) == pytest.approx((1.0, 0.0), abs=1e-6)
+    assert factor(1.01 * FAR_OFF) == factor(9.0) == 1.0
+
+
+@pytest.mark.parametrize("joint", range(3))
+def test_slower_than_a_creep_nothing_goes_towards_a_limit(joint):
+    rates = [0.0, 0.0, 0.0]
+    rates[joint] = 0.5
+    for allowed, moves in ((1.01 * CREEP, True), (0.99 * CREEP, False)):
+        q = list(MIDDLE)
+        q[joint] = P.upper[joint] - allowed / P.approach[joint]
+        assert (govern(tuple(q), tuple(rates), P).factor > 0.0) == moves
+
+
+def test_near_its_dead_point_a_cylinder_counts_by_its_angle():
+    """There little stroke turns the joint far, and beyond it the other way."""
+    linkage = load_machine("c180").linkages[0]
+    p = P._replace(rates=(math.inf,) * 3, upper=(2.0, 9.0, -0.8), approach=(1.0, 1.0, 1.0))
+    p = p._replace(strokes=(NO_STROKE, Stroke(linkage, 0.1, 9.0), NO_STROKE))
+    dead = math.pi - linkage.angle_offset
+    for arm, by_angle in ((1.1e-3, False), (0.9e-3, True), (-0.2, True)):
+        q = brentq(lambda angle, arm=arm: lever_arm(angle, linkage) - arm, dead - 1.0, dead + 0.9)
+        allowed = 1e6 * govern((0.0, q, -1.5), (0.0, 1e6, 0.0), p).factor
+        assert (allowed == pytest.approx(9.0 - q, rel=1e-3)) == by_angle
+
+
+def test_towards_the_swing_axis_the_tip_is_as_fast_as_twice_what_is_left_and_elsewhere_free():
+    rng, seen = np.random.default_rng(8), {"in front": 0, "behind": 0, "within": 0, "outward": 0}
+    p = P._replace(lower=(-9.0,) * 3, upper=(9.0,) * 3, rates=(99.0,) * 3, approach=(99.0,) * 3)
+    p = p._replace(axis=Axis(LINKS, 1.5))
+
+    def reach(q):
+        return math.hypot(*tip_position(q, LINKS)[:2])
+
+    for _ in range(3000):
+        q, rates = tuple(rng.uniform(-3.0, 3.0, 3).tolist()), tuple(rng.normal(0.0, 1.0, 3).tolist())
+        before, after = (
+            reach(tuple(x + dt * u for x, u in zip(q, rates, strict=True))) for dt in (-1e-6, 1e-6)
+        )
+        inward, distance = (before - after) / 2e-6, reach(q) - 1.5
+        if abs(reach(q)) < 0.01 or abs(inward) < 0.01:
+            continue
+        governed = govern(q, rates, p)
+        most = max(0.0, 2.0 * distance) / inward if inward > 0.0 else 1.0
+        assert governed.factor == pytest.approx(min(1.0, most), rel=1e-4, abs=1e-9)
+        assert governed.factor >= 0.0
+        front = math.cos(q[0]) * tip_position(q, LINKS)[0] + math.sin(q[0]) * tip_position(q, LINKS)[1] > 0.0
+        if governed.limit == Limit.SINGULARITY:
+            seen["within" if distance < 0.0 else "in front" if front else "behind"] += 1
+        seen["outward"] += inward < 0.0
+    assert min(seen.values()) > 50, seen
+
+
+def test_at_the_swing_axis_rounding_stops_nobody_and_neither_does_the_swing():
+    p = P._replace(lower=(-9.0,) * 3, upper=(9.0,) * 3, axis=Axis(LINKS, 9.0))
+    q = (0.3, 0.1, -1.0)
+    arm = -tip_velocity((0.0, *q[1:]), (0.0, 0.0, -1.0), LINKS)[0]  # inward speed of a stick that folds
+    assert govern(q, (0.5, 0.0, -0.9 * NEGLIGIBLE / arm), p) == Governed(1.0, Limit.NONE)
+    assert govern(q, (0.5, 0.0, -1.1 * NEGLIGIBLE / arm), p) == Governed(0.0, Limit.SINGULARITY)
+    assert govern(q, (0.5, 0.0, 0.0), p) == Governed(1.0, Limit.NONE)
+
+
+def test_a_tip_that_may_go_as_near_the_swing_axis_as_it_likes_is_not_held():
+    p = P._replace(lower=(-9.0,) * 3, upper=(9.0,) * 3, axis=Axis(LINKS, 0.0))
+    boom = math.acos((0.05 - LINKS.base_offset - LINKS.stick) / LINKS.boom)
+    q = (0.0, boom, -boom)
+    assert tip_position(q, LINKS)[0] == pytest.approx(0.05)
+    assert govern(q, (0.0, 0.25, 0.0), p) == Governed(1.0, Limit.NONE)
+
+
+@pytest.mark.parametrize(("joint", "sign"), list(itertools.product(range(3), (-1.0, 1.0))))
+def test_each_actuator_takes_the_oil_of_its_own_inlet(joint, sign):
+    machine = load_machine("c180")
+    areas = [displacements(machine, axis) for axis in range(3)]
+    areas[0] = areas[0][0], 3.0 * areas[0][1]  # no motor is so, and nobody shall mind
+    pumps = Pumps(1.0, *zip(*areas, strict=True), machine.linkages)
+    rates = [0.0, 0.0, 0.0]
+    rates[joint] = sign * 0.1
+    speed = abs(joint_rates_to_actuator_speeds(MIDDLE, tuple(rates), machine.linkages)[joint])
+    taken = flow_demand(MIDDLE, tuple(rates), pumps)
+    assert taken == pytest.approx(speed * areas[joint][0 if sign > 0.0 else 1])
+
+
+def test_the_limits_are_numbered_as_the_docs_tell_who_reads_the_topic():
+    (told,) = re.findall(r"limit (0 none, .*?);", SAFETY.read_text("utf-8"))
+    words = (
+        "none",
+        "joint rate",
+        "joint limit",
+        "singular pose",
+        "flow of the pumps",
+        "wall",
+        "released or stopping",
+    )
+    names = "NONE", "RATE", "JOINT", "SINGULARITY", "FLOW", "WALL", "RELEASED"
+    assert told == ", ".join(f"{Limit[name].value} {word}" for name, word in zip(names, words, strict=True))

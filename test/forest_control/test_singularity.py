@@ -7,7 +7,7 @@ import pytest
 
 from forest_control.governor import ENOUGH, NO_AXIS, Axis, GovernorParameters, Limit, govern
 from forest_control.singularity import rates_anywhere
-from forest_description.kinematics import Links, is_singular, joint_rates, tip_position
+from forest_description.kinematics import Links, is_singular, joint_rates, tip_position, tip_velocity
 
 LINKS = Links(0.15, 4.1, 4.3)
 WIDE = GovernorParameters(
@@ -44,6 +44,56 @@ def test_at_regular_poses_it_is_the_inverse_jacobian():
         q, v = (tuple(x) for x in rng.uniform(-1.5, 1.5, (2, 3)).tolist())
         if not is_singular(q, LINKS):
             assert rates_anywhere(q, v, LINKS) == joint_rates(q, v, LINKS)
+
+
+STRAIGHT_OR_FLAT = [
+    *((0.0, -0.05), (4e-7, 0.05), (-4e-7, -0.05), (2.0 * math.pi, 2.0 * math.pi - 0.05)),
+    *((-math.pi, 0.05 - math.pi), (4e-7 - math.pi, 0.05 - math.pi), (-4e-7 - math.pi, -0.05 - math.pi)),
+    *((math.pi, math.pi + 0.05), (3.0 * math.pi, 3.0 * math.pi + 0.05)),
+]
+
+
+@pytest.mark.parametrize("boom", [0.3, 2.6], ids=["in front", "behind the axis"])
+@pytest.mark.parametrize(("stick", "bent"), STRAIGHT_OR_FLAT)
+def test_a_stick_that_is_straight_or_flat_moves_as_if_bent_by_a_little_to_its_own_side(stick, bent, boom):
+    """One that is neither is bent as strokes allow, between flat and straight."""
+    v, links = (0.1, -0.2, 0.3), Links(0.41, 4.1, 2.9)
+    assert is_singular((0.2, boom, stick), links)
+    as_if = joint_rates((0.2, boom, bent), v, links)
+    assert rates_anywhere((0.2, boom, stick), v, links) == pytest.approx(as_if, rel=1e-6)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0], ids=["behind", "in front"])
+@pytest.mark.parametrize("stick", [-1.2, 1.2, -0.051, 0.049, -0.03, 0.051 - math.pi, 0.049 - math.pi])
+def test_on_the_swing_axis_the_joints_move_as_if_a_little_beside_it(side, stick):
+    """Beside it by a fiftieth of the arm, on the tip's own side; a stick that is almost straight is bent."""
+    v = (0.1, -0.2, 0.3)
+    across, along = LINKS.stick * math.sin(stick), LINKS.boom + LINKS.stick * math.cos(stick)
+    boom = math.acos((side * 1e-7 - LINKS.base_offset) / math.hypot(across, along)) - math.atan2(
+        across, along
+    )
+    q = (0.3, boom, stick)
+    assert is_singular(q, LINKS)
+    straight = min((0.0, -math.pi), key=lambda angle: abs(stick - angle))
+    bent = math.copysign(max(0.05, abs(stick - straight)), stick - straight) + straight
+    reach = LINKS.boom * math.cos(boom) + LINKS.stick * math.cos(boom + bent)
+    off, least = LINKS.base_offset + reach, 0.02 * (LINKS.boom + LINKS.stick)
+    if abs(off) < least:
+        off = math.copysign(least, off)
+    beside = Links(off - reach, LINKS.boom, LINKS.stick)
+    rates = rates_anywhere(q, v, LINKS)
+    assert tip_velocity((0.3, boom, bent), rates, beside) == pytest.approx(v, rel=1e-6)
+    if abs(stick - bent) < 1e-9:
+        assert off == pytest.approx(side * least)
+
+
+def test_the_way_out_of_a_singular_pose_is_the_same_behind_the_axis():
+    """What mirrors the crane through its axis turns the swing's sense and keeps the other joints'."""
+    q, v = on_axis(), (0.1, -0.2, 0.3)
+    rates = rates_anywhere(q, v, LINKS)
+    assert max(map(abs, rates)) < 10.0
+    turned = rates_anywhere((q[0] + math.pi, *q[1:]), (-v[0], -v[1], v[2]), LINKS)
+    assert turned == pytest.approx(rates, rel=1e-6)
 
 
 def test_the_tip_slows_down_towards_the_swing_axis_stops_before_it_and_may_leave():

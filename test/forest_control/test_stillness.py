@@ -5,12 +5,13 @@ import pytest
 
 from forest_control import controller
 from forest_control.execution import to_voltage
-from forest_control.stillness import LONG, MOVING, WAY, frozen, watched
-from forest_description.machine import load_machine
+from forest_control.stillness import MOVING, Stillness, frozen, watched
+from forest_description.machine import AXES, load_machine
 
 P = controller.parameters(load_machine("c180"), controller.Settings())
 DT = 0.005
 START = (0.2, 0.4, -1.5)
+every_joint = pytest.mark.parametrize("joint", range(3), ids=AXES)
 
 
 def after(seconds, rates, angles):
@@ -24,21 +25,65 @@ def after(seconds, rates, angles):
     return seconds, ""
 
 
-@pytest.mark.parametrize("joint", [0, 1, 2])
-def test_a_joint_whose_sensor_is_frozen_is_named_soon(joint):
+def stuck(joint, at, rate):
+    """Angles of joints that move at a rate [rad/s], but one that stays at an angle [rad]."""
+
     def angles(time):
-        moved = [angle + 0.1 * time for angle in START]
-        moved[joint] = START[joint]
+        moved = [angle + rate * time for angle in START]
+        moved[joint] = at
         return tuple(moved)
 
-    when, said = after(1.0, (0.1, 0.1, 0.1), angles)
-    assert when == pytest.approx(WAY / 0.1, abs=2.1 * DT)
-    assert said.startswith(f"joint state: {('swing', 'boom', 'stick')[joint]} is the same to the last bit")
+    return angles
 
 
-def test_a_quick_joint_has_time_to_begin():
-    when, _ = after(1.0, (0.0, 1.0, 0.0), lambda time: START)
-    assert when == pytest.approx(LONG, abs=2.1 * DT)
+@every_joint
+@pytest.mark.parametrize("at", [START, (0.0, 0.0, 0.0)], ids=["anywhere", "at zero"])
+@pytest.mark.parametrize("rate", [0.1, -0.1], ids=["up", "down"])
+def test_a_joint_whose_sensor_is_frozen_is_named_soon(joint, at, rate):
+    when, said = after(1.0, (rate, rate, rate), stuck(joint, at[joint], rate))
+    assert when == pytest.approx(0.2, abs=2.1 * DT)  # 0.02 rad
+    assert said.startswith(f"joint state: {AXES[joint]} is the same to the last bit")
+
+
+@every_joint
+@pytest.mark.parametrize("at", [START, (0.0, 0.0, 0.0)], ids=["anywhere", "at zero"])
+@pytest.mark.parametrize("rate", [0.3, -0.3], ids=["up", "down"])
+def test_a_quick_joint_has_time_to_begin(joint, at, rate):
+    when, _ = after(1.0, (rate, rate, rate), stuck(joint, at[joint], rate))
+    assert when == pytest.approx(0.15, abs=2.1 * DT)
+
+
+@every_joint
+def test_to_and_fro_counts_as_way_in_both_directions(joint):
+    still = MOVING
+    for step in range(60):
+        sign = (-1.0) ** (step // 5)
+        still = watched(still, START, to_voltage((sign * 0.1,) * 3, START, P), P, DT)
+    assert still.ways[joint] == pytest.approx(59 * DT * 0.1)
+    assert frozen(still)
+
+
+def test_a_sample_that_differs_clears_its_own_joint_alone():
+    still, command = MOVING, to_voltage((0.1, 0.1, 0.1), START, P)
+    for joint in range(3):
+        for _ in range(10):
+            still = watched(still, START, command, P, DT)
+        moved = tuple(angle + (i == joint) * 1e-12 for i, angle in enumerate(START))
+        after_it = watched(still, moved, command, P, DT)
+        for other in range(3):
+            assert (after_it.ways[other] == 0.0) == (after_it.times[other] == 0.0) == (other == joint)
+
+
+@every_joint
+def test_at_the_bounds_themselves_a_joint_is_still_believed(joint):
+    def bounds(way, time):
+        quiet = [0.0, 0.0, 0.0]
+        ways, times = (tuple(x if i == joint else y for i, y in enumerate(quiet)) for x in (way, time))
+        return frozen(Stillness(START, ways, times))
+
+    assert bounds(0.02, 1.0) == ""
+    assert bounds(1.0, 0.15) == ""
+    assert AXES[joint] in bounds(0.0201, 0.1501)
 
 
 def test_a_crane_that_rests_or_is_slow_on_a_coarse_sensor_is_believed():

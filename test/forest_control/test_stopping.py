@@ -3,13 +3,19 @@
 import numpy as np
 import pytest
 
-from forest_control import stopping
+from forest_control import controller, coordination, stopping
+from forest_control.levers import REST as LEVERS_AT_REST
+from forest_description.kinematics import Links, is_singular, tip_velocity
+from forest_description.machine import load_machine
 
-TIMES = np.linspace(0.0, stopping.CLOSED_LOOP, 2001)
+LINKS = Links(0.41, 4.1, 2.9)
+POSE, STRAIGHT = (0.3, 0.5, -1.4), (0.3, 0.5, 0.0)
+CLOSED_LOOP, OPEN_LOOP = 0.24, 0.16  # [s] as docs/safety.md tells
+TIMES = np.linspace(0.0, CLOSED_LOOP, 2001)
 
 
 def shares(of=stopping.share):
-    begun = stopping.NO_STOP._replace(duration=stopping.CLOSED_LOOP)
+    begun = stopping.NO_STOP._replace(duration=CLOSED_LOOP)
     return np.array([of(begun._replace(elapsed=time)) for time in TIMES.tolist()])
 
 
@@ -21,13 +27,13 @@ def test_the_velocity_falls_to_nothing_on_the_way_that_is_told():
 
 
 def test_the_deceleration_is_the_one_that_is_told_and_vanishes_at_both_ends():
-    braking = -np.gradient(shares(), TIMES) * stopping.CLOSED_LOOP
+    braking = -np.gradient(shares(), TIMES) * CLOSED_LOOP
     assert braking.max() == pytest.approx(1.63, abs=5e-3)
     assert max(braking[0], braking[-1]) < 0.01
 
 
 def test_the_reference_goes_by_what_was_commanded_a_lag_ago():
-    lag = round(stopping.LAG / (TIMES[1] - TIMES[0]))
+    lag = round(0.015 / (TIMES[1] - TIMES[0]))
     late = shares(stopping.share_late)
     np.testing.assert_allclose(late[lag:], shares()[:-lag], atol=2e-3)
     assert np.all(late[: lag - 1] == 1.0)
@@ -35,3 +41,91 @@ def test_the_reference_goes_by_what_was_commanded_a_lag_ago():
 
 def test_a_joint_that_would_turn_round_is_not_commanded():
     assert stopping.onwards((0.1, -0.02, 1e-9), (0.05, 0.01, 0.0)) == (0.1, 0.0, 0.0)
+    rng = np.random.default_rng(41)
+    for _ in range(200):
+        u, a = (tuple(x) for x in rng.normal(0.0, 0.1, (2, 3)).tolist())
+        kept = stopping.onwards(u, a)
+        assert kept == tuple(np.where(np.multiply(u, a) > 0.0, u, 0.0))
+
+
+def stop_of(away):
+    """The stop as the deadman is let go in motion, the joints off their reference by some [rad]."""
+    p = controller.parameters(load_machine("c180"), controller.Settings())
+    rates, wish = (0.05, 0.02, -0.03), (0.1, 0.2, -0.1)
+    reference = tuple(angle + off for angle, off in zip(POSE, away, strict=True))
+    memory = coordination.in_motion(wish, rates, coordination.MOST_SAMPLES)
+    state = controller.REST._replace(
+        reference=reference, enabled=True, memory=memory, scheme=p.scheme, rates=rates
+    )
+    released = controller.Inputs(POSE, rates, LEVERS_AT_REST, False)
+    return controller.step(state, released, p, 0.005)[0].stop
+
+
+@pytest.mark.parametrize(
+    ("away", "lasts"),
+    [
+        ((0.0, 0.0, 0.0), CLOSED_LOOP),
+        *(
+            (tuple(0.0099 * sign * (i == k) for i in range(3)), CLOSED_LOOP)
+            for k in range(3)
+            for sign in (1, -1)
+        ),
+        *(
+            (tuple(0.0101 * sign * (i == k) for i in range(3)), OPEN_LOOP)
+            for k in range(3)
+            for sign in (1, -1)
+        ),
+    ],
+)
+def test_a_joint_that_stalled_a_hundredth_of_a_radian_off_its_reference_is_not_pulled_there(away, lasts):
+    stop = stop_of(away)
+    assert stop.duration == lasts
+    assert stop.elapsed == 0.005
+
+
+@pytest.mark.parametrize("duration", [CLOSED_LOOP, OPEN_LOOP])
+def test_a_stop_begins_with_all_of_the_velocity_and_is_over_in_its_time(duration):
+    stop, steps = stopping.begin(duration, (0.1, 0.1, 0.1), (0.1, 0.2, 0.3), POSE, LINKS), 0
+    assert stopping.share(stop) == stopping.share_late(stop) == 1.0
+    while not stopping.is_over(stop):
+        stop, steps = stopping.advanced(stop, duration / 32), steps + 1
+    assert steps == 32
+    assert stopping.share(stop) == 0.0
+    assert stopping.is_over(stop._replace(elapsed=duration))
+    assert not stopping.is_over(stop._replace(elapsed=0.999 * duration))
+
+
+def begun_at(pose, u, part):
+    """A stop of joint rates [rad/s] of which a part is over."""
+    stop = stopping.begin(CLOSED_LOOP, u, (0.0, 0.0, 0.0), pose, LINKS)
+    return stopping.advanced(stop, part * CLOSED_LOOP)
+
+
+def test_the_tip_goes_on_straight_and_slower_though_the_joints_move_on():
+    rng = np.random.default_rng(42)
+    for _ in range(200):
+        u = tuple(rng.normal(0.0, 0.2, 3).tolist())
+        part = float(rng.uniform(0.1, 0.9))
+        stop = begun_at(POSE, u, part)
+        moved = tuple(angle + 0.1 * rate for angle, rate in zip(POSE, u, strict=True))
+        rates, aimed = stopping.commanded(stop, moved, LINKS)
+        x = 1.0 - part
+        slower = np.multiply(x**2.5 * (3.5 - 2.5 * x), tip_velocity(POSE, u, LINKS))
+        assert aimed == pytest.approx(slower, rel=1e-9)
+        assert tip_velocity(moved, rates, LINKS) == pytest.approx(slower, rel=1e-9)
+
+
+def test_where_the_tip_has_no_direction_left_each_joint_slows_down_by_itself():
+    assert is_singular(STRAIGHT, LINKS)
+    u = (0.1, -0.2, 0.3)
+    stop = begun_at(STRAIGHT, u, 0.5)
+    rates, aimed = stopping.commanded(stop, STRAIGHT, LINKS)
+    left = stopping.share(stop)
+    assert 0.3 < left < 0.5
+    assert rates == pytest.approx(tuple(left * rate for rate in u))
+    assert aimed == pytest.approx(np.multiply(left, tip_velocity(STRAIGHT, u, LINKS)))
+
+
+def test_before_any_stop_none_is_under_way_and_nothing_is_commanded():
+    assert stopping.is_over(stopping.NO_STOP)
+    assert stopping.commanded(stopping.NO_STOP, POSE, LINKS) == ((0.0,) * 3, (0.0,) * 3)

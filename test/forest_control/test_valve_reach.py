@@ -9,13 +9,15 @@ from forest_control.valve_adaptation import UNLEARNT, WayEstimate
 from forest_control.valve_driver import axis_drivers
 from forest_control.valve_reach import (
     FULL,
-    LEAST,
-    MOST,
     RELAXED,
+    UNREPORTED,
     Reach,
+    Strain,
     bounded,
     ceiling,
     learnt_reach,
+    open_wide,
+    reported,
     strained,
 )
 from forest_description.machine import load_machine
@@ -45,9 +47,9 @@ def slow(bandwidth):
 
 
 def test_a_valve_as_filed_reaches_everything_and_one_that_is_not_known_counts_as_such():
-    assert learnt_reach((UNLEARNT,) * 3, AXES) == FULL
-    assert bounded(math.nan) == 1.0
-    assert (bounded(1e-3), bounded(7.0)) == (LEAST, MOST)
+    assert learnt_reach((UNLEARNT,) * 3, AXES) == FULL == Reach((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+    assert [bounded(share) for share in (math.nan, math.inf, -math.inf)] == [1.0, 1.0, 1.0]
+    assert (bounded(1e-3), bounded(0.7), bounded(7.0)) == (0.2, 0.7, 1.0)
 
 
 def test_a_weaker_valve_with_a_wider_overlap_reaches_what_is_left():
@@ -100,3 +102,133 @@ def test_waiting_ends_once_the_valve_has_room():
     ceilings = [run(late, seconds, 5.0).stick.ceiling for seconds in (0.25, 0.5, 3.0)]
     assert late.stick.ceiling < ceilings[0] < ceilings[1]
     assert ceilings[2] == math.inf
+
+
+@pytest.mark.parametrize("way", ["forward", "backward"])
+@pytest.mark.parametrize("joint", range(3))
+def test_what_is_learnt_of_one_way_of_one_valve_is_no_other_s(joint, way):
+    """No two edges are alike."""
+    axes = []
+    for i, axis in enumerate(axis_drivers(load_machine("loader"))):
+        ahead = axis.valve.forward._replace(deadband_voltage=0.5 + 0.1 * i)
+        back = axis.valve.backward._replace(deadband_voltage=1.5 + 0.1 * i)
+        axes.append(axis._replace(valve=axis.valve._replace(forward=ahead, backward=back)))
+    learners = [UNLEARNT] * 3
+    learners[joint] = UNLEARNT._replace(**{way: WayEstimate(deadband=0.5)})
+    reach = learnt_reach(tuple(learners), tuple(axes))
+    edge = getattr(axes[joint].valve, way)
+    left = 1.0 - 0.5 / (edge.rated_voltage - edge.deadband_voltage)
+    expected = {"forward": [1.0] * 3, "backward": [1.0] * 3}
+    expected[way][joint] = left
+    assert reach.forward == pytest.approx(tuple(expected["forward"]))
+    assert reach.backward == pytest.approx(tuple(expected["backward"]))
+
+
+def test_in_lockstep_a_reach_is_said_every_twentieth_step_and_heard_two_such_spans_later():
+    reports, steps = UNREPORTED, 200
+    for step in range(1, steps + 1):
+        by_now = Reach((step / steps,) * 3, (0.0,) * 3)
+        reports = reported(reports, by_now)
+        said = 20 * (step // 20 - 2) + 1
+        heard = Reach((said / steps,) * 3, (0.0,) * 3) if said > 0 else FULL
+        assert reports.reach == heard, step
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("joint", range(3))
+def test_a_valve_is_open_wide_from_95_percent_of_its_own_rating_on(joint, sign):
+    rated = 10.0, 8.0, 6.0
+    for share, wide in ((0.94, False), (0.95, True), (1.0, True)):
+        spools = tuple(sign * share * rated[i] if i == joint else 0.0 for i in range(3))
+        assert open_wide(spools, rated) == tuple(wide and i == joint for i in range(3))
+
+
+def behind(joint, sign=1.0, error=0.02, rate=0.15, wish=0.2):
+    """A joint that falls behind with its valve open wide, the others keep up: what `strained` is told."""
+
+    def at(value, others):
+        return tuple(sign * value if i == joint else others for i in range(3))
+
+    return {"voltages": at(10.0, 1.0), "a": at(wish, 0.05), "e": at(error, 0.0), "v": at(rate, 0.05)}
+
+
+def joints_of(strains):
+    return strains.swing, strains.boom, strains.stick
+
+
+def told(strains, seconds, **what):
+    for _ in range(round(seconds / DT)):
+        strains = strained(strains, rated=RATED, axes=slow(None), dt=DT, **what)
+    return strains
+
+
+every_joint_both_ways = pytest.mark.parametrize(
+    ("joint", "sign"), [(joint, sign) for joint in range(3) for sign in (-1.0, 1.0)]
+)
+
+
+@every_joint_both_ways
+def test_the_wait_is_for_the_joint_that_falls_behind_alone_and_lets_it_come_back(joint, sign):
+    """Its reference goes slower than it moves by 4 /s of what it is behind."""
+    strains = joints_of(told(RELAXED, 0.5, **behind(joint, sign)))
+    assert ceiling(strains[joint], sign) == pytest.approx(0.15 - 4.0 * 0.02, rel=1e-4)
+    assert ceiling(strains[joint], -sign) == ceiling(strains[joint], 0.0) == math.inf
+    for other in (strain for i, strain in enumerate(strains) if i != joint):
+        assert ceiling(other, 9.0) == ceiling(other, -9.0) == ceiling(other, 0.0) == math.inf
+
+
+@every_joint_both_ways
+def test_the_wait_begins_within_three_hundredths_of_a_second_and_never_jumps(joint, sign):
+    first = joints_of(told(RELAXED, DT, **behind(joint, sign)))[joint].ceiling
+    assert first == pytest.approx(0.07 + 0.13 * math.exp(-DT / 0.03))
+    after = joints_of(told(RELAXED, 0.03, **behind(joint, sign)))[joint].ceiling
+    assert after == pytest.approx(0.07 + 0.13 * math.exp(-1.0))
+
+
+@every_joint_both_ways
+def test_a_joint_that_is_stuck_is_still_asked_to_move(joint, sign):
+    stuck = joints_of(told(RELAXED, 1.0, **behind(joint, sign, error=0.05, rate=0.0)))[joint]
+    assert ceiling(stuck, sign) == pytest.approx(0.01, rel=1e-4)
+
+
+@every_joint_both_ways
+def test_up_to_a_milliradian_behind_nothing_is_wrong(joint, sign):
+    assert joints_of(told(RELAXED, 0.5, **behind(joint, sign, error=1e-3)))[joint].ceiling == math.inf
+    assert joints_of(told(RELAXED, 0.5, **behind(joint, sign, error=1.01e-3)))[joint].ceiling < math.inf
+
+
+@every_joint_both_ways
+def test_a_joint_that_nobody_wishes_to_move_is_not_waited_for(joint, sign):
+    assert joints_of(told(RELAXED, 0.5, **behind(joint, sign, wish=0.0)))[joint].ceiling == math.inf
+    assert joints_of(told(RELAXED, 0.5, **behind(joint, sign, wish=-0.1)))[joint].ceiling == math.inf
+
+
+@every_joint_both_ways
+def test_a_wait_grows_by_e_in_half_a_second_and_is_none_from_two_radians_a_second_on(joint, sign):
+    late = told(RELAXED, 0.5, **behind(joint, sign))
+    room = {**behind(joint, sign), "voltages": (0.0, 0.0, 0.0)}
+    before, after = joints_of(late)[joint], joints_of(told(late, 0.5, **room))[joint]
+    assert after.ceiling == pytest.approx(math.e * before.ceiling)
+    assert after.side == sign
+    lasts = 0.5 * math.log(2.0 / before.ceiling)
+    assert joints_of(told(late, lasts - 2 * DT, **room))[joint].ceiling == pytest.approx(2.0, rel=0.03)
+    assert joints_of(told(late, lasts + 2 * DT, **room))[joint] == Strain(math.inf, 0.0)
+
+
+@every_joint_both_ways
+def test_a_wait_never_rises_while_the_joint_still_falls_behind_and_one_way_s_is_not_the_other_s(joint, sign):
+    late = told(RELAXED, 0.5, **behind(joint, sign))
+    faster = joints_of(told(late, DT, **behind(joint, sign, rate=0.9, wish=0.9)))[joint]
+    assert faster.ceiling == joints_of(late)[joint].ceiling
+    turned = joints_of(told(late, DT, **behind(joint, -sign)))[joint]
+    assert turned.side == -sign
+    assert turned.ceiling == joints_of(told(RELAXED, DT, **behind(joint, sign)))[joint].ceiling
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("joint", range(3))
+def test_before_any_voltage_the_spools_are_centred(joint, sign):
+    volts = tuple(10.0 * sign if i == joint else 0.0 for i in range(3))
+    strains = strained(RELAXED, volts, RATED, slow(2.0), (0.0,) * 3, (0.0,) * 3, (0.0,) * 3, 0.05)
+    there = sign * 10.0 * (1.0 - math.exp(-2.0 * math.pi * 2.0 * 0.05))
+    assert strains.spools == pytest.approx(tuple(there if i == joint else 0.0 for i in range(3)))

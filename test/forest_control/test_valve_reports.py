@@ -9,27 +9,25 @@ pytest.importorskip("rclpy")
 from pace_by_hand import Pace
 
 from forest_control.valve_reach import FULL
-from forest_control.valve_reports import (
-    DEAF,
-    HEARD,
-    LEARNT,
-    SILENT,
-    STATUS_TIMEOUT,
-    VOLTAGE_TIMEOUT,
-    ValveReports,
-)
+from forest_control.valve_reports import LEARNT, ValveReports
 from forest_description.machine import load_machine
 from forest_msgs_py import topics
 from forest_msgs_py.messages import float_array
 
 C180 = load_machine("c180")
+LOADER = load_machine("loader")
 DEADBAND = C180.valve_of(0).law.forward.deadband_voltage
 COMMAND, SHUT = (0.0, 2.0, 0.0), (0.0, 0.0, 0.0)
+SILENT, DEAF, HEARD = 0.2, 1.5, 0.5  # [s], [s], [V] as docs/safety.md tells
+NOTHING_SAID, UNHEARD = "valve driver: no voltages", "valve driver: keeps the valves shut"
+BEGIN = 1000.0  # [s] a clock that started long ago
 
 
 @pytest.fixture
 def pace():
-    return Pace()
+    pace = Pace()
+    pace.time = BEGIN
+    return pace
 
 
 @pytest.fixture
@@ -77,18 +75,21 @@ def test_what_the_driver_has_learnt_lowers_the_reach_of_that_valve_and_way(pace,
 def test_what_was_learnt_is_forgotten_when_the_driver_says_it_no_more(pace, reports):
     put_status(pace, boom_forward_gain=0.5)
     assert reports.read()[0].forward[1] == pytest.approx(0.5)
-    pace.time = STATUS_TIMEOUT
+    pace.time = BEGIN + 1.0
     assert reports.read()[0].forward[1] == pytest.approx(0.5)
-    pace.time = STATUS_TIMEOUT + 0.01
+    pace.time = BEGIN + 1.01
     assert reports.read()[0] == FULL
 
 
 def test_voltages_count_for_a_tenth_of_a_second(pace, reports):
     put_voltages(pace, (1.0, -10.0, 3.0))
     assert reports.read()[1] == (1.0, -10.0, 3.0)
-    pace.time = VOLTAGE_TIMEOUT
+    pace.time = 0.0  # so that the bound itself is a number
+    put_voltages(pace, (1.0, -10.0, 3.0))
     assert reports.read()[1] == (1.0, -10.0, 3.0)
-    pace.time = VOLTAGE_TIMEOUT + 0.01
+    pace.time = 0.1
+    assert reports.read()[1] == (1.0, -10.0, 3.0)
+    pace.time = 0.11
     assert reports.read()[1] == SHUT
 
 
@@ -121,3 +122,69 @@ def test_a_driver_that_keeps_the_valves_shut_is_found_after_a_while(pace, report
 
 def test_a_command_that_may_be_noise_need_not_open_a_valve(pace, reports):
     assert set(objections(pace, reports, 2.0, (HEARD, 0.0, -HEARD), SHUT)) == {""}
+
+
+def learnt_of(machine):
+    """What a driver that knows only the machine's file says, by its labels."""
+    laws = {joint: machine.valve_of(axis).law for axis, joint in enumerate(topics.JOINTS)}
+    edges = {
+        f"{joint}_{way}": getattr(law, way) for joint, law in laws.items() for way in ("forward", "backward")
+    }
+    return edges, {f"{name}_deadband": edge.deadband_voltage for name, edge in edges.items()}
+
+
+@pytest.mark.parametrize("way", ["forward", "backward"])
+@pytest.mark.parametrize("axis", range(3), ids=topics.JOINTS)
+def test_each_valve_and_way_is_judged_by_its_own_law(pace, axis, way):
+    """The loader's differ in all of them."""
+    reports, (edges, as_filed) = ValveReports(pace, LOADER), learnt_of(LOADER)
+    name = f"{topics.JOINTS[axis]}_{way}"
+    wider = as_filed[f"{name}_deadband"] + 0.5
+    put_status(pace, **{**as_filed, f"{name}_deadband": wider, f"{name}_gain": 0.8})
+    reach, _ = reports.read()
+    span = edges[name].rated_voltage - edges[name].deadband_voltage
+    expected = {"forward": [1.0] * 3, "backward": [1.0] * 3}
+    expected[way][axis] = 0.8 * (span - 0.5) / span
+    assert reach.forward == pytest.approx(tuple(expected["forward"]))
+    assert reach.backward == pytest.approx(tuple(expected["backward"]))
+
+
+def test_a_driver_has_its_time_to_speak_and_to_open_a_valve_and_no_more(pace, reports):
+    pace.time = 0.0
+    put_voltages(pace, (0.0, 3.0, 0.0))
+    reports.read()
+    assert reports.objection(COMMAND) == ""
+    pace.time = SILENT
+    assert reports.objection(COMMAND) == ""
+    pace.time = SILENT + 1e-3
+    assert reports.objection(COMMAND) == NOTHING_SAID
+    pace.time = 1.0
+    put_voltages(pace, SHUT)
+    reports.read()
+    assert reports.objection(SHUT) == ""
+    pace.time = 1.0 + DEAF
+    put_voltages(pace, SHUT)
+    reports.read()
+    assert reports.objection(COMMAND) == ""
+    pace.time = 1.0 + DEAF + 1e-3
+    assert reports.objection(COMMAND) == UNHEARD
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("axis", range(3), ids=topics.JOINTS)
+def test_any_joint_that_is_not_obeyed_is_found_and_any_open_valve_is_obedience(pace, reports, axis, sign):
+    asked = tuple(sign * 0.51 * (i == axis) for i in range(3))
+    objections(pace, reports, 0.1, SHUT, SHUT)
+    assert objections(pace, reports, 2.0, asked, SHUT)[-1] == UNHEARD
+    volts = tuple(sign * 1.2 * (i == axis) for i in range(3))
+    assert set(objections(pace, reports, 2.0, asked, volts)) == {""}
+
+
+def test_a_driver_that_first_speaks_while_motion_is_commanded_is_not_waited_for(pace, reports):
+    """The reference would be ahead of the crane by then."""
+    assert objections(pace, reports, 0.5, COMMAND, None)[-1] == ""
+    assert objections(pace, reports, 0.005, COMMAND, SHUT) == [UNHEARD]
+
+
+def test_what_the_driver_says_belongs_to_its_step_in_lockstep(pace, reports):
+    assert pace.answered == {topics.VALVE_DRIVER_STATUS.name, topics.VALVE_VOLTAGES.name}

@@ -1,5 +1,8 @@
 """Claims about walls: the tip slides along them, brakes before them, and can always leave."""
 
+import itertools
+import math
+
 import numpy as np
 import pytest
 
@@ -87,6 +90,99 @@ def test_joints_are_slowed_together():
     assert share((0.0, 0.0, -1.1), (0.3, 0.0, -0.1), w) == 0.0
 
 
+def test_joints_are_slowed_by_the_wall_that_allows_least_whichever_it_is():
+    rng, slowed = np.random.default_rng(4), dict.fromkeys(range(4), 0)
+    w = workspace(*EVERY)
+    for p in random_points(rng, 2000):
+        wish = tuple(rng.normal(0.0, 1.0, 3).tolist())
+        gaps = [gap(p, wall) for wall in EVERY]
+        speeds = [-np.dot(wish, near.away) for near in gaps]
+        most = [
+            max(0.0, 4.0 * near.distance) / speed if speed > 1e-6 else 1.0
+            for near, speed in zip(gaps, speeds, strict=True)
+        ]
+        assert share(p, wish, w) == pytest.approx(min(1.0, *most), rel=1e-12)
+        if min(most) < 1.0:
+            slowed[int(np.argmin(most))] += 1
+    assert min(slowed.values()) > 10, slowed
+
+
+def test_rounding_towards_a_wall_does_not_stop_the_joints():
+    at, w = (0.0, 0.0, -1.1), workspace(GROUND)
+    assert share(at, (0.3, 0.0, -0.9e-6), w) == 1.0
+    assert share(at, (0.3, 0.0, -1.1e-6), w) == 0.0
+
+
+def test_what_is_no_wall_is_far_and_walls_beyond_the_number_do_not_count():
+    wish = (0.1, -0.2, -0.3)
+    assert gap((0.0, 0.0, 0.0), NO_WALL).distance > 1e6
+    assert slid((0.0, 0.0, -2.0), wish, workspace(GROUND, FENCE)._replace(number=0)) == wish
+    assert share((0.0, 0.0, -2.0), wish, workspace(GROUND, FENCE)._replace(number=0)) == 1.0
+    assert slid((0.0, 0.0, -2.0), wish, OPEN) == wish
+    assert share((0.0, 0.0, -2.0), wish, OPEN) == 1.0
+
+
+def test_in_a_corner_too_sharp_to_slide_into_the_tip_stops_and_it_may_still_leave():
+    """A valley of 10 degrees: each wall's slope leads into the other, in ever smaller steps."""
+    steep, flat = math.cos(math.radians(5.0)), math.sin(math.radians(5.0))
+    walls = [Wall(PLANE, (side * steep, 0.0, flat), (0.0, 0.0, 0.0), 0.0) for side in (-1.0, 1.0)]
+    for wish in ((0.0, 0.0, -1.0), (0.0, 0.3, -1.0), (0.02, 0.0, -1.0)):
+        assert slid((0.0, 0.0, 0.0), wish, workspace(*walls)) == (0.0, 0.0, 0.0)
+    assert slid((0.0, 0.0, 0.0), (0.0, 0.3, 1.0), workspace(*walls)) == (0.0, 0.3, 1.0)
+    assert slid((0.0, 0.0, 9.0), (0.0, 0.3, -0.1), workspace(*walls)) == (0.0, 0.3, -0.1)
+
+
+BOX_LOW, BOX_HIGH = (-1.0, -2.0, -3.0), (1.0, 2.0, 3.0)
+BLOCK = Wall(BOX, BOX_LOW, BOX_HIGH, 0.0)
+
+
+@pytest.mark.parametrize(("axis", "side"), list(itertools.product(range(3), (-1.0, 1.0))))
+def test_a_tip_within_a_box_leaves_by_the_nearest_side_and_outside_keeps_off_it(axis, side):
+    """The corners are not alike, so no side is taken for another."""
+    normal = tuple(side * (i == axis) for i in range(3))
+    face = (BOX_LOW, BOX_HIGH)[side > 0.0][axis]
+    for depth in (-0.3, 0.0, 0.7):
+        p = tuple(face + side * depth if i == axis else 0.1 for i in range(3))
+        distance, away = gap(p, BLOCK)
+        assert distance == pytest.approx(depth, abs=1e-12)
+        assert away == normal
+
+
+def test_off_an_edge_and_a_corner_of_a_box_the_distance_is_straight():
+    away = (2.0 / 3.0, 2.0 / 3.0, 1.0 / 3.0)
+    for signs in itertools.product((-1.0, 1.0), repeat=3):
+        p = tuple(s * (c + 0.3 * a) for s, c, a in zip(signs, BOX_HIGH, away, strict=True))
+        near = gap(p, BLOCK)
+        assert near.distance == pytest.approx(0.3)
+        assert near.away == pytest.approx(tuple(s * a for s, a in zip(signs, away, strict=True)))
+
+
+@pytest.mark.parametrize(
+    ("across", "z", "distance", "away"),
+    [
+        *((0.9, 0.0, 0.3, (1.0, 0.0)), (0.5, 0.0, -0.1, (1.0, 0.0)), (0.0, 0.45, -0.55, (0.0, 1.0))),
+        *((0.1, 0.9, -0.1, (0.0, 1.0)), (0.1, -0.9, -0.1, (0.0, -1.0))),
+        *((0.1, 1.2, 0.2, (0.0, 1.0)), (0.1, -1.2, 0.2, (0.0, -1.0))),
+        *((0.9, 1.4, 0.5, (0.6, 0.8)), (0.9, -1.4, 0.5, (0.6, -0.8)), (0.6, 0.0, 0.0, (1.0, 0.0))),
+        (0.6, 1.3, 0.3, (0.0, 1.0)),
+    ],
+)
+def test_a_pillar_is_left_by_its_mantle_or_its_ends_whichever_is_nearer(across, z, distance, away):
+    for turn in (0.0, 2.0, 4.0):
+        e = math.cos(turn), math.sin(turn)
+        near = gap((0.5 + across * e[0], 0.5 + across * e[1], z), PILLAR)
+        assert near.distance == pytest.approx(distance, abs=1e-9)
+        assert near.away == pytest.approx((away[0] * e[0], away[0] * e[1], away[1]), abs=1e-9)
+
+
+def test_on_the_axis_of_a_pillar_some_way_leads_out():
+    thick = Wall(CYLINDER, (0.5, 0.5, -9.0), (0.0, 0.0, 9.0), 0.6)
+    near = gap((0.5, 0.5, 0.0), thick)
+    assert near.distance == -0.6
+    assert np.linalg.norm(near.away) == 1.0
+    assert near.away[2] == 0.0
+
+
 def test_files_are_read_with_their_margin(tmp_path):
     path = tmp_path / "yard.yaml"
     path.write_text(
@@ -102,6 +198,15 @@ def test_files_are_read_with_their_margin(tmp_path):
     assert gap((0.0, 1.5, 1.5), w.walls[7]).distance == pytest.approx(0.9)
     assert gap((0.0, 2.0, 0.0), w.walls[8]).distance == pytest.approx(0.4)
     assert load_workspace("") == OPEN
+
+
+def test_a_dozen_walls_are_read_and_no_more(tmp_path):
+    path, box = tmp_path / "yard.yaml", "{lower: [1, 1, 1], upper: [2, 2, 2]}"
+    path.write_text(f"boxes: [{', '.join([box] * 12)}]\n")
+    assert load_workspace(str(path)).number == 12
+    path.write_text(f"ground: -1\nboxes: [{', '.join([box] * 12)}]\n")
+    with pytest.raises(SettingFileError, match="13 walls; allowed: up to 12"):
+        load_workspace(str(path))
 
 
 @pytest.mark.parametrize("name", shipped())

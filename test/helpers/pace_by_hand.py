@@ -28,9 +28,12 @@ class Pace:
 
     def __init__(self) -> None:
         self.boxes: dict[str, Box] = {}
+        self.answered: set[str] = set()
         self.time = 0.0
 
     def inbox(self, topic: Any, answered: bool = False) -> Box:
+        if answered:
+            self.answered.add(topic.name)
         return self.boxes.setdefault(topic.name, Box())
 
     def now(self) -> float:

@@ -33,14 +33,14 @@ BARELY = 1e-9  # [V] of an open valve whose command's noise has turned round
 class Hold(NamedTuple):
     """One valve's state."""
 
-    slow: float = 0.0  # c behind either low-pass [V]
-    quick: float = 0.0
-    way: float = 0.0  # 1, -1 open; 0 shut
-    last: float = 0.0  # way that it was open last
-    turned_for: float = 0.0  # [s] since it opened the other way than before
-    shut_for: float = 0.0  # [s]
-    calm_for: float = 0.0  # [s] since c was more than noise
-    wide: float = 1.0  # twice for every turn of a cycle
+    slow: float  # c behind either low-pass [V]
+    quick: float
+    way: float  # 1, -1 open; 0 shut
+    last: float  # way that it was open last
+    turned_for: float  # [s] since it opened the other way than before
+    shut_for: float  # [s]
+    calm_for: float  # [s] since c was more than noise
+    wide: float  # twice for every turn of a cycle
 
 
 SHUT = Hold(0.0, 0.0, 0.0, 0.0, SOON, SOON, CALM, 1.0)

@@ -1,0 +1,204 @@
+"""Runs the tests of a module against each of its mutants, and tells which of these nobody notices.
+
+Works in a copy of the checkout, which scripts/mutate.sh makes. What is not the project's is imported once.
+Each mutant is a fork, in which pytest runs until the first failure. llvmlite is hidden, so that laws run
+interpreted: each mutant would have to be compiled anew.
+
+    python run.py GENERATOR COPY [MODULE...]    interpreter with Cosmic Ray, copy, stems of modules
+"""
+
+from __future__ import annotations
+
+import contextlib
+import gc
+import importlib
+import json
+import os
+import resource
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+import yaml
+
+HERE = Path(__file__).parent
+PASSED = 0
+# As import-linter has it, and the tests at the top: nothing imports what stands above it.
+LAYERS = (
+    {"conftest", "test"},
+    {"forest_study"},
+    {"forest_ident"},
+    {"forest_sim", "forest_control"},
+    {"forest_description", "forest_msgs_py"},
+    {"forest_compile"},
+)
+SPARE = 4.0  # times the processor time of the tests, at which a mutant that hangs is ended
+LIMIT_S = 300  # of a test that waits, on however busy a machine
+Mutant = dict[str, Any]
+Explained = dict[str, dict[str, str]]  # function, key: why
+
+
+class Trial(NamedTuple):
+    """What became of a test run."""
+
+    code: int  # pytest's, or of the signal that ended it
+    processor: float  # [s]
+
+
+class Row(NamedTuple):
+    """A line of the table."""
+
+    module: str
+    mutants: int
+    explained: int
+    survived: int
+
+
+def layer(package: str) -> int:
+    """Return the layer of a package."""
+    return next(number for number, packages in enumerate(LAYERS) if package in packages)
+
+
+class Quickest:
+    """Has pytest run the quickest tests first: most mutants die of any."""
+
+    def __init__(self, durations: dict[str, float]) -> None:
+        self.durations = durations
+
+    def pytest_collection_modifyitems(self, items: list[Any]) -> None:
+        items.sort(key=lambda item: self.durations.get(item.nodeid, 0.0))
+
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        self.durations[report.nodeid] = self.durations.get(report.nodeid, 0.0) + report.duration
+
+
+def trial(tests: list[str], log: Path, quickest: Quickest, processor_s: int = LIMIT_S) -> Trial:
+    """Run tests in a fork until the first failure; what they import lies beside the log, with their times."""
+    child = os.fork()
+    if child == 0:
+        os.setsid()
+        output = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        os.dup2(output, 1)
+        os.dup2(output, 2)
+        resource.setrlimit(resource.RLIMIT_CPU, (processor_s, processor_s))
+        signal.alarm(LIMIT_S)
+        code = pytest.main(["-x", "-q", "-p", "no:cacheprovider", "--assert=plain", *tests], [quickest])
+        log.with_suffix(".json").write_text(json.dumps([sorted(sys.modules), quickest.durations]))
+        sys.stdout.flush()
+        os._exit(code)
+    _, status, used = os.wait4(child, 0)
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(child, signal.SIGKILL)
+    return Trial(os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime)
+
+
+def baseline(tests: list[str], package: str, log: Path) -> tuple[float, Quickest]:
+    """Return what the unbroken module's tests take [s]; import here what cannot import the module."""
+    first = trial(tests, log, Quickest({}))
+    if first.code != PASSED:
+        sys.exit(f"mutate: error: the tests fail without any mutant:\n{log.read_text()}")
+    names, durations = json.loads(log.with_suffix(".json").read_text())
+    above = set().union(*LAYERS[: layer(package) + 1])
+    for name in names:
+        if name.partition(".")[0] not in above:
+            with contextlib.suppress(Exception):
+                importlib.import_module(name)
+    gc.collect()
+    gc.freeze()
+    return first.processor, Quickest(durations)
+
+
+def is_explained(mutant: Mutant, explained: Explained) -> bool:
+    """Tell whether a reason is given for the mutant itself, or for every change of its line."""
+    keys = explained.get(mutant["function"], {})
+    return mutant["key"] in keys or mutant["original"] in keys
+
+
+def made(generator: str, source: Path) -> list[Mutant]:
+    """Return a module's mutants in the order of its lines."""
+    command = [generator, HERE / "mutants.py", source]
+    told = subprocess.run(command, stdout=subprocess.PIPE, check=True, text=True).stdout
+    return sorted(map(json.loads, told.splitlines()), key=lambda mutant: int(mutant["line"]))
+
+
+def outdated(mutants: list[Mutant], explained: Explained) -> list[str]:
+    """Return what is explained but is no mutant."""
+    known = {(m["function"], text) for m in mutants for text in (m["key"], m["original"])}
+    return [
+        f"{function}: {key}"
+        for function, keys in explained.items()
+        for key in keys
+        if (function, key) not in known
+    ]
+
+
+def survivors(source: Path, mutants: list[Mutant], tests: list[str], log: Path) -> list[Mutant]:
+    """Return the mutants with which the tests pass."""
+    name = ".".join(source.relative_to(log.parent / "src").parts[1:]).removesuffix(".py")
+    processor, quickest = baseline(tests, name.partition(".")[0], log)
+    if name in sys.modules:
+        sys.exit(f"mutate: error: {name} is imported already, so that no mutant of it would be.")
+    limit = 2 + int(SPARE * processor)
+    for compiled in (source.parent / "__pycache__").glob(f"{source.stem}.*.pyc"):
+        compiled.unlink()
+    os.environ["PYTHONDONTWRITEBYTECODE"], sys.dont_write_bytecode = "1", True
+    text, left = source.read_text("utf-8"), []
+    for number, mutant in enumerate(mutants, 1):
+        if sys.stderr.isatty():
+            print(f"\r{source.stem}: {number} of {len(mutants)} ", end="", file=sys.stderr, flush=True)
+        source.write_text(mutant["text"], "utf-8")
+        if trial(tests, log, quickest, limit).code == PASSED:
+            left.append(mutant)
+            print(f"survived: {name}:{mutant['line']} {mutant['function']}: {mutant['key']}", flush=True)
+    source.write_text(text, "utf-8")
+    del os.environ["PYTHONDONTWRITEBYTECODE"]
+    sys.dont_write_bytecode = False
+    return left
+
+
+def chosen(stems: list[str]) -> dict[str, list[str]]:
+    """Return the modules of these stems, or all, with their tests."""
+    modules: dict[str, list[str]] = yaml.safe_load((HERE / "modules.yaml").read_text("utf-8"))
+    if unknown := set(stems) - {Path(module).stem for module in modules}:
+        allowed = ", ".join(sorted(Path(module).stem for module in modules))
+        sys.exit(f"mutate: error: unknown module {', '.join(sorted(unknown))}; allowed: {allowed}")
+    wanted = [module for module in modules if not stems or Path(module).stem in stems]
+    # From below: what is imported once must not be broken later.
+    return {module: modules[module] for module in sorted(wanted, key=lambda m: -layer(Path(m).parts[0]))}
+
+
+def main(generator: str, copy: str, *stems: str) -> int:
+    """Print the survivors and the table; return 1 if a survivor is not explained."""
+    root, rows, old = Path(copy).resolve(), [], []
+    os.chdir(root)
+    sys.modules["llvmlite"] = None  # type: ignore[assignment]
+    sys.path[:0] = [str(path) for path in (root / "src").iterdir()]
+    reasons: dict[str, Explained] = yaml.safe_load((HERE / "survivors.yaml").read_text("utf-8")) or {}
+    for module, tests in chosen([*stems]).items():
+        source, explained = root / "src" / module, reasons.get(module, {})
+        mutants = made(generator, source)
+        tried = [mutant for mutant in mutants if not is_explained(mutant, explained)]
+        left = survivors(source, tried, [f"test/{test}" for test in tests], root / "log")
+        old += [f"{module} {line}" for line in outdated(mutants, explained)]
+        rows.append(Row(source.name, len(mutants), len(mutants) - len(tried), len(left)))
+    print(table(rows))
+    for line in old:
+        print(f"explained, but no mutant: {line}")
+    return int(bool(old) or any(row.survived for row in rows))
+
+
+def table(rows: list[Row]) -> str:
+    """Return the rows and their sum as Markdown."""
+    rows = [*rows, Row("all", *(sum(numbers) for numbers in list(zip(*rows, strict=True))[1:]))]
+    lines = ["| module | mutants | killed | explained | survived |", "|---|---|---|---|---|"]
+    for row in rows:
+        killed = row.mutants - row.explained - row.survived
+        lines.append(f"| `{row.module}` | {row.mutants} | {killed} | {row.explained} | {row.survived} |")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
