@@ -104,13 +104,13 @@ def test_loads_and_mean_pressures_are_those_of_their_own_ports_behind_their_low_
     state, _ = valve_driver.step(REST, ZERO, told(before), p, PERIOD)
     assert state.loads[axis] == pytest.approx(load(before))
     assert state.means[axis] == pytest.approx(3e6)
-    for _ in range(10):
+    for _ in range(11):
         state, _ = valve_driver.step(state, ZERO, told(after), p, PERIOD)
-    left, filling, borne = (math.exp(-rate * 10 * PERIOD) for rate in (2.0 * math.pi, 60.0, 1.5))
+    left, filling, borne = (math.exp(-rate * 11 * PERIOD) for rate in (2.0 * math.pi, 60.0, 1.5))
     assert state.loads[axis] == pytest.approx(load(after) + left * (load(before) - load(after)))
     assert state.means[axis] == pytest.approx(4.5e6 + filling * (3e6 - 4.5e6))
     if axis == 0:
-        weights = [1.0 - math.exp(-2.0 * math.pi * PERIOD * k) for k in range(1, 11)]
+        weights = [1.0 - math.exp(-2.0 * math.pi * PERIOD * k) for k in range(1, 12)]
         slow = load(before)
         for weight in weights:
             swing = load(before) + weight * (load(after) - load(before))
