@@ -285,11 +285,11 @@ def test_a_frozen_joystick_moves_nothing_and_is_named(rig, peer, how):
 def test_a_trouble_comes_as_a_diagnostic(rig, peer):
     heard = peer.hear(topics.DIAGNOSTICS)
     r = rig().hold_the_deadman()
+    peer.until(lambda: any(said("controller: joystick", m) == "well" for m in heard))
     r.joy = lambda: joy(axes=[0.5, 0.0, 0.0, math.nan, 0.0, 0.0])
     peer.until(lambda: any(said("controller: joystick", m).startswith("joy: axes are") for m in heard))
     r.joints = lambda now: joints(now, (0.2, math.nan, -1.5))
     peer.until(lambda: any(said("controller: machine", m).startswith("joint state: posi") for m in heard))
-    assert said("controller: joystick", heard[0]) in ("well", "waiting for a joystick on /joy")
 
 
 def said(part, message):
@@ -312,7 +312,7 @@ def test_without_a_joystick_it_says_that_it_waits_for_one_and_once_in_the_log(ri
     assert told["state"] == "silent"
     assert float(told["/joint_states rate [Hz]"]) > 0.0
     limits = ("joy_timeout [s]", "frozen_timeout [s]", "state_timeout [s]", "tip_speed [m/s]")
-    assert [float(told[name]) for name in limits] == [0.15, 2.0, 0.1, 0.5]
+    assert [float(told[name]) for name in limits] == [0.15, 10.0, 0.1, 0.5]
 
 
 def test_before_the_machine_speaks_it_is_waited_for_and_a_joystick_that_is_there_is_known(peer, start_node):

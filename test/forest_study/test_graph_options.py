@@ -84,6 +84,7 @@ def test_every_option_reaches_its_nodes(started, tmp_path, monkeypatch):
         "duration": "0.0",
         "wait_for_subscribers": "1",
         "faults": '""',
+        "interpolate": "true",
     }
     assert parameters(nodes["controller"])["scheme"] == "joint"
     assert {parameters(nodes[name])["machine"] for name in ("controller", "valve_driver", "simulator")} == {
@@ -112,6 +113,7 @@ def test_each_node_runs_its_module():
         "duration": "3.5",
         "wait_for_subscribers": "2",
         "faults": '"lost"',
+        "interpolate": "true",
     }
     assert graph.simulator("c180").module == "forest_sim.simulator_node"
 

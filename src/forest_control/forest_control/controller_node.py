@@ -79,6 +79,7 @@ class ControllerNode(Node):
         self._asked, self._still = ZERO, stillness.MOVING
         tunables.watch(self._tune)
         self._state_received, self._order = -math.inf, StampOrder(self._state_timeout)
+        self._refused = -math.inf, ""  # when a state was last not believed, and why
         self._joystick, self._joy_content, self._joy_problem = joystick_watch.REST, None, ""
         self._hold = lever_hold.CENTRED
         said = self._pace.publisher(topics.DIAGNOSTICS)
@@ -183,12 +184,12 @@ class ControllerNode(Node):
         angles, rates = reading.values.position, reading.values.velocity
         problem = reading.problem or controller.implausible(angles, rates, self._tuning.core)
         if problem:
-            self._health.note("machine", problem)
+            self._refuse(problem)
             self._stand_still()
             return
         disorder = self._order.problem("joint state", reading.stamp_ns, sent)
         if disorder:
-            self._health.note("machine", disorder)
+            self._refuse(disorder)
             return  # what is past moves nothing; the watchdog acts if nothing newer comes
         self._state_received = sent
         dt = self._period.step(reading.stamp_ns, sent)
@@ -271,9 +272,16 @@ class ControllerNode(Node):
 
     def _watch(self) -> None:
         if self._pace.now() - self._state_received > self._state_timeout and self._period.started:
-            self._health.note("machine", "no state of the machine")
+            when, why = self._refused  # the cause, rather than what follows from it
+            refused = self._pace.now() - when <= self._state_timeout
+            self._health.note("machine", why if refused else "no state of the machine")
             self._operator(False)
             self._stand_still()
+
+    def _refuse(self, problem: str) -> None:
+        """Remember and tell why a state of the machine is not believed."""
+        self._refused = self._pace.now(), problem
+        self._health.note("machine", problem)
 
     def _stand_still(self) -> None:
         self._state, self._asked, self._still = controller.REST, ZERO, stillness.MOVING
