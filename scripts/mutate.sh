@@ -7,7 +7,7 @@
 # The exit code is 1 if a survivor is not explained in test/mutation/survivors.yaml.
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
-source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" run
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" test
 export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST OMP_NUM_THREADS=1
 unset PYTHONDONTWRITEBYTECODE # the copy's first run compiles for all others
 cd "$root"
