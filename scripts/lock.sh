@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Regenerates the five lock files from pyproject.toml; arguments (such as --upgrade) go to `uv pip compile`.
+# Regenerates the six lock files from pyproject.toml; arguments (such as --upgrade) go to `uv pip compile`.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
