@@ -57,6 +57,8 @@ GOES_BACK = "joy: a stamp goes back; allowed: rising stamps, or none"
 class ControllerNode(Node):
     """Shell around `controller.step`."""
 
+    _refused = -math.inf, ""  # when a state of the machine was last not believed, and why
+
     def __init__(self) -> None:
         super().__init__("controller")
         self._pace = pace(self)
@@ -79,7 +81,6 @@ class ControllerNode(Node):
         self._asked, self._still = ZERO, stillness.MOVING
         tunables.watch(self._tune)
         self._state_received, self._order = -math.inf, StampOrder(self._state_timeout)
-        self._refused = -math.inf, ""  # when a state was last not believed, and why
         self._joystick, self._joy_content, self._joy_problem = joystick_watch.REST, None, ""
         self._hold = lever_hold.CENTRED
         said = self._pace.publisher(topics.DIAGNOSTICS)
