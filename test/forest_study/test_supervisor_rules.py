@@ -46,6 +46,8 @@ while True:
     time.sleep(10.0)
 """
 
+ENDED_S = 20  # on however busy a machine; usually under 1 s
+
 
 class Guard:
     """What the supervisor sees of the graph, and what it says, by hand."""
@@ -80,6 +82,19 @@ class Clock:
 
     def sleep(self, seconds):
         self.now += seconds
+
+
+@pytest.fixture(autouse=True)
+def limit():
+    """A graph that does not end fails its test, rather than hang."""
+
+    def fail(*_):
+        pytest.fail(f"did not end within {ENDED_S} s")
+
+    before, left = signal.signal(signal.SIGALRM, fail), signal.alarm(ENDED_S)
+    yield
+    signal.alarm(left)
+    signal.signal(signal.SIGALRM, before)
 
 
 @pytest.fixture
