@@ -268,6 +268,8 @@ def test_the_node_that_is_waited_for_ends_the_run_well_and_only_with_code_zero(g
     with running(graph, told):
         graph._processes[0].popen.wait()
         assert graph.run(until="joystick") is None
+        with pytest.raises(Stopped):  # called again, it goes on without that node
+            graph.run(progress=stop_soon(graph, 3))
         assert graph._processes[1].popen.poll() is None
     assert guard.zeros == 0
     assert graph.exit_codes == {"joystick": 0, "simulator": 0}
