@@ -7,7 +7,6 @@ import pytest
 
 from forest_control.joystick_watch import (
     NO_HEARTBEAT,
-    NO_STAMP,
     REST,
     Joystick,
     Sample,
@@ -176,10 +175,10 @@ def test_a_first_sample_counts_whatever_its_stamp():
 
 def test_without_a_stamp_content_alone_decides():
     hand = Hand()
-    hand.say(CENTRED, stamp=NO_STAMP)
-    assert hand.say(PUSHED, stamp=NO_STAMP)
+    hand.say(CENTRED, stamp=0)
+    assert hand.say(PUSHED, stamp=0)
     begun = hand.now
-    while hand.say(PUSHED, stamp=NO_STAMP):
+    while hand.say(PUSHED, stamp=0):
         assert hand.now - begun < 2.0 * P.frozen_timeout
     assert hand.now - begun == pytest.approx(P.frozen_timeout, abs=2 * PERIOD)
 
@@ -285,7 +284,7 @@ def test_a_messages_sample_says_what_the_watch_needs():
 
 
 def test_what_cannot_be_read_has_no_stamp_no_heartbeat_and_no_levers():
-    assert bad_sample(1.5) == Sample(1.5, NO_STAMP, NO_HEARTBEAT, False, False, CENTRED, False)
+    assert bad_sample(1.5) == Sample(1.5, 0, NO_HEARTBEAT, False, False, CENTRED, False)
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ from forest_control.levers import (
     LEFT_SHOULDER,
     LEFT_X,
     LEFT_Y,
+    REST,
     RIGHT_Y,
     Levers,
     axes_from_levers,
@@ -64,6 +65,11 @@ def test_each_axis_moves_one_joint_or_one_direction_of_the_tip(axis, joint, dire
 
 def test_deflections_beyond_one_count_as_one():
     assert levers_from_axes((1.5, -2.0, 0.3, 1.0001)) == Levers(1.0, 1.0, -1.0)
+
+
+def test_levers_at_rest_wish_no_motion():
+    assert REST == (0.0, 0.0, 0.0)
+    assert joint_rate_wish(REST, (0.8, 0.3, 0.2)) == wish(REST, 0.5) == (0.0, 0.0, 0.0)
 
 
 def test_axes_and_buttons_are_those_of_the_topic_table():

@@ -90,6 +90,24 @@ def test_a_converter_with_noise_that_hangs_is_frozen_the_sooner_the_longer_it_wa
     assert not is_released(device.watch, P.centre)
 
 
+@pytest.mark.parametrize("levers", [(-HELD,), (0.0, -HELD), (1.0, HELD), (0.0, 1.0, -HELD)])
+def test_one_lever_in_play_is_enough_whichever_way_it_is_deflected(levers):
+    watch = restless().watch._replace(levers=Levers(*levers, *(0.0,) * (3 - len(levers))), moved=100.0)
+    for still, state in ((0.5 - 1e-9, Joystick.ALIVE), (0.5, Joystick.FROZEN)):
+        now = 100.0 + still
+        assert judge(watch._replace(fresh_since=now), now, True, P)[0].joystick == state
+    told = Sample(100.2, 10**12, NO_HEARTBEAT, False, True, watch.levers, held=True)
+    assert heed(watch._replace(fresh_since=100.1), told).restless == pytest.approx(watch.restless + 0.2)
+
+
+def test_half_a_second_of_restless_play_counts_where_the_user_waits_for_a_minute():
+    watch = restless().watch._replace(restless=0.5, moved=100.0)
+    for still, state in ((40.0 - 1e-9, Joystick.ALIVE), (40.0, Joystick.FROZEN)):
+        now = 100.0 + still
+        p = P._replace(frozen_timeout=60.0)
+        assert judge(watch._replace(fresh_since=now), now, True, p)[0].joystick == state
+
+
 @pytest.mark.parametrize("period", [0.002, 0.02, 0.05])
 def test_so_at_every_rate(period):
     assert armed(period=period).jitter(45.0).frozen_after(HELD) == pytest.approx(0.5, abs=1.1 * period)

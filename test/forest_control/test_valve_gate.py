@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from forest_control import valve_driver
+from forest_control.valve_adaptation import UNLEARNT
 from forest_control.valve_driver import REST, Motion, Pressures, Settings
 from forest_control.valve_hold import SHUT
 from forest_description.machine import AXES, load_machine
@@ -254,6 +255,17 @@ def test_a_weight_that_the_swing_has_borne_for_long_is_fed_and_a_load_that_comes
         assert held(load, 0.0, command) == held(load, load, command) != 0.0
 
 
+@pytest.mark.parametrize(
+    ("load", "borne", "weight"),
+    [
+        *((0.5, 0.5, 0.5), (-0.5, -0.6, -0.5), (1e4, 1e4, 1e4)),
+        *((1e4, 0.0, 0.0), (0.0, 1e4, 0.0), (0.4, -0.4, 0.0), (1e4, 1e3, 0.0), (1.0, 3.0, 0.0)),
+    ],
+)
+def test_a_weight_is_the_load_while_both_agree_and_none_else_however_small_they_are(load, borne, weight):
+    assert valve_driver._weight(load, borne) == weight
+
+
 @both_ways
 def test_leakage_opens_a_valve_from_what_is_worth_it_on_and_keeps_it_open_at_three_quarters(sign):
     p = parameters()
@@ -333,6 +345,30 @@ def test_an_overlap_is_crossed_by_the_edge_of_its_own_way(axis, sign):
 
 
 @every_axis
+def test_an_edge_nearer_than_a_volt_ends_the_lead_too(axis):
+    """At 0.4 V the spool is past the edge ahead, at 0.3 V, and short of the one backwards, at 1 V."""
+    p = parameters()
+    law = p.axes[axis].valve
+    law = law._replace(forward=law.forward._replace(deadband_voltage=0.3))
+    p = p._replace(axes=tuple(a._replace(valve=law, spool_lag=LAG) for a in p.axes))
+    spools = on_axis(axis, 0.4)
+    state = REST._replace(spools=spools, voltages=spools, ahead=PERIOD)
+    volts = valve_driver.step(state, on_axis(axis, 0.25), None, p, PERIOD)[1][axis]
+    assert 0.4 < volts < 0.8
+
+
+@every_axis
+@both_ways
+def test_before_any_time_has_passed_a_voltage_leads_nothing(axis, sign):
+    p = parameters()
+    p = p._replace(axes=tuple(a._replace(spool_lag=LAG) for a in p.axes))
+    command = on_axis(axis, sign * 0.5)
+    at_once = valve_driver.step(REST, command, None, p, 0.0)[1][axis]
+    assert at_once == valve_driver.step(REST, command, None, p._replace(beyond_valve=False), 0.0)[1][axis]
+    assert sign * valve_driver.step(REST, command, None, p, PERIOD)[1][axis] > 1.2 * sign * at_once
+
+
+@every_axis
 @both_ways
 def test_an_actuator_whose_command_is_a_millionth_of_a_volt_or_less_is_held(axis, sign):
     for command, held_now in ((sign * 0.9e-6, True), (sign * 1.1e-6, False), (-sign * 2.0, False)):
@@ -361,6 +397,22 @@ def test_an_axis_of_which_anything_is_not_measured_learns_nothing_and_the_others
     assert [learner.primed for learner in blinded.learners] == [False] * 3
     still, _ = valve_driver.step(state, (3.0, 3.0, 3.0), told, p, 0.0, motion)
     assert still.learners == state.learners
+
+
+@every_axis
+@both_ways
+def test_a_learnt_deadband_is_crossed_only_by_a_driver_that_adapts(axis, sign):
+    way = UNLEARNT.forward._replace(deadband=0.3)
+    learner = UNLEARNT._replace(forward=way, backward=way)
+    learners = tuple(learner if i == axis else UNLEARNT for i in range(3))
+
+    def volts(adapt, learnt):
+        p = parameters(adapt=adapt, beyond_valve=False)
+        state = REST._replace(learners=learners if learnt else REST.learners)
+        return valve_driver.step(state, on_axis(axis, sign * 2.0), None, p, PERIOD)[1][axis]
+
+    assert volts(False, True) == volts(False, False)
+    assert sign * (volts(True, True) - volts(True, False)) == pytest.approx(0.3, abs=0.05)
 
 
 @every_axis

@@ -13,6 +13,24 @@ EPOCH = 1_800_000_000_000_000_000  # [ns] by the senders' clock, when the monoto
 COMMAND = message_class(EMERGENCY_STOP)
 
 
+class Waiting:
+    """What waits in a subscription's queue, by hand."""
+
+    def __init__(self, *messages):
+        self.handle, self.messages, self.held = self, [*messages], False
+
+    def __enter__(self):
+        self.held = True
+
+    def __exit__(self, *_):
+        self.held = False
+
+    def take_message(self, kind, raw):
+        assert self.held
+        assert (kind, raw) == (COMMAND, False)
+        return self.messages.pop(0) if self.messages else None
+
+
 class Stop:
     """An emergency stop whose messages come from a test, in time by hand."""
 
@@ -43,6 +61,17 @@ class Stop:
 
     def command(self, data, sent=None):
         self.stop._on_command(COMMAND(data=data), self.info(sent))
+        return self.pressed
+
+    def state(self, *words):
+        """Words of /emergency_stopped that came at once: (data, sent[, number])."""
+        said = []
+        for data, sent, *number in words:
+            told = self.info(sent) | {"publication_sequence_number": number[0] if number else 2}
+            said.append((COMMAND(data=data), told))
+        self.stop._states = Waiting(*said[1:])
+        self.stop._on_state(*said[0])
+        assert not self.stop._states.messages
         return self.pressed
 
     def latched(self, data, sent=None):
@@ -175,3 +204,88 @@ def test_the_log_tells_of_the_stop_of_what_stands_against_a_reset_and_of_the_res
     stop.stop.reset()
     told = [line.rpartition("]: ")[2] for line in "".join(capfd.readouterr()).splitlines()]
     assert told == ["emergency stop", "emergency stop stays: the deadman is held", "emergency stop reset"]
+
+
+def test_of_the_states_that_wait_the_newest_decides(stop):
+    stop.at(1.0).stop.press()
+    assert not stop.at(3.0).state((True, 1.5), (True, 1.8), (False, 2.0))
+    assert stop.at(4.0).state((False, 3.5), (True, 3.8))
+    assert len(stop.acted) == 2
+
+
+@pytest.mark.parametrize("number", [1, 0, None])
+def test_the_first_false_of_a_node_says_nothing_and_what_was_said_before_it_counts(stop, number):
+    stop.at(1.0).stop.press()
+    assert stop.at(3.0).state((False, 2.0, number))
+    assert not stop.at(4.0).state((False, 3.5, 2), (False, 3.6, number))
+    assert stop.at(5.0).state((True, 4.0, 1), (False, 4.5, number))
+
+
+def test_a_false_state_from_before_the_stop_resets_nothing(stop):
+    stop.at(2.0).stop.press()
+    assert stop.at(3.0).state((False, 1.999))
+    assert stop.at(3.0).state((False, 2.0))
+    assert not stop.at(3.0).state((False, 2.001))
+
+
+@pytest.mark.parametrize(("said", "since"), [(2.0, 2.0), (0.5, 1.0), (9.0, 3.0)])
+def test_a_stopped_node_that_hears_of_a_stop_is_stopped_since_that_was_said(stop, said, since):
+    """Not since before its own stop, and not since a time that has not come."""
+    stop.at(1.0).stop.press()
+    assert stop.at(3.0).state((True, said))
+    assert stop.at(5.0).command(False, since)
+    assert not stop.at(6.5).command(False, since + 0.001)
+
+
+def test_a_node_that_hears_of_an_older_stop_is_stopped_since_it_heard(stop):
+    assert stop.at(3.0).state((True, 1.0))
+    assert stop.at(5.0).command(False, 2.9)
+    assert not stop.at(6.5).command(False, 3.001)
+
+
+def test_diagnostics_tell_whether_it_is_pressed_and_how_often_it_was(stop):
+    def told(*expected):
+        return stop.stop.values() == dict(zip(("pressed", "presses since start"), expected, strict=True))
+
+    assert told(False, 0)
+    stop.at(1.0).stop.press()
+    stop.at(2.0).stop.press()
+    assert told(True, 1)
+    stop.stop.reset()
+    assert told(False, 1)
+    stop.at(3.0).stop.press()
+    assert told(True, 2)
+    assert stop.stop.waiting() == ""
+
+
+def test_every_change_and_every_refusal_is_said_on_the_nodes_own_publisher(make_node):
+    said, objection = [], [""]
+
+    class Publisher:
+        def publish(self, message):
+            said.append(message.data)
+
+    stop = EmergencyStop(make_node("node"), "", lambda: objection[0], lambda: None, Publisher())
+    assert said == [False]
+    stop.press()
+    stop.press()
+    assert said == [False, True]
+    objection[0] = "the deadman is held"
+    stop.reset()
+    assert said == [False, True, True]
+    objection[0] = ""
+    stop.reset()
+    stop.reset()
+    assert said == [False, True, True, False]
+
+
+def test_a_node_listens_for_reliable_latched_and_best_effort_words_and_keeps_ten_of_each(make_node):
+    node = make_node("node")
+    EmergencyStop(node, "", str, lambda: None)
+    heard = [s for s in node.subscriptions if s.topic_name == "/emergency_stop"]
+    profiles = [s.qos_profile for s in heard]
+    assert sorted((p.reliability.name, p.durability.name, p.depth) for p in profiles) == [
+        ("BEST_EFFORT", "VOLATILE", 10),
+        ("RELIABLE", "TRANSIENT_LOCAL", 10),
+        ("RELIABLE", "VOLATILE", 10),
+    ]

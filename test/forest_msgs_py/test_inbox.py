@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_msgs_py import inbox as inbox_module
-from forest_msgs_py.inbox import Inbox, inbox, sent_at
+from forest_msgs_py.inbox import Inbox, Tally, inbox, sent_at
 from forest_msgs_py.messages import float_array
 from forest_msgs_py.node import publisher
 from forest_msgs_py.stamped_period import LONGEST, StampedPeriod, TimeInForce
@@ -45,6 +45,16 @@ def test_a_message_from_the_future_is_as_good_as_old():
     assert time.monotonic() - sent_at(sent(-0.01)) == pytest.approx(-0.01, abs=1e-6)
 
 
+@pytest.mark.usefixtures("standing_clocks")
+def test_a_tally_counts_and_tells_for_how_long_the_newest_message_has_been_sent():
+    tally = Tally()
+    assert (tally.count, tally.age()) == (0, math.inf)
+    for count, age in ((1, 4.0), (2, 0.5), (3, 0.0)):
+        tally.note(sent(age))
+        assert tally.count == count
+        assert tally.age() == pytest.approx(age, abs=1e-6)
+
+
 def test_newest_message_comes_with_its_time_and_older_ones_are_gone(make_node, wait_until):
     node = make_node("both")
     box, sender = inbox(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
@@ -61,6 +71,8 @@ def test_newest_message_comes_with_its_time_and_older_ones_are_gone(make_node, w
 
     wait_until(arrived)
     assert taken == [1.0, 2.0, 3.0]
+    assert box.count == 3
+    assert 0.0 <= box.age() <= time.monotonic() - before + inbox_module.CLOCK_TOLERANCE
     sender.publish(float_array(VALVE_VOLTAGES, 0, (4.0, 0.0, 0.0)))
     newest = []
     wait_until(lambda: newest.append(box.newest()) or newest[-1] is not None)

@@ -46,6 +46,8 @@ while True:
     time.sleep(10.0)
 """
 
+ENDED_S = 20  # on however busy a machine; usually under 1 s
+
 
 class Guard:
     """What the supervisor sees of the graph, and what it says, by hand."""
@@ -80,6 +82,19 @@ class Clock:
 
     def sleep(self, seconds):
         self.now += seconds
+
+
+@pytest.fixture(autouse=True)
+def limit():
+    """A graph that does not end fails its test, rather than hang."""
+
+    def fail(*_):
+        pytest.fail(f"did not end within {ENDED_S} s")
+
+    before, left = signal.signal(signal.SIGALRM, fail), signal.alarm(ENDED_S)
+    yield
+    signal.alarm(left)
+    signal.signal(signal.SIGALRM, before)
 
 
 @pytest.fixture
@@ -253,6 +268,8 @@ def test_the_node_that_is_waited_for_ends_the_run_well_and_only_with_code_zero(g
     with running(graph, told):
         graph._processes[0].popen.wait()
         assert graph.run(until="joystick") is None
+        with pytest.raises(Stopped):  # called again, it goes on without that node
+            graph.run(progress=stop_soon(graph, 3))
         assert graph._processes[1].popen.poll() is None
     assert guard.zeros == 0
     assert graph.exit_codes == {"joystick": 0, "simulator": 0}
