@@ -30,6 +30,7 @@ SCHEMES = ("joint", "ik_velocity", "ik_position", "jacobian_velocity", "jacobian
 DRIVE = (str(ROOT / "scripts/demo.sh"), "--lockstep", "--duration", "6")
 LEFT_OUT = {  # key in a JSON file: why
     "peak_memory_mb": "of the processes",
+    "/rosout": "how much is logged goes by the wall clock",
     "joy_to_valve_ms": "a delay by the wall clock",
     "missed_deadlines": "by the wall clock",
     "seconds": "how long the computation took",
@@ -65,19 +66,12 @@ RUNS: dict[str, tuple[str, ...]] = {
     "thesis": ("forest-study", "thesis", "--out", "{out}"),
     "thesis_machine": ("forest-study", "thesis", "--plant", "machine", "--out", "{out}"),
     "experiment": ("forest-ident", "experiment", "spool_lag", "--seed", "3", "--out", "{out}"),
-    "experiments": ("forest-ident", "experiment", "all", "--direct", "--trial", "12", "--out", "{out}"),
-    "fit": (
-        *("forest-ident", "fit", "experiments", "--out", "{out}.yaml", "--truth", "c180"),
-        *("--report", "{out}"),
-    ),
+    "valve": ("forest-ident", "experiment", "valve", "--direct", "--out", "{out}"),
+    "fit": ("forest-ident", "fit", "valve", "--out", "{out}.yaml"),
+    "held_out": ("forest-ident", "experiment", "validation", "--direct", "--out", "{out}"),
     "validation": (
-        "forest-ident",
-        "validate",
-        "experiments/validation",
-        "--model",
-        "fit.yaml",
-        "--out",
-        "{out}",
+        *("forest-ident", "validate", "held_out/validation", "--model", "fit.yaml"),
+        *("--report", "{out}"),
     ),
 }
 COMPARES = {"noise", "adapt", "walls"}  # replays, which answer 1: something differs, and shall
