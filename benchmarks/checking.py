@@ -15,8 +15,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.bag_writer import BagWriter, Layout
+from forest_bag.read.bag_reader import BagReader
+from forest_bag.write.bag_writer import BagWriter, Layout
 
 SIZES = (150, 1000, 20_000)  # bytes of a message
 PERIOD_NS = 1_000_000

@@ -13,16 +13,17 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from forest_control import valve_driver
-from forest_control.levers import Levers
-from forest_control.schemes import Scheme
-from forest_description.kinematics import inverse_kinematics
+from forest_control.operator.levers import Levers
+from forest_control.servo.schemes import Scheme
+from forest_control.valve import valve_driver
+from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
-from forest_study import closed_loop, loop_kernel, mismatch, track
-from forest_study.closed_loop import PERIOD, Operator, Trajectory
-from forest_study.paths import NAMES, path_named
-from forest_study.track import Course
-from forest_study.track_runs import Variation, run_many
+from forest_study.closed_loop import closed_loop, loop_kernel, model_mismatch
+from forest_study.closed_loop.closed_loop import PERIOD, Operator, Trajectory
+from forest_study.tracking import tracking
+from forest_study.tracking.paths import NAMES, path_named
+from forest_study.tracking.track_runs import Variation, run_many
+from forest_study.tracking.tracking import Course
 
 C180 = load_machine("c180")
 DRIVE = valve_driver.Settings(adapt=True)
@@ -39,8 +40,8 @@ def compare(name: str, repeats: int) -> Row:
     Raises:
         AssertionError: the loops differ.
     """
-    plan, course = _timed(lambda: track.prepare(path_named(name), 0.5, Scheme.COORDINATED, C180))
-    suite, seconds = track.noisy(C180, 0), PERIOD * len(course.levers)
+    plan, course = _timed(lambda: tracking.prepare(path_named(name), 0.5, Scheme.COORDINATED, C180))
+    suite, seconds = tracking.noisy(C180, 0), PERIOD * len(course.levers)
     start = inverse_kinematics(path_named(name).at(0.0), C180.manipulator.links)
     whole = [
         _timed(lambda: loop_kernel.run(C180, course.levers, start, course.settings, DRIVE, suite=suite))
@@ -75,10 +76,10 @@ def interpreted(course: Course, start: tuple[float, float, float], suite: Any) -
 
 def many(count: int) -> Row:
     """Return what so many drawn machines on one path take over all cores, by the clock and in CPU time."""
-    course = track.prepare(path_named("circle_h"), 0.5, Scheme.COORDINATED, C180)
+    course = tracking.prepare(path_named("circle_h"), 0.5, Scheme.COORDINATED, C180)
 
     def varied(seed: int) -> Variation:
-        return Variation(track.noisy(C180, seed), mismatch.draw(seed, mismatch.Ranges()))
+        return Variation(tracking.noisy(C180, seed), model_mismatch.draw(seed, model_mismatch.Ranges()))
 
     began = time.perf_counter()
     took, _ = _timed(lambda: run_many(course, C180, range(count), varied, adapt=True), time.process_time)

@@ -23,16 +23,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from forest_compile import fingerprint, flat, machine_code, translate
+from forest_compile import fingerprint, flat_layout, machine_code, translate
 from forest_compile.entry import Entry
 from forest_control import compiled as control
-from forest_control import controller, valve_driver
-from forest_description.kinematics import nearest_pose
+from forest_control.pipeline import controller
+from forest_control.valve import valve_driver
+from forest_description.geometry.kinematics import nearest_pose
 from forest_description.machine import load_machine
-from forest_sim import sensor_run, sensors
-from forest_sim.equilibrium import equilibrium
-from forest_sim.integrator import step
-from forest_sim.parameters import plant_parameters
+from forest_sim.sensors import sensor_readings, sensor_run
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.integrator import step
+from forest_sim.solver.parameters import plant_parameters
 
 COMPILERS = {"ours": "forest_compile", "numba": "Numba"}
 STEPS, REPEATS = 5000, 40
@@ -80,7 +81,7 @@ def _stepping(step: Any, example: Any) -> Law:
 LAWS = {
     "plant": plant,
     "kinematics": kinematics,
-    "sensors": lambda: _stepping(sensors.report, sensor_run._example()),
+    "sensors": lambda: _stepping(sensor_readings.report, sensor_run._example()),
     "controller": lambda: _stepping(controller.told, control._control()),
     "driver": lambda: _stepping(valve_driver.step_seen, control._drive()),
 }
@@ -88,7 +89,7 @@ LAWS = {
 
 def by_ours(law: Law) -> Run:
     """Return a function of a count of steps that gives the last state, laid out flat."""
-    paths = [path for path, _ in flat.leaves(law.state, "state")]
+    paths = [path for path, _ in flat_layout.leaves(law.state, "state")]
     lines = ["def kernel(row, given, parameters, dt, count):", "    for _ in range(count):"]
     lines += [f"        {law.call}", *(f"    row[{i}] = {path}" for i, path in enumerate(paths))]
     views = {"inputs": ("given", law.inputs), "p": ("parameters", law.p)}
@@ -99,7 +100,7 @@ def by_ours(law: Law) -> Run:
     except OSError:
         kernel = machine_code.load(code, entry.arguments)
     start, given, p = (
-        np.array(flat.packer(item)(item), dtype=float) for item in (law.state, law.inputs, law.p)
+        np.array(flat_layout.packer(item)(item), dtype=float) for item in (law.state, law.inputs, law.p)
     )
 
     def run(count: int) -> tuple[float, ...]:
@@ -117,7 +118,7 @@ def by_numba(law: Law) -> Run:
     lines = ["def loop(state, inputs, p, dt, count):", "    for _ in range(count):"]
     names: dict[str, Any] = {"step": _jitted(law.step, {})}
     exec("\n".join([*lines, f"        {law.call}", "    return state"]), names)
-    loop, pack = numba.njit(names["loop"]), flat.packer(law.state)
+    loop, pack = numba.njit(names["loop"]), flat_layout.packer(law.state)
     return lambda count: pack(loop(law.state, law.inputs, law.p, law.dt, count))
 
 

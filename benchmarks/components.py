@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import work as benchmark
-from forest_compile import flat, machine_code, translate
+from forest_compile import flat_layout, machine_code, translate
 from forest_description.machine import load_machine
-from forest_sim import compiled
-from forest_sim.equilibrium import equilibrium
-from forest_sim.parameters import plant_parameters
-from forest_sim.recording import STATE
+from forest_sim.solver import plant_kernel
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.state_recording import STATE
 from work import SAMPLE, Floats
 
 COMPONENTS: Mapping[str, tuple[str, ...]] = {
@@ -51,7 +51,7 @@ class Runner(NamedTuple):
 def kernel_without(parts: Iterable[str]) -> machine_code.Kernel:
     """Return the kernel with the parameters of some components taken for granted."""
     names = tuple(parts)
-    entry = compiled.entry(lambda path: any(name in f"{path}." for name in names))
+    entry = plant_kernel.entry(lambda path: any(name in f"{path}." for name in names))
     return machine_code.load(machine_code.optimised(translate.text(entry)), entry.arguments)
 
 
@@ -82,8 +82,8 @@ def measure(seconds: float, repeats: int) -> list[Row]:
 def _runner(kernel: machine_code.Kernel, machine: str, voltages: Floats) -> Runner:
     p = plant_parameters(load_machine(machine))
     start = equilibrium(benchmark.START, p)
-    state = np.array(flat.packer(start)(start))
-    runner = Runner(kernel, np.array(flat.packer(p)(p)), [state], [])
+    state = np.array(flat_layout.packer(start)(start))
+    runner = Runner(kernel, np.array(flat_layout.packer(p)(p)), [state], [])
     for piece in range(len(voltages) // (PIECE * STEPS)):
         runner.best.append(np.inf)
         _run(runner, piece, voltages, runner.starts.append)

@@ -27,7 +27,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
 
-from forest_msgs_py.environment import LOOPBACK_PROFILE, prepare_environment
+from forest_msgs_py.runtime.environment import LOOPBACK_PROFILE, prepare_environment
 
 TOPIC = "fast"
 SHARED_MEMORY = "          <transport_id>shared_memory</transport_id>\n"  # as a transport in the profile
@@ -44,8 +44,8 @@ def talk(rate: float, clock: Path) -> None:
     import rclpy
     from sensor_msgs.msg import JointState
 
-    from forest_msgs_py import messages
-    from forest_msgs_py.cdr import to_cdr
+    from forest_msgs_py.interfaces import messages
+    from forest_msgs_py.serialization.cdr import to_cdr
 
     prepare_environment()
     rclpy.init()
@@ -87,7 +87,7 @@ def kill_one(folder: Path, wait: float, rate: float) -> float | None:
         "FASTRTPS_DEFAULT_PROFILES_FILE": str(profile),
     }
     talker = [sys.executable, __file__, "--role", "talk", "--rate", str(rate), "--clock", str(clock)]
-    record = [sys.executable, "-m", "forest_ident.bag_cli", "record", "-o", str(bag), "--topics", f"/{TOPIC}"]
+    record = [sys.executable, "-m", "forest_bag.cli.main", "record", "-o", str(bag), "--topics", f"/{TOPIC}"]
     with log.open("w") as output, running([talker, record], environment, output) as (_, recorder):
         end = time.monotonic() + PATIENCE
         while TOLD not in log.read_text():

@@ -18,7 +18,7 @@ import threading
 import time
 from pathlib import Path
 
-from forest_study import graph, lockstep_run
+from forest_bringup import graph, lockstep_run
 
 FEW = 20  # steps
 LOOK = 0.05  # [s]

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from forest_description.machine import load_machine
-from forest_sim import inputs
-from forest_sim.batch import Job, simulate_many
-from forest_sim.simulation import Block, Run
+from forest_sim.run import inputs
+from forest_sim.run.batch import Job, simulate_many
+from forest_sim.run.simulation import Block, Run
 
 RUN = Run(60.0)
 JOBS_A_CORE = 60

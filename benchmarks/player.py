@@ -32,8 +32,8 @@ SHARES = (50, 99, 99.9, 100)  # of the messages [%]
 
 def write_bag(directory: Path, seconds: float) -> int:
     """Write the bag; return its number of messages."""
-    from forest_msgs_py.bag_writer import BagWriter
-    from forest_msgs_py.topics import JOY, offered_qos
+    from forest_bag.write.bag_writer import BagWriter
+    from forest_msgs_py.interfaces.topics import JOY, offered_qos
 
     writer = BagWriter(directory)
     names = [f"/load_{number}" for number in range(TOPICS)]
@@ -55,7 +55,7 @@ def listen(count: int) -> None:
     from rclpy.qos import QoSProfile
     from std_msgs.msg import String
 
-    from forest_msgs_py.inbox import Inbox
+    from forest_msgs_py.runtime.polled_subscription import Inbox
 
     rclpy.init()
     node = rclpy.create_node("listener")
@@ -110,7 +110,7 @@ def measure(seconds: float) -> dict[str, object]:
         command = [
             sys.executable,
             "-m",
-            "forest_ident.bag_cli",
+            "forest_bag.cli.main",
             "play",
             str(bag),
             "--stats",
@@ -143,7 +143,7 @@ def main() -> None:
     parser.add_argument("--part", help=argparse.SUPPRESS)
     options = parser.parse_args()
     os.environ["ROS_DOMAIN_ID"] = DOMAIN
-    from forest_msgs_py.environment import prepare_environment
+    from forest_msgs_py.runtime.environment import prepare_environment
 
     prepare_environment()
     if options.part:

@@ -37,8 +37,8 @@ def talk(seconds: float, rate: float) -> None:
     import rclpy
     from sensor_msgs.msg import JointState
 
-    from forest_msgs_py import messages
-    from forest_msgs_py.cdr import to_cdr
+    from forest_msgs_py.interfaces import messages
+    from forest_msgs_py.serialization.cdr import to_cdr
 
     rclpy.init()
     node = rclpy.create_node("talker")
@@ -68,7 +68,7 @@ def listen(polled: bool) -> None:
     from rclpy.qos import QoSProfile
     from sensor_msgs.msg import JointState
 
-    from forest_msgs_py.inbox import Inbox
+    from forest_msgs_py.runtime.polled_subscription import Inbox
 
     rclpy.init()
     node = rclpy.create_node("listener")
@@ -110,7 +110,7 @@ def measure(listener: str, seconds: float, rate: float, folder: Path) -> dict[st
     bag = folder / f"bag_{compression}"
     command = [sys.executable, __file__, "--role", kind]
     if kind == "recorder":
-        command = [sys.executable, "-m", "forest_ident.bag_cli", "record", "-o", str(bag)]
+        command = [sys.executable, "-m", "forest_bag.cli.main", "record", "-o", str(bag)]
         command += ["--compression", compression, "--topics", *(f"/{topic}" for topic in TOPICS)]
     hearing = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     talking = subprocess.Popen(

@@ -25,15 +25,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_control import controller, valve_driver
-from forest_control.levers import levers_for_tip_velocity
-from forest_control.schemes import Scheme
-from forest_description.limits import joint_limits
+from forest_control.operator.levers import levers_for_tip_velocity
+from forest_control.pipeline import controller
+from forest_control.servo.schemes import Scheme
+from forest_control.valve import valve_driver
+from forest_description.derived.limits import joint_limits
+from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine, load_machine
-from forest_description.temperature import at_temperature
-from forest_study import loop_kernel
-from forest_study.closed_loop import PERIOD, Trajectory
-from forest_study.track import noisy
+from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop.closed_loop import PERIOD, Trajectory
+from forest_study.tracking.tracking import noisy
 
 Floats = NDArray[np.float64]
 MACHINES = ("c180", "loader")

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes .venv in the checkout and installs the locked dependencies and the seven packages into it.
+# Makes .venv in the checkout and installs the locked dependencies and the packages of src/ into it.
 #
 #   scripts/setup.sh         what running needs
 #   scripts/setup.sh test    also what only the tests need (pytest, and the libraries that they compare with)

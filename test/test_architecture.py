@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = sorted(path.parent.name for path in ROOT.glob("src/*/package.xml"))
-GUARD = ("forest_study", "guard")
+SHELLS = {("forest_bag", "timeseries"), ("forest_bringup", "graph_monitor")}
 ROS = {
     "ament_index_python",
     "builtin_interfaces",
@@ -40,8 +40,8 @@ def imported(source: str) -> set[str]:
 
 
 def may_know_ros(package: str, module: str) -> bool:
-    """The nodes, the package of messages, and the guard by which the supervisor sees the graph."""
-    return package == "forest_msgs_py" or module.endswith("_node") or (package, module) == GUARD
+    """The nodes, the package of messages, the reader of any message, and the monitor of the graph."""
+    return package == "forest_msgs_py" or module.endswith("_node") or (package, module) in SHELLS
 
 
 def modules(package: str) -> list[Path]:
@@ -70,7 +70,7 @@ def test_a_similar_name_is_not_ros():
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_ros_is_imported_only_by_nodes_messages_and_guard(package):
+def test_ros_is_imported_only_by_nodes_messages_and_monitor(package):
     offenders = [
         f"{path.relative_to(ROOT)} imports {', '.join(sorted(names))}"
         for path in modules(package)
@@ -95,13 +95,13 @@ def test_only_the_derivation_of_equations_needs_sympy():
         for path in modules(package)
         if "sympy" in imported(path.read_text("utf-8"))
     }
-    assert users == {"graph_notation", "graph_page", "state_equations"}
+    assert users == {"notation", "page", "state_equations"}
 
 
 def test_no_simulation_imports_the_derivation_of_equations():
     """An installation without the extra ``graphs`` must run every node."""
     derivation = re.compile(
-        r"^\s*(from|import) forest_sim\.(state_equations|graph_notation|graph_page)\b", re.MULTILINE
+        r"^\s*from forest_sim\.linear_graph(\.| import )(state_equations|notation|page)\b", re.MULTILINE
     )
     users = {
         path.stem
@@ -109,7 +109,7 @@ def test_no_simulation_imports_the_derivation_of_equations():
         for path in modules(package)
         if derivation.search(path.read_text("utf-8"))
     }
-    assert users == {"graph_notation", "graph_page"}
+    assert users == {"notation", "page"}
 
 
 @pytest.mark.parametrize("package", PACKAGES)

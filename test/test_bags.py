@@ -6,7 +6,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_study import cli, reference_bags
+from forest_study import cli
+from forest_study.demo import reference_bags
 
 BAGS = Path(__file__).resolve().parents[1] / "bags"
 REPLAYED = {

@@ -15,8 +15,8 @@ import pytest
 
 pytest.importorskip("numba")
 
+from forest_description.components.valve import edges
 from forest_description.machine import load_machine
-from forest_description.valve import edges
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 FIELDS = {"real_time_factor", "error_rad", "error_mpa", "cpu_seconds", "start_cold_s", "start_cached_s"}

@@ -40,11 +40,25 @@ def between(first, last):
     return [f"{chapter}.{number}" for number in range(int(low), int(high) + 1)]
 
 
+def modules():
+    """Return {dotted name: path} of every module and package of src."""
+    paths = sorted(ROOT.glob("src/*/*/**/*.py"))
+    dotted = (".".join(path.relative_to(ROOT).with_suffix("").parts[2:]) for path in paths)
+    return {name.removesuffix(".__init__"): path for name, path in zip(dotted, paths, strict=True)}
+
+
+MODULES = modules()
+
+
+def module_of(name):
+    """Return the module in which a class, function or method stands."""
+    return next(m for m in (name.rsplit(".", n)[0] for n in (0, 1, 2)) if m in MODULES)
+
+
 def docstrings():
     """Return {dotted name of a module, class or function of src: its docstring}."""
     found = {}
-    for path in sorted(ROOT.glob("src/*/*/*.py")):
-        module = f"{path.parent.name}.{path.stem}".removesuffix(".__init__")
+    for module, path in MODULES.items():
         tree = ast.parse(path.read_text("utf-8"))
         found[module] = ast.get_docstring(tree) or ""
         for parent, node in [(tree, n) for n in tree.body] + [(n, m) for n in tree.body for m in members(n)]:
@@ -110,9 +124,7 @@ def test_every_row_of_the_document_is_read():
 
 @pytest.mark.parametrize("name", sorted({name for name, _ in LISTED}))
 def test_what_the_table_names_exists(name):
-    module = next(
-        m for m in (name.rsplit(".", n)[0] for n in (1, 2)) if m in DOCSTRINGS and m.count(".") == 1
-    )
+    module = module_of(name)
     found = reduce(getattr, name.removeprefix(f"{module}.").split("."), importlib.import_module(module))
     assert inspect.isfunction(found) or inspect.isclass(found)
 
@@ -121,15 +133,13 @@ def test_every_function_of_the_table_cites_the_equation_itself_or_in_its_module(
     silent = {
         (name, citation)
         for name, citation in LISTED
-        if citation
-        not in citations(DOCSTRINGS.get(name, "") + "\n" + DOCSTRINGS[".".join(name.split(".")[:2])])
+        if citation not in citations(DOCSTRINGS.get(name, "") + "\n" + DOCSTRINGS[module_of(name)])
     }
     assert not silent
 
 
 def test_every_citation_of_a_function_is_in_the_table():
-    modules = {name for name in DOCSTRINGS if name.count(".") <= 1}
-    unlisted = {(name, citation) for name, citation in CITED if name not in modules} - LISTED
-    in_modules = {(".".join(name.split(".")[:2]), citation) for name, citation in LISTED}
-    unlisted |= {(name, citation) for name, citation in CITED if name in modules} - in_modules
+    unlisted = {(name, citation) for name, citation in CITED if name not in MODULES} - LISTED
+    in_modules = {(module_of(name), citation) for name, citation in LISTED}
+    unlisted |= {(name, citation) for name, citation in CITED if name in MODULES} - in_modules
     assert not unlisted

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from forest_description.machine_table import assumptions
-from forest_msgs_py.topics import overview
+from forest_description.export.machine_numbers import assumptions
+from forest_msgs_py.interfaces.topics import overview
 
 README = (Path(__file__).resolve().parents[1] / "README.md").read_text("utf-8")
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_sim.pace import LONGEST
+from forest_sim.solver.step_schedule import LONGEST
 from work import Work
 
 Floats = NDArray[np.float64]

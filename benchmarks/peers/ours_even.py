@@ -1,4 +1,4 @@
-"""Ours with even steps: `forest_sim.compiled`, one call for the whole work, as a study would do it.
+"""Ours with even steps: `forest_sim.solver.plant_kernel`, one call for the whole work, as in a study.
 
 The tolerance is the step [s]. Open loop: each step holds the voltage in its middle, read from a table made
 beforehand. Held commands: the table repeats each command for every step until the next one.
@@ -11,11 +11,11 @@ import numpy as np
 
 import work as benchmark
 from forest_description.machine import load_machine
-from forest_sim.compiled import compiled_record
-from forest_sim.equilibrium import equilibrium
-from forest_sim.pace import even
-from forest_sim.parameters import plant_parameters
-from forest_sim.recording import STATE
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_kernel import compiled_record
+from forest_sim.solver.state_recording import STATE
+from forest_sim.solver.step_schedule import even
 from peers import Run
 from work import SAMPLE, Floats, Work
 

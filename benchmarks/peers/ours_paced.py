@@ -1,4 +1,4 @@
-"""Ours: as `ours_even`, but with long steps and short ones after a command jumps (`forest_sim.pace`).
+"""Ours: as `ours_even`, but with short steps after a command jumps (`forest_sim.solver.step_schedule`).
 
 Where a command jumps is found in the table of the long steps' voltages, as for any input; pace and voltages
 are made before the clock runs, as every contestant's input is.
@@ -11,11 +11,11 @@ import numpy as np
 
 import work as benchmark
 from forest_description.machine import load_machine
-from forest_sim import pace
-from forest_sim.compiled import compiled_record
-from forest_sim.equilibrium import equilibrium
-from forest_sim.parameters import plant_parameters
-from forest_sim.recording import STATE
+from forest_sim.solver import step_schedule
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_kernel import compiled_record
+from forest_sim.solver.state_recording import STATE
 from peers import Run
 from work import SAMPLE, Floats, Work
 
@@ -36,12 +36,13 @@ def prepare(work: Work, start: Floats, tolerance: float) -> Callable[[], Run]:  
     return integrate
 
 
-def _paced(work: Work) -> tuple[pace.Pace, Floats]:
-    long = pace.long_steps(SAMPLE)
+def _paced(work: Work) -> tuple[step_schedule.Pace, Floats]:
+    long = step_schedule.long_steps(SAMPLE)
     tables = {
-        n: benchmark.step_voltages(work, n).reshape(work.samples, n, 3) for n in (long, pace.FINER * long)
+        n: benchmark.step_voltages(work, n).reshape(work.samples, n, 3)
+        for n in (long, step_schedule.FINER * long)
     }
-    jumped = pace.jumps(tables[long].reshape(-1, 3), np.zeros(3), work.samples)
-    given = pace.after_jumps(jumped, SAMPLE)
+    jumped = step_schedule.jumps(tables[long].reshape(-1, 3), np.zeros(3), work.samples)
+    given = step_schedule.after_jumps(jumped, SAMPLE)
     rows = [tables[round(count)][row] for row, count in enumerate(given.counts.tolist())]
     return given, np.concatenate(rows)

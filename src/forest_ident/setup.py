@@ -18,11 +18,10 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "forest-bag = forest_ident.bag_cli:main",
             "experiment_operator_node = forest_ident.experiment_operator_node:main",
             "online_identification_node = forest_ident.online_node:main",
-            "recorder_node = forest_ident.recorder_node:main",
-            "step_player_node = forest_ident.step_player_node:main",
+            "recorder_node = forest_bag.recorder_node:main",
+            "step_player_node = forest_bag.step_player_node:main",
         ]
     },
 )

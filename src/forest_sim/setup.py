@@ -18,7 +18,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "forest-sim = forest_sim.cli:main",
+            "forest-sim = forest_sim.cli.main:main",
             "simulator_node = forest_sim.simulator_node:main",
             "commander_node = forest_sim.commander_node:main",
         ]

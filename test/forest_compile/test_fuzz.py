@@ -17,19 +17,21 @@ pytest.importorskip("llvmlite")
 import law_writer
 import numpy as np
 
-from forest_compile import flat, machine_code
+from forest_compile import flat_layout, machine_code
 from forest_compile.compiled_step import CompiledStep
 from forest_compile.llvm_text import NotTranslatedError
 from forest_compile.translate import Library
 from forest_control import compiled as control_compiled
-from forest_control import controller, valve_driver
-from forest_control.levers import Levers
+from forest_control.operator.levers import Levers
+from forest_control.pipeline import controller
+from forest_control.valve import valve_driver
 from forest_description.machine import load_machine
-from forest_sim import compiled, integrator, sensor_run, sensors
-from forest_sim.equilibrium import equilibrium
-from forest_sim.parameters import plant_parameters
-from forest_sim.sensor_suite import sensor_suite
-from forest_study import loop_core, loop_kernel
+from forest_sim.sensors import sensor_readings, sensor_run
+from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.solver import integrator, plant_kernel
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+from forest_study.closed_loop import loop_core, loop_kernel
 
 STATES = int(os.environ.get("FUZZ_STATES", "30"))
 COUNT = int(os.environ.get("FUZZ_LAWS", "25"))
@@ -100,13 +102,13 @@ def compared(seed, folder):
     shape = next((one for one in expected if isinstance(one, tuple)), None)
     if shape is None:
         return 0
-    paths = [path for path, _ in flat.leaves(shape, "result")]
+    paths = [path for path, _ in flat_layout.leaves(shape, "result")]
     try:
         kernel = kernel_of(module.law, given[0], paths, (module.helper_0,) if seed % 2 else ())
     except NotTranslatedError as error:
         return str(error)
     assert not any(isinstance(result, NameError) for result in expected), seed
-    pack, agreed = flat.packer(given[0]), 0
+    pack, agreed = flat_layout.packer(given[0]), 0
     for one, result in zip(given, expected, strict=True):
         row, results = np.array(pack(one)), np.empty(len(paths))
         fault = ""
@@ -119,7 +121,7 @@ def compared(seed, folder):
             assert not (isinstance(result, tuple) and "2**53" not in fault), (seed, one, fault)
             assert fault or not isinstance(result, IndexError), (seed, one, result)
             continue
-        for path, machine, (_, number) in zip(paths, results, flat.leaves(result, ""), strict=True):
+        for path, machine, (_, number) in zip(paths, results, flat_layout.leaves(result, ""), strict=True):
             assert bits(float(machine)) == bits(float(number)), (seed, one, path, float(machine), number)
         agreed += 1
     return agreed
@@ -138,7 +140,7 @@ def test_random_laws_are_pythons_to_the_last_bit_or_refused(tmp_path):
 def shaken(example, rng, by):
     """A nested tuple like an example, its doubles moved by a part, now and then zero or of the other sign."""
     row = []
-    for _, leaf in flat.leaves(example, ""):
+    for _, leaf in flat_layout.leaves(example, ""):
         if isinstance(leaf, bool):
             row.append(rng.random() < 0.5 if by > 0.1 else leaf)
         elif isinstance(leaf, int):
@@ -146,11 +148,11 @@ def shaken(example, rng, by):
         else:
             moved = leaf * (1.0 + rng.gauss(0.0, by)) if leaf or by < 0.1 else rng.gauss(0.0, by)
             row.append(rng.choice((leaf, 0.0, -0.0, -leaf)) if by > 0.1 and rng.random() < 0.1 else moved)
-    return flat.unpacker(example)(row)
+    return flat_layout.unpacker(example)(row)
 
 
 def assert_same_bits(compiled_result, interpreted_result):
-    ways = [flat.leaves(result, "result") for result in (compiled_result, interpreted_result)]
+    ways = [flat_layout.leaves(result, "result") for result in (compiled_result, interpreted_result)]
     for (path, machine), (_, number) in zip(*ways, strict=True):
         assert bits(float(machine)) == bits(float(number)), (path, machine, number)
 
@@ -172,7 +174,7 @@ def counted(law, machine_law, draws):
 @pytest.mark.parametrize("name", ["c180", "c180_thesis", "loader"])
 def test_the_plant_at_random_states_is_pythons_to_the_last_bit(name):
     rng, p = random.Random(name), plant_parameters(load_machine(name))
-    start, advance = equilibrium((0.0, 0.5, -1.5), p), compiled.compiled_advance()
+    start, advance = equilibrium((0.0, 0.5, -1.5), p), plant_kernel.compiled_advance()
 
     def draws():
         for _ in range(STATES):
@@ -190,7 +192,7 @@ def test_the_plant_at_random_states_is_pythons_to_the_last_bit(name):
     [
         (control_compiled.CONTROLLER, controller.told, control_compiled._control),
         (control_compiled.DRIVER, valve_driver.step_seen, control_compiled._drive),
-        (sensor_run.KEPT, sensors.report, sensor_run._example),
+        (sensor_run.KEPT, sensor_readings.report, sensor_run._example),
     ],
     ids=["controller", "driver", "sensors"],
 )

@@ -14,7 +14,7 @@ pytest.importorskip("llvmlite")
 
 from forest_compile import kernel_files, machine_code
 from forest_compile.entry import Entry
-from forest_compile.kept import Kept
+from forest_compile.kernel_cache import Kept
 
 
 class Point(NamedTuple):
@@ -197,8 +197,9 @@ def test_a_linker_that_fails_makes_way_for_the_next(tmp_path, monkeypatch):
 NODES = """
 import sys
 from forest_control import compiled as control
-from forest_sim import compiled, sensor_run
-kernels = control.CONTROLLER, control.DRIVER, compiled.KEPT, sensor_run.KEPT
+from forest_sim.sensors import sensor_run
+from forest_sim.solver import plant_kernel
+kernels = control.CONTROLLER, control.DRIVER, plant_kernel.KEPT, sensor_run.KEPT
 print([kept.ready() is not None for kept in kernels], [kept.file.suffix for kept in kernels])
 print("llvmlite" in sys.modules, "forest_compile.translate" in sys.modules)
 """

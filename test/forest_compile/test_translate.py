@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_compile import flat, machine_code
+from forest_compile import flat_layout, machine_code
 from forest_compile.llvm_text import NotTranslatedError
 from forest_compile.translate import Library
 
@@ -36,7 +36,7 @@ class Marked(NamedTuple):
 def translated(function, example, apart=()):
     """Return a function of a flat tuple as machine code; it returns a flat row."""
     result = function(example)
-    library, paths = Library(apart), [path for path, _ in flat.leaves(result, "result")]
+    library, paths = Library(apart), [path for path, _ in flat_layout.leaves(result, "result")]
     lines = ["def kernel(given, results):", "    result = function(value)"]
     lines += [f"    results[{i}] = {path}" for i, path in enumerate(paths)]
     views = {"value": ("given", example)}
@@ -44,7 +44,7 @@ def translated(function, example, apart=()):
     kernel = machine_code.load(machine_code.optimised("\n".join(library.text())), "pp")
 
     def run(value):
-        given, results = np.array(flat.packer(example)(value), dtype=float), np.empty(len(paths))
+        given, results = np.array(flat_layout.packer(example)(value), dtype=float), np.empty(len(paths))
         kernel(given.ctypes.data, results.ctypes.data)
         return results
 
@@ -55,7 +55,7 @@ def assert_translated(function, values, apart=()):
     run = translated(function, values[0], apart)
     for value in values:
         result = function(value)
-        np.testing.assert_array_equal(run(value), [number for _, number in flat.leaves(result, "")])
+        np.testing.assert_array_equal(run(value), [number for _, number in flat_layout.leaves(result, "")])
 
 
 def points(count=30):

@@ -5,11 +5,13 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_compile.kept import Kept
-from forest_control import compiled, controller, valve_driver
-from forest_control.levers import Levers
-from forest_control.position_source import UNREAD
-from forest_control.schemes import Scheme
+from forest_compile.kernel_cache import Kept
+from forest_control import compiled
+from forest_control.operator.levers import Levers
+from forest_control.pipeline import controller
+from forest_control.servo.joint_angle_filter import UNREAD
+from forest_control.servo.schemes import Scheme
+from forest_control.valve import valve_driver
 from forest_description.machine import load_machine
 
 DT = 0.005

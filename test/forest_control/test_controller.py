@@ -5,16 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from forest_control import controller, coordination, execution
-from forest_control.controller import REST, ZERO, Inputs, Settings, State
-from forest_control.governor import ENOUGH, Limit, flow_demand
-from forest_control.hand import tip_rate
-from forest_control.levers import Levers, levers_for_tip_velocity
-from forest_control.schemes import Scheme, closes_on_position
-from forest_control.workspace import MOST, NO_WALL, PLANE, Wall, Workspace
-from forest_description.actuation import actuator_speeds_to_joint_rates, rated_speeds
-from forest_description.kinematics import tip_position, tip_velocity
-from forest_description.limits import joint_limits
+from forest_control.limits.velocity_scaling import ENOUGH, Limit, flow_demand
+from forest_control.limits.workspace import MOST, NO_WALL, PLANE, Wall, Workspace
+from forest_control.operator.levers import Levers, levers_for_tip_velocity
+from forest_control.operator.operator_profile import tip_rate
+from forest_control.pipeline import controller, joint_servo
+from forest_control.pipeline.controller import REST, ZERO, Inputs, Settings, State
+from forest_control.servo import coordinated_servo
+from forest_control.servo.schemes import Scheme, closes_on_position
+from forest_description.derived.actuation import actuator_speeds_to_joint_rates, rated_speeds
+from forest_description.derived.limits import joint_limits
+from forest_description.geometry.kinematics import tip_position, tip_velocity
 from forest_description.machine import load_machine
 
 MACHINE = load_machine()
@@ -122,7 +123,7 @@ def test_commands_are_clipped_at_the_rated_voltage():
         _, output = controller.step(State(reference, True), inputs(), p, PERIOD)
         errors = np.subtract(reference, MIDDLE)
         assert max(map(abs, output.command)) <= 10.0
-        moved = np.abs(errors) > execution.NEAR  # nearer, a joint that rests may hold
+        moved = np.abs(errors) > joint_servo.NEAR  # nearer, a joint that rests may hold
         assert all((np.sign(output.command) == np.sign(errors))[moved])
         clipped += sum(abs(volts) == 10.0 for volts in output.command)
     assert clipped > 500
@@ -230,7 +231,7 @@ def test_of_random_wishes_no_rate_and_no_flow_is_over_its_limit_and_the_tip_keep
     for _ in range(4000):  # 20 000 in all
         q = tuple(rng.uniform(lower - 0.02, upper + 0.02).tolist())
         wish = tuple(rng.normal(0.0, 0.7, 3).tolist())
-        moving = coordination.in_motion(wish, ZERO, coordination.MOST_SAMPLES)
+        moving = coordinated_servo.in_motion(wish, ZERO, coordinated_servo.MOST_SAMPLES)
         state = REST._replace(reference=q, enabled=True, memory=moving, scheme=scheme)
         levers = levers_for_tip_velocity(wish, 3.0)
         after, output = controller.step(state, inputs(levers, q, ZERO), p, PERIOD)

@@ -13,17 +13,12 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import Trigger
 
-from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
-from forest_description.kinematics import tip_orientation, tip_position
-from forest_description.linkage import cylinder_length
+from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
+from forest_description.geometry.kinematics import tip_orientation, tip_position
+from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
-from forest_msgs_py import topics
-from forest_msgs_py.messages import (
-    float_array,
-    joint_state,
-    read_float_array,
-    stamp_to_ns,
-)
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import float_array, joint_state, read_float_array, stamp_to_ns
 
 ANGLES = (0.2, 0.4, -1.5)
 MARGIN = 0.5  # [s] for a busy machine, beside the timeouts

@@ -4,11 +4,12 @@ import math
 
 import pytest
 
-from forest_control import controller, coordination
-from forest_control.controller import Inputs, Settings, parameters, step
-from forest_control.levers import REST, Levers
-from forest_control.schemes import Gains, Scheme, Signals, coordinated
-from forest_description.kinematics import inverse_kinematics, tip_position
+from forest_control.operator.levers import REST, Levers
+from forest_control.pipeline import controller
+from forest_control.pipeline.controller import Inputs, Settings, parameters, step
+from forest_control.servo import coordinated_servo
+from forest_control.servo.schemes import Gains, Scheme, Signals, coordinated
+from forest_description.geometry.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
 
 C180 = load_machine("c180")
@@ -16,7 +17,7 @@ P = parameters(C180, Settings(scheme=Scheme.COORDINATED))
 LINKS = C180.manipulator.links
 START = inverse_kinematics((5.5, 0.0, 1.0), LINKS)
 ZERO = (0.0, 0.0, 0.0)
-HELD = coordination.HELD
+HELD = coordinated_servo.HELD
 PERIOD = 0.005
 
 
@@ -32,9 +33,9 @@ def test_an_error_of_the_tip_is_closed_and_the_integral_adds():
 
 
 def test_a_step_of_the_wish_becomes_a_ramp():
-    velocity = coordination.ramped(ZERO, (0.3, 0.0, 0.4), 4.0, PERIOD)
+    velocity = coordinated_servo.ramped(ZERO, (0.3, 0.0, 0.4), 4.0, PERIOD)
     assert math.hypot(*velocity) == pytest.approx(4.0 * PERIOD)
-    assert coordination.ramped((0.3, 0.0, 0.39), (0.3, 0.0, 0.4), 4.0, PERIOD) == (0.3, 0.0, 0.4)
+    assert coordinated_servo.ramped((0.3, 0.0, 0.39), (0.3, 0.0, 0.4), 4.0, PERIOD) == (0.3, 0.0, 0.4)
 
 
 def test_the_reference_is_the_integral_of_the_governed_wish_without_drift():
@@ -48,24 +49,24 @@ def test_the_reference_is_the_integral_of_the_governed_wish_without_drift():
 
 
 def test_a_resting_joint_holds_until_its_error_has_grown():
-    c, memory = P.coordinated, coordination.REST
+    c, memory = P.coordinated, coordinated_servo.REST
     for _ in range(200):
-        memory, u = coordination.servo(memory, ZERO, (2.5e-4, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
+        memory, u = coordinated_servo.servo(memory, ZERO, (2.5e-4, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
         assert u == (HELD, HELD, HELD)
-        assert coordination.inches(memory) == ZERO
+        assert coordinated_servo.inches(memory) == ZERO
     asked = 0.0
     for _ in range(100):
-        memory, u = coordination.servo(memory, ZERO, (4e-4, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
-        asked += PERIOD * coordination.inches(memory)[0]
+        memory, u = coordinated_servo.servo(memory, ZERO, (4e-4, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
+        asked += PERIOD * coordinated_servo.inches(memory)[0]
     assert 0.0 < asked < 4e-4
     assert u == (HELD, HELD, HELD)
-    assert coordination.inches(memory)[1:] == (0.0, 0.0)
+    assert coordinated_servo.inches(memory)[1:] == (0.0, 0.0)
 
 
 def test_a_joint_holds_while_only_others_are_wished_to_move():
-    c, memory, a = P.coordinated, coordination.REST, (0.0, 0.1, 0.0)
+    c, memory, a = P.coordinated, coordinated_servo.REST, (0.0, 0.1, 0.0)
     for _ in range(4000):
-        memory, u = coordination.servo(memory, a, (5e-5, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
+        memory, u = coordinated_servo.servo(memory, a, (5e-5, 0.0, 0.0), ZERO, ZERO, ZERO, c, PERIOD)
         assert u[0] == HELD
         assert u[1] > 0.0
     assert memory.swing.w == 0.0  # for nothing that it could do
@@ -75,15 +76,15 @@ def test_the_integral_of_a_resting_joint_winds_up_only_while_its_valve_is_open()
     c, r = P.coordinated, (1e-3, 0.0, 0.0)
     gathered = {}
     for volts, a in ((0.0, (0.0, 0.1, 0.0)), (1.1, ZERO)):
-        memory = coordination.REST
+        memory = coordinated_servo.REST
         for _ in range(2000):
-            memory, _ = coordination.servo(memory, a, r, ZERO, ZERO, (volts, 0.0, 0.0), c, PERIOD)
+            memory, _ = coordinated_servo.servo(memory, a, r, ZERO, ZERO, (volts, 0.0, 0.0), c, PERIOD)
         gathered[volts] = memory.swing.w
-    assert 0.0 < gathered[0.0] <= coordination.MOST_GATHERED
-    assert gathered[1.1] > 5.0 * coordination.MOST_GATHERED
-    memory, u = coordination.servo(memory, ZERO, ZERO, ZERO, ZERO, ZERO, c, PERIOD)
+    assert 0.0 < gathered[0.0] <= coordinated_servo.MOST_GATHERED
+    assert gathered[1.1] > 5.0 * coordinated_servo.MOST_GATHERED
+    memory, u = coordinated_servo.servo(memory, ZERO, ZERO, ZERO, ZERO, ZERO, c, PERIOD)
     for _ in range(200):
-        memory, u = coordination.servo(memory, ZERO, ZERO, ZERO, ZERO, ZERO, c, PERIOD)
+        memory, u = coordinated_servo.servo(memory, ZERO, ZERO, ZERO, ZERO, ZERO, c, PERIOD)
     assert (memory.swing.w, u[0]) == (0.0, HELD)  # it has opened the valve, and is done
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from forest_control.governor import (
+from forest_control.limits.velocity_scaling import (
     ENOUGH,
     NO_AXIS,
     NO_STROKE,
@@ -22,9 +22,9 @@ from forest_control.governor import (
     flow_demand,
     govern,
 )
-from forest_description.actuation import displacements, joint_rates_to_actuator_speeds
-from forest_description.kinematics import Links, joint_rates, tip_position, tip_velocity
-from forest_description.linkage import cylinder_length, lever_arm
+from forest_description.derived.actuation import displacements, joint_rates_to_actuator_speeds
+from forest_description.geometry.kinematics import Links, joint_rates, tip_position, tip_velocity
+from forest_description.geometry.linkage import cylinder_length, lever_arm
 from forest_description.machine import load_machine
 
 LINKS = Links(0.41, 4.1, 2.9)

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.hand import Frame, curve, shaped, tip_rate
-from forest_control.levers import Levers
-from forest_control.settings import Settings, parameters
+from forest_control.config.settings import Settings, parameters
+from forest_control.operator.levers import Levers
+from forest_control.operator.operator_profile import Frame, curve, shaped, tip_rate
 from forest_description.machine import load_machine
 
 MACHINE = load_machine()

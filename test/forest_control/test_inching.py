@@ -2,7 +2,7 @@
 
 import pytest
 
-from forest_control.inching import ARRIVED, FAR, LOOK, MOVING, NEAR, SETTLED, inched, is_due, served
+from forest_control.servo.inching import ARRIVED, FAR, LOOK, MOVING, NEAR, SETTLED, inched, is_due, served
 
 DT = 0.005
 RATE, COMMAND = 0.06, 0.3  # U [rad/s] of how many volts

@@ -4,13 +4,13 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_control.joystick_bag import is_bag, read_joy_record
-from forest_control.sources import LeverError
-from forest_msgs_py import topics
-from forest_msgs_py.bag_writer import BagWriter
-from forest_msgs_py.cdr import to_cdr
-from forest_msgs_py.messages import ns_to_stamp
-from forest_msgs_py.topics import message_class, offered_qos
+from forest_bag.write.bag_writer import BagWriter
+from forest_control.operator.joystick_bag import is_bag, read_joy_record
+from forest_control.operator.sources import LeverError
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import ns_to_stamp
+from forest_msgs_py.interfaces.topics import message_class, offered_qos
+from forest_msgs_py.serialization.cdr import to_cdr
 
 BEGUN = 1_700_000_000_000_000_000
 

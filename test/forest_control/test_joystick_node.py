@@ -8,10 +8,10 @@ from stall import Stall
 
 pytest.importorskip("rclpy")
 
-from forest_control.levers import LEFT_SHOULDER, REST, Levers, levers_from_axes
-from forest_control.sources import LEAD_IN, thesis_tip_velocity
-from forest_msgs_py import topics
-from forest_msgs_py.messages import read_joy, stamp_to_ns
+from forest_control.operator.levers import LEFT_SHOULDER, REST, Levers, levers_from_axes
+from forest_control.operator.sources import LEAD_IN, thesis_tip_velocity
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import read_joy, stamp_to_ns
 
 ROWS = "time_s,swing,boom,stick\n0.0,0.25,0,0\n0.1,0,-0.5,0\n0.2,0,0,1\n0.3,0,0,0\n"
 

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from forest_control.joystick_watch import (
+from forest_control.operator.joystick_watch import (
     NO_HEARTBEAT,
     REST,
     Joystick,
@@ -18,8 +18,8 @@ from forest_control.joystick_watch import (
     judge,
     sample_of,
 )
-from forest_control.levers import REST as CENTRED
-from forest_control.levers import Levers
+from forest_control.operator.levers import REST as CENTRED
+from forest_control.operator.levers import Levers
 
 P = WatchParameters()
 PERIOD = 0.01

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from forest_control import valve_driver
-from forest_control.valve_driver import REST, Settings
+from forest_control.valve import valve_driver
+from forest_control.valve.valve_driver import REST, Settings
 from forest_description.machine import load_machine
 
 PERIOD = 0.005

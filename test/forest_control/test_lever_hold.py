@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from forest_control.lever_hold import CENTRED, DELAY, LONGEST, advanced
-from forest_control.levers import REST, Levers
+from forest_control.operator.joystick_interpolation import CENTRED, DELAY, LONGEST, advanced
+from forest_control.operator.levers import REST, Levers
 
 DT = 0.005
 

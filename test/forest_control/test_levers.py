@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from forest_control.hand import tip_rate
-from forest_control.levers import (
+from forest_control.config.settings import Settings, parameters
+from forest_control.operator.levers import (
     AXIS_COUNT,
     BUTTON_COUNT,
     LEFT_SHOULDER,
@@ -18,9 +18,9 @@ from forest_control.levers import (
     levers_for_tip_velocity,
     levers_from_axes,
 )
-from forest_control.settings import Settings, parameters
+from forest_control.operator.operator_profile import tip_rate
 from forest_description.machine import load_machine
-from forest_msgs_py.topics import JOY_AXES, JOY_BUTTONS
+from forest_msgs_py.interfaces.topics import JOY_AXES, JOY_BUTTONS
 
 MACHINE = load_machine()
 

@@ -6,13 +6,13 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from forest_control import controller
-from forest_control.controller import REST, ZERO, Inputs, Settings
-from forest_control.hand import Mode
-from forest_control.levers import Levers
-from forest_control.schemes import Scheme
-from forest_description.actuation import actuator_speeds_to_joint_rates, rated_speeds
-from forest_description.kinematics import inverse_kinematics, tip_position
+from forest_control.operator.levers import Levers
+from forest_control.operator.operator_profile import Mode
+from forest_control.pipeline import controller
+from forest_control.pipeline.controller import REST, ZERO, Inputs, Settings
+from forest_control.servo.schemes import Scheme
+from forest_description.derived.actuation import actuator_speeds_to_joint_rates, rated_speeds
+from forest_description.geometry.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
 
 MACHINE = load_machine()

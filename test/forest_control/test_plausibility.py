@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from forest_control import controller
-from forest_control.plausibility import implausible, plausible
-from forest_description.limits import joint_limits
+from forest_control.pipeline import controller
+from forest_control.safety.state_checks import implausible, plausible
+from forest_description.derived.limits import joint_limits
 from forest_description.machine import AXES, load_machine
 
 MACHINE = load_machine("c180")

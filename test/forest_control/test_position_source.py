@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from forest_control import controller
-from forest_control.controller import REST, Inputs, Settings
-from forest_control.levers import Levers
-from forest_control.position_source import NONE, UNREAD, Source, corrected, latched, learnt
-from forest_control.schemes import Scheme
-from forest_description.linkage import cylinder_length
+from forest_control.operator.levers import Levers
+from forest_control.pipeline import controller
+from forest_control.pipeline.controller import REST, Inputs, Settings
+from forest_control.servo.joint_angle_filter import NONE, UNREAD, Source, corrected, latched, learnt
+from forest_control.servo.schemes import Scheme
+from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
 
 MACHINE = load_machine("c180")

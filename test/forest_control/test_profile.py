@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from forest_control.hand import shaped
-from forest_control.joystick_watch import WatchParameters
-from forest_control.levers import Levers
-from forest_control.profile import KEYS, load_profile, shipped
-from forest_control.setting_file import SettingFileError
-from forest_control.settings import Settings, parameters
-from forest_control.tunables import TUNABLES, as_typed, settings_from
+from forest_control.config.profile_file import KEYS, load_profile, shipped
+from forest_control.config.setting_file import SettingFileError
+from forest_control.config.settings import Settings, parameters
+from forest_control.config.tunables import TUNABLES, as_typed, settings_from
+from forest_control.operator.joystick_watch import WatchParameters
+from forest_control.operator.levers import Levers
+from forest_control.operator.operator_profile import shaped
 from forest_description.machine import load_machine
 
 

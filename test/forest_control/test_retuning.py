@@ -2,7 +2,7 @@
 
 import pytest
 
-from forest_control.retuning import SETTLED, Retuning
+from forest_control.config.parameter_update import SETTLED, Retuning
 
 PERIOD = 0.005  # [s]
 

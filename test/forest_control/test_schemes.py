@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from forest_control.schemes import (
+from forest_control.servo.schemes import (
     LABELS,
     Gains,
     Scheme,

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.governor import ENOUGH, NO_AXIS, Axis, GovernorParameters, Limit, govern
-from forest_control.singularity import rates_anywhere
-from forest_description.kinematics import Links, is_singular, joint_rates, tip_position, tip_velocity
+from forest_control.limits.singularity import rates_anywhere
+from forest_control.limits.velocity_scaling import ENOUGH, NO_AXIS, Axis, GovernorParameters, Limit, govern
+from forest_description.geometry.kinematics import Links, is_singular, joint_rates, tip_position, tip_velocity
 
 LINKS = Links(0.15, 4.1, 4.3)
 WIDE = GovernorParameters(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from recorded import recorded
 
-from forest_control.levers import REST, Levers
-from forest_control.sources import (
+from forest_control.operator.levers import REST, Levers
+from forest_control.operator.sources import (
     THESIS_DURATION,
     LeverError,
     read_levers,

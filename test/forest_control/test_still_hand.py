@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from forest_control.joystick_watch import (
+from forest_control.operator.joystick_watch import (
     NO_HEARTBEAT,
     REST,
     Joystick,
@@ -19,7 +19,7 @@ from forest_control.joystick_watch import (
     judge,
     problem_of,
 )
-from forest_control.levers import Levers
+from forest_control.operator.levers import Levers
 
 PERSON = Path(__file__).resolve().parents[3] / "shared" / "data" / "operator_levers.csv"
 P = WatchParameters()

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from forest_control import controller
-from forest_control.execution import to_voltage
-from forest_control.stillness import MOVING, Stillness, frozen, watched
+from forest_control.pipeline import controller
+from forest_control.pipeline.joint_servo import to_voltage
+from forest_control.safety.frozen_sensor import MOVING, Stillness, frozen, watched
 from forest_description.machine import AXES, load_machine
 
 P = controller.parameters(load_machine("c180"), controller.Settings())

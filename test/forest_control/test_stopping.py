@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from forest_control import controller, coordination, stopping
-from forest_control.levers import REST as LEVERS_AT_REST
-from forest_description.kinematics import Links, is_singular, tip_velocity
+from forest_control.operator.levers import REST as LEVERS_AT_REST
+from forest_control.pipeline import controller, stop_profile
+from forest_control.servo import coordinated_servo
+from forest_description.geometry.kinematics import Links, is_singular, tip_velocity
 from forest_description.machine import load_machine
 
 LINKS = Links(0.41, 4.1, 2.9)
@@ -14,8 +15,8 @@ CLOSED_LOOP, OPEN_LOOP = 0.24, 0.16  # [s] as docs/safety.md tells
 TIMES = np.linspace(0.0, CLOSED_LOOP, 2001)
 
 
-def shares(of=stopping.share):
-    begun = stopping.NO_STOP._replace(duration=CLOSED_LOOP)
+def shares(of=stop_profile.share):
+    begun = stop_profile.NO_STOP._replace(duration=CLOSED_LOOP)
     return np.array([of(begun._replace(elapsed=time)) for time in TIMES.tolist()])
 
 
@@ -34,17 +35,17 @@ def test_the_deceleration_is_the_one_that_is_told_and_vanishes_at_both_ends():
 
 def test_the_reference_goes_by_what_was_commanded_a_lag_ago():
     lag = round(0.015 / (TIMES[1] - TIMES[0]))
-    late = shares(stopping.share_late)
+    late = shares(stop_profile.share_late)
     np.testing.assert_allclose(late[lag:], shares()[:-lag], atol=2e-3)
     assert np.all(late[: lag - 1] == 1.0)
 
 
 def test_a_joint_that_would_turn_round_is_not_commanded():
-    assert stopping.onwards((0.1, -0.02, 1e-9), (0.05, 0.01, 0.0)) == (0.1, 0.0, 0.0)
+    assert stop_profile.onwards((0.1, -0.02, 1e-9), (0.05, 0.01, 0.0)) == (0.1, 0.0, 0.0)
     rng = np.random.default_rng(41)
     for _ in range(200):
         u, a = (tuple(x) for x in rng.normal(0.0, 0.1, (2, 3)).tolist())
-        kept = stopping.onwards(u, a)
+        kept = stop_profile.onwards(u, a)
         assert kept == tuple(np.where(np.multiply(u, a) > 0.0, u, 0.0))
 
 
@@ -53,7 +54,7 @@ def stop_of(away):
     p = controller.parameters(load_machine("c180"), controller.Settings())
     rates, wish = (0.05, 0.02, -0.03), (0.1, 0.2, -0.1)
     reference = tuple(angle + off for angle, off in zip(POSE, away, strict=True))
-    memory = coordination.in_motion(wish, rates, coordination.MOST_SAMPLES)
+    memory = coordinated_servo.in_motion(wish, rates, coordinated_servo.MOST_SAMPLES)
     state = controller.REST._replace(
         reference=reference, enabled=True, memory=memory, scheme=p.scheme, rates=rates
     )
@@ -85,20 +86,20 @@ def test_a_joint_that_stalled_a_hundredth_of_a_radian_off_its_reference_is_not_p
 
 @pytest.mark.parametrize("duration", [CLOSED_LOOP, OPEN_LOOP])
 def test_a_stop_begins_with_all_of_the_velocity_and_is_over_in_its_time(duration):
-    stop, steps = stopping.begin(duration, (0.1, 0.1, 0.1), (0.1, 0.2, 0.3), POSE, LINKS), 0
-    assert stopping.share(stop) == stopping.share_late(stop) == 1.0
-    while not stopping.is_over(stop):
-        stop, steps = stopping.advanced(stop, duration / 32), steps + 1
+    stop, steps = stop_profile.begin(duration, (0.1, 0.1, 0.1), (0.1, 0.2, 0.3), POSE, LINKS), 0
+    assert stop_profile.share(stop) == stop_profile.share_late(stop) == 1.0
+    while not stop_profile.is_over(stop):
+        stop, steps = stop_profile.advanced(stop, duration / 32), steps + 1
     assert steps == 32
-    assert stopping.share(stop) == 0.0
-    assert stopping.is_over(stop._replace(elapsed=duration))
-    assert not stopping.is_over(stop._replace(elapsed=0.999 * duration))
+    assert stop_profile.share(stop) == 0.0
+    assert stop_profile.is_over(stop._replace(elapsed=duration))
+    assert not stop_profile.is_over(stop._replace(elapsed=0.999 * duration))
 
 
 def begun_at(pose, u, part):
     """A stop of joint rates [rad/s] of which a part is over."""
-    stop = stopping.begin(CLOSED_LOOP, u, (0.0, 0.0, 0.0), pose, LINKS)
-    return stopping.advanced(stop, part * CLOSED_LOOP)
+    stop = stop_profile.begin(CLOSED_LOOP, u, (0.0, 0.0, 0.0), pose, LINKS)
+    return stop_profile.advanced(stop, part * CLOSED_LOOP)
 
 
 def test_the_tip_goes_on_straight_and_slower_though_the_joints_move_on():
@@ -108,7 +109,7 @@ def test_the_tip_goes_on_straight_and_slower_though_the_joints_move_on():
         part = float(rng.uniform(0.1, 0.9))
         stop = begun_at(POSE, u, part)
         moved = tuple(angle + 0.1 * rate for angle, rate in zip(POSE, u, strict=True))
-        rates, aimed = stopping.commanded(stop, moved, LINKS)
+        rates, aimed = stop_profile.commanded(stop, moved, LINKS)
         x = 1.0 - part
         slower = np.multiply(x**2.5 * (3.5 - 2.5 * x), tip_velocity(POSE, u, LINKS))
         assert aimed == pytest.approx(slower, rel=1e-9)
@@ -119,13 +120,13 @@ def test_where_the_tip_has_no_direction_left_each_joint_slows_down_by_itself():
     assert is_singular(STRAIGHT, LINKS)
     u = (0.1, -0.2, 0.3)
     stop = begun_at(STRAIGHT, u, 0.5)
-    rates, aimed = stopping.commanded(stop, STRAIGHT, LINKS)
-    left = stopping.share(stop)
+    rates, aimed = stop_profile.commanded(stop, STRAIGHT, LINKS)
+    left = stop_profile.share(stop)
     assert 0.3 < left < 0.5
     assert rates == pytest.approx(tuple(left * rate for rate in u))
     assert aimed == pytest.approx(np.multiply(left, tip_velocity(STRAIGHT, u, LINKS)))
 
 
 def test_before_any_stop_none_is_under_way_and_nothing_is_commanded():
-    assert stopping.is_over(stopping.NO_STOP)
-    assert stopping.commanded(stopping.NO_STOP, POSE, LINKS) == ((0.0,) * 3, (0.0,) * 3)
+    assert stop_profile.is_over(stop_profile.NO_STOP)
+    assert stop_profile.commanded(stop_profile.NO_STOP, POSE, LINKS) == ((0.0,) * 3, (0.0,) * 3)

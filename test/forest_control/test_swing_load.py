@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from forest_control.capacity import capacity, gravity_torques, greatest_rates
-from forest_control.swing_load import inertia, swing_load
-from forest_control.valve_driver import axis_drivers
-from forest_control.valve_reach import FULL
-from forest_description.actuation import displacements
-from forest_description.limits import joint_limits
+from forest_control.limits.actuator_speed_limits import capacity, gravity_torques, greatest_rates
+from forest_control.servo.swing_feedforward import inertia, swing_load
+from forest_control.valve.tracking_limit import FULL
+from forest_control.valve.valve_driver import axis_drivers
+from forest_description.derived.actuation import displacements
+from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
-from forest_sim.manipulator import dynamics, fold_head
+from forest_sim.mechanics.manipulator import dynamics, fold_head
 
 C180, LOADER = load_machine("c180"), load_machine("loader")
 BODY = fold_head(C180.manipulator)

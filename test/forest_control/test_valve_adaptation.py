@@ -6,13 +6,13 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from forest_control import valve_adaptation as adaptation
-from forest_control import valve_driver
-from forest_control.valve_adaptation import UNLEARNT, learn
-from forest_control.valve_driver import Settings
-from forest_control.valve_flow import Sight
+from forest_control.valve import valve_adaptation as adaptation
+from forest_control.valve import valve_driver
+from forest_control.valve.valve_adaptation import UNLEARNT, learn
+from forest_control.valve.valve_driver import Settings
+from forest_control.valve.valve_flow import Sight
+from forest_description.components.valve import TABLE, Curve, Direction, ValveLaw, edges
 from forest_description.machine import load_machine
-from forest_description.valve import TABLE, Curve, Direction, ValveLaw, edges
 
 MACHINE = load_machine()
 P = valve_driver.parameters(MACHINE, Settings(adapt=True))

@@ -6,11 +6,19 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from forest_control import valve_driver, valve_hold
-from forest_control.valve_driver import REST, Pressures, Settings
-from forest_description.actuation import rated_speeds
+from forest_control.valve import valve_driver, valve_hold
+from forest_control.valve.valve_driver import REST, Pressures, Settings
+from forest_description.components.valve import (
+    LINEAR_AREA,
+    POLYNOMIAL,
+    TABLE,
+    Curve,
+    Direction,
+    ValveLaw,
+    edges,
+)
+from forest_description.derived.actuation import rated_speeds
 from forest_description.machine import load_machine
-from forest_description.valve import LINEAR_AREA, POLYNOMIAL, TABLE, Curve, Direction, ValveLaw, edges
 
 MACHINE = load_machine()
 VALVE = MACHINE.valve.law

@@ -12,11 +12,11 @@ pytest.importorskip("rclpy")
 
 from std_srvs.srv import Trigger
 
-from forest_control import valve_driver
-from forest_control.valve_driver import Pressures, Settings
+from forest_control.valve import valve_driver
+from forest_control.valve.valve_driver import Pressures, Settings
 from forest_description.machine import load_machine
-from forest_msgs_py import topics
-from forest_msgs_py.messages import float_array, joint_state, read_float_array, sensor_array
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import float_array, joint_state, read_float_array, sensor_array
 
 COMMAND = (2.0, -3.0, 0.5)
 ZERO = (0.0, 0.0, 0.0)

@@ -8,10 +8,10 @@ pytest.importorskip("rclpy")
 
 from pace_by_hand import Pace
 
-from forest_control.valve_driver import STILL, UNSEEN
-from forest_control.valve_driver_topics import Measurements
-from forest_msgs_py import topics
-from forest_msgs_py.messages import float_array, joint_state
+from forest_control.valve.valve_driver import STILL, UNSEEN
+from forest_control.valve.valve_driver_topics import Measurements
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import float_array, joint_state
 
 TIMEOUT = 0.1
 

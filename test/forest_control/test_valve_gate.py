@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from forest_control import valve_driver
-from forest_control.valve_adaptation import UNLEARNT
-from forest_control.valve_driver import REST, Motion, Pressures, Settings
-from forest_control.valve_hold import SHUT
+from forest_control.valve import valve_driver
+from forest_control.valve.valve_adaptation import UNLEARNT
+from forest_control.valve.valve_driver import REST, Motion, Pressures, Settings
+from forest_control.valve.valve_hold import SHUT
 from forest_description.machine import AXES, load_machine
 
 C180, LOADER = load_machine("c180"), load_machine("loader")

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.valve_hold import SHUT, obeyed
+from forest_control.valve.valve_hold import SHUT, obeyed
 
 ZONE, NOISE, PERIOD = 0.02, 0.06, 0.005  # [V], [V], [s]
 both_ways = pytest.mark.parametrize("sign", [1.0, -1.0], ids=["positive", "negative"])

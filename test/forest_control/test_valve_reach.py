@@ -4,10 +4,8 @@ import math
 
 import pytest
 
-from forest_control.capacity import RESERVE, capacity, greatest_rates
-from forest_control.valve_adaptation import UNLEARNT, WayEstimate
-from forest_control.valve_driver import axis_drivers
-from forest_control.valve_reach import (
+from forest_control.limits.actuator_speed_limits import RESERVE, capacity, greatest_rates
+from forest_control.valve.tracking_limit import (
     FULL,
     RELAXED,
     UNREPORTED,
@@ -20,10 +18,12 @@ from forest_control.valve_reach import (
     reported,
     strained,
 )
+from forest_control.valve.valve_adaptation import UNLEARNT, WayEstimate
+from forest_control.valve.valve_driver import axis_drivers
 from forest_description.machine import load_machine
-from forest_sim import equilibrium, integrator
-from forest_sim.sensors import true_joints
-from forest_study import mismatch
+from forest_sim.sensors.sensor_readings import true_joints
+from forest_sim.solver import equilibrium, integrator
+from forest_study.closed_loop import model_mismatch
 
 C180 = load_machine("c180")
 AXES = axis_drivers(C180)
@@ -63,8 +63,8 @@ def test_a_weaker_valve_with_a_wider_overlap_reaches_what_is_left():
 
 def test_planned_rates_are_those_of_the_weaker_plant():
     """The stick's speed at full voltage, of a plant whose valve gives 0.6 of the flow."""
-    weak = mismatch.Mismatch((0.0,) * 6, (1.0, 1.0, 1.0, 1.0, 0.6, 0.6), 1.0, 1.0)
-    plant = mismatch.applied(C180, weak)
+    weak = model_mismatch.Mismatch((0.0,) * 6, (1.0, 1.0, 1.0, 1.0, 0.6, 0.6), 1.0, 1.0)
+    plant = model_mismatch.applied(C180, weak)
     simulation = equilibrium.equilibrium(POSE, plant)
     for _ in range(800):
         simulation = integrator.step(simulation, (0.0, 0.0, 9.999), 0.001, plant)

@@ -8,11 +8,11 @@ pytest.importorskip("rclpy")
 
 from pace_by_hand import Pace
 
-from forest_control.valve_reach import FULL
-from forest_control.valve_reports import LEARNT, ValveReports
+from forest_control.pipeline.valve_feedback import LEARNT, ValveReports
+from forest_control.valve.tracking_limit import FULL
 from forest_description.machine import load_machine
-from forest_msgs_py import topics
-from forest_msgs_py.messages import float_array
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import float_array
 
 C180 = load_machine("c180")
 LOADER = load_machine("loader")

@@ -5,11 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from forest_control import controller, valve_driver
-from forest_control.controller import Inputs, Settings
-from forest_control.levers import Levers
-from forest_control.schemes import Scheme
-from forest_control.valve_driver import Pressures
+from forest_control.operator.levers import Levers
+from forest_control.pipeline import controller
+from forest_control.pipeline.controller import Inputs, Settings
+from forest_control.servo.schemes import Scheme
+from forest_control.valve import valve_driver
+from forest_control.valve.valve_driver import Pressures
 from forest_description.machine import load_machine
 
 MACHINE = load_machine()

@@ -6,8 +6,9 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.setting_file import SettingFileError
-from forest_control.workspace import (
+from forest_control.config.setting_file import SettingFileError
+from forest_control.config.workspace_file import load_workspace, shipped
+from forest_control.limits.workspace import (
     BOX,
     CYLINDER,
     MOST,
@@ -20,7 +21,6 @@ from forest_control.workspace import (
     share,
     slid,
 )
-from forest_control.workspace_file import load_workspace, shipped
 
 GROUND = Wall(PLANE, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), -1.0)
 FENCE = Wall(PLANE, (0.0, 0.6, 0.8), (0.0, 0.0, 0.0), -2.0)

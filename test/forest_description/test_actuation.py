@@ -6,13 +6,13 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.actuation import (
+from forest_description.derived.actuation import (
     actuator_speeds_to_joint_rates,
     joint_rates_to_actuator_speeds,
     rated_speeds,
 )
-from forest_description.limits import joint_limits
-from forest_description.linkage import cylinder_length
+from forest_description.derived.limits import joint_limits
+from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
 
 MACHINE, LOADER = load_machine(), load_machine("loader")

@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from forest_description.bodies import (
+from forest_description.components.load import Log, Pendulum
+from forest_description.derived.bodies import (
     PlanarBody,
     boom_body,
     combined,
@@ -13,7 +14,6 @@ from forest_description.bodies import (
     point_mass,
     stick_body,
 )
-from forest_description.load import Log, Pendulum
 from forest_description.machine import load_machine
 
 C180, THESIS = load_machine("c180").manipulator, load_machine("c180_thesis").manipulator

@@ -6,8 +6,10 @@ import types
 
 import pytest
 
-from forest_description import actuation, kinematics, linkage, valve
-from forest_description.hydraulics import PolynomialCurve, TableCurve
+from forest_description.components import valve
+from forest_description.components.circuit import PolynomialCurve, TableCurve
+from forest_description.derived import actuation
+from forest_description.geometry import kinematics, linkage
 from forest_description.machine import load_machine
 
 numba = pytest.importorskip("numba")

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from forest_description.inertia import require_rigid
+from forest_description.components.inertia import require_rigid
 from forest_description.machine import Friction, MachineError, load_machine
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")

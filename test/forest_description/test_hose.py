@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.hose import BLASIUS, GeometricHose, bore_area
+from forest_description.components.hose import BLASIUS, GeometricHose, bore_area
 from forest_description.machine import MachineError, load_machine
 
 MACHINE = load_machine("c180")

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.kinematics import (
+from forest_description.geometry.kinematics import (
     Links,
     inverse_kinematics,
     is_singular,

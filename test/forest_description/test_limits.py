@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.kinematics import tip_position
-from forest_description.limits import THESIS_START, joint_limits, pose_at, start_tip, workspace_limits
+from forest_description.derived.limits import THESIS_START, joint_limits, pose_at, start_tip, workspace_limits
+from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
 
 MACHINE, LOADER = load_machine(), load_machine("loader")

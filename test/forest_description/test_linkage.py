@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.limits import joint_limits
-from forest_description.linkage import cylinder_length, joint_angle, lever_arm
+from forest_description.derived.limits import joint_limits
+from forest_description.geometry.linkage import cylinder_length, joint_angle, lever_arm
 from forest_description.machine import load_machine
 
 MACHINE = load_machine("c180_thesis")

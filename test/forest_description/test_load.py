@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from forest_description.load import Log, Pendulum
+from forest_description.components.load import Log, Pendulum
 from forest_description.machine import MachineError, load_machine
 
 MANIPULATOR = load_machine().manipulator

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.limits import joint_limits, workspace_limits
-from forest_description.linkage import lever_arm
+from forest_description.config.source_tree import read
+from forest_description.config.units import UNITS
+from forest_description.derived.limits import joint_limits, workspace_limits
+from forest_description.export.machine_numbers import choices, declared
+from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine, sources
-from forest_description.machine_table import choices, declared
-from forest_description.machine_tree import read
-from forest_description.units import UNITS
 
 LOADER, C180 = load_machine("loader"), load_machine("c180")
 NEUTRAL = (0.0, 1.0)

@@ -5,10 +5,10 @@ import math
 
 import pytest
 
-from forest_description.hose import BLASIUS, GeometricHose
-from forest_description.lump import lump_frequency, lump_limit, one_lump_warnings
+from forest_description.components.hose import BLASIUS, GeometricHose
+from forest_description.derived.line_bandwidth import lump_frequency, lump_limit, one_lump_warnings
+from forest_description.derived.temperature import at_temperature
 from forest_description.machine import load_machine
-from forest_description.temperature import at_temperature
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 RIGID = GeometricHose(0.01905, None, BLASIUS, 1e-3)

@@ -5,19 +5,8 @@ import math
 
 import pytest
 
-from forest_description.machine import (
-    EndStops,
-    Machine,
-    MachineError,
-    PortValves,
-    load_machine,
-    sources,
-)
-from forest_description.machine_file import parameters
-from forest_description.machine_table import declared
-from forest_description.machine_tree import shipped_machines
-from forest_description.pump import IdealPump, PressureCompensatedPump
-from forest_description.sensing import (
+from forest_description.components.pump import IdealPump, PressureCompensatedPump
+from forest_description.components.sensors import (
     CaseDrain,
     FlowMeter,
     Inclinometer,
@@ -29,8 +18,19 @@ from forest_description.sensing import (
     Tachometer,
     Thermocouple,
 )
-from forest_description.units import UNITS
-from forest_description.valve import symmetric_valve
+from forest_description.components.valve import symmetric_valve
+from forest_description.config.schema import parameters
+from forest_description.config.source_tree import shipped_machines
+from forest_description.config.units import UNITS
+from forest_description.export.machine_numbers import declared
+from forest_description.machine import (
+    EndStops,
+    Machine,
+    MachineError,
+    PortValves,
+    load_machine,
+    sources,
+)
 
 GALLON_PER_MINUTE, RPM = UNITS["gal/min"].factor, UNITS["rpm"].factor
 MACHINE, THESIS = load_machine(), load_machine("c180_thesis")

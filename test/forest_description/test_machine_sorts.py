@@ -5,10 +5,15 @@ import re
 
 import pytest
 
-from forest_description.hydraulics import BackwardValve, PolynomialCurve, TableCurve
+from forest_description.components.circuit import BackwardValve, PolynomialCurve, TableCurve
+from forest_description.components.pump import (
+    ConstantFlowPump,
+    IdealPump,
+    LoadSensingPump,
+    PressureCompensatedPump,
+)
+from forest_description.config.schema import parameters
 from forest_description.machine import Cushion, Friction, Machine, MachineError, load_machine, sources
-from forest_description.machine_file import parameters
-from forest_description.pump import ConstantFlowPump, IdealPump, LoadSensingPump, PressureCompensatedPump
 
 C180 = load_machine("c180")
 IDEAL = "pump:\n  kind: ideal\n  supply_pressure: {value: 18, unit: MPa, source: x}\n"

@@ -5,11 +5,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-from forest_description import machine_reference
-from forest_description.hydraulics import TableCurve
+from forest_description.components.circuit import TableCurve
+from forest_description.config.schema import Quantity, parameters
+from forest_description.export import machine_keys
+from forest_description.export.machine_numbers import choices, document, number, table
 from forest_description.machine import Machine, load_machine
-from forest_description.machine_file import Quantity, parameters
-from forest_description.machine_table import choices, document, number, table
 
 ROOT = Path(__file__).parents[2]
 MACHINE, THESIS = load_machine(), load_machine("c180_thesis")
@@ -40,7 +40,7 @@ def test_the_documented_table_is_up_to_date():
 
 def test_the_module_prints_the_table():
     done = subprocess.run(
-        [sys.executable, "-m", "forest_description.machine_table"],
+        [sys.executable, "-m", "forest_description.export.machine_numbers"],
         capture_output=True,
         check=True,
         timeout=300,
@@ -49,7 +49,7 @@ def test_the_module_prints_the_table():
 
 
 def test_the_documented_reference_is_up_to_date_and_knows_every_key():
-    text = machine_reference.document()
+    text = machine_keys.document()
     assert (ROOT / "docs" / "machine-file.md").read_text("utf-8") == text
     for key in parameters(Machine):
         assert f"| `{key.rpartition('.')[2]}` |" in text, key

@@ -2,8 +2,8 @@ import dataclasses
 
 import pytest
 
+from forest_description.export.machine_yaml import machine_text
 from forest_description.machine import load_machine
-from forest_description.machine_text import machine_text
 
 
 @pytest.mark.parametrize("name", ["c180", "c180_thesis", "loader"])

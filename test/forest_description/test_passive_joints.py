@@ -7,9 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.limits import joint_limits
-from forest_description.machine import load_machine
-from forest_description.passive_joints import (
+from forest_description.derived.limits import joint_limits
+from forest_description.derived.passive_joints import (
     CYLINDER_JOINTS,
     HEAD_JOINTS,
     barrel_pivot,
@@ -17,6 +16,7 @@ from forest_description.passive_joints import (
     cylinder_joint_positions,
     head_joint_positions,
 )
+from forest_description.machine import load_machine
 
 MACHINE = load_machine()
 DRIVES = (MACHINE.boom, MACHINE.stick)

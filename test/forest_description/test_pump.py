@@ -4,8 +4,13 @@ from dataclasses import fields, replace
 
 import pytest
 
+from forest_description.components.pump import (
+    ConstantFlowPump,
+    IdealPump,
+    LoadSensingPump,
+    PressureCompensatedPump,
+)
 from forest_description.machine import MachineError, load_machine
-from forest_description.pump import ConstantFlowPump, IdealPump, LoadSensingPump, PressureCompensatedPump
 
 PUMP = load_machine("c180").pump
 SHARED = {field.name: getattr(PUMP, field.name) for field in fields(PUMP) if field.name != "compensator_band"}

@@ -4,10 +4,10 @@ import dataclasses
 
 import pytest
 
-from forest_description.hose import BLASIUS, GeometricHose
-from forest_description.hydraulics import BackwardValve
+from forest_description.components.circuit import BackwardValve
+from forest_description.components.hose import BLASIUS, GeometricHose
+from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Cushion, MachineError, load_machine
-from forest_description.temperature import at_temperature
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 OIL = C180.oil

@@ -1,8 +1,8 @@
 import pytest
 
-from forest_description import unknown
+from forest_description.config import random_machine
+from forest_description.config.source_tree import shipped_machines
 from forest_description.machine import MachineError, load_machine, sources
-from forest_description.machine_tree import shipped_machines
 
 
 @pytest.mark.parametrize("base", shipped_machines())
@@ -50,5 +50,5 @@ def test_a_seed_or_base_that_is_none_is_answered_with_what_is_allowed(name):
 
 
 def test_the_text_of_a_machine_is_its_file(tmp_path):
-    numbers = {"hose.inertance": unknown.Number(2.0, "Pa*s2/m3")}
-    assert "hose:\n  inertance: {value: " in unknown.text("unknown:1", numbers)
+    numbers = {"hose.inertance": random_machine.Number(2.0, "Pa*s2/m3")}
+    assert "hose:\n  inertance: {value: " in random_machine.text("unknown:1", numbers)

@@ -6,19 +6,19 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from forest_description.bodies import boom_body, stick_body
-from forest_description.kinematics import tip_position
-from forest_description.limits import joint_limits
-from forest_description.linkage import cylinder_length
-from forest_description.load import Log, Pendulum
-from forest_description.machine import load_machine
-from forest_description.passive_joints import (
+from forest_description.components.load import Log, Pendulum
+from forest_description.derived.bodies import boom_body, stick_body
+from forest_description.derived.limits import joint_limits
+from forest_description.derived.passive_joints import (
     CYLINDER_JOINTS,
     HEAD_JOINTS,
     cylinder_joint_positions,
     head_joint_positions,
 )
-from forest_description.urdf import robot_description
+from forest_description.geometry.kinematics import tip_position
+from forest_description.geometry.linkage import cylinder_length
+from forest_description.machine import load_machine
+from forest_description.urdf.robot_description import robot_description
 
 MACHINE, THESIS, LOADER = load_machine(), load_machine("c180_thesis"), load_machine("loader")
 EVERY = pytest.mark.parametrize("machine", [MACHINE, THESIS, LOADER], ids=["c180", "thesis", "loader"])

@@ -5,8 +5,14 @@ import math
 import numpy as np
 import pytest
 
+from forest_description.components.valve import (
+    edges,
+    opening_at,
+    stroke,
+    symmetric_valve,
+    voltage_for_opening,
+)
 from forest_description.machine import load_machine
-from forest_description.valve import edges, opening_at, stroke, symmetric_valve, voltage_for_opening
 
 LAW = symmetric_valve(1.0, 10.0, 1.04e12)
 

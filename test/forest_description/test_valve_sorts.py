@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from forest_description.hydraulics import BackwardValve, PolynomialCurve, TableCurve
+from forest_description.components.circuit import BackwardValve, PolynomialCurve, TableCurve
+from forest_description.components.valve import CURVE_SIZE, edges, voltage_for_opening
 from forest_description.machine import MachineError, load_machine
-from forest_description.valve import CURVE_SIZE, edges, voltage_for_opening
 
 VALVE = load_machine("c180").valve
 C_R = VALVE.minimum_resistance

@@ -11,11 +11,11 @@ from typing import Any
 
 import pytest
 
+from forest_bag.write.bag_writer import BagWriter
 from forest_description.machine import load_machine
-from forest_ident.ident_experiment import experiment
-from forest_ident.keys import value_of, with_values
-from forest_msgs_py.bag_writer import BagWriter
-from forest_msgs_py.topics import Topic, offered_qos
+from forest_ident.data.parameter_path import value_of, with_values
+from forest_ident.driving.direct_run import experiment
+from forest_msgs_py.interfaces.topics import Topic, offered_qos
 
 Logged = Sequence[tuple[int, Any]]  # log time [ns], message or bytes
 
@@ -24,7 +24,7 @@ Logged = Sequence[tuple[int, Any]]  # log time [ns], message or bytes
 def make_bag(tmp_path: Path) -> Iterator[Callable[..., Path]]:
     """Writes messages (or bytes) by topic into a bag of a name, and gives its directory."""
     pytest.importorskip("rclpy")
-    from forest_msgs_py.cdr import to_cdr
+    from forest_msgs_py.serialization.cdr import to_cdr
 
     def make(name: str, content: dict[Topic, Logged], closed: bool = True) -> Path:
         writer = opened.enter_context(contextlib.closing(BagWriter(tmp_path / name)))

@@ -6,18 +6,13 @@ import numpy as np
 import pytest
 from recorded import recorded
 
-from forest_compile.kept import can_compile
-from forest_ident import (
-    actuator_fit,
-    actuator_kernel,
-    actuator_model,
-    actuator_record,
-    actuator_steps,
-    ident_actuator,
-)
-from forest_ident.actuator_fit import CENTRE, WIDTHS, Columns, Fit, Problem, rms
-from forest_ident.actuator_priors import PRIORS, actuator
-from forest_ident.ident_cli import main
+from forest_compile.kernel_cache import can_compile
+from forest_ident.actuator import fit, kernel, model, steps
+from forest_ident.actuator import record as actuator_record
+from forest_ident.actuator.fit import CENTRE, WIDTHS, Columns, Fit, Problem, rms
+from forest_ident.actuator.priors import PRIORS, actuator
+from forest_ident.cli import actuator_command
+from forest_ident.cli.verbs import main
 
 compiled = pytest.mark.skipif(not can_compile(), reason="llvmlite is not installed: a fit would take minutes")
 PLACE = {prior.name: place for place, prior in enumerate(PRIORS)}
@@ -39,23 +34,23 @@ def truth():
 def record(truth):
     """All 400 samples: pressure and position of a known actuator with the sensors' noise."""
     signal, noise = signal_of_an_operator(400), np.random.default_rng(5).standard_normal((2, 400))
-    pressure, position = actuator_fit.simulate(truth, signal)
+    pressure, position = fit.simulate(truth, signal)
     return Columns(signal, pressure + 0.02 * noise[0], position + 0.002 * noise[1])
 
 
 @pytest.fixture(scope="module")
 def fitted(record):
     problem = Problem(Columns(*(column[:260] for column in record)))
-    return problem, actuator_fit.many_starts(problem, 2)
+    return problem, fit.many_starts(problem, 2)
 
 
 @compiled
 def test_compiled_and_interpreted_simulations_agree_to_the_last_bit(truth):
     given, signal = actuator(truth.tolist()), signal_of_an_operator(60)
-    compiled_run = actuator_kernel.simulate(signal, given.dead_time, given.parameters)
+    compiled_run = kernel.simulate(signal, given.dead_time, given.parameters)
     pressures, positions = np.zeros(60), np.zeros(60)
-    at_substeps = actuator_kernel.delayed(signal, given.dead_time)
-    actuator_kernel._interpreted(at_substeps, 60, given.parameters, pressures, positions)
+    at_substeps = kernel.delayed(signal, given.dead_time)
+    kernel._interpreted(at_substeps, 60, given.parameters, pressures, positions)
     assert np.array_equal(compiled_run[0], pressures)
     assert np.array_equal(compiled_run[1], positions)
     assert np.ptp(pressures) > 0.5
@@ -63,26 +58,26 @@ def test_compiled_and_interpreted_simulations_agree_to_the_last_bit(truth):
 
 def test_an_actuator_at_rest_stays_there():
     p = actuator(CENTRE.tolist()).parameters
-    still = actuator_model.rate(actuator_model.at_rest(p), 0.0, p)
+    still = model.rate(model.at_rest(p), 0.0, p)
     assert all(value == 0.0 for value in still)
 
 
 def test_edge_is_the_root_off_zero_and_odd():
-    assert actuator_model.edge(2.0, 4.0) == pytest.approx(4.0, rel=1e-4)
-    assert actuator_model.edge(2.0, -4.0) == -actuator_model.edge(2.0, 4.0)
+    assert model.edge(2.0, 4.0) == pytest.approx(4.0, rel=1e-4)
+    assert model.edge(2.0, -4.0) == -model.edge(2.0, 4.0)
 
 
 def test_nothing_flows_back_through_the_load_check():
     p = actuator(CENTRE.tolist()).parameters
-    loaded = actuator_model.at_rest(p)._replace(spool=1.0, supply=1.0, pressure_1=8.0)
-    assert actuator_model.valve_flows(loaded, p).into_1 == 0.0
+    loaded = model.at_rest(p)._replace(spool=1.0, supply=1.0, pressure_1=8.0)
+    assert model.valve_flows(loaded, p).into_1 == 0.0
 
 
 def test_oil_is_kept_with_the_valve_shut():
     """C_1 dP_1 = -v and C_2 dP_2 = a v: what the piston displaces is what the pressures store."""
     p = actuator(CENTRE.tolist()).parameters
-    moving = actuator_model.at_rest(p)._replace(speed=0.01)
-    by = actuator_model.rate(moving, 0.0, p)
+    moving = model.at_rest(p)._replace(speed=0.01)
+    by = model.rate(moving, 0.0, p)
     assert by.pressure_1 * p.capacitance_1 == pytest.approx(-0.01)
     assert by.pressure_2 * p.capacitance_2 == pytest.approx(p.area_ratio * 0.01)
 
@@ -92,8 +87,8 @@ def test_steps_converge(truth):
     ends = []
     for substeps in (8, 16, 32):
         pressures, positions = np.zeros(40), np.zeros(40)
-        at_substeps = actuator_kernel.delayed(signal, given.dead_time, substeps)
-        actuator_steps.run(at_substeps.tolist(), 40, substeps, given.parameters, pressures, positions)
+        at_substeps = kernel.delayed(signal, given.dead_time, substeps)
+        steps.run(at_substeps.tolist(), 40, substeps, given.parameters, pressures, positions)
         ends.append(pressures)
     assert rms(ends[1] - ends[2]) < 0.6 * rms(ends[0] - ends[2]) < 0.05
 
@@ -101,7 +96,7 @@ def test_steps_converge(truth):
 @compiled
 def test_a_known_actuator_is_foretold_over_samples_that_the_fit_did_not_see(record, fitted):
     _, fits = fitted
-    foretold = actuator_fit.predicted(actuator_fit.alike(fits), record.signal)
+    foretold = fit.predicted(fit.alike(fits), record.signal)
     assert rms(record.pressure) > 0.5
     assert rms((foretold - record.pressure)[260:]) < 0.12 * rms(record.pressure[260:])
 
@@ -109,7 +104,7 @@ def test_a_known_actuator_is_foretold_over_samples_that_the_fit_did_not_see(reco
 @compiled
 def test_what_the_record_tells_is_found_within_its_interval(truth, fitted):
     problem, fits = fitted
-    errors = actuator_fit.standard_errors(problem, fits[0])
+    errors = fit.standard_errors(problem, fits[0])
     away = np.abs(fits[0].z - truth) / errors
     assert np.sum(errors < 0.5 * WIDTHS) >= 12
     assert np.mean(away < 1.96) > 0.8
@@ -126,19 +121,19 @@ def test_derivatives_do_not_depend_on_the_difference(record, truth):
     aside = truth.copy()
     aside[place] += 1e-3
     coarse = (problem.weighted(aside) - left) / 1e-3
-    fine = actuator_fit.derivatives(problem.weighted, truth, left)[:, place]
+    fine = fit.derivatives(problem.weighted, truth, left)[:, place]
     assert rms(fine - coarse) < 0.02 * rms(fine)
 
 
 def test_memory_of_white_noise_is_one_sample_and_of_a_moving_mean_is_its_length():
     white = np.random.default_rng(1).standard_normal(4000)
-    assert actuator_fit.memory(white) == pytest.approx(1.0, abs=0.3)
-    assert actuator_fit.memory(np.convolve(white, np.ones(10))) == pytest.approx(10.0, rel=0.4)
+    assert fit.memory(white) == pytest.approx(1.0, abs=0.3)
+    assert fit.memory(np.convolve(white, np.ones(10))) == pytest.approx(10.0, rel=0.4)
 
 
 def test_fits_far_from_the_best_do_not_count_in_the_mean():
     fits = [Fit(CENTRE, cost, 1) for cost in (10.0, 12.0, 14.0)]
-    assert len(actuator_fit.alike(fits)) == 2
+    assert len(fit.alike(fits)) == 2
 
 
 def test_a_fit_that_runs_away_does_not_spoil_the_mean():
@@ -146,9 +141,9 @@ def test_a_fit_that_runs_away_does_not_spoil_the_mean():
     wild[PLACE["mass"]] = -30.0
     signal = signal_of_an_operator(30)
     sound, mad = (Fit(z, 1.0, 1) for z in (CENTRE, wild))
-    assert np.max(np.abs(actuator_fit.simulate(wild, signal)[0])) == actuator_kernel.BEYOND
-    together = actuator_fit.predicted([sound, mad], signal)
-    assert np.array_equal(together, actuator_fit.simulate(CENTRE, signal)[0])
+    assert np.max(np.abs(fit.simulate(wild, signal)[0])) == kernel.BEYOND
+    together = fit.predicted([sound, mad], signal)
+    assert np.array_equal(together, fit.simulate(CENTRE, signal)[0])
 
 
 @pytest.mark.parametrize(
@@ -164,7 +159,7 @@ def test_the_state_is_carried_on_only_if_train_leads_up_to_test(first, lead, sai
     none = None, None
     train = actuator_record.Record(tmp_path, np.arange(100), np.arange(100.0), *none)
     test = actuator_record.Record(tmp_path, np.arange(first, first + 5), np.zeros(5), *none)
-    signal, how = ident_actuator.before(train, test)
+    signal, how = actuator_command.before(train, test)
     assert np.array_equal(signal, np.arange(float(lead)))
     assert said in how
 
@@ -253,7 +248,7 @@ def test_half_of_the_real_crane_foretells_the_rest_of_it():
         (whole.pressure - s.pressure_zero) / s.pressure,
         (whole.position - s.position_zero) / s.position,
     )
-    fits = actuator_fit.many_starts(Problem(columns, np.arange(512) < 430), 4)
-    foretold = actuator_fit.predicted(actuator_fit.alike(fits), columns.signal)
+    fits = fit.many_starts(Problem(columns, np.arange(512) < 430), 4)
+    foretold = fit.predicted(fit.alike(fits), columns.signal)
     assert math.isfinite(rms(foretold))
     assert rms((foretold - columns.pressure)[430:]) < 0.35

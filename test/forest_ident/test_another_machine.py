@@ -3,13 +3,14 @@
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident import experiments, linear, refinement
-from forest_ident.belief import NOTHING
-from forest_ident.estimate import Estimate, judged
-from forest_ident.ident_experiment import experiment
-from forest_ident.identification import identify
-from forest_ident.prediction import predict
-from forest_ident.untold import untold
+from forest_ident.driving.direct_run import experiment
+from forest_ident.estimators.estimate import Estimate, judged
+from forest_ident.experiments import experiments
+from forest_ident.output_error.gaussian_estimate import NOTHING
+from forest_ident.output_error.prediction import predict
+from forest_ident.refinement import linear, refinement
+from forest_ident.refinement.identification import identify
+from forest_ident.refinement.unidentified import untold
 
 
 @pytest.fixture(scope="module")

@@ -8,10 +8,10 @@ pytest.importorskip("rclpy")
 
 from std_msgs.msg import String
 
-from forest_ident.bag_cli import main
-from forest_ident.bag_plot import joint_limits
-from forest_msgs_py import messages, topics
-from forest_msgs_py.bag_reader import BagReader
+from forest_bag.cli.main import main
+from forest_bag.cli.plot_command import joint_limits
+from forest_bag.read.bag_reader import BagReader
+from forest_msgs_py.interfaces import messages, topics
 
 PERIOD = 5_000_000
 N = 6

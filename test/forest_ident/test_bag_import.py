@@ -10,10 +10,10 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_ident.bag_cli import main
-from forest_ident.log_map import read_map
-from forest_msgs_py import topics
-from forest_msgs_py.series import read_bag
+from forest_bag.cli.main import main
+from forest_bag.convert.log_map import read_map
+from forest_bag.read.timeseries import read_bag
+from forest_msgs_py.interfaces import topics
 
 LOG = """\
     # somebody's machine

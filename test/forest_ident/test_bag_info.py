@@ -8,8 +8,8 @@ pytest.importorskip("rclpy")
 
 from std_msgs.msg import String
 
-from forest_ident.bag_cli import main
-from forest_msgs_py import messages, topics
+from forest_bag.cli.main import main
+from forest_msgs_py.interfaces import messages, topics
 
 PERIOD = 5_000_000
 N = 100

@@ -4,14 +4,14 @@ import argparse
 
 import pytest
 
-from forest_ident import bag_record
-from forest_ident.bag_status import Status, status_line
+from forest_bag.cli import record_command
+from forest_bag.record.progress import Status, status_line
 
 
 def asked(*arguments):
     parser = argparse.ArgumentParser()
-    bag_record.add_parser(parser.add_subparsers())
-    return bag_record.parameters(parser.parse_args(["record", *arguments]))
+    record_command.add_parser(parser.add_subparsers())
+    return record_command.parameters(parser.parse_args(["record", *arguments]))
 
 
 def test_without_a_choice_everything_is_recorded_into_a_directory_named_by_the_time():

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from forest_ident.belief import NOTHING, inverse, prior, spread_of, updated, widened
+from forest_ident.output_error.gaussian_estimate import NOTHING, inverse, prior, spread_of, updated, widened
 
 
 def test_one_fit_after_the_other_is_as_good_as_both_at_once():

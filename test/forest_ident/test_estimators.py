@@ -7,20 +7,19 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident import (
+from forest_ident.driving.direct_run import experiment
+from forest_ident.estimators import (
     calibration,
     damping,
     gravity,
     hose_dynamics,
     hose_resistance,
-    linear,
     motor_leakage,
     valve_characteristic,
-    weighing,
 )
-from forest_ident.ident_experiment import experiment
-from forest_ident.result import Result
-from forest_sim.sensor_suite import CHANNELS, sensor_suite
+from forest_ident.refinement import linear, mass_check
+from forest_ident.refinement.result import Result
+from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
 
 
 def points_and_law(machine, session):
@@ -125,7 +124,7 @@ def test_boom_and_head_are_weighed_together_and_a_right_mass_is_left_alone(unkno
     )
     session = experiment("gravity", dataclasses.replace(unknown_machine, manipulator=links), seed=3)
     result = Result(unknown_machine, unknown_machine)
-    weighing.weigh(result, session)
+    mass_check.weigh(result, session)
     found = result.machine.manipulator
     assert found.boom_mass == pytest.approx(links.boom_mass, rel=0.02)
     assert found.head_mass == pytest.approx(links.head_mass, rel=0.02)

@@ -10,12 +10,20 @@ import math
 import numpy as np
 import pytest
 
+from forest_description.derived.temperature import at_temperature
 from forest_description.machine import AXES, load_machine
-from forest_description.temperature import at_temperature
-from forest_ident import calibration, damping, gravity, hose_dynamics, hose_resistance, judging, motor_leakage
-from forest_ident.recursive import Estimator, start, step
-from forest_ident.session import Session, SessionError
-from forest_sim.manipulator import fold_head, kinetic_energy, potential_energy
+from forest_ident.data.session import Session, SessionError
+from forest_ident.estimators import (
+    calibration,
+    damping,
+    gravity,
+    hose_dynamics,
+    hose_resistance,
+    motor_leakage,
+)
+from forest_ident.online.recursive_least_squares import Estimator, start, step
+from forest_ident.output_error import noise_model
+from forest_sim.mechanics.manipulator import fold_head, kinetic_energy, potential_energy
 
 C180, LOADER = load_machine("c180"), load_machine("loader")
 BODY = fold_head(C180.manipulator)
@@ -337,21 +345,21 @@ def test_every_kind_of_sensor_is_judged_by_its_own_accuracy():
     volts[300:, 1] = -2.0
     record = session("motion", {"boom_resolver": np.zeros(600)}, volts, facts={})
     s = C180.sensors
-    pressure = judging.channel(C180, record, "stick_pressure_2_actuator")
+    pressure = noise_model.channel(C180, record, "stick_pressure_2_actuator")
     assert pressure.noise == s.pressure.noise
     assert pressure.offset == pytest.approx(uniform(2.0 * s.pressure.accuracy * s.pressure.full_scale))
     assert (pressure.gain, pressure.zero, pressure.high) == (0.0, True, s.pressure.full_scale)
-    flow = judging.channel(C180, record, "stick_flow")
+    flow = noise_model.channel(C180, record, "stick_flow")
     assert flow.gain == pytest.approx(uniform(2.0 * s.flow_meter.accuracy))
     meter = s.flow_meter
     assert (flow.offset, flow.floor, flow.high, flow.noise) == (0.0, meter.lowest, meter.highest, meter.noise)
-    length = judging.channel(C180, record, "boom_transducer")
+    length = noise_model.channel(C180, record, "boom_transducer")
     grain = uniform(s.linear_transducer.full_scale * s.linear_transducer.resolution)
     assert length.offset == pytest.approx(grain)
     assert length.noise == pytest.approx(math.hypot(s.linear_transducer.noise, grain))
-    drain = judging.channel(C180, record, "case_drain")
+    drain = noise_model.channel(C180, record, "case_drain")
     assert (drain.offset, drain.gain) == (0.0, pytest.approx(uniform(2.0 * s.case_drain.accuracy)))
-    spool = judging.channel(C180, record, "swing_spool")
+    spool = noise_model.channel(C180, record, "swing_spool")
     assert (spool.offset, spool.gain) == (pytest.approx(uniform(2.0 * s.spool_sensor.accuracy)), 0.0)
 
 
@@ -359,7 +367,7 @@ def test_every_kind_of_sensor_is_judged_by_its_own_accuracy():
     "name", ["stick_pressure_2_actuator", "stick_flow", "boom_transducer", "swing_spool"]
 )
 def test_exact_sensors_have_no_static_error(name):
-    judged = judging.channel(C180, session("motion", {"boom_resolver": np.zeros(9)}), name)
+    judged = noise_model.channel(C180, session("motion", {"boom_resolver": np.zeros(9)}), name)
     assert (judged.offset, judged.gain, judged.floor, judged.zero, judged.high) == (0, 0, 0, False, math.inf)
     assert 0.0 < judged.noise <= 100.0
 

@@ -1,6 +1,6 @@
 import math
 
-from forest_ident.excitation import START, Programme, Row, Track, stairs, step
+from forest_ident.experiments.excitation import START, Programme, Row, Track, stairs, step
 
 TRACK = Track(stairs((2.0, 4.0), 0.1), -0.5, 0.5)
 

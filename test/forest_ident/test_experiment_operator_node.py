@@ -4,10 +4,10 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_description.limits import pose_at, start_tip
+from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
-from forest_msgs_py import topics
-from forest_msgs_py.messages import float_array, joint_state, read_float_array
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import float_array, joint_state, read_float_array
 
 C180 = load_machine("c180")
 START = pose_at(start_tip(C180), C180)

@@ -11,9 +11,9 @@ pytest.importorskip("rclpy")
 
 from std_msgs.msg import String
 
-from forest_ident.bag_cli import main
-from forest_msgs_py import messages, topics
-from forest_msgs_py.cdr import to_cdr
+from forest_bag.cli.main import main
+from forest_msgs_py.interfaces import messages, topics
+from forest_msgs_py.serialization.cdr import to_cdr
 
 N = 30
 PERIOD = 5_000_000
@@ -119,7 +119,7 @@ def test_recover_is_advised_only_where_it_can_help_and_says_why_not(tmp_path, ca
 
 
 def test_recover_of_what_holds_no_message_saves_the_rest_but_fails(tmp_path, capsys):
-    from forest_msgs_py.bag_writer import Attached, BagWriter
+    from forest_bag.write.bag_writer import Attached, BagWriter
 
     writer = BagWriter(tmp_path / "bag")
     writer.add_topic("/a", "std_msgs/msg/String", [], "")
@@ -134,7 +134,7 @@ def test_recover_of_what_holds_no_message_saves_the_rest_but_fails(tmp_path, cap
 
 
 def test_what_the_bag_leaves_open_of_qos_is_told_as_unknown(tmp_path, capsys):
-    from forest_msgs_py.bag_writer import BagWriter
+    from forest_bag.write.bag_writer import BagWriter
 
     writer = BagWriter(tmp_path / "bag")
     forever = {"sec": 9223372036, "nsec": 854775807}

@@ -8,15 +8,17 @@ import pytest
 import yaml
 
 from forest_description.machine import load_machine
-from forest_ident import doubts, facts, identification, session_bag
-from forest_ident.belief import NOTHING
-from forest_ident.estimate import Estimate
-from forest_ident.fit_problem import Channel, Problem, Unknown
-from forest_ident.ident_cli import main
-from forest_ident.ident_experiment import experiment
-from forest_ident.ident_fit import against
-from forest_ident.ident_fit import found as bags_at
-from forest_ident.result import Result
+from forest_ident.cli.fit_command import against
+from forest_ident.cli.fit_command import found as bags_at
+from forest_ident.cli.verbs import main
+from forest_ident.data import session_bag
+from forest_ident.driving.direct_run import experiment
+from forest_ident.estimators.estimate import Estimate
+from forest_ident.experiments import experiment_metadata
+from forest_ident.output_error.fit_problem import Channel, Problem, Unknown
+from forest_ident.output_error.gaussian_estimate import NOTHING
+from forest_ident.refinement import data_quality, identification
+from forest_ident.refinement.result import Result
 
 C180 = load_machine("c180")
 
@@ -146,7 +148,7 @@ def test_a_bag_that_was_cut_off_is_used_and_said_to_be(bags, sessions, tmp_path)
     assert not session.whole
     assert session_bag.read(bags / "calibration").whole
     result = identification.identify(C180, [session], refine=False)
-    assert doubts.cut(session) in result.remarks
+    assert data_quality.cut(session) in result.remarks
 
 
 @pytest.mark.parametrize(
@@ -163,7 +165,7 @@ def test_a_bag_that_was_cut_off_is_used_and_said_to_be(bags, sessions, tmp_path)
 )
 def test_a_fact_that_cannot_be_is_refused_with_what_is_allowed(name, told, sentence):
     with pytest.raises(ValueError, match=sentence):
-        facts.value(name, told)
+        experiment_metadata.value(name, told)
 
 
 def test_a_fact_may_be_told_in_any_unit_of_its_quantity(bags, sessions, tmp_path):

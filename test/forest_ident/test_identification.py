@@ -1,13 +1,14 @@
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident import machine_writer, validation
-from forest_ident.estimate import Estimate, judged
-from forest_ident.identification import identify
-from forest_ident.keys import value_of
-from forest_ident.prediction import predict
-from forest_ident.session import SessionError
-from forest_ident.untold import untold
+from forest_ident.data.parameter_path import value_of
+from forest_ident.data.session import SessionError
+from forest_ident.estimators.estimate import Estimate, judged
+from forest_ident.output_error.prediction import predict
+from forest_ident.refinement.identification import identify
+from forest_ident.refinement.unidentified import untold
+from forest_ident.report import machine_writer
+from forest_ident.validation import validation
 
 
 @pytest.fixture(scope="module")

@@ -9,12 +9,12 @@ import textwrap
 
 import pytest
 
-from forest_ident.keyboard import Keyboard, split_keys
+from forest_bag.play.keyboard import Keyboard, split_keys
 
 CHILD = textwrap.dedent(
     """
     import os, signal, sys, threading
-    from forest_ident.keyboard import Keyboard
+    from forest_bag.play.keyboard import Keyboard
     terminal = os.open(sys.argv[1], os.O_RDWR)  # a session's first terminal becomes its own
     done = threading.Event()
     def told(name):

@@ -3,12 +3,13 @@ import math
 
 import pytest
 
+from forest_description.export.machine_yaml import machine_text
 from forest_description.machine import load_machine
-from forest_description.machine_text import machine_text
-from forest_ident import experiments, operator_watch
-from forest_ident.excitation import START
-from forest_ident.excitation import step as excite
-from forest_ident.operator_watch import PEAK, Seen, State, bounds, out_of_bounds, step
+from forest_ident.driving import safety_monitor
+from forest_ident.driving.safety_monitor import PEAK, Seen, State, bounds, out_of_bounds, step
+from forest_ident.experiments import experiments
+from forest_ident.experiments.excitation import START
+from forest_ident.experiments.excitation import step as excite
 
 C180 = load_machine("c180")
 PLAN = experiments.plan("damping_boom", C180)
@@ -63,7 +64,7 @@ def test_every_start_is_within_the_bounds_of_its_experiment(name):
 def test_the_swing_goes_about_where_it_stands_and_keeps_from_its_ends():
     plan = experiments.plan("motor_external", C180)
     for stands, room in ((0.7, (-0.5, 1.9)), (2.5, (1.3, math.pi - 0.1))):
-        moved = operator_watch.around(plan.programme, plan, stands)
+        moved = safety_monitor.around(plan.programme, plan, stands)
         assert moved.tracks[0][1:3] == pytest.approx(room)
         assert not out_of_bounds((stands, 0.0, 0.0), bounds(plan, moved))
         _, volts = excite(START._replace(time=2.0), (stands, 0.0, 0.0), moved, 0.005)
@@ -72,7 +73,7 @@ def test_the_swing_goes_about_where_it_stands_and_keeps_from_its_ends():
 
 def test_a_rig_has_no_joints_that_could_be_out_of_bounds():
     plan = experiments.plan("valve", C180)
-    assert operator_watch.seen_ports(plan) == ("swing_1_actuator", "swing_2_actuator")
+    assert safety_monitor.seen_ports(plan) == ("swing_1_actuator", "swing_2_actuator")
     assert not out_of_bounds((99.0, 99.0, 99.0), bounds(plan, plan.programme))
 
 

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from forest_ident.bag_cli import main
-from forest_ident.play_options import PlayOptions, plan, select
-from forest_msgs_py.bag_files import BagError
-from forest_msgs_py.qos_profiles import Qos
-from forest_msgs_py.raw_messages import Channel
+from forest_bag.cli.main import main
+from forest_bag.play.play_options import PlayOptions, plan, select
+from forest_bag.storage.bag_files import BagError
+from forest_bag.storage.raw_messages import Channel
+from forest_msgs_py.interfaces.qos_profiles import Qos
 
 JOY = Channel("/joy", "sensor_msgs/msg/Joy", qos="- {depth: 7}")
 THEIRS = Channel("/theirs", "nobody_msgs/msg/Secret")

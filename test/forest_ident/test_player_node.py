@@ -12,10 +12,10 @@ from rcl_interfaces.srv import DescribeParameters, SetParameters
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from forest_msgs_py import messages, topics
-from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.bag_writer import BagWriter, Layout
-from forest_msgs_py.cdr import to_cdr
+from forest_bag.read.bag_reader import BagReader
+from forest_bag.write.bag_writer import BagWriter, Layout
+from forest_msgs_py.interfaces import messages, topics
+from forest_msgs_py.serialization.cdr import to_cdr
 
 PERIOD = 5_000_000
 N = 60
@@ -40,7 +40,7 @@ def bag(make_bag):
 
 @pytest.fixture
 def play(domain_id, start_process):
-    return lambda *arguments: start_process(["-m", "forest_ident.bag_cli", "play", *map(str, arguments)])
+    return lambda *arguments: start_process(["-m", "forest_bag.cli.main", "play", *map(str, arguments)])
 
 
 def test_a_bag_is_heard_as_it_was_recorded(bag, play, peer):

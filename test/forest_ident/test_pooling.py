@@ -5,11 +5,11 @@ import math
 
 import pytest
 
-from forest_description.hydraulics import BackwardValve
+from forest_description.components.circuit import BackwardValve
 from forest_description.machine import load_machine
-from forest_ident.estimate import Estimate
-from forest_ident.pooling import pooled
-from forest_ident.result import Result
+from forest_ident.estimators.estimate import Estimate
+from forest_ident.refinement.pooling import pooled
+from forest_ident.refinement.result import Result
 
 C180 = load_machine("c180")
 TWICE = dataclasses.replace(C180.valve, backward=BackwardValve(1.3, 1.4e12))

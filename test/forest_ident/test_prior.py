@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from forest_ident.belief import NOTHING, Belief, prior, updated, widened
-from forest_ident.fit_problem import Problem
-from forest_ident.output_error import Channel, Unknown, fit
+from forest_ident.output_error.fit_problem import Problem
+from forest_ident.output_error.gaussian_estimate import NOTHING, Belief, prior, updated, widened
+from forest_ident.output_error.output_error import Channel, Unknown, fit
 
 X = np.linspace(0.3, 2.0, 40)
 COLUMNS = np.column_stack([X, X**2])

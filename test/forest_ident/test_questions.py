@@ -4,8 +4,8 @@ import math
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident import questions
-from forest_ident.ident_cli import main
+from forest_ident.cli.verbs import main
+from forest_ident.validation import questions
 
 
 @pytest.fixture(scope="module")

@@ -19,8 +19,9 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 
-from forest_msgs_py import messages, node, topics
-from forest_msgs_py.series import read_bag
+from forest_bag.read.timeseries import read_bag
+from forest_msgs_py.interfaces import messages, topics
+from forest_msgs_py.runtime import node
 
 
 @pytest.fixture
@@ -32,7 +33,7 @@ def speaker(make_node):
 def record(domain_id, start_process, tmp_path):
     def start(*arguments, output="bag"):
         where = ["-p", f"output:={tmp_path / output}"]
-        return start_process(["-m", "forest_ident.recorder_node", "--ros-args", *where, *arguments])
+        return start_process(["-m", "forest_bag.recorder_node", "--ros-args", *where, *arguments])
 
     return start
 
@@ -237,7 +238,7 @@ def test_a_full_disk_ends_the_recorder_with_one_clear_line(
     limited = (
         "import resource, signal, sys; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); "
         "resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536)); "
-        "from forest_ident.recorder_node import main; sys.argv[0] = 'recorder_node'; sys.exit(main())"
+        "from forest_bag.recorder_node import main; sys.argv[0] = 'recorder_node'; sys.exit(main())"
     )
     output = ["--ros-args", "--disable-external-lib-logs", "-p", f"output:={tmp_path / 'bag'}"]
     process = start_process(["-c", limited, *output])

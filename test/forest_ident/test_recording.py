@@ -6,13 +6,13 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_ident.recording import Recording, Refusal
-from forest_msgs_py.bag_files import bag_files
-from forest_msgs_py.bag_session import Session
-from forest_msgs_py.bag_writer import FLUSH_PERIOD_S, Layout
-from forest_msgs_py.graph_listener import Heard
-from forest_msgs_py.node import NodeFailure
-from forest_msgs_py.salvage import Salvage
+from forest_bag.record.recording import Recording, Refusal
+from forest_bag.storage.bag_files import bag_files
+from forest_bag.storage.mcap_recovery import Salvage
+from forest_bag.write.bag_session import Session
+from forest_bag.write.bag_writer import FLUSH_PERIOD_S, Layout
+from forest_msgs_py.introspection.graph_listener import Heard
+from forest_msgs_py.runtime.node import NodeFailure
 
 OFFER = [{"durability": "volatile", "depth": 1, "lifespan": {"sec": 0}}]
 
@@ -27,7 +27,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch):
     clock = Clock()
-    monkeypatch.setattr("forest_ident.recording.time.monotonic", clock)
+    monkeypatch.setattr("forest_bag.record.recording.time.monotonic", clock)
     return clock
 
 
@@ -116,7 +116,7 @@ def test_a_full_disk_ends_it_once_with_the_path_and_the_bag_closed(
         raise OSError(errno.ENOSPC, "No space left on device")
 
     with monkeypatch.context() as disk:
-        disk.setattr("forest_msgs_py.append_file.os.write", full)
+        disk.setattr("forest_bag.storage.append_file.os.write", full)
         waiting.append(heard(99))
         clock.now += 1.0
         words = rf"cannot write the bag in {tmp_path}/bag: No space left on device; it ends after 20 messages"

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident import report_pictures
-from forest_ident.ident_experiment import experiment
+from forest_ident.driving.direct_run import experiment
+from forest_ident.report import report_plots
 
 
-@pytest.mark.parametrize("draw", [report_pictures.inertance, report_pictures.capacitance])
+@pytest.mark.parametrize("draw", [report_plots.inertance, report_plots.capacitance])
 def test_a_jump_between_two_samples_does_not_shrink_the_picture(draw):
     mpl.use("Agg")
     from matplotlib import pyplot

@@ -5,8 +5,8 @@ import re
 import pytest
 import yaml
 
+from forest_bag.record.run_context import RunContext, versions
 from forest_description.machine import load_machine
-from forest_ident.run_context import RunContext, versions
 
 
 class Bag:

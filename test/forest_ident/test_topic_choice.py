@@ -2,7 +2,7 @@
 
 import pytest
 
-from forest_ident.topic_choice import ChoiceError, TopicChoice
+from forest_bag.record.topic_choice import ChoiceError, TopicChoice
 
 GRAPH = ("/joy", "/joint_states", "/events", "/rosout", "/crane_2/joy", "/_hidden/x", "/other/thing")
 

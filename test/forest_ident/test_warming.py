@@ -1,16 +1,16 @@
 import numpy as np
 import pytest
 
-from forest_compile import flat
+from forest_compile import flat_layout
 from forest_description.machine import load_machine
-from forest_ident.warming import plants_at
-from forest_sim.thermal import parameters_at
+from forest_ident.output_error.temperature_interpolation import plants_at
+from forest_sim.solver.thermal import parameters_at
 
 
 @pytest.mark.parametrize("name", ["c180", "loader"])
 def test_between_two_temperatures_the_plant_is_the_one_made_there(name):
     machine = load_machine(name)
-    pack = flat.packer(parameters_at(machine, 300.0))
+    pack = flat_layout.packer(parameters_at(machine, 300.0))
     for temperature, plant in zip(
         (290.03, 313.15, 331.07), plants_at(machine, (290.03, 313.15, 331.07)), strict=True
     ):

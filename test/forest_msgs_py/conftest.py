@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from forest_msgs_py.bag_writer import BagWriter
-from forest_msgs_py.topics import Topic, message_class
+from forest_bag.write.bag_writer import BagWriter
+from forest_msgs_py.interfaces.topics import Topic, message_class
 
 Stamped = tuple[int, Any]  # log time [ns], message
 

@@ -5,9 +5,9 @@ import sys
 from rclpy.duration import Duration
 from rclpy.node import Node
 
-from forest_msgs_py import messages, topics
-from forest_msgs_py.node import Finished, NodeFailure, publisher, run_node
-from forest_msgs_py.parameters import declare
+from forest_msgs_py.interfaces import messages, topics
+from forest_msgs_py.runtime.node import Finished, NodeFailure, publisher, run_node
+from forest_msgs_py.runtime.parameters import declare
 
 FAULTS = {"bug": ZeroDivisionError("a bug"), "failure": NodeFailure("pump is gone"), "done": Finished()}
 

@@ -7,10 +7,10 @@ import pytest
 import zstandard
 from mcap.writer import CompressionType, Writer
 
-from forest_msgs_py.bag_files import BagError
-from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.qos_profiles import offered
-from forest_msgs_py.raw_messages import Damaged
+from forest_bag.read.bag_reader import BagReader
+from forest_bag.storage.bag_files import BagError
+from forest_bag.storage.raw_messages import Damaged
+from forest_msgs_py.interfaces.qos_profiles import offered
 
 TEXT = "std_msgs/msg/String"
 

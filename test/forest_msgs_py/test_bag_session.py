@@ -3,9 +3,9 @@
 import pytest
 from mcap.reader import make_reader
 
-from forest_msgs_py.bag_files import bag_files
-from forest_msgs_py.bag_session import Session
-from forest_msgs_py.bag_writer import Attached, Layout
+from forest_bag.storage.bag_files import bag_files
+from forest_bag.write.bag_session import Session
+from forest_bag.write.bag_writer import Attached, Layout
 
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
 S = 10**9

@@ -7,8 +7,8 @@ import pytest
 import yaml
 from mcap.reader import make_reader
 
-from forest_msgs_py.bag_files import bag_files
-from forest_msgs_py.bag_writer import Attached, BagWriter, Layout
+from forest_bag.storage.bag_files import bag_files
+from forest_bag.write.bag_writer import Attached, BagWriter, Layout
 
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
 ONE = b"\x00\x01\x00\x00" + bytes(6) + b"\xf0\x3f"  # std_msgs/Float64 1.0 as little-endian CDR
@@ -134,7 +134,7 @@ def test_what_expires_is_not_repeated_and_of_what_is_latched_the_last(tmp_path):
 
 def test_a_day_of_chunks_does_not_grow_the_memory(tmp_path, monkeypatch):
     """What a file keeps for its index is bounded, because its number of chunks is."""
-    monkeypatch.setattr("forest_msgs_py.bag_writer.CHUNKS_PER_FILE", 50)
+    monkeypatch.setattr("forest_bag.write.bag_writer.CHUNKS_PER_FILE", 50)
     bag = BagWriter(tmp_path / "bag")
     bag.add_topic("/depth", "std_msgs/msg/Float64", [offers()], "")
     sizes = []
@@ -154,7 +154,7 @@ def test_a_next_file_that_cannot_be_made_leaves_a_closed_bag_of_those_before(tmp
         raise OSError(errno.ENOSPC, "No space left on device")
 
     with monkeypatch.context() as disk:
-        disk.setattr("forest_msgs_py.append_file.tempfile.TemporaryFile", lambda **_: full())
+        disk.setattr("forest_bag.storage.append_file.tempfile.TemporaryFile", lambda **_: full())
         with pytest.raises(OSError, match="No space left"):
             bag.split()
     bag.close()

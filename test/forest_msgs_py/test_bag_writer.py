@@ -10,8 +10,8 @@ import yaml
 from mcap.exceptions import EndOfFile
 from mcap.reader import NonSeekingReader, make_reader
 
-from forest_msgs_py.bag_writer import BagWriter
-from forest_msgs_py.definitions import message_definition
+from forest_bag.write.bag_writer import BagWriter
+from forest_msgs_py.interfaces.definitions import message_definition
 
 START = 1_700_000_000_000_000_000
 HASH = "RIHS01_705ba9c3d1a09df43737eb67095534de36fd426c0587779bda2bc51fe790182a"
@@ -118,7 +118,7 @@ def test_a_killed_recorder_leaves_what_was_flushed(tmp_path):
     code = f"""
         import os, sys
         sys.path[:0] = {sys.path!r}
-        from forest_msgs_py.bag_writer import BagWriter
+        from forest_bag.write.bag_writer import BagWriter
         recorder = BagWriter({str(tmp_path / "bag")!r})
         recorder.add_topic("/depth", "std_msgs/msg/Float64", [], "")
         for step in range(100):
@@ -159,7 +159,7 @@ def test_a_full_disk_is_an_error_and_the_file_is_closed(tmp_path, monkeypatch):
     def full(_descriptor):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("forest_msgs_py.append_file.os.fsync", full)
+    monkeypatch.setattr("forest_bag.storage.append_file.os.fsync", full)
     with pytest.raises(OSError, match="No space left"):
         recorder.close()
     recorder.close()  # closed: nothing more to fail

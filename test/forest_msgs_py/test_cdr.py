@@ -12,8 +12,8 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool, String
 
-from forest_msgs_py import messages, topics
-from forest_msgs_py.cdr import to_cdr
+from forest_msgs_py.interfaces import messages, topics
+from forest_msgs_py.serialization.cdr import to_cdr
 
 STAMP = 1_700_000_000_123_456_789
 STATUS = DiagnosticStatus(level=b"\x01", name="pump", values=[KeyValue(key="a", value="bcd"), KeyValue()])

@@ -8,9 +8,15 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_msgs_py import topics
-from forest_msgs_py.messages import float_array, joint_state, read_float_array, read_joint_state, read_joy
-from forest_msgs_py.topics import message_class
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import (
+    float_array,
+    joint_state,
+    read_float_array,
+    read_joint_state,
+    read_joy,
+)
+from forest_msgs_py.interfaces.topics import message_class
 
 WILD = (math.nan, math.inf, -math.inf, 1e300, -1e300, 5e-324, 0.0, 7.0)
 ROUNDS = 3000

@@ -10,9 +10,9 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import Trigger
 
-from forest_msgs_py import emergency_stop
-from forest_msgs_py.emergency_stop import EmergencyStop
-from forest_msgs_py.topics import EMERGENCY_STOP, EMERGENCY_STOPPED, message_class, qos
+from forest_msgs_py.interfaces.topics import EMERGENCY_STOP, EMERGENCY_STOPPED, message_class, qos
+from forest_msgs_py.safety import emergency_stop
+from forest_msgs_py.safety.emergency_stop import EmergencyStop
 
 LIVE = 2  # subscriptions of a node by which it hears a command live: reliable, and best-effort
 

@@ -6,8 +6,8 @@ pytest.importorskip("rclpy")
 
 from std_srvs.srv import Trigger
 
-from forest_msgs_py.emergency_stop import EmergencyStop
-from forest_msgs_py.topics import EMERGENCY_STOP, message_class
+from forest_msgs_py.interfaces.topics import EMERGENCY_STOP, message_class
+from forest_msgs_py.safety.emergency_stop import EmergencyStop
 
 EPOCH = 1_800_000_000_000_000_000  # [ns] by the senders' clock, when the monotonic one says 1000 s
 COMMAND = message_class(EMERGENCY_STOP)

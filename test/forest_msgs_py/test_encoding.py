@@ -5,9 +5,9 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_msgs_py import messages, topics
-from forest_msgs_py.cdr import to_cdr
-from forest_msgs_py.encoding import Encoder, columns
+from forest_msgs_py.interfaces import messages, topics
+from forest_msgs_py.serialization.batch_encoder import Encoder, columns
+from forest_msgs_py.serialization.cdr import to_cdr
 
 STAMPS = np.array([0, 5_000_000, 1_700_000_000_123_456_789])
 

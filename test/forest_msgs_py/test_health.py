@@ -9,8 +9,8 @@ pytest.importorskip("rclpy")
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 
-from forest_msgs_py import topics
-from forest_msgs_py.health import Health, beyond
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.safety.diagnostics import Health, beyond
 
 S = 1_000_000_000
 
@@ -68,7 +68,9 @@ def test_a_trouble_is_told_at_once_and_again_every_second(peer, health):
 
 
 def test_a_trouble_is_logged_once_however_often_it_is_noted(health, monkeypatch):
-    monkeypatch.setattr("forest_msgs_py.health.time.monotonic", lambda: 1000.0)  # within the same second
+    monkeypatch.setattr(
+        "forest_msgs_py.safety.diagnostics.time.monotonic", lambda: 1000.0
+    )  # within the same second
     for step in range(200):
         health.note("joystick", f"trouble {step}")
     health.note("pump", "no pressure")
@@ -141,7 +143,9 @@ def test_who_is_not_heard_is_a_warning_beside_what_else_a_person_should_know(pee
 
 
 def test_what_a_person_should_know_is_told_at_once_and_logged_without_a_consequence(health, monkeypatch):
-    monkeypatch.setattr("forest_msgs_py.health.time.monotonic", lambda: 1000.0)  # within the same second
+    monkeypatch.setattr(
+        "forest_msgs_py.safety.diagnostics.time.monotonic", lambda: 1000.0
+    )  # within the same second
     for step in range(200):
         health.warn("pump", f"clipped {step}")
     assert health.lines == ["clipped 0"]

@@ -7,13 +7,13 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_msgs_py import inbox as inbox_module
-from forest_msgs_py.inbox import Inbox, Tally, inbox, sent_at
-from forest_msgs_py.messages import float_array
-from forest_msgs_py.node import publisher
-from forest_msgs_py.stamped_period import LONGEST, StampedPeriod, TimeInForce
-from forest_msgs_py.topics import VALVE_VOLTAGES, message_class, qos
-from forest_msgs_py.unpacking import ArrayReader
+from forest_msgs_py.interfaces.messages import float_array
+from forest_msgs_py.interfaces.topics import VALVE_VOLTAGES, message_class, qos
+from forest_msgs_py.runtime import polled_subscription as inbox_module
+from forest_msgs_py.runtime.node import publisher
+from forest_msgs_py.runtime.polled_subscription import Inbox, Tally, inbox, sent_at
+from forest_msgs_py.runtime.stamped_period import LONGEST, StampedPeriod, TimeInForce
+from forest_msgs_py.serialization.unpacking import ArrayReader
 
 
 def sent(seconds_ago):

@@ -9,10 +9,10 @@ pytest.importorskip("rclpy")
 
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from forest_msgs_py import topics
-from forest_msgs_py.inbox import inbox
-from forest_msgs_py.input_status import InputStatus
-from forest_msgs_py.topics import message_class
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.topics import message_class
+from forest_msgs_py.runtime.polled_subscription import inbox
+from forest_msgs_py.safety.input_status import InputStatus
 
 LOSSY = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 

@@ -9,8 +9,8 @@ pytest.importorskip("rclpy")
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters
 
-from forest_msgs_py import live_graph
-from forest_msgs_py.live_graph import LiveGraph, NoAnswer
+from forest_msgs_py.introspection import live_graph
+from forest_msgs_py.introspection.live_graph import LiveGraph, NoAnswer
 
 
 @pytest.fixture

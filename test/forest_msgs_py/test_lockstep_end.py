@@ -6,16 +6,16 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_msgs_py import topics
-from forest_msgs_py.inbox import Inbox
-from forest_msgs_py.lockstep import Lockstep
-from forest_msgs_py.messages import JoyValues
-from forest_msgs_py.node import NodeFailure
-from forest_msgs_py.packing import pack_clock, pack_joy
-from forest_msgs_py.step_account import read_account
-from forest_msgs_py.step_order import StepOrder
-from forest_msgs_py.step_topics import STEP_NS, lockstep_qos
-from forest_msgs_py.topics import ROLL, SAID, message_class
+from forest_msgs_py.clock.lockstep import Lockstep
+from forest_msgs_py.clock.step_batch import read_account
+from forest_msgs_py.clock.step_order import StepOrder
+from forest_msgs_py.clock.step_topics import STEP_NS, lockstep_qos
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import JoyValues
+from forest_msgs_py.interfaces.topics import ROLL, SAID, message_class
+from forest_msgs_py.runtime.node import NodeFailure
+from forest_msgs_py.runtime.polled_subscription import Inbox
+from forest_msgs_py.serialization.packing import pack_clock, pack_joy
 
 QUIET, LAST = 20, 33  # steps in an account; the run's end, in the middle of one
 

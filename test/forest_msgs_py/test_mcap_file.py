@@ -11,10 +11,10 @@ import pytest
 from mcap.reader import NonSeekingReader, make_reader
 from mcap.stream_reader import StreamReader
 
-from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.mcap_chunk import COMPRESSIONS
-from forest_msgs_py.mcap_file import McapFile
-from forest_msgs_py.raw_messages import Damaged
+from forest_bag.read.bag_reader import BagReader
+from forest_bag.storage.mcap_chunk import COMPRESSIONS
+from forest_bag.storage.mcap_file import McapFile
+from forest_bag.storage.raw_messages import Damaged
 
 
 def written(path, count=300, **options):
@@ -147,7 +147,7 @@ def test_on_a_full_disk_the_file_ends_after_its_last_whole_record(tmp_path, monk
     file = written(tmp_path / "a.mcap", 50)
     file.flush()
     before = file.message_count
-    monkeypatch.setattr("forest_msgs_py.append_file.os.write", FullDisk(left))
+    monkeypatch.setattr("forest_bag.storage.append_file.os.write", FullDisk(left))
 
     def fill():
         for step in range(1000):
@@ -170,7 +170,7 @@ def test_the_space_held_for_the_summary_lets_a_file_on_a_full_disk_end_well(tmp_
     file = written(tmp_path / "a.mcap", 50)
     file.flush()
     disk, reserve = FullDisk(0), file._file._reserve
-    monkeypatch.setattr("forest_msgs_py.append_file.os.write", disk)
+    monkeypatch.setattr("forest_bag.storage.append_file.os.write", disk)
     release = reserve.close
 
     def give_back():
@@ -189,7 +189,7 @@ def test_the_disk_s_refusal_to_sync_is_told_at_a_later_flush(tmp_path, monkeypat
     def broken(_descriptor):
         raise OSError(errno.EIO, "Input/output error")
 
-    monkeypatch.setattr("forest_msgs_py.append_file.os.fdatasync", broken)
+    monkeypatch.setattr("forest_bag.storage.append_file.os.fdatasync", broken)
     file = written(tmp_path / "a.mcap", 10, durable=True)
     file.flush()
     syncer = file._file._syncer
@@ -205,7 +205,7 @@ def test_every_flush_that_has_something_new_is_forced_to_the_disk_by_another_thr
 ):
     synced = []
     monkeypatch.setattr(
-        "forest_msgs_py.append_file.os.fdatasync",
+        "forest_bag.storage.append_file.os.fdatasync",
         lambda descriptor: synced.append((os.fstat(descriptor).st_size, threading.current_thread().name)),
     )
     file = written(tmp_path / "a.mcap", 10, durable=True)

@@ -10,8 +10,8 @@ pytest.importorskip("std_msgs.msg")
 from sensor_msgs.msg import Joy
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 
-from forest_msgs_py import messages
-from forest_msgs_py.topics import JOINTS, PRESSURES, VALVE_COMMANDS
+from forest_msgs_py.interfaces import messages
+from forest_msgs_py.interfaces.topics import JOINTS, PRESSURES, VALVE_COMMANDS
 
 STAMP = 1_700_000_000_123_456_789
 NOW = 42

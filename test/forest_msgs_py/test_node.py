@@ -10,7 +10,8 @@ pytest.importorskip("rclpy")
 
 from rclpy.executors import SingleThreadedExecutor
 
-from forest_msgs_py import environment, messages, node, topics
+from forest_msgs_py.interfaces import messages, topics
+from forest_msgs_py.runtime import environment, node
 
 TALKER = str(Path(__file__).with_name("talker.py"))
 

@@ -8,9 +8,9 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_msgs_py import messages, topics
-from forest_msgs_py.pictures import draw_all, tip_error
-from forest_msgs_py.series import NotInBag, read_bag
+from forest_bag.plots.standard_plots import draw_all, tip_error
+from forest_bag.read.timeseries import NotInBag, read_bag
+from forest_msgs_py.interfaces import messages, topics
 
 START = 1_700_000_000_000_000_000
 PERIOD = 5_000_000

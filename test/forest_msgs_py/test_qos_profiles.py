@@ -2,8 +2,8 @@
 
 import pytest
 
-from forest_msgs_py import topics
-from forest_msgs_py.qos_profiles import Qos, for_replay, offered
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.qos_profiles import Qos, for_replay, offered
 
 NEVER = {"sec": 9223372036, "nsec": 854775807}
 

@@ -8,10 +8,10 @@ import yaml
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
-from forest_msgs_py.bag_files import BagError, bag_files
-from forest_msgs_py.bag_writer import Attached, BagWriter, Layout
-from forest_msgs_py.mcap_records import MAGIC
-from forest_msgs_py.recovery import recover
+from forest_bag.recovery.bag_recovery import recover
+from forest_bag.storage.bag_files import BagError, bag_files
+from forest_bag.storage.mcap_records import MAGIC
+from forest_bag.write.bag_writer import Attached, BagWriter, Layout
 
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
 QOS = {
@@ -31,8 +31,8 @@ ONE = b"\x00\x01\x00\x00" + bytes(6) + b"\xf0\x3f"  # std_msgs/Float64 1.0 as li
 @pytest.fixture(autouse=True)
 def quick_disk(monkeypatch):
     """Nobody pulls the plug here."""
-    for module in ("append_file", "bag_metadata"):
-        monkeypatch.setattr(f"forest_msgs_py.{module}.os.fsync", lambda _: None)
+    for module in ("append_file", "metadata"):
+        monkeypatch.setattr(f"forest_bag.storage.{module}.os.fsync", lambda _: None)
 
 
 def recorded(directory, compression="zstd", close=True, count=400):

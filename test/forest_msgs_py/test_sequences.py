@@ -2,7 +2,7 @@
 
 import random
 
-from forest_msgs_py.sequences import SequenceGaps
+from forest_msgs_py.runtime.sequences import SequenceGaps
 
 
 def test_one_publisher_joined_late_loses_only_what_is_missing_after():

@@ -9,8 +9,8 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Joy
 from std_msgs.msg import Float64MultiArray, String
 
-from forest_msgs_py import messages, topics
-from forest_msgs_py.series import NotInBag, read_bag
+from forest_bag.read.timeseries import NotInBag, read_bag
+from forest_msgs_py.interfaces import messages, topics
 
 START = 1_700_000_000_000_000_000
 PERIOD = 5_000_000

@@ -5,8 +5,8 @@ import sqlite3
 
 import pytest
 
-from forest_msgs_py.bag_reader import BagReader
-from forest_msgs_py.raw_messages import Damaged
+from forest_bag.read.bag_reader import BagReader
+from forest_bag.storage.raw_messages import Damaged
 
 TEXT = "std_msgs/msg/String"
 TABLES = (

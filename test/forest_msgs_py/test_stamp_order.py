@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from forest_msgs_py.stamp_order import NO_STAMP, StampOrder
+from forest_msgs_py.runtime.stamp_order import NO_STAMP, StampOrder
 
 
 def test_of_shuffled_messages_exactly_the_records_pass():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from forest_msgs_py.stamped_period import StampedPeriod, TimeInForce
+from forest_msgs_py.runtime.stamped_period import StampedPeriod, TimeInForce
 
 BEGUN = 1_700_000_000_000_000_000  # [ns]: stamps do not begin at zero
 MS = 1_000_000  # [ns]

@@ -8,9 +8,9 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Joy
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 
-from forest_msgs_py import messages, topics
-from forest_msgs_py.cdr import to_cdr
-from forest_msgs_py.stamps import NO_STAMP, stamp_in
+from forest_msgs_py.interfaces import messages, topics
+from forest_msgs_py.interfaces.stamps import NO_STAMP, stamp_in
+from forest_msgs_py.serialization.cdr import to_cdr
 
 STAMP = 1_700_000_000_123_456_789
 JOY = Joy(axes=[0.5], buttons=[1])

@@ -8,9 +8,9 @@ pytest.importorskip("rclpy")
 
 from rclpy.serialization import deserialize_message
 
-from forest_msgs_py import topics
-from forest_msgs_py.step_account import Account, read_account
-from forest_msgs_py.step_order import Said
+from forest_msgs_py.clock.step_batch import Account, read_account
+from forest_msgs_py.clock.step_order import Said
+from forest_msgs_py.interfaces import topics
 
 
 def told():

@@ -4,12 +4,12 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_msgs_py import topics
-from forest_msgs_py.lockstep import AHEAD
-from forest_msgs_py.node import NodeFailure, publisher
-from forest_msgs_py.step_account import Account
-from forest_msgs_py.step_listener import StepListener
-from forest_msgs_py.step_topics import DEPTH, STEP_NS
+from forest_msgs_py.clock.lockstep import AHEAD
+from forest_msgs_py.clock.step_batch import Account
+from forest_msgs_py.clock.step_listener import StepListener
+from forest_msgs_py.clock.step_topics import DEPTH, STEP_NS
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.runtime.node import NodeFailure, publisher
 
 TOPICS = {"one": topics.JOY, "two": topics.JOINT_STATES, "three": topics.VALVE_COMMANDS}
 

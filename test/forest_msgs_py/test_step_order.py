@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from forest_msgs_py.step_order import Said, StepOrder
+from forest_msgs_py.clock.step_order import Said, StepOrder
 
 ROLLS = {
     "simulator": ("/joint_states J", "/clock C", "/robot_description S latched"),

@@ -6,12 +6,13 @@ pytest.importorskip("rclpy")
 
 import rclpy
 
-from forest_msgs_py import step_topics, topics
-from forest_msgs_py.cdr import to_cdr
-from forest_msgs_py.lockstep import Lockstep
-from forest_msgs_py.messages import float_array
-from forest_msgs_py.step_topics import LATE, STEP_NS, StepInbox, silent_steps
-from forest_msgs_py.unpacking import ArrayReader
+from forest_msgs_py.clock import step_topics
+from forest_msgs_py.clock.lockstep import Lockstep
+from forest_msgs_py.clock.step_topics import LATE, STEP_NS, StepInbox, silent_steps
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import float_array
+from forest_msgs_py.serialization.cdr import to_cdr
+from forest_msgs_py.serialization.unpacking import ArrayReader
 
 
 class Queue:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from forest_msgs_py import topics
-from forest_msgs_py.topics import TOPICS, Topic
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.topics import TOPICS, Topic
 
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "topics.md"
 ROS_WORLD = {"/clock", "/diagnostics", "/rosout"}
@@ -43,7 +43,7 @@ def test_the_twelve_transducers_are_named_by_axis_port_and_place():
 
 
 def test_the_table_needs_no_ros():
-    code = "import sys, forest_msgs_py.topics; sys.exit('rclpy' in sys.modules)"
+    code = "import sys, forest_msgs_py.interfaces.topics; sys.exit('rclpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -11,10 +11,10 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState, Joy
 from std_msgs.msg import Float64MultiArray
 
-from forest_msgs_py import messages, topics
-from forest_msgs_py.cdr import to_cdr
-from forest_msgs_py.messages import float_array, joint_state, ns_to_stamp, sensor_array
-from forest_msgs_py.unpacking import ArrayReader, JointReader, read_joy_data
+from forest_msgs_py.interfaces import messages, topics
+from forest_msgs_py.interfaces.messages import float_array, joint_state, ns_to_stamp, sensor_array
+from forest_msgs_py.serialization.cdr import to_cdr
+from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader, read_joy_data
 
 STAMP, NOW = 1_700_000_000_123_456_789, 5
 NAN, INF = math.nan, math.inf

@@ -5,19 +5,19 @@ import pytest
 import sympy
 from sympy import Abs, Symbol, sign, sqrt
 
-from forest_description.linkage import lever_arm
+from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
-from forest_sim.actuation_graphs import (
+from forest_sim.linear_graph.actuation_graphs import (
     cylinder,
     cylinder_with_pi_hoses,
     cylinder_with_relief,
     cylinder_with_two_lumps,
     swing,
 )
-from forest_sim.linear_graph import Branch, Domain, Kind
-from forest_sim.manipulator import dynamics, fold_head
-from forest_sim.plant import thesis_state_derivative
-from forest_sim.state_equations import state_equations
+from forest_sim.linear_graph.linear_graph import Branch, Domain, Kind
+from forest_sim.linear_graph.state_equations import state_equations
+from forest_sim.mechanics.manipulator import dynamics, fold_head
+from forest_sim.solver.plant import thesis_state_derivative
 
 THESIS = load_machine("c180_thesis")
 SWING, CYLINDER = state_equations(swing()), state_equations(cylinder())

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim.actuator import actuator_force, cylinder, inlet_flow, motor, outlet_flow, port_pressures
+from forest_sim.hydraulics.actuator import (
+    actuator_force,
+    cylinder,
+    inlet_flow,
+    motor,
+    outlet_flow,
+    port_pressures,
+)
 
 MACHINE = load_machine("c180")
 SWING = MACHINE.swing

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from forest_description.limits import joint_limits
+from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
-from forest_sim import inputs
-from forest_sim.batch import Job, simulate_many, simulate_one
-from forest_sim.recording import STATE
-from forest_sim.simulation import Run, RunError
+from forest_sim.run import inputs
+from forest_sim.run.batch import Job, simulate_many, simulate_one
+from forest_sim.run.simulation import Run, RunError
+from forest_sim.solver.state_recording import STATE
 
 C180 = load_machine("c180")
 RUN = Run(0.5, 100.0)

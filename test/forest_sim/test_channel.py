@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_sim.channel import (
+from forest_sim.sensors.sensor_model import (
     ABSENT,
     DROPPED,
     EXACT,

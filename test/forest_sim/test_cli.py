@@ -12,12 +12,13 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_description.machine_tree import shipped_machines
-from forest_msgs_py import topics
-from forest_msgs_py.series import read_bag
-from forest_sim import cli, commands
-from forest_sim.cli import main
-from forest_sim.compiled import fastest_record
+from forest_bag.read.timeseries import read_bag
+from forest_description.config.source_tree import shipped_machines
+from forest_msgs_py.interfaces import topics
+from forest_sim.cli import commands
+from forest_sim.cli import main as cli
+from forest_sim.cli.main import main
+from forest_sim.solver.plant_kernel import fastest_record
 
 PICTURES = {"tip_path.png", "joints.png", "voltages.png", "hydraulics.png", "spools.png", "power.png"}
 
@@ -38,7 +39,7 @@ def forest_sim(capsys):
 @pytest.fixture
 def no_pictures(monkeypatch):
     """Leave out what takes longest where pictures are not the claim."""
-    monkeypatch.setattr("forest_sim.figures.draw_run", lambda *_: [])
+    monkeypatch.setattr("forest_sim.analysis.plots.draw_run", lambda *_: [])
 
 
 def png_size(path):
@@ -239,9 +240,9 @@ def test_a_bad_voltage_file_is_told_by_line(forest_sim, tmp_path):
 
 
 def test_without_llvm_it_runs_and_says_once_how_to_be_faster(forest_sim, tmp_path, monkeypatch):
-    for module in ("compiled", "commands"):
+    for module in ("solver.plant_kernel", "cli.commands"):
         monkeypatch.setattr(f"forest_sim.{module}.can_compile", lambda: False)
-    assert fastest_record().__module__ == "forest_sim.recording"
+    assert fastest_record().__module__ == "forest_sim.solver.state_recording"
     code, _, err = forest_sim("simulate", "--duration", "0.2", "--out", tmp_path / "run")
     assert code == 0
     assert err.count("pip install 'forest-crane[fast]'") == 1
@@ -252,7 +253,7 @@ def test_a_full_disk_is_told_with_the_place(forest_sim, tmp_path, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("forest_sim.trajectory_files.TrajectoryFiles.write", full)
+    monkeypatch.setattr("forest_sim.run.trajectory_files.TrajectoryFiles.write", full)
     code, _, err = forest_sim("simulate", "--duration", "0.2", "--out", tmp_path / "run")
     assert code == 1
     assert err == f"forest-sim: {tmp_path}/run: No space left on device\n"
@@ -261,7 +262,7 @@ def test_a_full_disk_is_told_with_the_place(forest_sim, tmp_path, monkeypatch):
 def test_a_run_that_is_terminated_leaves_a_bag_that_opens(tmp_path):
     """`timeout` and batch systems say SIGTERM, which used to leave an MCAP without index or metadata."""
     arguments = ("--duration", "100000", "--out", str(tmp_path / "run"))
-    command = [sys.executable, "-m", "forest_sim.cli", "simulate", *arguments]
+    command = [sys.executable, "-m", "forest_sim.cli.main", "simulate", *arguments]
     run = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     rows = tmp_path / "run" / "trajectory.csv"
     for _ in range(6000):

@@ -4,8 +4,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_msgs_py import topics
-from forest_msgs_py.messages import read_float_array
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import read_float_array
 
 ROWS = "time,swing,boom,stick\n0,1.5,0,0\n0.3,0,-2,0\n0.6,0,0,0\n"
 COMMANDER = "forest_sim.commander_node"

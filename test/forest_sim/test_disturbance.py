@@ -5,19 +5,19 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.kinematics import tip_position
-from forest_description.limits import pose_at, start_tip
+from forest_description.derived.limits import pose_at, start_tip
+from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import AXES, load_machine
-from forest_sim.compiled import compiled_advance
-from forest_sim.disturbance import (
+from forest_sim.run.disturbance import (
     GREATEST_FORCE,
     Disturbance,
     checked_tip_force,
     disturbed,
     parse_stuck_spools,
 )
-from forest_sim.equilibrium import equilibrium
-from forest_sim.parameters import plant_parameters
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_kernel import compiled_advance
 
 C180 = load_machine("c180")
 START = (0.0, 0.5, -1.5)

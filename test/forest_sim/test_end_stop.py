@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_sim.end_stop import EndStop, end_stop_force, end_stop_resistance
+from forest_sim.mechanics.end_stop import EndStop, end_stop_force, end_stop_resistance
 
 STOP = EndStop(lower=1.3, upper=2.2, stiffness=3e8, damping=2e6)
 NONE = EndStop(-math.inf, math.inf, 0.0, 0.0)

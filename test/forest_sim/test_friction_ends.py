@@ -9,15 +9,20 @@ import pytest
 from scipy.integrate import quad
 from test_modes import rates_after
 
-from forest_description.linkage import lever_arm
+from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
-from forest_sim.cli import main
-from forest_sim.friction import FRICTIONLESS, Friction, friction_force, friction_slope
-from forest_sim.friction_ends import equivalent_damping, friction_ends, rubbing_axes, without_dry_friction
-from forest_sim.mode_map import map_csv, mode_map
-from forest_sim.modes import modes, slow_modes
-from forest_sim.parameters import plant_parameters
-from forest_sim.simulation import start_angles
+from forest_sim.analysis.friction_ends import (
+    equivalent_damping,
+    friction_ends,
+    rubbing_axes,
+    without_dry_friction,
+)
+from forest_sim.analysis.mode_map import map_csv, mode_map
+from forest_sim.analysis.modes import modes, slow_modes
+from forest_sim.cli.main import main
+from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force, friction_slope
+from forest_sim.run.simulation import start_angles
+from forest_sim.solver.parameters import plant_parameters
 
 LOADER = load_machine("loader")
 P = plant_parameters(LOADER)

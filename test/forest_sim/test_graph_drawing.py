@@ -5,8 +5,8 @@ from itertools import combinations
 
 import pytest
 
-from forest_sim.graph_drawing import COLOURS, NAME_PX, NAME_RISE, svg
-from forest_sim.graph_geometry import (
+from forest_sim.linear_graph.drawing import COLOURS, NAME_PX, NAME_RISE, svg
+from forest_sim.linear_graph.drawing_geometry import (
     Box,
     Label,
     Layout,
@@ -20,9 +20,9 @@ from forest_sim.graph_geometry import (
     sideways,
     width,
 )
-from forest_sim.graph_layouts import CIRCUITS
-from forest_sim.linear_graph import Branch, Domain, Kind
-from forest_sim.normal_tree import normal_tree
+from forest_sim.linear_graph.layouts import CIRCUITS
+from forest_sim.linear_graph.linear_graph import Branch, Domain, Kind
+from forest_sim.linear_graph.normal_tree import normal_tree
 
 ALL = pytest.mark.parametrize("circuit", CIRCUITS, ids=lambda c: c.file)
 SVG = "{http://www.w3.org/2000/svg}"

@@ -2,10 +2,10 @@
 
 import pytest
 
-from forest_sim.actuation_graphs import cylinder, swing
-from forest_sim.graph_notation import latex, law, symbol_names, two_port_laws
-from forest_sim.linear_graph import Branch, Domain, Kind
-from forest_sim.state_equations import across_symbol, through_symbol
+from forest_sim.linear_graph.actuation_graphs import cylinder, swing
+from forest_sim.linear_graph.linear_graph import Branch, Domain, Kind
+from forest_sim.linear_graph.notation import latex, law, symbol_names, two_port_laws
+from forest_sim.linear_graph.state_equations import across_symbol, through_symbol
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,9 @@ import pytest
 import sympy
 from sympy import Symbol
 
-from forest_sim import graph_page
-from forest_sim.graph_layouts import CIRCUITS
-from forest_sim.graph_page import name_denominators
+from forest_sim.linear_graph import page as graph_page
+from forest_sim.linear_graph.layouts import CIRCUITS
+from forest_sim.linear_graph.page import name_denominators
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
@@ -24,7 +24,9 @@ def test_the_committed_files_are_what_the_command_writes(written):
     committed = {f"graphs/{path.name}" for path in (DOCS / "graphs").iterdir()} | {"linear-graphs.md"}
     assert committed == set(written)
     for name, text in written.items():
-        assert (DOCS / name).read_text("utf-8") == text, f"{name}: run python -m forest_sim.graph_page docs"
+        assert (DOCS / name).read_text("utf-8") == text, (
+            f"{name}: run python -m forest_sim.linear_graph.page docs"
+        )
 
 
 def test_the_command_writes_all_files(written, tmp_path, monkeypatch):
@@ -69,12 +71,12 @@ def test_sums_under_a_fraction_get_names():
 def test_without_sympy_the_command_names_it_and_writes_nothing(tmp_path):
     absent = (
         "import runpy, sys; sys.modules['sympy'] = None; "
-        "runpy.run_module('forest_sim.graph_page', run_name='__main__')"
+        "runpy.run_module('forest_sim.linear_graph.page', run_name='__main__')"
     )
     done = subprocess.run(
         [sys.executable, "-c", absent, str(tmp_path)], capture_output=True, text=True, check=False
     )
     assert done.returncode == 1
-    assert done.stderr.startswith("graph_page needs sympy; allowed: scripts/setup.sh test")
+    assert done.stderr.startswith("the page needs sympy; allowed: scripts/setup.sh test")
     assert done.stderr.count("\n") == 1
     assert not any(tmp_path.iterdir())

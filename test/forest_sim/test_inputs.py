@@ -5,8 +5,8 @@ import pickle
 import numpy as np
 import pytest
 
-from forest_sim import inputs
-from forest_sim.inputs import InputError, read_voltages
+from forest_sim.run import inputs
+from forest_sim.run.inputs import InputError, read_voltages
 
 
 def volts(voltages, *times):

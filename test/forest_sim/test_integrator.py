@@ -6,16 +6,22 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from forest_description.kinematics import inverse_kinematics
+from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
-from forest_sim.compiled import compiled_advance
-from forest_sim.equilibrium import equilibrium
-from forest_sim.integrator import GAMMA, Simulation, spools_after, step
-from forest_sim.parameters import plant_parameters
-from forest_sim.plant import from_array, state_derivative, thesis_state_derivative, to_array, valve_ports
-from forest_sim.port import is_shut
-from forest_sim.spool import Spool
-from forest_sim.stage import solve_stage
+from forest_sim.hydraulics.port import is_shut
+from forest_sim.hydraulics.spool import Spool
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.implicit_stage import solve_stage
+from forest_sim.solver.integrator import GAMMA, Simulation, spools_after, step
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant import (
+    from_array,
+    state_derivative,
+    thesis_state_derivative,
+    to_array,
+    valve_ports,
+)
+from forest_sim.solver.plant_kernel import compiled_advance
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 SCALE = np.tile([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3], 3)
@@ -152,7 +158,7 @@ def test_end_stops_keep_every_joint_in_its_limits(direction):
     end = steps(C180, equilibrium(START, p), (direction * 10.0,) * 3, 8000)
     for axis, state in ((p.boom, end.plant.boom), (p.stick, end.plant.stick)):
         linkage = p.boom_linkage if axis is p.boom else p.stick_linkage
-        from forest_description.linkage import cylinder_length
+        from forest_description.geometry.linkage import cylinder_length
 
         position = cylinder_length(state.angle, linkage)
         assert axis.stop.lower - 0.005 < position < axis.stop.upper + 0.005

@@ -6,9 +6,16 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim.line import PortGuard, drained, flow_rate, guard_flow, pressure_rate, solve_line
-from forest_sim.parameters import NO_GUARD
-from forest_sim.port import Port
+from forest_sim.hydraulics.hydraulic_line import (
+    PortGuard,
+    drained,
+    flow_rate,
+    guard_flow,
+    pressure_rate,
+    solve_line,
+)
+from forest_sim.hydraulics.port import Port
+from forest_sim.solver.parameters import NO_GUARD
 
 MACHINE = load_machine("c180")
 LINE = MACHINE.line(2, 1)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from forest_sim.linear_graph import Branch, Domain, GraphError, Kind, LinearGraph
+from forest_sim.linear_graph.linear_graph import Branch, Domain, GraphError, Kind, LinearGraph
 
 SOURCE = Branch("P_s", Kind.ACROSS_SOURCE, "supply", "tank", "P_s")
 RESISTANCE = Branch("R", Kind.D_TYPE, "supply", "port", "R")

@@ -6,12 +6,18 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.kinematics import tip_position
-from forest_description.load import Log
+from forest_description.components.load import Log
+from forest_description.config.parameter import derived
+from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
-from forest_description.parameter import derived
-from forest_sim import manipulator
-from forest_sim.manipulator import dynamics, fold_head, kinetic_energy, potential_energy, tip_load_torques
+from forest_sim.mechanics import manipulator
+from forest_sim.mechanics.manipulator import (
+    dynamics,
+    fold_head,
+    kinetic_energy,
+    potential_energy,
+    tip_load_torques,
+)
 
 MANIPULATOR, THESIS = load_machine("c180").manipulator, load_machine("c180_thesis").manipulator
 BODY = fold_head(MANIPULATOR)

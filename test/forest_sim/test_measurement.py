@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.linkage import lever_arm
+from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
-from forest_msgs_py import topics
-from forest_sim import sensors
-from forest_sim.equilibrium import equilibrium
-from forest_sim.parameters import plant_parameters
-from forest_sim.sensor_faults import parse_faults
-from forest_sim.sensor_suite import EXACT_SUITE, draw, noise_generator, sensor_suite
+from forest_msgs_py.interfaces import topics
+from forest_sim.sensors import sensor_readings
+from forest_sim.sensors.sensor_faults import parse_faults
+from forest_sim.sensors.sensor_suite import EXACT_SUITE, draw, noise_generator, sensor_suite
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
 
 MACHINE = load_machine("c180")
 P = plant_parameters(MACHINE)
@@ -24,9 +24,9 @@ LABELS = topics.PRESSURES.labels
 
 def watch(simulation, suite, count, dt=DT):
     """What a suite says of a machine that stands still, `count` times."""
-    state, generator, said = sensors.at_rest(simulation, P, suite), noise_generator(suite), []
+    state, generator, said = sensor_readings.at_rest(simulation, P, suite), noise_generator(suite), []
     for _ in range(count):
-        state, seen = sensors.measure(simulation, state, P, dt, suite, draw(generator))
+        state, seen = sensor_readings.measure(simulation, state, P, dt, suite, draw(generator))
         said.append(seen)
     return said
 
@@ -69,10 +69,10 @@ def test_the_swings_resolver_serves_joint_and_motor():
 
 def turning(suite, count):
     """Rates of a swing that turns at 0.4 rad/s, as a suite's speed estimate has them."""
-    state, simulation, rates = sensors.at_rest(REST, P, suite), REST, []
+    state, simulation, rates = sensor_readings.at_rest(REST, P, suite), REST, []
     for _ in range(count):
         simulation = turned(simulation, 0.4 * DT)
-        state, seen = sensors.measure(simulation, state, P, DT, suite, draw(DICE))
+        state, seen = sensor_readings.measure(simulation, state, P, DT, suite, draw(DICE))
         rates.append(seen.joints.speed[0])
     return np.array(rates)
 

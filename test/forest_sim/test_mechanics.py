@@ -5,18 +5,18 @@ import dataclasses
 import numpy as np
 import pytest
 
-from forest_description.kinematics import tip_position
-from forest_description.load import Pendulum
+from forest_description.components.load import Pendulum
+from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Cushion, load_machine
-from forest_sim.disturbance import checked_tip_force
-from forest_sim.equilibrium import equilibrium
-from forest_sim.mechanics import HANGING_STILL, Inertia, mechanics, resisted, solve, times
-from forest_sim.parameters import plant_parameters
-from forest_sim.plant import passive_force, ports_at, supply_draw
-from forest_sim.port import port_pressure
-from forest_sim.power import AxisPower, PowerFlows, SupplyPower
-from forest_sim.spool import Spool
-from forest_sim.thermal import heat
+from forest_sim.hydraulics.port import port_pressure
+from forest_sim.hydraulics.spool import Spool
+from forest_sim.run.disturbance import checked_tip_force
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.multibody import HANGING_STILL, Inertia, mechanics, resisted, solve, times
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant import passive_force, ports_at, supply_draw
+from forest_sim.solver.power import AxisPower, PowerFlows, SupplyPower
+from forest_sim.solver.thermal import heat
 
 C180 = load_machine("c180")
 HANGING = dataclasses.replace(

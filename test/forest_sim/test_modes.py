@@ -7,16 +7,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from forest_description.linkage import lever_arm
-from forest_description.load import Pendulum
+from forest_description.components.load import Pendulum
+from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Friction, load_machine
-from forest_sim.compiled import compiled_advance
-from forest_sim.manipulator import dynamics
-from forest_sim.mode_map import mode_map
-from forest_sim.modes import modes, operating_point, slow_modes, unguarded
-from forest_sim.parameters import plant_parameters
-from forest_sim.plant import ports_at, state_derivative
-from forest_sim.simulation import start_angles
+from forest_sim.analysis.mode_map import mode_map
+from forest_sim.analysis.modes import modes, operating_point, slow_modes, unguarded
+from forest_sim.mechanics.manipulator import dynamics
+from forest_sim.run.simulation import start_angles
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant import ports_at, state_derivative
+from forest_sim.solver.plant_kernel import compiled_advance
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 START = start_angles(C180)

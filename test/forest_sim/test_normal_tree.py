@@ -2,10 +2,10 @@
 
 import pytest
 
-from forest_sim.actuation_graphs import cylinder, swing
-from forest_sim.graph_layouts import CIRCUITS
-from forest_sim.linear_graph import Branch, Domain, GraphError, Kind, LinearGraph
-from forest_sim.normal_tree import normal_tree
+from forest_sim.linear_graph.actuation_graphs import cylinder, swing
+from forest_sim.linear_graph.layouts import CIRCUITS
+from forest_sim.linear_graph.linear_graph import Branch, Domain, GraphError, Kind, LinearGraph
+from forest_sim.linear_graph.normal_tree import normal_tree
 
 TURNING = Domain.ROTATION
 PUMP = Branch("P_s", Kind.ACROSS_SOURCE, "supply", "tank", "P_s")

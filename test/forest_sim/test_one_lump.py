@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from forest_description.limits import joint_limits
-from forest_description.linkage import lever_arm
-from forest_description.lump import lump_limit
+from forest_description.derived.limits import joint_limits
+from forest_description.derived.line_bandwidth import lump_limit
+from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import AXES, load_machine
-from forest_sim.check import warnings
-from forest_sim.manipulator import dynamics
-from forest_sim.modes import SHUT, modes, slow_modes
-from forest_sim.parameters import plant_parameters
-from forest_sim.simulation import start_angles
+from forest_sim.analysis.check import warnings
+from forest_sim.analysis.modes import SHUT, modes, slow_modes
+from forest_sim.mechanics.manipulator import dynamics
+from forest_sim.run.simulation import start_angles
+from forest_sim.solver.parameters import plant_parameters
 
 DOCS = Path(__file__).parents[2] / "docs" / "equations.md"
 C180 = load_machine("c180")
@@ -96,7 +96,7 @@ def test_the_docs_have_the_limits_and_the_command_warns_of_the_hoses_that_they_c
 
 
 def test_the_docs_have_both_ends_of_the_loaders_dry_friction(capsys):
-    from forest_sim.cli import main
+    from forest_sim.cli.main import main
 
     assert main(["modes", "--machine", "loader"]) == 0
     small, large = capsys.readouterr().out.split("large oscillations")

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim import inputs, pace
-from forest_sim.recording import STATE
-from forest_sim.simulation import Run, start_angles, whole
+from forest_sim.run import inputs
+from forest_sim.run.simulation import Run, start_angles, whole
+from forest_sim.solver import step_schedule
+from forest_sim.solver.state_recording import STATE
 
 THESIS = load_machine("c180_thesis")
 START = start_angles(THESIS)
@@ -15,30 +16,33 @@ START = start_angles(THESIS)
 @pytest.mark.parametrize("period", [1e-3, 5e-3, 1.0 / 60.0, 0.1])
 def test_steps_fill_every_row_and_are_never_longer_than_the_longest(period):
     jumped = np.random.default_rng(1).uniform(size=200) < 0.05
-    given = pace.after_jumps(jumped, period)
+    given = step_schedule.after_jumps(jumped, period)
     np.testing.assert_allclose(given.steps * given.counts, period, rtol=1e-12)
-    assert given.steps.max() <= pace.LONGEST * (1.0 + 1e-9)
-    assert set(np.unique(given.counts)) == {pace.long_steps(period), pace.FINER * pace.long_steps(period)}
+    assert given.steps.max() <= step_schedule.LONGEST * (1.0 + 1e-9)
+    assert set(np.unique(given.counts)) == {
+        step_schedule.long_steps(period),
+        step_schedule.FINER * step_schedule.long_steps(period),
+    }
 
 
 def test_steps_are_short_from_a_jump_on_and_for_as_long_as_hoses_ring():
     jumped = np.zeros(30, dtype=bool)
     jumped[10] = True
-    short = pace.after_jumps(jumped, 5e-3).counts > 3
+    short = step_schedule.after_jumps(jumped, 5e-3).counts > 3
     np.testing.assert_array_equal(np.flatnonzero(short), np.arange(10, 18))
 
 
 def test_a_jump_is_found_and_a_fast_sinusoid_is_none():
-    times = (np.arange(300) + 0.5) * pace.LONGEST
+    times = (np.arange(300) + 0.5) * step_schedule.LONGEST
     wave = np.outer(5.0 * np.sin(2.0 * np.pi * 4.0 * times), np.ones(3))
-    assert not pace.jumps(wave, np.zeros(3), 100).any()
+    assert not step_schedule.jumps(wave, np.zeros(3), 100).any()
     wave[150:, 1] += 1.0
-    np.testing.assert_array_equal(np.flatnonzero(pace.jumps(wave, np.zeros(3), 100)), [50])
+    np.testing.assert_array_equal(np.flatnonzero(step_schedule.jumps(wave, np.zeros(3), 100)), [50])
 
 
 def test_middles_lie_in_the_middle_of_the_steps():
-    given = pace.Pace(np.array([0.5, 1.0]), np.array([2.0, 1.0]))
-    np.testing.assert_allclose(pace.middles(given, 3.0), [3.25, 3.75, 4.5])
+    given = step_schedule.Pace(np.array([0.5, 1.0]), np.array([2.0, 1.0]))
+    np.testing.assert_allclose(step_schedule.middles(given, 3.0), [3.25, 3.75, 4.5])
 
 
 def error(run, reference):

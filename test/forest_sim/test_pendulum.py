@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from forest_description.load import Pendulum
+from forest_description.components.load import Pendulum
 from forest_description.machine import load_machine
-from forest_sim import pendulum
-from forest_sim.manipulator import dynamics, fold_head, kinetic_energy, potential_energy
-from forest_sim.pendulum import (
+from forest_sim.mechanics import pendulum
+from forest_sim.mechanics.manipulator import dynamics, fold_head, kinetic_energy, potential_energy
+from forest_sim.mechanics.pendulum import (
     HangingHead,
     hanging_angles,
     hanging_head,

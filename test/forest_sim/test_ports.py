@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim.line import PortGuard, flow_rate, pressure_rate, solve_line, supply_coupling
-from forest_sim.parameters import NO_GUARD
-from forest_sim.port import Port, edge_flow, edge_flows, meet, port_flow
+from forest_sim.hydraulics.hydraulic_line import (
+    PortGuard,
+    flow_rate,
+    pressure_rate,
+    solve_line,
+    supply_coupling,
+)
+from forest_sim.hydraulics.port import Port, edge_flow, edge_flows, meet, port_flow
+from forest_sim.solver.parameters import NO_GUARD
 
 LINE = load_machine("c180").line(2, 1)
 GUARD = PortGuard(24e6, 1e-8, 0.0, 1e-7)

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from forest_description.kinematics import inverse_kinematics, tip_velocity
-from forest_description.load import Pendulum
+from forest_description.components.load import Pendulum
+from forest_description.geometry.kinematics import inverse_kinematics, tip_velocity
 from forest_description.machine import Cushion, Friction, load_machine
-from forest_sim.compiled import compiled_advance
-from forest_sim.equilibrium import equilibrium
-from forest_sim.manipulator import kinetic_energy, potential_energy
-from forest_sim.parameters import plant_parameters
-from forest_sim.pendulum import pendulum_kinetic_energy, pendulum_potential_energy
-from forest_sim.plant import ports_at, state_derivative
-from forest_sim.power import power_flows
+from forest_sim.mechanics.manipulator import kinetic_energy, potential_energy
+from forest_sim.mechanics.pendulum import pendulum_kinetic_energy, pendulum_potential_energy
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant import ports_at, state_derivative
+from forest_sim.solver.plant_kernel import compiled_advance
+from forest_sim.solver.power import power_flows
 
 THESIS, C180 = load_machine("c180_thesis"), load_machine("c180")
 LEAKY = replace(C180.valve, deadband_voltage=-0.3, leakage_conductance=1e-13, port_2_area=0.7)

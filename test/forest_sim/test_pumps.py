@@ -5,9 +5,9 @@ from dataclasses import fields
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim import inputs
-from forest_sim.pumps import SORTS, compare, table, with_pump
-from forest_sim.simulation import Run, start_angles
+from forest_sim.analysis.pump_comparison import SORTS, compare, table, with_pump
+from forest_sim.run import inputs
+from forest_sim.run.simulation import Run, start_angles
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 

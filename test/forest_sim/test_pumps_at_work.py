@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from full_machine import BAND, PRESSURE, RELIEF, START, advance, full_machine, with_pump
 
-from forest_sim.equilibrium import equilibrium
-from forest_sim.parameters import plant_parameters
-from forest_sim.plant import ports_at, supply_draw
-from forest_sim.sensors import at_rest, measure
-from forest_sim.supply import available_flow, pump_flow
+from forest_sim.hydraulics.supply import available_flow, pump_flow
+from forest_sim.sensors.sensor_readings import at_rest, measure
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant import ports_at, supply_draw
 
 FULL = (10.0, 10.0, 10.0)
 

@@ -5,12 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from forest_description.load import Log, Pendulum
+from forest_description.components.load import Log, Pendulum
+from forest_description.derived.passive_joints import HEAD_JOINTS
 from forest_description.machine import load_machine
-from forest_description.passive_joints import HEAD_JOINTS
-from forest_description.urdf import robot_description
-from forest_sim.manipulator import dynamics, fold_head
-from forest_sim.pendulum import hanging_head, pendulum_dynamics
+from forest_description.urdf.robot_description import robot_description
+from forest_sim.mechanics.manipulator import dynamics, fold_head
+from forest_sim.mechanics.pendulum import hanging_head, pendulum_dynamics
 
 pin = pytest.importorskip("pinocchio", reason="the rigid-body library (PyPI: pin) is not installed")
 

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from forest_sim.channel import ABSENT, DROPPED, FROZEN, WORKS
-from forest_sim.sensor_faults import ALLOWED, parse_faults
-from forest_sim.sensor_suite import CHANNELS, Fault
+from forest_sim.sensors.sensor_faults import ALLOWED, parse_faults
+from forest_sim.sensors.sensor_model import ABSENT, DROPPED, FROZEN, WORKS
+from forest_sim.sensors.sensor_suite import CHANNELS, Fault
 
 
 @pytest.mark.parametrize(

@@ -4,16 +4,16 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_compile.kept import Kept
+from forest_compile.kernel_cache import Kept
 from forest_description.machine import load_machine
-from forest_sim import sensor_run
-from forest_sim.compiled import compiled_advance
-from forest_sim.equilibrium import equilibrium
-from forest_sim.parameters import plant_parameters
-from forest_sim.sensor_faults import parse_faults
-from forest_sim.sensor_run import SensorRun
-from forest_sim.sensor_suite import sensor_suite
-from forest_sim.sensors import surroundings
+from forest_sim.sensors import sensor_run
+from forest_sim.sensors.sensor_faults import parse_faults
+from forest_sim.sensors.sensor_readings import surroundings
+from forest_sim.sensors.sensor_run import SensorRun
+from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_kernel import compiled_advance
 
 DT = 0.005
 FAULTS = "boom_resolver: drop 30 %; swing_flow: absent; stick_pressure_1_valve: frozen from 0.1 s until 0.2 s"

@@ -6,11 +6,11 @@ import math
 import numpy as np
 import pytest
 
+from forest_description.config.units import UNITS
 from forest_description.machine import load_machine
-from forest_description.units import UNITS
-from forest_sim.channel import ABSENT, DROPPED, EXACT, FROZEN, WORKS
-from forest_sim.sensor_faults import parse_faults
-from forest_sim.sensor_suite import (
+from forest_sim.sensors.sensor_faults import parse_faults
+from forest_sim.sensors.sensor_model import ABSENT, DROPPED, EXACT, FROZEN, WORKS
+from forest_sim.sensors.sensor_suite import (
     CHANNELS,
     KINDS,
     NO_DRAWS,

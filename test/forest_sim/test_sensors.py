@@ -7,15 +7,15 @@ import time
 import numpy as np
 import pytest
 
-from forest_description.linkage import cylinder_length, lever_arm
+from forest_description.geometry.linkage import cylinder_length, lever_arm
 from forest_description.machine import load_machine
-from forest_msgs_py import topics
-from forest_sim import sensors
-from forest_sim.compiled import compiled_advance
-from forest_sim.equilibrium import equilibrium
-from forest_sim.measurement import SPEED_BANDWIDTH
-from forest_sim.parameters import plant_parameters
-from forest_sim.sensor_suite import CHANNELS, EXACT_SUITE, draw, noise_generator, sensor_suite
+from forest_msgs_py.interfaces import topics
+from forest_sim.sensors import sensor_readings
+from forest_sim.sensors.sensor_suite import CHANNELS, EXACT_SUITE, draw, noise_generator, sensor_suite
+from forest_sim.sensors.signal_processing import SPEED_BANDWIDTH
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_kernel import compiled_advance
 
 MACHINE, THESIS = load_machine("c180"), load_machine("c180_thesis")
 P = plant_parameters(MACHINE)
@@ -27,14 +27,14 @@ D = MACHINE.swing.gear_ratio * MACHINE.swing.motor_displacement
 
 
 def measure(simulation, before=None):
-    return sensors.measure(simulation, before or sensors.at_rest(simulation, P), P, DT)
+    return sensor_readings.measure(simulation, before or sensor_readings.at_rest(simulation, P), P, DT)
 
 
 def watch(simulation, suite, count, dt=DT):
     """What a suite says of a machine that stands still, `count` times."""
-    state, generator, said = sensors.at_rest(simulation, P, suite), noise_generator(suite), []
+    state, generator, said = sensor_readings.at_rest(simulation, P, suite), noise_generator(suite), []
     for _ in range(count):
-        state, seen = sensors.measure(simulation, state, P, dt, suite, draw(generator))
+        state, seen = sensor_readings.measure(simulation, state, P, dt, suite, draw(generator))
         said.append(seen)
     return said
 
@@ -62,7 +62,7 @@ def test_at_rest_positions_are_true_and_speeds_zero():
 
 
 def test_the_estimate_approaches_a_steady_speed_as_a_first_order_low_pass():
-    estimate, simulation = sensors.at_rest(REST, P), REST
+    estimate, simulation = sensor_readings.at_rest(REST, P), REST
     keep = math.exp(-2.0 * math.pi * SPEED_BANDWIDTH * DT)
     for k in range(1, 40):
         simulation = turned(simulation, 0.4 * DT)
@@ -75,14 +75,14 @@ def test_the_estimate_approaches_a_steady_speed_as_a_first_order_low_pass():
 def test_speeds_come_from_sampled_positions_and_not_from_the_true_rate():
     swing = REST.plant.swing._replace(rate=0.7)
     rushing = REST._replace(plant=REST.plant._replace(swing=swing))
-    _, seen = measure(rushing, sensors.at_rest(REST, P))
+    _, seen = measure(rushing, sensor_readings.at_rest(REST, P))
     assert seen.joints.speed == seen.actuators.speed == (0.0, 0.0, 0.0)
-    assert sensors.true_joints(rushing, P).speed == (0.7, 0.0, 0.0)
+    assert sensor_readings.true_joints(rushing, P).speed == (0.7, 0.0, 0.0)
 
 
 def test_cylinder_speed_is_the_joints_times_its_lever_arm():
     before = moving((0.0, 3.0, -3.0), 1.0)
-    estimate, state = sensors.at_rest(before, P), before
+    estimate, state = sensor_readings.at_rest(before, P), before
     for _ in range(60):
         state = compiled_advance()(state, (0.0, 3.0, -3.0), 1e-3, 5, P)
         estimate, seen = measure(state, estimate)
@@ -108,7 +108,7 @@ def test_forces_are_those_of_the_reported_actuator_pressures():
 
 def test_joint_torques_are_forces_times_lever_arms_for_sensors_and_truth_alike():
     state = moving((4.0, 3.0, -3.0), 0.7)
-    seen, true = measure(state)[1], sensors.true_joints(state, P)
+    seen, true = measure(state)[1], sensor_readings.true_joints(state, P)
     q = seen.joints.position
     arms = (1.0, lever_arm(q[1], P.boom_linkage), lever_arm(q[2], P.stick_linkage))
     assert seen.joints.effort == pytest.approx(np.multiply(arms, seen.actuators.effort), rel=1e-12)
@@ -166,11 +166,11 @@ def test_case_drain_is_both_motor_pressures_over_the_external_leakage():
 
 def test_true_values_stand_in_the_order_of_the_channels():
     state = moving((4.0, 3.0, -3.0), 0.7)
-    around = sensors.Surroundings(261.0, (310.0, 320.0, 330.0), (0.01, 0.02))
-    true = dict(zip(CHANNELS, sensors.true_values(state, P, around), strict=True))
+    around = sensor_readings.Surroundings(261.0, (310.0, 320.0, 330.0), (0.01, 0.02))
+    true = dict(zip(CHANNELS, sensor_readings.true_values(state, P, around), strict=True))
     assert [true[f"{axis}_resolver"] for axis in topics.JOINTS] == [s.angle for s in state.plant[:3]]
     assert true["stick_transducer"] == cylinder_length(state.plant.stick.angle, P.stick_linkage)
-    seen = sensors.measure(state, sensors.at_rest(state, P), P, DT, around=around)[1]
+    seen = sensor_readings.measure(state, sensor_readings.at_rest(state, P), P, DT, around=around)[1]
     for label, value in pressures(seen).items():
         axis, place = label.split("_", 1)
         assert true[f"{axis}_pressure_{place}"] == value
@@ -190,9 +190,9 @@ def test_surroundings_are_nominal_with_the_platforms_tilt():
     tilted = dataclasses.replace(
         MACHINE, manipulator=dataclasses.replace(MACHINE.manipulator, platform_tilt=0.1)
     )
-    around = sensors.surroundings(tilted)
+    around = sensor_readings.surroundings(tilted)
     assert around.engine_speed == MACHINE.pump.shaft_speed
-    assert sensors.surroundings(THESIS).engine_speed * 60.0 / (2.0 * math.pi) == pytest.approx(2500.0)
+    assert sensor_readings.surroundings(THESIS).engine_speed * 60.0 / (2.0 * math.pi) == pytest.approx(2500.0)
     assert around.temperatures == (313.15,) * 3
     assert around.tilt == (0.0, 0.1)
 
@@ -226,9 +226,9 @@ def test_a_meter_of_oil_at_rest_shows_its_floor():
 def test_a_meter_shows_63_percent_of_a_step_after_10_ms():
     suite = sensor_suite(THESIS, True)
     flowing = moving((6.0, 0.0, 0.0), 3.0)
-    state = sensors.at_rest(REST, P, suite)
+    state = sensor_readings.at_rest(REST, P, suite)
     for _ in range(2):
-        state, seen = sensors.measure(flowing, state, P, DT, suite)
+        state, seen = sensor_readings.measure(flowing, state, P, DT, suite)
     true = flowing.plant.swing.flow_1
     assert true > 5.0 * THESIS.sensors.flow_meter.lowest
     assert seen.flows[0] == pytest.approx((1.0 - math.exp(-1.0)) * true, rel=6e-4)
@@ -248,9 +248,9 @@ def test_between_samples_readings_are_held_and_speeds_too():
 def test_one_sample_of_all_sensors_fits_into_a_fraction_of_a_period():
     """Interpreted, with noise. The limit is a tenth of a period: the machine may be busy."""
     suite = sensor_suite(MACHINE, True)
-    state, generator, best = sensors.at_rest(REST, P, suite), noise_generator(suite), math.inf
+    state, generator, best = sensor_readings.at_rest(REST, P, suite), noise_generator(suite), math.inf
     for _ in range(300):
         begun = time.thread_time()
-        sensors.measure(REST, state, P, DT, suite, draw(generator))
+        sensor_readings.measure(REST, state, P, DT, suite, draw(generator))
         best = min(best, time.thread_time() - begun)
     assert best < 5e-4

@@ -3,12 +3,12 @@
 import pytest
 
 from forest_description.machine import AXES, load_machine
-from forest_sim.compiled import compiled_advance
-from forest_sim.equilibrium import equilibrium
-from forest_sim.parameters import plant_parameters
-from forest_sim.plant import axis_draw, ports_at
-from forest_sim.power import power_flows
-from forest_sim.sensors import at_rest, measure
+from forest_sim.sensors.sensor_readings import at_rest, measure
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant import axis_draw, ports_at
+from forest_sim.solver.plant_kernel import compiled_advance
+from forest_sim.solver.power import power_flows
 
 MACHINES = [load_machine(name) for name in ("c180_thesis", "c180", "loader")]
 VOLTS = 5.0

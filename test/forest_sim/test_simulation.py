@@ -9,26 +9,19 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim import inputs, recording
-from forest_sim.compiled import compiled_advance, compiled_record, fastest_record
-from forest_sim.energy import Account, account, heat_in, settled, unaccounted
-from forest_sim.equilibrium import equilibrium
-from forest_sim.manipulator import kinetic_energy, potential_energy
-from forest_sim.observation import EXACT, Observer
-from forest_sim.pace import even
-from forest_sim.parameters import plant_parameters
-from forest_sim.power import power_flows
-from forest_sim.recording import ENERGY, STATE, restore
-from forest_sim.simulation import (
-    Run,
-    RunError,
-    blocks,
-    checked_angles,
-    start_angles,
-    substeps,
-    whole,
-)
-from forest_sim.trajectory_files import Thinned
+from forest_sim.mechanics.manipulator import kinetic_energy, potential_energy
+from forest_sim.run import inputs
+from forest_sim.run.energy import Account, account, heat_in, settled, unaccounted
+from forest_sim.run.sensor_log import EXACT, Observer
+from forest_sim.run.simulation import Run, RunError, blocks, checked_angles, start_angles, substeps, whole
+from forest_sim.run.trajectory_files import Thinned
+from forest_sim.solver import state_recording
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_kernel import compiled_advance, compiled_record, fastest_record
+from forest_sim.solver.power import power_flows
+from forest_sim.solver.state_recording import ENERGY, STATE, restore
+from forest_sim.solver.step_schedule import even
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 START = start_angles(C180)
@@ -113,13 +106,13 @@ def test_a_block_without_llvm_is_the_same_one():
     p, volts = plant_parameters(C180), inputs.steps().at(0.5 + np.arange(100) * 1e-3)
     one, other = (np.zeros((20, len(STATE))) for _ in range(2))
     energy, other_energy = (np.zeros((20, len(ENERGY))) for _ in range(2))
-    recording.record(equilibrium(START, p), volts, even(1e-3, 20, 5), p, one, energy)
+    state_recording.record(equilibrium(START, p), volts, even(1e-3, 20, 5), p, one, energy)
     compiled_record()(equilibrium(START, p), volts, even(1e-3, 20, 5), p, other, other_energy)
     np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(energy, other_energy, rtol=1e-6, atol=1e-6)
 
 
-@pytest.mark.parametrize("record", [recording.record, fastest_record()], ids=["interpreted", "fastest"])
+@pytest.mark.parametrize("record", [state_recording.record, fastest_record()], ids=["interpreted", "fastest"])
 def test_states_are_the_same_with_and_without_energies(record):
     p, volts = plant_parameters(C180), inputs.steps().at(0.5 + np.arange(20) * 1e-3)
     one, other = (np.zeros((4, len(STATE))) for _ in range(2))
@@ -168,13 +161,13 @@ def test_a_wrong_power_that_closes_at_every_instant_opens_the_account(part, term
     def left_open():
         states, energies = np.zeros((1, len(STATE))), np.zeros((1, len(ENERGY)))
         start = equilibrium(START, p)
-        recording.record(start, volts, 1e-3, p, states, energies)
+        state_recording.record(start, volts, 1e-3, p, states, energies)
         total = account(energies[0])
         assert abs(unaccounted(total)) < 1e-9 * total.engine
         return abs(unaccounted(settled(total, start, restore(states[0]), p))) / float(total.engine)
 
     sound = left_open()
-    monkeypatch.setattr(recording, "power_flows", wrong)
+    monkeypatch.setattr(state_recording, "power_flows", wrong)
     assert sound < 5e-4
     assert left_open() > 2e-3
 

@@ -12,13 +12,13 @@ from stall import Stall
 
 pytest.importorskip("rclpy")
 
-from forest_description.kinematics import tip_orientation
-from forest_description.limits import start_tip
+from forest_description.derived.limits import start_tip
+from forest_description.geometry.kinematics import tip_orientation
 from forest_description.machine import load_machine
-from forest_description.urdf import robot_description
-from forest_msgs_py import topics
-from forest_msgs_py.messages import float_array, read_float_array, stamp_to_ns
-from forest_sim.sensor_suite import CHANNELS, sensor_suite
+from forest_description.urdf.robot_description import robot_description
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import float_array, read_float_array, stamp_to_ns
+from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
 
 MACHINE = load_machine()
 PERIOD_NS = 5_000_000

@@ -5,9 +5,9 @@ import pytest
 import sympy
 from sympy import Abs, Symbol, sign, sqrt
 
-from forest_sim.graph_layouts import CIRCUITS
-from forest_sim.linear_graph import Branch, Domain, GraphError, Kind, LinearGraph
-from forest_sim.state_equations import state_equations, tidy
+from forest_sim.linear_graph.layouts import CIRCUITS
+from forest_sim.linear_graph.linear_graph import Branch, Domain, GraphError, Kind, LinearGraph
+from forest_sim.linear_graph.state_equations import state_equations, tidy
 
 PUMP = Branch("P_s", Kind.ACROSS_SOURCE, "supply", "tank", "P_s")
 TURNING = Domain.ROTATION

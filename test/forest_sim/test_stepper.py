@@ -5,11 +5,11 @@ import pytest
 pytest.importorskip("llvmlite")
 
 from forest_description.machine import load_machine
-from forest_sim.compiled import compiled_advance
-from forest_sim.equilibrium import equilibrium
-from forest_sim.parameters import plant_parameters
-from forest_sim.recording import STATE
-from forest_sim.stepper import Stepper
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.flat_state import Stepper
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_kernel import compiled_advance
+from forest_sim.solver.state_recording import STATE
 
 P = plant_parameters(load_machine("c180"))
 REST = equilibrium((0.0, 0.5, -1.5), P)

@@ -4,9 +4,9 @@ import copy
 
 import pytest
 
-from forest_sim.energy import Account
-from forest_sim.integrator import Events
-from forest_sim.summary import doubts
+from forest_sim.analysis.summary import doubts
+from forest_sim.run.energy import Account
+from forest_sim.solver.integrator import Events
 
 SOUND = {
     "step_s": 1e-3,

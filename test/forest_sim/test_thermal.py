@@ -5,13 +5,13 @@ import math
 
 import pytest
 
-from forest_description.kinematics import inverse_kinematics
+from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
-from forest_sim.compiled import compiled_advance
-from forest_sim.equilibrium import equilibrium
-from forest_sim.parameters import plant_parameters
-from forest_sim.power import power_flows
-from forest_sim.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after, temperature_rate
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_kernel import compiled_advance
+from forest_sim.solver.power import power_flows
+from forest_sim.solver.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after, temperature_rate
 
 MACHINE = load_machine("c180")
 OIL = MACHINE.oil

@@ -11,16 +11,16 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_description.kinematics import tip_position
+from forest_bag.read.timeseries import read_bag
+from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
-from forest_msgs_py import topics
-from forest_msgs_py.series import read_bag
-from forest_sim import inputs
-from forest_sim.energy import account
-from forest_sim.observation import OBSERVED, Observer
-from forest_sim.recording import STATE
-from forest_sim.simulation import Run, blocks, start_angles, whole
-from forest_sim.trajectory_files import Thinned, trajectory_files
+from forest_msgs_py.interfaces import topics
+from forest_sim.run import inputs
+from forest_sim.run.energy import account
+from forest_sim.run.sensor_log import OBSERVED, Observer
+from forest_sim.run.simulation import Run, blocks, start_angles, whole
+from forest_sim.run.trajectory_files import Thinned, trajectory_files
+from forest_sim.solver.state_recording import STATE
 
 C180 = load_machine("c180")
 START = start_angles(C180)
@@ -148,13 +148,13 @@ def test_memory_does_not_grow_with_the_length_of_a_run(tmp_path):
         import resource, sys
         from pathlib import Path
         from forest_description.machine import load_machine
-        from forest_sim import inputs
-        from forest_sim import figures
-        from forest_sim.commands import simulate
-        from forest_sim.simulation import Run, start_angles
-        from forest_sim.trajectory_files import Thinned
+        from forest_sim.run import inputs
+        from forest_sim.analysis import plots
+        from forest_sim.cli.commands import simulate
+        from forest_sim.run.simulation import Run, start_angles
+        from forest_sim.run.trajectory_files import Thinned
         Thinned.LIMIT = 1000
-        figures.draw_run = lambda *_: []
+        plots.draw_run = lambda *_: []
         machine, seconds = load_machine("c180"), float(sys.argv[1])
         run = Run(seconds)
         simulate(machine, inputs.steps(), start_angles(machine), run, Path(sys.argv[2]))

@@ -7,11 +7,11 @@ import pytest
 from lockstep_sessions import LEVERS, LOCKSTEP_STEPS, lockstep_session
 from rclpy.executors import SingleThreadedExecutor
 
-from forest_msgs_py import topics
-from forest_msgs_py.inbox import sent_at
-from forest_msgs_py.messages import read_float_array
-from forest_msgs_py.node import subscription
-from forest_study import lockstep_run
+from forest_bringup import lockstep_run
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import read_float_array
+from forest_msgs_py.runtime.node import subscription
+from forest_msgs_py.runtime.polled_subscription import sent_at
 
 
 class Valves:
@@ -52,7 +52,7 @@ def valves(make_node):
 @pytest.fixture
 def start_graph(start_process, domain_id):
     """Start scripts/graph.sh's program; give its process."""
-    return lambda *options: start_process(["-m", "forest_study.graph", *options])
+    return lambda *options: start_process(["-m", "forest_bringup.graph", *options])
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
 """A short session of the whole graph in lockstep."""
 
-from forest_study import graph
+from forest_bringup import graph
 
 LOCKSTEP_STEPS = 200
 LEVERS = "time_s,swing,boom,stick\n0,0,0,0\n0.1,0.6,0.4,-0.3\n0.5,0,0.2,0.5\n0.8,0,0,0\n"

@@ -6,17 +6,18 @@ import numpy as np
 import pytest
 from recorded import recorded
 
-from forest_control import controller, valve_driver
-from forest_control.levers import REST, Levers
-from forest_control.schemes import Scheme
-from forest_control.sources import read_levers, thesis_levers
-from forest_description.kinematics import inverse_kinematics
-from forest_description.limits import joint_limits
+from forest_control.operator.levers import REST, Levers
+from forest_control.operator.sources import read_levers, thesis_levers
+from forest_control.pipeline import controller
+from forest_control.servo.schemes import Scheme
+from forest_control.valve import valve_driver
+from forest_description.derived.limits import joint_limits
+from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
-from forest_sim.sensor_faults import parse_faults
-from forest_sim.sensor_suite import sensor_suite
-from forest_study.closed_loop import PERIOD, Operator
-from forest_study.loop_kernel import by_heart as run
+from forest_sim.sensors.sensor_faults import parse_faults
+from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_study.closed_loop.closed_loop import PERIOD, Operator
+from forest_study.closed_loop.loop_kernel import by_heart as run
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)

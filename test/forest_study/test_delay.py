@@ -6,17 +6,18 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_study import cli, delay
-from forest_study.delay import RELEASE, score, session
-from forest_study.link import Quality
+from forest_study import cli
+from forest_study.closed_loop.link_model import Quality
+from forest_study.latency import delay_study
+from forest_study.latency.delay_study import RELEASE, score, session
 
 C180 = load_machine("c180")
 
 
 def test_a_perfect_link_is_no_link_and_a_late_joystick_is_late_by_its_delay():
     exact, late = (session("joystick", Quality(d), C180) for d in (0.0, 0.2))
-    shift = round(0.2 / delay.PERIOD)
-    moving = slice(shift + 100, round(RELEASE / delay.PERIOD))
+    shift = round(0.2 / delay_study.PERIOD)
+    moving = slice(shift + 100, round(RELEASE / delay_study.PERIOD))
     assert np.abs(late.tip[moving] - exact.tip[moving.start - shift : moving.stop - shift]).max() < 2e-3
     assert score(late).stop_s == pytest.approx(score(exact).stop_s + 0.2, abs=0.02)
 
@@ -35,7 +36,7 @@ def test_bad_arguments_end_with_one_sentence(tmp_path, capsys):
 
 
 def test_the_command_writes_numbers_and_a_picture(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(delay, "DELAYS", (0.0,))
+    monkeypatch.setattr(delay_study, "DELAYS", (0.0,))
     assert cli.main(["delay", "--out", str(tmp_path / "out")]) == 0
     report = json.loads((tmp_path / "out" / "delay.json").read_text())
     assert report["joystick"][0]["rms_mm"] < 5.0

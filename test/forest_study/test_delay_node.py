@@ -4,8 +4,8 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_msgs_py import topics
-from forest_msgs_py.messages import joint_state, stamp_to_ns
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import joint_state, stamp_to_ns
 
 
 def test_messages_come_late_and_as_they_were(peer, start_process):

@@ -13,7 +13,7 @@ PICTURES = {"tip_path.png", "tip_error.png", "joints.png", "voltages.png", "hydr
 
 
 def demo(*options, environment=None):
-    command = [sys.executable, "-m", "forest_study.demo", *options]
+    command = [sys.executable, "-m", "forest_study.demo.demo", *options]
     environment = {**os.environ, **(environment or {})}
     return subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment, check=False)
 
@@ -30,8 +30,8 @@ def session(tmp_path_factory, session_domain_id):
 @pytest.fixture(scope="module")
 def driven(session):
     """The session's bag, if nobody was silent for so long that the controller had to let go of the crane."""
-    from forest_msgs_py import topics
-    from forest_msgs_py.series import read_bag
+    from forest_bag.read.timeseries import read_bag
+    from forest_msgs_py.interfaces import topics
 
     bag = read_bag(session[0] / "bag")
     heard = (topics.JOY, topics.JOINT_STATES, topics.VALVE_COMMANDS)
@@ -109,7 +109,7 @@ def test_mcap_ros2_support_reads_the_bag(session):
 
 
 def test_the_crane_moved_where_it_was_wished(driven):
-    from forest_msgs_py import topics
+    from forest_msgs_py.interfaces import topics
 
     assert abs(driven.series(topics.VALVE_VOLTAGES).values).max() > 1.0
     tip = driven.series(topics.GROUND_TRUTH_TIP_POSE).values[:, :3]

@@ -8,14 +8,15 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_control import controller, valve_driver
-from forest_control.levers import Levers, levers_for_tip_velocity
-from forest_control.schemes import Scheme
-from forest_description.limits import joint_limits, pose_at, start_tip
-from forest_description.linkage import cylinder_length
+from forest_control.operator.levers import Levers, levers_for_tip_velocity
+from forest_control.pipeline import controller
+from forest_control.servo.schemes import Scheme
+from forest_control.valve import valve_driver
+from forest_description.derived.limits import joint_limits, pose_at, start_tip
+from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
-from forest_study import loop_kernel
-from forest_study.closed_loop import PERIOD
+from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop.closed_loop import PERIOD
 
 C180, LOADER = load_machine("c180"), load_machine("loader")
 DIRECTIONS = [d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)]

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from forest_study.exclusive import AlreadyRunning, Failure, only_graph
+from forest_bringup.graph_lock import AlreadyRunning, Failure, only_graph
 
 
 @pytest.fixture(autouse=True)

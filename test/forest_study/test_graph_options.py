@@ -5,9 +5,9 @@ import contextlib
 
 import pytest
 
-from forest_study import graph
-from forest_study.exclusive import Failure
-from forest_study.supervisor import Stopped
+from forest_bringup import graph
+from forest_bringup.graph_lock import Failure
+from forest_bringup.supervisor import Stopped
 
 
 class Started:

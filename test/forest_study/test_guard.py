@@ -9,10 +9,10 @@ pytest.importorskip("rclpy")
 
 from rclpy.exceptions import InvalidHandle
 
-from forest_msgs_py import topics
-from forest_msgs_py.node import publisher
-from forest_study.exclusive import Failure
-from forest_study.guard import Guard
+from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_monitor import Guard
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.runtime.node import publisher
 
 
 @pytest.fixture

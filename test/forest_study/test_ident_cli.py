@@ -4,10 +4,10 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_description.machine import load_machine
-from forest_ident import session_bag
-from forest_ident.ident_experiment import experiment
-from forest_ident.session import SessionError
-from forest_study.ident_cli import main
+from forest_ident.data import session_bag
+from forest_ident.data.session import SessionError
+from forest_ident.driving.direct_run import experiment
+from forest_study.experiments.ident_cli import main
 
 TRIAL = 6.0  # [s] of a rig's experiment
 SHORT = 3.0  # [s] of the crane's

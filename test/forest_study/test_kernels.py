@@ -13,23 +13,27 @@ pytest.importorskip("llvmlite")
 import forest_description
 from forest_compile import fingerprint, translate, translate_statements
 from forest_control import compiled as control
-from forest_control import stopping
-from forest_ident import actuator_kernel, actuator_steps
-from forest_sim import compiled, friction, integrator, port, sensor_run
-from forest_study import loop_kernel
+from forest_control.pipeline import stop_profile
+from forest_ident.actuator import kernel, steps
+from forest_sim.hydraulics import port
+from forest_sim.mechanics import friction
+from forest_sim.sensors import sensor_run
+from forest_sim.solver import integrator, plant_kernel
+from forest_study.closed_loop import loop_kernel
 
 KERNELS = {
-    "plant": compiled.KEPT,
+    "plant": plant_kernel.KEPT,
     "sensors": sensor_run.KEPT,
     "controller": control.CONTROLLER,
     "driver": control.DRIVER,
     "loop": loop_kernel.KEPT,
-    "actuator": actuator_kernel.KEPT,
+    "actuator": kernel.KEPT,
 }
 LOOK = """
 from forest_control import compiled as control
-from forest_sim import compiled, sensor_run
-for kept in (compiled.KEPT, sensor_run.KEPT, control.CONTROLLER, control.DRIVER):
+from forest_sim.sensors import sensor_run
+from forest_sim.solver import plant_kernel
+for kept in (plant_kernel.KEPT, sensor_run.KEPT, control.CONTROLLER, control.DRIVER):
     print(kept.ready() is not None)
 """
 
@@ -55,8 +59,8 @@ def test_the_digest_covers_every_function_that_is_translated(monkeypatch, name):
     [
         (friction, "_magnitude", port.is_shut, {"plant", "loop", "actuator"}),
         (integrator, "GAMMA", 0.5, {"plant", "loop"}),
-        (stopping, "share", port.is_shut, {"controller", "loop"}),
-        (actuator_steps, "rate", port.is_shut, {"actuator"}),
+        (stop_profile, "share", port.is_shut, {"controller", "loop"}),
+        (steps, "rate", port.is_shut, {"actuator"}),
     ],
 )
 def test_what_lies_deep_down_counts_for_the_kernels_that_use_it(monkeypatch, module, name, value, others):
@@ -73,9 +77,9 @@ def test_a_hose_with_another_field_has_no_kernel_yet(tmp_path, field, ready):
     for name in ("plant", "sensors", "controller", "driver"):
         KERNELS[name].kernel()
     copy = shutil.copytree(Path(forest_description.__file__).parent, tmp_path / "forest_description")
-    text = (copy / "hose.py").read_text()
+    text = (copy / "components" / "hose.py").read_text()
     assert text.count("    capacitance: float\n") == 1
-    (copy / "hose.py").write_text(
+    (copy / "components" / "hose.py").write_text(
         text.replace("    capacitance: float\n", f"    capacitance: float\n{field}")
     )
     path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])

@@ -3,15 +3,17 @@
 import numpy as np
 import pytest
 
-from forest_control import controller, lever_hold, valve_driver
-from forest_control.levers import REST, Levers, axes_from_levers
-from forest_description.limits import pose_at, start_tip
+from forest_bag.read.timeseries import Series, bag_of
+from forest_control.operator import joystick_interpolation
+from forest_control.operator.levers import REST, Levers, axes_from_levers
+from forest_control.pipeline import controller
+from forest_control.valve import valve_driver
+from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
-from forest_msgs_py import topics
-from forest_msgs_py.series import Series, bag_of
-from forest_study.closed_loop import PERIOD, Operator
-from forest_study.lever_delay import lever_to_valve_ms
-from forest_study.loop_kernel import by_heart as run
+from forest_msgs_py.interfaces import topics
+from forest_study.closed_loop.closed_loop import PERIOD, Operator
+from forest_study.closed_loop.loop_kernel import by_heart as run
+from forest_study.latency.lever_delay import lever_to_valve_ms
 
 C180 = load_machine("c180")
 SECONDS, THROWN = 1.6, 0.5  # [s]
@@ -30,13 +32,13 @@ def wave(time):
 
 def driven(hand, period, interpolated=True):
     """A session in simulated time with a joystick of so long a period [s]."""
-    heard, said, hold, every = REST, 0.0, lever_hold.CENTRED, round(period / PERIOD)
+    heard, said, hold, every = REST, 0.0, joystick_interpolation.CENTRED, round(period / PERIOD)
 
     def operator(time):
         nonlocal heard, said, hold
         if round(time / PERIOD) % every == 0:
             heard, said = hand(time), time
-        hold = lever_hold.advanced(hold, heard, said, time, PERIOD)
+        hold = joystick_interpolation.advanced(hold, heard, said, time, PERIOD)
         return Operator(hold.levers if interpolated else heard)
 
     start = pose_at(start_tip(C180), C180)

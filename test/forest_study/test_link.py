@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from forest_study.link import Link, LinkError, Quality
+from forest_study.closed_loop.link_model import Link, LinkError, Quality
 
 
 def arrivals(quality, seed=0, count=4000, period=0.01):

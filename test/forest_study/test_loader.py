@@ -5,14 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from forest_control import controller, valve_driver
-from forest_control.levers import Levers, levers_for_tip_velocity
-from forest_control.schemes import Scheme
-from forest_control.sources import thesis_levers
-from forest_description.limits import joint_limits, pose_at, start_tip
+from forest_control.operator.levers import Levers, levers_for_tip_velocity
+from forest_control.operator.sources import thesis_levers
+from forest_control.pipeline import controller
+from forest_control.servo.schemes import Scheme
+from forest_control.valve import valve_driver
+from forest_description.derived.limits import joint_limits, pose_at, start_tip
 from forest_description.machine import load_machine
-from forest_study.closed_loop import Operator
-from forest_study.loop_kernel import by_heart as run
+from forest_study.closed_loop.closed_loop import Operator
+from forest_study.closed_loop.loop_kernel import by_heart as run
 
 LOADER = load_machine("loader")
 START = pose_at(start_tip(LOADER), LOADER)

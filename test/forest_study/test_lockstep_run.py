@@ -14,18 +14,18 @@ from mcap.reader import make_reader
 
 pytest.importorskip("rclpy")
 
-from forest_control.levers import REST, levers_from_axes
-from forest_control.sources import LEAD_IN, read_levers
-from forest_msgs_py import topics
-from forest_msgs_py.series import read_bag
-from forest_study import lockstep_run
+from forest_bag.read.timeseries import read_bag
+from forest_bringup import lockstep_run
+from forest_control.operator.levers import REST, levers_from_axes
+from forest_control.operator.sources import LEAD_IN, read_levers
+from forest_msgs_py.interfaces import topics
 
 STEP_NS = 5_000_000
 
 
 def compare(a, b):
     return subprocess.run(
-        [sys.executable, "-m", "forest_ident.bag_cli", "compare", str(a), str(b)],
+        [sys.executable, "-m", "forest_bag.cli.main", "compare", str(a), str(b)],
         capture_output=True,
         text=True,
         check=False,
@@ -89,7 +89,7 @@ def test_faults_of_the_joystick_are_events_in_simulated_time(lockstep_bag):
 
 def test_a_recorder_that_dies_ends_the_run_and_is_named(tmp_path, domain_id, start_process, wait_until):
     options = ("--lockstep", "--duration", "0.5", "--out", str(tmp_path / "out"))
-    demo = start_process(["-m", "forest_study.demo", *options])
+    demo = start_process(["-m", "forest_study.demo.demo", *options])
     wait_until(lambda: "recorder" in nodes_of(demo))
     kill(nodes_of(demo)["recorder"], signal.SIGKILL)
     assert demo.ended() == 1
@@ -98,7 +98,7 @@ def test_a_recorder_that_dies_ends_the_run_and_is_named(tmp_path, domain_id, sta
 
 def test_a_node_that_hangs_ends_the_run_and_is_named(tmp_path, domain_id, start_process, wait_until):
     options = ("--lockstep", "--guard", "5", "--duration", "3600", "--out", str(tmp_path / "out"))
-    demo = start_process(["-m", "forest_study.demo", *options])
+    demo = start_process(["-m", "forest_study.demo.demo", *options])
     bag = tmp_path / "out" / "bag"
     wait_until(lambda: any(path.stat().st_size > 50_000 for path in bag.glob("*.mcap")))
     kill(nodes_of(demo)["joystick"], signal.SIGSTOP)

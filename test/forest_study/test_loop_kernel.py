@@ -8,18 +8,19 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_compile import flat
-from forest_control import controller, valve_driver
-from forest_control.hand import Mode
-from forest_control.levers import Levers
-from forest_control.schemes import Scheme
-from forest_description.hydraulics import PolynomialCurve, TableCurve
-from forest_description.kinematics import inverse_kinematics
+from forest_compile import flat_layout
+from forest_control.operator.levers import Levers
+from forest_control.operator.operator_profile import Mode
+from forest_control.pipeline import controller
+from forest_control.servo.schemes import Scheme
+from forest_control.valve import valve_driver
+from forest_description.components.circuit import PolynomialCurve, TableCurve
+from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
-from forest_sim.sensor_faults import parse_faults
-from forest_sim.sensor_suite import sensor_suite
-from forest_study import closed_loop, loop_core, loop_kernel
-from forest_study.closed_loop import PERIOD, Operator
+from forest_sim.sensors.sensor_faults import parse_faults
+from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_study.closed_loop import closed_loop, loop_core, loop_kernel
+from forest_study.closed_loop.closed_loop import PERIOD, Operator
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
@@ -100,7 +101,7 @@ def test_all_machines_and_settings_share_one_shape():
         k = loop_kernel.knowledge(
             machine, machine, controller.Settings(), valve_driver.Settings(), sensor_suite(machine)
         )
-        shapes.add(tuple(path for path, _ in flat.leaves(k, "k")))
+        shapes.add(tuple(path for path, _ in flat_layout.leaves(k, "k")))
     assert len(shapes) == 1
 
 

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from forest_study.supervisor import NodeSpec, Supervisor, _Process
+from forest_bringup.supervisor import NodeSpec, Supervisor, _Process
 
 MB = 2**20
 # Holds memory of its own, or pages of a file, as the lines on its input say, and answers when it has.

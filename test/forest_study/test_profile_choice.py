@@ -8,9 +8,9 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_control.profile import KEYS, load_profile
-from forest_study import graph
-from forest_study.profile_choice import profile_for, recorded_profile
+from forest_bringup import graph
+from forest_bringup.profile_choice import profile_for, recorded_profile
+from forest_control.config.profile_file import KEYS, load_profile
 
 COORDINATED = Path(__file__).resolve().parents[2] / "bags" / "coordinated"
 

@@ -6,9 +6,10 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_msgs_py import topics
-from forest_msgs_py.bag_writer import BagWriter
-from forest_study import cli, replay
+from forest_bag.write.bag_writer import BagWriter
+from forest_msgs_py.interfaces import topics
+from forest_study import cli
+from forest_study.demo import replay
 
 
 def test_the_controller_alone_repeats_its_output_to_the_last_bit(lockstep_bag, own_domain, tmp_path, capsys):

@@ -3,19 +3,21 @@
 import numpy as np
 import pytest
 
-from forest_control import controller, joystick_watch, valve_driver
-from forest_control.hand import Mode
-from forest_control.joystick_watch import NO_HEARTBEAT, Sample, WatchParameters
-from forest_control.levers import REST, Levers, levers_for_tip_velocity
-from forest_control.retuning import Retuning
-from forest_control.schemes import Scheme
-from forest_description.kinematics import inverse_kinematics, tip_position
-from forest_description.limits import joint_limits
+from forest_control.config.parameter_update import Retuning
+from forest_control.operator import joystick_watch
+from forest_control.operator.joystick_watch import NO_HEARTBEAT, Sample, WatchParameters
+from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
+from forest_control.operator.operator_profile import Mode
+from forest_control.pipeline import controller
+from forest_control.servo.schemes import Scheme
+from forest_control.valve import valve_driver
+from forest_description.derived.limits import joint_limits
+from forest_description.geometry.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
-from forest_sim.parameters import plant_parameters
-from forest_sim.sensor_suite import sensor_suite
-from forest_study.closed_loop import PERIOD, ZERO, Operator, _Loop
-from forest_study.loop_kernel import by_heart as run
+from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.solver.parameters import plant_parameters
+from forest_study.closed_loop.closed_loop import PERIOD, ZERO, Operator, _Loop
+from forest_study.closed_loop.loop_kernel import by_heart as run
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)

@@ -1,13 +1,15 @@
 import numpy as np
 import pytest
 
-from forest_control import controller, lever_hold, valve_driver
-from forest_control.levers import REST
-from forest_control.sources import thesis_levers
-from forest_description.limits import pose_at, start_tip
+from forest_control.operator import joystick_interpolation
+from forest_control.operator.levers import REST
+from forest_control.operator.sources import thesis_levers
+from forest_control.pipeline import controller
+from forest_control.valve import valve_driver
+from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
-from forest_study.closed_loop import PERIOD, Operator
-from forest_study.loop_kernel import by_heart as run
+from forest_study.closed_loop.closed_loop import PERIOD, Operator
+from forest_study.closed_loop.loop_kernel import by_heart as run
 
 SPEED, SECONDS = 0.5, 4.0  # [m/s], [s]
 C180 = load_machine("c180")
@@ -15,13 +17,13 @@ C180 = load_machine("c180")
 
 def greatest_error(period, held):
     """Greatest distance [m] of the tip from its wish, with a joystick of so long a period [s]."""
-    heard, said, hold, every = REST, 0.0, lever_hold.CENTRED, round(period / PERIOD)
+    heard, said, hold, every = REST, 0.0, joystick_interpolation.CENTRED, round(period / PERIOD)
 
     def operator(time):
         nonlocal heard, said, hold
         if round(time / PERIOD) % every == 0:
             heard, said = thesis_levers(time - 0.2, SPEED) if time > 0.2 else REST, time
-        hold = lever_hold.advanced(hold, heard, said, time, PERIOD)
+        hold = joystick_interpolation.advanced(hold, heard, said, time, PERIOD)
         return Operator(hold.levers if held else heard, enabled=True)
 
     start = pose_at(start_tip(C180), C180)

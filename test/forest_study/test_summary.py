@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from forest_study.summary import response_times, table
+from forest_study.demo.session_summary import response_times, table
 
 
 def test_response_time_counts_from_the_cause_to_the_first_effect_of_a_later_state():

@@ -8,8 +8,8 @@ import pytest
 from graph_processes import NODES, alive, kill, nodes_of
 from stall import Stall
 
-from forest_msgs_py import topics
-from forest_msgs_py.node import subscription
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.runtime.node import subscription
 
 ZERO_WITHIN = 0.2  # [s] from the death of any node to the last voltage that is not zero
 
@@ -122,7 +122,7 @@ def test_a_second_graph_is_refused_and_the_first_goes_on(
     second = start_graph()
     assert second.ended() == 1
     assert "a graph is already running in ROS domain" in second.text()
-    demo = start_process(["-m", "forest_study.demo", "--out", str(tmp_path / "out")])
+    demo = start_process(["-m", "forest_study.demo.demo", "--out", str(tmp_path / "out")])
     assert demo.ended() == 1
     assert not (tmp_path / "out").exists()
     assert first.poll() is None

@@ -9,9 +9,9 @@ import signal
 
 import pytest
 
-from forest_study import supervisor
-from forest_study.exclusive import AlreadyRunning, Failure
-from forest_study.supervisor import NodeSpec, Stopped, Supervisor
+from forest_bringup import supervisor
+from forest_bringup.graph_lock import AlreadyRunning, Failure
+from forest_bringup.supervisor import NodeSpec, Stopped, Supervisor
 
 # Started as `-m NAME --ros-args -r __ns:=... WORDS...`; tells what happens to it in a diary.
 NODE = """
@@ -481,7 +481,7 @@ def test_the_guard_joins_in_the_graphs_namespace_may_publish_or_not_and_leaves(
         def close(self):
             told.append("left")
 
-    monkeypatch.setattr("forest_study.guard.Guard", Joined)
+    monkeypatch.setattr("forest_bringup.graph_monitor.Guard", Joined)
     graph = Supervisor([], "/crane", tmp_path, may_publish)
     assert isinstance(graph._join_ros(), Joined)
     assert told == [("/crane", may_publish)]

@@ -10,10 +10,10 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_ident.session import SessionError
-from forest_study import baths, experiment_live
-from forest_study.ident_cli import main
-from forest_study.terminal import NOBODY, Question, ask
+from forest_bringup.terminal import NOBODY, Question, ask
+from forest_ident.data.session import SessionError
+from forest_study.experiments import experiment_live, thermocouple_calibration
+from forest_study.experiments.ident_cli import main
 
 
 @pytest.fixture
@@ -52,8 +52,8 @@ def test_the_baths_are_changed_when_somebody_says_so_and_the_graph_is_watched_me
     keyboard, monkeypatch
 ):
     now = [0.0]
-    monkeypatch.setattr(baths.time, "monotonic", lambda: now[0])
-    asked = baths.Baths(lambda _time: None, sure=False)
+    monkeypatch.setattr(thermocouple_calibration.time, "monotonic", lambda: now[0])
+    asked = thermocouple_calibration.Baths(lambda _time: None, sure=False)
     for now[0] in (0.0, 19.9, 20.1, 300.0):
         asked.watch()  # returns: Ctrl-C and a dead recorder are noticed while the question stands
     assert len(asked.marks) == 1
@@ -63,7 +63,7 @@ def test_the_baths_are_changed_when_somebody_says_so_and_the_graph_is_watched_me
     for now[0] in (300.0, 319.9):
         asked.watch()
     now[0] = 320.1
-    with pytest.raises(baths.Recorded):
+    with pytest.raises(thermocouple_calibration.Recorded):
         asked.watch()
 
 

@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from forest_control.schemes import LABELS, Scheme
-from forest_study import thesis_machine, thesis_machine_report
+from forest_control.servo.schemes import LABELS, Scheme
 from forest_study.cli import main
-from forest_study.thesis_machine import PLANTS, Trial, found, machine_of, settings_of
+from forest_study.thesis import thesis_machine, thesis_machine_report
+from forest_study.thesis.thesis_machine import PLANTS, Trial, found, machine_of, settings_of
 
 
 @pytest.fixture(scope="module")

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from forest_control.sources import thesis_tip_velocity
-from forest_description.kinematics import tip_position
-from forest_description.limits import THESIS_START
+from forest_control.operator.sources import thesis_tip_velocity
+from forest_description.derived.limits import THESIS_START
+from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
-from forest_study.thesis_plant import DRIVE, INSIDE, Control, State, at_rest, rate_change, simulate
-from forest_study.thesis_schemes import SCHEMES, servo
+from forest_study.thesis.thesis_plant import DRIVE, INSIDE, Control, State, at_rest, rate_change, simulate
+from forest_study.thesis.thesis_schemes import SCHEMES, servo
 
 W_N = 2.0 * math.pi * 2.0
 ZERO = (0.0, 0.0, 0.0)

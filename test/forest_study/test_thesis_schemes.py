@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.sources import thesis_tip_velocity
-from forest_description.kinematics import joint_rates
-from forest_description.limits import THESIS_START
+from forest_control.operator.sources import thesis_tip_velocity
+from forest_description.derived.limits import THESIS_START
+from forest_description.geometry.kinematics import joint_rates
 from forest_description.machine import load_machine
-from forest_study.thesis_plant import DRIVE, State, at_rest, simulate
-from forest_study.thesis_schemes import ACCELERATION, SCHEMES, poles, servo
+from forest_study.thesis.thesis_plant import DRIVE, State, at_rest, simulate
+from forest_study.thesis.thesis_schemes import ACCELERATION, SCHEMES, poles, servo
 
 W_N = 2.0 * math.pi * 2.0
 SINUSOID = 2.0 * math.pi * 1.18  # [rad/s]

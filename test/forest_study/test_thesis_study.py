@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from forest_study import thesis_study
 from forest_study.cli import main
-from forest_study.thesis_study import Case, largest_position_error
+from forest_study.thesis import thesis_study
+from forest_study.thesis.thesis_study import Case, largest_position_error
 
 PICTURES = [f"figure_5_{n}.png" for n in range(4, 10)]
 QUOTED = [
@@ -131,11 +131,11 @@ def test_six_pictures_lie_beside_the_numbers(made):
 @pytest.fixture
 def quick(monkeypatch):
     """The command without its study, which the tests above have made."""
-    monkeypatch.setattr("forest_study.thesis_report.report", lambda out: 0)
+    monkeypatch.setattr("forest_study.thesis.thesis_report.report", lambda out: 0)
 
 
 def test_table_tells_thesis_and_here(made, capsys):
-    from forest_study.thesis_report import table
+    from forest_study.thesis.thesis_report import table
 
     text = table(made[1])
     assert "0.400   0.429      +7.2%" in text

@@ -6,15 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from forest_control import valve_driver
-from forest_control.levers import REST
-from forest_control.sources import thesis_levers
-from forest_description.limits import pose_at, start_tip
+from forest_bag.read.timeseries import Series, bag_of
+from forest_control.operator.levers import REST
+from forest_control.operator.sources import thesis_levers
+from forest_control.valve import valve_driver
+from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
-from forest_msgs_py import topics
-from forest_msgs_py.series import Series, bag_of
-from forest_study import cli, closed_loop, timing
-from forest_study.timing import Session, Timing, drawn, replayed, score
+from forest_msgs_py.interfaces import topics
+from forest_study import cli
+from forest_study.closed_loop import closed_loop
+from forest_study.latency import timing
+from forest_study.latency.timing import Session, Timing, drawn, replayed, score
 
 C180 = load_machine("c180")
 SECONDS, STEP_NS = 6.0, 5_000_000

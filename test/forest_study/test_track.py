@@ -7,14 +7,14 @@ import math
 import numpy as np
 import pytest
 
-from forest_control import controller
-from forest_control.position_source import Source
-from forest_control.schemes import Scheme
+from forest_control.pipeline import controller
+from forest_control.servo.joint_angle_filter import Source
+from forest_control.servo.schemes import Scheme
 from forest_description.machine import load_machine
 from forest_study import cli
-from forest_study.closed_loop import PERIOD
-from forest_study.paths import NAMES, PathError, fastest, is_closed, path_named, polyline, reverse
-from forest_study.track import RAMP, _limit, noisy, plan, track
+from forest_study.closed_loop.closed_loop import PERIOD
+from forest_study.tracking.paths import NAMES, PathError, fastest, is_closed, path_named, polyline, reverse
+from forest_study.tracking.tracking import RAMP, _limit, noisy, plan, track
 
 C180 = load_machine("c180")
 UNLIMITED = 100.0

@@ -8,16 +8,17 @@ import pytest
 pytest.importorskip("rclpy")
 pytest.importorskip("llvmlite")
 
-from forest_control.joystick_bag import read_joy_record
-from forest_control.position_source import Source
-from forest_control.schemes import Scheme
+from forest_bag.read.timeseries import read_bag
+from forest_control.operator.joystick_bag import read_joy_record
+from forest_control.servo.joint_angle_filter import Source
+from forest_control.servo.schemes import Scheme
 from forest_description.machine import load_machine
-from forest_msgs_py import topics
-from forest_msgs_py.series import read_bag
-from forest_study import cli, track_command, track_ros
-from forest_study.closed_loop import Trajectory
-from forest_study.paths import path_named
-from forest_study.track import noisy, track
+from forest_msgs_py.interfaces import topics
+from forest_study import cli
+from forest_study.closed_loop.closed_loop import Trajectory
+from forest_study.tracking import track_command, track_ros
+from forest_study.tracking.paths import path_named
+from forest_study.tracking.tracking import noisy, track
 
 WAY = "x,y,z\n5.5,0,1\n5.51,0.01,1.01\n"
 MACHINE, MODEL = load_machine("c180"), load_machine("c180_thesis")

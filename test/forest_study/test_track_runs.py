@@ -9,15 +9,17 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_control.levers import Levers
-from forest_control.schemes import Scheme
+from forest_control.operator.levers import Levers
+from forest_control.servo.schemes import Scheme
 from forest_description.machine import load_machine
-from forest_sim.parameters import parameters_of, plant_parameters
-from forest_study import cli, closed_loop, mismatch, track, track_command
-from forest_study.closed_loop import PERIOD, Operator
-from forest_study.mismatch import Ranges
-from forest_study.paths import polyline
-from forest_study.track_runs import Variation, quantiles, run_many
+from forest_sim.solver.parameters import parameters_of, plant_parameters
+from forest_study import cli
+from forest_study.closed_loop import closed_loop, model_mismatch
+from forest_study.closed_loop.closed_loop import PERIOD, Operator
+from forest_study.closed_loop.model_mismatch import Ranges
+from forest_study.tracking import track_command, tracking
+from forest_study.tracking.paths import polyline
+from forest_study.tracking.track_runs import Variation, quantiles, run_many
 
 C180 = load_machine("c180")
 WAY = polyline("way", [(5.5, 0.0, 1.0), (5.5, 0.2, 1.1)])
@@ -26,11 +28,11 @@ NONE = Ranges(0.0, 0.0, 1.0, 1.0)
 
 @pytest.fixture(scope="module")
 def course():
-    return track.prepare(WAY, 0.5, Scheme.COORDINATED, C180, 2)
+    return tracking.prepare(WAY, 0.5, Scheme.COORDINATED, C180, 2)
 
 
 def varied(seed):
-    return Variation(track.noisy(C180, seed), mismatch.draw(seed, Ranges()))
+    return Variation(tracking.noisy(C180, seed), model_mismatch.draw(seed, Ranges()))
 
 
 def interpreted(machine, table, start, control, drive, model, suite, plant):
@@ -44,9 +46,13 @@ def interpreted(machine, table, start, control, drive, model, suite, plant):
 
 def test_a_run_has_the_figures_of_the_python_loop(course, monkeypatch):
     runs, session = run_many(course, C180, [3], varied, adapt=True)
-    monkeypatch.setattr(track.loop_kernel, "run", interpreted)
-    python = track.follow(
-        course, C180, track.noisy(C180, 3), True, mismatch.applied(C180, mismatch.draw(3, Ranges()))
+    monkeypatch.setattr(tracking.loop_kernel, "run", interpreted)
+    python = tracking.follow(
+        course,
+        C180,
+        tracking.noisy(C180, 3),
+        True,
+        model_mismatch.applied(C180, model_mismatch.draw(3, Ranges())),
     )
     assert runs[0].total == python.total
     assert runs[0].laps == python.scores
@@ -71,11 +77,11 @@ def test_quantiles_are_those_of_the_runs(course):
 
 
 def test_no_ranges_draw_the_machine_itself():
-    assert mismatch.applied(C180, mismatch.draw(5, NONE)) == plant_parameters(C180)
+    assert model_mismatch.applied(C180, model_mismatch.draw(5, NONE)) == plant_parameters(C180)
 
 
 def test_draws_stay_in_their_ranges_and_reach_them():
-    drawn = [mismatch.draw(seed, Ranges()) for seed in range(300)]
+    drawn = [model_mismatch.draw(seed, Ranges()) for seed in range(300)]
     deadbands = np.array([m.deadbands for m in drawn])
     gains = np.array([m.gains for m in drawn])
     assert 0.145 < -deadbands.min() <= 0.15
@@ -84,27 +90,27 @@ def test_draws_stay_in_their_ranges_and_reach_them():
     assert 1.39 < gains.max() <= 1.4
     assert math.isclose(max(m.head_mass for m in drawn), 2.0, rel_tol=0.02)
     assert math.isclose(min(m.spool for m in drawn), 1.0 / 1.5, rel_tol=0.02)
-    assert drawn[7] == mismatch.draw(7, Ranges())
+    assert drawn[7] == model_mismatch.draw(7, Ranges())
 
 
 def test_a_gain_is_flow_at_a_drop_and_a_deadband_is_added():
-    p, off = parameters_of(C180), mismatch.draw(11, Ranges())
-    mine, own = mismatch.applied(C180, off).valves[1], p.valves[1]
+    p, off = parameters_of(C180), model_mismatch.draw(11, Ranges())
+    mine, own = model_mismatch.applied(C180, off).valves[1], p.valves[1]
     back, before = mine.law.backward, own.law.backward
     assert back.deadband_voltage == pytest.approx(before.deadband_voltage + off.deadbands[3])
     assert math.sqrt(before.resistance_2 / back.resistance_2) == pytest.approx(off.gains[3])
     assert mine.lag.frequency == pytest.approx(off.spool * own.lag.frequency)
-    assert mismatch.applied(C180, off).body != p.body
+    assert model_mismatch.applied(C180, off).body != p.body
 
 
 def test_an_overlap_never_becomes_an_underlap():
-    wide = mismatch.draw(1, Ranges(deadband=1.0))._replace(deadbands=(-9.0,) * 6)
-    law = mismatch.applied(C180, wide).valves[0].law
+    wide = model_mismatch.draw(1, Ranges(deadband=1.0))._replace(deadbands=(-9.0,) * 6)
+    law = model_mismatch.applied(C180, wide).valves[0].law
     assert (law.forward.deadband_voltage, law.backward.deadband_voltage) == (0.0, 0.0)
 
 
 def test_ranges_of_a_command_line():
-    assert mismatch.ranges_from("gain=0.2,spool=3") == Ranges(gain=0.2, spool=3.0)
+    assert model_mismatch.ranges_from("gain=0.2,spool=3") == Ranges(gain=0.2, spool=3.0)
 
 
 @pytest.mark.parametrize(
@@ -119,7 +125,7 @@ def test_ranges_of_a_command_line():
 )
 def test_wrong_ranges_are_answered_with_what_is_allowed(text, says):
     with pytest.raises(argparse.ArgumentTypeError, match=says):
-        mismatch.ranges_from(text)
+        model_mismatch.ranges_from(text)
 
 
 def test_the_command_tells_every_run_and_how_they_spread(tmp_path):

@@ -4,14 +4,14 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_control.schemes import scheme_named
+from forest_control.servo.schemes import scheme_named
 from forest_description.machine import load_machine
-from forest_ident import machine_writer
-from forest_ident.ident_experiment import experiment
-from forest_ident.identification import identify
-from forest_ident.keys import value_of
-from forest_study.paths import path_named
-from forest_study.track import track
+from forest_ident.data.parameter_path import value_of
+from forest_ident.driving.direct_run import experiment
+from forest_ident.refinement.identification import identify
+from forest_ident.report import machine_writer
+from forest_study.tracking.paths import path_named
+from forest_study.tracking.tracking import track
 
 UNKNOWN = "unknown:5"
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from forest_study import graph
-from forest_study.lockstep_run import in_lockstep
-from forest_study.urgency import NICE, hurry
+from forest_bringup import graph
+from forest_bringup.lockstep_run import in_lockstep
+from forest_bringup.process_priority import NICE, hurry
 
 
 @pytest.fixture

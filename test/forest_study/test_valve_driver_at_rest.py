@@ -5,16 +5,17 @@ import dataclasses
 import numpy as np
 import pytest
 
-from forest_control import controller, valve_driver
-from forest_control.levers import REST, levers_for_tip_velocity
-from forest_control.schemes import Scheme
-from forest_description.hydraulics import BackwardValve
-from forest_description.limits import joint_limits
+from forest_control.operator.levers import REST, levers_for_tip_velocity
+from forest_control.pipeline import controller
+from forest_control.servo.schemes import Scheme
+from forest_control.valve import valve_driver
+from forest_description.components.circuit import BackwardValve
+from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
-from forest_study import loop_kernel
-from forest_study.closed_loop import PERIOD, Operator
-from forest_study.loop_kernel import by_heart as run
-from forest_study.track import noisy
+from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop.closed_loop import PERIOD, Operator
+from forest_study.closed_loop.loop_kernel import by_heart as run
+from forest_study.tracking.tracking import noisy
 
 C180 = load_machine()
 START = (0.2, 0.5, -1.6)

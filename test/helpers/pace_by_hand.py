@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from forest_msgs_py.cdr import to_cdr
+from forest_msgs_py.serialization.cdr import to_cdr
 
 
 class Arrival(NamedTuple):

@@ -8,7 +8,7 @@ from typing import Any
 
 from stall import Stall
 
-from forest_msgs_py.topics import Topic, message_class, qos
+from forest_msgs_py.interfaces.topics import Topic, message_class, qos
 
 
 class Peer:

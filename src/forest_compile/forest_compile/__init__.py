@@ -1,1 +1,4 @@
-"""How laws become fast: ordinary Python is translated to machine code, which is kept for the next process."""
+"""How laws become fast: ordinary Python is translated to machine code, which is kept for the next process.
+
+May import: nothing of ours.
+"""

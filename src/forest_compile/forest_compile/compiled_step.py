@@ -10,7 +10,7 @@ import struct
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from forest_compile import flat, machine_code
+from forest_compile import flat_layout, machine_code
 from forest_compile.entry import Entry
 
 ARGUMENTS = "ppppd"  # state, inputs, parameters, output; dt
@@ -38,8 +38,14 @@ def entry(step: Callable[..., Any], example: Example, apart: tuple[Callable[...,
     lines = [
         _HEAD,
         f"    after, result = step(before, {given}, p, dt)",
-        *(f"    state[{i}] = {path}" for i, (path, _) in enumerate(flat.leaves(example.state, "after"))),
-        *(f"    output[{i}] = {path}" for i, (path, _) in enumerate(flat.leaves(example.output, "result"))),
+        *(
+            f"    state[{i}] = {path}"
+            for i, (path, _) in enumerate(flat_layout.leaves(example.state, "after"))
+        ),
+        *(
+            f"    output[{i}] = {path}"
+            for i, (path, _) in enumerate(flat_layout.leaves(example.output, "result"))
+        ),
     ]
     return Entry(
         *("\n".join(lines), {"step": step}, ARGUMENTS),
@@ -53,8 +59,8 @@ class Row:
     """A nested tuple that lies flat."""
 
     def __init__(self, example: Any) -> None:
-        self._pack, self._unpack = flat.packer(example), flat.unpacker(example)
-        self._numbers = struct.Struct(f"{sum(1 for _ in flat.leaves(example, ''))}d")
+        self._pack, self._unpack = flat_layout.packer(example), flat_layout.unpacker(example)
+        self._numbers = struct.Struct(f"{sum(1 for _ in flat_layout.leaves(example, ''))}d")
         self._row = ctypes.create_string_buffer(self._numbers.size)
         self.at = ctypes.addressof(self._row)
 

@@ -18,7 +18,7 @@ from typing import Any
 
 from forest_compile import fingerprint, llvm_text
 from forest_compile.entry import Entry
-from forest_compile.flat import leaves
+from forest_compile.flat_layout import leaves
 from forest_compile.llvm_text import (
     DOUBLE,
     POINTER,

@@ -10,19 +10,22 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
-from forest_compile import compiled_step, kept
+from forest_compile import compiled_step, kernel_cache
 from forest_compile.compiled_step import CompiledStep, Example
-from forest_compile.kept import Kept
-from forest_control import controller, hand, handover, levers, stopping, valve_driver, workspace
-from forest_description import kinematics
+from forest_compile.kernel_cache import Kept
+from forest_control.limits import workspace
+from forest_control.operator import levers, operator_profile
+from forest_control.pipeline import bumpless_transfer, controller, stop_profile
+from forest_control.valve import valve_driver
+from forest_description.geometry import kinematics
 from forest_description.machine import load_machine
 
 Step = Callable[..., tuple[Any, Any]]
 
 # What is seldom called stays a function; all else is written out.
 APART = (
-    *(controller._stopping, handover.taken_over, kinematics.nearest_pose, stopping.share),
-    *(workspace.share, workspace.slid, hand.tip_following),
+    *(controller._stopping, bumpless_transfer.taken_over, kinematics.nearest_pose, stop_profile.share),
+    *(workspace.share, workspace.slid, operator_profile.tip_following),
 )
 
 
@@ -61,7 +64,7 @@ DRIVER = Kept("valve-driver", lambda: compiled_step.entry(valve_driver.step_seen
 
 def main() -> None:
     """Make the machine code if it is not there, and tell where it is."""
-    sys.exit(kept.make(CONTROLLER, DRIVER))
+    sys.exit(kernel_cache.make(CONTROLLER, DRIVER))
 
 
 if __name__ == "__main__":

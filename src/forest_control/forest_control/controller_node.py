@@ -12,8 +12,15 @@ from typing import Any
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 
-from forest_control import compiled, controller, joystick_watch, lever_hold, stillness
-from forest_control.joystick_watch import (
+from forest_control import compiled
+from forest_control.config.parameter_update import Retuning
+from forest_control.config.profile_file import load_profile, shipped
+from forest_control.config.tunables import TUNABLES, as_typed, settings_from
+from forest_control.config.workspace_file import load_workspace
+from forest_control.config.workspace_file import shipped as workspaces
+from forest_control.limits.workspace import Workspace
+from forest_control.operator import joystick_interpolation, joystick_watch
+from forest_control.operator.joystick_watch import (
     Joystick,
     Operator,
     WatchParameters,
@@ -22,29 +29,25 @@ from forest_control.joystick_watch import (
     problem_of,
     sample_of,
 )
-from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, RIGHT_Y, Triple
-from forest_control.position_source import UNREAD, Lengths, Source
-from forest_control.profile import load_profile, shipped
-from forest_control.retuning import Retuning
-from forest_control.schemes import Scheme
-from forest_control.tunables import TUNABLES, as_typed, settings_from
-from forest_control.valve_reports import ValveReports
-from forest_control.workspace import Workspace
-from forest_control.workspace_file import load_workspace
-from forest_control.workspace_file import shipped as workspaces
+from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, RIGHT_Y, Triple
+from forest_control.pipeline import controller
+from forest_control.pipeline.valve_feedback import ValveReports
+from forest_control.safety import frozen_sensor
+from forest_control.servo.joint_angle_filter import UNREAD, Lengths, Source
+from forest_control.servo.schemes import Scheme
 from forest_description.machine import Machine, load_machine
-from forest_description.urdf import robot_description
-from forest_msgs_py import topics
-from forest_msgs_py.emergency_stop import EmergencyStop
-from forest_msgs_py.health import Health
-from forest_msgs_py.input_status import InputStatus
-from forest_msgs_py.node import run_node
-from forest_msgs_py.pace import pace, speaker
-from forest_msgs_py.parameters import Tunables, declare
-from forest_msgs_py.stamp_order import StampOrder
-from forest_msgs_py.stamped_period import StampedPeriod
-from forest_msgs_py.topics import message_class
-from forest_msgs_py.unpacking import JointReader, read_joy_data
+from forest_description.urdf.robot_description import robot_description
+from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.topics import message_class
+from forest_msgs_py.runtime.node import run_node
+from forest_msgs_py.runtime.parameters import Tunables, declare
+from forest_msgs_py.runtime.stamp_order import StampOrder
+from forest_msgs_py.runtime.stamped_period import StampedPeriod
+from forest_msgs_py.safety.diagnostics import Health
+from forest_msgs_py.safety.emergency_stop import EmergencyStop
+from forest_msgs_py.safety.input_status import InputStatus
+from forest_msgs_py.serialization.unpacking import JointReader, read_joy_data
 
 FRAME = "base_link"
 ZERO: Triple = (0.0, 0.0, 0.0)
@@ -78,11 +81,11 @@ class ControllerNode(Node):
         get("hands_off", False, "disarmed, no valve commands: somebody else has the valves", read_only=False)
         self.add_on_set_parameters_callback(self._may_take_hands_off)
         self._state, self._step = controller.REST, compiled.controller_step()
-        self._asked, self._still = ZERO, stillness.MOVING
+        self._asked, self._still = ZERO, frozen_sensor.MOVING
         tunables.watch(self._tune)
         self._state_received, self._order = -math.inf, StampOrder(self._state_timeout)
         self._joystick, self._joy_content, self._joy_problem = joystick_watch.REST, None, ""
-        self._hold = lever_hold.CENTRED
+        self._hold = joystick_interpolation.CENTRED
         said = self._pace.publisher(topics.DIAGNOSTICS)
         self._health = Health(self, ("joystick", "machine", "emergency stop"), "standing still", said)
         stopped = self._pace.publisher(topics.EMERGENCY_STOPPED)
@@ -199,8 +202,8 @@ class ControllerNode(Node):
         if self._tuning.changes(self._asked == ZERO, dt):
             self._state = self._state._replace(changed=True)
         lengths, valves = self._cylinders(reading.stamp_ns), self._valves.read()
-        self._still = stillness.watched(self._still, angles, self._asked, self._tuning.core, dt)
-        problem = self._valves.objection(self._asked) or stillness.frozen(self._still)
+        self._still = frozen_sensor.watched(self._still, angles, self._asked, self._tuning.core, dt)
+        problem = self._valves.objection(self._asked) or frozen_sensor.frozen(self._still)
         self._health.note("machine", problem)
         if problem:
             self._operator(False)
@@ -240,10 +243,10 @@ class ControllerNode(Node):
         self._health.note("joystick", problem)
         self._health.note("emergency stop", "emergency stop pressed" if self._stop.pressed else "")
         if not operator.enabled:
-            self._hold = lever_hold.CENTRED
+            self._hold = joystick_interpolation.CENTRED
             return operator
         said = self._joystick.fresh_since
-        self._hold = lever_hold.advanced(self._hold, operator.levers, said, sent, dt)
+        self._hold = joystick_interpolation.advanced(self._hold, operator.levers, said, sent, dt)
         return Operator(self._hold.levers, True)
 
     def _against_reset(self) -> str:
@@ -285,7 +288,7 @@ class ControllerNode(Node):
         self._health.note("machine", problem)
 
     def _stand_still(self) -> None:
-        self._state, self._asked, self._still = controller.REST, ZERO, stillness.MOVING
+        self._state, self._asked, self._still = controller.REST, ZERO, frozen_sensor.MOVING
         now = self._pace.stamp()
         if not self._hands_off():
             self._command.say(now, ZERO)

@@ -13,8 +13,8 @@ from typing import NamedTuple
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
-from forest_control.joystick_bag import JoyRecord, is_bag, read_joy_record
-from forest_control.joystick_faults import (
+from forest_control.operator.joystick_bag import JoyRecord, is_bag, read_joy_record
+from forest_control.operator.joystick_faults import (
     BAD,
     FROZEN,
     LOST,
@@ -23,16 +23,23 @@ from forest_control.joystick_faults import (
     faults_at,
     parse_joystick_faults,
 )
-from forest_control.joystick_watch import HEARTBEAT
-from forest_control.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, axes_from_levers
-from forest_control.sources import LEAD_IN, LEAD_OUT, THESIS_DURATION, LeverRecord, read_levers, thesis_levers
-from forest_msgs_py import topics
-from forest_msgs_py.messages import NS_PER_S, JoyValues
-from forest_msgs_py.node import Finished, run_node
-from forest_msgs_py.pace import pace, publishes_bytes
-from forest_msgs_py.packing import pack_joy
-from forest_msgs_py.parameters import ParameterError, declare
-from forest_msgs_py.topics import JOY_RATE_HZ, message_class
+from forest_control.operator.joystick_watch import HEARTBEAT
+from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, axes_from_levers
+from forest_control.operator.sources import (
+    LEAD_IN,
+    LEAD_OUT,
+    THESIS_DURATION,
+    LeverRecord,
+    read_levers,
+    thesis_levers,
+)
+from forest_msgs_py.clock.node_clock import pace, publishes_bytes
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import NS_PER_S, JoyValues
+from forest_msgs_py.interfaces.topics import JOY_RATE_HZ, message_class
+from forest_msgs_py.runtime.node import Finished, run_node
+from forest_msgs_py.runtime.parameters import ParameterError, declare
+from forest_msgs_py.serialization.packing import pack_joy
 
 
 class Said(NamedTuple):

@@ -11,22 +11,23 @@ from typing import Any
 
 from rclpy.node import Node
 
-from forest_control import compiled, valve_driver
-from forest_control.levers import Triple
-from forest_control.valve_driver_topics import Measurements, status
-from forest_control.valve_reach import SAID_EVERY
-from forest_control.valve_tunables import TUNABLES
+from forest_control import compiled
+from forest_control.config.valve_tunables import TUNABLES
+from forest_control.operator.levers import Triple
+from forest_control.valve import valve_driver
+from forest_control.valve.tracking_limit import SAID_EVERY
+from forest_control.valve.valve_driver_topics import Measurements, status
 from forest_description.machine import Machine, load_machine
-from forest_msgs_py import topics
-from forest_msgs_py.emergency_stop import EmergencyStop
-from forest_msgs_py.health import Health, beyond, rating_values
-from forest_msgs_py.input_status import InputStatus
-from forest_msgs_py.node import run_node
-from forest_msgs_py.pace import pace, speaker
-from forest_msgs_py.parameters import Tunables, declare
-from forest_msgs_py.stamp_order import StampOrder
-from forest_msgs_py.stamped_period import TimeInForce
-from forest_msgs_py.unpacking import ArrayReader
+from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.runtime.node import run_node
+from forest_msgs_py.runtime.parameters import Tunables, declare
+from forest_msgs_py.runtime.stamp_order import StampOrder
+from forest_msgs_py.runtime.stamped_period import TimeInForce
+from forest_msgs_py.safety.diagnostics import Health, beyond, rating_values
+from forest_msgs_py.safety.emergency_stop import EmergencyStop
+from forest_msgs_py.safety.input_status import InputStatus
+from forest_msgs_py.serialization.unpacking import ArrayReader
 
 ZERO: Triple = (0.0, 0.0, 0.0)
 WATCHDOG_PERIOD = 0.02  # [s]

@@ -3,7 +3,7 @@
 ``load_machine("c180")`` reads a shipped machine, ``load_machine("my_crane.yaml")`` a file of one's own. Axes
 are numbered 0 swing, 1 boom, 2 stick. Port 1 drives the positive direction (swing left; cylinder's head side,
 extending), port 2 the negative one. Where every shipped number comes from: ``python -m
-forest_description.machine_table`` (docs/machine.md).
+forest_description.export.machine_numbers`` (docs/machine.md).
 """
 
 from __future__ import annotations
@@ -12,23 +12,18 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from forest_description import machine_file, machine_tree
-from forest_description.drives import Cushion, CylinderDrive, Friction, SwingDrive
-from forest_description.hose import GeometricHose, Hose, Line, MeasuredHose
-from forest_description.hydraulics import PortValves, Valve
-from forest_description.inertia import require_rigid
-from forest_description.kinematics import Links
-from forest_description.linkage import Linkage
-from forest_description.load import Log, Pendulum
-from forest_description.oil import Oil
-from forest_description.parameter import (
-    MachineError,
-    ParameterSet,
-    choice,
-    parameter,
-)
-from forest_description.pump import Pump
-from forest_description.sensing import Sensors
+from forest_description.components.circuit import PortValves, Valve
+from forest_description.components.drives import Cushion, CylinderDrive, Friction, SwingDrive
+from forest_description.components.hose import GeometricHose, Hose, Line, MeasuredHose
+from forest_description.components.inertia import require_rigid
+from forest_description.components.load import Log, Pendulum
+from forest_description.components.oil import Oil
+from forest_description.components.pump import Pump
+from forest_description.components.sensors import Sensors
+from forest_description.config import schema, source_tree
+from forest_description.config.parameter import MachineError, ParameterSet, choice, parameter
+from forest_description.geometry.kinematics import Links
+from forest_description.geometry.linkage import Linkage
 
 __all__ = [
     "AXES",
@@ -252,34 +247,34 @@ def load_machine(name_or_path: str | Path = "c180") -> Machine:
 
     Args:
         name_or_path: A name without suffix looks up a shipped machine; "unknown:7" draws one
-            (`forest_description.unknown`); anything else is a file.
+            (`forest_description.config.random_machine`); anything else is a file.
 
     Raises:
         MachineError: The file is not usable; the message has file, line, key, value and what is allowed.
     """
-    return machine_file.build(Machine, _read(name_or_path))
+    return schema.build(Machine, _read(name_or_path))
 
 
-def _read(name_or_path: str | Path) -> machine_tree.Branch:
+def _read(name_or_path: str | Path) -> source_tree.Branch:
     """Return a machine's tree; an axis' own valve or hose gives what differs from the shared one."""
-    tree = machine_tree.read(name_or_path)
+    tree = source_tree.read(name_or_path)
     for section in OWN_SECTIONS:
         shared = tree.children.get(section)
         for axis in AXES:
             drive = tree.children.get(axis)
-            if not (isinstance(drive, machine_tree.Branch) and isinstance(shared, machine_tree.Branch)):
+            if not (isinstance(drive, source_tree.Branch) and isinstance(shared, source_tree.Branch)):
                 continue
             own = drive.children.get(section)
-            if isinstance(own, machine_tree.Branch):
-                drive.children[section] = machine_tree.overlay(shared, own)
+            if isinstance(own, source_tree.Branch):
+                drive.children[section] = source_tree.overlay(shared, own)
     return tree
 
 
-def sources(name_or_path: str | Path = "c180") -> list[machine_file.Quantity]:
+def sources(name_or_path: str | Path = "c180") -> list[schema.Quantity]:
     """Return (dotted key, value, unit, source) of every number of a machine, in the file's own units.
 
     Raises:
         MachineError: As ``load_machine``.
     """
     load_machine(name_or_path)  # so that an unusable file gets its message here, too
-    return machine_file.quantities(Machine, _read(name_or_path))
+    return schema.quantities(Machine, _read(name_or_path))

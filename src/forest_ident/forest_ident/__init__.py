@@ -1,1 +1,22 @@
-"""What the records tell: the recorder and, on top of it, the identification of the machine."""
+"""What the *records* tell: experiments, estimators, refinement through the simulator, reports.
+
+In the order in which data passes:
+
+- `experiments`: The experiments: what a person prepares, what is driven, how far.
+- `data`: A record as estimators take it: readings on one time base, derivatives, which rows count.
+- `driving`: An experiment carried out: on a simulated machine or on a running graph, within its bounds.
+- `experiment_operator_node`: The scripted operator as a node: an experiment's voltages on /valve_commands,
+  on the simulator or on iron.
+- `output_error`: Output error: the simulator's readings against the recorded ones.
+- `estimators`: The thesis's estimators (chapter 4), one parameter or a few at a time.
+- `refinement`: All experiments together: from sessions to a machine, with intervals.
+- `validation`: A model against a record that it was not fitted to.
+- `report`: What was found, as a page, pictures and a machine file.
+- `online`: Running estimates while the machine works.
+- `online_node`: On-line identification as a node: running estimates of overlap, gain and damping beside the
+  off-line fit.
+- `actuator`: One actuator of any scale, fitted to a CSV record.
+- `cli`: `forest-ident`: a module for each verb.
+
+May import: `forest_sim`, `forest_bag`, `forest_msgs_py`, `forest_description`, `forest_compile`.
+"""

@@ -15,18 +15,19 @@ from typing import Any
 from rclpy.node import Node
 
 from forest_description.machine import load_machine
-from forest_ident import excitation, experiments, operator_watch
-from forest_ident.operator_inputs import Inputs
-from forest_ident.operator_watch import Triple
-from forest_ident.switches import CONTROLLER, Switches
-from forest_msgs_py import topics
-from forest_msgs_py.live_graph import UNKNOWN, LiveGraph, NoAnswer, speakers
-from forest_msgs_py.node import Finished, NodeFailure, run_node, subscription
-from forest_msgs_py.pace import pace, speaker
-from forest_msgs_py.parameters import ParameterError, declare
-from forest_msgs_py.stamp_order import StampOrder
-from forest_msgs_py.stamped_period import StampedPeriod
-from forest_msgs_py.unpacking import JointReader
+from forest_ident.driving import safety_monitor
+from forest_ident.driving.operator_inputs import Inputs
+from forest_ident.driving.safety_monitor import Triple
+from forest_ident.driving.valve_takeover import CONTROLLER, Switches
+from forest_ident.experiments import excitation, experiments
+from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.introspection.live_graph import UNKNOWN, LiveGraph, NoAnswer, speakers
+from forest_msgs_py.runtime.node import Finished, NodeFailure, run_node, subscription
+from forest_msgs_py.runtime.parameters import ParameterError, declare
+from forest_msgs_py.runtime.stamp_order import StampOrder
+from forest_msgs_py.runtime.stamped_period import StampedPeriod
+from forest_msgs_py.serialization.unpacking import JointReader
 
 ZERO: Triple = (0.0, 0.0, 0.0)
 WATCHDOG_PERIOD = 0.02  # [s]
@@ -46,8 +47,8 @@ class ExperimentOperatorNode(Node):
         self._timeout = declare(self, "timeout", 0.1, "age at which the state is lost", "s", 0.01, 1.0)
         self._listeners = declare(self, "listeners", 1, "of the commands, to be there first", low=0, high=9)
         self._programme = self._plan.programme
-        self._bounds = operator_watch.bounds(self._plan, self._programme)
-        self._state, self._watched = excitation.START, operator_watch.State()
+        self._bounds = safety_monitor.bounds(self._plan, self._programme)
+        self._state, self._watched = excitation.START, safety_monitor.State()
         self._period, self._order = StampedPeriod(0.005), StampOrder(self._timeout)
         self._begun, self._told = False, -1
         self._created = self._received = self._pace.now()
@@ -135,7 +136,7 @@ class ExperimentOperatorNode(Node):
             return
         self._see_that_the_crane_stands()
         seen = self._inputs.read(angles)
-        self._watched, reason = operator_watch.step(self._watched, seen, self._bounds, dt)
+        self._watched, reason = safety_monitor.step(self._watched, seen, self._bounds, dt)
         if reason:
             raise NodeFailure(reason)
         self._state, volts = excitation.step(self._state, angles, self._programme, dt)
@@ -162,8 +163,8 @@ class ExperimentOperatorNode(Node):
         if self._pace.lockstep:
             self._begun = True
         elif self._is_alone() and self.count_subscribers(topics.VALVE_COMMANDS.name) >= self._listeners:
-            self._programme = operator_watch.around(self._programme, self._plan, angles[0])
-            self._bounds = operator_watch.bounds(self._plan, self._programme)
+            self._programme = safety_monitor.around(self._programme, self._plan, angles[0])
+            self._bounds = safety_monitor.bounds(self._plan, self._programme)
             self._begun = True
         return self._begun
 

@@ -11,16 +11,16 @@ from functools import partial
 from rclpy.node import Node
 
 from forest_description.machine import load_machine
-from forest_ident import online
-from forest_ident.online import Triple
-from forest_msgs_py import topics
-from forest_msgs_py.messages import float_array
-from forest_msgs_py.node import run_node
-from forest_msgs_py.pace import pace
-from forest_msgs_py.parameters import declare
-from forest_msgs_py.stamped_period import StampedPeriod
-from forest_msgs_py.topics import Topic
-from forest_msgs_py.unpacking import ArrayReader, JointReader
+from forest_ident.online import estimator
+from forest_ident.online.estimator import Triple
+from forest_msgs_py.clock.node_clock import pace
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import float_array
+from forest_msgs_py.interfaces.topics import Topic
+from forest_msgs_py.runtime.node import run_node
+from forest_msgs_py.runtime.parameters import declare
+from forest_msgs_py.runtime.stamped_period import StampedPeriod
+from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader
 
 PORTS = tuple(tuple(f"{joint}_{port}_actuator" for joint in topics.JOINTS) for port in (1, 2))
 
@@ -35,8 +35,8 @@ class OnlineIdentificationNode(Node):
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
         memory = get("memory", 60.0, "after which a sample counts 1/e", "s", 1.0, 86400.0)
-        self._core = online.parameters(machine, memory)
-        self._state = online.initial(self._core)
+        self._core = estimator.parameters(machine, memory)
+        self._state = estimator.initial(self._core)
         self._period = StampedPeriod(get("period", 0.005, "nominal period of the joints", "s", 1e-4, 0.1))
         self._timeout = get("timeout", 0.1, "age at which pressures and voltages are lost", "s", 0.01, 2.0)
         self._every = get("report_period", 1.0, "between two reports", "s", 0.1, 600.0)
@@ -59,7 +59,7 @@ class OnlineIdentificationNode(Node):
         if reading.problem or not reading.values.velocity:
             return
         dt = self._period.since(reading.stamp_ns)
-        sample = online.Sample(
+        sample = estimator.Sample(
             reading.values.position,
             reading.values.velocity,
             self._triple(topics.PRESSURES, self._ports[0]),
@@ -67,7 +67,7 @@ class OnlineIdentificationNode(Node):
             self._read(topics.SUPPLY, self._supply, 1)[0],
             self._triple(topics.VALVE_VOLTAGES, self._voltages),
         )
-        self._state = online.step(self._state, sample, self._core, dt)
+        self._state = estimator.step(self._state, sample, self._core, dt)
         self._since += dt
         if self._since >= self._every:
             self._since = 0.0
@@ -87,7 +87,7 @@ class OnlineIdentificationNode(Node):
         return nothing if reading.problem else tuple(reading.values)
 
     def _publish(self, stamp: int) -> None:
-        told = zip(online.LABELS, online.report(self._state), strict=True)
+        told = zip(estimator.LABELS, estimator.report(self._state), strict=True)
         there = {label: value for label, value in told if math.isfinite(value)}
         message = float_array(topics.IDENTIFICATION, stamp, list(there.values()), labels=tuple(there))
         self._estimates.publish(message)

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 from rclpy.node import Node
 
-from forest_msgs_py import topics
-from forest_msgs_py.node import Finished, run_node
-from forest_msgs_py.pace import pace, speaker
-from forest_msgs_py.parameters import ParameterError, declare
-from forest_sim.inputs import InputError, read_voltages
+from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.runtime.node import Finished, run_node
+from forest_msgs_py.runtime.parameters import ParameterError, declare
+from forest_sim.run.inputs import InputError, read_voltages
 
 ZERO = (0.0, 0.0, 0.0)
 

@@ -19,26 +19,26 @@ from typing import Any
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 
-from forest_description.kinematics import tip_orientation
-from forest_description.limits import pose_at, start_tip
+from forest_description.derived.limits import pose_at, start_tip
+from forest_description.geometry.kinematics import tip_orientation
 from forest_description.machine import Machine, load_machine
-from forest_description.urdf import robot_description
-from forest_msgs_py import topics
-from forest_msgs_py.health import Health, beyond, rating_values
-from forest_msgs_py.input_status import InputStatus
-from forest_msgs_py.node import run_node
-from forest_msgs_py.pace import pace, speaker
-from forest_msgs_py.parameters import ParameterError, declare, declare_triple
-from forest_msgs_py.stamp_order import StampOrder
-from forest_msgs_py.topics import message_class
-from forest_msgs_py.unpacking import ArrayReader
-from forest_sim.disturbance import Disturbance, checked_tip_force, parse_stuck_spools
-from forest_sim.manipulator import Triple
-from forest_sim.measurement import Motion
-from forest_sim.sensor_faults import parse_faults
-from forest_sim.sensor_suite import Suite, calibrated, sensor_suite
-from forest_sim.sensors import Report
-from forest_sim.simulated_machine import SimulatedMachine
+from forest_description.urdf.robot_description import robot_description
+from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.topics import message_class
+from forest_msgs_py.runtime.node import run_node
+from forest_msgs_py.runtime.parameters import ParameterError, declare, declare_triple
+from forest_msgs_py.runtime.stamp_order import StampOrder
+from forest_msgs_py.safety.diagnostics import Health, beyond, rating_values
+from forest_msgs_py.safety.input_status import InputStatus
+from forest_msgs_py.serialization.unpacking import ArrayReader
+from forest_sim.mechanics.manipulator import Triple
+from forest_sim.run.disturbance import Disturbance, checked_tip_force, parse_stuck_spools
+from forest_sim.run.simulated_machine import SimulatedMachine
+from forest_sim.sensors.sensor_faults import parse_faults
+from forest_sim.sensors.sensor_readings import Report
+from forest_sim.sensors.sensor_suite import Suite, calibrated, sensor_suite
+from forest_sim.sensors.signal_processing import Motion
 
 FRAME = "base_link"
 FRAMED = (topics.POSE, topics.TWIST)  # types

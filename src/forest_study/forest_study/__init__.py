@@ -1,1 +1,17 @@
-"""What happens when machine and control meet: closed loops of the pure cores, the live graph's supervisor."""
+"""What happens when machine and control *meet*: closed loops, tracking, the thesis' studies, the demo.
+
+In the order in which data passes:
+
+- `closed_loop`: Machine, controller and driver in one loop without ROS, interpreted or compiled.
+- `tracking`: The tip along a path, and how far it is from where it should be.
+- `thesis`: The thesis's evaluation of its control schemes (chapter 5), run anew.
+- `latency`: What late links cost.
+- `delay_node`: A bad link as a node: what it hears on `topic_in` it says on `topic_out`, later, jittered,
+  or not at all.
+- `experiments`: The experiments of `forest_ident` in a graph, in lockstep or live.
+- `demo`: The demo, its summary, the reference bags, replays.
+- `results`: Where a study leaves its results: a directory of its own, in which nothing is overwritten.
+- `cli`: `forest-study`: studies of machine and control together, from the command line.
+
+May import: all others.
+"""

@@ -10,36 +10,23 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from forest_bringup.graph_lock import Failure
 from forest_description.machine import MachineError
-from forest_sim import command_line
-from forest_study import delay, replay, timing, track_command
-from forest_study.exclusive import Failure
-from forest_study.link import LinkError
-from forest_study.paths import PathError
+from forest_msgs_py.runtime import command_line
+from forest_study.closed_loop.link_model import LinkError
+from forest_study.demo import replay
+from forest_study.latency import delay_study, timing
+from forest_study.results import StudyError, new_directory
+from forest_study.tracking import track_command
+from forest_study.tracking.paths import PathError
 
 PROGRAM = "forest-study"
-
-
-class StudyError(Exception):
-    """A study cannot be made; the message is one sentence for the user."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one subcommand; return its exit code."""
     options = _parser().parse_args(arguments)
     return command_line.run(PROGRAM, options, (MachineError, StudyError, Failure))
-
-
-def new_directory(out: Path) -> None:
-    """Make the directory for results, or take an empty one.
-
-    Raises:
-        StudyError: something is in it: results are never overwritten.
-        OSError: it cannot be made, or is a file.
-    """
-    out.mkdir(parents=True, exist_ok=True)
-    if any(out.iterdir()):
-        raise StudyError(f"{out} is not empty; choose another --out or remove it")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -62,7 +49,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     track_command.add_arguments(tracking)
     late = _command(commands, "delay", _delay, "late links: tracking and stopping against 0 to 600 ms")
-    delay.add_arguments(late)
+    delay_study.add_arguments(late)
     replaying = _command(
         commands, "replay", _replay, "nodes fed from a bag in lockstep: do they answer as they did?"
     )
@@ -91,10 +78,10 @@ def _command(
 def _thesis(options: argparse.Namespace) -> int:
     new_directory(options.out)
     if options.plant == "machine":
-        from forest_study import thesis_machine_report
+        from forest_study.thesis import thesis_machine_report
 
         return thesis_machine_report.report(options.out)
-    from forest_study import thesis_report
+    from forest_study.thesis import thesis_report
 
     return thesis_report.report(options.out)
 
@@ -111,7 +98,7 @@ def _timing(options: argparse.Namespace) -> int:
 
 def _delay(options: argparse.Namespace) -> int:
     try:
-        return delay.run(options)
+        return delay_study.run(options)
     except LinkError as error:
         raise StudyError(f"delay: {error}") from error
 

@@ -11,10 +11,10 @@ from functools import partial
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
-from forest_msgs_py.node import run_node, timer
-from forest_msgs_py.parameters import ParameterError, declare
-from forest_msgs_py.topics import TOPICS, find, message_class, qos
-from forest_study.link import LONGEST, Link, Quality
+from forest_msgs_py.interfaces.topics import TOPICS, find, message_class, qos
+from forest_msgs_py.runtime.node import run_node, timer
+from forest_msgs_py.runtime.parameters import ParameterError, declare
+from forest_study.closed_loop.link_model import LONGEST, Link, Quality
 
 PERIOD = 0.002  # [s] in which it looks what is due
 

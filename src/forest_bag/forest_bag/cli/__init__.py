@@ -1,0 +1,1 @@
+"""`forest-bag`: a module for each verb."""

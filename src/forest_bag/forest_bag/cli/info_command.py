@@ -1,0 +1,137 @@
+"""`forest-bag info`: what is in a bag."""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import json
+from pathlib import Path
+from typing import Any
+
+from forest_bag.read.bag_reader import BagReader
+from forest_bag.read.flatten import NS_PER_S
+from forest_bag.read.survey import Survey, survey
+
+EPOCH_NS = 10**17  # log times below are simulated time, not a date
+
+
+def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the verb and its flags."""
+    text = "tell what is in a bag: topics, QoS, gaps, losses, files, events, attachments"
+    parser = verbs.add_parser("info", help=text, description=text.capitalize() + ".")
+    parser.set_defaults(command=run)
+    parser.add_argument("bag", type=Path, metavar="BAG", help="a directory, .mcap or .db3, damaged or not")
+    parser.add_argument("--json", action="store_true", help="for programs; times in ns")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print it; 1 if the bag is damaged."""
+    with BagReader(options.bag, lenient=True) as reader:
+        found = survey(reader)
+        print(json.dumps(as_json(reader, found), indent=2) if options.json else as_text(reader, found))
+        return 0 if reader.complete else 1
+
+
+def as_json(reader: BagReader, found: Survey) -> dict[str, Any]:
+    """Everything, by name."""
+    first, last = reader.span
+    return {
+        "bag": str(reader.path),
+        "complete": reader.complete,
+        "problems": reader.problems,
+        "notes": reader.notes,
+        "bytes": reader.size,
+        "start_ns": first,
+        "end_ns": last,
+        "duration_s": (last - first) / NS_PER_S,
+        "messages": sum(topic.count for topic in found.topics.values()),
+        "lost": sum(topic.lost for topic in found.topics.values()),
+        "files": [
+            {
+                "name": file.path.name,
+                "bytes": file.path.stat().st_size,
+                "start_ns": min((piece.first_ns for piece in file.pieces), default=0),
+                "end_ns": max((piece.last_ns for piece in file.pieces), default=0),
+                "complete": file.complete,
+            }
+            for file in reader.files
+        ],
+        "topics": {
+            name: {
+                "type": topic.type,
+                "type_hash": topic.type_hash,
+                "qos": topic.qos,
+                "messages": topic.count,
+                "bytes": topic.bytes,
+                "rate_hz": topic.rate_hz,
+                "start_ns": topic.first_ns,
+                "end_ns": topic.last_ns,
+                "lost": topic.lost,
+                "gaps": topic.gaps,
+                "longest_gap_s": topic.longest_ns / NS_PER_S if topic.period_ns else None,
+                "longest_gap_at_ns": topic.longest_at_ns if topic.period_ns else None,
+            }
+            for name, topic in found.topics.items()
+        },
+        "events": [{"time_ns": time, "text": text} for time, text in found.events],
+        "attachments": [{"name": name, "bytes": len(data)} for name, data in _attachments(reader)],
+        "metadata": {
+            name: values for file in reader.files for name, values in file.metadata if name != "rosbag2"
+        },
+    }
+
+
+def as_text(reader: BagReader, found: Survey) -> str:
+    """The same for people."""
+    told = as_json(reader, found)
+    first = told["start_ns"]
+    lines = [
+        f"bag        {told['bag']}{'' if told['complete'] else '  (damaged)'}",
+        *(f"problem    {problem}" for problem in told["problems"]),
+        *(f"note       {note}" for note in told["notes"]),
+        f"start      {_date(first)}",
+        f"duration   {told['duration_s']:.3f} s",
+        f"messages   {told['messages']}, lost {told['lost']}",
+        f"size       {_size(told['bytes'])}",
+    ]
+    for file in told["files"]:
+        span = f"{_since(file['start_ns'], first)} .. {_since(file['end_ns'], first)}"
+        lines.append(f"file       {file['name']}  {_size(file['bytes'])}  {span}")
+    width = max((len(name) for name in told["topics"]), default=0)
+    lines += [_topic_line(name, topic, first, width) for name, topic in told["topics"].items()]
+    lines += [f"event      {_since(event['time_ns'], first)}  {event['text']}" for event in told["events"]]
+    lines += [f"attached   {file['name']}  {_size(file['bytes'])}" for file in told["attachments"]]
+    for name, values in told["metadata"].items():
+        lines.append(f"metadata   {name}: {', '.join(f'{key} {value}' for key, value in values.items())}")
+    return "\n".join(lines)
+
+
+def _topic_line(name: str, topic: dict[str, Any], first_ns: int, width: int) -> str:
+    notes = [f"{topic['rate_hz']:.1f} Hz"] if topic["longest_gap_s"] is not None else []
+    if topic["lost"]:
+        notes.append(f"lost {topic['lost']}")
+    if topic["gaps"]:
+        place = _since(topic["longest_gap_at_ns"], first_ns)
+        count, longest = topic["gaps"], topic["longest_gap_s"]
+        notes.append(f"{count} gap{'s' * (count > 1)}, longest {longest:.3f} s at {place}")
+    notes += topic["qos"] or ["QoS unknown"]
+    return f"topic      {name:{width}} {topic['messages']:>8}  {topic['type']}  {'; '.join(notes)}"
+
+
+def _attachments(reader: BagReader) -> list[tuple[str, bytes]]:
+    """Of all files; splits repeat them."""
+    return list({name: (name, data) for file in reader.files for name, data in file.attachments}.values())
+
+
+def _since(time_ns: int, first_ns: int) -> str:
+    return f"{(time_ns - first_ns) / NS_PER_S:.3f} s"
+
+
+def _date(time_ns: int) -> str:
+    if time_ns < EPOCH_NS:
+        return f"{time_ns / NS_PER_S:.3f} s, simulated time"
+    return datetime.datetime.fromtimestamp(time_ns / NS_PER_S).astimezone().isoformat(" ", "milliseconds")
+
+
+def _size(count: int) -> str:
+    return f"{count / 1e6:.2f} MB" if count >= 100_000 else f"{count / 1e3:.1f} kB"

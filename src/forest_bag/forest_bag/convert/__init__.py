@@ -1,0 +1,1 @@
+"""Bags to tables, and measured logs to bags."""

@@ -1,0 +1,1 @@
+"""A bag played in time: what is asked for, reading ahead, pace, remote control."""

@@ -1,0 +1,111 @@
+"""A bag as the player needs it: read ahead by a thread of its own, latched topics known beforehand."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from collections.abc import Collection, Iterator
+from itertools import islice
+from queue import Empty, Full, Queue
+
+from forest_bag.read.bag_reader import BagReader
+from forest_bag.storage.raw_messages import RawMessage
+from forest_msgs_py.interfaces.qos_profiles import Qos
+
+BATCH = 100  # messages handed over at once
+BATCHES = 50  # read ahead: a second and more of the demo's messages
+PATIENCE_S = 0.1
+ARRIVAL_NS = 1_000_000_000  # of the bag's begin, in which a recorder hears what was latched before it came
+
+
+class BagSource:
+    """The chosen topics of a bag."""
+
+    def __init__(self, reader: BagReader, profiles: dict[str, Qos]) -> None:
+        """Read what latched topics hold.
+
+        Args:
+            reader: the open bag.
+            profiles: topics to be played, with their QoS.
+
+        Raises:
+            Damaged: bytes of the bag were changed.
+        """
+        self._reader = reader
+        self._topics = set(profiles)
+        self._settled_ns = reader.span[0] + ARRIVAL_NS
+        self._latched: dict[str, list[RawMessage]] = {
+            name: [] for name, profile in profiles.items() if profile.latched
+        }
+        self._depths = {name: profiles[name].depth for name in self._latched}
+        if self._latched:
+            for message in reader.messages(self._latched.keys()):
+                self._latched[message.channel.topic].append(message)
+
+    def messages(self, start_ns: int) -> Iterator[RawMessage]:
+        """Messages from a log time on, in order."""
+        return read_ahead(self._reader.messages(self._topics, start_ns))
+
+    def latched(self, position_ns: int, renew: bool) -> list[RawMessage]:
+        """What latched topics held before a log time, as many messages as their publishers kept.
+
+        Args:
+            position_ns: log time.
+            renew: a topic that held nothing yet gives its first message if that came with the bag's begin:
+                its publisher had it before the recorder was there. A later one was news when it came.
+        """
+        held = []
+        for name, messages in self._latched.items():
+            before = _distinct([message for message in messages if message.log_ns < position_ns])
+            known = [message for message in messages[:1] if renew and message.log_ns < self._settled_ns]
+            held += before[-self._depths[name] :] or known
+        return sorted(held, key=lambda message: message.log_ns)
+
+
+def _distinct(messages: Collection[RawMessage]) -> list[RawMessage]:
+    """The last of equal messages: a recorder writes a latched one into every split."""
+    last = {message.data: message for message in messages}
+    return sorted(last.values(), key=lambda message: message.log_ns)
+
+
+def read_ahead(messages: Iterator[RawMessage]) -> Iterator[RawMessage]:
+    """Yield messages that a thread has read beforehand: decompressing a chunk must delay none of them."""
+    batches: Queue[list[RawMessage] | BaseException] = Queue(BATCHES)
+    closed = threading.Event()
+
+    def read() -> None:
+        try:
+            while batch := list(islice(messages, BATCH)):
+                if not _put(batches, batch, closed):
+                    return
+            _put(batches, [], closed)
+        except BaseException as error:  # noqa: BLE001  whatever it is, the reader of the batches gets it
+            _put(batches, error, closed)
+
+    thread = threading.Thread(target=read, name="read-ahead", daemon=True)
+    thread.start()
+    try:
+        while batch := batches.get():
+            if isinstance(batch, BaseException):
+                raise batch
+            yield from batch
+    finally:
+        closed.set()
+        while thread.is_alive():
+            with contextlib.suppress(Empty):
+                batches.get_nowait()
+            thread.join(PATIENCE_S if batches.empty() else 0.0)
+
+
+def _put(
+    batches: Queue[list[RawMessage] | BaseException],
+    batch: list[RawMessage] | BaseException,
+    closed: threading.Event,
+) -> bool:
+    while not closed.is_set():
+        try:
+            batches.put(batch, timeout=PATIENCE_S)
+        except Full:
+            continue
+        return True
+    return False

@@ -1,0 +1,1 @@
+"""The standard pictures of a bag."""

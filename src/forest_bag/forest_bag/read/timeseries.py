@@ -1,0 +1,263 @@
+"""A bag as time series: counts per topic, and each topic's values as arrays with stamps, labels and units.
+
+============  ==============================================================================================
+symbol        meaning
+============  ==============================================================================================
+time_ns       header stamp, ROS time, int64 [N]; where a message has none, its log time
+log_time_ns   when the recorder received it, system time, int64 [N]
+values        float64 [N, k], one column per label
+============  ==============================================================================================
+
+A bag whose recorder was killed (no footer, no index, no ``metadata.yaml``) gives every finished chunk.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_bag.read.bag_reader import BagReader
+from forest_bag.read.batch_decoder import decoded
+from forest_bag.read.flatten import NS_PER_S, TAKERS, Row, take_any
+from forest_bag.storage.bag_files import BagError
+from forest_bag.storage.metadata import recorded_losses
+from forest_bag.storage.raw_messages import Channel, RawMessage
+from forest_msgs_py.interfaces.qos_profiles import offered
+from forest_msgs_py.interfaces.topics import Topic, find, message_class, unlisted
+from forest_msgs_py.runtime.sequences import SequenceGaps
+
+LATEST_NS = 2**63 - 1  # of a log time in an array; MCAP's own are unsigned
+
+
+class Unreadable(ValueError):
+    """Bytes that are no message of the type that the bag tells."""
+
+
+class NotInBag(LookupError):
+    """A topic or a column that the bag does not hold; the text names what there is."""
+
+
+@dataclass(frozen=True)
+class TopicInfo:
+    """What a bag holds of one topic; ``lost`` counts gaps in the publishers' sequence numbers."""
+
+    type: str
+    count: int
+    first_ns: int
+    last_ns: int
+    lost: int
+
+    @property
+    def rate_hz(self) -> float:
+        """Mean rate between the first and the last message, by log time; 0 for fewer than two."""
+        span = self.last_ns - self.first_ns
+        return (self.count - 1) * NS_PER_S / span if span > 0 else 0.0
+
+
+class Series(NamedTuple):
+    """One topic over time; NaN where a message lacks a column, as ``incomplete`` of them do.
+
+    ``unreadable`` of these are no messages of the topic's type: they have no column at all.
+    """
+
+    time_ns: NDArray[np.int64]
+    log_time_ns: NDArray[np.int64]
+    values: NDArray[np.float64]
+    labels: tuple[str, ...]
+    units: tuple[str, ...]
+    incomplete: int
+    unreadable: int = 0
+
+    def column(self, label: str) -> NDArray[np.float64]:
+        """The values of one label, [N].
+
+        Raises:
+            NotInBag: no such label; the text names those there are.
+        """
+        if label not in self.labels:
+            raise NotInBag(f"no column '{label}'; there are {', '.join(self.labels)}")
+        return self.values[:, self.labels.index(label)]
+
+
+class Bag:
+    """A recorded session in memory."""
+
+    def __init__(
+        self, topics: dict[str, TopicInfo], messages: dict[str, list[RawMessage]], complete: bool
+    ) -> None:
+        self.topics = topics
+        self.complete = complete  # False: the recorder was killed, the file has no footer
+        self._messages = messages
+        self._series: dict[str, Series] = {}
+
+    def name(self, topic: str | Topic) -> str | None:
+        """The name under which the bag holds a topic, in whatever namespace; None if it does not."""
+        if isinstance(topic, str):
+            return topic if topic in self.topics else None
+        return next((name for name in self.topics if find(name) == topic), None)
+
+    def series(self, topic: str | Topic) -> Series:
+        """The values of a topic over time.
+
+        Raises:
+            NotInBag: the bag does not hold the topic.
+            ValueError: messages of this type have no numbers to plot.
+        """
+        name = self.name(topic)
+        if name is None:
+            wanted = topic if isinstance(topic, str) else topic.name
+            raise NotInBag(f"no topic '{wanted}'; the bag holds {', '.join(sorted(self.topics))}")
+        if name not in self._series:
+            self._series[name] = _series(name, self.topics[name].type, self._messages[name])
+        return self._series[name]
+
+    def sent_ns(self, topic: Topic) -> NDArray[np.int64]:
+        """When each message of a topic was published, by its publisher's system clock [ns], as `series`.
+
+        Raises:
+            NotInBag: the bag does not hold the topic.
+        """
+        series = self.series(topic)
+        messages = self._messages.get(str(self.name(topic)))
+        if messages is None:  # it was never a file
+            return series.log_time_ns
+        return np.array([message.publish_ns for message in messages], dtype=np.int64)
+
+
+def bag_of(series: Mapping[Topic, Series]) -> Bag:
+    """A session in memory that was never a file: its pictures are drawn like a recorded one's."""
+    bag = Bag({}, {}, complete=True)
+    for topic, values in series.items():
+        times = values.log_time_ns
+        first, last = (int(times[0]), int(times[-1])) if len(times) else (0, 0)
+        bag.topics[topic.name] = TopicInfo(topic.type, len(times), first, last, 0)
+        bag._series[topic.name] = values
+    return bag
+
+
+def read_bag(path: str | Path, topics: Collection[str] | None = None) -> Bag:
+    """Read a bag into memory: what is whole of it.
+
+    Args:
+        path: directory or file, of any kind that `BagReader` reads.
+        topics: keep the messages of these only; None: of all.
+
+    Raises:
+        FileNotFoundError: there is no bag.
+    """
+    path = Path(path)
+    messages: dict[str, list[RawMessage]] = {}
+    try:
+        with BagReader(path, lenient=True) as reader:
+            for message in reader.messages():
+                if topics is None or message.channel.topic in topics:
+                    messages.setdefault(message.channel.topic, []).append(message)
+            channels = {name: found[0] for name, found in reader.channels.items()}
+            complete = reader.complete
+            lost = recorded_losses(reader.information)
+    except BagError as error:
+        raise FileNotFoundError(str(error)) from error
+    infos = {
+        name: _info(channel, messages.setdefault(name, []), lost.get(name))
+        for name, channel in channels.items()
+    }
+    return Bag(infos, messages, complete)
+
+
+def _info(channel: Channel, messages: list[RawMessage], lost: int | None) -> TopicInfo:
+    times = [message.log_ns for message in messages]
+    if lost is None:
+        publishers = max(1, len(offered(channel.qos)))
+        gaps = SequenceGaps()
+        for message in messages:
+            gaps.observe(message.sequence, lambda: publishers)
+        lost = gaps.lost
+    return TopicInfo(channel.type, len(times), min(times, default=0), max(times, default=0), lost)
+
+
+def row_reader(name: str, type_name: str) -> Callable[[bytes], Row]:
+    """Return what turns a topic's CDR bytes into a row of labelled numbers.
+
+    Raises:
+        ValueError: the type is not installed here.
+    """
+    read = message_reader(name, type_name)
+    return lambda data: read(data)[0]
+
+
+def message_reader(name: str, type_name: str) -> Callable[[bytes], tuple[Row, Any]]:
+    """Return what turns a topic's CDR bytes into a row of labelled numbers, and the whole message.
+
+    Raises:
+        ValueError: the type is not installed here.
+        Unreadable: (what is returned) the bytes are no message of the type.
+    """
+    kind, decode = _decoder(name, type_name)
+    take = TAKERS.get(type_name, take_any)
+
+    def read(data: bytes) -> tuple[Row, Any]:
+        try:
+            message = decode(data)
+        except (RuntimeError, MemoryError, UnicodeDecodeError) as error:  # of the middleware
+            raise Unreadable(f"{name}: bytes that are no {type_name}") from error
+        return take(kind, message), message
+
+    return read
+
+
+def _decoder(name: str, type_name: str) -> tuple[Topic, Callable[[bytes], Any]]:
+    from rclpy.serialization import deserialize_message  # only here: counting needs no ROS
+
+    row = find(name)
+    kind = row if row is not None and row.type == type_name else unlisted(name, type_name)
+    try:
+        message_type = message_class(kind)
+    except (ImportError, AttributeError, ValueError):
+        raise ValueError(f"{name}: {type_name or 'its type'} is not installed here") from None
+    return kind, lambda data: deserialize_message(data, message_type)
+
+
+def _series(name: str, type_name: str, messages: list[RawMessage]) -> Series:
+    read = row_reader(name, type_name)
+    row = find(name)
+    kind = row if row is not None and row.type == type_name else unlisted(name, type_name)
+    log_time = np.array([min(message.log_ns, LATEST_NS) for message in messages], dtype=np.int64)
+    rows, unreadable = _rows(read, messages[:1])
+    alike = decoded(kind, [m.data for m in messages], rows[0]) if messages else None
+    if alike is not None:
+        return Series(alike.stamps_ns, log_time, alike.values, alike.labels, alike.units, 0)
+    rows, unreadable = _rows(read, messages)
+    columns = dict(zip(kind.labels, kind.units, strict=True)) if not rows else {}
+    for row_ in rows:
+        if row_.labels != tuple(columns):
+            columns |= dict(zip(row_.labels, row_.units, strict=True))
+    if rows and not columns:
+        raise ValueError(f"{name}: {type_name} has no series; allowed: messages with numbers in them")
+    places = {label: place for place, label in enumerate(columns)}
+    values = np.full((len(rows), len(columns)), np.nan)
+    for line, row_ in zip(values, rows, strict=True):
+        line[[places[label] for label in row_.labels]] = row_.values
+    time = np.array(
+        [log if r.stamp_ns is None else r.stamp_ns for r, log in zip(rows, log_time, strict=True)],
+        dtype=np.int64,
+    )
+    incomplete = sum(len(r.labels) < len(columns) for r in rows)
+    return Series(time, log_time, values, tuple(columns), tuple(columns.values()), incomplete, unreadable)
+
+
+def _rows(read: Callable[[bytes], Row], messages: list[RawMessage]) -> tuple[list[Row], int]:
+    """One row for each message, an empty one for what is unreadable, and how many of these there are."""
+    found = [_row(read, message.data) for message in messages]
+    return [row or Row(None, (), (), ()) for row in found], found.count(None)
+
+
+def _row(read: Callable[[bytes], Row], data: bytes) -> Row | None:
+    try:
+        return read(data)
+    except Unreadable:
+        return None

@@ -1,0 +1,154 @@
+"""The recorder node: every topic it can see, as raw bytes, into a bag.
+
+It watches the graph, subscribes to each topic with its publishers' QoS, and copies bytes; it decodes nothing.
+In a namespace it records that namespace, and the topics of the ROS graph (absolute in the topic table).
+
+A thread of its own copies and writes; the executor is left with looking for topics and with the services
+`~/start`, `~/stop`, `~/split`, `~/snapshot` and `~/mark`, which says the parameter `event` on /events. The
+thread that writes never waits for the disk: a third one syncs. In lockstep it ends with the run's last step.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from forest_bag.record.recording import Recording, Refusal
+from forest_bag.record.run_context import RunContext, versions
+from forest_bag.record.topic_choice import ChoiceError, TopicChoice
+from forest_bag.storage.mcap_chunk import COMPRESSIONS
+from forest_bag.write.bag_session import Session
+from forest_bag.write.bag_writer import Layout
+from forest_msgs_py.clock.step_listener import listener
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.topics import message_class
+from forest_msgs_py.introspection.graph_listener import Offer
+from forest_msgs_py.introspection.parameter_survey import ParameterSurvey
+from forest_msgs_py.runtime.node import NodeFailure, publisher, run_node, timer
+from forest_msgs_py.runtime.parameters import ParameterError, declare
+
+HOUR = 3600.0  # [s]; readers load a file's index whole, which has ten entries for each second
+QUICK_POLL_S, SLOW_POLL_S = 0.05, 0.25
+QUICK_POLLS = 100  # the first five seconds, while a graph comes up
+
+
+class RecorderNode(Node):
+    """Records until it is told to stop."""
+
+    def __init__(self) -> None:
+        super().__init__("recorder")
+        choice, session = self._choice(), self._new_session()
+        self._listener = listener(self, choice.wants, self._offered, self._refused, self._settled)
+        self._recording = Recording(session, self._listener.take, self.get_logger().info)
+        declare(self, "event", "mark", "what the next `mark` says on /events", read_only=False)
+        self._events = publisher(self, topics.EVENTS)
+        answers = {name: getattr(self._recording, name) for name in ("start", "stop", "split", "snapshot")}
+        for name, verb in (answers | {"mark": self._mark}).items():
+            self.create_service(Trigger, f"~/{name}", self._service(verb))
+        self._run_context = RunContext(session.attach, session.note, self.get_logger().warning)
+        session.note("forest_versions", versions())
+        self._survey = ParameterSurvey(self, self._learn)
+        self._polls = 0
+        self._poll_timer = timer(self, QUICK_POLL_S, self._poll)
+
+    def _choice(self) -> TopicChoice:
+        chosen = declare(self, "topics", [""], "record only these")
+        regex = declare(self, "regex", "", "record only, or also, topics whose name contains this")
+        excluded = declare(self, "exclude", [""], "names, or regular expressions, of topics not to record")
+        everything = declare(self, "everything", False, "record all namespaces, not only the recorder's")
+        if any(chosen) or regex:
+            chosen = [*chosen, topics.EVENTS.name]
+        resolve, namespace = self.resolve_topic_name, self.get_namespace()
+        try:
+            return TopicChoice(resolve, namespace, chosen, regex, excluded, everything)
+        except ChoiceError as error:
+            raise ParameterError(f"parameter 'regex' or 'exclude': {error}") from error
+
+    def _new_session(self) -> Session:
+        output = declare(self, "output", "", "Directory to be made for the bag")
+        compression = declare(self, "compression", "zstd", "of the chunks", choices=COMPRESSIONS)
+        duration = declare(self, "max_duration", HOUR, "longest file; 0: no limit", "s", 0.0, 1e9)
+        size = declare(self, "max_size", 0.0, "largest file; 0: no limit", "MB", 0.0, 1e9)
+        last = "keep so much in memory and write it on ~/snapshot; 0: write everything"
+        snapshot = declare(self, "snapshot_seconds", 0.0, last, "s", 0.0, 3600.0)
+        paused = declare(self, "start_paused", False, "record nothing before ~/start")
+        refused = f"parameter 'output' is {output!r}: %s; allowed: a directory that does not exist yet"
+        if not output:
+            raise ParameterError(refused % "no directory")
+        if Path(output).exists():
+            raise ParameterError(refused % f"{output} exists")
+        layout = Layout(compression, int(size * 1e6), int(duration * 1e9), durable=True)
+        session = Session(output, layout, int(snapshot * 1e9))
+        try:
+            if not paused:
+                session.start()
+        except OSError as error:
+            raise ParameterError(refused % error) from error
+        begin = "paused, will record" if paused else "waits for the first message, to be recorded"
+        self.get_logger().info(f"{begin} to {output}")
+        return session
+
+    def run(self, stopping: threading.Event) -> None:
+        """Copy what arrives until the node is to stop."""
+        while not stopping.wait(self._listener.pause):
+            self._recording.turn()
+
+    def stop(self) -> None:
+        """Close the bag; the last chunk, the footer and the metadata are written here."""
+        self._recording.end()
+
+    def _poll(self) -> None:
+        """Subscribe to what has appeared since the last look, and ask new nodes for their parameters."""
+        self._polls += 1
+        if self._polls == QUICK_POLLS:
+            self._poll_timer.timer_period_ns = int(SLOW_POLL_S * 1e9)
+        self._recording.guard(self._listener.look)
+        self._survey.look()
+
+    def _offered(self, offer: Offer) -> None:
+        self._recording.session.add_topic(*offer)
+
+    def _refused(self, name: str, reason: str) -> None:
+        self.get_logger().info(f"not recorded: {name} {reason}")
+
+    def _settled(self, nodes: Sequence[str]) -> bool:
+        """Whether the nodes have told their parameters: a short run may be over before."""
+        return self._survey.has_heard(nodes)
+
+    def _learn(self, name: str, parameters: dict[str, Any]) -> None:
+        self._recording.guard(lambda: self._run_context.node(name, parameters, self._listener.context_ns()))
+
+    def _mark(self) -> str:
+        """Say an event on /events, which is recorded as every topic is."""
+        self._recording.demand_take()
+        if not self._events.get_subscription_count():
+            raise Refusal("the recorder does not hear /events: not yet, or it is told to exclude it")
+        text = str(self.get_parameter("event").value)
+        self._events.publish(message_class(topics.EVENTS)(data=text))
+        return f"marked: {text}"
+
+    def _service(self, verb: Callable[[], str]) -> Callable[[Any, Any], Any]:
+        def answer(_request: Any, response: Any) -> Any:
+            try:
+                response.message, response.success = verb(), True
+            except (NodeFailure, Refusal) as error:  # a failure ends the node at its next turn
+                response.message, response.success = str(error), False
+            self.get_logger().info(response.message)
+            return response
+
+        return answer
+
+
+def main(args: list[str] | None = None) -> int:
+    """Entry point of the console script."""
+    return run_node(RecorderNode, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""A whole bag from the readable records of a damaged one."""

@@ -1,0 +1,163 @@
+"""A whole bag from the readable records of damaged files, one file for each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+from mcap.records import Attachment, Channel, Message, Metadata, Schema
+
+from forest_bag.storage.bag_files import BagError
+from forest_bag.storage.mcap_file import McapFile
+from forest_bag.storage.mcap_records import MAGIC
+from forest_bag.storage.mcap_recovery import Salvage
+from forest_bag.storage.metadata import FileEntry, TopicEntry, dump, information, write_metadata
+from forest_msgs_py.interfaces.yaml_text import parsed
+from forest_msgs_py.runtime.sequences import SequenceGaps
+
+CHUNK_BYTES = 1 << 20
+LIBRARY = "forest_msgs_py recovery"
+
+
+class _Offer:
+    """A topic as some publishers offer it: an entry in ``metadata.yaml``, which rosbags finds by its QoS."""
+
+    def __init__(self, name: str, type_name: str, metadata: dict[str, str]) -> None:
+        self.name, self.type = name, type_name
+        self.type_hash = metadata.get("topic_type_hash", "")
+        self.qos = _profiles(metadata.get("offered_qos_profiles", ""))
+        self.messages = 0
+
+
+class Recovered:
+    """A recovery: what became of each file, and the topics by name."""
+
+    def __init__(self) -> None:
+        self.files: list[tuple[Path | None, Salvage]] = []
+        self.topics: dict[str, SequenceGaps] = {}
+        self.nameless = 0  # messages of channels that nothing readable tells about
+        self._offers: dict[tuple[str, ...], _Offer] = {}
+
+    @property
+    def messages(self) -> int:
+        """Number of messages in all files."""
+        return sum(offer.messages for offer in self._offers.values())
+
+    def offer(self, name: str, type_name: str, metadata: dict[str, str]) -> _Offer:
+        """Return the entry of a channel, the same for equal ones in several files."""
+        self.topics.setdefault(name, SequenceGaps())
+        key = (name, type_name, *sorted(f"{k}={v}" for k, v in metadata.items()))
+        return self._offers.setdefault(key, _Offer(name, type_name, metadata))
+
+    def about(self, files: Sequence[FileEntry], counts: dict[_Offer, int] | None = None) -> dict[str, Any]:
+        """Return rosbag2's metadata of some files; counts by offer, if not those of all files."""
+        topics = [
+            TopicEntry(o.name, o.type, o.qos, o.type_hash, o.messages if counts is None else counts.get(o, 0))
+            for o in self._offers.values()
+        ]
+        return information(files, topics, {name: gaps.lost for name, gaps in self.topics.items()})
+
+
+def _profiles(text: str) -> list[dict[str, Any]]:
+    try:
+        told = parsed(text)
+    except yaml.YAMLError:
+        return []
+    usable = isinstance(told, list) and all(isinstance(profile, dict) for profile in told)
+    return told if usable else []
+
+
+def recover(files: Sequence[Path], output: Path) -> Recovered:
+    """Write what is readable in some files as one bag.
+
+    Raises:
+        BagError: nothing in them is.
+        OSError: the output exists, cannot be made, or its disk is full.
+    """
+    recovered = Recovered()
+    entries: list[FileEntry] = []
+    salvages = [Salvage(file) for file in files]
+    if all(salvage.empty for salvage in salvages):
+        raise BagError("; ".join(map(_why_nothing, files)))
+    output.mkdir(parents=True)
+    for salvage in salvages:
+        path = None if salvage.empty else output / f"{output.resolve().name}_{len(entries)}.mcap"
+        recovered.files.append((path, salvage))
+        if path is not None:
+            entries.append(_copy(salvage, path, recovered))
+    write_metadata(output, recovered.about(entries))
+    return recovered
+
+
+def _why_nothing(file: Path) -> str:
+    with file.open("rb") as stream:
+        start = stream.read(len(MAGIC))
+    if not start:
+        return f"{file} is empty (0 bytes): nothing to recover"
+    if start != MAGIC:
+        return f"{file}: nothing in it can be read; is it an MCAP file?"
+    return f"{file} holds neither a message nor an attachment that can be read: nothing to recover"
+
+
+def _copy(salvage: Salvage, path: Path, recovered: Recovered) -> FileEntry:
+    """Write one file."""
+    out = McapFile(path, "zstd", CHUNK_BYTES, library=LIBRARY)
+    copy = _Copy(out, recovered)
+
+    def entry() -> FileEntry:
+        return FileEntry(path.name, out.first_ns, out.last_ns, out.message_count)
+
+    def say_about() -> None:
+        about = recovered.about([entry()], copy.counts)
+        out.note("rosbag2", {"serialized_metadata": dump(about)})
+
+    try:
+        for record in salvage:
+            copy.take(record)
+    finally:
+        out.finish(say_about)
+    return entry()
+
+
+class _Copy:
+    """Puts the records of a damaged file into a new one; numbers of schemas and channels change."""
+
+    def __init__(self, out: McapFile, recovered: Recovered) -> None:
+        self.counts: dict[_Offer, int] = {}
+        self._out, self._recovered = out, recovered
+        self._schemas: dict[int, tuple[str, int]] = {0: ("", 0)}  # the file's number: type, our number
+        self._channels: dict[int, tuple[_Offer, int]] = {}
+
+    def take(self, record: Any) -> None:
+        """Copy one record."""
+        if isinstance(record, Message):
+            self._message(record)
+        elif isinstance(record, Schema) and record.id not in self._schemas:
+            number = self._out.add_schema(record.name, record.encoding, record.data)
+            self._schemas[record.id] = record.name, number
+        elif isinstance(record, Channel) and record.id not in self._channels:
+            self._channel(record)
+        elif isinstance(record, Attachment):
+            self._out.attach(record.name, record.media_type, record.data, record.log_time)
+        elif isinstance(record, Metadata) and record.name != "rosbag2":  # it counts what is no longer true
+            self._out.note(record.name, record.metadata)
+
+    def _channel(self, channel: Channel) -> None:
+        if channel.schema_id not in self._schemas:
+            return
+        type_name, schema = self._schemas[channel.schema_id]
+        number = self._out.add_channel(channel.topic, schema, channel.metadata, channel.message_encoding)
+        offer = self._recovered.offer(channel.topic, type_name, channel.metadata)
+        self._channels[channel.id] = offer, number
+
+    def _message(self, message: Message) -> None:
+        if message.channel_id not in self._channels:
+            self._recovered.nameless += 1
+            return
+        offer, channel = self._channels[message.channel_id]
+        self._out.add_message(channel, message.log_time, message.data, message.publish_time, message.sequence)
+        self._recovered.topics[offer.name].observe(message.sequence, lambda: len(offer.qos))
+        offer.messages += 1
+        self.counts[offer] = self.counts.get(offer, 0) + 1

@@ -1,0 +1,95 @@
+"""Plays a bag in lockstep: says what was said in step k, and waits for the answers to it.
+
+It takes the place of the nodes that are not there: of a bag recorded in lockstep it says every topic but
+those that the nodes under test answer, silences included, and /clock. So their answers are those of the
+recorded run, to the last bit, or the nodes are not the same. (`forest-bag play` plays by the clock on the
+wall.)
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from rclpy.node import Node
+
+from forest_bag.read.bag_reader import BagReader
+from forest_bag.storage.bag_files import BagError
+from forest_bag.storage.raw_messages import RawMessage
+from forest_msgs_py.clock.node_clock import pace
+from forest_msgs_py.clock.step_topics import STEP_NS
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.stamps import STAMPED
+from forest_msgs_py.interfaces.topics import Topic, find
+from forest_msgs_py.runtime.node import NodeFailure, run_node
+from forest_msgs_py.runtime.parameters import ParameterError, declare
+
+# The leader's own, and what several nodes say, among them those under test.
+NOT_PLAYED = (topics.CLOCK, topics.DIAGNOSTICS)
+
+
+class StepPlayerNode(Node):
+    """Shell around a bag's reader."""
+
+    def __init__(self) -> None:
+        super().__init__("step_player")
+        self._pace = pace(self, leads=True)
+        if not self._pace.lockstep:
+            raise ParameterError("parameter 'lockstep' is false; allowed: true; `forest-bag play` plays live")
+        self.run = self._pace.run
+        path = declare(self, "bag", "", "recorded in lockstep")
+        answers = declare(self, "answers", [""], "topics, without slash, that the nodes under test say")
+        try:
+            self._bag = BagReader(Path(path))
+        except (BagError, OSError) as error:
+            raise ParameterError(f"parameter 'bag': {error}") from error
+        rows = {name: find(name) for name in self._bag.channels}
+        self._said = {
+            name: self._pace.publisher(row)
+            for name, row in rows.items()
+            if row is not None and _is_played(row, answers)
+        }
+        unknown = sorted(set(answers) - {row.name for row in rows.values() if row is not None} - {""})
+        if unknown:
+            raise ParameterError(
+                f"parameter 'answers': {', '.join(unknown)} not in the bag; there are {', '.join(rows)}"
+            )
+        for row in rows.values():
+            if row is not None and row.name in answers:
+                self._pace.inbox(row)
+        self._messages: Iterator[RawMessage] = self._bag.messages(list(self._said))
+        self._next: RawMessage | None = next(self._messages, None)
+        self._say_until(0)
+        self._pace.every(0.0, lambda: self._say_until(self._pace.stamp()))
+
+    def _say_until(self, stamp: int) -> None:
+        """Say what the bag holds up to a stamp [ns]."""
+        while self._next is not None and self._next.log_ns <= stamp:
+            if self._next.log_ns % STEP_NS:
+                raise NodeFailure(
+                    f"{self._bag.path} holds a message at {self._next.log_ns} ns; allowed: a bag that was "
+                    f"recorded in lockstep, with log times that are multiples of {STEP_NS} ns"
+                )
+            self._said[self._next.channel.topic].publish(self._next.data)
+            self._next = next(self._messages, None)
+
+    def destroy_node(self) -> Any:
+        """Let go of the bag, too."""
+        self._bag.close()
+        return super().destroy_node()
+
+
+def _is_played(row: Topic, answers: list[str]) -> bool:
+    said = row.type in STAMPED or row == topics.ROBOT_DESCRIPTION
+    return said and row.name not in answers and row not in NOT_PLAYED
+
+
+def main() -> None:
+    """Run the node until it is told to stop."""
+    sys.exit(run_node(StepPlayerNode))
+
+
+if __name__ == "__main__":
+    main()

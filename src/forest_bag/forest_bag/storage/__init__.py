@@ -1,0 +1,1 @@
+"""Files on disk: MCAP chunk by chunk, SQLite of older bags, `metadata.yaml`."""

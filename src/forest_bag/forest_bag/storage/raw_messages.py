@@ -1,0 +1,81 @@
+"""Recorded messages as bytes, and what the kinds of files that hold them have in common.
+
+============  ==============================================================================================
+symbol        meaning
+============  ==============================================================================================
+log time      when the recorder received a message, ns
+publish time  when its publisher sent it, ns
+piece         messages that lie together: a chunk of an MCAP file, or some thousand loose messages
+complete      the file ends as a finished file does, and everything in it could be read
+============  ==============================================================================================
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol
+
+from forest_bag.storage.bag_files import BagError
+
+
+class Damaged(BagError):
+    """A file was cut off, or bytes of it were changed."""
+
+
+class Channel(NamedTuple):
+    """What a file says of one topic; ``qos`` is the YAML text, or the list, that rosbag2 keeps."""
+
+    topic: str
+    type: str
+    encoding: str = "cdr"
+    qos: Any = ""
+    type_hash: str = ""
+    definition: str = ""
+
+
+class RawMessage(NamedTuple):
+    """One recorded message; ``data`` is CDR unless the channel says otherwise."""
+
+    log_ns: int
+    publish_ns: int
+    sequence: int
+    channel: Channel
+    data: bytes
+
+
+class Piece(NamedTuple):
+    """Where some messages lie; ``channels`` None: of any channel."""
+
+    first_ns: int
+    last_ns: int
+    offset: int
+    length: int
+    channels: frozenset[int] | None = None
+
+
+class BagFile(Protocol):
+    """What the two kinds of files have in common."""
+
+    path: Path
+    channels: dict[int, Channel]
+    pieces: list[Piece]
+    complete: bool
+    problems: list[str]
+    notes: list[str]  # what the user should know, although nothing is wrong
+    attachments: list[tuple[str, bytes]]
+    metadata: list[tuple[str, dict[str, str]]]
+
+    def read(self, piece: Piece) -> list[RawMessage]:
+        """Read the messages of a piece, in the file's order; raises Damaged."""
+
+    def check(self) -> None:
+        """Look at all of it; raises Damaged."""
+
+    def close(self) -> None:
+        """Let go of the file."""
+
+
+def full_type(name: str, encoding: str) -> str:
+    """A ROS 2 type as Dashing's bags name it, ``std_msgs/String``, with the ``msg`` that came later."""
+    package, _, kind = name.partition("/")
+    return f"{package}/msg/{kind}" if encoding == "cdr" and kind and "/" not in kind else name

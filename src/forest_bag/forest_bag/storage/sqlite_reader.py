@@ -1,0 +1,131 @@
+"""One file of a bag in rosbag2's older format, an SQLite database (.db3), read as an MCAP file is."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from pathlib import Path
+
+from forest_bag.storage.bag_files import BagError
+from forest_bag.storage.raw_messages import Channel, Damaged, Piece, RawMessage, full_type
+from forest_bag.storage.sqlite_open import Database
+
+MAGIC = b"SQLite format 3\0"
+MESSAGES = 2000  # in a piece, and as many more as have the last one's log time
+TOPIC_COLUMNS = (
+    "id",
+    "name",
+    "type",
+    "serialization_format",
+    "offered_qos_profiles",
+    "type_description_hash",
+)
+
+
+class SqlitePieces:
+    """A .db3 file; its publishers' times and sequence numbers were never kept."""
+
+    def __init__(self, path: Path, plain: Path) -> None:
+        """Open a file and find its pieces.
+
+        Args:
+            path: of the bag's file, by which it is named.
+            plain: where it lies decompressed; the same if it is not compressed.
+
+        Raises:
+            BagError: it is no database of rosbag2's.
+            OSError: it cannot be read.
+        """
+        self.path = path
+        self.pieces: list[Piece] = []
+        self.complete = True
+        self.problems: list[str] = []
+        self.notes: list[str] = []
+        self.attachments: list[tuple[str, bytes]] = []
+        self.metadata: list[tuple[str, dict[str, str]]] = []
+        with plain.open("rb") as stream:
+            start = stream.read(len(MAGIC))
+        if start != MAGIC:
+            if MAGIC.startswith(start):
+                raise Damaged(f"{path} is cut off: it holds {len(start)} bytes")
+            raise BagError(f"{path} is not an SQLite database: it does not begin with SQLite's magic bytes")
+        try:
+            self._database = Database(plain)
+        except sqlite3.Error as error:
+            raise Damaged(f"{path} is not a readable database of rosbag2's: {error}") from error
+        try:
+            self.channels = self._topics()
+            self.problems += self._unusable()
+            self._find_pieces()
+        except sqlite3.Error as error:
+            self.close()
+            raise Damaged(f"{path} is not a readable database of rosbag2's: {error}") from error
+        self.complete = not self.problems
+        if self._database.note:
+            self.notes.append(self._database.note)
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._database.close()
+
+    def check(self) -> None:
+        """Test whether the pages fit together; SQLite keeps no checksums of what is in them.
+
+        Raises:
+            Damaged: they do not.
+        """
+        try:
+            (found,) = self._database.execute("PRAGMA quick_check(1)").fetchone()
+        except sqlite3.Error as error:
+            found = str(error)
+        if found != "ok":
+            raise Damaged(f"{self.path} is damaged: {' '.join(found.split())}")
+
+    def read(self, piece: Piece) -> list[RawMessage]:
+        """Read the messages of a piece, in the order of their log times.
+
+        Raises:
+            Damaged: the database cannot give them.
+        """
+        query = (
+            "SELECT timestamp, topic_id, data FROM messages WHERE typeof(timestamp) = 'integer' "
+            "AND typeof(data) = 'blob' AND timestamp BETWEEN ? AND ? ORDER BY timestamp, id"
+        )
+        try:
+            rows = self._database.execute(query, (piece.first_ns, piece.last_ns)).fetchall()
+        except sqlite3.Error as error:
+            raise Damaged(f"{self.path} is damaged: {error}") from error
+        known = self.channels
+        return [RawMessage(time, time, 0, known[topic], data) for time, topic, data in rows if topic in known]
+
+    def _topics(self) -> dict[int, Channel]:
+        """Topics by number; databases before Galactic keep no QoS, before Iron no hash."""
+        have = {row[1] for row in self._database.execute("PRAGMA table_info(topics)")}
+        wanted = ", ".join(name if name in have else f"'' AS {name}" for name in TOPIC_COLUMNS)
+        return {
+            number: Channel(name, full_type(kind, encoding), encoding, qos, str(type_hash or ""))
+            for number, name, kind, encoding, qos, type_hash in self._database.execute(
+                f"SELECT {wanted} FROM topics"
+            )
+            if all(isinstance(text, str) for text in (name, kind, encoding))
+        }
+
+    def _unusable(self) -> Iterator[str]:
+        """What messages cannot be read, and why: a database checks neither references nor kinds of values."""
+        query = "SELECT topic_id, typeof(timestamp), typeof(data), COUNT(*) FROM messages GROUP BY 1, 2, 3"
+        for topic, time, data, count in self._database.execute(query):
+            if topic not in self.channels:
+                yield f"{count} of its messages name topic_id {topic}, which is not in its table of topics"
+            elif (time, data) != ("integer", "blob"):
+                yield f"{count} of its messages have a timestamp of kind {time} and data of kind {data}"
+
+    def _find_pieces(self) -> None:
+        query = "SELECT timestamp FROM messages WHERE typeof(timestamp) = 'integer' ORDER BY timestamp"
+        times = [row[0] for row in self._database.execute(query)]
+        start = 0
+        while start < len(times):
+            stop = min(start + MESSAGES, len(times))
+            while stop < len(times) and times[stop] == times[stop - 1]:
+                stop += 1
+            self.pieces.append(Piece(times[start], times[stop - 1], start, stop - start))
+            start = stop

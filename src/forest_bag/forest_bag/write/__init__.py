@@ -1,0 +1,1 @@
+"""A bag as it grows: files, splits, what each file begins with."""

@@ -1,0 +1,167 @@
+"""`scripts/graph.sh`: the live graph until Ctrl-C."""
+
+import argparse
+import json
+import re
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from forest_bringup.graph_lock import Failure
+from forest_bringup.profile_choice import add_profile_option, profile_for
+from forest_bringup.supervisor import NodeSpec, Stopped, Supervisor
+from forest_control.servo.schemes import LABELS, Scheme
+
+LEADERS = ("simulator", "step_player")  # in lockstep: nodes that begin each step
+
+
+def add_graph_options(parser: argparse.ArgumentParser) -> None:
+    """Add what demo and live graph have in common."""
+    parser.add_argument(
+        "--machine", default="c180", help="shipped machine, or a machine file (default: c180)"
+    )
+    parser.add_argument(
+        "--scheme",
+        choices=LABELS,
+        default=Scheme.COORDINATED.label,
+        help="control scheme (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--namespace", type=ros_namespace, default="/", help="ROS namespace of the graph (default: /)"
+    )
+    add_profile_option(parser)
+
+
+def ros_namespace(text: str) -> str:
+    """Return a namespace with its leading slash.
+
+    Raises:
+        argparse.ArgumentTypeError: not a ROS namespace.
+    """
+    name = "/" + text.strip("/")
+    if name != "/" and not re.fullmatch(r"(/[A-Za-z_][A-Za-z0-9_]*)+", name):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a ROS namespace: letters, digits and _, not a digit first"
+        )
+    return name
+
+
+def source_path(text: str) -> str:
+    """Return `thesis`, or the absolute path of a CSV file or a bag.
+
+    Raises:
+        argparse.ArgumentTypeError: neither.
+    """
+    if text == "thesis":
+        return text
+    path = Path(text)
+    if not path.exists():
+        raise argparse.ArgumentTypeError(f"{text!r} is neither 'thesis' nor a CSV file or bag that exists")
+    return str(path.resolve())
+
+
+def machine_arguments(machine: str) -> tuple[str, ...]:
+    """Return the ROS arguments that name the machine; every node that knows the machine gets them."""
+    return parameter("machine", str(Path(machine).resolve() if Path(machine).suffix else machine))
+
+
+def parameter(name: str, value: Any) -> tuple[str, str]:
+    """Return the ROS arguments for a parameter; rcl reads them as YAML, of which JSON is a part."""
+    return "-p", f"{name}:={json.dumps(value)}"
+
+
+def joystick(
+    source: str, duration: float, listeners: int, faults: str = "", interpolate: bool = True
+) -> NodeSpec:
+    """Return the joystick source, with what goes wrong with it."""
+    told = {"source": source, "duration": duration, "wait_for_subscribers": listeners, "faults": faults}
+    told["interpolate"] = interpolate
+    arguments = tuple(word for name, value in told.items() for word in parameter(name, value))
+    return NodeSpec("joystick", "forest_control.joystick_node", arguments, urgent=True)
+
+
+def control(
+    machine: str, scheme: str, shadow: bool, describe: bool, profile: Mapping[str, Any] | None = None
+) -> tuple[NodeSpec, NodeSpec]:
+    """Return controller and valve driver.
+
+    Args:
+        machine: shipped one, or a file.
+        scheme: of the controller.
+        shadow: the driver publishes no voltage.
+        describe: the controller publishes the URDF (there is no simulator).
+        profile: parameters of the controller that are its operator's.
+    """
+    known = machine_arguments(machine)
+    personal = tuple(word for name, value in (profile or {}).items() for word in parameter(name, value))
+    told = ("-p", f"scheme:={scheme}", "-p", f"publish_description:={str(describe).lower()}")
+    return (
+        NodeSpec("controller", "forest_control.controller_node", (*known, *told, *personal), urgent=True),
+        NodeSpec(
+            "valve_driver",
+            "forest_control.valve_driver_node",
+            (*known, "-p", f"shadow:={str(shadow).lower()}"),
+            urgent=True,
+        ),
+    )
+
+
+def simulator(machine: str) -> NodeSpec:
+    """Return the simulated machine."""
+    return NodeSpec("simulator", "forest_sim.simulator_node", machine_arguments(machine), urgent=True)
+
+
+def recorder(bag: Path) -> NodeSpec:
+    """Return the recorder."""
+    output = parameter("output", str(bag.resolve()))
+    return NodeSpec("recorder", "forest_bag.recorder_node", output, needed=False)
+
+
+def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="scripts/graph.sh", description="Run the live graph until Ctrl-C.")
+    add_graph_options(parser)
+    parser.add_argument("--no-simulator", action="store_true", help="iron is behind the topics")
+    parser.add_argument("--shadow", action="store_true", help="compute everything, publish no voltage")
+    parser.add_argument(
+        "--joystick",
+        type=source_path,
+        metavar="thesis|FILE.csv|BAG",
+        help="play this once; default: /joy is yours",
+    )
+    parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag there")
+    return parser.parse_args(arguments)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the graph; return 0 after a stop on request, 1 after a failure."""
+    options = _parse(arguments)
+    profile = profile_for(options.joystick, options.profile)
+    nodes = [*control(options.machine, options.scheme, options.shadow, options.no_simulator, profile)]
+    if options.joystick:
+        nodes.insert(0, joystick(options.joystick, 0.0, 1))
+    if not options.no_simulator:
+        nodes.append(simulator(options.machine))
+    if options.record:
+        nodes.append(recorder(options.record))
+    logs = Path(tempfile.mkdtemp(prefix="forest-graph-"))
+    print(f"starting {', '.join(node.name for node in nodes)}; logs in {logs}; Ctrl-C stops", flush=True)
+    try:
+        with Supervisor(
+            nodes, options.namespace, logs, not options.shadow, lambda line: print(line, flush=True)
+        ) as graph:
+            if options.joystick:
+                graph.run(until="joystick")
+                print("the joystick source has played to its end; Ctrl-C stops the graph", flush=True)
+            graph.run()
+    except Stopped:
+        print("stopped", flush=True)
+    except (Failure, OSError) as error:
+        print(f"graph: {error}", file=sys.stderr)
+        return 1
+    return int(any(graph.exit_codes.values()))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

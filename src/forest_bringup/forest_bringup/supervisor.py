@@ -1,0 +1,317 @@
+"""The one process supervisor: starts the graph's nodes, watches them, and ends them together.
+
+What it promises:
+
+- one graph per ROS domain and namespace;
+- when a node ends unasked, the valves go to zero (the guard itself says so, should the driver be the one
+  that died), the rest is stopped, and `Failure` names the node and the reason;
+- but a crane does not stop because nobody writes down what it does: the end of a node that is not needed is
+  told, and the others do not notice;
+- nodes are stopped from the operator towards the recorder, so that the last thing in the bag is a machine
+  at rest;
+- no orphans: a stopped node has 5 s before SIGKILL, and nodes end with their parent, even one that is
+  killed.
+"""
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, NamedTuple
+
+from forest_bringup.graph_lock import AlreadyRunning, Failure, only_graph
+from forest_bringup.process_priority import hurry
+from forest_msgs_py.runtime.environment import PARENT_VARIABLE, prepare_environment
+
+if TYPE_CHECKING:
+    from forest_bringup.graph_monitor import Guard
+
+STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+POLL = 0.01  # [s]
+GRACE = 5.0  # [s] between SIGTERM and SIGKILL
+DISCOVERY = 0.6  # [s] in which another graph in the domain can show itself before ours starts
+LOOK_PERIOD = 1.0  # [s] between later looks
+COMMANDING = ("joystick", "experiment_operator", "controller", "valve_driver")
+COULD_NOT_START = 2  # exit code
+ZERO_TIME = 0.3  # [s] for which the supervisor repeats zero voltage after a death
+
+
+class Stopped(Exception):
+    """The user asked to stop."""
+
+
+class NodeSpec(NamedTuple):
+    """A node to start: its ROS name, module, ROS arguments; is it needed by others, must it be in time."""
+
+    name: str
+    module: str
+    arguments: tuple[str, ...] = ()
+    needed: bool = True
+    urgent: bool = False
+
+
+class _Process(NamedTuple):
+    spec: NodeSpec
+    popen: subprocess.Popen[bytes]
+    log: Path
+    tail: IO[str]
+
+
+class Supervisor:
+    """A running graph; use as a context manager, which always leaves no process behind.
+
+    Args:
+        nodes: in the order in which they are to be stopped.
+        namespace: of the graph, "/" or "/name".
+        log_directory: one log file per node goes there.
+        may_publish: say zero voltage when a node dies; False where nothing may be published (shadow).
+        echo: gets every line that a node logs.
+        alone: one graph per domain and namespace; False: these nodes join one that is running.
+    """
+
+    def __init__(
+        self,
+        nodes: Sequence[NodeSpec],
+        namespace: str,
+        log_directory: Path,
+        may_publish: bool = True,
+        echo: Callable[[str], None] | None = None,
+        alone: bool = True,
+    ) -> None:
+        self.exit_codes: dict[str, int] = {}
+        self.peak_memory_mb: dict[str, float] = {}
+        self._specs, self._namespace, self._logs = nodes, namespace, log_directory
+        self._may_publish, self._echo, self._alone = may_publish, echo, alone
+        self._processes: list[_Process] = []
+        self._stop_requested = False
+        self._next_look = 0.0
+        self._finished: set[str] = set()  # nodes that ended by themselves, as they should
+        self._stack = contextlib.ExitStack()
+        self._guard: Guard
+        self._say_zero: Callable[[], None] = lambda: None
+        self._warned: set[str] = set()
+
+    def __enter__(self) -> "Supervisor":
+        """Claim the domain and start every node.
+
+        Raises:
+            Failure: another graph is running, or a node cannot be started.
+            Stopped: a signal arrived meanwhile.
+        """
+        with contextlib.ExitStack() as undo:
+            undo.callback(self._stack.close)
+            self._catch_signals()
+            if self._alone:
+                self._stack.enter_context(only_graph(self._namespace))
+            self._stack.callback(self.stop)
+            for spec in self._specs:
+                self._start(spec)
+            self._guard = self._join_ros()
+            self._say_zero = self._guard.say_zero
+            self._refuse_other_graph()
+            self._release()
+            undo.pop_all()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Stop what still runs."""
+        self.stop()
+        self._stack.close()
+
+    def run(self, until: str | None = None, progress: Callable[[], None] | None = None) -> None:
+        """Watch the graph until the node `until` has finished by itself, or forever; called again, go on.
+
+        Raises:
+            Failure: a node that is needed ended unasked.
+            Stopped: the user asked to stop.
+        """
+        while not self._stop_requested:
+            for process in self._processes:
+                code = process.popen.poll()
+                if code is None or process.spec.name in self._finished:
+                    continue
+                if process.spec.name == until and code == 0:
+                    self._finished.add(until)
+                    return
+                self._bear(process, code)
+            self._look_around()
+            self._pass_on_logs()
+            if progress is not None:
+                progress()
+            time.sleep(POLL)
+        raise Stopped
+
+    def stop(self) -> None:
+        """Stop every node, in order; after this nothing runs."""
+        for process in self._processes:
+            self._note_memory(process)
+        self._interrupt_commanding()
+        hung = False
+        for process in self._processes:
+            if process.spec.name not in COMMANDING and process.popen.poll() is None:
+                process.popen.send_signal(signal.SIGTERM)
+            hung = not _reap(process.popen) or hung
+            self.exit_codes[process.spec.name] = process.popen.returncode
+        if hung:
+            self._zero_voltage()  # it may have been the driver, without last words
+        self._pass_on_logs()
+        for process in self._processes:
+            process.tail.close()
+            if process.popen.stdin is not None:
+                with contextlib.suppress(BrokenPipeError):
+                    process.popen.stdin.close()
+        self._processes = []
+
+    def _start(self, spec: NodeSpec) -> None:
+        """Start a node's process, which loads and then waits to be released."""
+        if self._stop_requested:
+            raise Stopped
+        self._logs.mkdir(parents=True, exist_ok=True)
+        log = self._logs / f"{spec.name}.log"
+        arguments = ("--ros-args", "-r", f"__ns:={self._namespace}", *spec.arguments)
+        prepare_environment()
+        with log.open("wb") as sink:
+            popen = subprocess.Popen(
+                [sys.executable, "-m", spec.module, *arguments],
+                stdin=subprocess.PIPE,
+                stdout=sink,
+                stderr=sink,
+                env={**os.environ, PARENT_VARIABLE: str(os.getpid())},
+                start_new_session=True,  # a Ctrl-C reaches the supervisor alone, which keeps the order
+            )
+        if spec.urgent:
+            hurry(popen.pid)
+        self._processes.append(_Process(spec, popen, log, log.open(encoding="utf-8", errors="replace")))
+
+    def _join_ros(self) -> "Guard":
+        """Join the ROS graph; imported here, so that the nodes load meanwhile."""
+        from forest_bringup.graph_monitor import Guard
+
+        guard = Guard(self._namespace, self._may_publish)
+        self._stack.callback(guard.close)
+        return guard
+
+    def _release(self) -> None:
+        """Let the waiting nodes go on."""
+        for process in self._processes:
+            if process.popen.stdin is not None:
+                with contextlib.suppress(BrokenPipeError):  # it has ended already: `run` will say so
+                    process.popen.stdin.write(b"\n")
+                    process.popen.stdin.flush()
+
+    def _bear(self, process: _Process, code: int) -> None:
+        """Go on without a node that is not needed, and say so once; end the graph without another.
+
+        Raises:
+            Failure: the node is needed, or could not even start.
+        """
+        if process.spec.needed or code == COULD_NOT_START:
+            self._end_at_zero()
+            raise Failure(_obituary(process, code))
+        if process.spec.name not in self._warned:
+            self._warned.add(process.spec.name)
+            text = f"warning: {_obituary(process, code)}; the graph goes on without it"
+            print(text, file=sys.stderr, flush=True)
+
+    def _end_at_zero(self) -> None:
+        """Bring the valves to zero, then stop everything."""
+        self._interrupt_commanding()  # or a living driver would contradict the zero
+        self._zero_voltage()
+        self.stop()
+        self._zero_voltage()  # the last word, for a reader, too, that found this guard only meanwhile
+
+    def _interrupt_commanding(self) -> None:
+        """Have the commanding nodes say zero and stop, all at once: none shall miss another and complain."""
+        for process in self._processes:
+            if process.spec.name in COMMANDING and process.popen.poll() is None:
+                process.popen.send_signal(signal.SIGTERM)
+
+    def _zero_voltage(self) -> None:
+        """Say zero on /valve_voltages for a while: the driver may be the node that died."""
+        end = time.monotonic() + ZERO_TIME
+        while time.monotonic() < end:
+            self._say_zero()
+            time.sleep(POLL)
+
+    def _note_memory(self, process: _Process) -> None:
+        """Keep the most that a look has found a node to hold of its own [MB].
+
+        Pages of files, of libraries above all, are left out: the nodes share them, and how many of them a
+        process has mapped depends on what the kernel has in its cache.
+        """
+        name = process.spec.name
+        with contextlib.suppress(OSError, StopIteration, ValueError):
+            lines = Path(f"/proc/{process.popen.pid}/status").read_text(encoding="utf-8").splitlines()
+            own = next(line for line in lines if line.startswith("RssAnon:"))
+            own_mb = round(int(own.split()[1]) / 1024, 1)
+            self.peak_memory_mb[name] = max(own_mb, self.peak_memory_mb.get(name, 0.0))
+
+    def _pass_on_logs(self) -> None:
+        for process in self._processes:
+            for line in process.tail:
+                if self._echo is not None:
+                    self._echo(line.rstrip("\n"))
+
+    def _catch_signals(self) -> None:
+        for number in STOP_SIGNALS:
+            before = signal.signal(number, self._request_stop)
+            self._stack.callback(signal.signal, number, before)
+
+    def _request_stop(self, _number: int, _frame: object) -> None:
+        self._stop_requested = True
+
+    def _refuse_other_graph(self) -> None:
+        """Raise Failure if a node of ours already runs in this domain and namespace."""
+        end = time.monotonic() + DISCOVERY
+        while time.monotonic() < end:
+            if others := self._present_more_often_than(0):
+                raise AlreadyRunning(self._namespace, f"node {others[0]}")
+            if self._stop_requested:
+                raise Stopped
+            time.sleep(POLL)
+
+    def _look_around(self) -> None:
+        """Now and then: end the graph if somebody runs a node of ours, too; warn of rivals; note the memory.
+
+        Raises:
+            AlreadyRunning: two nodes that command one crane are one too many.
+        """
+        if time.monotonic() < self._next_look:
+            return
+        self._next_look = time.monotonic() + LOOK_PERIOD
+        if others := self._present_more_often_than(1):
+            self._end_at_zero()
+            raise AlreadyRunning(self._namespace, f"a second node {others[0]}")
+        if self._alone and (topic := self._guard.rival()) and topic not in self._warned:
+            self._warned.add(topic)
+            print(f"warning: somebody else publishes {topic}, too", file=sys.stderr, flush=True)
+        for process in self._processes:
+            self._note_memory(process)
+
+    def _present_more_often_than(self, count: int) -> list[str]:
+        """Return names of needed nodes that the namespace holds more often than this."""
+        needed = [spec.name for spec in self._specs if spec.needed]
+        return [name for name in needed if self._guard.count(name) > count]
+
+
+def _obituary(process: _Process, code: int) -> str:
+    """Which node ended, how, and what it said last."""
+    reason = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
+    log = process.log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
+    last = [line for line in log if "[INFO]" not in line][-1:]
+    return f"{process.spec.name} {reason}" + (f": {last[0].strip()}" if last else "")
+
+
+def _reap(popen: "subprocess.Popen[bytes]") -> bool:
+    """Wait for a process that was told to stop; False if it hung and had to be killed."""
+    try:
+        popen.wait(GRACE)
+    except subprocess.TimeoutExpired:
+        popen.kill()
+        popen.wait()
+        return False
+    return True

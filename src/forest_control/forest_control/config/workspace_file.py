@@ -1,0 +1,128 @@
+"""A workspace file: ground, boxes and cylinders that the tip keeps out of, in metres in the base frame.
+
+    ground: -1.6                                   # height of the ground, the boom's pivot is at 0
+    stay_inside: {lower: [..], upper: [..]}        # a box that the tip does not leave
+    boxes: [{lower: [x, y, z], upper: [x, y, z]}]  # that it keeps out of
+    cylinders: [{centre: [x, y], radius: 0.9, lower: -1.6, upper: 1.5}]
+    margin: 0.1                                    # kept from all of them
+    approach: 4                                    # 1/s, allowed speed per distance
+
+Every key may be absent; a file says beside each number where it comes from.
+"""
+
+from typing import Any
+
+from forest_control.config.setting_file import SettingFileError, is_number, shipped_in, shown, tree_of
+from forest_control.limits.workspace import BOX, CYLINDER, MOST, NO_WALL, OPEN, PLANE, Wall, Workspace
+
+KEYS = ("ground", "stay_inside", "boxes", "cylinders", "margin", "approach", "description")
+FARTHEST = 1000.0  # [m]
+APPROACH = 4.0  # [1/s]
+LEAST_APPROACH, MOST_APPROACH = 0.1, 20.0  # [1/s]
+
+
+def shipped() -> tuple[str, ...]:
+    """Return the names of the shipped workspaces."""
+    return shipped_in("workspaces")
+
+
+def load_workspace(name: str) -> Workspace:
+    """Return a workspace: none for "", a shipped one by its name, or that of a file.
+
+    Raises:
+        SettingFileError: no such workspace, or something in it is not allowed.
+    """
+    if not name:
+        return OPEN
+    return _Reader(name).workspace(tree_of("workspace", name, "workspaces"))
+
+
+class _Reader:
+    """Takes a file's tree apart; every complaint names the file."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def workspace(self, tree: Any) -> Workspace:
+        self._keys(tree, KEYS, "")
+        margin = self._number(tree.get("margin", 0.0), "margin", 0.0, 10.0)
+        approach = self._number(
+            tree.get("approach", APPROACH), "approach", LEAST_APPROACH, MOST_APPROACH, "1/s"
+        )
+        walls = []
+        if "ground" in tree:
+            walls.append(
+                Wall(PLANE, (0.0, 0.0, 1.0), (0.0,) * 3, self._number(tree["ground"], "ground") + margin)
+            )
+        if "stay_inside" in tree:
+            walls += self._inside(tree["stay_inside"], margin)
+        for i, box in enumerate(self._list(tree.get("boxes", []), "boxes")):
+            walls.append(self._box(box, f"boxes[{i}]", margin))
+        for i, cylinder in enumerate(self._list(tree.get("cylinders", []), "cylinders")):
+            walls.append(self._cylinder(cylinder, f"cylinders[{i}]", margin))
+        if len(walls) > MOST:
+            self._refuse(f"{len(walls)} walls; allowed: up to {MOST} (stay_inside counts as 6)")
+        return Workspace((*walls, *(NO_WALL,) * (MOST - len(walls))), approach, len(walls))
+
+    def _inside(self, tree: Any, margin: float) -> list[Wall]:
+        low, high = self._corners(tree, "stay_inside")
+        walls = []
+        for i in range(3):
+            normal = (float(i == 0), float(i == 1), float(i == 2))
+            back = (-normal[0], -normal[1], -normal[2])
+            walls.append(Wall(PLANE, normal, (0.0,) * 3, low[i] + margin))
+            walls.append(Wall(PLANE, back, (0.0,) * 3, margin - high[i]))
+            if low[i] + margin >= high[i] - margin:
+                self._refuse(f"stay_inside: nothing is left between {low[i]:g} and {high[i]:g} m")
+        return walls
+
+    def _box(self, tree: Any, key: str, margin: float) -> Wall:
+        low, high = self._corners(tree, key)
+        first = low[0] - margin, low[1] - margin, low[2] - margin
+        return Wall(BOX, first, (high[0] + margin, high[1] + margin, high[2] + margin), 0.0)
+
+    def _corners(self, tree: Any, key: str) -> tuple[list[float], list[float]]:
+        self._keys(tree, ("lower", "upper"), key, needed=True)
+        low, high = (self._point(tree[corner], f"{key}.{corner}", 3) for corner in ("lower", "upper"))
+        if not all(a < b for a, b in zip(low, high, strict=True)):
+            self._refuse(f"{key}: lower {low} is not below upper {high}; allowed: below in every coordinate")
+        return low, high
+
+    def _cylinder(self, tree: Any, key: str, margin: float) -> Wall:
+        self._keys(tree, ("centre", "radius", "lower", "upper"), key, needed=True)
+        x, y = self._point(tree["centre"], f"{key}.centre", 2)
+        radius = self._number(tree["radius"], f"{key}.radius", 0.001)
+        low, high = (self._number(tree[end], f"{key}.{end}") for end in ("lower", "upper"))
+        if not low < high:
+            self._refuse(f"{key}: lower {low:g} is not below upper {high:g}")
+        return Wall(CYLINDER, (x, y, low - margin), (0.0, 0.0, high + margin), radius + margin)
+
+    def _keys(self, tree: Any, allowed: tuple[str, ...], key: str, needed: bool = False) -> None:
+        where = f"{key}: " if key else ""
+        if not isinstance(tree, dict):
+            self._refuse(f"{where}{shown(tree)}; allowed: a mapping of {', '.join(allowed)}")
+        unknown = [name for name in tree if name not in allowed]
+        missing = [name for name in allowed if needed and name not in tree]
+        if unknown or missing:
+            what = f"unknown key {shown(unknown[0])}" if unknown else f"no {missing[0]}"
+            self._refuse(f"{where}{what}; allowed: {', '.join(allowed)}")
+
+    def _list(self, tree: Any, key: str) -> list[Any]:
+        if not isinstance(tree, list):
+            self._refuse(f"{key}: {shown(tree)}; allowed: a list")
+        return list(tree)
+
+    def _point(self, tree: Any, key: str, size: int) -> list[float]:
+        if not isinstance(tree, list) or len(tree) != size:
+            self._refuse(f"{key} is {shown(tree)}; allowed: {size} numbers in m")
+        return [self._number(number, key) for number in tree]
+
+    def _number(
+        self, value: Any, key: str, low: float = -FARTHEST, high: float = FARTHEST, unit: str = "m"
+    ) -> float:
+        if not is_number(value, low, high):
+            self._refuse(f"{key} is {shown(value)}; allowed: {low:g} .. {high:g} {unit}")
+        return float(value)
+
+    def _refuse(self, problem: str) -> None:
+        raise SettingFileError(f"workspace {self._name!r}: {problem}")

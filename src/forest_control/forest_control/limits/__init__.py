@@ -1,0 +1,1 @@
+"""What bounds a motion: joints, flow, actuator speeds, walls, singular poses."""

@@ -1,0 +1,100 @@
+"""How fast the valves can move the joints at a pose, against the crane's weight: what to ask for at most.
+
+| symbol | name | unit |
+|---|---|---|
+| G | torque of gravity on boom, stick | N m |
+| F | load of a cylinder, G over its lever arm; positive against extending | N |
+| N | force left for valve and hoses: A_in P_s - sgn(v) F | N |
+| S, S_h | resistance of the open valve, of both hoses, at the actuator; h its linear part | N s^2/m^2 |
+
+The greatest speed solves (S + S_h) v^2 + h v = N.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_control.valve.tracking_limit import Reach
+from forest_control.valve.valve_driver_parameters import AxisDriver
+from forest_description.derived.actuation import Linkages
+from forest_description.derived.bodies import boom_body, stick_body
+from forest_description.geometry.linkage import lever_arm
+from forest_description.machine import Machine
+
+Triple = tuple[float, float, float]
+RESERVE = 0.85  # of the greatest speed: feedback and another load than expected need the rest
+LEAST_SHARE = 0.1  # of the unloaded force, taken to remain under any load
+
+
+class Capacity(NamedTuple):
+    """What the speeds depend on."""
+
+    axes: tuple[AxisDriver, AxisDriver, AxisDriver]
+    supply_pressure: float  # [Pa]
+    flow_limit: float  # [m^3/s] of the pumps
+    boom_length: float  # [m]
+    boom_moment: tuple[float, float]  # g m (x, y) of its centre of mass [N m]
+    stick_moment: tuple[float, float]  # alike, with what it carries
+    stick_weight: float  # [N]
+    linkages: Linkages
+
+
+def gravity_torques(q: Triple, c: Capacity) -> tuple[float, float]:
+    """Return G of boom and stick [N m] on a level platform. Thesis eq. 3.15."""
+    c_2, s_2 = math.cos(q[1]), math.sin(q[1])
+    c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])
+    stick = c.stick_moment[0] * c_23 - c.stick_moment[1] * s_23
+    boom = c.boom_moment[0] * c_2 - c.boom_moment[1] * s_2
+    return boom + c.stick_weight * c.boom_length * c_2 + stick, stick
+
+
+def greatest_rates(q: Triple, wished: Triple, c: Capacity, reach: Reach) -> Triple:
+    """Return the joint rates [rad/s], not negative, that the valves can give in the wished directions.
+
+    Args:
+        q: joint angles [rad].
+        wished: joint rates [rad/s]; their signs count.
+        c: what the speeds depend on.
+        reach: parts of the file's openings that the valves reach.
+    """
+    boom_load, stick_load = gravity_torques(q, c)
+    boom, stick = lever_arm(q[1], c.linkages[0]), lever_arm(q[2], c.linkages[1])
+    return (
+        _greatest_rate(0, wished[0], 1.0, 0.0, c, reach),
+        _greatest_rate(1, wished[1], boom, boom_load, c, reach),
+        _greatest_rate(2, wished[2], stick, stick_load, c, reach),
+    )
+
+
+def _greatest_rate(i: int, wished: float, arm: float, torque: float, c: Capacity, reach: Reach) -> float:
+    """Return one joint's greatest rate [rad/s] in the wished direction, against a torque [N m]."""
+    direction = math.copysign(1.0, arm * wished)
+    share = reach.forward[i] if direction > 0.0 else reach.backward[i]
+    return RESERVE * _greatest_speed(direction, torque / arm, share, c.axes[i], c) / abs(arm)
+
+
+def _greatest_speed(direction: float, load: float, share: float, axis: AxisDriver, c: Capacity) -> float:
+    """Return one actuator's speed [m/s; rad/s] at a share of the full opening: S goes with 1/share^2."""
+    extends = direction > 0.0
+    inlet = axis.displacement_1 if extends else axis.displacement_2
+    way = axis.valve.forward if extends else axis.valve.backward
+    valve = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
+    square, linear = valve / (share * share) + axis.hose_square, axis.hose_linear
+    force = max(LEAST_SHARE * inlet * c.supply_pressure, inlet * c.supply_pressure - direction * load)
+    speed = (math.sqrt(linear * linear + 4.0 * square * force) - linear) / (2.0 * square)
+    return min(speed, c.flow_limit / inlet)
+
+
+def capacity(machine: Machine, axes: tuple[AxisDriver, AxisDriver, AxisDriver]) -> Capacity:
+    """Return the constants for a machine and its valve driver's axes."""
+    m = machine.manipulator
+    boom, stick = boom_body(m), stick_body(m)
+    return Capacity(
+        axes=axes,
+        supply_pressure=machine.pump.supply_pressure,
+        flow_limit=machine.pump.flow_limit,
+        boom_length=m.boom_length,
+        boom_moment=(m.gravity * boom.mass * boom.x, m.gravity * boom.mass * boom.y),
+        stick_moment=(m.gravity * stick.mass * stick.x, m.gravity * stick.mass * stick.y),
+        stick_weight=m.gravity * stick.mass,
+        linkages=machine.linkages,
+    )

@@ -1,0 +1,175 @@
+"""What the machine can and may do, applied to the whole wish at once.
+
+One factor scales all joint rates together, so the tip slows down but keeps its direction. Moving away from a
+limit is never slowed.
+
+| symbol | name | unit |
+|---|---|---|
+| a | wished joint rates | rad/s |
+| k | approach rate: allowed speed towards a limit per what is left of angle (swing) or stroke | 1/s |
+| alpha | the factor, 0..1 | |
+| x | length of a cylinder, pin to pin; its lever arm is dx/dq | m |
+| Q, A | flow of the pumps; area of an actuator's inlet (per angle: oil of the motor) | m^3/s; m^2, m^3/rad |
+| r | distance of the tip from the swing axis, negative behind it | m |
+
+Two singular places are kept like limits: the swing axis (no swing moves the tip sideways there), and a stick
+that is straight or folded flat; the latter bounds the stick's angles.
+"""
+
+import math
+from enum import IntEnum
+from typing import NamedTuple
+
+from forest_description.derived.actuation import Linkages
+from forest_description.geometry.kinematics import Links
+from forest_description.geometry.linkage import Linkage, length_and_arm, lever_arm
+
+Triple = tuple[float, float, float]
+
+NEGLIGIBLE_SPEED = 1e-6  # [m/s] likewise towards the swing axis
+NEGLIGIBLE_RATE = 1e-6  # [rad/s] up to this a joint does not count as moving: rounding must not stop others
+
+
+class Limit(IntEnum):
+    """What holds the wish back."""
+
+    NONE = 0
+    RATE = 1
+    JOINT = 2
+    SINGULARITY = 3
+    FLOW = 4  # of the pumps
+    WALL = 5  # of the workspace
+    RELEASED = 6  # nobody holds the deadman, or the joystick is lost
+
+
+class Pumps(NamedTuple):
+    """What the pumps give, and what the actuators take."""
+
+    limit: float  # Q [m^3/s]
+    extending: Triple  # A at port 1
+    retracting: Triple  # A at port 2
+    linkages: Linkages
+
+
+class Stroke(NamedTuple):
+    """How far a cylinder may go; one that goes nowhere stands for a joint without."""
+
+    linkage: Linkage
+    shortest: float  # x [m] at one of its joint's limits, margin included
+    longest: float  # [m] at the other
+
+
+class Axis(NamedTuple):
+    """How near the swing axis the tip may come."""
+
+    links: Links
+    closest: float  # [m]; not positive: as near as it likes
+
+
+_NO_LINKAGE = Linkage(1.0, 1.0, 0.0)
+ENOUGH = Pumps(math.inf, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (_NO_LINKAGE, _NO_LINKAGE))
+NO_STROKE = Stroke(_NO_LINKAGE, 0.0, 0.0)
+NO_AXIS = Axis(Links(0.0, 1.0, 1.0), 0.0)
+LEAST_ARM = 1e-3  # [m]
+CREEP = 2e-3  # [rad/s] no slower towards a limit: it arrives, and the valves can shut
+FAR_OFF = 2.5  # times the wish: a joint limit that allows more is not felt
+REACH_APPROACH = 2.0  # [1/s] k for the swing axis
+
+
+class GovernorParameters(NamedTuple):
+    """Limits per joint, swing, boom, stick."""
+
+    lower: Triple  # [rad], margin included
+    upper: Triple  # [rad], margin included
+    rates: Triple  # [rad/s]
+    approach: Triple  # [1/s]
+    pumps: Pumps
+    axis: Axis
+    strokes: tuple[Stroke, Stroke, Stroke] = (NO_STROKE, NO_STROKE, NO_STROKE)
+
+
+class Governed(NamedTuple):
+    """The factor, and the limit that set it."""
+
+    factor: float
+    limit: Limit
+
+
+def govern(angles: Triple, wished: Triple, p: GovernorParameters) -> Governed:
+    """Return the factor 0..1 by which all wished joint rates [rad/s] must shrink at these angles [rad]."""
+    governed = Governed(1.0, Limit.NONE)
+    for joint in range(3):
+        rate = wished[joint]
+        if abs(rate) <= NEGLIGIBLE_RATE:
+            continue
+        room = p.upper[joint] - angles[joint] if rate > 0.0 else angles[joint] - p.lower[joint]
+        towards_limit = p.approach[joint] * _way_left(room, angles[joint], rate > 0.0, p.strokes[joint])
+        if towards_limit < CREEP:
+            towards_limit = 0.0
+        governed = _at_most(governed, p.rates[joint], abs(rate), Limit.RATE)
+        governed = _at_most(governed, _softened(towards_limit, abs(rate)), abs(rate), Limit.JOINT)
+    governed = _at_most(governed, p.pumps.limit, flow_demand(angles, wished, p.pumps), Limit.FLOW)
+    if p.axis.closest <= 0.0:
+        return governed
+    reach, inward = _towards_axis(angles, wished, p.axis.links)
+    if inward <= NEGLIGIBLE_SPEED:
+        return governed
+    allowed = max(0.0, REACH_APPROACH * (reach - p.axis.closest))
+    return _at_most(governed, allowed, inward, Limit.SINGULARITY)
+
+
+def _way_left(room: float, angle: float, extends: bool, stroke: Stroke) -> float:
+    """Return the stroke that is left of a cylinder over its lever arm [rad]: what its end shall be damped by.
+
+    A cylinder slows down by its own stroke as in a damper at its end: x' = k (x_end - x). In angles alone it
+    would come too fast to an end near its dead point, where little stroke turns the joint far.
+
+    Args:
+        room: angle to the joint's limit [rad], which counts for a joint without cylinder.
+        angle: of the joint [rad].
+        extends: the joint is wished upwards; its cylinder extends.
+        stroke: of its cylinder.
+    """
+    if stroke.longest <= stroke.shortest:
+        return room
+    length, arm = length_and_arm(math.cos(angle), math.sin(angle), stroke.linkage)
+    if arm <= LEAST_ARM:
+        return room  # beyond its dead point a linkage turns the other way
+    return (stroke.longest - length if extends else length - stroke.shortest) / arm
+
+
+def _softened(allowed: float, wished: float) -> float:
+    """Return a rate [rad/s] below both: where a limit begins to count, a corner would make the crane rock."""
+    share = allowed / wished
+    if share >= FAR_OFF:
+        return allowed
+    # The cubic from (0, 0), slope 1, to (FAR_OFF, 1), slope 0.
+    square = (2.0 * FAR_OFF - 3.0) / (FAR_OFF * FAR_OFF)
+    cube = (2.0 * square * FAR_OFF - 1.0) / (3.0 * (FAR_OFF * FAR_OFF))
+    return wished * (share - square * share * share + cube * share * share * share)
+
+
+def _at_most(governed: Governed, allowed: float, wished: float, limit: Limit) -> Governed:
+    """Return the stronger of a factor and the one that leaves of a wish what is allowed."""
+    if allowed < governed.factor * wished:
+        return Governed(allowed / wished, limit)
+    return governed
+
+
+def flow_demand(q: Triple, rates: Triple, pumps: Pumps) -> float:
+    """Return the flow [m^3/s] that joint rates [rad/s] take at joint angles [rad]: sum of A |v|."""
+    boom = lever_arm(q[1], pumps.linkages[0]) * rates[1]
+    stick = lever_arm(q[2], pumps.linkages[1]) * rates[2]
+    return _inlet(rates[0], 0, pumps) + _inlet(boom, 1, pumps) + _inlet(stick, 2, pumps)
+
+
+def _inlet(speed: float, i: int, pumps: Pumps) -> float:
+    return speed * pumps.extending[i] if speed > 0.0 else -speed * pumps.retracting[i]
+
+
+def _towards_axis(q: Triple, rates: Triple, links: Links) -> tuple[float, float]:
+    """Return |r| [m] and how fast it shrinks [m/s]."""
+    c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])
+    r = links.base_offset + links.boom * math.cos(q[1]) + links.stick * c_23
+    outward = -links.boom * math.sin(q[1]) * rates[1] - links.stick * s_23 * (rates[1] + rates[2])
+    return abs(r), -math.copysign(outward, outward * r) if outward != 0.0 else 0.0

@@ -1,0 +1,1 @@
+"""The controller's step from levers to commands of ideal valves."""

@@ -1,0 +1,111 @@
+"""Live changes that are not felt: another scheme, another mode, other gains, a stop that is taken back.
+
+All schemes remember the same: a reference pose and what was commanded last. A scheme that takes over starts
+from the pose at which it would command just that, where there is one; what remains of the difference is added
+to its command and fades (`HAND_OVER`).
+"""
+
+from forest_control.config.settings import Parameters
+from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, ZERO, Inputs, State, Triple, minus
+from forest_control.pipeline.stop_profile import NO_STOP
+from forest_control.servo import coordinated_servo
+from forest_control.servo.joint_angle_filter import Correction
+from forest_control.servo.schemes import Scheme, closes_on_position, decayed, reference_that_gives
+from forest_description.geometry.kinematics import joint_rates, tip_velocity
+
+HAND_OVER = 0.2  # [s] in which the difference between two schemes' commands fades
+
+
+def resumed(state: State) -> State:
+    """Return the state of a machine that was stopping, and shall not."""
+    r, m, u = state.reference, state.memory, state.rates
+    return State(r, True, m, state.scheme, u, state.offset, NO_MODE, state.clutch, True, NO_STOP)
+
+
+def clutched(state: State, s: Triple, p: Parameters) -> State:
+    """Return the state with the clutch where the machine is, if another mode was in force."""
+    if state.mode == p.hand.mode:
+        return state
+    clutch = state.reference if closes_on_position(p.scheme) else s
+    changed = state.changed or state.mode != NO_MODE
+    r, m, u = state.reference, state.memory, state.rates
+    return State(r, True, m, state.scheme, u, state.offset, p.hand.mode, clutch, changed, NO_STOP)
+
+
+def taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
+    """Return the state that the chosen scheme starts from, another one having been in charge."""
+    s, v, u, g = inputs.angles, inputs.rates, state.rates, p.gains
+    still = state.memory.velocity == ZERO and _is_rest(state.memory)
+    r = s
+    if closes_on_position(p.scheme) and (still or p.scheme != Scheme.COORDINATED):
+        r = (
+            reference_that_gives(p.scheme, u[0], s[0], v[0], g[0]),
+            reference_that_gives(p.scheme, u[1], s[1], v[1], g[1]),
+            reference_that_gives(p.scheme, u[2], s[2], v[2], g[2]),
+        )
+    a = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
+    velocity = tip_velocity(s, a, p.links) if state.scheme == Scheme.JOINT else state.memory.velocity
+    shut = max(abs(u[0]), abs(u[1]), abs(u[2])) <= coordinated_servo.HELD
+    samples = 0 if still and shut else coordinated_servo.MOST_SAMPLES
+    r = within_lead(r, s, s, p)
+    if state.scheme != Scheme.JOINT:
+        a = joint_rates(r, velocity, p.links)  # else the lead would take the other pose's rates for a jerk
+    memory = coordinated_servo.in_motion(velocity, a, samples)
+    return State(
+        r, True, memory, state.scheme, u, state.offset, state.mode, state.clutch, state.changed, NO_STOP
+    )
+
+
+def _is_rest(memory: coordinated_servo.Memory) -> bool:
+    """Tell whether no joint is wished to move."""
+    return memory.swing.a == 0.0 and memory.boom.a == 0.0 and memory.stick.a == 0.0
+
+
+def relearnt(state: State, correction: Correction) -> State:
+    """Return the state whose resting reference goes with the correction: no tip moves for what is learnt."""
+    if not (state.enabled and correction.used) or state.memory.velocity != ZERO:
+        return state
+    boom, stick = correction.boom - state.correction.boom, correction.stick - state.correction.stick
+    r, k = state.reference, state.clutch
+    reference, clutch = (r[0], r[1] + boom, r[2] + stick), (k[0], k[1] + boom, k[2] + stick)
+    return state._replace(reference=reference, clutch=clutch)
+
+
+def offset_to(u: Triple, state: State, p: Parameters) -> Triple:
+    """Return what is added [rad/s] to the servo's rates; after a change, all that they differ by."""
+    if state.changed or (state.scheme != NO_SCHEME and state.scheme != p.scheme):
+        return minus(state.rates, u)
+    return state.offset
+
+
+def faded(offset: Triple, dt: float) -> Triple:
+    """Return an offset [rad/s] dt [s] later."""
+    return (
+        decayed(offset[0], dt, HAND_OVER),
+        decayed(offset[1], dt, HAND_OVER),
+        decayed(offset[2], dt, HAND_OVER),
+    )
+
+
+def within_lead(r: Triple, before: Triple, s: Triple, p: Parameters) -> Triple:
+    """Return reference angles [rad] within `lead` of the joints, and inside their limits.
+
+    A machine may stand between margin and limit. There the reference goes no further out than it was before;
+    bounded by what is measured, noise would draw it inwards step by step.
+
+    Args:
+        r: reference angles.
+        before: where they were, or are allowed to be.
+        s: measured angles.
+        p: parameters.
+    """
+    return (
+        _within_lead(r[0], before[0], s[0], 0, p),
+        _within_lead(r[1], before[1], s[1], 1, p),
+        _within_lead(r[2], before[2], s[2], 2, p),
+    )
+
+
+def _within_lead(r: float, before: float, s: float, i: int, p: Parameters) -> float:
+    lower, upper = min(p.governor.lower[i], before), max(p.governor.upper[i], before)
+    return max(lower, min(upper, max(s - p.lead, min(s + p.lead, r))))

@@ -1,0 +1,102 @@
+"""The stop along the path: what is commanded after the deadman was let go, or the joystick lost.
+
+Valves that are slammed shut stop each joint when its oil wants, and the crane rocks; the tip leaves its path.
+So the tip's velocity is taken back smoothly, along the direction that it had, and no lever is heeded; then
+every valve stays shut. A scheme that holds its reference follows it to the end, from where the tip is: what
+it was off its path by is not caught up with. The machine answers late, so that reference goes by what was
+commanded `LAG` ago, or the servo would brake twice; and no valve opens the other way. For the other schemes
+the commanded rates are taken back, open loop and faster, since the machine lags behind.
+
+| symbol | name | unit |
+|---|---|---|
+| x' | tip velocity that was commanded when the stop began | m/s |
+| u | commanded joint rates, J^-1(s) x' share(t) | rad/s |
+| t | time since then | s |
+| T | duration | s |
+
+share(t) = x^2.5 (3.5 - 2.5 x), x = 1 - t / T: it brakes soon and ends gently, so that little rocks on behind
+the shut valves; the way is 4/9 x' T, the greatest deceleration 1.63 x' / T.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_description.geometry.kinematics import Links, is_singular, joint_rates, tip_velocity
+
+Triple = tuple[float, float, float]
+CLOSED_LOOP = 0.24  # [s] T of a scheme that holds its reference: just inside 0.25 s, softest for the swing
+OPEN_LOOP = 0.16  # [s] T of the others
+LAG = 0.015  # [s] after which spool and oil answer
+ASTRAY = 0.01  # [rad] a joint that is further from its reference has stalled: it must not be pulled there
+
+
+class Stop(NamedTuple):
+    """A stop under way."""
+
+    elapsed: float  # t [s]
+    duration: float  # T [s]
+    velocity: Triple  # x' [m/s]
+    rates: Triple  # u [rad/s] when it began, for where J has no inverse
+    wish: Triple  # of the tip when it began [m/s], for a scheme that holds its reference
+
+
+NO_STOP = Stop(math.inf, OPEN_LOOP, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+def begin(duration: float, u: Triple, wish: Triple, s: Triple, links: Links) -> Stop:
+    """Return the stop within a duration [s] from commanded joint rates [rad/s] and the tip's wish [m/s].
+
+    Args:
+        duration: `CLOSED_LOOP` or `OPEN_LOOP`.
+        u: commanded last.
+        wish: governed, last.
+        s: measured angles [rad].
+        links: of the crane.
+    """
+    return Stop(0.0, duration, tip_velocity(s, u, links), u, wish)
+
+
+def share(stop: Stop) -> float:
+    """Return the share of the velocity that is left, 1..0."""
+    return _share(stop.elapsed / stop.duration)
+
+
+def share_late(stop: Stop) -> float:
+    """Return the share that the machine can have by now: what was left of the velocity `LAG` ago."""
+    return _share((stop.elapsed - LAG) / stop.duration)
+
+
+def _share(part: float) -> float:
+    x = 1.0 - max(0.0, min(1.0, part))
+    return x * x * math.sqrt(x) * (3.5 - 2.5 * x)
+
+
+def onwards(u: Triple, a: Triple) -> Triple:
+    """Return the rates u [rad/s] of the joints that go on as wished [rad/s]; none of the others.
+
+    What is little over at the end of a stop would throw the valves to and fro across their overlap.
+    """
+    return _onwards(u[0], a[0]), _onwards(u[1], a[1]), _onwards(u[2], a[2])
+
+
+def _onwards(u: float, a: float) -> float:
+    return u if u * a > 0.0 else 0.0
+
+
+def advanced(stop: Stop, dt: float) -> Stop:
+    """Return the stop one step on."""
+    return Stop(stop.elapsed + dt, stop.duration, stop.velocity, stop.rates, stop.wish)
+
+
+def is_over(stop: Stop) -> bool:
+    """Tell whether nothing is left of it."""
+    return stop.elapsed >= stop.duration
+
+
+def commanded(stop: Stop, s: Triple, links: Links) -> tuple[Triple, Triple]:
+    """Return joint rates [rad/s] at measured angles [rad], and the tip velocity [m/s] that they aim at."""
+    left = share(stop)
+    velocity = left * stop.velocity[0], left * stop.velocity[1], left * stop.velocity[2]
+    if is_singular(s, links):
+        return (left * stop.rates[0], left * stop.rates[1], left * stop.rates[2]), velocity
+    return joint_rates(s, velocity, links), velocity

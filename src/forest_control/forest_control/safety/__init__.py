@@ -1,0 +1,1 @@
+"""Whether a measured state can be believed."""

@@ -1,0 +1,68 @@
+"""Whether a joint's sensor stands still while its joint is told to move: frozen, or the joint is stuck.
+
+A servo on a sensor that has frozen pushes on for ever, faster and faster, also with the levers centred. No
+true sensor of a moving crane gives the same number again and again, to the last bit; so one that does, while
+its joint should have moved by more than any sensor's resolution, is not believed.
+
+| symbol | name | unit |
+|---|---|---|
+| s | measured joint angle | rad |
+| u | commanded joint rate | rad/s |
+| way | what the joint was told to move by since s changed last, integral of abs u | rad |
+
+Not seen: a frozen sensor behind a converter that adds noise, and one that freezes while its joint rests.
+"""
+
+from typing import NamedTuple
+
+from forest_control.config.settings import Parameters
+from forest_description.derived.actuation import actuator_speeds_to_joint_rates
+from forest_description.machine import AXES
+
+Triple = tuple[float, float, float]
+WAY = 0.02  # [rad] ten times the step of a resolver of 12 bits; 0.12 m at 6 m
+LONG = 0.15  # [s] a valve, and the oil behind it, take as long to set a joint in motion
+
+
+class Stillness(NamedTuple):
+    """Of swing, boom, stick, since each moved last."""
+
+    angles: Triple  # s [rad]
+    ways: Triple  # [rad]
+    times: Triple  # [s]
+
+
+MOVING = Stillness((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+def watched(before: Stillness, s: Triple, command: Triple, p: Parameters, dt: float) -> Stillness:
+    """Return the stillness after a sample.
+
+    Args:
+        before: as it was.
+        s: measured angles [rad].
+        command: of ideal valves [V] since the last sample.
+        p: the controller's parameters.
+        dt: since the last sample [s].
+    """
+    same = s[0] == before.angles[0], s[1] == before.angles[1], s[2] == before.angles[2]
+    ways, times = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
+    if any(same):
+        told = zip(command, p.rated_speeds, p.rated_voltages, strict=True)
+        one, two, three = (volts * speed / rated for volts, speed, rated in told)
+        u = actuator_speeds_to_joint_rates(s, (one, two, three), p.linkages)
+        for i in range(3):
+            if same[i]:
+                ways[i], times[i] = before.ways[i] + abs(u[i]) * dt, before.times[i] + dt
+    return Stillness(s, (ways[0], ways[1], ways[2]), (times[0], times[1], times[2]))
+
+
+def frozen(still: Stillness) -> str:
+    """Return which joint's sensor does not follow its joint, or ""."""
+    for name, way, time in zip(AXES, still.ways, still.times, strict=True):
+        if way > WAY and time > LONG:
+            return (
+                f"joint state: {name} is the same to the last bit for {time:.2f} s though told to move by"
+                f" {way:.3f} rad; its sensor is frozen, or it is stuck"
+            )
+    return ""

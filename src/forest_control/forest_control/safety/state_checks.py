@@ -1,0 +1,36 @@
+"""Whether a measured state of the joints can be true."""
+
+from forest_control.config.settings import Parameters
+from forest_description.machine import AXES
+
+Triple = tuple[float, float, float]
+BEYOND_LIMIT = 0.1  # [rad] outside the joint limits: end stops give, encoders are not perfect
+FASTEST = 5.0  # [rad/s] no joint of such a crane moves faster
+
+
+def plausible(angles: Triple, rates: Triple, p: Parameters) -> bool:
+    """Tell whether a measured state can be true; `implausible` says what of it cannot."""
+    for i in range(3):
+        low, high = p.governor.lower[i] - BEYOND_LIMIT, p.governor.upper[i] + BEYOND_LIMIT
+        if not low <= angles[i] <= high or not abs(rates[i]) <= FASTEST:
+            return False
+    return True
+
+
+def implausible(angles: tuple[float, ...], rates: tuple[float, ...], p: Parameters) -> str:
+    """Return what cannot be true of a measured state, or "": degrees for radians, a broken encoder, no rates.
+
+    Args:
+        angles: joint angles [rad]; at most `BEYOND_LIMIT` outside the joint limits.
+        rates: joint rates [rad/s]; at most `FASTEST`.
+        p: the controller's parameters.
+    """
+    if len(rates) != len(AXES):
+        return "joint state: no finite velocity; allowed: rad/s of every joint"
+    for i, name in enumerate(AXES):
+        low, high = p.governor.lower[i] - BEYOND_LIMIT, p.governor.upper[i] + BEYOND_LIMIT
+        if not low <= angles[i] <= high:
+            return f"joint state: {name} is {angles[i]:g} rad; allowed: {low:.3f} .. {high:.3f}"
+        if not abs(rates[i]) <= FASTEST:
+            return f"joint state: {name} moves at {rates[i]:g} rad/s; allowed: up to {FASTEST:g}"
+    return ""

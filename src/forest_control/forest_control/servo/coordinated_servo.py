@@ -1,0 +1,280 @@
+"""What the coordinated scheme remembers between steps: a smooth reference, the integral, who holds still.
+
+| symbol | name | unit |
+|---|---|---|
+| x' | reference velocity of the tip | m/s |
+| a, b | reference joint rates, their rate of change | rad/s, rad/s^2 |
+| r, s | reference and measured joint angle | rad |
+| w | integral of K_i (r - s) | rad/s |
+
+The reference is the operator's wish with its steps turned into ramps, so that b is finite. While a joint's
+reference rests, be it that others move, a joint that is near it holds: its valve stays shut until the error
+has grown, or noise would open it back and forth through the overlap for ever. Where all references rest the
+joints are soon inched to their places instead (`inching`).
+
+Boom and stick rock on their oil at some 8 Hz, and a valve that is open a little hardly damps that: a position
+error that is heard at once feeds it, and slow motion swings up. Through the low-pass of `ERROR_LAG` it comes
+late by more than a quarter of a turn and damps. Faster, up to `FULL_RATE`, the valve damps and all is heard.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_control.servo.inching import MOVING, Inching, inched, is_due, served
+from forest_control.servo.schemes import FULL_RATE, Gains, Signals, coordinated
+from forest_control.servo.swing_feedforward import SwingLoad, inertia
+from forest_description.derived.actuation import Linkages, actuator_speeds_to_joint_rates
+
+Triple = tuple[float, float, float]
+ZERO: Triple = (0.0, 0.0, 0.0)
+
+REST_RATE = 1e-4  # [rad/s] a reference slower than this rests
+ERROR_LAG = 0.05  # [s] of the low-pass through which an error decides about holding, or, slow, is heard
+HELD = 1e-9  # [rad/s] commanded to a joint that holds: no motion, but the valve driver may feed what leaks
+MOST_GATHERED = 2e-3  # [rad/s] of the integral at rest, while the valve is shut
+WIDEST, FORGOTTEN = 16.0, 20.0  # how far holding may widen; [s] in which that fades
+HIGHEST_ACCELERATION = 2.0  # [rad/s^2] a jump of the governor's must not kick the valves
+
+
+class CoordinationParameters(NamedTuple):
+    """Gains and bounds, per joint where triples: swing, boom, stick."""
+
+    gains: tuple[Gains, Gains, Gains]
+    integral: Triple  # K_i [1/s^2]
+    swing: SwingLoad  # what is fed forward to it
+    load_bandwidth: float  # [rad/s] at which the valve driver learns a load
+    smoothing: float  # [s] of b
+    acceleration: float  # [m/s^2] of the tip's reference
+    integral_limit: float  # [rad/s]
+    hold_error: float  # [rad] a resting joint this near holds
+    release_error: float  # [rad] and moves again beyond this
+    inches: Triple  # [rad/s, m/s, m/s] speeds of the actuators while a resting joint is inched
+    linkages: Linkages
+
+
+class Joint(NamedTuple):
+    """One joint's state between steps."""
+
+    a: float = 0.0  # [rad/s]
+    b: float = 0.0  # [rad/s^2]
+    w: float = 0.0  # [rad/s]
+    error: float = 0.0  # r - s, low-passed [rad]
+    holding: bool = True
+    wide: float = 1.0  # hold and release error over what is set
+    side: float = 0.0  # of the error that it moved for last, at rest: 1, -1
+    gathered: float = 0.0  # part of w that was gathered at rest [rad/s]
+    inching: Inching = MOVING
+
+
+AT_REST = Joint()
+
+
+class Memory(NamedTuple):
+    """State between steps."""
+
+    velocity: Triple  # x' [m/s], governed
+    swing: Joint = AT_REST
+    boom: Joint = AT_REST
+    stick: Joint = AT_REST
+    torque: float = 0.0  # [N m] of the swing that the driver knows by now
+    samples: int = 0  # in the mean pose that the reference starts from
+
+
+REST = Memory(ZERO)
+MOST_SAMPLES = 50
+
+
+def in_motion(velocity: Triple, a: Triple, samples: int) -> Memory:
+    """Return the memory of a scheme that takes over at a tip velocity [m/s] and joint rates [rad/s]."""
+    return Memory(velocity, _going(a[0]), _going(a[1]), _going(a[2]), 0.0, samples)
+
+
+def _going(a: float) -> Joint:
+    return Joint(a, 0.0, 0.0, 0.0, True, 1.0, 0.0, 0.0, MOVING)
+
+
+def going(memory: Memory, velocity: Triple) -> Memory:
+    """Return the memory with the tip's governed velocity [m/s]: from now on the reference is not a mean."""
+    return Memory(velocity, memory.swing, memory.boom, memory.stick, memory.torque, MOST_SAMPLES)
+
+
+def settle(reference: Triple, s: Triple, memory: Memory) -> tuple[Triple, Memory]:
+    """Return the pose [rad] to start from: the mean of what was measured at rest; one sample is too noisy."""
+    count = memory.samples + 1
+    (r_1, r_2, r_3), (s_1, s_2, s_3) = reference, s
+    q = r_1 + (s_1 - r_1) / count, r_2 + (s_2 - r_2) / count, r_3 + (s_3 - r_3) / count
+    return q, Memory(memory.velocity, memory.swing, memory.boom, memory.stick, memory.torque, count)
+
+
+def ramped(velocity: Triple, wish: Triple, acceleration: float, dt: float) -> Triple:
+    """Return the reference velocity [m/s] after dt [s] on the way to a wish, at most so accelerated."""
+    x, y, z = wish[0] - velocity[0], wish[1] - velocity[1], wish[2] - velocity[2]
+    size, most = math.sqrt(x * x + y * y + z * z), acceleration * dt
+    if size <= most:
+        return wish
+    part = most / size
+    return velocity[0] + part * x, velocity[1] + part * y, velocity[2] + part * z
+
+
+def servo(
+    memory: Memory,
+    a: Triple,
+    r: Triple,
+    s: Triple,
+    v: Triple,
+    volts: Triple,
+    p: CoordinationParameters,
+    dt: float,
+) -> tuple[Memory, Triple]:
+    """Return the memory one step on, and the commanded joint rates u [rad/s].
+
+    Args:
+        memory: before.
+        a: governed rates wished [rad/s].
+        r: reference angles [rad].
+        s: measured angles [rad].
+        v: measured rates [rad/s].
+        volts: that the valves were given last [V]; 0: shut.
+        p: parameters.
+        dt: [s].
+    """
+    m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
+    still = rests(memory, a)
+    b_1, jerk = _smooth_acceleration(m_1, a[0], p, dt)
+    b_2, _ = _smooth_acceleration(m_2, a[1], p, dt)
+    b_3, _ = _smooth_acceleration(m_3, a[2], p, dt)
+    inch = actuator_speeds_to_joint_rates(s, p.inches, p.linkages)
+    torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, inertia(r, p.swing), p, dt)
+    swing, u_1 = _joint_servo(
+        m_1, Signals(a[0], b_1, r[0], s[0], v[0], extra), volts[0] == 0.0, still, inch[0], 0, p, dt
+    )
+    boom, u_2 = _joint_servo(
+        m_2, Signals(a[1], b_2, r[1], s[1], v[1], 0.0), volts[1] == 0.0, still, inch[1], 1, p, dt
+    )
+    stick, u_3 = _joint_servo(
+        m_3, Signals(a[2], b_3, r[2], s[2], v[2], 0.0), volts[2] == 0.0, still, inch[2], 2, p, dt
+    )
+    return Memory(memory.velocity, swing, boom, stick, torque, memory.samples), (u_1, u_2, u_3)
+
+
+def inches(memory: Memory) -> Triple:
+    """Return the rates [rad/s] at which joints at rest are inched now."""
+    return memory.swing.inching.rate, memory.boom.inching.rate, memory.stick.inching.rate
+
+
+def rests(memory: Memory, a: Triple) -> bool:
+    """Tell whether the reference rests: neither now nor a step ago any joint was wished to move [rad/s]."""
+    m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
+    return max(abs(a[0]), abs(a[1]), abs(a[2]), abs(m_1.a), abs(m_2.a), abs(m_3.a)) < REST_RATE
+
+
+def _rests(memory: Joint, a: float) -> bool:
+    """Tell whether one joint's reference rests, be it that others move [rad/s]."""
+    return max(abs(a), abs(memory.a)) < REST_RATE
+
+
+def held(
+    memory: Joint, error: float, still: bool, p: CoordinationParameters, dt: float
+) -> tuple[float, bool, float, float]:
+    """Return the low-passed error r - s [rad], whether the valve may stay shut, and what `_widened` says."""
+    seen = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
+    near = abs(seen) < memory.wide * (p.release_error if memory.holding else p.hold_error)
+    holds = still and (near or (not memory.holding and seen * memory.error < 0.0))
+    wide, side = _widened(memory, seen, still, holds, dt)
+    return seen, holds, wide, side
+
+
+def _joint_servo(
+    memory: Joint,
+    x: Signals,
+    shut: bool,
+    all_rest: bool,
+    inch: float,
+    i: int,
+    p: CoordinationParameters,
+    dt: float,
+) -> tuple[Joint, float]:
+    """Return one joint's memory one step on, and its u [rad/s].
+
+    Args:
+        memory: before.
+        x: its signals; `x.w` is what else is fed forward.
+        shut: the driver keeps its valve shut.
+        all_rest: the reference of no joint moves.
+        inch: rate of an inch, of either sign [rad/s].
+        i: which joint.
+        p: parameters.
+        dt: [s].
+    """
+    # A valve that is open, to feed what leaks, is better served by the servo than by holding.
+    error, still = x.r - x.s, all_rest or (shut and _rests(memory, x.a))
+    seen, holds, wide, side = held(memory, error, still, p, dt)
+    if all_rest and is_due(memory.inching, shut):
+        kept = 0.0 if shut else memory.gathered
+        w, inching = memory.w - memory.gathered + kept, inched(memory.inching, error, shut, abs(inch), dt)
+        return Joint(x.a, x.b, w, seen, True, wide, side, kept, inching), HELD
+    gathered = _gathered(memory, dt * p.integral[i] * error, still, holds, shut)
+    # What the integral has learnt of the valve at speed is kept while the joint holds.
+    grown = memory.w - memory.gathered + gathered if still else memory.w + dt * p.integral[i] * error
+    w = max(-p.integral_limit, min(p.integral_limit, grown))
+    part = x.a / FULL_RATE
+    quick = 1.0 if i == 0 else min(1.0, part * part)
+    # At rest there is time to hear less noise.
+    heard = seen if still and shut else seen + quick * (error - seen)
+    u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.r - heard, x.v, x.w + w), p.gains[i])
+    inching = served(memory.inching, dt) if all_rest else MOVING
+    return Joint(x.a, x.b, w, seen, holds, wide, side, gathered, inching), u
+
+
+def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) -> float:
+    """Return what the integral has gathered at rest [rad/s].
+
+    Of a valve that is open to feed what leaks, all. One that is shut it only helps to open: more would open
+    it wide, and the other way once the joint has moved.
+    """
+    before = memory.gathered
+    if not still or (holds and shut):
+        return 0.0
+    if holds:
+        return before
+    if not shut:
+        return before + step
+    return max(min(before, -MOST_GATHERED), min(max(before, MOST_GATHERED), before + step))
+
+
+def _widened(memory: Joint, seen: float, still: bool, holds: bool, dt: float) -> tuple[float, float]:
+    """Return how much wider a joint holds than set, and the side that it was moved from last, at rest.
+
+    A valve whose deadband is thought too wide jumps open; what then overshoots would be sent back for ever.
+    So every time that a joint at rest is moved the other way than before, it holds twice as wide.
+    """
+    if not still:
+        return 1.0, 0.0
+    wide = 1.0 + (memory.wide - 1.0) * math.exp(-dt / FORGOTTEN)
+    if not memory.holding or holds:
+        return wide, memory.side
+    side = math.copysign(1.0, seen)
+    return (min(WIDEST, 2.0 * wide) if side * memory.side < 0.0 else wide), side
+
+
+def _smooth_acceleration(
+    memory: Joint, a: float, p: CoordinationParameters, dt: float
+) -> tuple[float, float]:
+    """Return b [rad/s^2], low-passed so that its own rate is finite, and that rate [rad/s^3]."""
+    change = max(-HIGHEST_ACCELERATION, min(HIGHEST_ACCELERATION, (a - memory.a) / dt))
+    gap = change - memory.b
+    return memory.b + (1.0 - math.exp(-dt / p.smoothing)) * gap, gap / p.smoothing
+
+
+def _swing_forward(
+    known: float, a: float, b: float, jerk: float, m_11: float, p: CoordinationParameters, dt: float
+) -> tuple[float, float]:
+    """Return the torque [N m] that the driver knows of by now, and the rate [rad/s] to add to the swing's.
+
+    The hoses yield under the torque M_11 b + B a, and take up oil as it grows. And the driver learns the load
+    slowly: what it does not know yet makes the valve slower by half its share of the valve's drop.
+    """
+    torque = m_11 * b + p.swing.damping * a
+    known += (1.0 - math.exp(-p.load_bandwidth * dt)) * (torque - known)
+    slower = abs(a) * (torque - known) / (2.0 * p.swing.valve_drop)
+    return known, (m_11 * jerk + p.swing.damping * b) / p.swing.stiffness + slower

@@ -1,0 +1,70 @@
+"""Where boom and stick are: their resolvers, or these corrected by the cylinders' transducers.
+
+| symbol | name | unit |
+|---|---|---|
+| s | angle that the resolver reads: smooth, but off by its static error | rad |
+| q(x) | angle at which the linkage has the length that the transducer reads: true, but noisier | rad |
+| c | correction, the low-passed q(x) - s | rad |
+| T | time constant | s |
+
+What the control takes for the angle is s + c: slowly the transducer's, quickly the resolver's. c changes
+slowly, so nothing jumps when samples are lost or come back: the last c stays. Whether it counts is decided
+while the machine stands still, and then kept until it does so again.
+"""
+
+import math
+from enum import IntEnum
+from typing import NamedTuple
+
+from forest_description.derived.actuation import Linkages
+from forest_description.geometry.linkage import angle_at
+
+Triple = tuple[float, float, float]
+Lengths = tuple[float, float]
+
+SMOOTHING = 5.0  # [s] T
+FARTHEST = 0.1  # [rad] by which both may differ; beyond, one of them is broken, and nobody knows which
+
+
+class Source(IntEnum):
+    """What the angles of boom and stick are taken from."""
+
+    JOINTS = 0
+    CYLINDERS = 1
+
+
+class Correction(NamedTuple):
+    """What has been learnt of the resolvers' errors."""
+
+    boom: float = 0.0  # c [rad]
+    stick: float = 0.0
+    samples: int = 0  # of both transducers so far
+    used: bool = False
+
+
+UNREAD: Lengths = (math.nan, math.nan)
+NONE = Correction()
+
+
+def learnt(c: Correction, s: Triple, lengths: Lengths, linkages: Linkages, dt: float) -> Correction:
+    """Return the correction after a sample of the resolvers [rad] and of both cylinders [m; NaN: none].
+
+    Thesis App. A, first two equations.
+    """
+    boom = angle_at(lengths[0], linkages[0]) - s[1]
+    stick = angle_at(lengths[1], linkages[1]) - s[2]
+    if not (abs(boom) <= FARTHEST and abs(stick) <= FARTHEST):  # neither is NaN
+        return c
+    count = c.samples + 1
+    share = max(1.0 / count, 1.0 - math.exp(-dt / SMOOTHING))  # the mean at first
+    return Correction(c.boom + share * (boom - c.boom), c.stick + share * (stick - c.stick), count, c.used)
+
+
+def latched(c: Correction, wanted: int) -> Correction:
+    """Return the correction of a machine at rest: from now on used, or not."""
+    return Correction(c.boom, c.stick, c.samples, wanted == Source.CYLINDERS and c.samples > 0)
+
+
+def corrected(s: Triple, c: Correction) -> Triple:
+    """Return the angles [rad] to control by."""
+    return (s[0], s[1] + c.boom, s[2] + c.stick) if c.used else s

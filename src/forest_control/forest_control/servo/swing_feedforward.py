@@ -1,0 +1,69 @@
+"""What swinging the crane takes: torque from the motor, and oil that its hoses take up first.
+
+The swing carries the whole crane on two short hoses, so it is the one axis that rocks slowly (2.3 Hz) and
+whose load changes as it speeds up. Boom and stick carry mostly their weight, which the driver measures.
+
+| symbol | name | unit |
+|---|---|---|
+| M_11 | inertia about the swing axis | kg m^2 |
+| r_b, r_s | distance of the boom's, stick's centre of mass from the swing axis | m |
+| D | oil per swing angle | m^3/rad |
+| C | capacitance of one hose; both work on the motor as springs, together 2 D^2 / C | m^3/Pa |
+| w_0 | natural frequency of the crane on this oil, w_0^2 = 2 D^2 / (C M_11) | rad/s |
+| N | pressure drop of both edges of the swing's valve, as a torque | N m |
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_description.derived.actuation import displacements
+from forest_description.derived.bodies import boom_body, stick_body
+from forest_description.machine import Machine
+
+Triple = tuple[float, float, float]
+
+
+class SwingLoad(NamedTuple):
+    """Constants of the crane as a load of its swing."""
+
+    base_offset: float  # [m]
+    boom_length: float  # [m]
+    base_inertia: float  # [kg m^2] about the swing axis
+    boom: tuple[float, ...]  # mass, x, y of its centre, I_xx, I_yy, I_zz, I_xy
+    stick: tuple[float, ...]  # alike, with what it carries
+    damping: float  # [N m s/rad]
+    stiffness: float  # 2 D^2 / C [N m/rad]
+    valve_drop: float  # N [N m] of a crane that is not loaded
+
+
+def inertia(q: Triple, load: SwingLoad) -> float:
+    """Return M_11 [kg m^2] at joint angles [rad]. Thesis eq. 3.15."""
+    c_2, s_2 = math.cos(q[1]), math.sin(q[1])
+    c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])
+    elbow = load.base_offset + load.boom_length * c_2
+    boom = _link_inertia(load.base_offset, c_2, s_2, load.boom)
+    return load.base_inertia + boom + _link_inertia(elbow, c_23, s_23, load.stick)
+
+
+def _link_inertia(offset: float, c: float, s: float, body: tuple[float, ...]) -> float:
+    """Return a link's part of M_11; joint `offset` [m] from the axis, c and s of its elevation."""
+    mass, x, y, xx, yy, _, xy = body
+    r = offset + x * c - y * s
+    return mass * r * r + yy * c * c + xx * s * s - 2.0 * xy * s * c
+
+
+def swing_load(machine: Machine) -> SwingLoad:
+    """Return the constants for a machine."""
+    m, oil = machine.manipulator, displacements(machine, 0)[0]
+    capacitance = 0.5 * (machine.line(0, 1).capacitance + machine.line(0, 2).capacitance)
+    return SwingLoad(
+        base_offset=m.base_offset,
+        boom_length=m.boom_length,
+        base_inertia=m.base_zz + m.base_mass * m.base_x**2,
+        boom=tuple(boom_body(m)),
+        stick=tuple(stick_body(m)),
+        damping=machine.swing.damping,
+        stiffness=2.0 * oil**2 / capacitance,
+        # A load-sensing pump leaves its margin for the inlet's edge; the outlet's, alike, takes as much.
+        valve_drop=oil * min(machine.pump.supply_pressure, 2.0 * machine.pump.idle_pressure),
+    )

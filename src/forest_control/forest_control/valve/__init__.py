@@ -1,0 +1,1 @@
+"""The valve driver: deadband, gain and pressure drop compensated, and learnt."""

@@ -1,0 +1,205 @@
+"""What the valve driver knows of a machine, and what a user may set.
+
+Known once, from the machine's file, for swing, boom and stick; units as in `valve_driver`, cylinder; motor.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_control.valve.valve_adaptation import AdaptationParameters
+from forest_control.valve.valve_flow import FlowParameters
+from forest_description.components.valve import ValveLaw
+from forest_description.derived.actuation import displacements, rated_speeds
+from forest_description.machine import Machine
+
+Triple = tuple[float, float, float]
+
+LEAST_FED = 0.001  # [V] lets the tip sink by under 1 mm/s
+MISJUDGED = 0.2  # [V] by which an overlap may be thought too wide, twice over
+NOISY_SERVO = 35.0  # [1/s] seven standard deviations of the position through a servo's gain of 5 1/s
+
+
+class AxisDriver(NamedTuple):
+    """What the driver knows of one actuator."""
+
+    displacement_1: float
+    displacement_2: float
+    rated_speed: float  # at `rated_voltage` of the ideal valve
+    valve: ValveLaw
+    hose_linear: float = 0.0  # [N s/m; N m s] both hoses' loss that goes with the speed, at the actuator
+    hose_square: float = 0.0  # [N s^2/m^2; N m s^2] and with its square
+    slip: float = 0.0  # [rad/s per N m] speed that the motor's leakage takes under load
+    least_fed: float = 0.0  # [V] leakage under this is not worth an open valve
+    spool_lag: float = 0.0  # [s]; 0: the spool follows at once
+
+
+Axes = tuple[AxisDriver, AxisDriver, AxisDriver]
+
+
+class Settings(NamedTuple):
+    """What a user may set; the node's parameters have these names and defaults."""
+
+    compensate: bool = True  # False: commands pass unchanged, for experiments
+    beyond_valve: bool = True  # allow for hoses, leakage, filling and the spool's lag, too
+    hold_zone: float = 0.02  # [V] commands up to this much leave the spool centred
+    load_bandwidth: float = 1.0  # [Hz] of the loads' low-pass
+    minimum_drop: float = 0.1  # share of the unloaded pressure force that is taken to remain under any load
+    slew_limit: float = 0.0  # [V/s] of every voltage; 0: none. Under 1000 V/s the overlap costs time
+    dither_amplitude: float = 0.0  # [V] added to every voltage that is not zero
+    dither_frequency: float = 50.0  # [Hz]
+    adapt: bool = False  # learn deadband and gain of every valve and direction
+    forgetting_time: float = 20.0  # [s] of motion after which a sample counts for a third
+    deadband_range: float = 0.4  # [V] that a learnt deadband may be off the machine's file
+    gain_range: float = 2.0  # that a learnt gain may be greater or smaller by, as a factor
+
+
+class Parameters(NamedTuple):
+    """What the driver knows of the machine."""
+
+    axes: Axes
+    supply_pressure: float  # [Pa], the highest that the pump keeps
+    idle_pressure: float  # [Pa], the least, while nobody draws; taken where it is not measured
+    compensate: bool
+    beyond_valve: bool
+    hold_zone: float  # [V]
+    command_noises: tuple[float, float, float]  # [V] commands up to this may be noise
+    load_bandwidth: float  # [rad/s]
+    minimum_drop: float
+    slew_limit: float  # [V/s]; inf: none
+    dither_amplitude: float  # [V]
+    dither_frequency: float  # [Hz]
+    adapt: bool
+    adaptation: AdaptationParameters
+    flows: tuple[FlowParameters, FlowParameters, FlowParameters]
+
+
+def parameters(machine: Machine, settings: Settings) -> Parameters:
+    """Return the core's parameters for a machine."""
+    return Parameters(
+        axes=axis_drivers(machine, settings.beyond_valve),
+        supply_pressure=machine.pump.supply_pressure,
+        idle_pressure=machine.pump.idle_pressure,
+        compensate=settings.compensate,
+        beyond_valve=settings.compensate and settings.beyond_valve,
+        hold_zone=settings.hold_zone,
+        command_noises=(
+            command_noise(machine, 0),
+            command_noise(machine, 1),
+            command_noise(machine, 2),
+        ),
+        load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
+        minimum_drop=settings.minimum_drop,
+        slew_limit=settings.slew_limit if settings.slew_limit > 0.0 else math.inf,
+        dither_amplitude=settings.dither_amplitude,
+        dither_frequency=settings.dither_frequency,
+        adapt=settings.compensate and settings.adapt,
+        adaptation=AdaptationParameters(
+            settings.forgetting_time, settings.deadband_range, settings.gain_range
+        ),
+        flows=(_flow(machine, 0), _flow(machine, 1), _flow(machine, 2)),
+    )
+
+
+def axis_drivers(machine: Machine, beyond_valve: bool = True) -> Axes:
+    """Return what a driver knows of a machine's actuators, of the valve alone or of what lies beyond, too."""
+    speeds = rated_speeds(machine)
+    return (
+        _axis_driver(machine, 0, speeds[0], beyond_valve),
+        _axis_driver(machine, 1, speeds[1], beyond_valve),
+        _axis_driver(machine, 2, speeds[2], beyond_valve),
+    )
+
+
+def moved_spools(spools: Triple, voltages: Triple, axes: Axes, dt: float) -> Triple:
+    """Return where first-order spools [V] are after voltages [V] were in force for dt [s]."""
+    return (
+        voltages[0] + left(axes[0], dt) * (spools[0] - voltages[0]),
+        voltages[1] + left(axes[1], dt) * (spools[1] - voltages[1]),
+        voltages[2] + left(axes[2], dt) * (spools[2] - voltages[2]),
+    )
+
+
+def left(axis: AxisDriver, dt: float) -> float:
+    """Return the part of its way that a spool has still to go after dt [s]."""
+    return 0.0 if axis.spool_lag == 0.0 else math.exp(-dt / axis.spool_lag)
+
+
+def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool) -> AxisDriver:
+    one, two = displacements(machine, axis)
+    driver = AxisDriver(one, two, speed, machine.valve_of(axis).law)
+    if not beyond_valve:
+        return driver
+    linear, square = _hoses(machine, axis)
+    return driver._replace(
+        hose_linear=linear,
+        hose_square=square,
+        slip=_slip(machine, axis),
+        least_fed=_least_fed(machine, axis),
+        spool_lag=_spool_lag(machine, axis),
+    )
+
+
+def _spool_lag(machine: Machine, axis: int) -> float:
+    bandwidth = machine.valve_of(axis).spool_bandwidth
+    return 0.0 if bandwidth is None else 1.0 / (2.0 * math.pi * bandwidth)
+
+
+def _hoses(machine: Machine, axis: int) -> tuple[float, float]:
+    """Return what both hoses take at unit speed, linear and square part. Thesis section 4.3.3."""
+    parts = [
+        (displacement, machine.line(axis, port).resistance)
+        for port, displacement in zip((1, 2), displacements(machine, axis), strict=True)
+    ]
+    if machine.drives[axis].flow_regime == "laminar":
+        return sum(d**2 * resistance for d, resistance in parts), 0.0
+    return 0.0, sum(d**3 * resistance for d, resistance in parts)
+
+
+def _slip(machine: Machine, axis: int) -> float:
+    """Return how much slower a load makes an actuator by its leakage [rad/s per N m]; cylinders are tight.
+
+    Half of what leaves port 1 for the case is missing at the mean of both ports. Thesis eq. 4.8.
+    """
+    if axis != 0:
+        return 0.0
+    swing, oil = machine.swing, displacements(machine, 0)[0]
+    leakage = 1.0 / swing.internal_leakage_resistance + 0.5 / swing.external_leakage_resistance
+    return leakage / oil**2
+
+
+def _least_fed(machine: Machine, axis: int) -> float:
+    """Return from how much leakage on [V] an actuator is fed that is held.
+
+    Friction, too, is a load: it must not seem to leak what drives against it. Else a valve that a misjudged
+    overlap opens too wide would keep itself open.
+    """
+    feigned = _slip(machine, axis) * machine.swing.damping if axis == 0 else 0.0
+    return max(LEAST_FED, feigned * MISJUDGED)
+
+
+def command_noise(machine: Machine, axis: int) -> float:
+    """Return what a servo may make of its position's noise [V]."""
+    noise = _position_noise(machine, axis) * NOISY_SERVO
+    return machine.valve_of(axis).rated_voltage * noise / rated_speeds(machine)[axis]
+
+
+def _position_noise(machine: Machine, axis: int) -> float:
+    """Return the standard deviation of a sample of the actuator's position [rad; m]."""
+    sensor = machine.sensors.resolver if axis == 0 else machine.sensors.linear_transducer
+    return (sensor.noise or 0.0) if sensor is not None else 0.0
+
+
+def _flow(machine: Machine, axis: int) -> FlowParameters:
+    """Return what an axis' measured flow is made of."""
+    one, two = displacements(machine, axis)
+    swing = machine.swing
+    return FlowParameters(
+        displacement_1=one,
+        displacement_2=two,
+        capacitance_1=machine.line(axis, 1).capacitance,
+        capacitance_2=machine.line(axis, 2).capacitance,
+        internal_leakage=1.0 / swing.internal_leakage_resistance if axis == 0 else 0.0,
+        external_leakage=1.0 / swing.external_leakage_resistance if axis == 0 else 0.0,
+        position_noise=_position_noise(machine, axis),
+        supply_pressure=machine.pump.supply_pressure,
+    )

@@ -1,0 +1,114 @@
+"""The valve driver's measurements from topics, and what it reports of itself."""
+
+import math
+from typing import Any
+
+from forest_control.valve import valve_adaptation as adaptation
+from forest_control.valve.valve_driver import STILL, UNSEEN, Motion, Parameters, Pressures, State
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader
+
+Triple = tuple[float, float, float]
+LATEST_NS = 100_000_000  # pressures that are newer by more have another clock
+
+
+def _labels(place: str, port: int) -> tuple[str, ...]:
+    return tuple(f"{joint}_{port}_{place}" for joint in topics.JOINTS)
+
+
+PORTS, VALVES = [[_labels(place, port) for port in (1, 2)] for place in ("actuator", "valve")]
+
+
+class Measurements:
+    """The newest samples; what is older than `timeout` [s], or bad, counts as none.
+
+    Args:
+        pace: of the node, whose inboxes and clock are used.
+        timeout: [s].
+        idle_pressure: of the supply [Pa], taken where it is not measured.
+    """
+
+    def __init__(self, pace: Any, timeout: float, idle_pressure: float) -> None:
+        self._pace, self.timeout, self._idle = pace, timeout, idle_pressure
+        self.boxes = [pace.inbox(t) for t in (topics.PRESSURES, topics.SUPPLY, topics.ACTUATOR_STATES)]
+        self._port_readers, self._valve_readers = (
+            [ArrayReader(topics.PRESSURES, labels) for labels in group] for group in (PORTS, VALVES)
+        )
+        self._supply_reader = ArrayReader(topics.SUPPLY, ("pressure",))
+        self._position_readers = [JointReader((name,)) for name in topics.ACTUATORS]
+        self._ports: list[Triple] = []
+        self._valves: list[Triple] = []
+        self._supply, self._positions = 0.0, [math.nan] * len(topics.ACTUATORS)
+        self._stamp = 0  # [ns] of the newest pressures
+        self._received = dict.fromkeys(("ports", "valves", "supply", *topics.ACTUATORS), -math.inf)
+
+    def read(self, learning: bool) -> str:
+        """Take the newest samples, to learn all of them; return what is wrong with the pressures, or ""."""
+        problem = ""
+        pressures, supply, actuators = (box.newest() for box in self.boxes)
+        if pressures:
+            ports, problem, self._stamp = _arrays(pressures.message, self._port_readers)
+            if not problem:
+                self._ports, self._received["ports"] = ports, pressures.time
+            if learning:
+                valves, missing, _ = _arrays(pressures.message, self._valve_readers)
+                if not missing:
+                    self._valves, self._received["valves"] = valves, pressures.time
+        if supply:
+            reading = self._supply_reader.read(supply.message, 0)
+            if not reading.problem and reading.values[0] > 0.0:
+                self._supply, self._received["supply"] = reading.values[0], supply.time
+        if actuators and learning:
+            for i, name in enumerate(topics.ACTUATORS):
+                state = self._position_readers[i].read(actuators.message)
+                if not state.problem:
+                    self._positions[i], self._received[name] = state.values.position[0], actuators.time
+        return problem
+
+    def machine_time(self, stamp_ns: int) -> int:
+        """Return how far the machine is [ns] when the command for a state with this stamp is carried out.
+
+        A late command meets a machine that is further than the state it answers: the newest pressures tell.
+        """
+        return self._stamp if 0 < self._stamp - stamp_ns < LATEST_NS else stamp_ns
+
+    def pressures(self) -> Pressures:
+        """Return what the transducers say, or `UNSEEN`: then the driver takes the nominal pressure drop."""
+        if self.are_missing():
+            return UNSEEN
+        return Pressures(
+            self._ports[0], self._ports[1], self._supply if self._fresh("supply") else self._idle
+        )
+
+    def are_missing(self) -> bool:
+        """Tell whether there are no pressures that may be believed."""
+        return not self._fresh("ports")
+
+    def motion(self) -> Motion:
+        """Return what the driver may learn from; of an actuator whose position is not measured, NaN."""
+        if not (self._fresh("valves") and self._fresh("supply")):
+            return STILL
+        swing, boom, stick = (
+            x if self._fresh(name) else math.nan
+            for name, x in zip(topics.ACTUATORS, self._positions, strict=True)
+        )
+        return Motion((swing, boom, stick), self._valves[0], self._valves[1])
+
+    def _fresh(self, what: str) -> bool:
+        return bool(self._pace.now() - self._received[what] <= self.timeout)
+
+
+def _arrays(data: bytes, readers: list[ArrayReader]) -> tuple[list[Triple], str, int]:
+    """Return the values, what is wrong with them or "", and their stamp [ns]."""
+    one, two = [reader.read(data, 0) for reader in readers]
+    return [one.values, two.values], one.problem or two.problem, one.stamp_ns
+
+
+def status(state: State, p: Parameters) -> list[float]:
+    """Return the values of `topics.VALVE_DRIVER_STATUS`."""
+    values = [float(saturated) for saturated in state.saturated]
+    for axis, learner in zip(p.axes, state.learners, strict=True):
+        for edge, way in ((axis.valve.forward, learner.forward), (axis.valve.backward, learner.backward)):
+            values += [edge.deadband_voltage + way.deadband, adaptation.deadband_spread(way)]
+            values += [adaptation.gain(way), adaptation.gain_spread(way)]
+    return values

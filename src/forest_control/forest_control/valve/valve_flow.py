@@ -1,0 +1,159 @@
+"""What a valve's flow tells of its opening: from motion, compression and leakage at the measured drops.
+
+| symbol | name | unit |
+|---|---|---|
+| V, V_d | voltage at which the spool stands, along its direction; deadband of the machine's file | V |
+| Q_1, Q_2 | flow through the valve into port 1, out of port 2: displacement, compression, leakage | m^3/s |
+| A_1, A_2 | displacement of port 1, 2 | m^2; m^3/rad |
+| S, N | `valve_driver`'s, of the orifices whose flow can be told, with the drops measured at the valve | |
+| y | actuator speed, mean of Q_1/A_1 and Q_2/A_2 weighted by the orifices' shares of S | m/s; rad/s |
+
+The opening is y sqrt(S / N). Flows, openings and V count along the positive direction here.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_description.components.valve import ValveLaw
+
+BANDWIDTH = 2.0 * math.pi * 10.0  # [rad/s] of both stages of the low-pass: a jump must be learnt in time
+CUBED_BANDWIDTH = BANDWIDTH**3
+EMPTY = 1e5  # [Pa] below, anti-cavitation checks may feed a port past the valve
+ABOVE_SUPPLY = 1.1  # of the supply pressure: above, a port's relief valve may open
+LEAST_DROP = 0.02  # of the supply pressure, at an orifice, to tell its flow
+
+
+class FlowParameters(NamedTuple):
+    """What is known of one actuator beside its valve."""
+
+    displacement_1: float  # [m^2; m^3/rad]
+    displacement_2: float
+    capacitance_1: float  # of the hoses [m^3/Pa]
+    capacitance_2: float
+    internal_leakage: float  # between the ports [m^3/(s Pa)]
+    external_leakage: float  # of each port to the case
+    position_noise: float  # [m; rad] standard deviation of a sample
+    supply_pressure: float  # [Pa]
+
+
+class Sight(NamedTuple):
+    """What is measured of one axis after a period."""
+
+    position: float  # of the actuator [m; rad]
+    valve_1: float  # pressures at the valve's ports [Pa]
+    valve_2: float
+    port_1: float  # at the actuator's
+    port_2: float
+    supply: float
+    spool: float  # [V] mean of the period, from the driver's own voltage
+
+
+class Told(NamedTuple):
+    """What one period's measurements tell of the valve."""
+
+    opening: float
+    gradient: float  # d(opening)/dy [s/m; s/rad]
+    known: bool
+
+
+class LowPassed(NamedTuple):
+    """Behind the low-pass' first, second stage."""
+
+    opening_1: float = 0.0  # told
+    opening_2: float = 0.0
+    excess_1: float = 0.0  # V - V_d of an open spool [V]
+    excess_2: float = 0.0
+    mark_1: float = 0.0  # +1, -1 while it is open and the flow can be told
+    mark_2: float = 0.0
+    open_1: float = 0.0  # 1 while it is open
+    open_2: float = 0.0
+    gradient_1: float = 0.0
+    gradient_2: float = 0.0
+
+
+NO_SIGHT = Sight(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def low_passed(
+    old: LowPassed, told: Told, spool: float, excess: float, widened: float, dt: float
+) -> LowPassed:
+    """Return the low-pass a period of dt [s] later.
+
+    Args:
+        old: what it was.
+        told: by the period's flow.
+        spool: V, with its direction's sign [V].
+        excess: V - V_d [V].
+        widened: what the overlap is known to be wider than V_d [V].
+        dt: period [s].
+    """
+    is_open = excess > widened
+    # A shut valve's flow is none but for the noise, which the low-pass must have seen before it opens.
+    mark = math.copysign(1.0, spool) if is_open and told.known else 0.0
+    share = 1.0 - math.exp(-BANDWIDTH * dt)
+    opening = old.opening_1 + share * (told.opening - old.opening_1)
+    beyond = old.excess_1 + share * (mark * excess - old.excess_1)
+    marked = old.mark_1 + share * (mark - old.mark_1)
+    opened = old.open_1 + share * ((1.0 if is_open else 0.0) - old.open_1)
+    gradient = old.gradient_1 + share * (told.gradient - old.gradient_1)
+    return LowPassed(
+        opening,
+        old.opening_2 + share * (opening - old.opening_2),
+        beyond,
+        old.excess_2 + share * (beyond - old.excess_2),
+        marked,
+        old.mark_2 + share * (marked - old.mark_2),
+        opened,
+        old.open_2 + share * (opened - old.open_2),
+        gradient,
+        old.gradient_2 + share * (gradient - old.gradient_2),
+    )
+
+
+def told_by_flow(last: Sight, seen: Sight, law: ValveLaw, a: FlowParameters, dt: float) -> Told:
+    """Return the opening that lets the measured flow through at the measured drops.
+
+    Thesis eq. 3.1, 3.7, 3.14, 4.8. Differs: both orifices are taken at once.
+    """
+    speed = (seen.position - last.position) / dt
+    between = a.internal_leakage * (seen.port_1 - seen.port_2)
+    flow_1 = a.displacement_1 * speed + between + a.external_leakage * seen.port_1
+    flow_1 += a.capacitance_1 * (seen.port_1 - last.port_1) / dt
+    flow_2 = a.displacement_2 * speed + between - a.external_leakage * seen.port_2
+    flow_2 -= a.capacitance_2 * (seen.port_2 - last.port_2) / dt
+    forward = seen.spool > 0.0
+    way = law.forward if forward else law.backward
+    drop_1 = seen.supply - seen.valve_1 if forward else seen.valve_1
+    drop_2 = seen.valve_2 if forward else seen.supply - seen.valve_2
+    tells_1, tells_2 = _tells(seen.port_1, drop_1, a), _tells(seen.port_2, drop_2, a)
+    if seen.port_1 <= EMPTY and seen.port_2 <= EMPTY:
+        # Both empty after a rest: nothing moves yet that a check valve might feed.
+        tells_1, tells_2 = forward, not forward
+    s_1 = way.resistance_1 * a.displacement_1**3 if tells_1 else 0.0
+    s_2 = way.resistance_2 * a.displacement_2**3 if tells_2 else 0.0
+    force = (a.displacement_1 * drop_1 if tells_1 else 0.0) + (a.displacement_2 * drop_2 if tells_2 else 0.0)
+    if s_1 + s_2 == 0.0 or force <= 0.0:
+        return Told(0.0, 0.0, False)
+    y = (s_1 * flow_1 / a.displacement_1 + s_2 * flow_2 / a.displacement_2) / (s_1 + s_2)
+    gradient = math.sqrt((s_1 + s_2) / force)
+    return Told(y * gradient, gradient, True)
+
+
+def _tells(port: float, drop: float, a: FlowParameters) -> bool:
+    """Tell whether pressures [Pa] tell a port's flow: nothing else feeds it, and the drop is not noise."""
+    return EMPTY < port < ABOVE_SUPPLY * a.supply_pressure and drop > LEAST_DROP * a.supply_pressure
+
+
+def opening_variance(low: LowPassed, a: FlowParameters, dt: float) -> float:
+    """Return the variance of the low-passed opening.
+
+    White noise of the position, differentiated behind the low-pass of corner w, has the variance w^3 dt / 4
+    times its own.
+    """
+    noise = a.position_noise * low.gradient_2
+    return noise * noise * CUBED_BANDWIDTH * dt / 4.0
+
+
+def overlapping(dt: float) -> float:
+    """Return how many samples in a row have mostly the same noise behind the low-pass."""
+    return max(1.0, 4.0 / (BANDWIDTH * dt))

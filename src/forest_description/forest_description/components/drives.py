@@ -1,0 +1,124 @@
+"""The actuators of a crane: swing motor with its gear train, boom and stick cylinders with their linkages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from forest_description.components.circuit import Valve
+from forest_description.components.hose import Hose
+from forest_description.config.parameter import (
+    MachineError,
+    ParameterSet,
+    choice,
+    component,
+    parameter,
+    require_order,
+)
+from forest_description.geometry.linkage import Linkage, joint_angle
+
+
+@dataclass(frozen=True)
+class Friction(ParameterSet):
+    """Dry friction of a cylinder's seals with the Stribeck effect; the thesis has viscous friction alone."""
+
+    coulomb_force: float = parameter("N", 0.0, 1e7, "friction at speed")
+    breakaway_force: float = parameter("N", 0.0, 1e7, "friction just before it slides")
+    stribeck_speed: float = parameter("m/s", 1e-5, 1.0, "over which breakaway falls to coulomb friction")
+    smoothing_speed: float = parameter("m/s", 1e-6, 0.1, "under which friction goes through zero smoothly")
+
+    def __post_init__(self) -> None:
+        """Check ranges, that breaking away is no easier than sliding, and that its peak shows."""
+        super().__post_init__()
+        if self.breakaway_force < self.coulomb_force:
+            raise MachineError(
+                f"breakaway_force ({self.breakaway_force:g} N) must not be below coulomb_force "
+                f"({self.coulomb_force:g} N)"
+            )
+        if self.breakaway_force > self.coulomb_force:
+            smoothed, falls = self.smoothing_speed, self.stribeck_speed
+            require_order("smoothing_speed", smoothed, "stribeck_speed", falls, "m/s")
+
+
+@dataclass(frozen=True)
+class Cushion(ParameterSet):
+    """Throttle at both ends of a cylinder's stroke that brakes the piston before it meets the stop."""
+
+    length: float = parameter("m", 1e-3, 1.0, "stroke over which a cushion works, before each end")
+    resistance: float = parameter("N*s2/m2", 0.0, 1e12, "braking force per squared speed at the very end")
+
+
+@dataclass(frozen=True)
+class SwingDrive(ParameterSet):
+    """Hydraulic motor and gear train of the swing. Thesis section 3.2.5, 3.3."""
+
+    motor_displacement: float = parameter(
+        "m3/rad", 1e-8, 1e-3, "displacement D_m of the motor, per turn of its shaft"
+    )
+    gear_ratio: float = parameter("1", 1.0, 1e4, "N, motor speed over swing speed")
+    internal_leakage_resistance: float = parameter("Pa*s/m3", 1e9, 1e18, "R_in between the motor's ports")
+    external_leakage_resistance: float = parameter("Pa*s/m3", 1e9, 1e18, "R_e of each port to the case drain")
+    damping: float = parameter("N*m*s/rad", 0.0, 1e7, "viscous damping B_sw at the swing joint")
+    line_1_length: float = parameter("m", 0.05, 100.0, "hose from valve to port 1")
+    line_2_length: float = parameter("m", 0.05, 100.0, "hose from valve to port 2")
+    length_exponent: float = parameter("1", 1.0, 2.0, "power of length in hose inertance and capacitance")
+    flow_regime: str = choice("laminar", "turbulent", doc="flow in the hoses")
+    valve: Valve | None = component()
+    hose: Hose | None = component()
+    lower_limit: float = parameter("rad", -20.0, 20.0, "smallest swing angle")
+    upper_limit: float = parameter("rad", -20.0, 20.0, "largest swing angle")
+
+    def __post_init__(self) -> None:
+        """Check ranges, and that the swing has room to move."""
+        super().__post_init__()
+        require_order("lower_limit", self.lower_limit, "upper_limit", self.upper_limit, "rad")
+
+
+@dataclass(frozen=True)
+class CylinderDrive(ParameterSet):
+    """Single-ended cylinder of boom or stick with its linkage. Thesis section 3.2.4, App. A."""
+
+    head_area: float = parameter("m2", 1e-5, 1.0, "piston area on the head side, gy1 (port 1)")
+    rod_area: float = parameter("m2", 1e-5, 1.0, "piston area on the rod side, gy2 (port 2)")
+    damping: float = parameter("N*s/m", 0.0, 1e8, "viscous friction B of the cylinder")
+    retracted_length: float = parameter("m", 0.1, 10.0, "pin-to-pin length, fully retracted")
+    stroke: float = parameter("m", 0.01, 10.0, "stroke")
+    pivot_to_base: float = parameter("m", 0.01, 10.0, "joint to the cylinder's pivot")
+    pivot_to_rod: float = parameter("m", 0.01, 10.0, "joint to the rod's pivot")
+    angle_offset: float = parameter("rad", -7.0, 7.0, "triangle's angle at the joint, at joint angle 0")
+    line_1_length: float = parameter("m", 0.05, 100.0, "hose from valve to head side")
+    line_2_length: float = parameter("m", 0.05, 100.0, "hose from valve to rod side")
+    length_exponent: float = parameter("1", 1.0, 2.0, "power of length in hose inertance and capacitance")
+    flow_regime: str = choice("laminar", "turbulent", doc="flow in the hoses")
+    valve: Valve | None = component()
+    hose: Hose | None = component()
+    friction: Friction | None = component()
+    cushion: Cushion | None = component()
+
+    def __post_init__(self) -> None:
+        """Check ranges, the areas, that rod and linkage allow the stroke, and that cushions fit in it."""
+        super().__post_init__()
+        require_order("rod_area", self.rod_area, "head_area", self.head_area, "m2")
+        shortest, longest = self.retracted_length, self.retracted_length + self.stroke
+        a, b = self.pivot_to_base, self.pivot_to_rod
+        if not abs(a - b) < shortest < longest < a + b:
+            raise MachineError(
+                f"retracted_length, stroke: the cylinder goes from {shortest:g} to {longest:g} m, "
+                f"the linkage closes only between {abs(a - b):g} and {a + b:g} m"
+            )
+        require_order("stroke", self.stroke, "retracted_length", self.retracted_length, "m")
+        if self.cushion is not None and self.cushion.length > 0.5 * self.stroke:
+            raise MachineError(
+                f"cushion.length ({self.cushion.length:g} m) must be at most half the stroke "
+                f"({0.5 * self.stroke:g} m)"
+            )
+
+    @property
+    def angles(self) -> tuple[float, float]:
+        """Joint angles [rad] with the cylinder retracted and extended."""
+        ends = (self.retracted_length, self.retracted_length + self.stroke)
+        return joint_angle(ends[0], self.linkage), joint_angle(ends[1], self.linkage)
+
+    @property
+    def linkage(self) -> Linkage:
+        """The constants of ``linkage.py``'s functions."""
+        return Linkage(self.pivot_to_base, self.pivot_to_rod, self.angle_offset)

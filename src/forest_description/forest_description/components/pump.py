@@ -1,0 +1,140 @@
+"""The sorts of pump that a machine may have; their laws are in ``forest_sim.hydraulics.supply``.
+
+All but the ideal one deliver into a manifold between pump and valves, whose pressure is a state: what the
+three axes draw and what the pump can give meet there, and nowhere is it said who gets how much.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from forest_description.config.parameter import MachineError, ParameterSet, parameter, require_order
+
+
+@dataclass(frozen=True)
+class IdealPump(ParameterSet):
+    """Source of constant pressure at any flow. Thesis section 3.2.1, fig. 3.4."""
+
+    kind: ClassVar[str] = "ideal"
+
+    supply_pressure: float = parameter("Pa", 1e5, 5e7, "pump pressure P_s, constant")
+
+    @property
+    def flow_limit(self) -> float:
+        """Greatest flow [m³/s]: there is none."""
+        return math.inf
+
+    @property
+    def idle_pressure(self) -> float:
+        """Pressure while nobody draws [Pa]."""
+        return self.supply_pressure
+
+
+@dataclass(frozen=True)
+class _RealPump(ParameterSet):
+    """What every real pump has: a shaft with limited power, leakage, friction, a manifold behind it."""
+
+    supply_pressure: float = parameter("Pa", 1e5, 5e7, "pressure that the pump keeps, at no flow")
+    count: float = parameter("1", 1.0, 20.0, "number of equal pumps on one manifold")
+    displacement: float = parameter("m3/rad", 1e-8, 1e-3, "greatest displacement of one pump")
+    shaft_speed: float = parameter("rad/s", 1.0, 1000.0, "speed of the engine and the pumps")
+    engine_power: float = parameter("W", 100.0, 1e7, "greatest power that the engine gives to the pumps")
+    mechanical_efficiency: float = parameter("1", 0.1, 1.0, "hydraulic over shaft power, friction's share")
+    leakage_resistance: float = parameter("Pa*s/m3", 1e8, 1e18, "from the outlet to the tank, all pumps")
+    manifold_capacitance: float = parameter("m3/Pa", 1e-13, 1e-8, "of the oil between pumps and valves")
+    relief_conductance: float = parameter("m3/(s*Pa)", 1e-13, 1e-5, "of the main relief valve, above it")
+
+    def __post_init__(self) -> None:
+        """Check ranges, that pumps are whole, and that they can build up their pressure."""
+        super().__post_init__()
+        if self.count != round(self.count):
+            raise MachineError(f"count ({self.count:g}) must be a whole number")
+        leaked = self.supply_pressure / self.leakage_resistance
+        if leaked >= self.flow_limit:
+            raise MachineError(
+                f"leakage_resistance ({self.leakage_resistance:g} Pa*s/m3) lets all that the pumps deliver "
+                f"({self.flow_limit:g} m3/s) back before supply_pressure is reached; allowed: above "
+                f"{self.supply_pressure / self.flow_limit:g} Pa*s/m3"
+            )
+        needed = leaked * self.supply_pressure / self.mechanical_efficiency
+        if needed >= self.engine_power:
+            raise MachineError(
+                f"engine_power ({self.engine_power:g} W) does not even hold supply_pressure against "
+                f"leakage_resistance; allowed: above {needed:g} W"
+            )
+
+    @property
+    def flow_limit(self) -> float:
+        """Flow at full displacement [m³/s]."""
+        return self.count * self.displacement * self.shaft_speed
+
+    @property
+    def idle_pressure(self) -> float:
+        """Pressure while nobody draws, but for leakage and droop [Pa]."""
+        return self.supply_pressure
+
+
+@dataclass(frozen=True)
+class ConstantFlowPump(_RealPump):
+    """Full flow at any pressure; what nobody takes goes over the relief valve. Thesis section 2.2, fig. 2.3.
+
+    ``supply_pressure``, which commands are scaled with, is where its relief valve opens.
+    """
+
+    kind: ClassVar[str] = "constant_flow"
+
+
+@dataclass(frozen=True)
+class _ControlledPump(_RealPump):
+    """A pump that takes its stroke back at a pressure; the main relief valve is there for its failure."""
+
+    relief_pressure: float = parameter("Pa", 1e5, 1e8, "at which the main relief valve opens")
+    compensator_band: float = parameter("Pa", 1e3, 1e7, "pressure by which full stroke lies below no flow")
+
+    def __post_init__(self) -> None:
+        """Check ranges, that full stroke is reached, and that the relief valve is shut in control."""
+        super().__post_init__()
+        band, most = self.compensator_band, self.supply_pressure
+        require_order("compensator_band", band, "supply_pressure", most, "Pa")
+        if self.relief_pressure < self.supply_pressure:
+            raise MachineError(
+                f"relief_pressure ({self.relief_pressure:g} Pa) must not be below supply_pressure "
+                f"({self.supply_pressure:g} Pa): the pump would deliver over it at rest"
+            )
+
+
+@dataclass(frozen=True)
+class PressureCompensatedPump(_ControlledPump):
+    """Constant pressure as far as displacement and engine reach. Thesis section 3.2.1, fig. 3.4."""
+
+    kind: ClassVar[str] = "pressure_compensated"
+
+
+@dataclass(frozen=True)
+class LoadSensingPump(_ControlledPump):
+    """Pressure a margin above the greatest load, reached with a lag. Thesis section 2.2, fig. 2.3."""
+
+    kind: ClassVar[str] = "load_sensing"
+
+    margin: float = parameter("Pa", 1e4, 2e7, "by which the pump stays above the greatest load")
+    response_time: float = parameter("s", 1e-3, 10.0, "time constant with which it follows the load")
+
+    def __post_init__(self) -> None:
+        """Check ranges, and that the margin leaves something for a load and for the pump's droop."""
+        super().__post_init__()
+        if self.margin >= self.supply_pressure:
+            raise MachineError(
+                f"margin ({self.margin:g} Pa) must be smaller than supply_pressure "
+                f"({self.supply_pressure:g} Pa)"
+            )
+        require_order("compensator_band", self.compensator_band, "margin", self.margin, "Pa")
+
+    @property
+    def idle_pressure(self) -> float:
+        """Pressure while nobody draws, but for leakage and droop [Pa]."""
+        return self.margin
+
+
+Pump = IdealPump | PressureCompensatedPump | ConstantFlowPump | LoadSensingPump

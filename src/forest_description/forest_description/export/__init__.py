@@ -1,0 +1,1 @@
+"""A machine as text: a machine file, and the tables of docs/."""

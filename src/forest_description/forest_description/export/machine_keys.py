@@ -1,0 +1,124 @@
+"""What a machine file may say, as Markdown: docs/machine-file.md, made from the dataclasses that read it."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from forest_description.config.schema import FieldKind, field_kinds
+from forest_description.config.units import units_for
+from forest_description.machine import Machine
+
+INTRODUCTION = """# Machine files
+
+Made by `python -m forest_description.export.machine_keys` from the code that reads the files; do not edit by
+hand. What the shipped machines say is in [machine.md](machine.md).
+
+A machine is a YAML file. A number is written with its unit and where it comes from, a row of numbers alike:
+
+```yaml
+based_on: c180            # optional: a shipped machine or another file; then only what differs is given
+name: my_crane            # optional: the file's name without suffix
+description: A crane with smaller hoses and an underlapped swing valve
+swing:
+  valve:                  # an axis' own valve: what differs from the one that all share
+    deadband_voltage: {value: -0.2, unit: V, source: "measured"}
+hose:
+  kind: measured          # a component of several sorts says which
+  length: {value: 160, unit: in, source: "measured"}
+manipulator:
+  log: null               # an optional component that is not there
+```
+
+A section whose `kind` is another one than the base's is given anew, with all its keys. A constant flow pump's
+relief valve opens at its `supply_pressure`. A polynomial C_R must fall from `deadband_voltage` (negative, if
+the valve is underlapped) to `rated_voltage`.
+
+In place of a machine's name, `unknown:SEED` (`unknown`: seed 0) names one that is drawn within 40 % of c180
+in all that [identification](identification.md) finds, `unknown:SEED:loader` one of another machine; equal
+seeds are one machine, in every command.
+
+Without `based_on` every key must be given; *or null* marks those that may be `null`. Every slip is answered
+with file, line, key and what is allowed: `forest-sim check my_crane.yaml`. Units may be any of the quantity;
+ranges are wide and in SI: they catch a slipped decimal point, not an unusual crane.
+
+Numbers that contradict each other are refused, too:
+
+- moments and products of inertia that no rigid body has: I_zz above I_xx + I_yy, and so round; a plane
+  body has I_zz = I_xx + I_yy. With `head_folding: thesis`, an I_xx of 0 means that it is not told
+- inertia without mass; a stick that nothing resists
+- `spool_damping` without `spool_bandwidth`; a rated voltage within the overlap
+- a rod side larger than the head side; swapped limits; boom angles beyond ±180°
+- a stroke that passes a dead point of the linkage, or is longer than the retracted cylinder
+- a port relief below the pump's or the anti-cavitation pressure; a main relief below the pump's
+- a pump that its own leakage or its engine keeps from its pressure; half a pump
+- a compensator band above the pump's pressure or the load-sensing margin
+- friction whose `smoothing_speed` is above its `stribeck_speed`
+
+What is possible and not wise, `forest-sim check` warns of.
+"""
+
+
+def document() -> str:
+    """Return the whole docs/machine-file.md."""
+    places: dict[tuple[type, ...], list[str]] = {}
+    _collect(Machine, "", places)
+    whole = ["## The whole", "", *_table(Machine)]
+    return "\n".join(
+        [INTRODUCTION, *whole, *(line for kinds in places for line in _section(places[kinds], kinds))]
+    )
+
+
+def _collect(kind: type, prefix: str, places: dict[tuple[type, ...], list[str]]) -> None:
+    """Note at which keys each component may stand, in the order of the fields."""
+    for name, field in field_kinds(kind).items():
+        if _is_section(field):
+            places.setdefault(field.kinds, []).append(prefix + name)
+            for sort in field.kinds:
+                _collect(sort, f"{prefix}{name}.", places)
+
+
+def _section(keys: list[str], kinds: tuple[type, ...]) -> list[str]:
+    """Return the lines of a component, each of its sorts in a table of its own."""
+    title, lines = ", ".join(f"`{key}`" for key in dict.fromkeys(keys)), []
+    for kind in kinds:
+        lines += [f"## {title}{f', kind: {kind.kind}' if hasattr(kind, 'kind') else ''}", "", *_table(kind)]
+    return lines
+
+
+def _table(kind: type) -> list[str]:
+    """Return the lines that tell what a dataclass holds."""
+    rows = [_row(name, field) for name, field in field_kinds(kind).items()]
+    head = (kind.__doc__ or "").split("\n", 1)[0]
+    return [head, "", "| key | unit | range | meaning |", "|---|---|---|---|", *rows, ""]
+
+
+def _is_section(field: FieldKind) -> bool:
+    return any(dataclasses.is_dataclass(kind) for kind in field.kinds)
+
+
+def _row(name: str, field: FieldKind) -> str:
+    """Return a key's line of the table."""
+    null = " or null" if field.optional else ""
+    if field.allowed is not None:
+        unit = ", ".join(units_for(field.allowed.unit))
+        row = "row of numbers, each " if field.row else ""
+        low, high = f"{field.allowed.low:g}", f"{field.allowed.high:g}"
+        return (
+            f"| `{name}` | {unit} | {row}{low} .. {high} {field.allowed.unit}{null} | {field.allowed.doc} |"
+        )
+    if field.choice is not None:
+        return f"| `{name}` | | {', '.join(field.choice.words)}{null} | {field.choice.doc} |"
+    if not _is_section(field):
+        return f"| `{name}` | | a text{null} | |"
+    sorts = [kind.kind for kind in field.kinds if hasattr(kind, "kind")]
+    kind = f", kind: {', '.join(sorts)}" if sorts else ""
+    return f"| `{name}` | | a section{kind}{null} | below |"
+
+
+def main() -> None:
+    """Print the document."""
+    print(document(), end="")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,122 @@
+"""The table of every number of the shipped machines and its origin, as Markdown: docs/machine.md."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from forest_description.config.parameter import Parameter, ParameterSet, choice_of, parameter_of
+from forest_description.config.schema import Quantity
+from forest_description.machine import Machine, load_machine, sources
+
+INTRODUCTION = """# The machine in numbers
+
+Made by `python -m forest_description.export.machine_numbers` from the files in
+`forest_description/machines/`; do not
+edit by hand. A number is from the **thesis** (with its place) or **assumed** (with the reason).
+
+- `c180_thesis` is the crane with the choices of the thesis, a known slip included.
+- `c180`, the default, is based on it: the slip corrected, and with what a teleoperated machine needs.
+- `loader` is a machine of another class, a small trailer loader crane; nothing of it is from the thesis. It
+  shows what a machine file can say: load-sensing pump, valves by axis and direction, friction, hanging head.
+"""
+
+
+def origin(source: str) -> str:
+    """Return the kind of a source: "thesis", "assumed", or "other" (a data sheet, a measurement)."""
+    for kind in ("thesis", "assumed"):
+        if source.lower().startswith(kind):
+            return kind
+    return "other"
+
+
+def declared(part: ParameterSet, prefix: str = "") -> dict[str, Parameter]:
+    """Return the parameters that a machine, or a part of one, declares, by dotted key."""
+    found: dict[str, Parameter] = {}
+    for field in dataclasses.fields(part):
+        value, allowed = getattr(part, field.name), parameter_of(field)
+        if allowed is not None:
+            found[prefix + field.name] = allowed
+        elif isinstance(value, ParameterSet):
+            found.update(declared(value, f"{prefix}{field.name}."))
+    return found
+
+
+def choices(part: ParameterSet, prefix: str = "") -> dict[str, str]:
+    """Return what a machine, or a part of one, chooses, by dotted key; "none" for what it has not."""
+    found: dict[str, str] = {}
+    for field in dataclasses.fields(part):
+        key, value = prefix + field.name, getattr(part, field.name)
+        if value is None:
+            found[key] = "none"
+        elif choice_of(field) is not None:
+            found[key] = str(value)
+        elif isinstance(value, ParameterSet):
+            if hasattr(value, "kind"):
+                found[key] = str(value.kind)
+            found.update(choices(value, f"{key}."))
+    return found
+
+
+def choice_table(chosen: dict[str, str]) -> str:
+    """Return Markdown for some choices, one line each."""
+    lines = ["| key | choice |", "|---|---|", *(f"| `{key}` | {word} |" for key, word in chosen.items())]
+    return "\n".join(lines)
+
+
+def number(value: float | tuple[float, ...], digits: int) -> str:
+    """Return a number, or a row of them, as text."""
+    return ", ".join(f"{item:.{digits}g}" for item in (value if isinstance(value, tuple) else (value,)))
+
+
+def table(rows: list[Quantity], machine: Machine) -> str:
+    """Return Markdown for some numbers of a machine: key, value, unit, meaning, origin, source."""
+    meanings = declared(machine)
+    lines = ["| key | value | unit | meaning | from | source |", "|---|---|---|---|---|---|"]
+    for row in rows:
+        reason = row.source.removeprefix("assumed: ")
+        cells = [
+            f"`{row.key}`",
+            number(row.value, 10),
+            row.unit,
+            meanings[row.key].doc,
+            origin(row.source),
+            reason,
+        ]
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(lines)
+
+
+def assumptions() -> str:
+    """Return Markdown for the default machine's assumed numbers, one line each: key, value, unit, why."""
+    lines = ["| assumed | value | why |", "|---|---|---|"]
+    for row in sources("c180"):
+        if origin(row.source) == "assumed":
+            cells = (
+                f"`{row.key}`",
+                f"{number(row.value, 6)} {row.unit}",
+                row.source.removeprefix("assumed: "),
+            )
+            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(lines)
+
+
+def document() -> str:
+    """Return the whole docs/machine.md."""
+    thesis, c180, loader = (load_machine(name) for name in ("c180_thesis", "c180", "loader"))
+    printed, chosen = sources("c180_thesis"), choices(thesis)
+    numbers = [row for row in sources("c180") if row not in printed]
+    others = {key: word for key, word in choices(c180).items() if chosen.get(key) != word}
+    return (
+        f"{INTRODUCTION}\n## c180_thesis\n\n{choice_table(chosen)}\n\n{table(printed, thesis)}\n\n"
+        f"## c180: what differs\n\n{choice_table(others)}\n\n{table(numbers, c180)}\n\n"
+        f"## loader\n\n{choice_table(choices(loader))}\n\n{table(sources('loader'), loader)}\n"
+    )
+
+
+def main() -> None:
+    """Print the document."""
+    print(document(), end="")
+
+
+if __name__ == "__main__":
+    main()

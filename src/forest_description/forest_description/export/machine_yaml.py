@@ -1,0 +1,55 @@
+"""A machine as the text of a machine file: every number in SI, so that reading it gives the same machine.
+
+For machines that are made by a program, as a test rig of a crane's parts, and shall be simulated by a node,
+which knows machines by their files.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Iterator
+from typing import Any
+
+from forest_description.config.parameter import Parameter, parameter_of
+from forest_description.machine import Machine
+
+NAME = "name"  # of the machine: that of its file
+
+
+def machine_text(machine: Machine, source: str) -> str:
+    """Return the text of a machine's file.
+
+    Args:
+        machine: any; its numbers may be beyond the ranges for files, which is noticed when it is read.
+        source: of every number, as the file tells it.
+    """
+    return "\n".join(_lines(machine, json.dumps(source, ensure_ascii=False), 0)) + "\n"
+
+
+def _lines(part: Any, source: str, depth: int) -> Iterator[str]:
+    """Yield the lines of a section, its kind first."""
+    indent = "  " * depth
+    if kind := getattr(part, "kind", ""):
+        yield f"{indent}kind: {kind}"
+    for field in dataclasses.fields(part):
+        value, allowed = getattr(part, field.name), parameter_of(field)
+        if depth == 0 and field.name == NAME:
+            continue
+        if value is None:
+            yield f"{indent}{field.name}: null"
+        elif allowed is not None:
+            yield f"{indent}{field.name}: {_number(value, allowed, source)}"
+        elif isinstance(value, str):
+            yield f"{indent}{field.name}: {json.dumps(value, ensure_ascii=False)}"
+        else:
+            yield f"{indent}{field.name}:"
+            yield from _lines(value, source, depth + 1)
+
+
+def _number(value: Any, allowed: Parameter, source: str) -> str:
+    """Return a number, or a row of them, with unit and source."""
+    row = isinstance(value, tuple)
+    told = ", ".join(repr(float(one)) for one in value) if row else repr(float(value))
+    key, text = ("values", f"[{told}]") if row else ("value", told)
+    return f'{{{key}: {text}, unit: "{allowed.unit}", source: {source}}}'

@@ -1,0 +1,1 @@
+"""The crane as URDF, for viewers and for `/robot_description`."""

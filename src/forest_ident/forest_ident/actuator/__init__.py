@@ -1,0 +1,1 @@
+"""One actuator of any scale, fitted to a CSV record."""

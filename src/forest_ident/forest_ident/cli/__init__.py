@@ -1,0 +1,1 @@
+"""`forest-ident`: a module for each verb."""

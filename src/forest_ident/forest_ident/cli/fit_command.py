@@ -1,0 +1,224 @@
+"""`forest-ident fit`: bags in, machine file and report out."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from forest_bag.read.bag_reader import FILE_KINDS, SUFFIXES
+from forest_description.machine import Machine, load_machine
+from forest_ident.data import session_bag
+from forest_ident.data.session import Session, SessionError
+from forest_ident.estimators.calibration import Offset
+from forest_ident.estimators.estimate import NORMAL_95
+from forest_ident.experiments import experiments
+from forest_ident.refinement import identification
+from forest_ident.refinement.result import Result, table, told
+from forest_ident.refinement.unidentified import untold
+from forest_ident.report import machine_writer
+
+WIDTH = 30  # characters of the progress bar
+
+
+def add_parser(verbs: Any) -> None:
+    """Name the verb's flags."""
+    text = "estimate a machine's parameters from bags, with their uncertainty"
+    parser = verbs.add_parser("fit", help=text, description=text[0].upper() + text[1:] + ".")
+    parser.set_defaults(command=run)
+    parser.add_argument("bags", nargs="+", type=Path, metavar="BAG", help="a bag, or a directory of bags")
+    parser.add_argument("--start", default="c180", metavar="NAME|FILE", help="default: %(default)s")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE.yaml", help="identified machine")
+    parser.add_argument("--report", type=Path, metavar="DIR", help="to be made: report.html")
+    help_truth = "of a simulated machine: told beside what was found, and not used for it"
+    parser.add_argument("--truth", metavar="NAME|FILE", help=help_truth)
+    parser.add_argument(
+        "--linear", action="store_true", help="the thesis' estimators alone, without refinement"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb; return its exit code.
+
+    Raises:
+        SessionError: a bag is not usable, or nothing can be estimated from them.
+    """
+    _demand_room(options.out, options.report)
+    start = load_machine(options.start)
+    truth = None if options.truth is None else load_machine(options.truth)
+    sessions = {path: session_bag.read(path) for path in found(options.bags)}
+    _refuse_strangers(start, sessions)
+    _refuse_twice(sessions)
+    bar = Bar()
+    result = identification.identify(start, list(sessions.values()), bar, refine=not options.linear)
+    bar.end()
+    if not (result.estimates or result.calibration):
+        said = "".join(f"; {remark}" for remark in result.remarks)
+        names = ", ".join(session.name for session in sessions.values())
+        raise SessionError(
+            f"nothing for a machine file from {names}{said}; `forest-ident experiment list` tells which "
+            "records hold something"
+        )
+    result.machine = machine_writer.write(result, options.start, options.out)
+    print(text_table(result))
+    if truth is not None:
+        print(against(result, truth))
+    _tell_rest(result, sessions)
+    print(f"  {options.out}")
+    if options.report is not None:
+        from forest_ident.report.report import write  # matplotlib takes half a second
+
+        print(f"  {write(result, options.report)}")
+    return 0
+
+
+def _tell_rest(result: Result, sessions: dict[Path, Session]) -> None:
+    for remark in result.remarks:
+        print(f"  remark: {remark}")
+    for path, session in sessions.items():
+        if session.name in identification.HELD_OUT:
+            print(f"  held out, not used: {path} ({session.name})")
+    for key, motion in untold(result):
+        print(f"  not told by these records, left as it was: {key}; it takes {motion}")
+
+
+def _demand_room(out: Path, report: Path | None) -> None:
+    """Refuse before the fit where its result could not be written.
+
+    Raises:
+        SessionError: a file or directory is there already, or cannot be made.
+    """
+    if out.suffix != ".yaml":
+        raise SessionError(f"--out {out}: allowed: a file that ends in .yaml")
+    for option, path in (("--out", out), ("--report", report)):
+        if path is None:
+            continue
+        if path.exists():
+            raise SessionError(f"{path} exists already; choose another {option} or remove it")
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.touch()
+            path.unlink()
+        except OSError as error:
+            raise SessionError(
+                f"{option} {path}: cannot be written ({error.strerror}); allowed: a folder you may write to"
+            ) from error
+
+
+def _refuse_strangers(start: Machine, sessions: dict[Path, Session]) -> None:
+    """Refuse records of experiments that a machine has not.
+
+    Raises:
+        SessionError: there is one; the message names those it has.
+    """
+    known = tuple(dict.fromkeys((*experiments.names(start), *identification.HELD_OUT)))
+    for path, session in sessions.items():
+        if session.name not in known:
+            raise SessionError(
+                f"{path}: {start.name} has no experiment {session.name!r}; allowed: {', '.join(known)}; "
+                "another machine's records take another --start"
+            )
+
+
+def _refuse_twice(sessions: dict[Path, Session]) -> None:
+    """Refuse a record that comes twice: its errors would be taken for independent ones.
+
+    Raises:
+        SessionError: two bags hold the same.
+    """
+    for (one, first), (two, second) in combinations(sessions.items(), 2):
+        same = first.name == second.name and first.readings.keys() == second.readings.keys()
+        if same and all(np.array_equal(first.readings[key], second.readings[key]) for key in first.readings):
+            raise SessionError(f"{one} and {two} hold the same record of {first.name}; allowed: each once")
+
+
+def found(paths: list[Path]) -> list[Path]:
+    """Return the bags that some paths name: themselves, or those in a directory of bags.
+
+    Raises:
+        SessionError: there is no bag at a path.
+    """
+    bags: list[Path] = []
+    for path in paths:
+        inside = sorted(child for child in path.iterdir() if _is_bag(child)) if path.is_dir() else []
+        if _is_bag(path):
+            bags.append(path)
+        elif inside:
+            bags.extend(inside)
+        else:
+            raise SessionError(f"{path}: no bag there; allowed: {FILE_KINDS}, or a directory of bags")
+    return bags
+
+
+def _is_bag(path: Path) -> bool:
+    if path.is_dir():
+        return any(child.is_file() and child.name.endswith(SUFFIXES) for child in path.iterdir())
+    return path.is_file() and path.name.endswith(SUFFIXES)
+
+
+def text_table(result: Result) -> str:
+    """Return what was found as text: old, new, interval, warning; sensors."""
+    lines = [f"  {'parameter':<42} {'told':>11} {'found':>13}  95 % interval"]
+    for e, before in table(result):
+        value, low, high = e.spelled()
+        was = "-" if before is None else f"{before:.5g}"
+        lines.append(f"  {e.key:<42} {was:>11} {value:>13}  {low} .. {high} {e.unit}")
+        if e.warning:
+            lines.append(f"    warning: {e.warning}")
+    return "\n".join(lines + [_calibrated(o) for o in result.calibration if math.isfinite(o.offset_error)])
+
+
+def against(result: Result, truth: Machine) -> str:
+    """Return how far every estimate is from the truth, and whether its interval holds that."""
+    lines, held = [], 0
+    for e, _ in table(result):
+        true = told(truth, e.key)
+        if true is None:
+            continue
+        holds = e.holds(true)
+        held += holds
+        off = f"{100.0 * (e.value / true - 1.0):+.5f} %" if true != 0.0 and e.positive else ""
+        off = off or f"{e.value - true:+.7f} {e.unit}"
+        lines.append(f"  {e.key:<42} truth {true:<11.6g} off by {off}{'' if holds else ', interval misses'}")
+    return "\n".join([*lines, f"  {held} of {len(lines)} 95 % intervals hold the truth"])
+
+
+def _calibrated(o: Offset) -> str:
+    """Return what was found of a sensor; an error of 0 is of what was not looked for."""
+    parts = []
+    if o.offset_error > 0.0:
+        parts.append(f"offset {o.offset:.4g} ± {NORMAL_95 * o.offset_error:.2g} {o.unit}")
+    if o.gain_error > 0.0:
+        parts.append(f"gain {o.gain:.6f} ± {NORMAL_95 * o.gain_error:.1g}")
+    return f"  sensors.calibration.{o.channel:<26} {', '.join(parts)}"
+
+
+class Bar:
+    """A progress bar on standard error: rewritten on a terminal, a line every ten seconds elsewhere."""
+
+    def __init__(self) -> None:
+        self._began = time.monotonic()
+        self._terminal = sys.stderr.isatty()
+        self._next = self._began + (0.0 if self._terminal else 10.0)
+
+    def __call__(self, text: str, share: float) -> None:
+        """Tell what is being done and which share is done."""
+        now = time.monotonic()
+        if now < self._next:
+            return
+        self._next = now + (0.1 if self._terminal else 10.0)
+        filled = round(WIDTH * share)
+        left = f", {(now - self._began) * (1.0 - share) / share:.0f} s left" if share > 0.02 else ""
+        line = f"  [{'#' * filled}{'.' * (WIDTH - filled)}] {100.0 * share:3.0f} %{left}, {text}"
+        print(f"{line:<100}", end="\r" if self._terminal else "\n", file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        """Clear the bar."""
+        if self._terminal:
+            print(" " * 100, end="\r", file=sys.stderr, flush=True)

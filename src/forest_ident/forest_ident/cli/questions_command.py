@@ -1,0 +1,67 @@
+"""`forest-ident questions`: what the thesis' validation leaves open, asked of simulated machines."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from forest_description.machine import load_machine
+from forest_ident.data.session import SessionError
+from forest_ident.validation import questions
+from forest_msgs_py.runtime.command_line import whole
+
+
+def add_parser(verbs: Any) -> None:
+    """Name the verb's flags."""
+    text = "ask what a missed return pressure and an unmodelled pendulum come from, on simulated machines"
+    parser = verbs.add_parser("questions", help=text, description=text[0].upper() + text[1:] + ".")
+    parser.set_defaults(command=run)
+    parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
+    parser.add_argument(
+        "--seed", type=whole(0), default=0, metavar="N", help="of sensors and lots (default: 0)"
+    )
+    parser.add_argument("--exact", action="store_true", help="exact sensors instead of Table 4.2's")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="to be made: questions.json, .png"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb; return its exit code.
+
+    Raises:
+        SessionError: the directory is there, or the machine lacks the sensors.
+    """
+    machine = load_machine(options.machine)
+    if options.out.exists():
+        raise SessionError(f"{options.out} exists already; choose another --out or remove it")
+    answers = [questions.answer(case, options.seed, not options.exact) for case in questions.cases(machine)]
+    for answer in answers:
+        print(text_table(answer), end="\n\n")
+    from forest_ident.report.questions_plot import draw  # matplotlib takes half a second
+
+    options.out.mkdir(parents=True)
+    cases = {
+        answer.case.name: [s._asdict() | {"nrmse": s.nrmse} for s in answer.scores] for answer in answers
+    }
+    text = json.dumps({"machine": machine.name, "seed": options.seed, "cases": cases}, indent=2)
+    (options.out / "questions.json").write_text(text + "\n", encoding="utf-8")
+    draw(answers, options.out / "questions.png")
+    print(f"  {options.out / 'questions.json'}\n  {options.out / 'questions.png'}")
+    return 0
+
+
+def text_table(answer: questions.Answer) -> str:
+    """Return a case's NRMSE per axis [%]; pressures while the valve is open."""
+    names = ("angle", "velocity", "flow", "driving", "return")
+    head = [answer.case.name, *names, *(f"{name} {way}" for name in names[3:] for way in ("out", "in"))]
+    lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
+    for axis in dict.fromkeys(s.axis for s in answer.scores):
+        of = {(s.signal, s.way): 100.0 * s.nrmse for s in answer.scores if s.axis == axis}
+        keys = [(name, "both") for name in names]
+        keys += [(name, way) for name in names[3:] for way in ("out", "in")]
+        cells = (f"{of[key]:.2f}" if key in of else "-" for key in keys)
+        lines.append(f"| {axis} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)

@@ -1,0 +1,48 @@
+"""`forest-ident validate`: a held-out record against what a model predicts of it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from forest_description.machine import load_machine
+from forest_ident.data import session_bag
+from forest_ident.data.session import SessionError
+from forest_ident.validation import validation
+
+
+def add_parser(verbs: Any) -> None:
+    """Name the verb's flags."""
+    text = "compare a held-out bag with what a machine file predicts"
+    parser = verbs.add_parser("validate", help=text, description=text[0].upper() + text[1:] + ".")
+    parser.set_defaults(command=run)
+    parser.add_argument("bag", type=Path, metavar="BAG")
+    parser.add_argument("--model", required=True, metavar="NAME|FILE", help="machine that predicts")
+    parser.add_argument("--report", type=Path, metavar="DIR", help="to be made: validation.html, .json")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the verb; return its exit code.
+
+    Raises:
+        SessionError: the bag cannot be predicted, or the report's directory is there.
+    """
+    if options.report is not None and options.report.exists():
+        raise SessionError(f"{options.report} exists already; choose another --report or remove it")
+    model = load_machine(options.model)
+    session = session_bag.read(options.bag)
+    found = validation.signals(model, session)
+    print(validation.text_table(found))
+    if options.report is None:
+        return 0
+    from forest_ident.report.validation_report import write  # matplotlib takes half a second
+
+    page = write(session, model, found, options.report)
+    scores = {f"{s.axis} {s.name}": {"nrmse": s.nrmse, "vaf": s.vaf} for s in found}
+    file = options.report / "validation.json"
+    text = json.dumps({"model": model.name, "record": session.name, "signals": scores}, indent=2)
+    file.write_text(text + "\n", encoding="utf-8")
+    print(f"  {page}\n  {file}")
+    return 0

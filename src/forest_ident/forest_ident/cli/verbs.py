@@ -1,0 +1,55 @@
+"""`forest-ident`: from experiments to a machine file, from the command line.
+
+The program itself is `forest_study.experiments.ident_cli`, which adds the verb that starts a graph.
+Each verb is a module
+with `add_parser(subparsers)`, which names its flags and sets `command`, a function that takes the parsed
+arguments and returns the exit code. Exit codes: 0 well, 1 failed, 2 wrong arguments, 130 stopped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from forest_bag.storage.bag_files import BagError
+from forest_description.machine import MachineError
+from forest_ident.actuator.record import RecordError
+from forest_ident.cli import actuator_command, fit_command, questions_command, validate_command
+from forest_ident.data.session import SessionError
+from forest_msgs_py.runtime import command_line
+
+PROGRAM = "forest-ident"
+VERBS = (fit_command, validate_command, questions_command, actuator_command)
+ERRORS = (BagError, MachineError, RecordError, SessionError)
+
+
+def main(
+    arguments: Sequence[str] | None = None,
+    more_verbs: Sequence[Any] = (),
+    more_errors: tuple[type[Exception], ...] = (),
+) -> int:
+    """Run one verb; return its exit code.
+
+    Args:
+        arguments: default: the command line's.
+        more_verbs: modules of verbs, told before those of this package.
+        more_errors: exceptions of theirs whose text is the sentence for the user.
+    """
+    options = _parser([*more_verbs, *VERBS]).parse_args(arguments)
+    return command_line.run(PROGRAM, options, (*ERRORS, *more_errors))
+
+
+def _parser(modules: Sequence[Any]) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=PROGRAM, description="Learn a crane's parameters from its records, and check them."
+    )
+    verbs = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
+    for verb in modules:
+        verb.add_parser(verbs)
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,140 @@
+"""When a scripted operator must stop: the bounds of an experiment, and whether what is seen is within them.
+
+| symbol | name | unit |
+|---|---|---|
+| low, high | joint angles between which an axis is driven | rad |
+| peak | time for which a pressure may be beyond its bound | s |
+
+The programme turns an axis round at its soft limits (`experiments`); these bounds lie behind them, and who
+meets one stops altogether. A pressure must be beyond its bound for a while: a shutting valve makes a peak,
+and to shut it cures none.
+
+Pure: `step` is called with every sample.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from forest_description.components.pump import LoadSensingPump
+from forest_description.derived.limits import joint_limits
+from forest_description.geometry.linkage import joint_angle
+from forest_description.machine import AXES, CylinderDrive, Machine
+from forest_ident.experiments.excitation import Programme, Track
+from forest_ident.experiments.experiments import SWING_ROOM, Plan
+
+Triple = tuple[float, float, float]
+
+MARGIN = 0.05  # of a cylinder's stroke, at either end; soft limits are at thrice that
+SWING_MARGIN = 0.1  # [rad] before the swing's ends
+SWING_BEYOND = 0.4  # [rad] by which the swing may go beyond where it turns round
+OVERLOAD = 1.5  # of the highest pressure that pump or relief valves allow
+STARVED = 0.25  # of the pump's idle pressure: below, it is off
+PEAK = 0.3  # [s]
+HOTTEST = 350.0  # [K]
+DEGREES = 180.0 / math.pi
+
+
+class Bounds(NamedTuple):
+    """Within what an experiment is driven."""
+
+    driven: tuple[bool, bool, bool]  # axes; those of a rig have no joints
+    low: Triple
+    high: Triple
+    pressure: float  # [Pa] at an actuator, at most
+    supply: float  # [Pa] at least
+    temperature: float = HOTTEST  # [K] at most
+
+
+class Seen(NamedTuple):
+    """One sample; NaN: there is no such sensor."""
+
+    angles: Triple  # [rad]
+    pressures: tuple[float, ...]  # [Pa] at the ports of actuators
+    supply: float  # [Pa]
+    temperature: float  # [K]
+
+
+class State(NamedTuple):
+    """For how long pressures have been beyond their bounds [s]."""
+
+    over: float = 0.0
+    starved: float = 0.0
+
+
+def bounds(plan: Plan, programme: Programme) -> Bounds:
+    """Return the bounds of an experiment whose operator follows a programme."""
+    m, joints = plan.machine, [track is not None and not plan.bench for track in programme.tracks]
+    pairs = [_swing(m, programme.tracks[0]), _cylinder(m.boom), _cylinder(m.stick)]
+    relief = m.port_valves.relief_pressure if m.port_valves is not None else 0.0
+    idle = m.pump.margin if isinstance(m.pump, LoadSensingPump) else m.pump.supply_pressure
+    return Bounds(
+        (joints[0], joints[1], joints[2]),
+        (pairs[0][0], pairs[1][0], pairs[2][0]),
+        (pairs[0][1], pairs[1][1], pairs[2][1]),
+        OVERLOAD * max(m.pump.supply_pressure, relief),
+        STARVED * idle,
+    )
+
+
+def around(programme: Programme, plan: Plan, swing: float) -> Programme:
+    """Return the programme with the swing going to and fro about where it stands [rad], not its start."""
+    track = programme.tracks[0]
+    if track is None or plan.bench:
+        return programme
+    low, high = joint_limits(plan.machine)[0]
+    room = max(low + SWING_MARGIN, swing - SWING_ROOM), min(high - SWING_MARGIN, swing + SWING_ROOM)
+    moved = track._replace(low=room[0], high=room[1])
+    return programme._replace(tracks=(moved, *programme.tracks[1:]))
+
+
+def step(state: State, seen: Seen, b: Bounds, dt: float) -> tuple[State, str]:
+    """Return the state after a period [s], and why the experiment must stop; "" if it need not."""
+    over = state.over + dt if any(p > b.pressure for p in seen.pressures) else 0.0
+    starved = state.starved + dt if seen.supply < b.supply else 0.0
+    after = State(over, starved)
+    if reason := out_of_bounds(seen.angles, b):
+        return after, reason
+    if over > PEAK:
+        highest = max(p for p in seen.pressures if p > b.pressure)
+        return after, f"an actuator's pressure stays at {_mega(highest)}; allowed: up to {_mega(b.pressure)}"
+    if starved > PEAK:
+        return after, f"the supply pressure is {_mega(seen.supply)}; allowed: {_mega(b.supply)} or more"
+    if seen.temperature > b.temperature:
+        return after, f"the oil is at {seen.temperature:.1f} K; allowed: up to {b.temperature:g} K"
+    return after, ""
+
+
+def out_of_bounds(angles: Triple, b: Bounds) -> str:
+    """Return which driven axis is not where it may be driven; "" if none."""
+    for name, driven, angle, low, high in zip(AXES, b.driven, angles, b.low, b.high, strict=True):
+        if driven and not low <= angle <= high:
+            told = f"{DEGREES * low:.1f} .. {DEGREES * high:.1f} deg"
+            return f"the {name} stands at {DEGREES * angle:.1f} deg; allowed in this experiment: {told}"
+    return ""
+
+
+def seen_ports(plan: Plan) -> tuple[str, ...]:
+    """Return the labels of the actuator pressures that are watched: of what is driven, else of the swing."""
+    driven = [axis for axis, track in zip(AXES, plan.programme.tracks, strict=True) if track is not None]
+    there = plan.machine.sensors.pressure is not None
+    return tuple(f"{axis}_{port}_actuator" for axis in driven or AXES[:1] for port in (1, 2) if there)
+
+
+def _swing(machine: Machine, track: Track | None) -> tuple[float, float]:
+    low, high = joint_limits(machine)[0]
+    if track is None:
+        return low, high
+    low, high = low + 0.5 * SWING_MARGIN, high - 0.5 * SWING_MARGIN
+    return max(low, track.low - SWING_BEYOND), min(high, track.high + SWING_BEYOND)
+
+
+def _cylinder(drive: CylinderDrive) -> tuple[float, float]:
+    ends = (drive.retracted_length + share * drive.stroke for share in (MARGIN, 1.0 - MARGIN))
+    low, high = sorted(joint_angle(length, drive.linkage) for length in ends)
+    return low, high
+
+
+def _mega(pressure: float) -> str:
+    return f"{1e-6 * pressure:.2f} MPa"

@@ -1,0 +1,163 @@
+"""Calibration of the sensors before the first experiment. Thesis section 4.3.1.
+
+| sensor | against | tells |
+|---|---|---|
+| pressure transducers | atmosphere: pump off, lines vented | offset |
+| flow meters | each other, in series on the valve's rig | gain of the second over the first |
+| thermocouples | melting ice, then boiling water | offset and gain |
+
+A gauge transducer shows nothing below zero. With an offset below zero it stands at zero and shows only the
+noise that reaches above: those samples are censored, and say so much about the offset as their number does.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_description.components.sensor_calibration import (
+    CalibratedFlow,
+    CalibratedPressure,
+    CalibratedTemperature,
+    Calibration,
+)
+from forest_description.machine import Machine
+from forest_ident.data.readings import read
+from forest_ident.data.session import Session, SessionError
+from forest_ident.output_error.noise_model import KIND, channel
+from forest_ident.output_error.output_error import Unknown, fit
+from forest_sim.sensors.sensor_suite import Suite
+
+Floats = NDArray[np.float64]
+
+NAME = "calibration"
+NEAR = 25.0  # [K] a thermocouple may be off; further, it is not in that bath
+VENTED = 1e6  # [Pa] a transducer may be off; further, its line is not open to the air
+ICE, BOILING = 273.15, 373.15  # [K], at 1013 hPa
+EACH, PERIOD = 20.0, 0.005  # [s] in ice, and in boiling water; of the samples
+SETUP = (
+    "Pump off, all lines open to the air. The thermocouples in melting ice for 20 s, then in boiling water "
+    "for 20 s (write the seconds in ice under ice_until). The flow meters are compared on the valve's rig."
+)
+
+
+UNITS = {"Pa": CalibratedPressure, "m3/s": CalibratedFlow, "K": CalibratedTemperature}
+
+
+class Offset(NamedTuple):
+    """A sensor's static error with its standard error, and what it says about itself."""
+
+    channel: str
+    offset: float
+    offset_error: float
+    gain: float
+    gain_error: float
+    unit: str
+
+
+def told(machine: Machine, offsets: Sequence[Offset]) -> Calibration | None:
+    """Return a machine's calibration with what was found in place of what was told. Thesis section 4.3.1.
+
+    A unit whose offset stayed unknown, because it stood at zero all the time, keeps what was told.
+    """
+    found: dict[str, Any] = {
+        o.channel: UNITS[o.unit](o.offset, o.gain) for o in offsets if math.isfinite(o.offset_error)
+    }
+    was = machine.sensors.calibration
+    if not found:
+        return was
+    names = [field.name for field in dataclasses.fields(Calibration)]
+    return Calibration(**{name: found.get(name, getattr(was, name, None)) for name in names})
+
+
+def simulated(suite: Suite) -> Session:
+    """Return the record of a calibration of a simulated machine's sensors."""
+    count = round(2.0 * EACH / PERIOD)
+    time = PERIOD * np.arange(count, dtype=np.float64)
+    true = {name: np.zeros(count) for name, kind in KIND.items() if kind.name == "pressure"}
+    bath = np.where(time < EACH, ICE, BOILING)
+    true |= {name: bath for name, kind in KIND.items() if kind.name == "thermocouple"}
+    readings = {
+        name: y for name, y in read(true, suite, PERIOD, "calibration").items() if np.isfinite(y).all()
+    }
+    return Session("calibration", time, np.zeros((count, 3)), readings, {"ice_until": EACH})
+
+
+def calibrate(machine: Machine, session: Session) -> list[Offset]:
+    """Return what a calibration's record says of every sensor in it. Thesis section 4.3.1.
+
+    Raises:
+        SessionError: a transducer was under pressure, or a thermocouple not in its bath.
+    """
+    found = []
+    for name in sorted(session.readings):
+        if KIND[name].name == "pressure":
+            found.append(_transducer(machine, session, name))
+        elif KIND[name].name == "thermocouple":
+            found.append(_thermocouple(session, name))
+    return found
+
+
+def _transducer(machine: Machine, session: Session, name: str) -> Offset:
+    """Return a pressure transducer's offset, by maximum likelihood with its zero as censoring."""
+    y = session.column(name)
+    if not abs(float(np.mean(y))) < VENTED:
+        raise SessionError(
+            f"calibration: {name} reads {1e-6 * float(np.mean(y)):.2f} MPa; allowed: less than "
+            f"{1e-6 * VENTED:g} MPa, with the pump off and the lines open to the air"
+        )
+    if np.ptp(y) == 0.0:
+        return Offset(name, float(y[0]), 0.0 if y[0] > 0.0 else math.inf, 1.0, 0.0, "Pa")
+    judged = channel(machine, session, name)._replace(offset=0.0)
+    start = float(np.mean(y))
+
+    def model(values: Mapping[str, float]) -> dict[str, Floats]:
+        return {name: np.full(len(y), values["offset"])}
+
+    unknown = Unknown("offset", start, positive=False, difference=1.0)
+    result = fit(model, {name: y}, [judged], [unknown])
+    return Offset(name, result.values["offset"], result.errors["offset"], 1.0, 0.0, "Pa")
+
+
+def _thermocouple(session: Session, name: str) -> Offset:
+    """Return a thermocouple's offset at the ice point, and its gain between the two baths."""
+    y, change = session.column(name), session.facts.get("ice_until", EACH)
+    boiling = session.facts.get("boiling_from", change)
+    ice, water = y[session.time < change - 1.0], y[session.time > boiling + 1.0]
+    for bath, rows, point in (("ice", ice, ICE), ("boiling water", water, BOILING)):
+        read = float(np.mean(rows)) if len(rows) > 1 else math.nan
+        if not abs(read - point) < NEAR:
+            raise SessionError(
+                f"calibration: {name} reads {read:.1f} K in {bath}; allowed: {point:g} K within {NEAR:g} K, "
+                "with ice until ice_until and boiling water from boiling_from in experiment.yaml"
+            )
+    errors = [float(np.std(part)) / math.sqrt(len(part)) for part in (ice, water)]
+    gain = float(np.mean(water) - np.mean(ice)) / (BOILING - ICE)
+    return Offset(
+        name,
+        float(np.mean(ice)) - ICE,
+        errors[0],
+        gain,
+        math.hypot(*errors) / (BOILING - ICE),
+        "K",
+    )
+
+
+def meter_gain(session: Session, floor: float) -> Offset | None:
+    """Return the gain of the second flow meter over the first, from a rig that has them in series."""
+    if not session.has("swing_flow", "stick_flow"):
+        return None
+    one, two = session.column("swing_flow"), session.column("stick_flow")
+    calm = np.concatenate([[False], np.abs(np.diff(one)) < 0.002 * np.max(np.abs(one))])
+    seen = calm & (np.abs(one) > 3.0 * floor) & (np.abs(two) > 3.0 * floor)
+    if seen.sum() < 10:
+        return None
+    x, y = one[seen], two[seen]
+    gain = float(x @ y / (x @ x))
+    error = float(np.std(y - gain * x) / math.sqrt(x @ x))
+    return Offset("stick_flow", 0.0, 0.0, gain, error, "m3/s")

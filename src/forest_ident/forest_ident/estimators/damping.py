@@ -1,0 +1,89 @@
+"""Damping of gear train and cylinders, once everything else is known. Thesis section 4.3.6.
+
+| symbol | name | unit |
+|---|---|---|
+| q | joint angles | rad |
+| F | force (torque) of an actuator from the pressures at its ports | N (N m) |
+| J | lever arm dx/dq; 1 for the swing | m/rad |
+| B | viscous damping | N s/m (N m s/rad) |
+| v | actuator speed | m/s (rad/s) |
+
+    alpha = F - (M(q) q'' + V(q, q') + G(q))_axis / J = B v + c_0 + c_1 (q - mean q)
+
+The last two terms take what static errors of pressures, angles and masses leave; moving both ways through the
+same angles tells them from B.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_description.machine import AXES, Machine
+from forest_ident.data.differentiator import derivative, inner, smooth
+from forest_ident.data.readings import length_and_arm
+from forest_ident.data.session import Session
+from forest_ident.estimators.least_squares import Line, solve
+from forest_sim.mechanics.friction import friction, friction_force
+from forest_sim.mechanics.manipulator import dynamics, fold_head
+
+Floats = NDArray[np.float64]
+
+BANDWIDTH = 5.0  # [Hz]
+EVERY = 4  # rows of the mass matrix taken, of those that the bandwidth makes alike
+
+
+def equation(machine: Machine, session: Session, axis: int) -> tuple[Floats, Floats, Floats]:
+    """Return (alpha, v, q) along a session. Thesis eq. 4.10, 4.11.
+
+    Differs: J in front of the cylinder's force is Appendix A's 1/j.
+
+    Args:
+        machine: whose masses, areas and linkages hold.
+        session: of an axis going both ways.
+        axis: 0 swing, 1 boom, 2 stick.
+    """
+    period, rows = session.period, inner(len(session.time), BANDWIDTH, session.period)
+    angles = [session.column(f"{name}_resolver") for name in AXES]
+    q, rate, acceleration = (
+        np.array([derivative(angle, BANDWIDTH, period, order)[rows][::EVERY] for angle in angles])
+        for order in (0, 1, 2)
+    )
+    one, two = (
+        smooth(session.column(f"{AXES[axis]}_pressure_{port}_actuator"), BANDWIDTH, period)[rows][::EVERY]
+        for port in (1, 2)
+    )
+    if axis == 0:
+        displacement = machine.swing.gear_ratio * machine.swing.motor_displacement
+        force, arm = displacement * (one - two), np.ones(q.shape[1])
+    else:
+        drive = machine.boom if axis == 1 else machine.stick
+        force = drive.head_area * one - drive.rod_area * two
+        arm = length_and_arm(q[axis], drive.linkage)[1]
+    load = _load(machine, q, rate, acceleration)[axis]
+    return force - load / arm, rate[axis] * arm, q[axis]
+
+
+def damping(machine: Machine, session: Session, axis: int) -> Line:
+    """Return B with c_0 and c_1; arguments as `equation`. Thesis eq. 4.11.
+
+    Differs: dry friction that the file tells is taken off first, or it would become damping.
+    """
+    alpha, speed, angle = equation(machine, session, axis)
+    if axis > 0:
+        told = friction(machine.boom.friction if axis == 1 else machine.stick.friction)
+        alpha = alpha - np.array([friction_force(v, told) for v in speed.tolist()])
+    columns = [speed, np.ones(len(speed)), angle - np.mean(angle)]
+    return solve(columns, alpha, block=max(1, round(1.0 / (EVERY * session.period))))
+
+
+def _load(machine: Machine, q: Floats, rate: Floats, acceleration: Floats) -> Floats:
+    """Return M q'' + V + G [N m], 3 rows."""
+    body, found = fold_head(machine.manipulator), np.zeros_like(q)
+    for k in range(q.shape[1]):
+        d = dynamics((q[0, k], q[1, k], q[2, k]), (rate[0, k], rate[1, k], rate[2, k]), body)
+        a = acceleration[:, k]
+        found[0, k] = d.m_11 * a[0] + d.bias[0]
+        found[1, k] = d.m_22 * a[1] + d.m_23 * a[2] + d.bias[1]
+        found[2, k] = d.m_23 * a[1] + d.m_33 * a[2] + d.bias[2]
+    return found

@@ -1,0 +1,123 @@
+"""Whether load and masses are as the machine file tells: forces of the cylinders at rest in several poses.
+
+| symbol | name | unit |
+|---|---|---|
+| F | force of a cylinder from the pressures at its ports | N |
+| J | lever arm dx/dq | m/rad |
+| G_m(q) | torque of gravity per mass m of boom, stick, head | N m/kg |
+
+    F J - G_rest(q) = G_m(q) m       boom and stick, at every pose
+
+Rests tell two sums along the links and two across them (`moments`), not every mass. Not in the thesis, which
+has its masses from drawings (section 4.4.1).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_description.config.parameter import derived
+from forest_description.machine import AXES, Machine, Manipulator
+from forest_ident.data.readings import length_and_arm
+from forest_ident.data.session import Session
+from forest_ident.estimators.least_squares import Line, solve
+from forest_sim.mechanics.manipulator import dynamics, fold_head
+
+Floats = NDArray[np.float64]
+
+SETTLED = 2.0  # [s] at zero voltage until the crane has stopped swinging
+
+
+def poses(machine: Machine, session: Session) -> tuple[Floats, Floats]:
+    """Return (angles, torques) of every rest: n x 3 rad, n x 2 N m of boom and stick."""
+    period = session.period
+    still = np.all(session.voltages == 0.0, axis=1)
+    edges = np.flatnonzero(np.diff(still.astype(int), prepend=0, append=0))
+    found = []
+    for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        begin = first + round(SETTLED / period) if first > 0 else first
+        if last - begin < round(0.4 / period):
+            continue
+        rows = slice(begin, last)
+        q = [float(np.mean(session.column(f"{axis}_resolver")[rows])) for axis in AXES]
+        torques = []
+        for place, drive in ((1, machine.boom), (2, machine.stick)):
+            one, two = (
+                float(np.mean(session.column(f"{AXES[place]}_pressure_{port}_actuator")[rows]))
+                for port in (1, 2)
+            )
+            arm = float(length_and_arm(np.array([q[place]]), drive.linkage)[1][0])
+            torques.append((drive.head_area * one - drive.rod_area * two) * arm)
+        found.append((*q, *torques))
+    table = np.array(found).reshape(-1, 5)
+    return table[:, :3], table[:, 3:]
+
+
+class Moment(NamedTuple):
+    """A sum of masses times distances that forces at rest tell."""
+
+    name: str
+    value: float  # [kg m]
+    error: float  # [kg m]
+    told: float  # [kg m] by the machine file
+    condition: float
+
+
+def moments(machine: Machine, session: Session) -> list[Moment]:
+    """Return the four sums that forces at rest tell; nothing for fewer than three poses, or with a log.
+
+        stick: g ((m3 x3 + m4 l3) cos(q2 + q3) - m3 y3 sin(q2 + q3))
+        boom:  g ((m2 x2 + (m3 + m4) l2) cos q2 - m2 y2 sin q2) + the stick's
+
+    Thesis App. B, G(q).
+
+    Args:
+        machine: whose linkages and areas hold.
+        session: with rests.
+    """
+    m = machine.manipulator
+    angles, torques = poses(machine, session)
+    if m.log is not None or len(angles) < 3:
+        return []
+    down, boom = m.gravity * math.cos(m.platform_tilt), angles[:, 1]
+    stick, none = boom + angles[:, 2], np.zeros(len(angles))
+    of_boom = [down * np.cos(boom), -down * np.sin(boom)]
+    of_stick = [down * np.cos(stick), -down * np.sin(stick)]
+    rows = [np.column_stack([column, none]).ravel() for column in of_boom]
+    line = solve([*rows, *(np.repeat(column, 2) for column in of_stick)], torques.ravel(), block=2)
+    told = {
+        "m2 x2 + (m3 + m4) l2": m.boom_mass * m.boom_x + (m.stick_mass + m.head_mass) * m.boom_length,
+        "m2 y2": m.boom_mass * m.boom_y,
+        "m3 x3 + m4 l3": m.stick_mass * m.stick_x + m.head_mass * m.stick_length,
+        "m3 y3": m.stick_mass * m.stick_y,
+    }
+    pairs = zip(told, line.values.tolist(), line.errors.tolist(), strict=True)
+    return [Moment(name, value, error, told[name], line.condition) for name, value, error in pairs]
+
+
+def masses(machine: Machine, session: Session, names: tuple[str, ...] = ("head_mass",)) -> Line:
+    """Return some masses [kg] that forces at rest tell, the others as told; three or more poses, no log.
+
+    Args:
+        machine: whose geometry, other masses and areas hold.
+        session: with rests.
+        names: of `Manipulator`'s masses.
+    """
+    m = dataclasses.replace(machine.manipulator, pendulum=None)  # what hangs at rest pulls at the tip
+    angles, torques = poses(machine, session)
+    empty = derived(m, **dict.fromkeys(names, 0.0))  # no link, but what is linear in the masses
+    without = _torques(empty, angles)
+    columns = [(_torques(derived(empty, **{name: 1.0}), angles) - without).ravel() for name in names]
+    return solve(columns, (torques - without).ravel(), block=2)
+
+
+def _torques(m: Manipulator, angles: Floats) -> Floats:
+    """Return what gravity asks of boom and stick [N m], n x 2."""
+    body, still = fold_head(m), (0.0, 0.0, 0.0)
+    biases = [dynamics((q[0], q[1], q[2]), still, body).bias for q in angles.tolist()]
+    return np.array([bias[1:] for bias in biases])

@@ -1,0 +1,1 @@
+"""The experiments: what a person prepares, what is driven, how far."""

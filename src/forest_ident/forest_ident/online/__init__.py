@@ -1,0 +1,1 @@
+"""Running estimates while the machine works."""

@@ -1,0 +1,1 @@
+"""Output error: the simulator's readings against the recorded ones."""

@@ -1,0 +1,74 @@
+"""How the output-error fit judges each channel: noise, static errors and censoring, from the machine file.
+
+Exact sensors (a simulator's) get the noise of arithmetic, so that the fit goes on until nothing is left.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from forest_description.components.sensors import FlowMeter, LinearTransducer
+from forest_description.machine import Machine
+from forest_ident.data.session import Session
+from forest_ident.output_error.output_error import Channel
+from forest_ident.output_error.prediction import rest
+from forest_sim.sensors.sensor_suite import KINDS
+
+TINY = {"rad": 1e-6, "m": 1e-6, "Pa": 100.0, "m3/s": 1e-9, "K": 1e-3, "rad/s": 1e-3, "V": 1e-6}
+KIND = {channel: kind for kind in KINDS for channel in kind.channels}
+
+
+def channel(machine: Machine, session: Session, name: str) -> Channel:
+    """Return how a channel of a session is judged. Thesis table 4.2.
+
+    Args:
+        machine: whose sensors the file describes.
+        session: exact sensors are told by its facts.
+        name: of the channel.
+    """
+    kind = KIND[name]
+    tiny = Channel(name, TINY[kind.unit])
+    part = getattr(machine.sensors, kind.name)
+    if session.is_exact or part is None:
+        return tiny
+    noise = max(part.noise or 0.0, tiny.noise)
+    accuracy = (getattr(part, "accuracy", 0.0) or 0.0) / math.sqrt(3.0)  # uniform within the bound
+    if isinstance(part, FlowMeter):
+        return Channel(name, noise, gain=accuracy, floor=part.lowest, high=part.highest)
+    if isinstance(part, LinearTransducer):
+        step = part.full_scale * (part.resolution or 0.0)
+        return Channel(name, math.hypot(noise, step / math.sqrt(12.0)), offset=step / math.sqrt(12.0))
+    made = Channel(name, noise, offset=accuracy)
+    if kind.name == "pressure":
+        made = made._replace(offset=accuracy * part.full_scale, zero=True, high=part.full_scale)
+    elif kind.name == "case_drain":
+        made = made._replace(offset=0.0, gain=accuracy)
+    elif kind.name == "resolver":
+        # The start is as read, so the static error is in both; what is left is this start's own noise.
+        made = made._replace(offset=start_noise(machine, session, name), run=session.name)
+    return made
+
+
+def start_noise(machine: Machine, session: Session, name: str) -> float:
+    """Return the standard deviation [rad] of the angle that a session's simulation starts with."""
+    part = machine.sensors.resolver
+    if part is None or session.is_exact:
+        return 0.0
+    rows = rest(session, name.startswith("swing"))
+    return (part.noise or 0.0) / math.sqrt(rows.stop - rows.start)
+
+
+def judged(machine: Machine, session: Session, names: tuple[str, ...]) -> list[Channel]:
+    """Return how the channels of a session that it holds are judged."""
+    there = [name for name in names if session.has(name) and np.ptp(session.readings[name]) > 0.0]
+    return [channel(machine, session, name) for name in there]
+
+
+def accuracy(machine: Machine, session: Session, kind: str) -> float:
+    """Return the standard deviation of a kind's static error; 0 for exact sensors."""
+    part = getattr(machine.sensors, kind)
+    if part is None or session.is_exact:
+        return 0.0
+    return float((part.accuracy or 0.0) / math.sqrt(3.0))

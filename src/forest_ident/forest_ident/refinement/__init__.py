@@ -1,0 +1,1 @@
+"""All experiments together: from sessions to a machine, with intervals."""

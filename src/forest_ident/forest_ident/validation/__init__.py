@@ -1,0 +1,1 @@
+"""A model against a record that it was not fitted to."""

@@ -1,0 +1,106 @@
+"""How well a model predicts a record that it was not fitted to. Thesis section 4.4.
+
+| symbol | name |
+|---|---|
+| y, yhat | measured, predicted; both smoothed alike where a speed is made of angles |
+| NRMSE | RMS of y - yhat over the range of y |
+| VAF | 1 - var(y - yhat)/var(y), variance accounted for |
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_description.machine import AXES, Machine
+from forest_ident.data.differentiator import derivative
+from forest_ident.data.session import Session, SessionError
+from forest_ident.output_error.prediction import predict
+from forest_ident.refinement import apply_calibration, refinement
+
+Floats = NDArray[np.float64]
+
+SPEED_BANDWIDTH = 8.0  # [Hz] of the smoothing of both speeds
+STILL = 1e-6  # [unit] range of a signal that did not move
+
+
+class Signal(NamedTuple):
+    """One signal of an axis, measured and predicted."""
+
+    axis: str
+    name: str  # angle, velocity, flow, driving pressure, return pressure
+    unit: str
+    measured: Floats
+    predicted: Floats
+
+    @property
+    def nrmse(self) -> float:
+        """RMS error over range."""
+        span = float(np.ptp(self.measured))
+        return float(np.sqrt(np.mean((self.measured - self.predicted) ** 2))) / max(span, STILL)
+
+    @property
+    def vaf(self) -> float:
+        """Variance accounted for."""
+        return 1.0 - float(np.var(self.measured - self.predicted)) / max(
+            float(np.var(self.measured)), STILL**2
+        )
+
+
+def signals(model: Machine, session: Session) -> list[Signal]:
+    """Return the signals of the axes that moved: angle, velocity, flow where a meter is, both pressures.
+
+    Args:
+        model: that predicts.
+        session: of the crane, held out.
+
+    Raises:
+        SessionError: it is a rig's record, or too short, or has no angles.
+    """
+    if session.name.split("_")[0] in ("valve", "spool", "hose", "calibration"):
+        raise SessionError(f"{session.name}: allowed for validation: records of the crane, not of a rig")
+    missing = [f"{axis}_resolver" for axis in AXES if not session.has(f"{axis}_resolver")]
+    if missing or len(session.time) < 100:
+        raise SessionError(f"{session.name}: too short, or without {', '.join(missing) or 'samples'}")
+    exact = session.is_exact
+    known = session if exact else apply_calibration.corrected(session, model)
+    of = predict(refinement.prepared(model, session), known, bench=False)
+    of = of if exact else apply_calibration.as_read(of, model)
+    found: list[Signal] = []
+    for axis in AXES:
+        if np.ptp(session.column(f"{axis}_resolver")) > 0.02:
+            found += _axis(axis, session, of)
+    if not found:
+        raise SessionError(f"{session.name}: no axis moved; it takes a record with motion")
+    return found
+
+
+def _axis(axis: str, session: Session, of: dict[str, Floats]) -> list[Signal]:
+    angle = session.column(f"{axis}_resolver"), of[f"{axis}_resolver"]
+    rates = tuple(derivative(column, SPEED_BANDWIDTH, session.period) for column in angle)
+    found = [Signal(axis, "angle", "rad", *angle), Signal(axis, "velocity", "rad/s", rates[0], rates[1])]
+    if session.has(f"{axis}_flow"):
+        flow, said = session.column(f"{axis}_flow"), of[f"{axis}_flow"]
+        floor = float(np.min(np.abs(flow)))  # what the meter shows at rest
+        shown = np.where(said < 0.0, -1.0, 1.0) * np.maximum(np.abs(said), floor)
+        signs = np.sign(flow) != np.sign(shown)
+        still = signs & (np.abs(flow) <= 1.001 * floor) & (np.abs(shown) <= 1.001 * floor)
+        found.append(Signal(axis, "flow", "m3/s", flow, np.where(still, flow, shown)))
+    there = [port for port in (1, 2) if session.has(f"{axis}_pressure_{port}_actuator")]
+    return found + [_pressure(axis, port, session, of) for port in there]
+
+
+def _pressure(axis: str, port: int, session: Session, of: dict[str, Floats]) -> Signal:
+    channel = f"{axis}_pressure_{port}_actuator"
+    measured = session.column(channel)
+    shown = np.maximum(of[channel], 0.0) if measured.min() >= 0.0 else of[channel]
+    return Signal(axis, f"pressure {port}", "Pa", measured, shown)
+
+
+def text_table(found: list[Signal]) -> str:
+    """Return NRMSE and VAF per signal."""
+    lines = ["| signal | NRMSE, % | VAF, % |", "|---|---|---|"]
+    scores = (f"| {s.axis} {s.name} | {100.0 * s.nrmse:.2f} | {100.0 * s.vaf:.2f} |" for s in found)
+    return "\n".join([*lines, *scores])

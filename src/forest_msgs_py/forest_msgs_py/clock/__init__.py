@@ -1,0 +1,1 @@
+"""A node's time: the system's clock live, the graph's steps in lockstep."""

@@ -1,0 +1,280 @@
+"""Lockstep: every node waits for the messages of step k, makes its step, and says what step k needs further.
+
+The same nodes as live, with the loop opened: the machine says /clock and its sensors of step k and waits for
+the voltages of step k; whoever reads the graph waits for all that he reads of step k. So nobody is early or
+late, however busy the computer is, and a run repeats to the last bit.
+
+===========  ===============================================================================================
+symbol       meaning
+===========  ===============================================================================================
+k            number of the step, from 1
+stamp        k·dt [ns], of every message of step k, whoever says it
+silence      a topic on which a node says nothing in step k, as a dropped sensor sample; told on its own
+             topic, since nobody could wait for nothing otherwise
+roll         each node's outputs, told before its first step: who records waits for all of them
+account      all that a node said in many steps, for who records; see :mod:`forest_msgs_py.clock.step_batch`
+===========  ===============================================================================================
+
+Nothing is ever lost: publishers keep 1000 steps for those who come late, and nobody runs away from the
+others. A message may be waited for as long as the guard allows [s, wall clock]; then the node ends and
+names it. Of the first step it may stay out for 20 s at least: the others may just be starting.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+
+from forest_msgs_py.clock.step_batch import Account
+from forest_msgs_py.clock.step_guard import complaint, patience
+from forest_msgs_py.clock.step_order import LATCHED
+from forest_msgs_py.clock.step_topics import (
+    DEPTH,
+    LATE,
+    STEP_NS,
+    Quiet,
+    StepInbox,
+    StepPublisher,
+    is_awaited,
+    lockstep_qos,
+    silence,
+    silences,
+    silent_steps,
+)
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import NS_PER_S
+from forest_msgs_py.interfaces.stamps import STAMPED
+from forest_msgs_py.interfaces.topics import Topic, message_class
+from forest_msgs_py.runtime.node import NodeFailure, publisher
+from forest_msgs_py.runtime.polled_subscription import Inbox
+from forest_msgs_py.serialization.packing import pack_clock
+
+AHEAD = 400  # steps by which the machine may be ahead of the recorder
+END = "end"  # told instead of topics when the step was the last
+START = 20.0  # [s, wall clock] in which a graph starts, on a busy computer, too
+LOOK = 0.1  # [s] between looks at whether the node was told to stop
+
+
+class Lockstep:
+    """The pace of a graph that waits for everybody.
+
+    Args:
+        node: whose pace it is.
+        guard: how long it waits for a message [s, wall clock].
+        leads: begin each step, and wait for the answers to the one before.
+        steps: after which a leader is done; 0: no end.
+        recorded: a leader waits for the recorder, too.
+        quiet: steps of which it tells at once what no node waits for; see `Quiet`, `Account`.
+    """
+
+    lockstep = True
+
+    def __init__(
+        self,
+        node: Node,
+        guard: float,
+        leads: bool = False,
+        steps: int = 0,
+        recorded: bool = False,
+        quiet: int = 1,
+    ) -> None:
+        self._node, self._guard, self._leads, self._steps = node, guard, leads, steps
+        self._inboxes: list[StepInbox] = []
+        self._callbacks: list[tuple[StepInbox, Callable[[bytes, float], None]]] = []
+        self._timers: list[tuple[int, Callable[[], None]]] = []
+        self._publishers: list[StepPublisher] = []
+        self._latched: list[str] = []
+        self._step = self._speaking = 0
+        self._ended = False
+        self._wait_set: Any = None  # made once: that takes longer than waiting
+        self._silences = [silences(node, topics.SILENCE)]
+        kind = message_class(topics.SILENCE)
+        self._silence = node.create_publisher(kind, topics.SILENCE.name, lockstep_qos())
+        self._rarely, self._quiet, self._account = quiet, Quiet(node), Account(node, DEPTH // quiet)
+        self._roll = publisher(node, topics.ROLL)
+        self._clock = self.publisher(topics.CLOCK) if leads else None
+        self._recorded = StepInbox(node, topics.RECORDED) if recorded else None
+
+    def now(self) -> float:
+        """The time of the step [s]."""
+        return self.stamp() / NS_PER_S
+
+    def stamp(self) -> int:
+        """The stamp of the step [ns]."""
+        return self._step * STEP_NS
+
+    def publisher(self, topic: Topic) -> Any:
+        """A publisher that speaks once a step.
+
+        Of a latched topic: once, before the first step. Of a type without stamp: whenever it likes.
+        """
+        if topic.latched or topic.type not in STAMPED:
+            made = publisher(self._node, topic)
+            if topic.latched:
+                self._latched.append(f"{made.topic_name} {topic.type}{LATCHED}")
+            return made
+        note = partial(self._account.note, len(self._publishers))
+        stepping = StepPublisher(self._node, topic, lambda: self._speaking, note)
+        self._publishers.append(stepping)
+        return stepping
+
+    def inbox(self, topic: Topic, answered: bool = False) -> StepInbox:
+        """Messages of a topic, one of each step.
+
+        Args:
+            topic: row of the table.
+            answered: what is said in answer to this node; it counts in the next step.
+        """
+        made = StepInbox(self._node, topic, LATE if topic.late and answered else int(answered))
+        self._inboxes.append(made)
+        if not is_awaited(topic) and len(self._silences) == 1:
+            self._silences.append(silences(self._node, topics.QUIET))
+        return made
+
+    def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> StepInbox:
+        """Call with the message of each step in which one is said, and the step's time [s]."""
+        made = self.inbox(topic)
+        self._callbacks.append((made, callback))
+        self._inboxes.insert(0, self._inboxes.pop())  # the last to come: waited for first, most often alone
+        return made
+
+    def every(self, period: float, callback: Callable[[], None]) -> None:
+        """Call once in a period [s], after the step's message; in each step if the period is shorter."""
+        self._timers.append((max(1, round(period * NS_PER_S / STEP_NS)), callback))
+
+    def run(self, stopping: threading.Event) -> None:
+        """Make step after step until the node stops.
+
+        Raises:
+            NodeFailure: a message was waited for longer than the guard allows.
+        """
+        if not self._inboxes:
+            self.inbox(topics.CLOCK)
+        self._answer_the_roll()
+        try:
+            self._step_on(stopping)
+        finally:
+            self._tell(self._step)  # or what was said in these steps would be missing in the bag
+
+    def _step_on(self, stopping: threading.Event) -> None:
+        step, begun = 0, 0.0
+        while not (self._steps and step == self._steps):
+            if self._clock is not None and step > 0 and not self._gather(step, stopping):
+                return
+            step += 1
+            if self._clock is None and not self._gather(step, stopping):
+                return
+            self._make(step)
+            begun = begun or time.monotonic()
+        if self._gather(step, stopping):
+            self._tell(step)
+            self._silence.publish(silence(END, step))
+            self._tell_the_speed(step - 1, time.monotonic() - begun)
+            stopping.wait()
+
+    def _tell_the_speed(self, steps: int, took: float) -> None:
+        """How fast the run was, from the end of its first step [s, wall clock]."""
+        factor = steps * STEP_NS / NS_PER_S / max(took, 1e-9)
+        self._node.get_logger().info(f"{steps} steps in {took:.3g} s: {factor:.2f} times as fast as live")
+
+    def _answer_the_roll(self) -> None:
+        plain = "plain_arrays"
+        if self._node.has_parameter(plain) and self._node.get_parameter(plain).value:
+            raise NodeFailure(
+                f"parameter '{plain}' is true; allowed in lockstep: false, for the stamps' sake"
+            )
+        spoken = [f"{made.name} {made.type}" for made in self._publishers]
+        text = "\n".join([self._node.get_name(), *spoken, *self._latched])
+        self._roll.publish(message_class(topics.ROLL)(data=text))
+
+    def _make(self, step: int) -> None:
+        """Make one step, and tell on which topics nothing was said."""
+        self._step = self._speaking = step
+        if self._clock is not None:
+            self._clock.publish(pack_clock(self.stamp()))
+        for inbox, callback in self._callbacks:
+            if arrival := inbox.newest():
+                callback(*arrival)
+        for steps, tick in self._timers:
+            if step % steps == 0:
+                tick()
+        self._speaking = 0
+        silent = [made for made in self._publishers if made.spoke != step]
+        if missed := [made.name for made in silent if made.awaited]:
+            self._silence.publish(silence(" ".join(missed), step))
+        self._quiet.note(step, [made.name for made in silent if not made.awaited])
+        for place, made in enumerate(self._publishers):
+            if (step + place) % self._rarely == 0:  # one topic after the other: no step takes much longer
+                made.tell()
+        if step % self._rarely == 0:
+            self._quiet.tell(step)
+            self._account.tell(step)
+
+    def _tell(self, step: int) -> None:
+        """Tell all that nobody waits for, and that nothing was said."""
+        for made in self._publishers:
+            made.tell()
+        self._quiet.tell(step)
+        self._account.tell(step)
+
+    def _gather(self, step: int, stopping: threading.Event) -> bool:
+        """Wait for all that the node reads of a step; False if it was told to stop meanwhile."""
+        stamp, begun = step * STEP_NS, time.monotonic()
+        for inbox in self._inboxes:
+            if inbox is not self._inboxes[0]:  # which comes last: the others are there when it is
+                inbox.collect(stamp)
+            while not inbox.has(stamp):
+                if not self._wait(inbox, step, begun, stopping):
+                    return False
+        for inbox in self._inboxes:
+            inbox.turn_to(stamp)
+        return self._stay_near_the_recorder(step, stopping)
+
+    def _stay_near_the_recorder(self, step: int, stopping: threading.Event) -> bool:
+        inbox, begun, stamp = self._recorded, time.monotonic(), (step - AHEAD) * STEP_NS
+        while inbox is not None and stamp > 0 and not inbox.reached(stamp):
+            if not self._wait(inbox, step, begun, stopping):
+                return False
+        return True
+
+    def _wait(self, inbox: StepInbox, step: int, begun: float, stopping: threading.Event) -> bool:
+        """Wait until something arrives, and take it; False if the node is told to stop."""
+        if self._ended:
+            self._tell(self._step)
+            stopping.wait()
+        if stopping.is_set():
+            return False
+        waited, guard = time.monotonic() - begun, self._guard if step > 1 else max(self._guard, START)
+        if waited > guard and waited > guard + patience(inbox, self._inboxes, step, self._leads):
+            raise complaint(inbox, self._inboxes, step, guard)
+        heard = [inbox.subscription, *(told.subscription for told in self._silences)]
+        if self._wait_set is None:
+            self._wait_set = rclpy_implementation.WaitSet(
+                len(heard), 0, 0, 0, 0, 0, self._node.context.handle
+            )
+        waits = self._wait_set
+        waits.clear_entities()
+        for subscription in heard:
+            waits.add_subscription(subscription.handle)
+        waits.wait(int(LOOK * NS_PER_S))  # what came before, and was not taken, ends it at once
+        if waits.is_ready("subscription", 0):
+            inbox.collect(step * STEP_NS)
+        for place, told in enumerate(self._silences, start=1):
+            if waits.is_ready("subscription", place):
+                self._hear(told)
+        return True
+
+    def _hear(self, silences: Inbox) -> None:
+        """Take in which topics are silent, and whether the run has ended."""
+        for header, _info in silences.take():
+            self._ended = self._ended or header.frame_id == END
+            for name, stamp in silent_steps(header):
+                for inbox in self._inboxes:
+                    if inbox.name == name:
+                        inbox.silent(stamp)

@@ -1,0 +1,51 @@
+"""When a node in lockstep has waited too long, and what it says then; see `lockstep`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from forest_msgs_py.clock.step_topics import STEP_NS, StepInbox
+from forest_msgs_py.runtime.node import NodeFailure
+
+LOOP = ("joystick", "controller", "valve_driver")  # as a step passes from one to the next
+
+
+def patience(waited: StepInbox, inboxes: Sequence[StepInbox], step: int, leads: bool) -> float:
+    """How much longer than the guard a node waits [s].
+
+    When one node hangs, all wait. Whoever has got a part of the step waits for the one that hangs, or for
+    one behind it in the loop: the nearer to the loop's beginning, the sooner he speaks. Who has got
+    nothing waits for all of them; the fewer things he reads, the better he knows.
+
+    Args:
+        waited: what is waited for.
+        inboxes: all that the node reads.
+        step: of which something is missing.
+        leads: whether the node begins each step.
+    """
+    for inbox in inboxes:
+        inbox.collect()
+    if not leads and not any(inbox.has(step * STEP_NS) for inbox in inboxes):
+        return 2.0 + len(LOOP) + len(inboxes)
+    hops = [LOOP.index(who) for who in waited.topic.publishers if who in LOOP]
+    return 1.0 * min(hops, default=len(LOOP))
+
+
+def complaint(waited: StepInbox, inboxes: Sequence[StepInbox], step: int, guard: float) -> NodeFailure:
+    """Name all that is missing of a step, and who should have said it.
+
+    Args:
+        waited: what is waited for.
+        inboxes: all that the node reads.
+        step: of which something is missing.
+        guard: how long was waited [s].
+    """
+    for inbox in inboxes:
+        inbox.collect()
+    missing = [inbox for inbox in inboxes if not inbox.has(step * STEP_NS)] or [waited]
+    names = ", ".join(inbox.name for inbox in missing)
+    people = ", ".join(dict.fromkeys(who for inbox in missing for who in inbox.topic.publishers))
+    return NodeFailure(
+        f"step {step}: waited {guard:g} s for {names} of {people or 'nobody known'}; "
+        "see its log, or allow more with the parameter lockstep_guard"
+    )

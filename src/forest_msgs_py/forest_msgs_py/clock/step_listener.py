@@ -1,0 +1,183 @@
+"""Hears a run in lockstep: what its nodes say in each step, in an order that repeats, with stamps as times.
+
+It reads the nodes' accounts (:mod:`forest_msgs_py.clock.step_batch`) instead of their topics.
+Whatever else is
+said in the graph is heard beside it, as ever, at the time of the last complete step. The machine is told how
+far everything was taken, and stays near.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from functools import cache
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from forest_msgs_py.clock.lockstep import END
+from forest_msgs_py.clock.step_batch import read_account
+from forest_msgs_py.clock.step_order import StepOrder
+from forest_msgs_py.clock.step_topics import DEPTH, STEP_NS, lockstep_qos, silences
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import stamp_to_ns
+from forest_msgs_py.interfaces.topics import find, message_class, offered_qos, unlisted
+from forest_msgs_py.introspection.graph_listener import GraphListener, Heard, Offer
+from forest_msgs_py.runtime.node import Finished, NodeFailure
+from forest_msgs_py.runtime.parameters import declare
+from forest_msgs_py.runtime.polled_subscription import Inbox
+from forest_msgs_py.serialization.packing import pack_clock
+
+WALL_CLOCK = "/parameter_events"  # carries the time of day: no two runs say the same
+ROLL_DEPTH = 100  # nodes
+PAUSE = 0.04  # [s] between two takes: nobody waits for the recorder, and publishers keep far more
+PATIENCE = 10.0  # [s] beyond the guard: who waits for one node, and not for all, shall speak first
+
+Wanted = Callable[[str, Sequence[str]], bool]
+Offered = Callable[[Offer], object]
+Refused = Callable[[str, str], None]
+Settled = Callable[[Sequence[str]], bool]
+
+
+class StepListener:
+    """Like a `GraphListener`, of a run in lockstep.
+
+    Args:
+        node: that subscribes.
+        wanted, offered, refused: as of the `GraphListener`.
+        settled: whether nothing is waited for of these nodes but their messages.
+        nodes: of the run.
+        guard: how long it waits for a step [s, wall clock].
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        wanted: Wanted,
+        offered: Offered,
+        refused: Refused,
+        settled: Settled,
+        nodes: Sequence[str],
+        guard: float,
+    ) -> None:
+        self._node, self._wanted, self._offered, self._guard = node, wanted, offered, guard
+        self._nodes, self._settled = nodes, settled
+        self.pause = PAUSE
+        self._order = StepOrder(nodes)
+        self._beside = GraphListener(node, self._leaves, offered, refused)
+        latched = QoSProfile(
+            depth=ROLL_DEPTH,
+            reliability=ReliabilityPolicy.RELIABLE,
+            durability=DurabilityPolicy.TRANSIENT_LOCAL,
+        )
+        self._roll = Inbox(node, message_class(topics.ROLL), topics.ROLL.name, latched)
+        # All nodes' accounts wait in one queue, with `lockstep_quiet` 1 one of each step: the machine may be
+        # hundreds of steps ahead, and what the queue lets go would be missing in the bag.
+        depth = DEPTH * len(nodes)
+        self._accounts = Inbox(
+            node, message_class(topics.SAID), topics.SAID.name, lockstep_qos(depth), raw=True
+        )
+        self._silences = silences(node, topics.SILENCE)
+        self._taken = node.create_publisher(
+            message_class(topics.RECORDED), topics.RECORDED.name, lockstep_qos()
+        )
+        self._found: set[str] = set()  # topics on the roll whose publishers have been seen
+        self._latched: dict[str, Inbox] = {}
+        self._sequence: Counter[str] = Counter()
+        self._is_wanted = cache(lambda name: wanted(name, ()))  # asked of every message
+        self._told, self._end, self._finished = 0, -1, False  # steps
+        self._progress = time.monotonic()
+
+    def look(self) -> None:
+        """Subscribe to what has appeared beside the run since the last look."""
+        self._beside.look()
+
+    def context_ns(self) -> int:
+        """Log time of what is told beside messages [ns]: 0, since when a node answers is chance."""
+        return 0
+
+    def take(self) -> list[Heard]:
+        """Return the messages of the steps that have become complete since the last time.
+
+        Raises:
+            Finished: once, when the run's last step was taken the last time.
+            NodeFailure: an account was lost, or no step was completed for as long as the guard allows.
+        """
+        if self._order.lost:
+            raise NodeFailure(f"{self._order.lost}: the record ends before it")
+        over = 0 <= self._end <= self._told
+        if over and not self._finished and self._settled(self._nodes):
+            self._finished = True
+            raise Finished
+        self._listen()
+        heard = [
+            self._heard(name, step * STEP_NS, data)
+            for name, step, data in self._order.complete()
+            if self._is_wanted(name)
+        ]
+        now = self._order.reached * STEP_NS
+        heard += [one._replace(received_ns=now, sent_ns=now) for one in self._beside.take()]
+        self._tell()
+        if time.monotonic() - self._progress > self._guard and not over:
+            raise NodeFailure(f"waited {self._guard:g} s; {self._order.missing()}")
+        return heard
+
+    def _leaves(self, name: str, types: Sequence[str]) -> bool:
+        """Whether a topic is none of the run's, and wanted."""
+        own = name in self._order.types or name == WALL_CLOCK
+        return self._order.is_begun and not own and self._wanted(name, types)
+
+    def _heard(self, name: str, stamp: int, data: bytes) -> Heard:
+        self._sequence[name] += 1
+        return Heard(stamp, name, data, stamp, self._sequence[name], 0)
+
+    def _listen(self) -> None:
+        for message, _info in self._roll.take():
+            self._order.answer_the_roll(message.data)
+        for name in self._order.types.keys() - self._found:
+            self._look_for(name, self._order.types[name])
+        for name, inbox in self._latched.items():
+            for data, _info in inbox.take():
+                self._order.add_latched(name, data)
+        if self._order.is_begun and self._found == self._order.types.keys():
+            for data, _info in self._accounts.take():
+                self._order.add_account(*read_account(data))
+        for header, _info in self._silences.take():
+            if header.frame_id == END:
+                self._end = stamp_to_ns(header.stamp) // STEP_NS
+
+    def _look_for(self, name: str, type_name: str) -> None:
+        """Offer a topic, once its publisher can be seen, which tells the type's hash.
+
+        The bag gets the QoS with which the topic is offered live: the depth and the memory that publishers
+        have in lockstep are the run's, not the topic's, and no player shall repeat them.
+        """
+        endpoints = self._node.get_publishers_info_by_topic(name)
+        if not endpoints:
+            return
+        self._found.add(name)
+        row = find(name) or unlisted(name, type_name)
+        if name in self._order.latched:
+            kind = message_class(unlisted(name, type_name))
+            self._latched[name] = Inbox(self._node, kind, name, topics.qos(row, reading=True), raw=True)
+        if self._wanted(name, (type_name,)):
+            self._offered(Offer(name, type_name, [offered_qos(row)], str(endpoints[0].topic_type_hash)))
+
+    def _tell(self) -> None:
+        """Tell how far everything was taken."""
+        if self._order.reached > self._told:
+            self._told, self._progress = self._order.reached, time.monotonic()
+            self._taken.publish(pack_clock(self._told * STEP_NS))
+
+
+def listener(
+    node: Node, wanted: Wanted, offered: Offered, refused: Refused, settled: Settled
+) -> GraphListener | StepListener:
+    """The listener that a node's parameters ask for: live, or of a run in lockstep."""
+    told = declare(node, "lockstep_nodes", [""], "in lockstep: the nodes of the run")
+    guard = declare(node, "lockstep_guard", 20.0, "wait for a step", "s", 0.1, 3600.0)
+    nodes = [name for name in told if name]
+    if not nodes:
+        return GraphListener(node, wanted, offered, refused)
+    return StepListener(node, wanted, offered, refused, settled, nodes, guard + PATIENCE)

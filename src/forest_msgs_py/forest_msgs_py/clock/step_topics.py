@@ -1,0 +1,206 @@
+"""What a node reads and says in lockstep, step by step; see :mod:`forest_msgs_py.clock.lockstep`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from forest_msgs_py.interfaces.messages import NS_PER_S, ns_to_stamp, stamp_to_ns
+from forest_msgs_py.interfaces.stamps import stamp_in
+from forest_msgs_py.interfaces.topics import QUIET, SILENCE, Topic, message_class
+from forest_msgs_py.runtime.node import raw_publish
+from forest_msgs_py.runtime.polled_subscription import Arrival, Inbox
+from forest_msgs_py.serialization.cdr import to_cdr
+
+STEP_NS = 5_000_000
+DEPTH = 1000  # steps that a publisher keeps
+LATE = 40  # steps: until then it is known, too, on which topics of `Quiet` nothing was said
+SPAN = "@"  # between a topic's name and the steps in which it is silent; in no name
+
+
+def lockstep_qos(depth: int = DEPTH) -> QoSProfile:
+    """Reliable, deep, and for late readers, too: discovery takes as long as it takes."""
+    return QoSProfile(
+        depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+    )
+
+
+def is_awaited(topic: Topic) -> bool:
+    """Whether nodes may wait for a topic, by the table; what only a recorder reads shall wake nobody else."""
+    return bool(topic.subscribers) and not topic.late
+
+
+def silences(node: Node, topic: Topic) -> Inbox:
+    """A subscription to what is not said."""
+    return Inbox(node, message_class(topic), topic.name, lockstep_qos())
+
+
+def silent_steps(header: Any) -> Iterator[tuple[str, int]]:
+    """Topics and stamps [ns] of which a message on lockstep/silence or lockstep/quiet tells."""
+    for told in header.frame_id.split(" "):
+        name, _, span = told.partition(SPAN)
+        if not span:
+            yield name, stamp_to_ns(header.stamp)
+            continue
+        first, last = span.split("-")
+        for step in range(int(first), int(last) + 1):
+            yield name, step * STEP_NS
+
+
+class Quiet:
+    """Tells of topics that no node reads, and of many steps at once, that nothing was said.
+
+    Only who reads them late waits for that: most of these topics are silent in most steps, and a message
+    costs as much as those that matter.
+
+    Args:
+        node: that speaks.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self._publisher = node.create_publisher(message_class(QUIET), QUIET.name, lockstep_qos())
+        self._spans: list[list[Any]] = []  # name, first and last step
+
+    def note(self, step: int, names: Sequence[str]) -> None:
+        """Note on which topics nothing was said in a step."""
+        for name in names:
+            span = next((span for span in self._spans if span[0] == name and span[2] == step - 1), None)
+            if span is None:
+                self._spans.append([name, step, step])
+            else:
+                span[2] = step
+
+    def tell(self, step: int) -> None:
+        """Tell what is untold."""
+        if self._spans:
+            text = " ".join(f"{name}{SPAN}{first}-{last}" for name, first, last in self._spans)
+            self._spans.clear()
+            self._publisher.publish(silence(text, step))
+
+
+def silence(text: str, step: int) -> bytes:
+    """A message on lockstep/silence or lockstep/quiet."""
+    header = message_class(SILENCE)(frame_id=text)
+    header.stamp = ns_to_stamp(step * STEP_NS)
+    return to_cdr(header)
+
+
+class StepInbox:
+    """Messages of one topic, by the step to which they belong.
+
+    Args:
+        node: that reads.
+        topic: row of the table.
+        lag: steps after which a message counts: who is answered cannot wait for the answer in its own step.
+    """
+
+    def __init__(self, node: Node, topic: Topic, lag: int = 0) -> None:
+        self.topic, self._lag_ns = topic, lag * STEP_NS
+        self._inbox = Inbox(node, message_class(topic), topic.name, lockstep_qos(), raw=True)
+        self.subscription = self._inbox.subscription
+        self.name = self.subscription.topic_name
+        self._waiting: dict[int, bytes] = {}
+        self._silent: set[int] = set()
+        self._current: tuple[bytes, float] | None = None
+        self.count, self._step_ns, self._said_ns = 0, 0, 0
+
+    def collect(self, until: int = -1) -> None:
+        """Take what has arrived, until it is known what counts in the step of this stamp [ns]."""
+        if until > 0 and self.has(until):
+            return
+        for data, _info in self._inbox.take():
+            stamp = stamp_in(self.topic.type, data)
+            self._waiting.setdefault(stamp, data)
+            if stamp == until - self._lag_ns:
+                return
+
+    def silent(self, stamp: int) -> None:
+        """Nothing will be said in the step of this stamp."""
+        self._silent.add(stamp)
+
+    def has(self, stamp: int) -> bool:
+        """Whether it is known what counts in the step of this stamp."""
+        said = stamp - self._lag_ns
+        return said in self._waiting or said in self._silent or (self._lag_ns > 0 and said <= 0)
+
+    def reached(self, stamp: int) -> bool:
+        """Whether something was said in the step of this stamp or later; what was before is dropped."""
+        latest = max(self._waiting, default=-1)
+        self._waiting = {latest: b""}
+        return latest >= stamp
+
+    def turn_to(self, stamp: int) -> None:
+        """Let the message that counts in this step, if there is one, be the newest."""
+        said = stamp - self._lag_ns
+        data = self._waiting.pop(said, None)
+        self._silent.discard(said)
+        self._step_ns = stamp
+        if data is not None:
+            self._current = data, said / NS_PER_S
+            self.count, self._said_ns = self.count + 1, said
+
+    def age(self) -> float:
+        """Return for how long the newest message has been said, in simulated time [s]; inf: there is none."""
+        return (self._step_ns - self._said_ns) / NS_PER_S if self.count else math.inf
+
+    def newest(self) -> Arrival | None:
+        """Return the message of this step, once; None if nothing was said."""
+        if self._current is None:
+            return None
+        (data, sent), self._current = self._current, None
+        return Arrival(data, sent)
+
+    def arrivals(self) -> Iterator[Arrival]:
+        """Yield the message of this step, once; nothing if nothing was said."""
+        if arrival := self.newest():
+            yield arrival
+
+
+class StepPublisher:
+    """A publisher that speaks once a step; the first word counts.
+
+    What nobody waits for is kept until the node is told to tell it: one after the other, messages cost less.
+
+    Args:
+        node: that speaks.
+        topic: row of the table.
+        step: the step that is being made; 0 between the steps.
+        note: is given the step and the bytes of all that is said.
+    """
+
+    def __init__(
+        self, node: Node, topic: Topic, step: Callable[[], int], note: Callable[[int, bytes], None]
+    ) -> None:
+        self._publisher = node.create_publisher(message_class(topic), topic.name, lockstep_qos())
+        self.name, self.type, self.awaited = self._publisher.topic_name, topic.type, is_awaited(topic)
+        self._say = raw_publish(self._publisher)
+        self._step, self._note = step, note
+        self._kept: list[bytes] = []
+        self.spoke = 0  # last step in which something was said
+
+    def publish(self, message: Any) -> None:
+        """Say a message, or its bytes. Between the steps, as a stopped node's last words, nothing is said."""
+        step = self._step()
+        if step == self.spoke or step == 0:
+            return
+        self.spoke = step
+        data = message if isinstance(message, bytes) else to_cdr(message)
+        if self.awaited:
+            self._say(data)
+        else:
+            self._kept.append(data)
+        self._note(step, data)
+
+    def tell(self) -> None:
+        """Say what was kept."""
+        for data in self._kept:
+            self._say(data)
+        self._kept.clear()
+
+    def get_subscription_count(self) -> int:
+        """Readers there are."""
+        return int(self._publisher.get_subscription_count())

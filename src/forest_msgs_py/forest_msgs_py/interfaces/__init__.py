@@ -1,0 +1,1 @@
+"""What is said: topics with types, units, rates and QoS; messages, stamps, definitions."""

@@ -1,0 +1,1 @@
+"""A running graph seen from outside: who is there, what is said, which parameters hold."""

@@ -1,0 +1,215 @@
+"""Natural frequencies and damping of the machine about a pose: eigenvalues of the linearised plant.
+
+| symbol | name | unit |
+|---|---|---|
+| x | state: `plant.PlantState` without what stands still | |
+| A | df/dx by central differences about x_0, `plant.state_derivative` | 1/s |
+| lambda | eigenvalue, -zeta w_n + j w_n sqrt(1 - zeta^2) | 1/s |
+| p | participation of a state in a mode, abs(left eigenvector times right one); sums to 1 | 1 |
+
+Behind a shut valve a hose's flow is zero and stays so: it is no state. With the valves open x_0 is the steady
+motion with the joints held at the pose: each of them moves through the pose rather than resting in it.
+
+Relief and anti-cavitation valves, end stops and cushions are left out: they are off in the middle of the
+working range, but an emptied hose lies right at the edge of an anti-cavitation valve.
+
+Dry friction is linearised like all else. At rest that is a strong damper, which holds for small oscillations
+only; `friction_ends` tells for which, and gives the parameters for large ones.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eig
+
+from forest_sim.hydraulics.port import is_shut
+from forest_sim.hydraulics.spool import Spool
+from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.mechanics.end_stop import UNCUSHIONED, EndStop
+from forest_sim.mechanics.manipulator import Triple
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.integrator import Simulation, step
+from forest_sim.solver.multibody import HeadState
+from forest_sim.solver.parameters import NO_GUARD, Axis, PlantParameters
+from forest_sim.solver.plant import AxisState, PlantState, ports_at, state_derivative
+from forest_sim.solver.state_recording import AXES
+
+Floats = NDArray[np.float64]
+
+NO_STOP = EndStop(-math.inf, math.inf, 0.0, 0.0)
+DIFFERENCE = (1e-6, 1e-6, 10.0, 10.0, 1e-8, 1e-8)  # rad, rad/s, Pa, m^3/s: rounding and curvature both small
+PARTS = {"angle": "links", "rate": "links", "pressure_1": "oil", "pressure_2": "oil"}
+SETTLING, SETTLING_STEP = 3.0, 5e-3  # [s] over which the steady motion at a pose is found
+SHUT: Triple = (0.0, 0.0, 0.0)  # [V] of the spools
+SLOWEST = 1e-3  # [Hz] anything below is no oscillation but rounding
+
+
+class Mode(NamedTuple):
+    """One oscillation."""
+
+    frequency: float  # w_n/2pi [Hz]
+    damping: float  # zeta
+    axes: Triple  # participation of swing, boom, stick
+    parts: dict[str, float]  # participation of links, oil, hoses (flow), pump, hanging head
+
+    @property
+    def axis(self) -> str:
+        """The axis that takes the greatest part."""
+        return AXES[int(np.argmax(self.axes))]
+
+    @property
+    def kind(self) -> str:
+        """What swings on what."""
+        links, hoses, pump, head = (self.parts[name] for name in ("links", "hoses", "pump", "head"))
+        if head > 0.5:
+            return "hanging head"
+        if links >= max(hoses, pump):
+            return "links on oil"
+        return "oil in hoses" if hoses >= pump else "oil and pump"
+
+
+def unguarded(p: PlantParameters) -> PlantParameters:
+    """Return the parameters without what works at the edges of the working range only."""
+
+    def free(axis: Axis) -> Axis:
+        return axis._replace(stop=NO_STOP, cushion=UNCUSHIONED)
+
+    return p._replace(guard=NO_GUARD, swing=free(p.swing), boom=free(p.boom), stick=free(p.stick))
+
+
+def operating_point(angles: Triple, spools: Triple, p: PlantParameters) -> Simulation:
+    """Return the machine at rest at a pose, or in the steady motion that open valves give it there.
+
+    Args:
+        angles: joint angles [rad].
+        spools: spool positions [V]; inside the overlap a valve is shut.
+        p: the machine, `unguarded`.
+    """
+    rest = equilibrium(angles, p)
+    held = rest._replace(spools=(Spool(spools[0], 0.0), Spool(spools[1], 0.0), Spool(spools[2], 0.0)))
+    if all(is_shut(port) for axis in ports_at(held.spools, p) for port in axis):
+        return held
+    for _ in range(round(SETTLING / SETTLING_STEP)):
+        moved = step(held, spools, SETTLING_STEP, p).plant
+        plant = moved._replace(
+            swing=moved.swing._replace(angle=angles[0]),
+            boom=moved.boom._replace(angle=angles[1]),
+            stick=moved.stick._replace(angle=angles[2]),
+        )
+        held = held._replace(plant=plant)
+    return held
+
+
+def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int, ...]]:
+    """Return A [n, n] about an operating point and the places of its n states in `recording.STATE`."""
+    ports = ports_at(point.spools, p)
+    kept = [i for i in range(18) if i % 6 < 4 or not is_shut(ports[i // 6][i % 6 - 4])]
+    if not p.supply.ideal:
+        kept += [18] if p.supply.rate == 0.0 else [18, 19]
+    if p.head.mass > 0.0:
+        kept += [20, 21, 22, 23]
+    x = _flat(point.plant)
+    columns = []
+    for place in kept:
+        d = _difference(place)
+        up, down = (
+            _flat(state_derivative(_shaped(x + sign * d * np.eye(24)[place]), ports, p)) for sign in (1, -1)
+        )
+        columns.append((up - down)[kept] / (2.0 * d))
+    return np.column_stack(columns), tuple(kept)
+
+
+def modes(angles: Triple, spools: Triple, p: PlantParameters) -> list[Mode]:
+    """Return the oscillations at a pose, the slowest first.
+
+    Args:
+        angles: joint angles [rad].
+        spools: spool positions [V], (0, 0, 0): shut.
+        p: the machine; port valves, stops and cushions are left out.
+    """
+    p = unguarded(p)
+    a, kept = linearise(operating_point(angles, spools, p), p)
+    scale = np.array([_difference(place) for place in kept])
+    values, left, right = eig(a * scale[np.newaxis, :] / scale[:, np.newaxis], left=True)
+    found = [
+        _mode(value, np.abs(left[:, k].conj() * right[:, k]), kept)
+        for k, value in enumerate(values)
+        if value.imag > 2.0 * math.pi * SLOWEST
+    ]
+    return sorted(found, key=lambda mode: mode.frequency)
+
+
+def _mode(value: complex, weights: Floats, kept: tuple[int, ...]) -> Mode:
+    weights = weights / np.sum(weights)
+    axes = [0.0, 0.0, 0.0]
+    parts = dict.fromkeys(("links", "oil", "hoses", "pump", "head"), 0.0)
+    for place, weight in zip(kept, weights.tolist(), strict=True):
+        if place < 18:
+            axes[place // 6] += weight
+            parts[PARTS.get(AxisState._fields[place % 6], "hoses")] += weight
+        else:
+            parts["pump" if place < 20 else "head"] += weight
+    natural = abs(value)
+    return Mode(natural / (2.0 * math.pi), -value.real / natural, (axes[0], axes[1], axes[2]), parts)
+
+
+def slow_modes(found: list[Mode]) -> dict[str, Mode | None]:
+    """Return the slowest oscillation of the links for each axis; None where an axis has none.
+
+    Boom and stick move together in two modes: each gets the one in which it takes the greater part.
+    """
+    candidates = [mode for mode in found if mode.kind == "links on oil"][:3]
+    swing = next((mode for mode in candidates if mode.axis == "swing"), None)
+    pair = [mode for mode in candidates if mode.axis != "swing"]
+    if len(pair) == 2 and pair[0].axes[1] + pair[1].axes[2] < pair[1].axes[1] + pair[0].axes[2]:
+        pair.reverse()
+    named: dict[str, Mode | None] = {"swing": swing, "boom": None, "stick": None}
+    if len(pair) == 2:
+        named["boom"], named["stick"] = pair
+    elif pair:
+        named[pair[0].axis] = pair[0]
+    return named
+
+
+def _difference(place: int) -> float:
+    if place < 18:
+        return DIFFERENCE[place % 6]
+    return DIFFERENCE[2] if place < 20 else DIFFERENCE[0]
+
+
+def _flat(state: PlantState) -> Floats:
+    return np.array([*state.swing, *state.boom, *state.stick, *state.supply, *state.head])
+
+
+def _shaped(x: Floats) -> PlantState:
+    v = x.tolist()
+    axes = AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18])
+    return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]))
+
+
+def told(found: list[Mode]) -> list[dict[str, Any]]:
+    """Return the modes for JSON."""
+    return [
+        {
+            "frequency_hz": mode.frequency,
+            "damping_ratio": mode.damping,
+            "kind": mode.kind,
+            "participation": {**dict(zip(AXES, mode.axes, strict=True)), **mode.parts},
+        }
+        for mode in found
+    ]
+
+
+def table(found: list[Mode]) -> str:
+    """Return the modes in a table."""
+    if not found:
+        return "  no oscillations: everything is overdamped"
+    lines = [f"  {'Hz':>8} {'damping':>8}  {'axis':<6} {'kind':<13} participation"]
+    for mode in found:
+        shares = {**dict(zip(AXES, mode.axes, strict=True)), **mode.parts}
+        told = ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares.items() if share >= 0.05)
+        axis = mode.axis if max(mode.axes) > mode.parts["pump"] + mode.parts["head"] else "-"
+        lines.append(f"  {mode.frequency:8.2f} {mode.damping:8.3f}  {axis:<6} {mode.kind:<13} {told}")
+    return "\n".join(lines)

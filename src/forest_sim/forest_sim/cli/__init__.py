@@ -1,0 +1,1 @@
+"""`forest-sim`: the simulator from the command line."""

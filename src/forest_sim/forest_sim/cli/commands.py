@@ -1,0 +1,248 @@
+"""What the subcommands of `forest-sim` do, once their arguments are read; each returns the exit code."""
+
+import contextlib
+import json
+import math
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from forest_compile.kernel_cache import can_compile
+from forest_description.geometry.kinematics import tip_position
+from forest_description.machine import AXES, Machine
+from forest_sim.analysis import check, mode_map, modes, pump_comparison, summary
+from forest_sim.analysis.friction_ends import large_heading, rubbing_axes, small_heading, without_dry_friction
+from forest_sim.mechanics.manipulator import Triple
+from forest_sim.run.disturbance import UNDISTURBED, Disturbance
+from forest_sim.run.energy import account
+from forest_sim.run.inputs import Voltages
+from forest_sim.run.sensor_log import EXACT, Observer, Sensing
+from forest_sim.run.simulation import Run, RunError, blocks, substeps
+from forest_sim.run.trajectory_files import Thinned, naming, trajectory_files
+from forest_sim.sensors.sensor_readings import true_joints
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import plant_parameters
+
+QUIET = 2.0  # [s] after which a run begins to say how far it is
+TOLD_EVERY = 1.0  # [s] on a terminal; elsewhere ten times rarer
+
+
+class Progress:
+    """Says how far a long run is; on a terminal a line that overwrites itself."""
+
+    def __init__(self, duration: float) -> None:
+        self._duration = duration
+        self._began = time.monotonic()
+        self._next = self._began + QUIET
+        self._every = TOLD_EVERY if sys.stdout.isatty() else 10.0 * TOLD_EVERY
+
+    def __call__(self, simulated: float) -> None:
+        """Tell the simulated time [s] when it is time to."""
+        now = time.monotonic()
+        if now < self._next or not 0.0 < simulated < self._duration:
+            return
+        self._next = now + self._every
+        speed = simulated / (now - self._began)
+        left = (self._duration - simulated) / speed
+        end = "\r" if sys.stdout.isatty() else "\n"
+        text = f"  {simulated:.0f} / {self._duration:g} s, {speed:.3g} x real time, {left:.0f} s to go  "
+        print(text, end=end, flush=True)
+
+
+def new_directory(out: Path) -> None:
+    """Make the directory for results.
+
+    Raises:
+        RunError: it is there already: results are never overwritten.
+        OSError: it cannot be made.
+    """
+    if out.exists():
+        raise RunError(f"{out} exists already; choose another --out or remove it")
+    out.mkdir(parents=True)
+
+
+@contextlib.contextmanager
+def _stops_noted() -> Iterator[list[int]]:
+    """Note SIGINT and SIGTERM instead of stopping at once, which might be in the middle of a bag's record."""
+    noted: list[int] = []
+    numbers = signal.SIGINT, signal.SIGTERM
+    before = [signal.signal(number, lambda number, _: noted.append(number)) for number in numbers]
+    try:
+        yield noted
+    finally:
+        for number, handler in zip(numbers, before, strict=True):
+            signal.signal(number, handler)
+
+
+def simulate(
+    machine: Machine,
+    voltages: Voltages,
+    angles: Triple,
+    run: Run,
+    out: Path,
+    sensing: Sensing = EXACT,
+    disturbance: Disturbance = UNDISTURBED,
+) -> int:
+    """Run a machine over an input; write trajectory, pictures and `summary.json`."""
+    substeps(run)
+    new_directory(out)
+    _tell_about_the_compiler()
+    observer, kept, total = Observer(machine, run.rate, sensing), Thinned(), summary.Summary(machine)
+    progress = Progress(run.duration)
+    with naming(out), _stops_noted() as stopped, trajectory_files(out, machine, run.rate) as files:
+        for block in blocks(machine, voltages, angles, run, disturbance):
+            observed = observer.observe(block)
+            files.write(block, observed)
+            power = np.column_stack(account(block.energies)) * run.rate
+            kept.add({"time": block.time, "power": power, **observed})
+            total.add(block)
+            progress(float(block.time[-1]))
+            if stopped:
+                raise KeyboardInterrupt
+    result = total.result(run, voltages.name, angles)
+    from forest_sim.analysis.plots import (
+        draw_run,  # matplotlib takes half a second: no bad argument waits for it
+    )
+
+    with naming(out):
+        (out / "summary.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+        drawn = draw_run(kept.columns(), machine, out)
+    print(summary.table(result))
+    for doubt in summary.doubts(result):
+        print(f"forest-sim: {doubt}", file=sys.stderr)
+    print("\n".join(f"  {path}" for path in (files.bag, files.csv, out / "summary.json", *drawn)))
+    return 0
+
+
+def compare_pumps(machine: Machine, voltages: Voltages, angles: Triple, run: Run, out: Path) -> int:
+    """Run the same input on the four sorts of pump; write table, picture and `pumps.json`."""
+    substeps(run)
+    new_directory(out)
+    _tell_about_the_compiler()
+    comparison = pump_comparison.compare(machine, voltages, angles, run)
+    from forest_sim.analysis.plots import draw_pumps
+
+    result = {
+        "machine": machine.name,
+        "voltages": voltages.name,
+        "duration_s": run.duration,
+        "energy_j": comparison.energies,
+        "tip_path_m": comparison.paths,
+    }
+    (out / "pumps.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+    picture = draw_pumps(
+        comparison.time, comparison.powers, comparison.energies, comparison.paths, out / "pumps.png"
+    )
+    print(pump_comparison.table(comparison))
+    print("\n".join(f"  {path}" for path in (out / "pumps.json", picture)))
+    return 0
+
+
+def show_equilibrium(machine: Machine, angles: Triple, as_json: bool) -> int:
+    """Print how the machine rests at a pose with its valves shut."""
+    p = plant_parameters(machine)
+    rest = equilibrium(angles, p)
+    held = true_joints(rest, p)
+    plant = rest.plant
+    forces = [
+        axis.actuator.displacement_1 * state.pressure_1 - axis.actuator.displacement_2 * state.pressure_2
+        for state, axis in zip(plant[:3], (p.swing, p.boom, p.stick), strict=True)
+    ]
+    tip = tip_position(angles, machine.manipulator.links)
+    result: dict[str, Any] = {
+        "machine": machine.name,
+        "tip_m": list(tip),
+        "supply_pressure_pa": plant.supply.pressure,
+    }
+    for place, (axis, state) in enumerate(zip(AXES, plant[:3], strict=True)):
+        result[axis] = {
+            "angle_rad": state.angle,
+            "pressure_1_pa": state.pressure_1,
+            "pressure_2_pa": state.pressure_2,
+            "swing_motor_torque_nm" if place == 0 else "cylinder_force_n": forces[place],
+            "joint_torque_nm": held.effort[place],
+        }
+    if as_json:
+        print(json.dumps(result, indent=2))
+        return 0
+    print(f"  tip ({', '.join(f'{x:.3f}' for x in tip)}) m, supply {plant.supply.pressure / 1e6:.2f} MPa")
+    print(f"  {'':<6} {'angle':>9} {'port 1':>10} {'port 2':>10} {'cylinder':>11} {'joint':>12}")
+    for place, (axis, state) in enumerate(zip(AXES, plant[:3], strict=True)):
+        force = "" if place == 0 else f"{forces[place] / 1e3:.1f} kN"
+        print(
+            f"  {axis:<6} {math.degrees(state.angle):5.1f} deg {state.pressure_1 / 1e6:6.2f} MPa "
+            f"{state.pressure_2 / 1e6:6.2f} MPa {force:>11} {held.effort[place] / 1e3:7.1f} kN m"
+        )
+    return 0
+
+
+def show_modes(machine: Machine, angles: Triple, spools: Triple, as_json: bool) -> int:
+    """Print frequencies and damping ratios at a pose; with dry friction, of small and large oscillations."""
+    p = plant_parameters(machine)
+    ends = rubbing_axes(p)
+    small = modes.modes(angles, spools, p)
+    large = modes.modes(angles, spools, without_dry_friction(p)) if ends else small
+    if as_json:
+        told = {
+            "machine": machine.name,
+            "angles_rad": list(angles),
+            "dry_friction_speeds_m_s": {
+                axis: {
+                    "small_below": end.small,
+                    "large_above": end.large if math.isfinite(end.large) else None,
+                }
+                for axis, end in ends.items()
+            },
+            "modes": modes.told(small),
+            "modes_without_dry_friction": modes.told(large),
+        }
+        print(json.dumps(told, indent=2))
+        return 0
+    pose = ", ".join(f"{axis} {math.degrees(q):.1f}" for axis, q in zip(AXES, angles, strict=True))
+    volts = ", ".join(f"{v:g}" for v in spools)
+    print(f"  {machine.name}, {pose} deg, spools at {volts} V")
+    if ends:
+        print(f"  {small_heading(ends)}")
+    print(modes.table(small))
+    if ends:
+        print(f"  {large_heading(ends)}\n{modes.table(large)}")
+    return 0
+
+
+def map_modes(machine: Machine, spacing: float, out: Path) -> int:
+    """Write the slow modes over the workspace as CSV and picture."""
+    new_directory(out)
+    ends = rubbing_axes(plant_parameters(machine))
+    points = mode_map.mode_map(machine, spacing)
+    from forest_sim.analysis.plots import draw_map
+
+    file = out / "modes.csv"
+    file.write_text(mode_map.map_csv(points), encoding="utf-8")
+    if ends:
+        print(f"  {small_heading(ends)}")
+    print(mode_map.ranges([point.modes for point in points]))
+    if ends:
+        print(f"  {large_heading(ends)}\n{mode_map.ranges([point.sliding for point in points])}")
+    picture = draw_map(points, spacing, machine, out / "modes.png")
+    print(f"  {len(points)} poses\n  {file}\n  {picture}")
+    return 0
+
+
+def show_check(machine: Machine) -> int:
+    """Print what a machine file amounts to."""
+    print(check.report(machine))
+    return 0
+
+
+def _tell_about_the_compiler() -> None:
+    if not can_compile():
+        print(
+            "llvmlite is not installed, so the equations are interpreted, some hundred times slower than "
+            "compiled; pip install 'forest-crane[fast]' brings it",
+            file=sys.stderr,
+        )

@@ -1,0 +1,1 @@
+"""Laws of supply, spools, ports, hoses and actuators."""

@@ -1,0 +1,145 @@
+"""The pumps: how the manifold's pressure answers what three axes draw from it.
+
+| symbol | name | unit |
+|---|---|---|
+| P_s | pressure in the manifold | Pa |
+| P_r | pressure that the pump's control aims at | Pa |
+| Q_d | flow that the pumps displace | m^3/s |
+| S | flow that the axes draw | m^3/s |
+| W | greatest hydraulic power, engine power times mechanical efficiency | W |
+
+    C dP_s/dt = Q_d - P_s/R_leak - relief(P_s) - S
+
+Displacement and engine limit the flow, min(Q_max, W/P_s); a compensator takes it back to zero within a narrow
+band under P_r. Thesis section 2.2, 3.2.1, fig. 2.3, 3.4. An ideal pump has none of this: P_s stands still.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_description.components.pump import (
+    ConstantFlowPump,
+    IdealPump,
+    LoadSensingPump,
+    PressureCompensatedPump,
+    Pump,
+)
+
+
+class Supply(NamedTuple):
+    """The pumps as one; `ideal` is not 0 for a source of constant pressure."""
+
+    ideal: int
+    set_pressure: float  # [Pa] greatest P_r
+    flow_limit: float  # Q_max [m^3/s]
+    power_limit: float  # W [W]
+    efficiency: float  # hydraulic over shaft power
+    compensation: float  # dQ/dP of the compensator [m^3/(s Pa)], 0: none, always full flow
+    leakage: float  # 1/R_leak [m^3/(s Pa)]
+    capacitance: float  # C [m^3/Pa]
+    relief_pressure: float  # [Pa]
+    relief_conductance: float  # [m^3/(s Pa)]
+    margin: float  # [Pa] of a load-sensing pump
+    rate: float  # [1/s] of its lag; 0: P_r stands still
+
+
+class SupplyState(NamedTuple):
+    """Pressure in the manifold and the control's aim; also holds their time derivatives."""
+
+    pressure: float  # P_s [Pa]
+    reference: float  # P_r [Pa]
+
+
+class PumpFlow(NamedTuple):
+    """What the pumps do at a pressure."""
+
+    displaced: float  # Q_d [m^3/s]
+    delivered: float  # Q_d less leakage and relief [m^3/s]
+    slope: float  # d(delivered)/dP_s [m^3/(s Pa)], never positive
+
+
+def supply(pump: Pump) -> Supply:
+    """Return the kernel's constants of a machine's pump."""
+    if isinstance(pump, IdealPump):
+        return Supply(
+            1, pump.supply_pressure, math.inf, math.inf, 1.0, 0.0, 0.0, 1.0, math.inf, 0.0, 0.0, 0.0
+        )
+    band = pump.compensator_band if isinstance(pump, PressureCompensatedPump | LoadSensingPump) else math.inf
+    margin, lag = (pump.margin, pump.response_time) if isinstance(pump, LoadSensingPump) else (0.0, math.inf)
+    relief = pump.supply_pressure if isinstance(pump, ConstantFlowPump) else pump.relief_pressure
+    return Supply(
+        ideal=0,
+        set_pressure=pump.supply_pressure,
+        flow_limit=pump.flow_limit,
+        power_limit=pump.engine_power * pump.mechanical_efficiency,
+        efficiency=pump.mechanical_efficiency,
+        compensation=pump.flow_limit / band,
+        leakage=1.0 / pump.leakage_resistance,
+        capacitance=pump.manifold_capacitance,
+        relief_pressure=relief,
+        relief_conductance=pump.relief_conductance,
+        margin=margin,
+        rate=1.0 / lag,
+    )
+
+
+def pump_flow(pressure: float, reference: float, s: Supply) -> PumpFlow:
+    """Return what the pumps deliver into the manifold. Thesis section 3.2.1, fig. 3.4.
+
+    Args:
+        pressure: P_s [Pa].
+        reference: P_r [Pa].
+        s: the pumps.
+    """
+    displaced, slope = available_flow(pressure, s), 0.0
+    if displaced < s.flow_limit:
+        slope = -displaced / pressure
+    wanted = s.compensation * (reference - pressure)
+    if s.compensation > 0.0 and wanted < displaced:
+        displaced, slope = max(0.0, wanted), (-s.compensation if wanted > 0.0 else 0.0)
+    delivered = displaced - s.leakage * pressure
+    slope -= s.leakage
+    if pressure > s.relief_pressure:
+        delivered -= s.relief_conductance * (pressure - s.relief_pressure)
+        slope -= s.relief_conductance
+    return PumpFlow(displaced, delivered, slope)
+
+
+def available_flow(pressure: float, s: Supply) -> float:
+    """Return min(Q_max, W/P_s) [m^3/s], what displacement and engine allow at a pressure [Pa]."""
+    return min(s.flow_limit, s.power_limit / pressure) if pressure > 0.0 else s.flow_limit
+
+
+def saturation(draw: float, pressure: float, s: Supply) -> float:
+    """Return which part of what the pumps can give the axes draw, 0..1; 1: each gets what its load leaves it.
+
+    Args:
+        draw: S [m^3/s].
+        pressure: P_s [Pa].
+        s: the pumps; an ideal one never saturates.
+    """
+    if s.ideal:
+        return 0.0
+    most = available_flow(pressure, s) - s.leakage * pressure
+    return min(1.0, max(0.0, draw / most)) if most > 0.0 else 1.0
+
+
+def reference_rate(reference: float, load: float, s: Supply) -> float:
+    """Return dP_r/dt [Pa/s]: a load-sensing pump follows the greatest load with a lag. Thesis section 2.2.
+
+    Args:
+        reference: P_r [Pa].
+        load: greatest pressure at a port that draws from the supply [Pa].
+        s: the pumps.
+    """
+    return s.rate * (_aim(load, s) - reference)
+
+
+def reference_after(reference: float, load: float, s: Supply, step: float) -> float:
+    """Return P_r [Pa] at the end of an implicit stage, P_r = reference + step dP_r/dt."""
+    kept = 1.0 / (1.0 + step * s.rate)
+    return kept * (reference + step * s.rate * _aim(load, s))
+
+
+def _aim(load: float, s: Supply) -> float:
+    return min(s.set_pressure, max(0.0, load) + s.margin)

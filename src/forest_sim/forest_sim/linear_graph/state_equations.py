@@ -1,0 +1,245 @@
+"""State equations of a linear graph, derived: element laws, continuity and compatibility, elimination.
+
+States are the across variables of the A-types in the normal tree and the through variables of the T-types in
+the links. Continuity and compatibility express every variable by the primary ones, across variables of tree
+branches and through variables of links; the element laws then form one equation for each primary variable
+that is neither state nor input. All but the quadratic ones are linear and are solved together. A quadratic
+law is explicit where its argument is known: Q of a D-type in the tree (an orifice in series with an
+inertance, a hose in series with a piston), P of one in the links (an orifice between two capacitances).
+
+| symbol | name |
+|---|---|
+| P_C_1, Q_I_1, W_2, F_xdot ... | across, through variable of branch C_1, I_1, 2, xdot |
+| C_1, P_s, D_m, xdot ... | parameter of an element, input of a source |
+
+Parameters are positive symbols, all others are real.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import sympy
+from numpy.typing import ArrayLike, NDArray
+from sympy import Abs, Expr, Symbol, sign, sqrt
+
+from forest_sim.linear_graph.linear_graph import TWO_PORTS, Branch, Domain, GraphError, Kind, LinearGraph
+from forest_sim.linear_graph.normal_tree import NormalTree, normal_tree
+
+SOURCES = (Kind.ACROSS_SOURCE, Kind.THROUGH_SOURCE)
+
+
+@dataclass(frozen=True)
+class StateEquations:
+    """d(states)/dt = derivatives, and every branch's variables, in states, inputs and parameters."""
+
+    tree: NormalTree
+    states: tuple[Symbol, ...]
+    inputs: tuple[Symbol, ...]
+    parameters: tuple[Symbol, ...]
+    derivatives: tuple[Expr, ...]
+    across: dict[str, Expr]
+    through: dict[str, Expr]
+
+    def function(self, *expressions: Expr) -> Callable[..., NDArray[np.float64]]:
+        """Return f(states, inputs, parameters) for some expressions, by default the derivatives.
+
+        States and inputs are in the order of the fields, parameters a dict by name.
+        """
+        arguments = [*self.states, *self.inputs, *self.parameters]
+        compiled = sympy.lambdify(arguments, list(expressions or self.derivatives), "numpy", cse=True)
+        names = [symbol.name for symbol in self.parameters]
+
+        def evaluate(
+            states: ArrayLike, inputs: ArrayLike, parameters: dict[str, float]
+        ) -> NDArray[np.float64]:
+            values = [*np.asarray(states), *np.asarray(inputs), *(parameters[name] for name in names)]
+            return np.array(compiled(*values), dtype=np.float64)
+
+        return evaluate
+
+
+def across_symbol(branch: Branch) -> Symbol:
+    """Return the symbol of a branch's across variable; of an across source, its input."""
+    if branch.kind is Kind.ACROSS_SOURCE:
+        return Symbol(branch.parameter, real=True)
+    return Symbol(f"{branch.domain.across}_{branch.name}", real=True)
+
+
+def through_symbol(branch: Branch) -> Symbol:
+    """Return the symbol of a branch's through variable; of a through source, its input."""
+    if branch.kind is Kind.THROUGH_SOURCE:
+        return Symbol(branch.parameter, real=True)
+    return Symbol(f"{branch.domain.through}_{branch.name}", real=True)
+
+
+def parameter_symbol(branch: Branch) -> Symbol:
+    """Return the symbol of an element's constant."""
+    return Symbol(branch.parameter, positive=True)
+
+
+def state_equations(graph: LinearGraph) -> StateEquations:
+    """Derive the state equations. Thesis eq. 3.7, 3.13 are what it gives for the thesis' circuits.
+
+    Raises:
+        GraphError: the circuit has no normal tree, or an element's law cannot be eliminated explicitly.
+    """
+    tree = normal_tree(graph)
+    across, through = primary_variables(tree)
+    known = _solved(graph, across, through, {branch.name for branch in tree.tree})
+    across, through = (
+        {name: tidy(expression.xreplace(known)) for name, expression in variables.items()}
+        for variables in (across, through)
+    )
+    storages = graph.of(Kind.A_TYPE) + graph.of(Kind.T_TYPE)
+    return StateEquations(
+        tree=tree,
+        states=tuple(across_symbol(b) if b.kind is Kind.A_TYPE else through_symbol(b) for b in storages),
+        inputs=tuple(_unique([input_symbol(b) for b in graph.of(*SOURCES)])),
+        parameters=tuple(_unique([parameter_symbol(b) for b in graph.branches if b.kind not in SOURCES])),
+        derivatives=tuple(storage_rate(b, across[b.name], through[b.name]) for b in storages),
+        across=across,
+        through=through,
+    )
+
+
+def primary_variables(tree: NormalTree) -> tuple[dict[str, Expr], dict[str, Expr]]:
+    """Return every branch's across and through variable in terms of the primary ones.
+
+    Compatibility gives the links' across variables, continuity the tree branches' through variables.
+    Thesis eq. 3.5, 3.6, 3.11, 3.12. Differs: 3.11 prints Q3 for Q4 in its last line.
+    """
+    across = {branch.name: across_symbol(branch) for branch in tree.tree}
+    through = {branch.name: through_symbol(branch) for branch in tree.links}
+    for link, signs in tree.compatibility().items():
+        across[link] = sympy.Add(*(s * across[name] for name, s in signs.items()))
+    for branch, signs in tree.continuity().items():
+        through[branch] = sympy.Add(*(s * through[name] for name, s in signs.items()))
+    return across, through
+
+
+def linear_laws(graph: LinearGraph, across: dict[str, Expr], through: dict[str, Expr]) -> list[Expr]:
+    """Return the linear element laws without storage, each as an expression that is zero.
+
+    Thesis eq. 3.4, 3.10. Differs: 3.10 prints Q_1 = -gy1 V_2, which 3.13 contradicts.
+    """
+    laws = []
+    for branch in graph.of(Kind.D_TYPE):
+        cause, effect = _resistance_variables(branch, across, through)
+        laws.append(effect - parameter_symbol(branch) * cause)
+    for one, two in graph.pairs():
+        ratio = parameter_symbol(one)
+        if one.kind is Kind.TRANSFORMER:
+            laws.append(across[one.name] - ratio * across[two.name])
+            laws.append(through[two.name] + ratio * through[one.name])
+        else:
+            laws.append(through[one.name] - ratio * across[two.name])
+            laws.append(through[two.name] + ratio * across[one.name])
+    return laws
+
+
+def storage_rate(branch: Branch, across: Expr, through: Expr) -> Expr:
+    """Return the rate of a storage's state: f/C, a/I, or k a of a spring. Thesis eq. 3.4, 3.10."""
+    if branch.kind is Kind.A_TYPE:
+        return through / parameter_symbol(branch)
+    if branch.domain is Domain.HYDRAULIC:
+        return across / parameter_symbol(branch)
+    return across * parameter_symbol(branch)
+
+
+def tidy(expression: Expr) -> Expr:
+    """Return a sum; terms over the same sum as denominator share one factored coefficient."""
+    total, fractions = sympy.S.Zero, dict[tuple[Expr, Expr], Expr]()
+    for term in sympy.Add.make_args(sympy.expand(expression)):
+        variables = (symbol for symbol in term.free_symbols if not symbol.is_positive)
+        constant, carrier = term.as_independent(*variables)
+        numerator, denominator = sympy.fraction(constant)
+        if any(factor.is_Add for factor in sympy.Mul.make_args(denominator)):
+            key = (carrier, denominator)
+            fractions[key] = fractions.get(key, sympy.S.Zero) + numerator
+        else:
+            total += term
+    shared = []
+    for (carrier, below), above in fractions.items():
+        minus = -1 if above.could_extract_minus_sign() else 1
+        shared.append(sympy.Mul(minus, carrier, sympy.factor(minus * above), 1 / below))
+    return sympy.Add(total, *shared)
+
+
+def input_symbol(branch: Branch) -> Symbol:
+    """Return the symbol of a source's input."""
+    return across_symbol(branch) if branch.kind is Kind.ACROSS_SOURCE else through_symbol(branch)
+
+
+def _resistance_variables(
+    branch: Branch, across: dict[str, Expr], through: dict[str, Expr]
+) -> tuple[Expr, Expr]:
+    """Return what a D-type's constant multiplies, and the result: Q and P, or V and F."""
+    a, f = across[branch.name], through[branch.name]
+    return (f, a) if branch.domain is Domain.HYDRAULIC else (a, f)
+
+
+def _solved(
+    graph: LinearGraph, across: dict[str, Expr], through: dict[str, Expr], inside: set[str]
+) -> dict[Symbol, Expr]:
+    """Return the primary variables that are neither state nor input, in states, inputs and parameters."""
+
+    def primary(branch: Branch) -> Symbol:
+        return (across if branch.name in inside else through)[branch.name]
+
+    unknown = {primary(branch): branch for branch in graph.of(Kind.D_TYPE, *TWO_PORTS)}
+    quadratic = {primary(branch): branch for branch in graph.of(Kind.QUADRATIC)}
+    known = _solve_linear(graph, linear_laws(graph, across, through), unknown)
+    pending = dict(quadratic)
+    while pending:
+        found: dict[Symbol, Expr] = {}
+        for symbol, branch in pending.items():
+            given = (through if branch.name in inside else across)[branch.name].xreplace(known)
+            given = tidy(given.xreplace(known))
+            if not given.free_symbols & set(pending):
+                found[symbol] = _quadratic_law(branch, given, branch.name in inside)
+        if not found:
+            raise _implicit(graph, list(pending.values()))
+        pending = {symbol: branch for symbol, branch in pending.items() if symbol not in found}
+        known = {symbol: expression.xreplace(found) for symbol, expression in known.items()} | found
+    return known
+
+
+def _solve_linear(
+    graph: LinearGraph, laws: Sequence[Expr], unknown: dict[Symbol, Branch]
+) -> dict[Symbol, Expr]:
+    """Solve the linear laws; what is left of a singular system names its elements."""
+    if not unknown:
+        return {}
+    solutions = sympy.linsolve(laws, list(unknown))
+    values = dict(zip(unknown, next(iter(solutions)), strict=True)) if solutions else {}
+    free = {s for value in values.values() for s in value.free_symbols} & set(unknown)
+    if free or not values:
+        names = sorted({unknown[symbol].name for symbol in free or unknown})
+        raise GraphError(
+            f"{graph.name}: continuity, compatibility and linear laws do not determine "
+            f"element {', '.join(names)}"
+        )
+    return values
+
+
+def _quadratic_law(branch: Branch, given: Expr, in_tree: bool) -> Expr:
+    """Return a = R f|f| from f, or f = sign(a) sqrt(|a|/R) from a. Thesis eq. 3.1, 3.4, 3.10."""
+    constant = parameter_symbol(branch)
+    if in_tree == (branch.domain is Domain.HYDRAULIC):
+        return constant * given * Abs(given)
+    return sign(given) * sqrt(Abs(given) / constant)
+
+
+def _implicit(graph: LinearGraph, branches: Sequence[Branch]) -> GraphError:
+    names = ", ".join(f"{branch.name} (parameter {branch.parameter})" for branch in branches)
+    return GraphError(
+        f"{graph.name}: cannot eliminate the quadratic element {names}: neither its flow nor its drop "
+        "is given by states and inputs alone; put it in series with a storage of flow, or make it linear"
+    )
+
+
+def _unique(symbols: Sequence[Symbol]) -> list[Symbol]:
+    return list(dict.fromkeys(symbols))

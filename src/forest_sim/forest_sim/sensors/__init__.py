@@ -1,0 +1,1 @@
+"""What the machine's sensors report of its true state."""

@@ -1,0 +1,240 @@
+"""What the machine's sensors report of its true state.
+
+The true values go through one law per channel (`channel`), with the errors, the noise and the faults of a
+suite (`sensor_suite`, `sensor_faults`); the default suite is exact. What no sensor measures is derived from
+what they read (`measurement`). NaN stands for what there is no reading of.
+
+The pump's own flow passes unmeasured: table 4.2 has no meter there.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from forest_description.components.pump import IdealPump
+from forest_description.geometry.kinematics import Links, tip_position, tip_velocity
+from forest_description.machine import Machine
+from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
+from forest_sim.hydraulics.port import port_pressure
+from forest_sim.hydraulics.supply import saturation
+from forest_sim.mechanics.manipulator import Triple
+from forest_sim.sensors.sensor_model import WORKS, Channel, ChannelState, sample, sample_if
+from forest_sim.sensors.sensor_suite import (
+    CHANNELS,
+    EXACT_SUITE,
+    NO_DRAWS,
+    TIME_TOLERANCE,
+    Draws,
+    Suite,
+    conditions,
+)
+from forest_sim.sensors.signal_processing import (
+    Measurement,
+    Motion,
+    SpeedEstimate,
+    estimated,
+    force,
+    measurement,
+    positions,
+)
+from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.parameters import Axis, PlantParameters
+from forest_sim.solver.plant import AxisState, Ports, Transmission, ports_at, supply_draw, transmissions
+
+
+class Surroundings(NamedTuple):
+    """What sensors measure outside of hydraulics and crane."""
+
+    engine_speed: float = 2500.0 * 2.0 * math.pi / 60.0  # [rad/s]
+    temperatures: Triple = (313.15, 313.15, 313.15)  # [K] tank, pump case, swing motor case
+    tilt: tuple[float, float] = (0.0, 0.0)  # [rad] pitch, roll
+    rig: bool = False  # a test rig: the second flow meter is at the far end of the swing's hose 1
+
+
+NOMINAL = Surroundings()
+CHANNEL_COUNT = len(CHANNELS)
+
+
+class SensorState(NamedTuple):
+    """What the sensors and the estimators of the 6 speeds, joints then actuators, remember."""
+
+    channels: tuple[ChannelState, ...]
+    estimates: tuple[SpeedEstimate, ...]
+    time: float  # [s] since the start
+    next_sample: float  # [s]
+
+
+def surroundings(machine: Machine) -> Surroundings:
+    """Return the nominal surroundings of a machine: engine at its governed speed, oil warm, tilt as told."""
+    pump, tilt, oil = machine.pump, (0.0, machine.manipulator.platform_tilt), machine.oil
+    speed = NOMINAL.engine_speed if isinstance(pump, IdealPump) else pump.shaft_speed
+    warm = NOMINAL.temperatures if oil is None else (oil.reference_temperature,) * 3
+    return Surroundings(speed, warm, tilt)
+
+
+def at_rest(
+    simulation: Simulation,
+    p: PlantParameters,
+    suite: Suite = EXACT_SUITE,
+    around: Surroundings = NOMINAL,
+) -> SensorState:
+    """Return sensors and estimators that have seen the machine stand still at this state."""
+    states = [
+        sample(c._replace(mode=WORKS), ChannelState(x, x), x, 0.0, 0.0)[0]
+        for c, x in zip(suite.channels, true_values(simulation, p, around), strict=True)
+    ]
+    seen = positions(tuple([state.reading for state in states]))
+    estimates = tuple(SpeedEstimate(position, 0.0, 0.0) for position in seen)
+    return SensorState(tuple(states), estimates, 0.0, suite.period)
+
+
+class Sensors(NamedTuple):
+    """What stays from one sample to the next."""
+
+    plant: PlantParameters
+    channels: tuple[Channel, ...]  # as they work now
+    period: float  # [s] between samples; 0: whenever asked
+    around: Surroundings
+
+
+class Report(NamedTuple):
+    """What the sensors say, and what is true."""
+
+    seen: Measurement
+    joints: Motion  # angles [rad], rates [rad/s], actuator torques [N m]
+    tip: Triple  # [m]
+    tip_velocity: Triple  # [m/s]
+
+
+def measure(
+    simulation: Simulation,
+    state: SensorState,
+    p: PlantParameters,
+    dt: float,
+    suite: Suite = EXACT_SUITE,
+    draws: Draws = NO_DRAWS,
+    around: Surroundings = NOMINAL,
+) -> tuple[SensorState, Measurement]:
+    """Sample every sensor, `dt` [s] after the last call. Thesis table 4.2."""
+    channels = conditions(suite, state.time + dt, draws.uniform)
+    return sampled(state, simulation, draws.normal, Sensors(p, channels, suite.period, around), dt)
+
+
+def report(
+    state: SensorState, simulation: Simulation, normals: Sequence[float], k: tuple[Sensors, Links], dt: float
+) -> tuple[SensorState, Report]:
+    """Do as `sampled`, and tell the truth beside; `k` holds the lengths of the machine's links, too."""
+    s, links = k
+    state, seen = sampled(state, simulation, normals, s, dt)
+    true = true_joints(simulation, s.plant)
+    tip = tip_position(true.position, links)
+    return state, Report(seen, true, tip, tip_velocity(true.position, true.speed, links))
+
+
+def sampled(
+    state: SensorState, simulation: Simulation, normals: Sequence[float], s: Sensors, dt: float
+) -> tuple[SensorState, Measurement]:
+    """Do as `measure`, for machine code, too.
+
+    Args:
+        state: what the last call returned.
+        simulation: the machine.
+        normals: draws from the standard normal distribution, one for each channel.
+        s: what stays.
+        dt: time since the last call [s].
+    """
+    time = state.time + dt
+    due = time > state.next_sample - TIME_TOLERANCE
+    ports, before = ports_at(simulation.spools, s.plant), state.channels
+    true = _true_values(simulation, ports, s.plant, s.around)
+    said = tuple(
+        [sample_if(due, s.channels[i], before[i], true[i], dt, normals[i]) for i in range(CHANNEL_COUNT)]
+    )
+    read = tuple([said[i][1] for i in range(CHANNEL_COUNT)])
+    estimates = estimated(state.estimates, read, dt, due)
+    next_sample = max(time, state.next_sample + s.period) if due else state.next_sample
+    after = SensorState(tuple([said[i][0] for i in range(CHANNEL_COUNT)]), estimates, time, next_sample)
+    flow, used = _supply(simulation, ports, s.plant)
+    return after, measurement(read, estimates, s.plant, flow, used)
+
+
+def true_joints(simulation: Simulation, p: PlantParameters) -> Motion:
+    """Return the joints' true angles [rad], rates [rad/s] and actuator torques [N m]."""
+    swing, boom, stick = simulation.plant.swing, simulation.plant.boom, simulation.plant.stick
+    t_1, t_2, t_3 = _transmissions(simulation, p)
+    return Motion(
+        (swing.angle, boom.angle, stick.angle),
+        (swing.rate, boom.rate, stick.rate),
+        (
+            _true_force(swing, p.swing, t_1) * t_1.arm,
+            _true_force(boom, p.boom, t_2) * t_2.arm,
+            _true_force(stick, p.stick, t_3) * t_3.arm,
+        ),
+    )
+
+
+def true_values(simulation: Simulation, p: PlantParameters, around: Surroundings) -> tuple[float, ...]:
+    """Return what every channel would read if it were exact, in the order of `CHANNELS`."""
+    return _true_values(simulation, ports_at(simulation.spools, p), p, around)
+
+
+def _true_values(
+    simulation: Simulation, ports: tuple[Ports, Ports, Ports], p: PlantParameters, around: Surroundings
+) -> tuple[float, ...]:
+    plant, supply, spools = simulation.plant, simulation.plant.supply.pressure, simulation.spools
+    t_1, t_2, t_3 = _transmissions(simulation, p)
+    second = _entering(plant.swing, p.swing) if around.rig else plant.stick.flow_1
+    return (
+        *(plant.swing.angle, plant.boom.angle, plant.stick.angle),
+        *(t_2.position, t_3.position),
+        *axis_pressures(plant.swing, p.swing, t_1, ports[0], supply),
+        *axis_pressures(plant.boom, p.boom, t_2, ports[1], supply),
+        *axis_pressures(plant.stick, p.stick, t_3, ports[2], supply),
+        supply,
+        *(plant.swing.flow_1, second),
+        *around.temperatures,
+        around.engine_speed,
+        *(spools[0].position, spools[1].position, spools[2].position),
+        *around.tilt,
+        _case_drain_flow(plant.swing, p.swing),
+    )
+
+
+def _transmissions(
+    simulation: Simulation, p: PlantParameters
+) -> tuple[Transmission, Transmission, Transmission]:
+    plant = simulation.plant
+    return transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
+
+
+def _true_force(s: AxisState, axis: Axis, t: Transmission) -> float:
+    one, two = port_pressures(t.arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
+    return force(one, two, axis.actuator)
+
+
+def axis_pressures(
+    s: AxisState, axis: Axis, t: Transmission, ports: Ports, supply: float
+) -> tuple[float, float, float, float]:
+    """Return the pressures [Pa] of port 1 at valve and actuator, then of port 2."""
+    one, two = port_pressures(t.arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
+    valve_1 = port_pressure(s.pressure_1, s.flow_1, ports.port_1, supply)
+    valve_2 = port_pressure(s.pressure_2, -s.flow_2, ports.port_2, supply)
+    return valve_1, one, valve_2, two
+
+
+def _supply(
+    simulation: Simulation, ports: tuple[Ports, Ports, Ports], p: PlantParameters
+) -> tuple[float, float]:
+    """Return what the axes draw from the pumps [m^3/s], and which part that is of what these can give."""
+    flow = supply_draw(simulation.plant, ports).flow
+    return flow, saturation(flow, simulation.plant.supply.pressure, p.supply)
+
+
+def _case_drain_flow(s: AxisState, axis: Axis) -> float:
+    """Return the motor's external leakage [m^3/s]: what goes in and does not come out. Thesis eq. 4.8."""
+    return _entering(s, axis) - outlet_flow(s.rate, s.pressure_1, s.pressure_2, axis.actuator)
+
+
+def _entering(s: AxisState, axis: Axis) -> float:
+    """Return the flow into the motor at port 1 [m^3/s]."""
+    return inlet_flow(s.rate, s.pressure_1, s.pressure_2, axis.actuator)

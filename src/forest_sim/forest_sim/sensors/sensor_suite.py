@@ -1,0 +1,196 @@
+"""Which sensors the machine has, in one fixed order, and what each unit of them is worth.
+
+A suite is made once, from the machine's file, a seed and faults. The seed gives every unit its static error,
+uniform within its accuracy unless the file tells what the unit's calibration found, and starts the generator
+of the samples' noise. Every channel has its own place in both, so that taking one away changes no other.
+
+Without noise a suite is exact: no error, lag, floor, resolution, range or sampling; absences and faults hold.
+"""
+
+import math
+import zlib
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from forest_description.components.sensor_calibration import Unit, line_of
+from forest_description.components.sensors import FlowMeter, LinearTransducer
+from forest_description.machine import AXES, CylinderDrive, Machine
+from forest_sim.sensors.sensor_model import ABSENT, EXACT, Channel
+
+PORTS = tuple(f"{port}_{place}" for port in (1, 2) for place in ("valve", "actuator"))
+TIME_TOLERANCE = 1e-9  # [s] by which sums of periods may be off
+
+
+class Kind(NamedTuple):
+    """Sensors of one kind: key of the machine file's section, unit, channels."""
+
+    name: str
+    unit: str
+    channels: tuple[str, ...]
+
+
+KINDS = (
+    Kind("resolver", "rad", tuple(f"{axis}_resolver" for axis in AXES)),
+    Kind("linear_transducer", "m", ("boom_transducer", "stick_transducer")),
+    Kind(
+        "pressure",
+        "Pa",
+        (*(f"{axis}_pressure_{port}" for axis in AXES for port in PORTS), "supply_pressure"),
+    ),
+    Kind("flow_meter", "m3/s", ("swing_flow", "stick_flow")),
+    Kind("thermocouple", "K", ("tank_temperature", "pump_temperature", "motor_temperature")),
+    Kind("tachometer", "rad/s", ("engine_speed",)),
+    Kind("spool_sensor", "V", tuple(f"{axis}_spool" for axis in AXES)),
+    Kind("inclinometer", "rad", ("platform_pitch", "platform_roll")),
+    Kind("case_drain", "m3/s", ("case_drain",)),
+)
+CHANNELS = tuple(channel for kind in KINDS for channel in kind.channels)
+PLACES = {
+    kind.name: slice(CHANNELS.index(kind.channels[0]), CHANNELS.index(kind.channels[-1]) + 1)
+    for kind in KINDS
+}
+UNIT = {channel: kind.unit for kind in KINDS for channel in kind.channels}
+
+
+class Fault(NamedTuple):
+    """Something wrong with a channel from `start` to before `end` [s], counted from the machine's start."""
+
+    channel: int  # place in CHANNELS
+    mode: int  # of the channel; WORKS: biased only
+    bias: float  # [the channel's]
+    probability: float  # that a sample is hit
+    start: float
+    end: float
+
+
+class Suite(NamedTuple):
+    """All sensors of a machine; channels in the order of `CHANNELS`."""
+
+    channels: tuple[Channel, ...]
+    period: float = 0.0  # [s] between samples; 0: whenever asked
+    faults: tuple[Fault, ...] = ()
+    seed: int = 0
+
+
+class Draws(NamedTuple):
+    """What chance says to one sample of every channel: standard normal; uniform in 0 .. 1."""
+
+    normal: Sequence[float]
+    uniform: Sequence[float]
+
+
+EXACT_SUITE = Suite((EXACT,) * len(CHANNELS))
+NO_DRAWS = Draws((0.0,) * len(CHANNELS), (0.0,) * len(CHANNELS))
+
+
+def sensor_suite(
+    machine: Machine, noise: bool = False, seed: int = 0, faults: tuple[Fault, ...] = ()
+) -> Suite:
+    """Return a machine's sensors: exact ones, or with everything that its file says of them.
+
+    Thesis section 4.2.2: the rate of the data acquisition.
+    """
+    luck = iter(np.random.default_rng([seed, 0]).uniform(-1.0, 1.0, len(CHANNELS)).tolist())
+    channels = []
+    for kind in KINDS:
+        there = getattr(machine.sensors, kind.name) is not None
+        for name in kind.channels:
+            share = next(luck)
+            made = (
+                _calibrated(_channel(kind.name, name, machine, share), name, machine)
+                if there and noise
+                else EXACT
+            )
+            channels.append(made if there else made._replace(mode=ABSENT))
+    return Suite(tuple(channels), 1.0 / machine.sensors.sample_rate if noise else 0.0, faults, seed)
+
+
+def calibrated(suite: Suite) -> Suite:
+    """Return the suite without its units' static errors, which a calibration takes out."""
+    return suite._replace(channels=tuple(c._replace(bias=0.0, gain=1.0) for c in suite.channels))
+
+
+def noise_generator(suite: Suite, run: str = "") -> np.random.Generator:
+    """Return the generator of a suite's draws; equal seeds give equal readings.
+
+    Args:
+        suite: of sensors.
+        run: name of the run: another one has other noise from the same units.
+    """
+    return np.random.default_rng([suite.seed, 1, zlib.crc32(run.encode())] if run else [suite.seed, 1])
+
+
+def draw(generator: np.random.Generator) -> Draws:
+    """Draw for one sample of every channel."""
+    count = len(CHANNELS)
+    return Draws(generator.standard_normal(count).tolist(), generator.random(count).tolist())
+
+
+def conditions(suite: Suite, time: float, uniform: Sequence[float]) -> tuple[Channel, ...]:
+    """Return the channels as they work at a time [s]; the suite's own while it has no faults."""
+    if not suite.faults:
+        return suite.channels
+    channels = list(suite.channels)
+    for fault in suite.faults:
+        if fault.start - TIME_TOLERANCE <= time < fault.end - TIME_TOLERANCE:
+            channel = channels[fault.channel]
+            hit = uniform[fault.channel] < fault.probability
+            mode = max(channel.mode, fault.mode) if hit else channel.mode
+            channels[fault.channel] = channel._replace(bias=channel.bias + fault.bias, mode=mode)
+    return tuple(channels)
+
+
+def _channel(kind: str, name: str, machine: Machine, share: float) -> Channel:
+    """Return one unit, off by a share (-1 .. 1) of what its accuracy allows. Thesis table 4.2."""
+    sensors = machine.sensors
+    if kind == "flow_meter" and sensors.flow_meter is not None:
+        return _flow_meter(sensors.flow_meter, share)
+    if kind == "linear_transducer" and sensors.linear_transducer is not None:
+        drive = machine.boom if name.startswith("boom") else machine.stick
+        return _linear_transducer(sensors.linear_transducer, drive)
+    part = getattr(sensors, kind)
+    error, low, high = (part.accuracy or 0.0) * share, -math.inf, math.inf
+    exact = Channel(noise=part.noise or 0.0)
+    if kind == "case_drain":
+        return exact._replace(gain=1.0 + error)
+    if kind == "resolver":
+        low, high = -0.5 * part.full_scale, 0.5 * part.full_scale
+    elif kind == "pressure":
+        error, low, high = error * part.full_scale, 0.0, part.full_scale
+    elif kind == "thermocouple":
+        low, high = part.lowest, part.highest
+    return exact._replace(bias=error, low=low, high=high)
+
+
+def _calibrated(channel: Channel, name: str, machine: Machine) -> Channel:
+    """Return one unit, off as its calibration found it, if there was one. Thesis section 4.3.1."""
+    unit: Unit | None = getattr(machine.sensors.calibration, name, None)
+    if unit is None:
+        return channel
+    gain, bias = line_of(unit)
+    return channel._replace(gain=gain, bias=bias)
+
+
+def _flow_meter(meter: FlowMeter, share: float) -> Channel:
+    """Return a turbine; its range counts either way. Thesis table 4.2, section 4.3.2.4."""
+    return Channel(
+        time_constant=meter.time_constant,
+        gain=1.0 + (meter.accuracy or 0.0) * share,
+        noise=meter.noise or 0.0,
+        floor=meter.lowest,
+        low=-meter.highest,
+        high=meter.highest,
+    )
+
+
+def _linear_transducer(transducer: LinearTransducer, drive: CylinderDrive) -> Channel:
+    """Return a transducer whose range reaches as far beyond either end of the stroke. Thesis table 4.2."""
+    low = drive.retracted_length - 0.5 * (transducer.full_scale - drive.stroke)
+    return Channel(
+        resolution=transducer.full_scale * (transducer.resolution or 0.0),
+        noise=transducer.noise or 0.0,
+        low=low,
+        high=low + transducer.full_scale,
+    )

@@ -1,0 +1,131 @@
+"""From the channels' readings to quantities, and to what is derived from them as on a real machine.
+
+- Speeds: backward difference of the positions read, behind a first-order low-pass (`SPEED_BANDWIDTH`);
+  causal, so it lags. Over the time since the last sample, so that a lost one does not look like a jump.
+- Forces and torques: from the pressures read at the actuators and, for torques, the angles read.
+
+NaN stands for what there is no reading of, and for what would be derived from it.
+
+| quantity | shape | unit |
+|---|---|---|
+| joint angle, rate, torque | 3 (swing, boom, stick) | rad, rad/s, N m |
+| actuator position, speed, force | 3 | rad or m, rad/s or m/s, N m or N |
+| pressures | 12: axis, port, place (valve, actuator) | Pa |
+| flows | 2: into port 1 of swing and stick | m^3/s |
+| spools | 3 | V |
+| temperatures | 3: tank, pump case, swing motor case | K |
+| engine speed | 1 | rad/s |
+| tilt of the platform | 2: pitch, roll | rad |
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_description.geometry.linkage import lever_arm
+from forest_sim.hydraulics.actuator import Actuator
+from forest_sim.mechanics.manipulator import Triple
+from forest_sim.sensors.sensor_suite import PLACES
+from forest_sim.solver.parameters import PlantParameters
+
+SPEED_BANDWIDTH = 25.0  # [Hz]
+
+# Where the channels of a kind begin.
+PRESSURES, FLOWS = PLACES["pressure"].start, PLACES["flow_meter"].start
+TEMPERATURES, ENGINE_SPEED = PLACES["thermocouple"].start, PLACES["tachometer"].start
+SPOOLS, TILT, CASE_DRAIN = (PLACES[kind].start for kind in ("spool_sensor", "inclinometer", "case_drain"))
+
+Readings = tuple[float, ...]
+Estimates = tuple["SpeedEstimate", ...]  # joints, then actuators
+
+
+class Motion(NamedTuple):
+    """Positions, speeds and efforts of three joints or actuators; NaN where there is no reading."""
+
+    position: Triple
+    speed: Triple
+    effort: Triple
+
+
+class SpeedEstimate(NamedTuple):
+    """A speed estimator: last position read, filtered speed, time since then [s]."""
+
+    position: float
+    speed: float
+    age: float
+
+
+class Measurement(NamedTuple):
+    """One sample of every sensor; NaN where there is none."""
+
+    joints: Motion
+    actuators: Motion
+    pressures: tuple[float, ...]
+    flows: tuple[float, ...]
+    supply_pressure: float
+    supply_flow: float
+    supply_saturation: float
+    case_drain_flow: float
+    spools: Triple
+    temperatures: Triple
+    engine_speed: float
+    tilt: tuple[float, ...]
+
+
+def estimate_speed(e: SpeedEstimate, position: float, dt: float, due: bool) -> SpeedEstimate:
+    """Return the estimate `dt` [s] later; only a sample that is due, and not lost, moves it."""
+    elapsed = e.age + dt
+    if not due or math.isnan(position):
+        return SpeedEstimate(e.position, e.speed, elapsed)
+    keep = math.exp(-2.0 * math.pi * SPEED_BANDWIDTH * elapsed)
+    speed = keep * e.speed + (1.0 - keep) * (position - e.position) / elapsed
+    return SpeedEstimate(position, speed, 0.0)
+
+
+def estimated(before: Estimates, read: Readings, dt: float, due: bool) -> Estimates:
+    """Return the estimates of all six speeds `dt` [s] later."""
+    seen = positions(read)
+    return tuple([estimate_speed(before[i], seen[i], dt, due) for i in range(6)])
+
+
+def force(pressure_1: float, pressure_2: float, a: Actuator) -> float:
+    """Return the actuator's force [N; N m] from its pressures, without friction. Thesis eq. 3.17, 3.19."""
+    return a.own_displacement_1 * pressure_1 - a.own_displacement_2 * pressure_2
+
+
+def measurement(
+    read: Readings, estimates: Estimates, p: PlantParameters, supply_flow: float, supply_saturation: float
+) -> Measurement:
+    """Return readings, in the order of `CHANNELS`, by quantity, with what is derived from them."""
+    seen, at = positions(read), tuple([read[PRESSURES + i] for i in range(12)])
+    speeds = tuple([_known_speed(estimates[i], seen[i]) for i in range(6)])
+    forces = (
+        force(at[1], at[3], p.swing.actuator),
+        force(at[5], at[7], p.boom.actuator),
+        force(at[9], at[11], p.stick.actuator),
+    )
+    arms = 1.0, lever_arm(seen[1], p.boom_linkage), lever_arm(seen[2], p.stick_linkage)
+    torques = forces[0] * arms[0], forces[1] * arms[1], forces[2] * arms[2]
+    return Measurement(
+        joints=Motion((seen[0], seen[1], seen[2]), (speeds[0], speeds[1], speeds[2]), torques),
+        actuators=Motion((seen[3], seen[4], seen[5]), (speeds[3], speeds[4], speeds[5]), forces),
+        pressures=at,
+        flows=(read[FLOWS], read[FLOWS + 1]),
+        supply_pressure=read[PRESSURES + 12],
+        supply_flow=supply_flow,
+        supply_saturation=supply_saturation,
+        case_drain_flow=read[CASE_DRAIN],
+        spools=(read[SPOOLS], read[SPOOLS + 1], read[SPOOLS + 2]),
+        temperatures=(read[TEMPERATURES], read[TEMPERATURES + 1], read[TEMPERATURES + 2]),
+        engine_speed=read[ENGINE_SPEED],
+        tilt=(read[TILT], read[TILT + 1]),
+    )
+
+
+def positions(read: Readings) -> tuple[float, ...]:
+    """Return the positions read of 3 joints and 3 actuators; the swing's resolver serves both."""
+    return read[0], read[1], read[2], read[0], read[3], read[4]
+
+
+def _known_speed(e: SpeedEstimate, position: float) -> float:
+    """Return an estimate's speed; there is none of a position that has no sample now."""
+    return math.nan if math.isnan(position) else e.speed

@@ -1,0 +1,1 @@
+"""The equations of motion together, and their steps in time, interpreted or compiled."""

@@ -1,0 +1,61 @@
+"""Where a simulation starts: every valve shut, nothing moving, gravity held by trapped oil."""
+
+from forest_description.geometry.linkage import lever_arm
+from forest_sim.hydraulics.spool import CENTRED
+from forest_sim.hydraulics.supply import Supply, SupplyState, pump_flow
+from forest_sim.mechanics.manipulator import Triple
+from forest_sim.mechanics.pendulum import hanging_angles
+from forest_sim.solver.integrator import Events, Simulation
+from forest_sim.solver.multibody import HANGING_STILL, HeadState, mechanics
+from forest_sim.solver.parameters import Axis, PlantParameters
+from forest_sim.solver.plant import AxisState, PlantState
+
+PRELOAD = 0.1  # pressure in the less loaded chamber, as a share of the supply's
+
+
+def equilibrium(angles: Triple, p: PlantParameters) -> Simulation:
+    """Return the machine at rest at the joint angles [rad], valves shut.
+
+    The trapped volumes leave one pressure per cylinder free: the less loaded chamber gets `PRELOAD` of the
+    supply pressure. The swing's hoses have leaked empty; on a tilted platform the swing cannot rest and
+    starts to creep, and so does every axis whose valve leaks or is underlapped.
+    """
+    angles = float(angles[0]), float(angles[1]), float(angles[2])  # compiled kernels know no whole numbers
+    head = HeadState(*hanging_angles(angles[0], p.body), 0.0, 0.0) if p.head.mass > 0.0 else HANGING_STILL
+    bias = mechanics(angles, (0.0, 0.0, 0.0), head, p).bias
+    return Simulation(
+        PlantState(
+            AxisState(angles[0], 0.0, 0.0, 0.0, 0.0, 0.0),
+            _hold(angles[1], bias[1] / lever_arm(angles[1], p.boom_linkage), p.boom, p),
+            _hold(angles[2], bias[2] / lever_arm(angles[2], p.stick_linkage), p.stick, p),
+            idle_supply(p.supply),
+            head,
+        ),
+        (CENTRED, CENTRED, CENTRED),
+        Events(0, 0, 0),
+        (0.0, 0.0, 0.0),
+    )
+
+
+def idle_supply(s: Supply) -> SupplyState:
+    """Return the supply when nobody draws: the pressure at which the pumps deliver nothing."""
+    reference = s.margin if s.rate > 0.0 else s.set_pressure
+    if s.ideal:
+        return SupplyState(reference, reference)
+    low, high = 0.0, s.relief_pressure + s.flow_limit / s.relief_conductance
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        if pump_flow(middle, reference, s).delivered > 0.0:
+            low = middle
+        else:
+            high = middle
+    return SupplyState(0.5 * (low + high), reference)
+
+
+def _hold(angle: float, force: float, axis: Axis, p: PlantParameters) -> AxisState:
+    """Return the axis at rest with A_1 P_1 - A_2 P_2 = force [N]."""
+    a_1, a_2 = axis.actuator.displacement_1, axis.actuator.displacement_2
+    preload = PRELOAD * p.supply.set_pressure
+    if force + a_2 * preload >= a_1 * preload:
+        return AxisState(angle, 0.0, (force + a_2 * preload) / a_1, preload, 0.0, 0.0)
+    return AxisState(angle, 0.0, preload, (a_1 * preload - force) / a_2, 0.0, 0.0)

@@ -1,0 +1,162 @@
+"""One time step of the plant, through shut valves and water hammer alike.
+
+An L-stable, stiffly accurate, two-stage SDIRK of order 2 (gamma = 1 - 1/sqrt 2): each stage solves Y = y +
+step f(Y) for the f of `plant.state_derivative` (`stage.solve_stage`). A stage's derivative is read off its
+increment, (Y - y)/step, never from f: f has no value when an orifice shuts on a flow.
+
+The step assumes that commands stand still over it. The spools' lags are linear and are advanced exactly.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_sim.hydraulics.hydraulic_line import PortGuard
+from forest_sim.hydraulics.spool import Spool, Spools, spool_after
+from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.mechanics.manipulator import Triple
+from forest_sim.solver.implicit_stage import solve_stage
+from forest_sim.solver.multibody import HeadState
+from forest_sim.solver.parameters import PlantParameters, SpoolValve
+from forest_sim.solver.plant import AxisState, PlantState, ports_at
+
+GAMMA = 1.0 - math.sqrt(0.5)
+
+
+class Events(NamedTuple):
+    """What happened since the start, counted."""
+
+    relief_openings: int
+    anticavitation_openings: int
+    unconverged_stages: int
+
+
+class Simulation(NamedTuple):
+    """The machine between two steps."""
+
+    plant: PlantState
+    spools: Spools
+    events: Events
+    accelerations: Triple  # of the joints over the last stage [rad/s^2], from which Newton starts
+
+
+def step(simulation: Simulation, voltages: Triple, h: float, p: PlantParameters) -> Simulation:
+    """Advance the machine by h [s] with the valve voltages [V] held."""
+    plant, c = simulation.plant, GAMMA * h
+    middle = spools_after(simulation.spools, voltages, c, p)
+    end = spools_after(simulation.spools, voltages, h, p)
+    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
+    base = ahead = after = plant
+    failures = 0
+    for stage in range(2):  # one body for both, so that the compiled plant holds it once
+        after, failed = solve_stage(base, ahead, rates, ports, c, p)
+        failures += failed
+        if stage == 0:
+            # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
+            base, ahead = _blend(plant, after, (1.0 - GAMMA) / GAMMA), _blend(plant, after, 1.0 / GAMMA)
+            rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
+            if end != middle:
+                ports = ports_at(end, p)
+    events = _count(simulation.events, plant, after, failures, p.guard)
+    return Simulation(after, end, events, _mean_accelerations(base, after, c))
+
+
+def _mean_accelerations(before: PlantState, after: PlantState, time: float) -> Triple:
+    """Return the joints' mean accelerations [rad/s^2] over a time [s]."""
+    per_time = 1.0 / time
+    return (
+        per_time * (after.swing.rate - before.swing.rate),
+        per_time * (after.boom.rate - before.boom.rate),
+        per_time * (after.stick.rate - before.stick.rate),
+    )
+
+
+def _rates_after(plant: PlantState, accelerations: Triple, time: float) -> Triple:
+    """Return the joint rates [rad/s] that steady accelerations [rad/s^2] lead to."""
+    return (
+        plant.swing.rate + time * accelerations[0],
+        plant.boom.rate + time * accelerations[1],
+        plant.stick.rate + time * accelerations[2],
+    )
+
+
+def advance(simulation: Simulation, voltages: Triple, h: float, count: int, p: PlantParameters) -> Simulation:
+    """Advance the machine by `count` steps of h [s] with the valve voltages [V] held."""
+    for _ in range(count):
+        simulation = step(simulation, voltages, h, p)
+    return simulation
+
+
+def spools_after(spools: Spools, voltages: Triple, time: float, p: PlantParameters) -> Spools:
+    """Return the spools after a time [s] under held voltages [V]; they end at the rated one."""
+    return (
+        _spool_after(spools[0], voltages[0], time, p.valves[0]),
+        _spool_after(spools[1], voltages[1], time, p.valves[1]),
+        _spool_after(spools[2], voltages[2], time, p.valves[2]),
+    )
+
+
+def _spool_after(spool: Spool, voltage: float, time: float, valve: SpoolValve) -> Spool:
+    rated = valve.law.forward.rated_voltage
+    return spool_after(spool, max(-rated, min(rated, voltage)), time, valve.lag)
+
+
+def _count(e: Events, before: PlantState, after: PlantState, failed: int, guard: PortGuard) -> Events:
+    """Count the port valves that opened over a step, and the stages whose Newton did not converge."""
+    if guard.relief_conductance == 0.0 and guard.anticavitation_conductance == 0.0:
+        return Events(e.relief_openings, e.anticavitation_openings, e.unconverged_stages + failed)
+    a, b, c = (
+        _openings(before.swing, after.swing, guard),
+        _openings(before.boom, after.boom, guard),
+        _openings(before.stick, after.stick, guard),
+    )
+    return Events(
+        e.relief_openings + a[0] + b[0] + c[0],
+        e.anticavitation_openings + a[1] + b[1] + c[1],
+        e.unconverged_stages + failed,
+    )
+
+
+def _openings(before: AxisState, after: AxisState, guard: PortGuard) -> tuple[int, int]:
+    """Return how many of an axis' relief and anti-cavitation valves opened over a step."""
+    relief, check = guard.relief_pressure, guard.anticavitation_pressure
+    return (
+        int(before.pressure_1 <= relief < after.pressure_1)
+        + int(before.pressure_2 <= relief < after.pressure_2),
+        int(before.pressure_1 >= check > after.pressure_1)
+        + int(before.pressure_2 >= check > after.pressure_2),
+    )
+
+
+def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
+    """Return start + weight (stage - start)."""
+    a, b = start.supply, stage.supply
+    return PlantState(
+        _blend_axis(start.swing, stage.swing, weight),
+        _blend_axis(start.boom, stage.boom, weight),
+        _blend_axis(start.stick, stage.stick, weight),
+        SupplyState(
+            a.pressure + weight * (b.pressure - a.pressure),
+            a.reference + weight * (b.reference - a.reference),
+        ),
+        _blend_head(start.head, stage.head, weight),
+    )
+
+
+def _blend_head(a: HeadState, b: HeadState, w: float) -> HeadState:
+    return HeadState(
+        a.alpha + w * (b.alpha - a.alpha),
+        a.beta + w * (b.beta - a.beta),
+        a.alpha_rate + w * (b.alpha_rate - a.alpha_rate),
+        a.beta_rate + w * (b.beta_rate - a.beta_rate),
+    )
+
+
+def _blend_axis(a: AxisState, b: AxisState, w: float) -> AxisState:
+    return AxisState(
+        a.angle + w * (b.angle - a.angle),
+        a.rate + w * (b.rate - a.rate),
+        a.pressure_1 + w * (b.pressure_1 - a.pressure_1),
+        a.pressure_2 + w * (b.pressure_2 - a.pressure_2),
+        a.flow_1 + w * (b.flow_1 - a.flow_1),
+        a.flow_2 + w * (b.flow_2 - a.flow_2),
+    )

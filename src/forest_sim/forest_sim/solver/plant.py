@@ -1,0 +1,260 @@
+"""The machine's equations of motion, Thesis eq. 3.20 and App. B, for both directions of every valve.
+
+State, in Appendix B's order, for swing, boom and stick in turn: joint angle [rad], joint rate [rad/s],
+pressure in hose 1 and in hose 2 [Pa], flow through hose 1 from the valve and through hose 2 to the valve
+[m^3/s]. A real pump adds the pressure in its manifold, a hanging head its two angles and their rates.
+
+A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only case); a
+negative one the reverse. Tank is zero pressure. Actuator coordinates are the swing angle and the two
+cylinders' lengths.
+
+The laws of the parts live in `line`, `actuator`, `supply`, `mechanics`, `friction` and `end_stop`; here they
+are put together. Everything in this module is pure and stays in the subset of Python that `translate` makes
+machine code of.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from forest_description.components.valve import ValveLaw, edges
+from forest_description.geometry.linkage import Linkage, length_and_arm
+from forest_description.machine import Machine
+from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
+from forest_sim.hydraulics.hydraulic_line import flow_rate, pressure_rate
+from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
+from forest_sim.hydraulics.spool import Spools
+from forest_sim.hydraulics.supply import SupplyState, pump_flow, reference_rate
+from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
+from forest_sim.mechanics.friction import friction_force
+from forest_sim.mechanics.manipulator import Pair, Triple
+from forest_sim.solver.multibody import HANGING_STILL, HeadState, Mechanics, mechanics, solve
+from forest_sim.solver.parameters import Axis, PlantParameters, plant_parameters
+
+
+class AxisState(NamedTuple):
+    """One axis in Appendix B's order; also holds its time derivative."""
+
+    angle: float
+    rate: float
+    pressure_1: float
+    pressure_2: float
+    flow_1: float
+    flow_2: float
+
+
+class PlantState(NamedTuple):
+    """The 18 states of Thesis eq. 3.20, and those of the pump and of a hanging head."""
+
+    swing: AxisState
+    boom: AxisState
+    stick: AxisState
+    supply: SupplyState
+    head: HeadState
+
+
+class Ports(NamedTuple):
+    """What the spool's four edges connect the hoses of one axis to."""
+
+    port_1: Port
+    port_2: Port
+
+
+class Draw(NamedTuple):
+    """What one axis, or all of them, ask of the supply."""
+
+    flow: float  # [m^3/s]
+    load: float  # greatest pressure at a port that is open to the supply [Pa], 0 if none is
+
+
+class Transmission(NamedTuple):
+    """An actuator's position and the joint's lever arm about it."""
+
+    position: float  # [rad; m]
+    arm: float  # d(position)/d(angle) [1; m/rad]
+
+
+def valve_ports(spool_position: float, law: ValveLaw) -> Ports:
+    """Return both ports at a spool position [V]; shut inside the overlap. Thesis eq. 3.1, 3.2, fig. 2.5."""
+    e = edges(spool_position, law)
+    return Ports(
+        Port(e.supply_1, e.tank_1, law.leakage, law.load_check),
+        Port(e.supply_2, e.tank_2, law.leakage, law.load_check),
+    )
+
+
+def ports_at(spools: Spools, p: PlantParameters) -> tuple[Ports, Ports, Ports]:
+    """Return the ports of swing, boom and stick at the spools' positions."""
+    return (
+        valve_ports(spools[0].position, p.valves[0].law),
+        valve_ports(spools[1].position, p.valves[1].law),
+        valve_ports(spools[2].position, p.valves[2].law),
+    )
+
+
+def transmissions(
+    swing: float, boom: float, stick: float, p: PlantParameters
+) -> tuple[Transmission, Transmission, Transmission]:
+    """Return actuator positions and lever arms at the joint angles [rad]. Thesis eq. 3.16, App. A."""
+    return Transmission(swing, 1.0), _cylinder(boom, p.boom_linkage), _cylinder(stick, p.stick_linkage)
+
+
+def _cylinder(angle: float, linkage: Linkage) -> Transmission:
+    # From the angle's cosine and sine, which the dynamics need as well: compiled, they are taken once.
+    length, arm = length_and_arm(math.cos(angle), math.sin(angle), linkage)
+    return Transmission(length, arm)
+
+
+def joint_torque(state: AxisState, transmission: Transmission, axis: Axis) -> float:
+    """Return the torque [N m] of an axis' actuator and end stop on its joint. Thesis eq. 3.16, 3.18, 3.19."""
+    speed = transmission.arm * state.rate
+    force = actuator_force(speed, state.pressure_1, state.pressure_2, axis.actuator)
+    return transmission.arm * (force + passive_force(transmission.position, speed, axis))
+
+
+def passive_force(position: float, speed: float, axis: Axis) -> float:
+    """Return what dry friction, cushion and end stop do to the load [N; N m]."""
+    braking = cushion_resistance(position, speed, axis.cushion) * abs(speed) * speed
+    return end_stop_force(position, speed, axis.stop) - braking - friction_force(speed, axis.friction)
+
+
+def accelerations(m: Mechanics, torques: tuple[float, float, float]) -> tuple[Triple, Pair]:
+    """Return M^-1 (tau - V - G) of the joints and of the hanging head [rad/s^2]. Thesis eq. 3.15, 4.11."""
+    b = m.bias
+    driving = torques[0] - b[0], torques[1] - b[1], torques[2] - b[2]
+    return solve(m.inertia, driving, (-m.head_bias[0], -m.head_bias[1]))
+
+
+def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: PlantParameters) -> PlantState:
+    """Return the time derivative of all 18 states. Thesis eq. 3.20, App. B.
+
+    A shut orifice (C_R = inf) has a derivative only at zero flow; the integrator holds it there.
+    """
+    swing, boom, stick = state.swing, state.boom, state.stick
+    t_1, t_2, t_3 = transmissions(swing.angle, boom.angle, stick.angle, p)
+    angles, rates = (swing.angle, boom.angle, stick.angle), (swing.rate, boom.rate, stick.rate)
+    torques = (
+        joint_torque(swing, t_1, p.swing),
+        joint_torque(boom, t_2, p.boom),
+        joint_torque(stick, t_3, p.stick),
+    )
+    (a_1, a_2, a_3), (a_alpha, a_beta) = accelerations(mechanics(angles, rates, state.head, p), torques)
+    return PlantState(
+        _axis_derivative(swing, a_1, t_1.arm, ports[0], state.supply.pressure, p.swing, p),
+        _axis_derivative(boom, a_2, t_2.arm, ports[1], state.supply.pressure, p.boom, p),
+        _axis_derivative(stick, a_3, t_3.arm, ports[2], state.supply.pressure, p.stick, p),
+        _supply_derivative(state, ports, p),
+        HeadState(state.head.alpha_rate, state.head.beta_rate, a_alpha, a_beta),
+    )
+
+
+def _axis_derivative(
+    s: AxisState, acceleration: float, arm: float, ports: Ports, supply: float, axis: Axis, p: PlantParameters
+) -> AxisState:
+    """Return one axis' six derivatives. Hose 2 is counted towards the valve, hence the signs."""
+    q_1 = inlet_flow(arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
+    q_2 = outlet_flow(arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
+    return AxisState(
+        angle=s.rate,
+        rate=acceleration,
+        pressure_1=pressure_rate(s.pressure_1, s.flow_1, q_1, axis.line_1, p.guard),
+        pressure_2=pressure_rate(s.pressure_2, -s.flow_2, -q_2, axis.line_2, p.guard),
+        flow_1=flow_rate(s.pressure_1, s.flow_1, ports.port_1, supply, axis.line_1),
+        flow_2=-flow_rate(s.pressure_2, -s.flow_2, ports.port_2, supply, axis.line_2),
+    )
+
+
+def _supply_derivative(
+    state: PlantState, ports: tuple[Ports, Ports, Ports], p: PlantParameters
+) -> SupplyState:
+    """Return the manifold's and the pump control's derivatives. Thesis section 3.2.1."""
+    if p.supply.ideal:
+        return SupplyState(0.0, 0.0)
+    pressure, reference = state.supply
+    draw = supply_draw(state, ports)
+    delivered = pump_flow(pressure, reference, p.supply).delivered
+    return SupplyState(
+        (delivered - draw.flow) / p.supply.capacitance, reference_rate(reference, draw.load, p.supply)
+    )
+
+
+def supply_draw(state: PlantState, ports: tuple[Ports, Ports, Ports]) -> Draw:
+    """Return what the three axes together draw from the supply, and the greatest load that it feels."""
+    swing = axis_draw(state.swing, ports[0], state.supply.pressure)
+    boom = axis_draw(state.boom, ports[1], state.supply.pressure)
+    stick = axis_draw(state.stick, ports[2], state.supply.pressure)
+    return Draw(swing.flow + boom.flow + stick.flow, max(swing.load, boom.load, stick.load))
+
+
+def axis_draw(s: AxisState, ports: Ports, supply: float) -> Draw:
+    """Return what one axis draws from the supply, and the load that it shows there."""
+    one = _port_draw(s.pressure_1, s.flow_1, ports.port_1, supply)
+    two = _port_draw(s.pressure_2, -s.flow_2, ports.port_2, supply)
+    return Draw(one.flow + two.flow, max(one.load, two.load))
+
+
+def _port_draw(pressure: float, flow: float, port: Port, supply: float) -> Draw:
+    if is_shut(port):
+        return Draw(0.0, 0.0)
+    p = port_pressure(pressure, flow, port, supply)
+    return Draw(edge_flows(flow, p, port, supply)[0], sensed_load(p, port))
+
+
+def sensed_load(pressure: float, port: Port) -> float:
+    """Return what a load-sensing line takes from a port [Pa]: its pressure while open to the supply."""
+    return pressure if port.to_supply < math.inf else 0.0
+
+
+def to_array(state: PlantState) -> NDArray[np.float64]:
+    """Return the 18 states as an array in Appendix B's order."""
+    return np.array([*state.swing, *state.boom, *state.stick], dtype=np.float64)
+
+
+def from_array(x: ArrayLike, supply_pressure: float) -> PlantState:
+    """Return the state that an array of 18 in Appendix B's order holds, with the supply at a pressure [Pa].
+
+    Raises:
+        ValueError: the array does not hold 18 finite numbers.
+    """
+    values = np.asarray(x, dtype=np.float64)
+    if values.shape != (18,) or not np.all(np.isfinite(values)):
+        raise ValueError(
+            f"state x must hold 18 finite numbers in Appendix B's order, got shape {values.shape}"
+        )
+    v = values.tolist()
+    supply = SupplyState(supply_pressure, supply_pressure)
+    return PlantState(AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]), supply, HANGING_STILL)
+
+
+def thesis_state_derivative(
+    x: ArrayLike, c_r: ArrayLike, p_s: float, machine: Machine
+) -> NDArray[np.float64]:
+    """Return xdot of Appendix B, corrected, for given orifice resistances.
+
+    Thesis eq. 3.20, App. B. Differs: docs/equations.md lists the corrections.
+    Port 1 of every valve is connected to the supply, port 2 to the tank.
+
+    Args:
+        x: 18 states in Appendix B's order (module docstring).
+        c_r: Crv1, Crv2 of swing, boom, stick, 6 resistances [Pa s^2/m^6], not negative.
+        p_s: supply pressure [Pa].
+        machine: `load_machine("c180_thesis")` gives Appendix B's numbers.
+
+    Returns:
+        xdot, shape (18,), in x's units per second.
+
+    Raises:
+        ValueError: wrong shape, or a value that is not finite (c_r may be inf where the flow is zero).
+    """
+    resistances = np.asarray(c_r, dtype=np.float64)
+    if resistances.shape != (6,) or not np.all(resistances >= 0.0):
+        raise ValueError(f"c_r must hold 6 resistances of at least 0 Pa s^2/m^6, got {c_r!r}")
+    if not math.isfinite(p_s):
+        raise ValueError(f"p_s must be a finite pressure [Pa], got {p_s}")
+    r = resistances.tolist()
+    ports = [Ports(Port(r[2 * i], math.inf, 0.0), Port(math.inf, r[2 * i + 1], 0.0)) for i in range(3)]
+    state = from_array(x, float(p_s))
+    derivative = state_derivative(state, (ports[0], ports[1], ports[2]), plant_parameters(machine))
+    return to_array(derivative)

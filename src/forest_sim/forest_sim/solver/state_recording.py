@@ -1,0 +1,89 @@
+"""Steps with a record: the state after every period, and the energy that passed through every part within it.
+
+`compiled` has the same as machine code; where that is not to be had, `record` is interpreted. The power flows
+of `power` are integrated over the integrator's own steps with the trapezoidal rule.
+
+| array | shape | holds |
+|---|---|---|
+| voltages | M, 3 | V at the valves, one row per step |
+| pace | N | how many steps of which length [s] each period has, M in all; or the length of all |
+| states | N, 36 | what `STATE` names, one row per period |
+| energies | N, 42 | J over the period through what `ENERGY` names |
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_compile import flat_layout
+from forest_sim.hydraulics.spool import CENTRED, Spool
+from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.solver.integrator import Events, Simulation, step
+from forest_sim.solver.multibody import HANGING_STILL, HeadState
+from forest_sim.solver.parameters import PlantParameters
+from forest_sim.solver.plant import AxisState, PlantState
+from forest_sim.solver.power import AxisPower, SupplyPower, power_flows
+from forest_sim.solver.step_schedule import Pace, given
+
+Floats = NDArray[np.float64]
+
+AXES = ("swing", "boom", "stick")
+STATE = (
+    *(f"{axis}_{field}" for axis in AXES for field in AxisState._fields),
+    *(f"supply_{field}" for field in SupplyState._fields),
+    *(f"head_{field}" for field in HeadState._fields),
+    *(f"{axis}_spool_{field}" for axis in AXES for field in Spool._fields),
+    *Events._fields,
+    *(f"{axis}_acceleration" for axis in AXES),
+)
+ENERGY = (
+    *(f"pump_{field}" for field in SupplyPower._fields),
+    *(f"{axis}_{field}" for axis in AXES for field in AxisPower._fields),
+)
+
+
+def record(
+    simulation: Simulation,
+    voltages: Floats,
+    pace: Pace | float,
+    p: PlantParameters,
+    states: Floats,
+    energies: Floats | None,
+) -> Simulation:
+    """Advance the machine by one step for each row of voltages; fill `states` and `energies`.
+
+    Without an array for them the energies, which take as long as the steps themselves, are left out.
+    """
+    pace = given(pace, len(states), len(voltages))
+    after_row = np.cumsum(pace.counts).astype(int).tolist()
+    before = power_flows(simulation, p)
+    pack_flows = flat_layout.packer(before)
+    for row, (h, count, end) in enumerate(zip(*map(np.ndarray.tolist, pace), after_row, strict=True)):
+        for volts in voltages[end - round(count) : end].tolist():
+            simulation = step(simulation, (volts[0], volts[1], volts[2]), h, p)
+            if energies is not None:
+                after = power_flows(simulation, p)
+                energies[row] += 0.5 * h * (np.array(pack_flows(before)) + np.array(pack_flows(after)))
+                before = after
+        store(simulation, states[row])
+    return simulation
+
+
+def store(simulation: Simulation, row: Floats) -> None:
+    """Write a machine's state into a row of `STATE`'s length."""
+    row[:] = _pack(simulation)
+
+
+def restore(row: Floats) -> Simulation:
+    """Return the machine that `store` wrote."""
+    simulation: Simulation = _unpack(row.tolist())
+    return simulation
+
+
+_REST = AxisState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+_EXAMPLE = Simulation(
+    PlantState(_REST, _REST, _REST, SupplyState(0.0, 0.0), HANGING_STILL),
+    (CENTRED, CENTRED, CENTRED),
+    Events(0, 0, 0),
+    (0.0, 0.0, 0.0),
+)
+_pack, _unpack = flat_layout.packer(_EXAMPLE), flat_layout.unpacker(_EXAMPLE)

@@ -1,0 +1,1 @@
+"""Machine, controller and driver in one loop without ROS, interpreted or compiled."""

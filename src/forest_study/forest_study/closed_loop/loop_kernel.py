@@ -1,0 +1,208 @@
+"""The closed loop as machine code: `loop_core.period` over and over, for studies of thousands of runs.
+
+A run gives what `closed_loop.run` gives, to the last bit, for sensors without faults. Python's lock is
+released while a run is under way, so that threads use all cores.
+"""
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_compile import flat_layout
+from forest_compile.entry import Entry
+from forest_compile.kernel_cache import Kept, can_compile
+from forest_control import compiled as control_compiled
+from forest_control.operator import levers
+from forest_control.pipeline import controller
+from forest_control.valve import tracking_limit, valve_driver
+from forest_description.machine import Machine, load_machine
+from forest_sim.mechanics.manipulator import Triple
+from forest_sim.sensors import sensor_readings, sensor_suite
+from forest_sim.sensors.sensor_suite import CHANNELS, Suite, noise_generator
+from forest_sim.solver import plant_kernel
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.parameters import PlantParameters, plant_parameters
+from forest_study.closed_loop import closed_loop, loop_core
+from forest_study.closed_loop.closed_loop import PERIOD, Operator, Trajectory
+from forest_study.closed_loop.loop_core import CHANNEL_COUNT, Happened, Knowledge, Loop, Senses, Sensing
+
+Floats = NDArray[np.float64]
+
+# What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
+APART = (*plant_kernel.APART, *control_compiled.APART)
+# state, knowledge, levers (4 a row: swing, boom, stick, enabled), normals, recorded, rows
+ARGUMENTS = "pppppi"
+RECORDED = 27
+
+
+class Prepared(NamedTuple):
+    """All that a run needs, laid out flat."""
+
+    state: Floats
+    knowledge: Floats
+    levers: Floats  # [N, 4]
+    normals: Floats  # [N, CHANNEL_COUNT]
+
+    def run(self) -> Trajectory:
+        """Run the session from its beginning."""
+        rows, state = len(self.levers), self.state.copy()
+        recorded = np.empty((rows, RECORDED))
+        arrays = state, self.knowledge, self.levers, self.normals, recorded
+        KEPT.kernel()(*(array.ctypes.data for array in arrays), rows)
+        columns = np.split(recorded, (3, 6, 9, 12, 15), axis=1)  # of `Happened`
+        return Trajectory(PERIOD * np.arange(rows, dtype=np.float64), *columns)
+
+
+def run(*arguments: Any, **named: Any) -> Trajectory:
+    """Run a session; arguments and errors as `prepared`."""
+    return prepared(*arguments, **named).run()
+
+
+def by_heart(
+    machine: Machine,
+    operator: Callable[[float], Operator],
+    duration: float,
+    start: Triple,
+    control: controller.Settings,
+    drive: valve_driver.Settings,
+    model: Machine | None = None,
+    suite: Suite | None = None,
+) -> Trajectory:
+    """Run a session of an operator who does not look: `closed_loop.run`, compiled where that can be.
+
+    Args:
+        machine: what is simulated.
+        operator: time [s] to levers and deadman.
+        duration: [s].
+        start: joint angles [rad], at rest.
+        control: the controller's settings.
+        drive: the valve driver's settings.
+        model: what controller and driver believe; default: the machine itself.
+        suite: sensors; those with faults are interpreted; default: the machine's, exact.
+    """
+    if not can_compile() or (suite is not None and suite.faults):
+        return closed_loop.run(machine, operator, duration, start, control, drive, model, suite)
+    done = [operator(k * PERIOD) for k in range(round(duration / PERIOD))]
+    table = np.array([[*levers, enabled] for levers, enabled in done], dtype=np.float64)
+    return run(machine, table, start, control, drive, model, suite)
+
+
+def prepared(
+    machine: Machine,
+    levers: Floats,
+    start: Triple,
+    control: controller.Settings,
+    drive: valve_driver.Settings,
+    model: Machine | None = None,
+    suite: Suite | None = None,
+    plant: PlantParameters | None = None,
+) -> Prepared:
+    """Return a session; all as `closed_loop.run`, but for the levers.
+
+    Args:
+        machine: what is simulated.
+        levers: [N, 4] deflections of swing, boom, stick, and 1 while the deadman is held; a row a period.
+        start: joint angles [rad], at rest.
+        control: the controller's settings.
+        drive: the valve driver's settings.
+        model: what controller and driver believe; default: the machine itself.
+        suite: sensors without faults; default: the machine's, exact.
+        plant: what is simulated instead of the machine's own parameters.
+
+    Raises:
+        ValueError: the sensors have faults, or the levers are not four columns.
+        ModuleNotFoundError: llvmlite is not installed.
+    """
+    suite = sensor_suite.sensor_suite(machine) if suite is None else suite
+    if suite.faults:
+        raise ValueError("sensors with faults are not compiled; use closed_loop.run")
+    table = np.ascontiguousarray(levers, dtype=np.float64)
+    if table.ndim != 2 or table.shape[1] != 4:
+        raise ValueError(f"levers have shape {table.shape}; allowed: a row of 4 a period")
+    k = knowledge(machine, machine if model is None else model, control, drive, suite)
+    k = k if plant is None else k._replace(plant=plant)
+    loop = begin(k, start, suite)
+    state, flat_k = _pack("loop", loop), _pack("knowledge", k)
+    return Prepared(state, flat_k, table, draws(suite, len(table)))
+
+
+def knowledge(
+    machine: Machine, model: Machine, control: controller.Settings, drive: valve_driver.Settings, suite: Suite
+) -> Knowledge:
+    """Return all that stays in a run."""
+    return Knowledge(
+        plant_parameters(machine),
+        machine.manipulator.links,
+        Sensing(suite.channels[:CHANNEL_COUNT], suite.period),
+        controller.parameters(model, control),
+        valve_driver.parameters(model, drive),
+    )
+
+
+def begin(k: Knowledge, start: Triple, suite: Suite) -> Loop:
+    """Return the loop as it first reports, having been at rest at joint angles [rad]."""
+    simulation = equilibrium(start, k.plant)
+    seen = sensor_readings.at_rest(simulation, k.plant, suite)
+    one, two, three, *_ = seen.estimates
+    senses = Senses(seen.channels[:CHANNEL_COUNT], (one, two, three), seen.time, seen.next_sample)
+    simulation = closed_loop.until_first_report(simulation, k.plant)
+    return Loop(simulation, senses, controller.REST, valve_driver.REST, tracking_limit.UNREPORTED)
+
+
+def draws(suite: Suite, rows: int) -> Floats:
+    """Return the noise of a run [rows, channels]: what `sensor_suite.draw` would draw row by row."""
+    if not any(channel.noise for channel in suite.channels):
+        return np.zeros((rows, CHANNEL_COUNT))
+    generator, normals = noise_generator(suite), np.empty((rows, len(CHANNELS)))
+    unused = np.empty(len(CHANNELS))
+    for row in normals:
+        generator.standard_normal(out=row)
+        generator.random(out=unused)
+    return np.ascontiguousarray(normals[:, :CHANNEL_COUNT])
+
+
+def _pack(kind: str, value: Loop | Knowledge) -> Floats:
+    """Return numbers laid out flat; all of a kind are of one shape."""
+    if kind not in _packers:
+        _packers[kind] = flat_layout.packer(value)
+    return np.array(_packers[kind](value), dtype=np.float64)
+
+
+_packers: dict[str, Callable[[Any], flat_layout.Row]] = {}
+
+
+def entry() -> Entry:
+    """Return what the loop's kernel is made of: levers and draws in, what happened out, a row a period."""
+    k, loop = _example()
+    names: dict[str, Any] = {"period": loop_core.period, "Levers": levers.Levers}
+    after = [path for path, _ in flat_layout.leaves(loop, "after")]
+    zero = (0.0, 0.0, 0.0)
+    out = [p for p, _ in flat_layout.leaves(Happened(zero, zero, zero, zero, zero, (0.0,) * 12), "happened")]
+    lines = [
+        "def kernel(state, knowledge, levers, normals, recorded, rows):",
+        "    for row in range(rows):",
+        f"        before = {flat_layout.construction(loop, 'state', names)}",
+        "        lever = Levers(levers[4 * row], levers[4 * row + 1], levers[4 * row + 2])",
+        "        held = levers[4 * row + 3] > 0.5",
+        f"        after, happened = period(before, lever, held, k, normals, {CHANNEL_COUNT} * row)",
+        *(f"        state[{i}] = {path}" for i, path in enumerate(after)),
+        *(f"        recorded[{RECORDED} * row + {i}] = {path}" for i, path in enumerate(out)),
+    ]
+    views = {"k": ("knowledge", k)}
+    return Entry("\n".join(lines), names, ARGUMENTS, views, copies={}, apart=APART)
+
+
+@lru_cache(maxsize=1)
+def _example() -> tuple[Knowledge, Loop]:
+    """Return values of the types that all runs share."""
+    machine = load_machine("c180")
+    suite = sensor_suite.sensor_suite(machine)
+    k = knowledge(machine, machine, controller.Settings(), valve_driver.Settings(), suite)
+    return k, begin(k, (0.0, 0.5, -1.5), suite)
+
+
+KEPT = Kept("loop", entry)
+"""The compiled loop."""

@@ -1,0 +1,1 @@
+"""The demo, its summary, the reference bags, replays."""

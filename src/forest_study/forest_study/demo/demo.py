@@ -1,0 +1,212 @@
+"""`scripts/demo.sh`: one session on the simulated crane, from joystick to bag, summary and pictures."""
+
+import argparse
+import contextlib
+import json
+import math
+import os
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from forest_bringup import graph
+from forest_bringup.graph_lock import AlreadyRunning, Failure
+from forest_bringup.lockstep_run import GUARD, RECORDER, STEP, in_lockstep
+from forest_bringup.profile_choice import profile_for
+from forest_bringup.supervisor import STOP_SIGNALS, Stopped, Supervisor
+from forest_control.operator.joystick_bag import is_bag, read_joy_record
+from forest_control.operator.joystick_faults import parse_joystick_faults
+from forest_control.operator.sources import LEAD_IN, LEAD_OUT, THESIS_DURATION, LeverError, read_levers
+from forest_description.derived.limits import joint_limits
+from forest_description.machine import AXES, MachineError, load_machine
+from forest_msgs_py.runtime.command_line import number
+
+LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample
+END_LIMIT = 10.0  # [s] for it to end
+START_LIMIT = 20.0  # [s] for the session to begin
+
+
+class Progress:
+    """A line that says how far the session is; on a terminal it overwrites itself."""
+
+    def __init__(self, duration: float, log: Path) -> None:
+        self._duration, self._log = duration, log
+        self._created, self._begun, self._shown = time.monotonic(), math.nan, -1
+
+    def __call__(self) -> None:
+        """Show progress once a second; fail when the session does not begin."""
+        now = time.monotonic()
+        if math.isnan(self._begun):
+            if self._log.exists() and b"playing" in self._log.read_bytes():
+                self._begun = now
+            elif now - self._created > START_LIMIT:
+                raise Failure(
+                    f"the session did not begin within {START_LIMIT:g} s; see the logs in {self._log.parent}"
+                )
+            return
+        if now - self._begun > self._duration + END_LIMIT:
+            raise Failure(f"the joystick source did not end {END_LIMIT:g} s after the session should have")
+        second = int(now - self._begun - LEAD_IN)
+        if second > self._shown and second <= self._duration:
+            self._shown = second
+            end = "\r" if sys.stdout.isatty() else "\n"
+            if sys.stdout.isatty() or second % 5 == 0:
+                print(f"  driving {second:4d} / {self._duration:g} s", end=end, flush=True)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the demo; return 0 when every node ended well, 1 after a failure, 130 when the user stopped it."""
+    options = _parse(arguments)
+    for sign in STOP_SIGNALS:  # before and after the graph; while it runs, its supervisor stops it in order
+        signal.signal(sign, _leave)
+    try:
+        with contextlib.suppress(BrokenPipeError):
+            return _demo(options)
+    except Stopped:
+        print(
+            f"\ndemo: stopped before the session's end; what was recorded is in {options.out}",
+            file=sys.stderr,
+        )
+        return 130
+    except OSError as error:
+        print(f"demo: {error.filename or options.out}: {error.strerror or error}", file=sys.stderr)
+    except (Failure, LeverError, MachineError) as error:
+        print(f"demo: {error}", file=sys.stderr)
+    return 1
+
+
+def _leave(number: int, _frame: object) -> None:
+    """End at once, from whatever library code the signal met: nothing runs, and the bag is closed."""
+    os.write(2, b"\ndemo: stopped; the bag is kept if there was a session\n")
+    os._exit(128 + number)
+
+
+def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="scripts/demo.sh", description="Drive a session on the simulated crane."
+    )
+    graph.add_graph_options(parser)
+    parser.add_argument(
+        "--duration",
+        type=number(0.5, 86400.0, "s"),
+        metavar="S",
+        help="length of the session (default: 10, or the CSV's)",
+    )
+    parser.add_argument(
+        "--out", type=Path, default=Path("bags/demo"), metavar="DIR", help="default: %(default)s"
+    )
+    parser.add_argument(
+        "--lockstep",
+        action="store_true",
+        help="all nodes wait for each other in every step: the same bag every time, at the computer's speed",
+    )
+    parser.add_argument(
+        "--guard",
+        type=number(0.1, 3600.0, "s"),
+        default=GUARD,
+        metavar="S",
+        help="in lockstep: end a run in which a message stays out for so long (default: %(default)g)",
+    )
+    parser.add_argument("--joystick", type=graph.source_path, default="thesis", metavar="thesis|FILE.csv|BAG")
+    parser.add_argument(
+        "--joystick-faults",
+        type=_faults,
+        default="",
+        metavar="TEXT",
+        help="as 'lost from 3 s until 4 s; ...'",
+    )
+    return parser.parse_args(arguments)
+
+
+def _faults(text: str) -> str:
+    try:
+        parse_joystick_faults(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    return text
+
+
+def _demo(options: argparse.Namespace) -> int:
+    machine = load_machine(options.machine)
+    duration = options.duration or _length(options.joystick)
+    if options.out.exists():
+        raise Failure(f"{options.out} exists already; choose another --out or remove it")
+    bag = options.out / "bag"
+    profile = profile_for(options.joystick, options.profile)
+    nodes = [
+        graph.joystick(options.joystick, duration, LISTENERS, options.joystick_faults),
+        *graph.control(options.machine, options.scheme, False, False, profile),
+        graph.simulator(options.machine),
+        graph.recorder(bag),
+    ]
+    logs = options.out / "log"
+    if options.lockstep:
+        nodes = in_lockstep(nodes, _steps(options.joystick, duration), options.guard)
+    print(f"starting {', '.join(node.name for node in nodes)}", flush=True)
+    try:
+        with Supervisor(nodes, options.namespace, logs) as running:
+            if options.lockstep:
+                running.run(until=RECORDER)
+            else:
+                running.run(until="joystick", progress=Progress(duration, logs / "joystick.log"))
+    except AlreadyRunning:
+        if not bag.exists():  # nothing has begun: the same command shall work once the other graph is gone
+            shutil.rmtree(options.out, ignore_errors=True)
+        raise
+    print("\nreading the bag, drawing the pictures", flush=True)
+    summary = {
+        "duration_s": duration,
+        "scheme": options.scheme,
+        "machine": machine.name,
+        "joystick": options.joystick,
+        "exit_codes": running.exit_codes,
+        "peak_memory_mb": running.peak_memory_mb,
+        "bag": str(bag),
+    }
+    return _finish(options, summary, bag, dict(zip(AXES, joint_limits(machine), strict=True)))
+
+
+def _length(joystick: str) -> float:
+    """Return how long a joystick source is [s]."""
+    if joystick == "thesis":
+        return THESIS_DURATION
+    if is_bag(Path(joystick)):
+        return max(STEP, read_joy_record(Path(joystick)).length)
+    return max(0.5, read_levers(Path(joystick)).times[-1])
+
+
+def _steps(joystick: str, duration: float) -> int:
+    """Return how many steps a run in lockstep takes; a bag's run has its rests at both ends already."""
+    around = STEP if is_bag(Path(joystick)) else LEAD_IN + LEAD_OUT
+    return round((duration + around) / STEP)
+
+
+def _finish(
+    options: argparse.Namespace, summary: dict[str, Any], bag: Path, limits: dict[str, tuple[float, float]]
+) -> int:
+    """Write summary and pictures, print the table; return the exit code."""
+    # Read here, not at the top: matplotlib takes half a second that the graph's start does not have.
+    from forest_bag.plots.standard_plots import draw_all
+    from forest_bag.read.timeseries import read_bag
+    from forest_study.demo.session_summary import bag_summary, table
+
+    recorded = read_bag(bag)
+    summary |= bag_summary(recorded, options.scheme)
+    (options.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+    pictures = draw_all(recorded, options.out, limits)
+    print(table(summary))
+    print("\n".join(f"  {path}" for path in (bag, options.out / "summary.json", *pictures)))
+    failed = {name: code for name, code in summary["exit_codes"].items() if code != 0}
+    if failed:
+        raise Failure(
+            f"ended badly: {', '.join(f'{name} (exit code {code})' for name, code in failed.items())}"
+        )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,95 @@
+"""A session in numbers: what `summary.json` holds and the table that the demo ends with."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_bag.plots.standard_plots import tip_error
+from forest_bag.read.timeseries import Bag
+from forest_msgs_py.interfaces import topics
+from forest_study.latency import lever_delay
+
+SUMMARY_DIGITS = 3
+
+
+def bag_summary(bag: Bag, scheme: str) -> dict[str, Any]:
+    """Return the part of the summary that the bag tells.
+
+    `tip_error_mm` is the true tip minus the integrated wish; None in the joint scheme, where no tip motion is
+    wished. `joy_to_valve_ms` is what the graph adds: the time from a joystick sample to the first voltage
+    that answers a later state of the machine. `lever_to_valve_ms` is what the hand feels (`lever_delay`).
+    """
+    counts = {name: _topic_summary(info) for name, info in sorted(bag.topics.items())}
+    return {
+        "topics": counts,
+        "lost_messages": sum(info.lost for info in bag.topics.values()),
+        "tip_error_mm": None if scheme == "joint" else _tip_error_mm(bag),
+        "joy_to_valve_ms": joy_to_valve_ms(bag),
+        "lever_to_valve_ms": lever_delay.lever_to_valve_ms(bag),
+        "missed_deadlines": int(bag.series(topics.AUXILIARY).column("missed_deadlines")[-1]),
+    }
+
+
+def _topic_summary(info: Any) -> dict[str, float]:
+    seconds = (info.last_ns - info.first_ns) * 1e-9
+    rate = (info.count - 1) / seconds if seconds > 0.0 else 0.0
+    return {"count": info.count, "rate_hz": round(rate, 1)}
+
+
+def _tip_error_mm(bag: Bag) -> dict[str, float]:
+    _, wished, moved = tip_error(bag)
+    error = 1e3 * np.linalg.norm(moved - wished, axis=1)
+    return {"rms": round(float(np.sqrt(np.mean(error**2))), 1), "max": round(float(error.max()), 1)}
+
+
+def joy_to_valve_ms(bag: Bag) -> dict[str, float] | None:
+    """Return median and 99th percentile [ms], None if no voltage ever followed a joystick sample."""
+    joy, volts = bag.series(topics.JOY), bag.series(topics.VALVE_VOLTAGES)
+    # Zeros that a watchdog said carry the time of saying, not that of a state.
+    answers = np.isin(volts.time_ns, bag.series(topics.JOINT_STATES).time_ns)
+    delays = response_times(joy.time_ns, volts.time_ns[answers], volts.log_time_ns[answers]) * 1e-6
+    if len(delays) == 0:
+        return None
+    p50, p99 = np.percentile(delays, [50, 99])
+    return {"p50": round(float(p50), SUMMARY_DIGITS), "p99": round(float(p99), SUMMARY_DIGITS)}
+
+
+def response_times(
+    cause_ns: NDArray[np.int64], state_ns: NDArray[np.int64], effect_ns: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Return how long after each cause [ns] the first effect came whose state was sampled after that cause.
+
+    Args:
+        cause_ns: stamps of the causes [N], rising.
+        state_ns: stamps of the machine states that the effects answer [M], rising.
+        effect_ns: when the effects were seen [M].
+    """
+    first = np.searchsorted(state_ns, cause_ns, side="right")
+    answered = first < len(state_ns)
+    times: NDArray[np.int64] = effect_ns[first[answered]] - cause_ns[answered]
+    return times
+
+
+def table(summary: dict[str, Any]) -> str:
+    """Return the short table that ends the demo."""
+    error, delay = summary["tip_error_mm"], summary["joy_to_valve_ms"]
+    rows = [
+        ("scheme", summary["scheme"]),
+        ("duration", f"{summary['duration_s']:g} s"),
+        (
+            "messages",
+            f"{sum(t['count'] for t in summary['topics'].values())}, lost {summary['lost_messages']}",
+        ),
+        (
+            "tip error",
+            "- (joint mode)" if error is None else f"{error['rms']:g} mm RMS, {error['max']:g} mm max",
+        ),
+        (
+            "joystick to valve",
+            "-" if delay is None else f"{delay['p50']:.1f} ms median, {delay['p99']:.1f} ms p99",
+        ),
+        *lever_delay.rows(summary["lever_to_valve_ms"]),
+        ("memory", ", ".join(f"{name} {mb:.0f} MB" for name, mb in summary["peak_memory_mb"].items())),
+    ]
+    return "\n".join(f"  {name:<18} {value}" for name, value in rows)

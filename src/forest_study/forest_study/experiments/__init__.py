@@ -1,0 +1,1 @@
+"""The experiments of `forest_ident` in a graph, in lockstep or live."""

@@ -1,0 +1,1 @@
+"""What late links cost."""

@@ -1,0 +1,206 @@
+"""`forest-study timing`: how late a live session's messages were, and what that costs the tip.
+
+A live bag tells by its spools which voltages were in force, and by its stamps when joystick and machine
+spoke. The same levers then go through the closed loop in simulated time, once on the dot and once as late as
+they were: no quiet computer is needed to see what lateness does. `drawn` gives such times without a bag.
+
+| symbol | name | unit |
+|---|---|---|
+| behind | of each period: states that the voltages in force had not answered yet | 1 |
+| late | of each period: how long after its stamp the machine's state was there | s |
+| said | when the joystick spoke, counted from the first state | s |
+| x | spool; v its voltage, held for a period T: x' = v + exp(-T / lag) (x - v) | V |
+"""
+
+import argparse
+import json
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_bag.read.timeseries import Bag, NotInBag, read_bag
+from forest_bringup.graph_lock import Failure
+from forest_control.operator import joystick_interpolation
+from forest_control.operator.levers import REST, Levers, levers_from_axes
+from forest_control.pipeline import controller
+from forest_control.valve import valve_driver
+from forest_description.machine import Machine, load_machine
+from forest_msgs_py.interfaces import topics
+from forest_study.closed_loop.closed_loop import PERIOD, Operator, Trajectory
+from forest_study.closed_loop.closed_loop import run as run_loop
+from forest_study.latency import lever_delay
+
+Floats = NDArray[np.float64]
+LATEST = 20  # periods: what answers older states was said at an end
+STALLS, GOES_ON = 0.06, 0.45  # a driver is held up in so many periods; and for another one
+UNEVEN, JOY_PERIOD = 0.003, 0.01  # [s]
+
+
+class Timing(NamedTuple):
+    """When joystick, machine and driver spoke."""
+
+    behind: tuple[int, ...]
+    late: tuple[float, ...]
+    said: tuple[float, ...]
+
+
+class Session(NamedTuple):
+    """What was done in a session."""
+
+    start: tuple[float, float, float]  # joint angles [rad]
+    hand: Callable[[float], Levers]  # by time from the first state [s]
+    armed: tuple[bool, ...]  # by period
+
+
+def drawn(seconds: float, seed: int) -> Timing:
+    """Return the times of a session on a busy computer: 6 % of periods begin a stall, states late by 2 ms."""
+    rng, periods, behind = np.random.default_rng(seed), round(seconds / PERIOD), 0
+    states = []
+    for _ in range(periods):
+        goes_on = rng.random() < (GOES_ON if behind else STALLS)
+        behind = behind + 1 if goes_on else 0
+        states.append(behind)
+    late = rng.exponential(0.002, periods)
+    ticks = JOY_PERIOD * np.arange(round(seconds / JOY_PERIOD))
+    return Timing(tuple(states), tuple(late), tuple(np.sort(ticks + rng.exponential(UNEVEN, len(ticks)))))
+
+
+def replayed(session: Session, timing: Timing, machine: Machine) -> Trajectory:
+    """Run a session in simulated time with the levers as even, and the voltages as late, as said.
+
+    Without times of the joystick the levers are those of the very moment.
+    """
+    hold = joystick_interpolation.CENTRED
+
+    def operator(time: float) -> Operator:
+        nonlocal hold
+        k = round(time / PERIOD)
+        if not session.armed[k]:
+            hold = joystick_interpolation.CENTRED
+            return Operator(REST, False)
+        if not timing.said:
+            return Operator(session.hand(time))
+        sent = time + (timing.late[k] if k < len(timing.late) else 0.0)
+        said = timing.said[max(0, bisect_right(timing.said, sent) - 1)]
+        hold = joystick_interpolation.advanced(hold, session.hand(said), said, sent, PERIOD)
+        return Operator(hold.levers)
+
+    settings, drive = controller.Settings(), valve_driver.Settings()
+    duration = len(session.armed) * PERIOD
+    return run_loop(machine, operator, duration, session.start, settings, drive, behind=timing.behind)
+
+
+def measured(bag: Bag, machine: Machine) -> tuple[Session, Timing]:
+    """Return what was done in a live bag, and when.
+
+    Raises:
+        NotInBag: the bag lacks a topic that tells.
+    """
+    states, joy = bag.series(topics.JOINT_STATES), bag.series(topics.JOY)
+    status, true = bag.series(topics.CONTROLLER_STATUS), bag.series(topics.GROUND_TRUTH_JOINT_STATES)
+    begun = int(states.time_ns[0])
+    said = (joy.time_ns - begun) * 1e-9
+    levers = np.array([levers_from_axes(tuple(row)) for row in joy.values.tolist()])
+    armed = set(status.time_ns[status.column("armed") > 0.0].tolist())
+
+    def hand(time: float) -> Levers:
+        swing, boom, stick = (float(np.interp(time, said, levers[:, i])) for i in range(3))
+        return Levers(swing, boom, stick)
+
+    first = true.values[0]
+    start = float(first[0]), float(first[1]), float(first[2])
+    late = np.maximum(0.0, states.log_time_ns - states.time_ns) * 1e-9
+    session = Session(start, hand, tuple(stamp in armed for stamp in states.time_ns.tolist()))
+    return session, Timing(_behind(bag, machine), tuple(late.tolist()), tuple(said.tolist()))
+
+
+def _behind(bag: Bag, machine: Machine) -> tuple[int, ...]:
+    """Return how many periods old the state is that the voltages in force answer, by period."""
+    states, spools = bag.series(topics.JOINT_STATES), bag.series(topics.AUXILIARY)
+    voltages = bag.series(topics.VALVE_VOLTAGES)
+    drivers = valve_driver.parameters(machine, valve_driver.Settings()).axes
+    left = np.array([np.exp(-PERIOD / axis.spool_lag) if axis.spool_lag > 0.0 else 0.0 for axis in drivers])
+    place = dict(zip(spools.time_ns.tolist(), spools.values[:, :3], strict=True))
+    said: dict[int, Floats] = dict(zip(voltages.time_ns.tolist(), voltages.values, strict=True))
+    step = round(PERIOD * 1e9)
+    found = []
+    for stamp in states.time_ns.tolist():
+        here, there = place.get(stamp), place.get(stamp + step)
+        older = [said.get(stamp - n * step) for n in range(LATEST)]
+        if here is None or there is None or older[0] is None:
+            found.append(0)
+            continue
+        given = (there - left * here) / (1.0 - left)
+        off = [np.inf if volts is None else float(np.abs(volts - given).max()) for volts in older]
+        found.append(int(np.argmin(off)))
+    return tuple(found)
+
+
+def score(moved: Trajectory) -> dict[str, float]:
+    """Return RMS and greatest distance of the tip from its wish [mm]."""
+    error = 1e3 * np.linalg.norm(moved.tip_error(), axis=1)
+    return {"rms_mm": round(float(np.sqrt(np.mean(error**2))), 2), "max_mm": round(float(error.max()), 2)}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's options."""
+    parser.add_argument("bag", type=Path, metavar="BAG", help="of a live session on the simulator")
+    parser.add_argument(
+        "--machine", default="c180", help="shipped machine or file that it ran with (default: %(default)s)"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command; return its exit code.
+
+    Raises:
+        Failure: there is no bag, or not what tells the times.
+        MachineError: the machine's file cannot be read.
+    """
+    machine = load_machine(options.machine)
+    try:
+        bag = read_bag(options.bag)
+        session, timing = measured(bag, machine)
+        felt = lever_delay.lever_to_valve_ms(bag)
+    except (FileNotFoundError, NotInBag) as error:
+        raise Failure(f"timing: {error}") from error
+    report = {"lever_to_valve_ms": felt, **compared(session, timing, machine)}
+    options.out.mkdir(parents=True, exist_ok=True)
+    (options.out / "timing.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    print(table(report))
+    print(f"  {options.out / 'timing.json'}")
+    return 0
+
+
+def compared(session: Session, timing: Timing, machine: Machine) -> dict[str, Any]:
+    """Return what the session is on the dot, and with levers, voltages and both as late as they were."""
+    counts = np.bincount(timing.behind).tolist()
+    even, on_time = timing._replace(said=()), timing._replace(behind=())
+    ways = {
+        "on the dot": even._replace(behind=()),
+        "levers uneven": on_time,
+        "voltages late": even,
+        "both": timing,
+    }
+    return {
+        "periods_behind": counts,
+        **{name: score(replayed(session, way, machine)) for name, way in ways.items()},
+    }
+
+
+def table(report: dict[str, Any]) -> str:
+    """Return a Markdown table."""
+    counts: Sequence[int] = report["periods_behind"]
+    lines = [
+        f"voltages in force answer a state 0, 1, 2, ... periods old: {', '.join(map(str, counts))} times"
+    ]
+    lines += [f"{name}: {told}" for name, told in lever_delay.rows(report["lever_to_valve_ms"])]
+    lines += ["| | RMS, mm | max, mm |", "|---|---|---|"]
+    for name, one in report.items():
+        if name not in ("periods_behind", "lever_to_valve_ms"):
+            lines.append(f"| {name} | {one['rms_mm']:.1f} | {one['max_mm']:.1f} |")
+    return "\n".join(lines)

@@ -1,0 +1,1 @@
+"""The tip along a path, and how far it is from where it should be."""

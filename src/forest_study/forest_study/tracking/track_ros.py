@@ -1,0 +1,165 @@
+"""A track run by the nodes themselves: joystick, controller, driver and simulator over DDS, in lockstep.
+
+The levers go into a bag of /joy, a message for every period, which the joystick's node says again; a
+recorder writes down what came of it. Row k of a trajectory is step k + 1: the true state of the machine, and
+what controller and driver answer to what its sensors say of it. So it is in `closed_loop` and `loop_kernel`,
+which give the same numbers without ROS. As there, the oil stays as warm as the machine's file says.
+"""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_bag.read.timeseries import Bag, read_bag
+from forest_bag.write.bag_writer import BagWriter
+from forest_bringup import graph, lockstep_run
+from forest_bringup.graph_lock import Failure
+from forest_bringup.supervisor import NodeSpec, Stopped
+from forest_control.config.tunables import TUNABLES, as_typed
+from forest_control.operator.joystick_watch import HEARTBEAT
+from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import ns_to_stamp
+from forest_msgs_py.interfaces.topics import Topic, message_class, offered_qos
+from forest_msgs_py.serialization.cdr import to_cdr
+from forest_study.closed_loop.closed_loop import PERIOD, Trajectory
+from forest_study.tracking.tracking import Course, Session
+
+Floats = NDArray[np.float64]
+PERIOD_NS = 5_000_000
+SAME = 1e-9  # [mm, m/s, s] by which two figures may differ and be the same
+UNITS = {
+    "angles": "rad",
+    "tip": "m",
+    "tip_wish": "m_per_s",
+    "commands": "V",
+    "voltages": "V",
+    "pressures": "Pa",
+}
+
+
+class GraphSettings(NamedTuple):
+    """What the nodes are told, in the words of the command's options."""
+
+    machine: str  # the simulator's
+    model: str  # controller's and driver's
+    adapt: bool
+    noise: bool
+    static_errors: bool
+    seed: int
+
+
+def run(course: Course, settings: GraphSettings, directory: Path) -> Trajectory:
+    """Run a course through the graph; levers, bag and the nodes' logs go into a new directory.
+
+    Raises:
+        Failure: another graph runs in the domain, or a node failed.
+        KeyboardInterrupt: the user stopped it.
+    """
+    steps = len(course.levers)
+    write_joystick(directory / "joystick", course.levers)
+    nodes = _nodes(course, settings, directory)
+    try:
+        lockstep_run.run(nodes, steps, directory / "log")
+    except Stopped as stopped:
+        raise KeyboardInterrupt from stopped
+    return trajectory(read_bag(directory / "bag"), steps)
+
+
+def write_joystick(directory: Path, levers: Floats) -> None:
+    """Write a bag of a joystick's messages, one a period, from rows of levers and deadman."""
+    writer, topic = BagWriter(directory), topics.JOY
+    writer.add_topic(f"/{topic.name}", topic.type, [offered_qos(topic)], "")
+    kind = message_class(topic)
+    try:
+        for count, (swing, boom, stick, held) in enumerate(levers.tolist(), start=1):
+            axes, stamp = axes_from_levers(Levers(swing, boom, stick)), count * PERIOD_NS
+            message = kind(axes=axes, buttons=[0] * BUTTON_COUNT)
+            message.buttons[LEFT_SHOULDER] = int(held > 0.5)
+            message.header.stamp, message.header.frame_id = ns_to_stamp(stamp), f"{HEARTBEAT}{count}"
+            writer.write(f"/{topic.name}", to_cdr(message), stamp, stamp, count)
+    finally:
+        writer.close()
+
+
+def _nodes(course: Course, settings: GraphSettings, directory: Path) -> list[NodeSpec]:
+    """Return the graph, the recorder included; the controller is told every setting of the course."""
+    label = course.settings.scheme.label
+    controller, driver = graph.control(settings.model, label, shadow=False, describe=False)
+    typed = {one.name: as_typed(one.name, course.settings) for one in TUNABLES if one.name != "scheme"}
+    told = {
+        "initial_tip": course.laps[0].path.at(0.0),
+        "sensor_noise": settings.noise,
+        "sensor_static_errors": settings.static_errors,
+        "seed": settings.seed,
+        "oil_warms": False,
+    }
+    return [
+        graph.joystick(str((directory / "joystick").resolve()), 0.0, 0),
+        _told(controller, typed),
+        _told(driver, {"adapt": settings.adapt}),
+        _told(graph.simulator(settings.machine), told),
+        graph.recorder(directory / "bag"),
+    ]
+
+
+def _told(node: NodeSpec, values: Mapping[str, object]) -> NodeSpec:
+    words = (word for name, value in values.items() for word in graph.parameter(name, value))
+    return node._replace(arguments=(*node.arguments, *words))
+
+
+def trajectory(bag: Bag, steps: int) -> Trajectory:
+    """Return what a bag of a run in lockstep says.
+
+    Raises:
+        Failure: it lacks a step of the machine.
+    """
+    angles = _rows(bag, topics.GROUND_TRUTH_JOINT_STATES, steps, math.nan)[:, :3]
+    tip = _rows(bag, topics.GROUND_TRUTH_TIP_POSE, steps, math.nan)[:, :3]
+    if np.isnan(angles).any() or np.isnan(tip).any():
+        raise Failure("the bag of the run through ROS lacks steps of the machine")
+    return Trajectory(
+        PERIOD * np.arange(steps, dtype=np.float64),
+        angles,
+        tip,
+        _rows(bag, topics.TIP_TWIST_COMMAND, steps, 0.0),
+        _rows(bag, topics.VALVE_COMMANDS, steps, 0.0),
+        _rows(bag, topics.VALVE_VOLTAGES, steps, 0.0),
+        _rows(bag, topics.PRESSURES, steps, math.nan),
+    )
+
+
+def _rows(bag: Bag, topic: Topic, steps: int, silent: float) -> Floats:
+    """Return a topic's numbers, a row for each step; where nothing was said, a number for that."""
+    if bag.name(topic) is None:
+        return np.full((steps, len(topic.labels)), silent)
+    series = bag.series(topic)
+    found = np.full((steps, series.values.shape[1]), silent)
+    found[series.time_ns // PERIOD_NS - 1] = series.values
+    return found
+
+
+def comparison(alone: Session, through: Session) -> dict[str, Any]:
+    """Return the figures without ROS, and how far what happened is from what happened through ROS."""
+    pairs = zip((alone.total, *alone.scores), (through.total, *through.scores), strict=True)
+    apart = [abs(a - b) for pair in pairs for a, b in zip(*pair, strict=True)]
+    return {
+        "without_ros": alone.total._asdict(),
+        "differences": differences(alone.moved, through.moved),
+        "same": all(difference <= SAME for difference in apart),
+    }
+
+
+def differences(one: Trajectory, other: Trajectory) -> dict[str, float]:
+    """Return the greatest difference of each of a trajectory's columns; two readings of nothing are equal."""
+    pairs = {f"{name}_{unit}": (getattr(one, name), getattr(other, name)) for name, unit in UNITS.items()}
+    return {name: _greatest(a, b) for name, (a, b) in pairs.items()}
+
+
+def _greatest(a: Floats, b: Floats) -> float:
+    apart = np.where(np.isnan(a) & np.isnan(b), 0.0, np.abs(a - b))
+    return float(np.max(apart))

@@ -1,0 +1,222 @@
+"""The tip along a path, closed loop, and how far it was from where it should be: `forest-study track`'s core.
+
+The reference generator plays the operator: it wishes the tip velocity of the fastest profile along the path.
+The machine may be another one than controller and driver believe. The error is the true tip minus the
+governed reference at every sample from the reference's first motion to its last; the reference starts where
+the tip is at the first motion. Levers are those of a joystick's message: single precision.
+"""
+
+import dataclasses
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forest_control.limits.velocity_scaling import govern
+from forest_control.operator.levers import levers_for_tip_velocity
+from forest_control.pipeline import controller
+from forest_control.servo.joint_angle_filter import Source
+from forest_control.servo.schemes import Scheme
+from forest_control.valve import valve_driver
+from forest_description.derived.limits import pose_at
+from forest_description.geometry.kinematics import inverse_kinematics, is_singular, joint_rates
+from forest_description.machine import Machine
+from forest_sim.sensors.sensor_suite import Suite, calibrated, sensor_suite
+from forest_sim.solver.parameters import PlantParameters
+from forest_study.closed_loop import loop_kernel
+from forest_study.closed_loop.closed_loop import PERIOD, Trajectory
+from forest_study.tracking.paths import PathError, Profile, TipPath, fastest, is_closed, reverse
+
+Triple = tuple[float, float, float]
+Floats = NDArray[np.float64]
+
+RAMP = 0.5  # [m/s^2]
+REST = 1.0  # [s] before the first lap and after every lap
+RESERVE = 0.98  # of the governor's limits that the profile takes, so that the governor need not act
+SATURATED = 0.999  # of the rated voltage
+
+
+class Lap(NamedTuple):
+    """A lap's start [s], its path and its profile."""
+
+    start: float
+    path: TipPath
+    profile: Profile
+
+
+class Score(NamedTuple):
+    """How well a lap was tracked."""
+
+    rms_mm: float
+    max_mm: float
+    velocity_rms: float  # [m/s]
+    duration_s: float
+    saturated_s: float
+
+
+class Course(NamedTuple):
+    """What all runs along a path have in common."""
+
+    laps: tuple[Lap, ...]
+    settings: controller.Settings
+    model: Machine  # that controller and driver believe
+    levers: Floats  # [N, 4] of `loop_kernel`
+
+
+@dataclasses.dataclass(frozen=True)
+class Session:
+    """A track run: laps, what happened, scores."""
+
+    laps: tuple[Lap, ...]
+    moved: Trajectory
+    scores: tuple[Score, ...]
+    total: Score
+
+
+def track(
+    path: TipPath,
+    speed: float,
+    scheme: Scheme,
+    machine: Machine,
+    model: Machine,
+    suite: Suite | None = None,
+    laps: int = 1,
+    adapt: bool = False,
+    source: Source = Source.CYLINDERS,
+) -> Session:
+    """Run laps along a path.
+
+    Args:
+        path: what the tip shall follow; the machine starts at rest at its start.
+        speed: wished speed [m/s].
+        scheme: of the controller.
+        machine: what is simulated.
+        model: what controller and driver believe.
+        suite: sensors; default: exact ones.
+        laps: how often; an open path is gone back and forth.
+        adapt: the driver learns its valves' deadbands and gains.
+        source: what tells the controller where boom and stick are.
+
+    Raises:
+        PathError: the path leaves the reach.
+    """
+    return follow(prepare(path, speed, scheme, model, laps, source), machine, suite, adapt)
+
+
+def prepare(
+    path: TipPath,
+    speed: float,
+    scheme: Scheme,
+    model: Machine,
+    laps: int = 1,
+    source: Source = Source.CYLINDERS,
+) -> Course:
+    """Return what every run along a path has in common; arguments as `track`.
+
+    Raises:
+        PathError: as `track`.
+    """
+    settings = controller.Settings(scheme=scheme, tip_speed=speed, position_source=source)
+    runs = plan(path, speed, controller.parameters(model, settings), laps)
+    end = runs[-1].start + runs[-1].profile.duration + REST
+    times = [k * PERIOD for k in range(round(end / PERIOD))]
+    levers = [(*levers_for_tip_velocity(_wish(time, runs), speed), 1.0) for time in times]
+    return Course(runs, settings, model, np.array(levers, dtype=np.float32).astype(np.float64))
+
+
+def follow(
+    course: Course,
+    machine: Machine,
+    suite: Suite | None = None,
+    adapt: bool = False,
+    plant: PlantParameters | None = None,
+) -> Session:
+    """Run a course; arguments as `track`; plant: what is simulated instead of the machine's parameters."""
+    runs = course.laps
+    start = _angles(runs[0].path.at(0.0), runs[0].path, machine)
+    drive = valve_driver.Settings(adapt=adapt)
+    moved = loop_kernel.run(machine, course.levers, start, course.settings, drive, course.model, suite, plant)
+    return scored(runs, moved, machine)
+
+
+def scored(runs: tuple[Lap, ...], moved: Trajectory, machine: Machine) -> Session:
+    """Return laps and what happened with its scores."""
+    rated = np.array([machine.valve_of(axis).rated_voltage for axis in range(3)])
+    spans = [_span(lap) for lap in runs]
+    first = spans[0][0]
+    scores = tuple(_score(moved, first, np.arange(*span), rated) for span in spans)
+    total = _score(moved, first, np.concatenate([np.arange(*span) for span in spans]), rated)
+    return Session(runs, moved, scores, total)
+
+
+def plan(path: TipPath, speed: float, p: controller.Parameters, laps: int) -> tuple[Lap, ...]:
+    """Return laps one after the other, as fast as speed, ramps and the governor's limits allow."""
+    runs: list[Lap] = []
+    start = REST
+    for k in range(laps):
+        way = path if k % 2 == 0 or is_closed(path) else reverse(path)
+        profile = fastest(way, speed, RAMP, lambda place, along: RESERVE * _limit(place, along, path, p))
+        runs.append(Lap(start, way, profile))
+        start = PERIOD * math.ceil((start + profile.duration + REST) / PERIOD)
+    return tuple(runs)
+
+
+def _limit(place: Triple, along: Triple, path: TipPath, p: controller.Parameters) -> float:
+    """Return the speed [m/s] that the governor allows at a place in a direction."""
+    try:
+        angles = inverse_kinematics(place, p.links)
+    except ValueError as error:
+        raise PathError(f"{path.name}: {error}") from error
+    factor = 0.0 if is_singular(angles, p.links) else _allowed(angles, along, p)
+    if factor <= 0.0:
+        raise PathError(f"{path.name}: at {tuple(round(x, 3) for x in place)} m a joint is at its limit")
+    return factor
+
+
+def _allowed(angles: Triple, along: Triple, p: controller.Parameters) -> float:
+    fast = 100.0  # [m/s] more than any limit: what the governor leaves of it is the limit
+    rates = joint_rates(angles, (fast * along[0], fast * along[1], fast * along[2]), p.links)
+    return fast * govern(angles, rates, controller.governor_at(angles, rates, p)).factor
+
+
+def _angles(place: Triple, path: TipPath, machine: Machine) -> Triple:
+    try:
+        return pose_at(place, machine)
+    except ValueError as error:
+        raise PathError(f"{path.name}: {error}") from error
+
+
+def _wish(time: float, laps: tuple[Lap, ...]) -> Triple:
+    """Return the velocity [m/s] that moves the reference to its place one period later."""
+    lap = next((lap for lap in reversed(laps) if time >= lap.start - 0.5 * PERIOD), laps[0])
+    since = time - lap.start
+    here, there = (lap.path.at(lap.profile.way_at(since + ahead)) for ahead in (0.0, PERIOD))
+    x, y, z = ((b - a) / PERIOD for a, b in zip(here, there, strict=True))
+    return x, y, z
+
+
+def _span(lap: Lap) -> tuple[int, int]:
+    """Return first and last row (exclusive) of a lap's motion."""
+    return round(lap.start / PERIOD), math.ceil((lap.start + lap.profile.duration) / PERIOD) + 1
+
+
+def _score(moved: Trajectory, first: int, rows: NDArray[np.int_], rated: Floats) -> Score:
+    """Return the score of some rows; the reference starts where the tip is at the first motion of all."""
+    error = moved.tip_error()
+    error = np.linalg.norm(error - error[first], axis=1)[rows]
+    velocity = np.gradient(moved.tip, PERIOD, axis=0) - moved.tip_wish
+    saturated = np.any(np.abs(moved.voltages[rows]) >= SATURATED * rated, axis=1)
+    return Score(
+        rms_mm=1e3 * float(np.sqrt(np.mean(error**2))),
+        max_mm=1e3 * float(error.max()),
+        velocity_rms=float(np.sqrt(np.mean(np.sum(velocity[rows] ** 2, axis=1)))),
+        duration_s=PERIOD * (len(rows) - 1),
+        saturated_s=PERIOD * float(saturated.sum()),
+    )
+
+
+def noisy(machine: Machine, seed: int, static_errors: bool = False) -> Suite:
+    """Return sensors that jitter; without their static errors, which calibration takes out, unless asked."""
+    suite = sensor_suite(machine, noise=True, seed=seed)
+    return suite if static_errors else calibrated(suite)
