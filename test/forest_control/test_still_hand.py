@@ -3,10 +3,10 @@
 import copy
 import csv
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
+from recorded import recorded
 
 from forest_control.operator.joystick_watch import (
     NO_HEARTBEAT,
@@ -21,7 +21,6 @@ from forest_control.operator.joystick_watch import (
 )
 from forest_control.operator.levers import Levers
 
-PERSON = Path(__file__).resolve().parents[3] / "shared" / "data" / "operator_levers.csv"
 P = WatchParameters()
 HELD = 0.39
 
@@ -253,9 +252,8 @@ def test_a_driver_that_speaks_only_on_change_is_named_when_a_still_hand_makes_it
     assert problem_of(device.watch) == "joystick: nothing new for longer than joy_timeout"
 
 
-@pytest.mark.skipif(not PERSON.exists(), reason=f"{PERSON} is not there")
 def test_a_persons_record_never_looks_frozen_and_may_hold_still_for_three_seconds():
-    with PERSON.open(newline="") as file:
+    with recorded("operator_levers.csv").open(newline="") as file:
         rows = [tuple(map(float, row)) for row in list(csv.reader(file))[1:]]
     device, later = armed(), 0.0
     for place, (time, *levers) in enumerate(rows):
