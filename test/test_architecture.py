@@ -119,6 +119,14 @@ def test_the_manifest_names_every_ros_and_own_package_that_is_imported(package):
     assert imported_by(package) & (ROS | set(PACKAGES)) - {package} <= declared
 
 
+@pytest.mark.parametrize("package", PACKAGES)
+def test_the_manifest_names_no_own_package_that_is_not_imported(package):
+    """One too many may close a circle, in which colcon finds no order."""
+    manifest = ET.parse(ROOT / "src" / package / "package.xml").getroot()
+    declared = {element.text for element in manifest.iter("exec_depend")} & set(PACKAGES)
+    assert declared == imported_by(package) & set(PACKAGES) - {package}
+
+
 def test_colcon_and_pip_install_the_same_executables():
     pip = dict(
         re.findall(
