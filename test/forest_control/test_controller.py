@@ -10,13 +10,14 @@ from forest_control.limits.workspace import MOST, NO_WALL, PLANE, Wall, Workspac
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
 from forest_control.operator.operator_profile import tip_rate
 from forest_control.pipeline import controller, joint_servo
-from forest_control.pipeline.controller import REST, ZERO, Inputs, Settings, State
+from forest_control.pipeline.controller import REST, Inputs, Settings, State
 from forest_control.servo import coordinated_servo
 from forest_control.servo.schemes import Scheme, closes_on_position
 from forest_description.derived.actuation import actuator_speeds_to_joint_rates, rated_speeds
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import tip_position, tip_velocity
 from forest_description.machine import load_machine
+from forest_description.types import ZERO
 
 MACHINE = load_machine()
 LINKS = MACHINE.manipulator.links

@@ -9,11 +9,12 @@ import pytest
 from forest_control.operator.levers import Levers
 from forest_control.operator.operator_profile import Mode
 from forest_control.pipeline import controller
-from forest_control.pipeline.controller import REST, ZERO, Inputs, Settings
+from forest_control.pipeline.controller import REST, Inputs, Settings
 from forest_control.servo.schemes import Scheme
 from forest_description.derived.actuation import actuator_speeds_to_joint_rates, rated_speeds
 from forest_description.geometry.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
+from forest_description.types import ZERO
 
 MACHINE = load_machine()
 LINKS = MACHINE.manipulator.links

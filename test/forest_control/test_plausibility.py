@@ -8,7 +8,8 @@ import pytest
 from forest_control.pipeline import controller
 from forest_control.safety.state_checks import implausible, plausible
 from forest_description.derived.limits import joint_limits
-from forest_description.machine import AXES, load_machine
+from forest_description.machine import load_machine
+from forest_description.types import AXES
 
 MACHINE = load_machine("c180")
 P = controller.parameters(MACHINE, controller.Settings(joint_margin=0.0))

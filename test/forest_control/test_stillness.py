@@ -6,7 +6,8 @@ import pytest
 from forest_control.pipeline import controller
 from forest_control.pipeline.joint_servo import to_voltage
 from forest_control.safety.frozen_sensor import MOVING, Stillness, frozen, watched
-from forest_description.machine import AXES, load_machine
+from forest_description.machine import load_machine
+from forest_description.types import AXES
 
 P = controller.parameters(load_machine("c180"), controller.Settings())
 DT = 0.005

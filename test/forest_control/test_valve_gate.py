@@ -9,7 +9,8 @@ from forest_control.valve import valve_driver
 from forest_control.valve.valve_adaptation import UNLEARNT
 from forest_control.valve.valve_driver import REST, Motion, Pressures, Settings
 from forest_control.valve.valve_hold import SHUT
-from forest_description.machine import AXES, load_machine
+from forest_description.machine import load_machine
+from forest_description.types import AXES
 
 C180, LOADER = load_machine("c180"), load_machine("loader")
 PERIOD, ZERO = 0.005, (0.0, 0.0, 0.0)

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from forest_description.derived.temperature import at_temperature
-from forest_description.machine import AXES, load_machine
+from forest_description.machine import load_machine
+from forest_description.types import AXES
 from forest_ident.data.session import Session, SessionError
 from forest_ident.estimators import (
     calibration,

@@ -5,12 +5,13 @@ import itertools
 import pytest
 
 from forest_bag.play.lateness import Lateness
-from forest_bag.play.playback import NS_PER_S, Plan, Player
+from forest_bag.play.playback import Plan, Player
 from forest_bag.play.source import BagSource, read_ahead
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.raw_messages import Channel, RawMessage
 from forest_bag.write.bag_writer import BagWriter
 from forest_msgs_py.interfaces.qos_profiles import Qos
+from forest_msgs_py.types import NS_PER_S
 
 STREAM, LATCHED = Channel("/stream", "a"), Channel("/map", "b")
 START = 10**18

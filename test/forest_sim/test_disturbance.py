@@ -7,7 +7,8 @@ import pytest
 
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.geometry.kinematics import tip_position
-from forest_description.machine import AXES, load_machine
+from forest_description.machine import load_machine
+from forest_description.types import AXES
 from forest_sim.run.disturbance import (
     GREATEST_FORCE,
     Disturbance,

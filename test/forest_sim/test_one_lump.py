@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 from forest_description.derived.limits import joint_limits
 from forest_description.derived.line_bandwidth import lump_limit
 from forest_description.geometry.linkage import lever_arm
-from forest_description.machine import AXES, load_machine
+from forest_description.machine import load_machine
+from forest_description.types import AXES
 from forest_sim.analysis.check import warnings
 from forest_sim.analysis.modes import SHUT, modes, slow_modes
 from forest_sim.mechanics.manipulator import dynamics

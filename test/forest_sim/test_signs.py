@@ -2,7 +2,8 @@
 
 import pytest
 
-from forest_description.machine import AXES, load_machine
+from forest_description.machine import load_machine
+from forest_description.types import AXES
 from forest_sim.sensors.sensor_readings import at_rest, measure
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.parameters import plant_parameters

@@ -14,9 +14,10 @@ from forest_control.valve import valve_driver
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
+from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_suite import sensor_suite
-from forest_study.closed_loop.closed_loop import PERIOD, Operator
+from forest_study.closed_loop.closed_loop import Operator
 from forest_study.closed_loop.loop_kernel import by_heart as run
 
 C180 = load_machine("c180")

@@ -15,8 +15,8 @@ from forest_control.valve import valve_driver
 from forest_description.derived.limits import joint_limits, pose_at, start_tip
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
+from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop import loop_kernel
-from forest_study.closed_loop.closed_loop import PERIOD
 
 C180, LOADER = load_machine("c180"), load_machine("loader")
 DIRECTIONS = [d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)]

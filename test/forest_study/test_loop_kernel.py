@@ -17,10 +17,11 @@ from forest_control.valve import valve_driver
 from forest_description.components.circuit import PolynomialCurve, TableCurve
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
+from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_study.closed_loop import closed_loop, loop_core, loop_kernel
-from forest_study.closed_loop.closed_loop import PERIOD, Operator
+from forest_study.closed_loop.closed_loop import Operator
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)

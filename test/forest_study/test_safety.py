@@ -14,9 +14,11 @@ from forest_control.valve import valve_driver
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
+from forest_description.types import ZERO
+from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.solver.parameters import plant_parameters
-from forest_study.closed_loop.closed_loop import PERIOD, ZERO, Operator, _Loop
+from forest_study.closed_loop.closed_loop import Operator, _Loop
 from forest_study.closed_loop.loop_kernel import by_heart as run
 
 C180 = load_machine("c180")

@@ -8,7 +8,8 @@ from forest_control.pipeline import controller
 from forest_control.valve import valve_driver
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
-from forest_study.closed_loop.closed_loop import PERIOD, Operator
+from forest_msgs_py.types import PERIOD
+from forest_study.closed_loop.closed_loop import Operator
 from forest_study.closed_loop.loop_kernel import by_heart as run
 
 SPEED, SECONDS = 0.5, 4.0  # [m/s], [s]

@@ -11,8 +11,8 @@ from forest_control.pipeline import controller
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Scheme
 from forest_description.machine import load_machine
+from forest_msgs_py.types import PERIOD
 from forest_study import cli
-from forest_study.closed_loop.closed_loop import PERIOD
 from forest_study.tracking.paths import NAMES, PathError, fastest, is_closed, path_named, polyline, reverse
 from forest_study.tracking.tracking import RAMP, _limit, noisy, plan, track
 

@@ -12,10 +12,11 @@ pytest.importorskip("llvmlite")
 from forest_control.operator.levers import Levers
 from forest_control.servo.schemes import Scheme
 from forest_description.machine import load_machine
+from forest_msgs_py.types import PERIOD
 from forest_sim.solver.parameters import parameters_of, plant_parameters
 from forest_study import cli
 from forest_study.closed_loop import closed_loop, model_mismatch
-from forest_study.closed_loop.closed_loop import PERIOD, Operator
+from forest_study.closed_loop.closed_loop import Operator
 from forest_study.closed_loop.model_mismatch import Ranges
 from forest_study.tracking import track_command, tracking
 from forest_study.tracking.paths import polyline

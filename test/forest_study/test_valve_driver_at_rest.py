@@ -12,8 +12,9 @@ from forest_control.valve import valve_driver
 from forest_description.components.circuit import BackwardValve
 from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
+from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop import loop_kernel
-from forest_study.closed_loop.closed_loop import PERIOD, Operator
+from forest_study.closed_loop.closed_loop import Operator
 from forest_study.closed_loop.loop_kernel import by_heart as run
 from forest_study.tracking.tracking import noisy
 

@@ -35,11 +35,12 @@ from forest_control.operator.sources import (
 )
 from forest_msgs_py.clock.node_clock import pace, publishes_bytes
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.interfaces.messages import NS_PER_S, JoyValues
+from forest_msgs_py.interfaces.messages import JoyValues
 from forest_msgs_py.interfaces.topics import JOY_RATE_HZ, message_class
 from forest_msgs_py.runtime.node import Finished, run_node
 from forest_msgs_py.runtime.parameters import ParameterError, declare
 from forest_msgs_py.serialization.packing import pack_joy
+from forest_msgs_py.types import NS_PER_S
 
 
 class Said(NamedTuple):

@@ -24,6 +24,7 @@ from forest_description.config import schema, source_tree
 from forest_description.config.parameter import MachineError, ParameterSet, choice, parameter
 from forest_description.geometry.kinematics import Links
 from forest_description.geometry.linkage import Linkage
+from forest_description.types import AXES
 
 __all__ = [
     "AXES",
@@ -50,7 +51,6 @@ __all__ = [
     "sources",
 ]
 
-AXES = ("swing", "boom", "stick")
 OWN_SECTIONS = ("valve", "hose")
 """What an axis may have of its own instead of what all share."""
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from forest_bag.play.playback import NS_PER_S, Player
+from forest_bag.play.playback import Player
+from forest_msgs_py.types import NS_PER_S
 
 RATE_STEP = 1.1
 SEEK_STEP_S = 5.0

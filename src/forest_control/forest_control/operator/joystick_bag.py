@@ -13,8 +13,8 @@ from forest_bag.storage.bag_files import BagError
 from forest_control.operator.sources import LeverError
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.stamps import stamp_in
+from forest_msgs_py.types import NS_PER_S
 
-NS_PER_S = 1_000_000_000
 SUFFIXES = (".mcap", ".db3", ".zstd")
 
 

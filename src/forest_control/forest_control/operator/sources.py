@@ -9,7 +9,8 @@ from typing import NamedTuple
 
 from forest_control.operator.joystick_interpolation import LONGEST as LONGEST_LINE
 from forest_control.operator.joystick_interpolation import between
-from forest_control.operator.levers import REST, Levers, Triple, levers_for_tip_velocity
+from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
+from forest_description.types import Vec3
 
 THESIS_DURATION = 10.0  # [s] of the figures
 LEAD_IN = 0.5  # [s] at rest, deadman held, before a source plays: recorders come late on a busy computer
@@ -22,7 +23,7 @@ class LeverError(ValueError):
     """A lever file is not usable; the message names file, line and what is allowed."""
 
 
-def thesis_tip_velocity(time: float) -> Triple:
+def thesis_tip_velocity(time: float) -> Vec3:
     """Return the wished tip velocity [m/s] of the thesis' evaluation at a time [s]. Thesis section 5.2.
 
     Steps in x and z at different times and a sinusoid in y; amplitudes as read in docs/equations.md.

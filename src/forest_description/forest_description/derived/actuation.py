@@ -18,15 +18,15 @@ from __future__ import annotations
 import math
 
 from forest_description.components.pump import LoadSensingPump
-from forest_description.geometry.kinematics import Vector
 from forest_description.geometry.linkage import Linkage, lever_arm
 from forest_description.machine import Machine
+from forest_description.types import Vec3
 
 Linkages = tuple[Linkage, Linkage]
 """Of boom and stick, as ``Machine.linkages``."""
 
 
-def rated_speeds(machine: Machine) -> Vector:
+def rated_speeds(machine: Machine) -> Vec3:
     """Return the unloaded actuator speeds of the fully open valve, one axis alone (rad/s, m/s, m/s).
 
     Hoses, leakage and friction are left out. Both orifices share the pump's P_s: D1 P_1 = D2 P_2 gives
@@ -59,7 +59,7 @@ def displacements(machine: Machine, axis: int) -> tuple[float, float]:
     return drive.head_area, drive.rod_area
 
 
-def joint_rates_to_actuator_speeds(q: Vector, rates: Vector, linkages: Linkages) -> Vector:
+def joint_rates_to_actuator_speeds(q: Vec3, rates: Vec3, linkages: Linkages) -> Vec3:
     """Return the actuator speeds (q̇1, ẋ_boom, ẋ_stick) of joint rates; ẋ = (dx/dq) q̇. Thesis eq. 3.16.
 
     Args:
@@ -70,7 +70,7 @@ def joint_rates_to_actuator_speeds(q: Vector, rates: Vector, linkages: Linkages)
     return (rates[0], lever_arm(q[1], linkages[0]) * rates[1], lever_arm(q[2], linkages[1]) * rates[2])
 
 
-def actuator_speeds_to_joint_rates(q: Vector, speeds: Vector, linkages: Linkages) -> Vector:
+def actuator_speeds_to_joint_rates(q: Vec3, speeds: Vec3, linkages: Linkages) -> Vec3:
     """Return the joint rates [rad/s] of actuator speeds, the inverse of ``joint_rates_to_actuator_speeds``.
 
     At a dead point of a linkage (no lever arm; outside every stroke that a machine file may have) the rate is

@@ -15,10 +15,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-Floats = NDArray[np.float64]
+from forest_description.types import Floats
 
 REACH = 6.0  # widths to either side at which the Gaussian is cut off
 

@@ -18,11 +18,11 @@ import zlib
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from forest_description.components.valve import POLYNOMIAL, SHUT, TABLE, Curve, Direction, ValveLaw
 from forest_description.geometry.linkage import Linkage
+from forest_description.types import AXES, Floats
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.port import Port, port_pressure
 from forest_sim.sensors.sensor_model import ABSENT, Channel
@@ -33,10 +33,8 @@ from forest_sim.solver.parameters import Axis, PlantParameters
 from forest_sim.solver.plant import valve_ports
 from forest_sim.solver.state_recording import STATE
 
-Floats = NDArray[np.float64]
 Columns = dict[str, Floats]
 
-AXES = ("swing", "boom", "stick")
 PLACE = {name: place for place, name in enumerate(STATE)}
 
 

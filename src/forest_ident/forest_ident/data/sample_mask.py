@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from forest_description.types import Floats
 from forest_ident.data.session import Session
-
-Floats = NDArray[np.float64]
 
 HELD_SHARE = 0.3  # of rows that repeat the last one: from there on the sensors are slower
 SHUT_SHARE = 0.03  # of the greatest flow: less counts as shut

@@ -16,10 +16,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-
+from forest_description.types import Floats
 
 THERMOCOUPLES = ("tank_temperature", "pump_temperature", "motor_temperature")
 

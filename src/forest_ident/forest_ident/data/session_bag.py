@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from forest_bag.read.timeseries import Bag, NotInBag, read_bag
 from forest_bag.write.bag_writer import BagWriter, Layout
+from forest_description.types import AXES, Floats
 from forest_ident.data.readings import speeds
 from forest_ident.data.session import Session, SessionError
 from forest_ident.experiments.experiment_metadata import FACTS, value
@@ -36,9 +37,6 @@ from forest_msgs_py.interfaces.topics import (
 from forest_msgs_py.interfaces.yaml_text import parsed
 from forest_msgs_py.serialization.batch_encoder import Encoder
 
-Floats = NDArray[np.float64]
-
-AXES = ("swing", "boom", "stick")
 FILE = "experiment.yaml"
 SAME_CLOCK = 1_000_000_000  # [ns] by which a message may be sent later than it is stamped
 TICK = 1000  # [ns]

@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.config import schema
 from forest_description.machine import Machine
@@ -26,8 +25,6 @@ from forest_ident.output_error.output_error import Fit
 from forest_ident.refinement import apply_calibration, data_quality, linear, mass_check, pooling, refinement
 from forest_ident.refinement.linear import First
 from forest_ident.refinement.result import Refined, Result
-
-Floats = NDArray[np.float64]
 
 HELD_OUT = ("validation", "motion")
 OWN_VALVE = (4.0, 0.01)  # standard errors and volts by which a valve must differ to be told on its own

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from forest_description.components.sensors import FlowMeter
-from forest_description.machine import AXES, CylinderDrive, Machine, SwingDrive
+from forest_description.machine import CylinderDrive, Machine, SwingDrive
+from forest_description.types import AXES
 from forest_ident.data import sample_mask
 from forest_ident.data.parameter_path import value_of
 from forest_ident.data.session import Session, SessionError

@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 
-from forest_description.machine import AXES, Machine
+from forest_description.machine import Machine
+from forest_description.types import AXES
 from forest_ident.data.parameter_path import with_values
 from forest_ident.estimators.estimate import Estimate, judged
 from forest_ident.refinement.result import Result

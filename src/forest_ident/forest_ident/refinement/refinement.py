@@ -23,10 +23,10 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.components.pump import LoadSensingPump, PressureCompensatedPump
-from forest_description.machine import AXES, Machine
+from forest_description.machine import Machine
+from forest_description.types import AXES, Floats
 from forest_ident.data import sample_mask
 from forest_ident.data.parameter_path import value_of, with_directions, with_values
 from forest_ident.data.session import Session
@@ -36,8 +36,6 @@ from forest_ident.output_error.gaussian_estimate import Belief, widened
 from forest_ident.output_error.output_error import Fit, Model, Unknown, fit
 from forest_ident.output_error.prediction import Offsets, predict, redrawn
 from forest_ident.refinement import apply_calibration
-
-Floats = NDArray[np.float64]
 
 UNKNOWN = 0.4  # of what no experiment has found yet: relative, or volts
 SETTLED = 0.25  # [s] after a change of voltage

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from forest_description.config import schema
-from forest_description.machine import AXES, Machine, MachineError
+from forest_description.machine import Machine, MachineError
+from forest_description.types import AXES
 from forest_ident.data.parameter_path import value_of
 from forest_ident.data.session import Session
 from forest_ident.estimators import calibration

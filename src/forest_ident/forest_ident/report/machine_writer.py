@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from forest_description.components.hose import GeometricHose, MeasuredHose
-from forest_description.machine import AXES, Machine, load_machine
+from forest_description.machine import Machine, load_machine
+from forest_description.types import AXES
 from forest_ident.data.parameter_path import value_of
 from forest_ident.estimators.estimate import NORMAL_95, Estimate
 from forest_ident.refinement.result import Result

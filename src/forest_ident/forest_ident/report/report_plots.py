@@ -10,9 +10,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from forest_description.machine import AXES, Machine, MeasuredHose
+from forest_description.machine import Machine, MeasuredHose
+from forest_description.types import AXES, Floats
 from forest_ident.data.differentiator import derivative, smooth
 from forest_ident.data.session import Session
 from forest_ident.estimators import (
@@ -25,8 +25,6 @@ from forest_ident.estimators import (
 from forest_ident.experiments import test_rig
 from forest_ident.refinement import linear
 from forest_ident.refinement.result import Refined
-
-Floats = NDArray[np.float64]
 
 MOST = 99.5  # [%] of the samples that a picture's scale must hold
 MEASURED, FITTED = {"color": "C0"}, {"color": "k", "linestyle": ":", "linewidth": 1.8}

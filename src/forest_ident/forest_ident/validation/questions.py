@@ -25,20 +25,18 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from forest_description.components.circuit import Valve
 from forest_description.components.drives import Friction
 from forest_description.components.load import Pendulum
-from forest_description.machine import AXES, Machine
+from forest_description.machine import Machine
+from forest_description.types import AXES, Bools
 from forest_ident.data.session import Session, SessionError
 from forest_ident.driving import simulated_experiment
 from forest_ident.experiments import experiments
 from forest_ident.validation.validation import Signal, signals
 from forest_sim.sensors.sensor_suite import sensor_suite
-
-Bools = NDArray[np.bool_]
 
 NARROWER = 0.9  # area of port 2's edges over that of port 1's
 SEAL_PRESSURE, BREAKAWAY = 1.5e5, 1.5  # [Pa] on the piston; over Coulomb's

@@ -14,6 +14,8 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from forest_description.types import Vec3
+
 
 class ParameterError(ValueError):
     """A parameter's value is not allowed; the text names parameter, value and what is allowed."""
@@ -58,12 +60,12 @@ def declare(
 def declare_triple(
     node: Node,
     name: str,
-    default: tuple[float, float, float],
+    default: Vec3,
     doc: str,
     unit: str = "",
     low: float | None = None,
     high: float | None = None,
-) -> tuple[float, float, float]:
+) -> Vec3:
     """Declare a parameter of three numbers, as `declare` does.
 
     Raises:

@@ -4,7 +4,7 @@ What the simulator node wraps. Faults and the force on the tip may change betwee
 """
 
 from forest_description.machine import Machine
-from forest_sim.mechanics.manipulator import Triple
+from forest_description.types import Vec3
 from forest_sim.run.disturbance import UNDISTURBED, Disturbance, disturbed
 from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_readings import Report
@@ -27,7 +27,7 @@ class SimulatedMachine:
     def __init__(
         self,
         machine: Machine,
-        angles: Triple,
+        angles: Vec3,
         suite: Suite,
         period: float,
         warms: bool = True,
@@ -71,7 +71,7 @@ class SimulatedMachine:
         self._plant = disturbed(self._undisturbed, disturbance)
         self._sensors.learn(self._plant, self._around)
 
-    def step(self, voltages: Triple) -> Report:
+    def step(self, voltages: Vec3) -> Report:
         """Move on by a period under held voltages [V]; return what the sensors say then, and the truth."""
         self._simulation = self._advance(self._simulation, voltages, STEP, self._substeps, self._plant)
         self._periods += 1

@@ -8,6 +8,7 @@ from forest_description.components.valve import ValveLaw
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import Linkage
 from forest_description.machine import CylinderDrive, EndStops, Line, Machine
+from forest_description.types import Vec3
 from forest_sim.hydraulics.actuator import Actuator, cylinder, motor
 from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.spool import SpoolLag, spool_lag
@@ -51,7 +52,7 @@ class PlantParameters(NamedTuple):
     head: HangingHead
     guard: PortGuard
     supply: Supply
-    tip_force: tuple[float, float, float]  # [N] on the tip from outside, in the base frame
+    tip_force: Vec3  # [N] on the tip from outside, in the base frame
 
 
 @lru_cache(maxsize=64)

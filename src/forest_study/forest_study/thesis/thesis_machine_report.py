@@ -8,8 +8,8 @@ import numpy as np
 
 from forest_bag.plots.standard_plots import finish_axes, new_figure
 from forest_control.servo.schemes import LABELS, Scheme
+from forest_description.types import AXES
 from forest_study.thesis.thesis_machine import PLANTS, Trial, motion, study
-from forest_study.thesis.thesis_study import AXES
 
 HEIGHT = 8.0  # [in]
 COLOURS = {scheme: f"C{scheme}" for scheme in Scheme}
