@@ -13,7 +13,7 @@ from forest_control.pipeline import controller, joint_servo
 from forest_control.pipeline.controller import REST, Inputs, Settings, State
 from forest_control.servo import coordinated_servo
 from forest_control.servo.schemes import Scheme, closes_on_position
-from forest_description.derived.actuation import actuator_speeds_to_joint_rates, rated_speeds
+from forest_description.derived.actuator_kinematics import actuator_speeds_to_joint_rates, rated_speeds
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import tip_position, tip_velocity
 from forest_description.machine import load_machine

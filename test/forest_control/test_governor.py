@@ -22,7 +22,7 @@ from forest_control.limits.velocity_scaling import (
     flow_demand,
     govern,
 )
-from forest_description.derived.actuation import displacements, joint_rates_to_actuator_speeds
+from forest_description.derived.actuator_kinematics import displacements, joint_rates_to_actuator_speeds
 from forest_description.geometry.kinematics import Links, joint_rates, tip_position, tip_velocity
 from forest_description.geometry.linkage import cylinder_length, lever_arm
 from forest_description.machine import load_machine

@@ -6,7 +6,7 @@ pytest.importorskip("rclpy")
 
 from forest_bag.write.bag_writer import BagWriter
 from forest_control.operator.joystick_bag import is_bag, read_joy_record
-from forest_control.operator.sources import LeverError
+from forest_control.operator.joystick_sources import LeverError
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import ns_to_stamp
 from forest_msgs_py.interfaces.topics import message_class, offered_qos

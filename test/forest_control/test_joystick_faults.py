@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from forest_control.operator.joystick_faults import JoystickFault, faults_at, parse_joystick_faults
+from forest_control.operator.joystick_fault_injection import JoystickFault, faults_at, parse_joystick_faults
 
 
 def test_faults_are_read_with_their_times():

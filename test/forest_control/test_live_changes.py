@@ -11,7 +11,7 @@ from forest_control.operator.operator_profile import Mode
 from forest_control.pipeline import controller
 from forest_control.pipeline.controller import REST, Inputs, Settings
 from forest_control.servo.schemes import Scheme
-from forest_description.derived.actuation import actuator_speeds_to_joint_rates, rated_speeds
+from forest_description.derived.actuator_kinematics import actuator_speeds_to_joint_rates, rated_speeds
 from forest_description.geometry.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
 from forest_description.types import ZERO

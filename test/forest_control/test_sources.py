@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from recorded import recorded
 
-from forest_control.operator.levers import REST, Levers
-from forest_control.operator.sources import (
+from forest_control.operator.joystick_sources import (
     THESIS_DURATION,
     LeverError,
     read_levers,
     thesis_levers,
     thesis_tip_velocity,
 )
+from forest_control.operator.levers import REST, Levers
 
 HEADER = "time_s,swing,boom,stick\n"
 

@@ -7,7 +7,7 @@ from forest_control.limits.actuator_speed_limits import capacity, gravity_torque
 from forest_control.servo.swing_feedforward import inertia, swing_load
 from forest_control.valve.tracking_limit import FULL
 from forest_control.valve.valve_driver import axis_drivers
-from forest_description.derived.actuation import displacements
+from forest_description.derived.actuator_kinematics import displacements
 from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_sim.mechanics.manipulator import dynamics, fold_head

@@ -11,7 +11,7 @@ from forest_control.valve import valve_driver
 from forest_control.valve.valve_adaptation import UNLEARNT, learn
 from forest_control.valve.valve_driver import Settings
 from forest_control.valve.valve_flow import Sight
-from forest_description.components.valve import TABLE, Curve, Direction, ValveLaw, edges
+from forest_description.components.valve_characteristic import TABLE, Curve, Direction, ValveLaw, edges
 from forest_description.machine import load_machine
 
 MACHINE = load_machine()

@@ -8,7 +8,7 @@ import pytest
 
 from forest_control.valve import valve_driver, valve_hold
 from forest_control.valve.valve_driver import REST, Pressures, Settings
-from forest_description.components.valve import (
+from forest_description.components.valve_characteristic import (
     LINEAR_AREA,
     POLYNOMIAL,
     TABLE,
@@ -17,7 +17,7 @@ from forest_description.components.valve import (
     ValveLaw,
     edges,
 )
-from forest_description.derived.actuation import rated_speeds
+from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.machine import load_machine
 
 MACHINE = load_machine()

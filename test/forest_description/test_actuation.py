@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.derived.actuation import (
+from forest_description.derived.actuator_kinematics import (
     actuator_speeds_to_joint_rates,
     joint_rates_to_actuator_speeds,
     rated_speeds,

@@ -6,9 +6,9 @@ import types
 
 import pytest
 
-from forest_description.components import valve
-from forest_description.components.circuit import PolynomialCurve, TableCurve
-from forest_description.derived import actuation
+from forest_description.components import valve_characteristic
+from forest_description.components.valve_parameters import PolynomialCurve, TableCurve
+from forest_description.derived import actuator_kinematics
 from forest_description.geometry import kinematics, linkage
 from forest_description.machine import load_machine
 
@@ -46,18 +46,18 @@ def compiled(function):
         (kinematics.nearest_pose, ((5.0, 1.0, 0.5), Q, LINKS)),
         (linkage.cylinder_length, (0.5, MACHINE.boom.linkage)),
         (linkage.lever_arm, (0.5, MACHINE.boom.linkage)),
-        (valve.stroke, (3.0, MACHINE.valve.law.forward)),
-        (valve.opening_at, (0.3, MACHINE.valve.law.curve)),
-        (valve.opening_at, (0.3, TABLE.curve)),
-        (valve.opening_at, (0.3, POLYNOMIAL.curve)),
-        (valve.resistance_at, (0.3, 1e12)),
-        (valve.edges, (3.0, MACHINE.valve.law)),
-        (valve.edges, (-3.0, TABLE)),
-        (valve.edges, (3.0, POLYNOMIAL)),
-        (valve.voltage_for_opening, (-0.3, MACHINE.valve.law)),
-        (valve.voltage_for_opening, (-0.3, TABLE)),
-        (actuation.joint_rates_to_actuator_speeds, (Q, RATES, MACHINE.linkages)),
-        (actuation.actuator_speeds_to_joint_rates, (Q, RATES, MACHINE.linkages)),
+        (valve_characteristic.stroke, (3.0, MACHINE.valve.law.forward)),
+        (valve_characteristic.opening_at, (0.3, MACHINE.valve.law.curve)),
+        (valve_characteristic.opening_at, (0.3, TABLE.curve)),
+        (valve_characteristic.opening_at, (0.3, POLYNOMIAL.curve)),
+        (valve_characteristic.resistance_at, (0.3, 1e12)),
+        (valve_characteristic.edges, (3.0, MACHINE.valve.law)),
+        (valve_characteristic.edges, (-3.0, TABLE)),
+        (valve_characteristic.edges, (3.0, POLYNOMIAL)),
+        (valve_characteristic.voltage_for_opening, (-0.3, MACHINE.valve.law)),
+        (valve_characteristic.voltage_for_opening, (-0.3, TABLE)),
+        (actuator_kinematics.joint_rates_to_actuator_speeds, (Q, RATES, MACHINE.linkages)),
+        (actuator_kinematics.actuator_speeds_to_joint_rates, (Q, RATES, MACHINE.linkages)),
     ],
     ids=lambda item: getattr(item, "__name__", ""),
 )

@@ -5,13 +5,13 @@ import re
 
 import pytest
 
-from forest_description.components.circuit import BackwardValve, PolynomialCurve, TableCurve
 from forest_description.components.pump import (
     ConstantFlowPump,
     IdealPump,
     LoadSensingPump,
     PressureCompensatedPump,
 )
+from forest_description.components.valve_parameters import BackwardValve, PolynomialCurve, TableCurve
 from forest_description.config.schema import parameters
 from forest_description.machine import Cushion, Friction, Machine, MachineError, load_machine, sources
 

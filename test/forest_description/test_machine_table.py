@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from forest_description.components.circuit import TableCurve
+from forest_description.components.valve_parameters import TableCurve
 from forest_description.config.schema import Quantity, parameters
 from forest_description.export import machine_keys
 from forest_description.export.machine_numbers import choices, document, number, table

@@ -4,8 +4,8 @@ import dataclasses
 
 import pytest
 
-from forest_description.components.circuit import BackwardValve
 from forest_description.components.hose import BLASIUS, GeometricHose
+from forest_description.components.valve_parameters import BackwardValve
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Cushion, MachineError, load_machine
 

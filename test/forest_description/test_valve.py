@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_description.components.valve import (
+from forest_description.components.valve_characteristic import (
     edges,
     opening_at,
     stroke,

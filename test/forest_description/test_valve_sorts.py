@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from forest_description.components.circuit import BackwardValve, PolynomialCurve, TableCurve
-from forest_description.components.valve import CURVE_SIZE, edges, voltage_for_opening
+from forest_description.components.valve_characteristic import CURVE_SIZE, edges, voltage_for_opening
+from forest_description.components.valve_parameters import BackwardValve, PolynomialCurve, TableCurve
 from forest_description.machine import MachineError, load_machine
 
 VALVE = load_machine("c180").valve

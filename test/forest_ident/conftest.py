@@ -13,8 +13,8 @@ import pytest
 
 from forest_bag.write.bag_writer import BagWriter
 from forest_description.machine import load_machine
-from forest_ident.data.parameter_path import value_of, with_values
 from forest_ident.driving.direct_run import experiment
+from forest_ident.measurements.parameter_path import value_of, with_values
 from forest_msgs_py.interfaces.topics import Topic, offered_qos
 
 Logged = Sequence[tuple[int, Any]]  # log time [ns], message or bytes

@@ -8,7 +8,7 @@ from forest_ident.estimators.estimate import Estimate, judged
 from forest_ident.experiments import experiments
 from forest_ident.output_error.gaussian_estimate import NOTHING
 from forest_ident.output_error.prediction import predict
-from forest_ident.refinement import linear, refinement
+from forest_ident.refinement import linear_estimates, refinement
 from forest_ident.refinement.identification import identify
 from forest_ident.refinement.unidentified import untold
 
@@ -65,7 +65,7 @@ def test_the_pressures_that_a_record_began_with_are_sought(loader, creep):
         predict(tilted, creep, bench=False, begun=by)["swing_pressure_1_actuator"] for by in ({}, begun)
     )
     assert other[0] - one[0] == pytest.approx(1e5)
-    _, fit = refinement.refine(linear.with_measured_hose(loader, 0), creep, NOTHING)
+    _, fit = refinement.refine(linear_estimates.with_measured_hose(loader, 0), creep, NOTHING)
     assert any(key.startswith("start.swing_pressure_1") for key in fit.values)
 
 

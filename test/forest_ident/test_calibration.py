@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from forest_description.machine import MachineError, load_machine
-from forest_ident.data.session import Session
 from forest_ident.driving.direct_run import experiment
+from forest_ident.measurements.session import Session
 from forest_ident.refinement import apply_calibration, identification
 from forest_ident.report import machine_writer
 from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite

@@ -17,14 +17,14 @@ from forest_ident.estimators import (
     motor_leakage,
     valve_characteristic,
 )
-from forest_ident.refinement import linear, mass_check
+from forest_ident.refinement import linear_estimates, mass_check
 from forest_ident.refinement.result import Result
 from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
 
 
 def points_and_law(machine, session):
-    points = valve_characteristic.points(session, linear.highest(machine, session))
-    low = linear.floor(machine, session)
+    points = valve_characteristic.points(session, linear_estimates.highest(machine, session))
+    low = linear_estimates.floor(machine, session)
     return points, valve_characteristic.law(points, load_machine("c180").valve, low, 1e-7)
 
 
@@ -48,7 +48,7 @@ def test_the_meters_floor_is_not_taken_for_flow(unknown_machine, sessions):
 
 def test_the_polynomial_goes_through_what_was_read(unknown_machine, sessions):
     points, _ = points_and_law(unknown_machine, sessions("valve"))
-    c_r = valve_characteristic.resistance(points, linear.floor(unknown_machine, sessions("valve")))
+    c_r = valve_characteristic.resistance(points, linear_estimates.floor(unknown_machine, sessions("valve")))
     coefficients = valve_characteristic.polynomial(points.voltage, c_r)
     open_wide = np.isfinite(c_r) & (np.abs(points.voltage) > 5.0)
     said = np.polynomial.polynomial.polyval(np.abs(points.voltage[open_wide]), coefficients)

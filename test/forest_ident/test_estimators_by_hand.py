@@ -13,7 +13,6 @@ import pytest
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import load_machine
 from forest_description.types import AXES
-from forest_ident.data.session import Session, SessionError
 from forest_ident.estimators import (
     calibration,
     damping,
@@ -22,6 +21,7 @@ from forest_ident.estimators import (
     hose_resistance,
     motor_leakage,
 )
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.online.recursive_least_squares import Estimator, start, step
 from forest_ident.output_error import noise_model
 from forest_sim.mechanics.manipulator import fold_head, kinetic_energy, potential_energy

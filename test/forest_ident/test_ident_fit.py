@@ -11,10 +11,10 @@ from forest_description.machine import load_machine
 from forest_ident.cli.fit_command import against
 from forest_ident.cli.fit_command import found as bags_at
 from forest_ident.cli.verbs import main
-from forest_ident.data import session_bag
 from forest_ident.driving.direct_run import experiment
 from forest_ident.estimators.estimate import Estimate
 from forest_ident.experiments import experiment_metadata
+from forest_ident.measurements import session_bag
 from forest_ident.output_error.fit_problem import Channel, Problem, Unknown
 from forest_ident.output_error.gaussian_estimate import NOTHING
 from forest_ident.refinement import data_quality, identification

@@ -1,9 +1,9 @@
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident.data.parameter_path import value_of
-from forest_ident.data.session import SessionError
 from forest_ident.estimators.estimate import Estimate, judged
+from forest_ident.measurements.parameter_path import value_of
+from forest_ident.measurements.session import SessionError
 from forest_ident.output_error.prediction import predict
 from forest_ident.refinement.identification import identify
 from forest_ident.refinement.unidentified import untold

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from forest_ident.data.differentiator import derivative, inner, smooth, width
 from forest_ident.estimators.least_squares import solve
+from forest_ident.measurements.differentiator import derivative, inner, smooth, width
 
 
 def test_coefficients_and_their_spread_are_found():

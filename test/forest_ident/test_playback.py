@@ -6,7 +6,7 @@ import pytest
 
 from forest_bag.play.lateness import Lateness
 from forest_bag.play.playback import Plan, Player
-from forest_bag.play.source import BagSource, read_ahead
+from forest_bag.play.read_ahead import BagSource, read_ahead
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.raw_messages import Channel, RawMessage
 from forest_bag.write.bag_writer import BagWriter

@@ -5,12 +5,15 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_ident.cli.verbs import main
-from forest_ident.validation import questions
+from forest_ident.validation import unmodelled_effects
 
 
 @pytest.fixture(scope="module")
 def answers():
-    return {c.name: questions.answer(c, longest=20.0) for c in questions.cases(load_machine("c180"))}
+    return {
+        c.name: unmodelled_effects.answer(c, longest=20.0)
+        for c in unmodelled_effects.cases(load_machine("c180"))
+    }
 
 
 def score(answer, axis, signal, way="both"):
@@ -53,7 +56,7 @@ def test_the_pendulum_costs_the_swing_most(answers):
 
 def test_a_valve_that_never_opens_scores_nothing(answers):
     session = answers["none"].session
-    shut = questions.scores(
+    shut = unmodelled_effects.scores(
         answers["none"].case.model,
         type(session)(session.name, session.time, 0.0 * session.voltages, session.readings),
         answers["none"].signals,
@@ -62,8 +65,8 @@ def test_a_valve_that_never_opens_scores_nothing(answers):
 
 
 def test_the_verb_leaves_numbers_and_a_picture(tmp_path, capsys, monkeypatch):
-    out, whole = tmp_path / "questions", questions.cases
-    monkeypatch.setattr(questions, "cases", lambda machine: whole(machine)[:2])
+    out, whole = tmp_path / "questions", unmodelled_effects.cases
+    monkeypatch.setattr(unmodelled_effects, "cases", lambda machine: whole(machine)[:2])
     assert main(["questions", "--seed", "3", "--out", str(out)]) == 0
     cases = json.loads((out / "questions.json").read_text("utf-8"))["cases"]
     assert list(cases) == ["none", "areas"]

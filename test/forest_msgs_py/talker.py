@@ -7,7 +7,7 @@ from rclpy.node import Node
 
 from forest_msgs_py.interfaces import messages, topics
 from forest_msgs_py.runtime.node import Finished, NodeFailure, publisher, run_node
-from forest_msgs_py.runtime.parameters import declare
+from forest_msgs_py.runtime.node_parameters import declare
 
 FAULTS = {"bug": ZeroDivisionError("a bug"), "failure": NodeFailure("pump is gone"), "done": Finished()}
 

@@ -8,7 +8,7 @@ pytest.importorskip("rclpy")
 
 from rclpy.parameter import Parameter
 
-from forest_msgs_py.runtime.parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import ParameterError, declare
 
 
 @pytest.fixture

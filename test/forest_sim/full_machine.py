@@ -7,7 +7,6 @@ import dataclasses
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from forest_description.components.circuit import BackwardValve, TableCurve
 from forest_description.components.load import Log, Pendulum
 from forest_description.components.pump import (
     ConstantFlowPump,
@@ -15,13 +14,14 @@ from forest_description.components.pump import (
     LoadSensingPump,
     PressureCompensatedPump,
 )
+from forest_description.components.valve_parameters import BackwardValve, TableCurve
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import Cushion, Friction, Machine, load_machine
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.multibody import HeadState
-from forest_sim.solver.parameters import PlantParameters
 from forest_sim.solver.plant import AxisState, PlantState, ports_at, state_derivative
 from forest_sim.solver.plant_kernel import compiled_advance
+from forest_sim.solver.plant_parameters import PlantParameters
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)

@@ -17,8 +17,8 @@ from forest_sim.run.disturbance import (
     parse_stuck_spools,
 )
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.parameters import plant_parameters
 from forest_sim.solver.plant_kernel import compiled_advance
+from forest_sim.solver.plant_parameters import plant_parameters
 
 C180 = load_machine("c180")
 START = (0.0, 0.5, -1.5)

@@ -12,7 +12,7 @@ from forest_description.machine import Friction, MachineError
 from forest_sim.mechanics.end_stop import UNCUSHIONED, CushionBrake, cushion_resistance
 from forest_sim.mechanics.friction import FRICTIONLESS, friction, friction_force, friction_slope
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 
 LAW = friction(FRICTION)
 BRAKE = CushionBrake(1.3, 2.2, CUSHION.length, CUSHION.resistance)

@@ -22,7 +22,7 @@ from forest_sim.analysis.modes import modes, slow_modes
 from forest_sim.cli.main import main
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force, friction_slope
 from forest_sim.run.simulation import start_angles
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 
 LOADER = load_machine("loader")
 P = plant_parameters(LOADER)

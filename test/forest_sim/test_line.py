@@ -15,7 +15,7 @@ from forest_sim.hydraulics.hydraulic_line import (
     solve_line,
 )
 from forest_sim.hydraulics.port import Port
-from forest_sim.solver.parameters import NO_GUARD
+from forest_sim.solver.plant_parameters import NO_GUARD
 
 MACHINE = load_machine("c180")
 LINE = MACHINE.line(2, 1)

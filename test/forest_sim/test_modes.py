@@ -14,9 +14,9 @@ from forest_sim.analysis.mode_map import mode_map
 from forest_sim.analysis.modes import modes, operating_point, slow_modes, unguarded
 from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.run.simulation import start_angles
-from forest_sim.solver.parameters import plant_parameters
 from forest_sim.solver.plant import ports_at, state_derivative
 from forest_sim.solver.plant_kernel import compiled_advance
+from forest_sim.solver.plant_parameters import plant_parameters
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 START = start_angles(C180)

@@ -18,7 +18,7 @@ from forest_sim.analysis.check import warnings
 from forest_sim.analysis.modes import SHUT, modes, slow_modes
 from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.run.simulation import start_angles
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 
 DOCS = Path(__file__).parents[2] / "docs" / "equations.md"
 C180 = load_machine("c180")

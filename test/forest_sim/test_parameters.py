@@ -11,7 +11,7 @@ from forest_description.machine import load_machine
 from forest_sim.hydraulics.hydraulic_line import guard_flow
 from forest_sim.hydraulics.supply import supply
 from forest_sim.mechanics.end_stop import end_stop_force
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 

@@ -14,7 +14,7 @@ from forest_sim.hydraulics.hydraulic_line import (
     supply_coupling,
 )
 from forest_sim.hydraulics.port import Port, edge_flow, edge_flows, meet, port_flow
-from forest_sim.solver.parameters import NO_GUARD
+from forest_sim.solver.plant_parameters import NO_GUARD
 
 LINE = load_machine("c180").line(2, 1)
 GUARD = PortGuard(24e6, 1e-8, 0.0, 1e-7)

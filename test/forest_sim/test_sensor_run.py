@@ -12,8 +12,8 @@ from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.parameters import plant_parameters
 from forest_sim.solver.plant_kernel import compiled_advance
+from forest_sim.solver.plant_parameters import plant_parameters
 
 DT = 0.005
 FAULTS = "boom_resolver: drop 30 %; swing_flow: absent; stick_pressure_1_valve: frozen from 0.1 s until 0.2 s"

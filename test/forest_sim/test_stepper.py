@@ -7,8 +7,8 @@ pytest.importorskip("llvmlite")
 from forest_description.machine import load_machine
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.flat_state import Stepper
-from forest_sim.solver.parameters import plant_parameters
 from forest_sim.solver.plant_kernel import compiled_advance
+from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import STATE
 
 P = plant_parameters(load_machine("c180"))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from recorded import recorded
 
+from forest_control.operator.joystick_sources import read_levers, thesis_levers
 from forest_control.operator.levers import REST, Levers
-from forest_control.operator.sources import read_levers, thesis_levers
 from forest_control.pipeline import controller
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver

@@ -14,14 +14,14 @@ pytest.importorskip("rclpy")
 
 from graph_processes import kill, nodes_of
 
-from forest_ident.data import session_bag
-from forest_ident.data.session import SessionError
+from forest_ident.measurements import session_bag
+from forest_ident.measurements.session import SessionError
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.introspection import live_graph
 from forest_msgs_py.introspection.live_graph import LiveGraph
 from forest_msgs_py.runtime.node import publisher
 from forest_study.experiments import experiment_live
-from forest_study.experiments.ident_cli import main
+from forest_study.experiments.forest_ident_main import main
 
 OPERATOR = "experiment_operator"
 

@@ -4,10 +4,10 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_description.machine import load_machine
-from forest_ident.data import session_bag
-from forest_ident.data.session import SessionError
 from forest_ident.driving.direct_run import experiment
-from forest_study.experiments.ident_cli import main
+from forest_ident.measurements import session_bag
+from forest_ident.measurements.session import SessionError
+from forest_study.experiments.forest_ident_main import main
 
 TRIAL = 6.0  # [s] of a rig's experiment
 SHORT = 3.0  # [s] of the crane's

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from forest_control.operator.joystick_sources import thesis_levers
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
-from forest_control.operator.sources import thesis_levers
 from forest_control.pipeline import controller
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver

@@ -16,8 +16,8 @@ pytest.importorskip("rclpy")
 
 from forest_bag.read.timeseries import read_bag
 from forest_bringup import lockstep_run
+from forest_control.operator.joystick_sources import LEAD_IN, read_levers
 from forest_control.operator.levers import REST, levers_from_axes
-from forest_control.operator.sources import LEAD_IN, read_levers
 from forest_msgs_py.interfaces import topics
 
 STEP_NS = 5_000_000

@@ -14,7 +14,7 @@ from forest_control.operator.operator_profile import Mode
 from forest_control.pipeline import controller
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver
-from forest_description.components.circuit import PolynomialCurve, TableCurve
+from forest_description.components.valve_parameters import PolynomialCurve, TableCurve
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD

@@ -17,7 +17,7 @@ from forest_description.machine import load_machine
 from forest_description.types import ZERO
 from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_suite import sensor_suite
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 from forest_study.closed_loop.closed_loop import Operator, _Loop
 from forest_study.closed_loop.loop_kernel import by_heart as run
 

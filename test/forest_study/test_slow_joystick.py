@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from forest_control.operator import joystick_interpolation
+from forest_control.operator.joystick_sources import thesis_levers
 from forest_control.operator.levers import REST
-from forest_control.operator.sources import thesis_levers
 from forest_control.pipeline import controller
 from forest_control.valve import valve_driver
 from forest_description.derived.limits import pose_at, start_tip

@@ -11,9 +11,9 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_bringup.terminal import NOBODY, Question, ask
-from forest_ident.data.session import SessionError
+from forest_ident.measurements.session import SessionError
 from forest_study.experiments import experiment_live, thermocouple_calibration
-from forest_study.experiments.ident_cli import main
+from forest_study.experiments.forest_ident_main import main
 
 
 @pytest.fixture

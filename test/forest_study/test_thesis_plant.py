@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from forest_control.operator.sources import thesis_tip_velocity
+from forest_control.operator.joystick_sources import thesis_tip_velocity
 from forest_description.derived.limits import THESIS_START
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine

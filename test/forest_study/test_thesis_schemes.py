@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.operator.sources import thesis_tip_velocity
+from forest_control.operator.joystick_sources import thesis_tip_velocity
 from forest_description.derived.limits import THESIS_START
 from forest_description.geometry.kinematics import joint_rates
 from forest_description.machine import load_machine

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from forest_bag.read.timeseries import Series, bag_of
+from forest_control.operator.joystick_sources import thesis_levers
 from forest_control.operator.levers import REST
-from forest_control.operator.sources import thesis_levers
 from forest_control.valve import valve_driver
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine

@@ -42,7 +42,7 @@ from forest_msgs_py.clock.node_clock import pace, speaker
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import run_node
-from forest_msgs_py.runtime.parameters import Tunables, declare
+from forest_msgs_py.runtime.node_parameters import Tunables, declare
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.safety.diagnostics import Health

@@ -21,7 +21,7 @@ from forest_description.types import ZERO, Vec3
 from forest_msgs_py.clock.node_clock import pace, speaker
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import run_node
-from forest_msgs_py.runtime.parameters import Tunables, declare
+from forest_msgs_py.runtime.node_parameters import Tunables, declare
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import TimeInForce
 from forest_msgs_py.safety.diagnostics import Health, beyond, rating_values

@@ -24,7 +24,7 @@ from forest_msgs_py.clock.node_clock import pace, speaker
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.introspection.live_graph import UNKNOWN, LiveGraph, NoAnswer, speakers
 from forest_msgs_py.runtime.node import Finished, NodeFailure, run_node, subscription
-from forest_msgs_py.runtime.parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import ParameterError, declare
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.serialization.unpacking import JointReader

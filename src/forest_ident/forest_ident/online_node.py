@@ -18,7 +18,7 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array
 from forest_msgs_py.interfaces.topics import Topic
 from forest_msgs_py.runtime.node import run_node
-from forest_msgs_py.runtime.parameters import declare
+from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader
 from forest_msgs_py.types import PERIOD

@@ -28,7 +28,7 @@ from forest_msgs_py.clock.node_clock import pace, speaker
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import run_node
-from forest_msgs_py.runtime.parameters import ParameterError, declare, declare_triple
+from forest_msgs_py.runtime.node_parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.safety.diagnostics import Health, beyond, rating_values
 from forest_msgs_py.safety.input_status import InputStatus

@@ -14,7 +14,7 @@ from forest_control.servo.schemes import Gains, Scheme
 from forest_control.servo.swing_feedforward import swing_load
 from forest_control.valve.valve_driver import axis_drivers
 from forest_control.valve.valve_driver_parameters import command_noise
-from forest_description.derived.actuation import Linkages, displacements, rated_speeds
+from forest_description.derived.actuator_kinematics import Linkages, displacements, rated_speeds
 from forest_description.derived.limits import Interval, joint_limits
 from forest_description.geometry.kinematics import Links
 from forest_description.geometry.linkage import Linkage, cylinder_length

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from forest_control.valve.tracking_limit import Reach
 from forest_control.valve.valve_driver_parameters import AxisDriver
-from forest_description.derived.actuation import Linkages
+from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.derived.bodies import boom_body, stick_body
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine

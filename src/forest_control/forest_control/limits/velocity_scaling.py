@@ -20,7 +20,7 @@ import math
 from enum import IntEnum
 from typing import NamedTuple
 
-from forest_description.derived.actuation import Linkages
+from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.geometry.kinematics import Links
 from forest_description.geometry.linkage import Linkage, length_and_arm, lever_arm
 from forest_description.types import Vec3

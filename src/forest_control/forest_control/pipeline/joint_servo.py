@@ -7,7 +7,7 @@ from forest_control.pipeline.stop_profile import NO_STOP
 from forest_control.servo import coordinated_servo
 from forest_control.servo.inching import MOVING
 from forest_control.servo.schemes import Scheme, Signals, advanced, closes_on_position, moved, servo
-from forest_description.derived.actuation import joint_rates_to_actuator_speeds
+from forest_description.derived.actuator_kinematics import joint_rates_to_actuator_speeds
 from forest_description.geometry.kinematics import tip_velocity
 from forest_description.types import ZERO, Vec3
 

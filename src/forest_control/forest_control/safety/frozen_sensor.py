@@ -16,7 +16,7 @@ Not seen: a frozen sensor behind a converter that adds noise, and one that freez
 from typing import NamedTuple
 
 from forest_control.config.settings import Parameters
-from forest_description.derived.actuation import actuator_speeds_to_joint_rates
+from forest_description.derived.actuator_kinematics import actuator_speeds_to_joint_rates
 from forest_description.types import AXES, Vec3
 
 WAY = 0.02  # [rad] ten times the step of a resolver of 12 bits; 0.12 m at 6 m

@@ -23,7 +23,7 @@ from typing import NamedTuple
 from forest_control.servo.inching import MOVING, Inching, inched, is_due, served
 from forest_control.servo.schemes import FULL_RATE, Gains, Signals, coordinated
 from forest_control.servo.swing_feedforward import SwingLoad, inertia
-from forest_description.derived.actuation import Linkages, actuator_speeds_to_joint_rates
+from forest_description.derived.actuator_kinematics import Linkages, actuator_speeds_to_joint_rates
 from forest_description.types import ZERO, Vec3
 
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests

@@ -16,7 +16,7 @@ import math
 from enum import IntEnum
 from typing import NamedTuple
 
-from forest_description.derived.actuation import Linkages
+from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.geometry.linkage import angle_at
 from forest_description.types import Vec3
 

@@ -16,7 +16,7 @@ whose load changes as it speeds up. Boom and stick carry mostly their weight, wh
 import math
 from typing import NamedTuple
 
-from forest_description.derived.actuation import displacements
+from forest_description.derived.actuator_kinematics import displacements
 from forest_description.derived.bodies import boom_body, stick_body
 from forest_description.machine import Machine
 from forest_description.types import Vec3

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from forest_control.valve.valve_adaptation import AdaptationParameters
 from forest_control.valve.valve_flow import FlowParameters
-from forest_description.components.valve import ValveLaw
-from forest_description.derived.actuation import displacements, rated_speeds
+from forest_description.components.valve_characteristic import ValveLaw
+from forest_description.derived.actuator_kinematics import displacements, rated_speeds
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 

@@ -22,7 +22,7 @@ import math
 from xml.etree import ElementTree
 
 from forest_description.components.load import Log
-from forest_description.derived.actuation import rated_speeds
+from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.derived.bodies import PlanarBody, boom_body, hanging_body, stick_body
 from forest_description.derived.limits import Interval, joint_limits
 from forest_description.derived.passive_joints import (

@@ -12,15 +12,15 @@ import numpy as np
 
 from forest_description.machine import Machine
 from forest_description.types import Vec3
-from forest_ident.data.readings import PLACE, Columns, read, true_columns
-from forest_ident.data.session import Session
 from forest_ident.experiments import excitation
+from forest_ident.measurements.readings import PLACE, Columns, read, true_columns
+from forest_ident.measurements.session import Session
 from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_suite import Suite
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.flat_state import Stepper
-from forest_sim.solver.parameters import PlantParameters, plant_parameters
+from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.solver.power import power_flows
 from forest_sim.solver.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after
 

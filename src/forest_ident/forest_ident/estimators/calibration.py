@@ -27,8 +27,8 @@ from forest_description.components.sensor_calibration import (
 )
 from forest_description.machine import Machine
 from forest_description.types import Floats
-from forest_ident.data.readings import read
-from forest_ident.data.session import Session, SessionError
+from forest_ident.measurements.readings import read
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error.noise_model import KIND, channel
 from forest_ident.output_error.output_error import Unknown, fit
 from forest_sim.sensors.sensor_suite import Suite

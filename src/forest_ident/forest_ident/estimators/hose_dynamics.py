@@ -24,10 +24,10 @@ import math
 import numpy as np
 
 from forest_description.types import Floats
-from forest_ident.data.differentiator import derivative, inner, smooth
-from forest_ident.data.readings import lagged
-from forest_ident.data.session import Session
 from forest_ident.estimators.least_squares import Line, solve
+from forest_ident.measurements.differentiator import derivative, inner, smooth
+from forest_ident.measurements.readings import lagged
+from forest_ident.measurements.session import Session
 
 BANDWIDTH = 16.0  # [Hz] of the smoothing
 RATES = 0.08  # of the sampling rate: the greatest bandwidth in a record that is sampled slower than at 200 Hz

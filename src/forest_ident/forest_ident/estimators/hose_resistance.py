@@ -15,9 +15,9 @@ import numpy as np
 
 from forest_description.machine import MeasuredHose
 from forest_description.types import Floats
-from forest_ident.data.session import Session
 from forest_ident.estimators.least_squares import Line, solve
 from forest_ident.estimators.valve_characteristic import holds
+from forest_ident.measurements.session import Session
 
 STEADY = 0.8  # [s] after which flow dynamics have died out
 

@@ -25,9 +25,9 @@ import numpy as np
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine
 from forest_description.types import Floats
-from forest_ident.data.differentiator import derivative, inner, smooth
-from forest_ident.data.session import Session
 from forest_ident.estimators.least_squares import Line, solve
+from forest_ident.measurements.differentiator import derivative, inner, smooth
+from forest_ident.measurements.session import Session
 
 BANDWIDTH = 0.5  # [Hz]: creep is slow
 SETTLED = 5.0  # [s] until the creep is steady

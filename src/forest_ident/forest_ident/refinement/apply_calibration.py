@@ -19,8 +19,8 @@ import numpy as np
 from forest_description.components.sensor_calibration import line_of
 from forest_description.machine import Machine
 from forest_description.types import Floats
-from forest_ident.data.session import Session
 from forest_ident.experiments import test_rig
+from forest_ident.measurements.session import Session
 from forest_ident.output_error.noise_model import KIND
 
 

@@ -15,8 +15,8 @@ import numpy as np
 
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
-from forest_ident.data.differentiator import derivative
-from forest_ident.data.session import Session, SessionError
+from forest_ident.measurements.differentiator import derivative
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error.prediction import predict
 from forest_ident.refinement import apply_calibration, refinement
 

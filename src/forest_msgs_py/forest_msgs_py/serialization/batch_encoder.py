@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_description.types import Floats
 from forest_msgs_py.interfaces.messages import (
     float_array,
     joint_state,
@@ -73,7 +72,7 @@ class Encoder:
         stamp = struct.pack("<iI", sec, nanosec) if self._in_header else struct.pack("<dd", sec, nanosec)
         self._stamp_place = _place(data, stamp)
 
-    def encode(self, stamps_ns: NDArray[np.int64], values: Floats) -> list[bytes | None]:
+    def encode(self, stamps_ns: NDArray[np.int64], values: NDArray[np.float64]) -> list[bytes | None]:
         """Messages with these stamps [N] and numbers [N, k], in SI units, volts at the valves.
 
         A row with NaN in it, a sensor without a sample, becomes a message without that sensor; None if
@@ -93,7 +92,7 @@ class Encoder:
             encoded[row] = None if message is None else to_cdr(message)
         return encoded
 
-    def decode(self, messages: Sequence[bytes]) -> tuple[NDArray[np.int64], Floats] | None:
+    def decode(self, messages: Sequence[bytes]) -> tuple[NDArray[np.int64], NDArray[np.float64]] | None:
         """Stamps [N] and numbers [N, k] of messages that differ from the first only where numbers stand.
 
         None if one of them differs elsewhere, in its labels or its frame, say, or has no stamp.

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from forest_description.config.parameter import choice_of, parameter_of
-from forest_description.derived.actuation import rated_speeds
+from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.derived.limits import joint_limits, workspace_limits
 from forest_description.derived.line_bandwidth import one_lump_warnings
 from forest_description.machine import Machine
@@ -15,7 +15,7 @@ from forest_sim.analysis.friction_ends import large_heading, rubbing_axes, small
 from forest_sim.analysis.modes import SHUT, Mode, modes, operating_point, slow_modes, unguarded
 from forest_sim.run.simulation import start_angles
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 
 MPA = 1e6
 GRID = 8  # poses of boom and of stick, less one

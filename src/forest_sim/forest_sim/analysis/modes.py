@@ -25,14 +25,14 @@ from scipy.linalg import eig
 
 from forest_description.types import AXES, Floats, Vec3
 from forest_sim.hydraulics.port import is_shut
-from forest_sim.hydraulics.spool import Spool
+from forest_sim.hydraulics.spool_dynamics import Spool
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.end_stop import UNCUSHIONED, EndStop
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation, step
 from forest_sim.solver.multibody import HeadState
-from forest_sim.solver.parameters import NO_GUARD, Axis, PlantParameters
 from forest_sim.solver.plant import AxisState, PlantState, ports_at, state_derivative
+from forest_sim.solver.plant_parameters import NO_GUARD, Axis, PlantParameters
 
 NO_STOP = EndStop(-math.inf, math.inf, 0.0, 0.0)
 DIFFERENCE = (1e-6, 1e-6, 10.0, 10.0, 1e-8, 1e-8)  # rad, rad/s, Pa, m^3/s: rounding and curvature both small

@@ -13,7 +13,7 @@ from forest_description.types import AXES, Floats, Vec3
 from forest_sim.run.energy import Account, account, settled, unaccounted
 from forest_sim.run.simulation import Block, Run
 from forest_sim.solver.integrator import Events
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE, restore
 
 ENERGY_GAP = 0.005  # of the energy that passed through, above which an account is in doubt

@@ -26,7 +26,7 @@ from forest_sim.run.simulation import Run, RunError, blocks, substeps
 from forest_sim.run.trajectory_files import Thinned, naming, trajectory_files
 from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 
 QUIET = 2.0  # [s] after which a run begins to say how far it is
 TOLD_EVERY = 1.0  # [s] on a terminal; elsewhere ten times rarer

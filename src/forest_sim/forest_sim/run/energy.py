@@ -25,7 +25,7 @@ import numpy as np
 from forest_description.machine import Line
 from forest_description.types import AXES, Floats
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import PlantParameters
+from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.state_recording import ENERGY
 
 

@@ -20,7 +20,7 @@ from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import Fault, sensor_suite
 from forest_sim.sensors.signal_processing import Motion
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import restore
 from forest_sim.solver.thermal import parameters_at
 

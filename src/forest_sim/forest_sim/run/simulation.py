@@ -20,8 +20,8 @@ from forest_sim.run.inputs import Voltages
 from forest_sim.solver import step_schedule
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import plant_parameters
 from forest_sim.solver.plant_kernel import fastest_record
+from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE, store
 from forest_sim.solver.step_schedule import Pace
 from forest_sim.solver.thermal import UPDATE_PERIOD, parameters_at, temperature_after

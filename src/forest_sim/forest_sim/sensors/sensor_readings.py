@@ -38,8 +38,8 @@ from forest_sim.sensors.signal_processing import (
     positions,
 )
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import Axis, PlantParameters
 from forest_sim.solver.plant import AxisState, Ports, Transmission, ports_at, supply_draw, transmissions
+from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 
 class Surroundings(NamedTuple):

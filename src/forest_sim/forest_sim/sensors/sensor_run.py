@@ -19,7 +19,7 @@ from forest_sim.sensors.sensor_suite import EXACT_SUITE, NO_DRAWS, Suite, condit
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import PlantParameters, plant_parameters
+from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 
 
 class SensorRun:

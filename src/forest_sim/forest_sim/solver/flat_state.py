@@ -12,8 +12,8 @@ import numpy as np
 from forest_compile import flat_layout
 from forest_description.types import Floats, Vec3
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import PlantParameters
 from forest_sim.solver.plant_kernel import KEPT
+from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.state_recording import restore, store
 
 _packers: list[Callable[[PlantParameters], flat_layout.Row]] = []

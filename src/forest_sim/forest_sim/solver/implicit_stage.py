@@ -16,7 +16,6 @@ from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_resistanc
 from forest_sim.mechanics.friction import friction_slope
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.multibody import HeadState, Inertia, mechanics, resisted, solve, times
-from forest_sim.solver.parameters import Axis, PlantParameters
 from forest_sim.solver.plant import (
     AxisState,
     PlantState,
@@ -26,6 +25,7 @@ from forest_sim.solver.plant import (
     sensed_load,
     transmissions,
 )
+from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 TOLERANCE = 1e-4  # [rad/s] of Newton's last correction; the next one would be a thousandth of it at 1 ms
 SUPPLY_TOLERANCE = 1e3  # [Pa] of P_s, as above

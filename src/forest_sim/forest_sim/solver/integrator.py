@@ -12,12 +12,12 @@ from typing import NamedTuple
 
 from forest_description.types import Vec3
 from forest_sim.hydraulics.hydraulic_line import PortGuard
-from forest_sim.hydraulics.spool import Spool, Spools, spool_after
+from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.multibody import HeadState
-from forest_sim.solver.parameters import PlantParameters, SpoolValve
 from forest_sim.solver.plant import AxisState, PlantState, ports_at
+from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve
 
 GAMMA = 1.0 - math.sqrt(0.5)
 

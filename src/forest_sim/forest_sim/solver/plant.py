@@ -19,20 +19,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from forest_description.components.valve import ValveLaw, edges
+from forest_description.components.valve_characteristic import ValveLaw, edges
 from forest_description.geometry.linkage import Linkage, length_and_arm
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.hydraulics.hydraulic_line import flow_rate, pressure_rate
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
-from forest_sim.hydraulics.spool import Spools
+from forest_sim.hydraulics.spool_dynamics import Spools
 from forest_sim.hydraulics.supply import SupplyState, pump_flow, reference_rate
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.multibody import HANGING_STILL, HeadState, Mechanics, mechanics, solve
-from forest_sim.solver.parameters import Axis, PlantParameters, plant_parameters
+from forest_sim.solver.plant_parameters import Axis, PlantParameters, plant_parameters
 
 
 class AxisState(NamedTuple):

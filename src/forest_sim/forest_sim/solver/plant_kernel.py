@@ -15,23 +15,23 @@ import numpy as np
 from forest_compile import flat_layout, machine_code
 from forest_compile.entry import Entry
 from forest_compile.kernel_cache import Kept, can_compile
-from forest_description.components import valve
+from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
 from forest_description.types import Floats, Vec3
-from forest_sim.hydraulics import port, spool
+from forest_sim.hydraulics import port, spool_dynamics
 from forest_sim.mechanics import pendulum
 from forest_sim.solver import implicit_stage, integrator, plant, power, state_recording
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import PlantParameters, plant_parameters
+from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.solver.step_schedule import Pace, given
 
 # What is seldom called, or only with the energy account: written out, it would make the whole larger.
 APART = (
     port._two_edges,
     pendulum.pendulum_dynamics,
-    spool._second_order,
-    valve._curved_opening,
+    spool_dynamics._second_order,
+    valve_characteristic._curved_opening,
     implicit_stage._solve_further,
     implicit_stage._try_again,
     power.power_flows,

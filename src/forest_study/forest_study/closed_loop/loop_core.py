@@ -24,8 +24,8 @@ from forest_sim.sensors.sensor_suite import PLACES, TIME_TOLERANCE
 from forest_sim.sensors.signal_processing import SpeedEstimate, estimate_speed
 from forest_sim.solver import integrator
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import PlantParameters
 from forest_sim.solver.plant import ports_at, transmissions
+from forest_sim.solver.plant_parameters import PlantParameters
 from forest_study.closed_loop.closed_loop import SUBSTEPS
 
 CHANNEL_COUNT = PLACES["pressure"].stop  # resolvers, transducers, pressures: the suite's first channels

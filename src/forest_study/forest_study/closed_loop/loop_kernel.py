@@ -24,7 +24,7 @@ from forest_sim.sensors import sensor_readings, sensor_suite
 from forest_sim.sensors.sensor_suite import CHANNELS, Suite, noise_generator
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.parameters import PlantParameters, plant_parameters
+from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop import closed_loop, loop_core
 from forest_study.closed_loop.closed_loop import Operator, Trajectory
 from forest_study.closed_loop.loop_core import CHANNEL_COUNT, Happened, Knowledge, Loop, Senses, Sensing

@@ -19,8 +19,14 @@ from forest_bringup.lockstep_run import GUARD, RECORDER, in_lockstep
 from forest_bringup.profile_choice import profile_for
 from forest_bringup.supervisor import STOP_SIGNALS, Stopped, Supervisor
 from forest_control.operator.joystick_bag import is_bag, read_joy_record
-from forest_control.operator.joystick_faults import parse_joystick_faults
-from forest_control.operator.sources import LEAD_IN, LEAD_OUT, THESIS_DURATION, LeverError, read_levers
+from forest_control.operator.joystick_fault_injection import parse_joystick_faults
+from forest_control.operator.joystick_sources import (
+    LEAD_IN,
+    LEAD_OUT,
+    THESIS_DURATION,
+    LeverError,
+    read_levers,
+)
 from forest_description.derived.limits import joint_limits
 from forest_description.machine import MachineError, load_machine
 from forest_description.types import AXES

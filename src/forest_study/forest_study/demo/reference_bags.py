@@ -19,7 +19,7 @@ from pathlib import Path
 from forest_bringup import graph, lockstep_run
 from forest_bringup.graph_lock import Failure
 from forest_bringup.supervisor import NodeSpec
-from forest_control.operator.sources import LEAD_IN, LEAD_OUT
+from forest_control.operator.joystick_sources import LEAD_IN, LEAD_OUT
 from forest_msgs_py.runtime import command_line
 from forest_msgs_py.types import PERIOD
 from forest_study.demo import synthetic_operator

@@ -19,9 +19,9 @@ from forest_bringup.lockstep_run import RECORDER, in_lockstep
 from forest_bringup.supervisor import NodeSpec, Supervisor
 from forest_description.export.machine_yaml import machine_text
 from forest_description.machine import Machine, load_machine
-from forest_ident.data import session_bag
 from forest_ident.experiments import experiments
 from forest_ident.experiments.experiments import Plan
+from forest_ident.measurements import session_bag
 from forest_msgs_py.types import PERIOD
 
 OPERATOR = "experiment_operator"

@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from forest_control.operator.joystick_sources import THESIS_DURATION, thesis_levers, thesis_tip_velocity
 from forest_control.operator.levers import REST, Levers
-from forest_control.operator.sources import THESIS_DURATION, thesis_levers, thesis_tip_velocity
 from forest_control.pipeline import controller
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver

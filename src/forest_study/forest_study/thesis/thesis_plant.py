@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_control.operator.sources import thesis_tip_velocity
+from forest_control.operator.joystick_sources import thesis_tip_velocity
 from forest_control.servo.schemes import moved
 from forest_description.geometry.kinematics import Links, inverse_kinematics, tip_position, tip_velocity
 from forest_description.types import ZERO, Floats, Vec3

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from forest_control.operator.sources import THESIS_DURATION
+from forest_control.operator.joystick_sources import THESIS_DURATION
 from forest_description.derived.limits import THESIS_START
 from forest_description.geometry.kinematics import Links
 from forest_description.machine import load_machine

@@ -1,4 +1,4 @@
-"""The hydraulic components that the axes of a machine share: valve, port valves; hoses are in ``hose.py``."""
+"""The parameters of the valves that the axes of a machine share: the spool valve, and the port valves."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, ClassVar, cast
 
 import numpy as np
 
-from forest_description.components.valve import (
+from forest_description.components.valve_characteristic import (
     CURVE_SIZE,
     LINEAR_AREA,
     POLYNOMIAL,
@@ -120,7 +120,7 @@ class BackwardValve(ParameterSet):
 
 @dataclass(frozen=True)
 class Valve(ParameterSet):
-    """Proportional spool valve; its law is in ``valve.py``. Thesis section 2.3, 3.2.2, 4.3.2."""
+    """Proportional spool valve; its law: `valve_characteristic`. Thesis section 2.3, 3.2.2, 4.3.2."""
 
     deadband_voltage: float = parameter(
         "V", -5.0, 5.0, "overlap: no flow up to it; 0 critical, negative underlap"
@@ -161,7 +161,7 @@ class Valve(ParameterSet):
 
     @property
     def law(self) -> ValveLaw:
-        """The constants of ``valve.py``'s functions."""
+        """The constants of ``valve_characteristic.py``'s functions."""
         back = self.backward
         c_forward = self.minimum_resistance
         c_backward = back.minimum_resistance if back else c_forward

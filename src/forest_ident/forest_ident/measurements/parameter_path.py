@@ -10,7 +10,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from forest_description.components.circuit import BackwardValve
+from forest_description.components.valve_parameters import BackwardValve
 from forest_description.config.parameter import parameter_of
 from forest_description.machine import Machine, MachineError
 

@@ -27,14 +27,14 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from forest_description.components.circuit import Valve
 from forest_description.components.drives import Friction
 from forest_description.components.load import Pendulum
+from forest_description.components.valve_parameters import Valve
 from forest_description.machine import Machine
 from forest_description.types import AXES, Bools
-from forest_ident.data.session import Session, SessionError
 from forest_ident.driving import simulated_experiment
 from forest_ident.experiments import experiments
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.validation.validation import Signal, signals
 from forest_sim.sensors.sensor_suite import sensor_suite
 

@@ -11,9 +11,6 @@ import numpy as np
 from forest_description.components.sensors import FlowMeter
 from forest_description.machine import CylinderDrive, Machine, SwingDrive
 from forest_description.types import AXES
-from forest_ident.data import sample_mask
-from forest_ident.data.parameter_path import value_of
-from forest_ident.data.session import Session, SessionError
 from forest_ident.estimators import (
     damping,
     hose_dynamics,
@@ -23,6 +20,9 @@ from forest_ident.estimators import (
 )
 from forest_ident.estimators.least_squares import Line
 from forest_ident.experiments import test_rig
+from forest_ident.measurements import sample_mask
+from forest_ident.measurements.parameter_path import value_of
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.refinement.refinement import hose_section
 
 ENOUGH = 4  # steady openings each way, steady flows: fewer do not make a line

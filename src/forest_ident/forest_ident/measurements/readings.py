@@ -20,7 +20,14 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.signal import lfilter
 
-from forest_description.components.valve import POLYNOMIAL, SHUT, TABLE, Curve, Direction, ValveLaw
+from forest_description.components.valve_characteristic import (
+    POLYNOMIAL,
+    SHUT,
+    TABLE,
+    Curve,
+    Direction,
+    ValveLaw,
+)
 from forest_description.geometry.linkage import Linkage
 from forest_description.types import AXES, Floats
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
@@ -29,8 +36,8 @@ from forest_sim.sensors.sensor_model import ABSENT, Channel
 from forest_sim.sensors.sensor_readings import Surroundings
 from forest_sim.sensors.sensor_suite import CHANNELS, Suite
 from forest_sim.sensors.signal_processing import SPEED_BANDWIDTH
-from forest_sim.solver.parameters import Axis, PlantParameters
 from forest_sim.solver.plant import valve_ports
+from forest_sim.solver.plant_parameters import Axis, PlantParameters
 from forest_sim.solver.state_recording import STATE
 
 Columns = dict[str, Floats]
@@ -140,7 +147,7 @@ def _behind_edge(flow: Floats, resistance: Floats, source: Floats, supply: Float
 
 
 def openings(voltage: Floats, way: Direction, curve: Curve) -> Floats:
-    """Return u(s) of `forest_description.components.valve.opening_at` for a column of spool positions [V]."""
+    """Return u(s) of `valve_characteristic.opening_at` for a column of spool positions [V]."""
     span = way.rated_voltage - way.deadband_voltage
     s = np.clip((voltage - way.deadband_voltage) / span, 0.0, 1.0)
     if curve.sort == POLYNOMIAL:

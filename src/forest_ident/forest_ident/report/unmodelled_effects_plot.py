@@ -11,7 +11,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from forest_ident.validation.questions import Answer
+from forest_ident.validation.unmodelled_effects import Answer
 
 SHOWN = (6.0, 16.0)  # [s] of the record
 PARTS = (("stick", "pressure 1"), ("stick", "pressure 2"), ("swing", "pressure 1"))

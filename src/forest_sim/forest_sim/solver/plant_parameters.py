@@ -4,14 +4,14 @@ import math
 from functools import lru_cache
 from typing import NamedTuple
 
-from forest_description.components.valve import ValveLaw
+from forest_description.components.valve_characteristic import ValveLaw
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import Linkage
 from forest_description.machine import CylinderDrive, EndStops, Line, Machine
 from forest_description.types import Vec3
 from forest_sim.hydraulics.actuator import Actuator, cylinder, motor
 from forest_sim.hydraulics.hydraulic_line import PortGuard
-from forest_sim.hydraulics.spool import SpoolLag, spool_lag
+from forest_sim.hydraulics.spool_dynamics import SpoolLag, spool_lag
 from forest_sim.hydraulics.supply import Supply, supply
 from forest_sim.mechanics.end_stop import UNCUSHIONED, CushionBrake, EndStop
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction

@@ -12,7 +12,7 @@ names the cut-off, 10 to 15 Hz.
 import math
 from typing import NamedTuple
 
-from forest_description.components.circuit import Valve
+from forest_description.components.valve_parameters import Valve
 
 
 class SpoolLag(NamedTuple):

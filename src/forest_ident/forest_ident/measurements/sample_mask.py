@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from forest_description.types import Floats
-from forest_ident.data.session import Session
+from forest_ident.measurements.session import Session
 
 HELD_SHARE = 0.3  # of rows that repeat the last one: from there on the sensors are slower
 SHUT_SHARE = 0.03  # of the greatest flow: less counts as shut

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from forest_bag.read.timeseries import Bag, NotInBag, read_bag
 from forest_bag.write.bag_writer import BagWriter, Layout
 from forest_description.types import AXES, Floats
-from forest_ident.data.readings import speeds
-from forest_ident.data.session import Session, SessionError
 from forest_ident.experiments.experiment_metadata import FACTS, value
+from forest_ident.measurements.readings import speeds
+from forest_ident.measurements.session import Session, SessionError
 from forest_msgs_py.interfaces.topics import (
     ACTUATOR_STATES,
     AUXILIARY,

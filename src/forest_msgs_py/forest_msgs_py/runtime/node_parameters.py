@@ -14,8 +14,6 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from forest_description.types import Vec3
-
 
 class ParameterError(ValueError):
     """A parameter's value is not allowed; the text names parameter, value and what is allowed."""
@@ -60,12 +58,12 @@ def declare(
 def declare_triple(
     node: Node,
     name: str,
-    default: Vec3,
+    default: tuple[float, float, float],
     doc: str,
     unit: str = "",
     low: float | None = None,
     high: float | None = None,
-) -> Vec3:
+) -> tuple[float, float, float]:
     """Declare a parameter of three numbers, as `declare` does.
 
     Raises:
