@@ -19,6 +19,9 @@ from launch import LaunchContext, LaunchDescription
 
 VALUES = ("machine", "scheme", "namespace", "profile", "joystick", "record")
 FLAGS = ("no_simulator", "shadow")
+END_WITH_LAUNCH = (
+    "setpriv --pdeathsig TERM"  # of util-linux: no orphan commands a crane after `kill -9` of launch
+)
 
 
 def generate_launch_description() -> LaunchDescription:
@@ -44,6 +47,7 @@ def _node(spec: NodeSpec, namespace: str) -> Node:
         executable=executable,
         namespace=namespace,
         ros_arguments=[*spec.arguments],
+        prefix=END_WITH_LAUNCH,
         output="screen",
         on_exit=Shutdown(reason=f"{spec.name} ended") if ends_the_graph else None,
     )
