@@ -14,7 +14,7 @@ from forest_compile import flat_layout
 from forest_sim.mechanics.manipulator import Triple
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.parameters import PlantParameters
-from forest_sim.solver.plant_kernel import KEPT
+from forest_sim.solver.plant_kernel import KERNEL
 from forest_sim.solver.state_recording import restore, store
 
 _packers: list[Callable[[PlantParameters], flat_layout.Row]] = []
@@ -32,7 +32,7 @@ class Stepper:
         Raises:
             ModuleNotFoundError: llvmlite is not installed.
         """
-        self._kernel = KEPT.kernel()
+        self._kernel = KERNEL.kernel()
         self.state: NDArray[np.float64] = np.array(
             flat_layout.packer(simulation)(simulation), dtype=np.float64
         )
