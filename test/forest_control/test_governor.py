@@ -29,7 +29,7 @@ from forest_description.machine import load_machine
 
 LINKS = Links(0.41, 4.1, 2.9)
 CREEP, FAR_OFF, NEGLIGIBLE = 2e-3, 2.5, 1e-6  # [rad/s], times the wish, [rad/s; m/s]
-SAFETY = Path(__file__).resolve().parents[2] / "docs" / "safety.md"
+SAFETY = Path(__file__).resolve().parents[2] / "docs" / "explanation" / "safety.md"
 P = GovernorParameters(
     lower=(-2.0, -0.6, -2.1),
     upper=(2.0, 1.2, -0.8),

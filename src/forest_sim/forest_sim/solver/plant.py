@@ -233,7 +233,7 @@ def thesis_state_derivative(
 ) -> NDArray[np.float64]:
     """Return xdot of Appendix B, corrected, for given orifice resistances.
 
-    Thesis eq. 3.20, App. B. Differs: docs/equations.md lists the corrections.
+    Thesis eq. 3.20, App. B. Differs: docs/explanation/equations.md lists the corrections.
     Port 1 of every valve is connected to the supply, port 2 to the tank.
 
     Args:
