@@ -24,9 +24,7 @@ def test_the_committed_files_are_what_the_command_writes(written):
     committed = {f"graphs/{path.name}" for path in (DOCS / "graphs").iterdir()} | {"linear-graphs.md"}
     assert committed == set(written)
     for name, text in written.items():
-        assert (DOCS / name).read_text("utf-8") == text, (
-            f"{name}: run python -m forest_sim.linear_graph.page"
-        )
+        assert (DOCS / name).read_text("utf-8") == text, f"{name}: run python -m forest_sim.linear_graph.page"
 
 
 def test_the_command_writes_all_files(written, tmp_path, monkeypatch):

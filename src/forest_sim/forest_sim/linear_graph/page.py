@@ -193,7 +193,7 @@ def section(circuit: Circuit) -> str:
             f"## {circuit.title}",
             f"![Linear graph: {circuit.title}](graphs/{circuit.file}.svg)",
             NOTES[circuit.file],
-            f"Normal tree: {inside}.",
+            f"Normal tree:\n{inside}.",
             element_table(equations.tree),
             equation_text(equations),
         )
