@@ -18,8 +18,9 @@ from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
+from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop import closed_loop, loop_kernel, model_mismatch
-from forest_study.closed_loop.closed_loop import PERIOD, Operator, Trajectory
+from forest_study.closed_loop.closed_loop import Operator, Trajectory
 from forest_study.tracking import tracking
 from forest_study.tracking.paths import NAMES, path_named
 from forest_study.tracking.track_runs import Variation, run_many

@@ -32,8 +32,9 @@ from forest_control.valve import valve_driver
 from forest_description.derived.limits import joint_limits
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine, load_machine
+from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop import loop_kernel
-from forest_study.closed_loop.closed_loop import PERIOD, Trajectory
+from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.tracking.tracking import noisy
 
 Floats = NDArray[np.float64]

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_description.machine import AXES
+from forest_description.types import AXES
 
 Floats = NDArray[np.float64]
 

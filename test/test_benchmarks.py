@@ -15,7 +15,7 @@ import pytest
 
 pytest.importorskip("numba")
 
-from forest_description.components.valve import edges
+from forest_description.components.valve_characteristic import edges
 from forest_description.machine import load_machine
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"

@@ -18,7 +18,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "forest-ident = forest_study.experiments.ident_cli:main",
+            "forest-ident = forest_study.experiments.forest_ident_main:main",
             "forest-study = forest_study.cli:main",
             "delay_node = forest_study.delay_node:main",
         ]

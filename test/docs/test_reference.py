@@ -11,7 +11,7 @@ from forest_control.operator.joystick_watch import Joystick
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-import reference_pages  # noqa: E402
+import reference_pages
 
 REFERENCE = ROOT / "docs" / "reference"
 

@@ -30,7 +30,7 @@ from forest_sim.sensors import sensor_readings, sensor_run
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.solver import integrator, plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 from forest_study.closed_loop import loop_core, loop_kernel
 
 STATES = int(os.environ.get("FUZZ_STATES", "30"))

@@ -8,8 +8,8 @@ from stall import Stall
 
 pytest.importorskip("rclpy")
 
+from forest_control.operator.joystick_sources import LEAD_IN, thesis_tip_velocity
 from forest_control.operator.levers import LEFT_SHOULDER, REST, Levers, levers_from_axes
-from forest_control.operator.sources import LEAD_IN, thesis_tip_velocity
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import read_joy, stamp_to_ns
 

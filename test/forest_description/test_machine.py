@@ -18,7 +18,7 @@ from forest_description.components.sensors import (
     Tachometer,
     Thermocouple,
 )
-from forest_description.components.valve import symmetric_valve
+from forest_description.components.valve_characteristic import symmetric_valve
 from forest_description.config.schema import parameters
 from forest_description.config.source_tree import shipped_machines
 from forest_description.config.units import UNITS

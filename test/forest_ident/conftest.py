@@ -1,53 +1,17 @@
-"""Bags with known numbers, and machines that nobody told."""
+"""Machines that nobody told."""
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import math
-from collections.abc import Callable, Iterator, Sequence
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-from forest_bag.write.bag_writer import BagWriter
 from forest_description.machine import load_machine
-from forest_ident.data.parameter_path import value_of, with_values
 from forest_ident.driving.direct_run import experiment
-from forest_msgs_py.interfaces.topics import Topic, offered_qos
-
-Logged = Sequence[tuple[int, Any]]  # log time [ns], message or bytes
-
-
-@pytest.fixture
-def make_bag(tmp_path: Path) -> Iterator[Callable[..., Path]]:
-    """Writes messages (or bytes) by topic into a bag of a name, and gives its directory."""
-    pytest.importorskip("rclpy")
-    from forest_msgs_py.serialization.cdr import to_cdr
-
-    def make(name: str, content: dict[Topic, Logged], closed: bool = True) -> Path:
-        writer = opened.enter_context(contextlib.closing(BagWriter(tmp_path / name)))
-        for topic in content:
-            writer.add_topic(resolved(topic), topic.type, [offered_qos(topic)], "")
-        rows = [(time, topic, message) for topic, logged in content.items() for time, message in logged]
-        for number, (time, topic, message) in enumerate(sorted(rows, key=lambda row: row[0]), 1):
-            data = message if isinstance(message, bytes) else to_cdr(message)
-            writer.write(resolved(topic), data, time, time, number)
-        if closed:
-            writer.close()
-        else:
-            writer.flush()
-        return writer.directory
-
-    with contextlib.ExitStack() as opened:
-        yield make
-
-
-def resolved(topic: Topic) -> str:
-    """The topic's name in a bag without a namespace."""
-    return topic.name if topic.name.startswith("/") else f"/{topic.name}"
-
+from forest_ident.measurements.parameter_path import value_of, with_values
 
 LONGEST = {"motor_internal": 60.0, "motor_external": 40.0, "validation": 25.0, "damping_swing": 40.0}  # [s]
 DRAWN = {

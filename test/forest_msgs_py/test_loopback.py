@@ -18,7 +18,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-HERE = Path(__file__).parent
+HELPERS = Path(__file__).parents[1] / "helpers"
 OURS, THEIRS = "10.77.0.1", "10.77.0.2"
 LISTEN_S = 4
 STRANGERS = 4  # at once: the few first announcements of one do not always meet somebody
@@ -94,19 +94,19 @@ def _profile(closed: bool) -> dict[str, str]:
 def test_a_stranger_gets_in_only_without_the_profile(closed, cable, domain_id, start_process, wait_until):
     ours, theirs = cable
     talker = start_process(
-        ["ip", "netns", "exec", ours, sys.executable, str(HERE / "talker.py")],
+        ["ip", "netns", "exec", ours, sys.executable, str(HELPERS / "talker.py")],
         python=False,
         env=_profile(closed),
     )
     wait_until(lambda: "up" in talker.text())
     sniff = "import sys; sys.path.insert(0, sys.argv[1]); import test_loopback; test_loopback.sniff()"
     sniffer = start_process(
-        ["ip", "netns", "exec", ours, sys.executable, "-c", sniff, str(HERE)], python=False
+        ["ip", "netns", "exec", ours, sys.executable, "-c", sniff, str(Path(__file__).parent)], python=False
     )
     wait_until(lambda: "listening" in sniffer.text())
     stranger = {**os.environ, "ROS_STATIC_PEERS": OURS, "ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}
     stranger.pop("FASTRTPS_DEFAULT_PROFILES_FILE")
-    command = [sys.executable, str(HERE / "listener.py"), str(LISTEN_S)]
+    command = [sys.executable, str(HELPERS / "listener.py"), str(LISTEN_S)]
     words = ["ip", "netns", "exec", theirs, "sh", "-c", OWN_MEMORY, "sh", *command]
     for _ in range(1 if closed else ATTEMPTS):
         listeners = [start_process(words, python=False, env=stranger) for _ in range(STRANGERS)]
@@ -121,12 +121,12 @@ def test_a_stranger_gets_in_only_without_the_profile(closed, cable, domain_id, s
 
 @pytest.mark.parametrize("discovery", ["LOCALHOST", None])
 def test_a_plain_program_on_this_machine_hears_the_joints(discovery, domain_id, start_process):
-    talker = start_process([str(HERE / "talker.py")])
+    talker = start_process([str(HELPERS / "talker.py")])
     plain = {**os.environ}
     plain.pop("FASTRTPS_DEFAULT_PROFILES_FILE")
     plain.pop("ROS_AUTOMATIC_DISCOVERY_RANGE")
     if discovery:
         plain["ROS_AUTOMATIC_DISCOVERY_RANGE"] = discovery
-    listener = start_process([str(HERE / "listener.py"), "30"], env=plain)
+    listener = start_process([str(HELPERS / "listener.py"), "30"], env=plain)
     assert listener.ended() == 0, listener.text()
     assert talker.stop() == 0

@@ -16,8 +16,8 @@ from rclpy.parameter import Parameter
 from forest_bag.play.keyboard import Keyboard
 from forest_bag.play.play_options import PlayOptions, plan, select
 from forest_bag.play.playback import Player
-from forest_bag.play.remote import KEYS, PARAMETERS, Remote
-from forest_bag.play.source import BagSource
+from forest_bag.play.read_ahead import BagSource
+from forest_bag.play.remote_control import KEYS, PARAMETERS, Remote
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage

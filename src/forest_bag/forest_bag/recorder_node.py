@@ -31,7 +31,7 @@ from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.introspection.graph_listener import Offer
 from forest_msgs_py.introspection.parameter_survey import ParameterSurvey
 from forest_msgs_py.runtime.node import NodeFailure, publisher, run_node, timer
-from forest_msgs_py.runtime.parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import ParameterError, declare
 
 HOUR = 3600.0  # [s]; readers load a file's index whole, which has ten entries for each second
 QUICK_POLL_S, SLOW_POLL_S = 0.05, 0.25

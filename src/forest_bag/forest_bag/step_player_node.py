@@ -24,7 +24,7 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.stamps import STAMPED
 from forest_msgs_py.interfaces.topics import Topic, find
 from forest_msgs_py.runtime.node import NodeFailure, run_node
-from forest_msgs_py.runtime.parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import ParameterError, declare
 
 # The leader's own, and what several nodes say, among them those under test.
 NOT_PLAYED = (topics.CLOCK, topics.DIAGNOSTICS)

@@ -8,7 +8,6 @@ from pathlib import Path
 from forest_bringup import graph
 from forest_bringup.supervisor import NodeSpec, Supervisor
 
-STEP = 0.005  # [s]
 GUARD = 20.0  # [s]
 RECORDER, PLAYER = "recorder", "step_player"
 

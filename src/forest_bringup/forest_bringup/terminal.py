@@ -7,7 +7,7 @@ import select
 import sys
 import termios
 
-from forest_ident.data.session import SessionError
+from forest_ident.measurements.session import SessionError
 
 NOBODY = "nobody answers at this terminal any more"
 

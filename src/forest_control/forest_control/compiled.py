@@ -19,6 +19,7 @@ from forest_control.pipeline import bumpless_transfer, controller, stop_profile
 from forest_control.valve import valve_driver
 from forest_description.geometry import kinematics
 from forest_description.machine import load_machine
+from forest_msgs_py.types import PERIOD
 
 Step = Callable[..., tuple[Any, Any]]
 
@@ -46,7 +47,7 @@ def _control() -> Example:
     """Return values of the types that all machines share."""
     p = controller.parameters(load_machine("c180"), controller.Settings())
     inputs = controller.Inputs((0.0, 0.5, -1.5), (0.0, 0.0, 0.0), levers.REST, False)
-    state, told = controller.told(controller.REST, inputs, p, 0.005)
+    state, told = controller.told(controller.REST, inputs, p, PERIOD)
     return Example(state, (inputs,), p, told)
 
 
@@ -54,7 +55,7 @@ def _control() -> Example:
 def _drive() -> Example:
     p = valve_driver.parameters(load_machine("c180"), valve_driver.Settings())
     inputs = (0.0, 0.0, 0.0), valve_driver.UNSEEN, valve_driver.STILL
-    state, voltages = valve_driver.step_seen(valve_driver.REST, *inputs, p, 0.005)
+    state, voltages = valve_driver.step_seen(valve_driver.REST, *inputs, p, PERIOD)
     return Example(state, inputs, p, voltages)
 
 

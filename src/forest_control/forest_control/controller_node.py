@@ -29,28 +29,29 @@ from forest_control.operator.joystick_watch import (
     problem_of,
     sample_of,
 )
-from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, RIGHT_Y, Triple
+from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, RIGHT_Y
 from forest_control.pipeline import controller
 from forest_control.pipeline.valve_feedback import ValveReports
 from forest_control.safety import frozen_sensor
 from forest_control.servo.joint_angle_filter import UNREAD, Lengths, Source
 from forest_control.servo.schemes import Scheme
 from forest_description.machine import Machine, load_machine
+from forest_description.types import ZERO
 from forest_description.urdf.robot_description import robot_description
 from forest_msgs_py.clock.node_clock import pace, speaker
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import run_node
-from forest_msgs_py.runtime.parameters import Tunables, declare
+from forest_msgs_py.runtime.node_parameters import Tunables, declare
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.safety.diagnostics import Health
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import JointReader, read_joy_data
+from forest_msgs_py.types import PERIOD
 
 FRAME = "base_link"
-ZERO: Triple = (0.0, 0.0, 0.0)
 WATCHDOG_PERIOD = 0.02  # [s]
 # Settings that limit the motion, as /diagnostics tells them.
 TOLD = {"scheme": "", "tip_speed": " [m/s]", "joint_rates": " [rad/s]", "joint_margin": " [rad]"}
@@ -73,7 +74,7 @@ class ControllerNode(Node):
         self._workspace = self._walls()
         core = controller.parameters(machine, settings_from(tunables.values), self._workspace)
         self._tuning = Retuning(core)
-        self._period = StampedPeriod(get("period", 0.005, "nominal period of the state", "s", 1e-4, 0.1))
+        self._period = StampedPeriod(get("period", PERIOD, "nominal period of the state", "s", 1e-4, 0.1))
         self._watch_settings = self._joystick_settings()
         self._state_timeout = get("state_timeout", 0.1, "age at which the state is lost", "s", 0.01, 0.2)
         self._deadman = get("deadman_button", LEFT_SHOULDER, "button to hold", low=0, high=BUTTON_COUNT - 1)

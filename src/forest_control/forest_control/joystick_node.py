@@ -14,7 +14,7 @@ from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
 from forest_control.operator.joystick_bag import JoyRecord, is_bag, read_joy_record
-from forest_control.operator.joystick_faults import (
+from forest_control.operator.joystick_fault_injection import (
     BAD,
     FROZEN,
     LOST,
@@ -23,9 +23,7 @@ from forest_control.operator.joystick_faults import (
     faults_at,
     parse_joystick_faults,
 )
-from forest_control.operator.joystick_watch import HEARTBEAT
-from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, axes_from_levers
-from forest_control.operator.sources import (
+from forest_control.operator.joystick_sources import (
     LEAD_IN,
     LEAD_OUT,
     THESIS_DURATION,
@@ -33,13 +31,16 @@ from forest_control.operator.sources import (
     read_levers,
     thesis_levers,
 )
+from forest_control.operator.joystick_watch import HEARTBEAT
+from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, axes_from_levers
 from forest_msgs_py.clock.node_clock import pace, publishes_bytes
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.interfaces.messages import NS_PER_S, JoyValues
+from forest_msgs_py.interfaces.messages import JoyValues
 from forest_msgs_py.interfaces.topics import JOY_RATE_HZ, message_class
 from forest_msgs_py.runtime.node import Finished, run_node
-from forest_msgs_py.runtime.parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import ParameterError, declare
 from forest_msgs_py.serialization.packing import pack_joy
+from forest_msgs_py.types import NS_PER_S
 
 
 class Said(NamedTuple):

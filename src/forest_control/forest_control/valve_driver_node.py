@@ -13,23 +13,23 @@ from rclpy.node import Node
 
 from forest_control import compiled
 from forest_control.config.valve_tunables import TUNABLES
-from forest_control.operator.levers import Triple
 from forest_control.valve import valve_driver
 from forest_control.valve.tracking_limit import SAID_EVERY
 from forest_control.valve.valve_driver_topics import Measurements, status
 from forest_description.machine import Machine, load_machine
+from forest_description.types import ZERO, Vec3
 from forest_msgs_py.clock.node_clock import pace, speaker
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import run_node
-from forest_msgs_py.runtime.parameters import Tunables, declare
+from forest_msgs_py.runtime.node_parameters import Tunables, declare
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import TimeInForce
 from forest_msgs_py.safety.diagnostics import Health, beyond, rating_values
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
+from forest_msgs_py.types import PERIOD
 
-ZERO: Triple = (0.0, 0.0, 0.0)
 WATCHDOG_PERIOD = 0.02  # [s]
 
 
@@ -48,7 +48,7 @@ class ValveDriverNode(Node):
             self._tunables.declare(tunable.name, default, *tunable[1:])
         self._core = valve_driver.parameters(machine, valve_driver.Settings(**self._tunables.values))
         self._tunables.watch(partial(self._set, machine))
-        self._period = TimeInForce(get("period", 0.005, "nominal period of the commands", "s", 1e-4, 0.1))
+        self._period = TimeInForce(get("period", PERIOD, "nominal period of the commands", "s", 1e-4, 0.1))
         self._command_timeout = get("command_timeout", 0.1, "age at which a command is lost", "s", 0.01, 0.2)
         timeout = get("pressure_timeout", 0.1, "age at which pressures are lost", "s", 0.01, 2.0)
         self._shadow = get("shadow", False, "compute everything, publish no voltage")
@@ -145,7 +145,7 @@ class ValveDriverNode(Node):
         self._health.note("emergency stop", "emergency stop pressed" if self._stop.pressed else "")
         self._health.publish(stamp)
 
-    def _publish(self, stamp: int, voltages: Triple) -> None:
+    def _publish(self, stamp: int, voltages: Vec3) -> None:
         if self._voltages is not None:
             self._voltages.say(stamp, voltages)
 

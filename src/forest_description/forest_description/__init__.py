@@ -2,6 +2,7 @@
 
 In the order in which data passes:
 
+- `types`: Numbers per axis, points in space, arrays: what every package counts in.
 - `config`: Machine files read: YAML with sources and units to numbers with ranges; machines drawn at
   random.
 - `geometry`: The crane as lines in space: tip kinematics, and the triangles of the cylinders' linkages.

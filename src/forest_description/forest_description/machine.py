@@ -12,7 +12,6 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from forest_description.components.circuit import PortValves, Valve
 from forest_description.components.drives import Cushion, CylinderDrive, Friction, SwingDrive
 from forest_description.components.hose import GeometricHose, Hose, Line, MeasuredHose
 from forest_description.components.inertia import require_rigid
@@ -20,10 +19,12 @@ from forest_description.components.load import Log, Pendulum
 from forest_description.components.oil import Oil
 from forest_description.components.pump import Pump
 from forest_description.components.sensors import Sensors
+from forest_description.components.valve_parameters import PortValves, Valve
 from forest_description.config import schema, source_tree
 from forest_description.config.parameter import MachineError, ParameterSet, choice, parameter
 from forest_description.geometry.kinematics import Links
 from forest_description.geometry.linkage import Linkage
+from forest_description.types import AXES
 
 __all__ = [
     "AXES",
@@ -50,7 +51,6 @@ __all__ = [
     "sources",
 ]
 
-AXES = ("swing", "boom", "stick")
 OWN_SECTIONS = ("valve", "hose")
 """What an axis may have of its own instead of what all share."""
 

@@ -3,7 +3,7 @@
 In the order in which data passes:
 
 - `experiments`: The experiments: what a person prepares, what is driven, how far.
-- `data`: A record as estimators take it: readings on one time base, derivatives, which rows count.
+- `measurements`: A record as estimators take it: readings on one time base, derivatives, which rows count.
 - `driving`: An experiment carried out: on a simulated machine or on a running graph, within its bounds.
 - `experiment_operator_node`: The scripted operator as a node: an experiment's voltages on /valve_commands,
   on the simulator or on iron.

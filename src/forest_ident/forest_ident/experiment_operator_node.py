@@ -15,21 +15,21 @@ from typing import Any
 from rclpy.node import Node
 
 from forest_description.machine import load_machine
+from forest_description.types import ZERO, Vec3
 from forest_ident.driving import safety_monitor
 from forest_ident.driving.operator_inputs import Inputs
-from forest_ident.driving.safety_monitor import Triple
 from forest_ident.driving.valve_takeover import CONTROLLER, Switches
 from forest_ident.experiments import excitation, experiments
 from forest_msgs_py.clock.node_clock import pace, speaker
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.introspection.live_graph import UNKNOWN, LiveGraph, NoAnswer, speakers
 from forest_msgs_py.runtime.node import Finished, NodeFailure, run_node, subscription
-from forest_msgs_py.runtime.parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import ParameterError, declare
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.serialization.unpacking import JointReader
+from forest_msgs_py.types import PERIOD
 
-ZERO: Triple = (0.0, 0.0, 0.0)
 WATCHDOG_PERIOD = 0.02  # [s]
 START_LIMIT = 15.0  # [s] for everybody to be there
 STANDS = 0.02  # [rad] by which a joint of the crane may move while its valve is on a rig
@@ -49,7 +49,7 @@ class ExperimentOperatorNode(Node):
         self._programme = self._plan.programme
         self._bounds = safety_monitor.bounds(self._plan, self._programme)
         self._state, self._watched = excitation.START, safety_monitor.State()
-        self._period, self._order = StampedPeriod(0.005), StampOrder(self._timeout)
+        self._period, self._order = StampedPeriod(PERIOD), StampOrder(self._timeout)
         self._begun, self._told = False, -1
         self._created = self._received = self._pace.now()
         self._command = speaker(self._pace, topics.VALVE_COMMANDS)
@@ -123,7 +123,7 @@ class ExperimentOperatorNode(Node):
         stamp, problem = self._inputs.pressures(data, sent)
         self._on_sample(stamp, sent, problem, ZERO)
 
-    def _on_sample(self, stamp: int, sent: float, problem: str, angles: Triple) -> None:
+    def _on_sample(self, stamp: int, sent: float, problem: str, angles: Vec3) -> None:
         if self._pace.now() - sent > self._timeout:
             return  # left over from a stall; the watchdog ends the experiment if nothing newer comes
         problem = problem or self._order.problem("the machine's state", stamp, sent)
@@ -158,7 +158,7 @@ class ExperimentOperatorNode(Node):
             if abs(angle - stood) > STANDS:
                 raise NodeFailure(f"the {name} moves: valve or hose are still on the crane, not on the rig")
 
-    def _begin(self, angles: Triple) -> bool:
+    def _begin(self, angles: Vec3) -> bool:
         """Begin when everybody is there; live, the swing goes about where it stands."""
         if self._pace.lockstep:
             self._begun = True

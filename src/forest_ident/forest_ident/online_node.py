@@ -11,16 +11,17 @@ from functools import partial
 from rclpy.node import Node
 
 from forest_description.machine import load_machine
+from forest_description.types import Vec3
 from forest_ident.online import estimator
-from forest_ident.online.estimator import Triple
 from forest_msgs_py.clock.node_clock import pace
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array
 from forest_msgs_py.interfaces.topics import Topic
 from forest_msgs_py.runtime.node import run_node
-from forest_msgs_py.runtime.parameters import declare
+from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader
+from forest_msgs_py.types import PERIOD
 
 PORTS = tuple(tuple(f"{joint}_{port}_actuator" for joint in topics.JOINTS) for port in (1, 2))
 
@@ -37,7 +38,7 @@ class OnlineIdentificationNode(Node):
         memory = get("memory", 60.0, "after which a sample counts 1/e", "s", 1.0, 86400.0)
         self._core = estimator.parameters(machine, memory)
         self._state = estimator.initial(self._core)
-        self._period = StampedPeriod(get("period", 0.005, "nominal period of the joints", "s", 1e-4, 0.1))
+        self._period = StampedPeriod(get("period", PERIOD, "nominal period of the joints", "s", 1e-4, 0.1))
         self._timeout = get("timeout", 0.1, "age at which pressures and voltages are lost", "s", 0.01, 2.0)
         self._every = get("report_period", 1.0, "between two reports", "s", 0.1, 600.0)
         self._since = 0.0
@@ -73,7 +74,7 @@ class OnlineIdentificationNode(Node):
             self._since = 0.0
             self._publish(reading.stamp_ns)
 
-    def _triple(self, topic: Topic, reader: ArrayReader) -> Triple:
+    def _triple(self, topic: Topic, reader: ArrayReader) -> Vec3:
         one, two, three = self._read(topic, reader, 3)
         return one, two, three
 

@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 from rclpy.node import Node
 
+from forest_description.types import ZERO
 from forest_msgs_py.clock.node_clock import pace, speaker
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import Finished, run_node
-from forest_msgs_py.runtime.parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import ParameterError, declare
 from forest_sim.run.inputs import InputError, read_voltages
-
-ZERO = (0.0, 0.0, 0.0)
 
 
 class CommanderNode(Node):

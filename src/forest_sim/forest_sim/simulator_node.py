@@ -22,17 +22,17 @@ from rclpy.node import Node
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.geometry.kinematics import tip_orientation
 from forest_description.machine import Machine, load_machine
+from forest_description.types import ZERO, Vec3
 from forest_description.urdf.robot_description import robot_description
 from forest_msgs_py.clock.node_clock import pace, speaker
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import run_node
-from forest_msgs_py.runtime.parameters import ParameterError, declare, declare_triple
+from forest_msgs_py.runtime.node_parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.safety.diagnostics import Health, beyond, rating_values
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
-from forest_sim.mechanics.manipulator import Triple
 from forest_sim.run.disturbance import Disturbance, checked_tip_force, parse_stuck_spools
 from forest_sim.run.simulated_machine import SimulatedMachine
 from forest_sim.sensors.sensor_faults import parse_faults
@@ -44,7 +44,6 @@ FRAME = "base_link"
 FRAMED = (topics.POSE, topics.TWIST)  # types
 PERIOD_NS = 5_000_000
 CATCH_UP = 20  # periods; what is later than that is left out rather than rushed through
-ZERO: Triple = (0.0, 0.0, 0.0)
 
 
 class SimulatorNode(Node):
@@ -209,7 +208,7 @@ def _flat(motion: Motion) -> tuple[float, ...]:
     return *motion.position, *motion.speed, *motion.effort
 
 
-def _start_angles(machine: Machine, tip: Triple) -> Triple:
+def _start_angles(machine: Machine, tip: Vec3) -> Vec3:
     try:
         return pose_at(tip, machine)
     except ValueError as error:

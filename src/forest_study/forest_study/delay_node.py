@@ -13,7 +13,7 @@ from rclpy.node import Node
 
 from forest_msgs_py.interfaces.topics import TOPICS, find, message_class, qos
 from forest_msgs_py.runtime.node import run_node, timer
-from forest_msgs_py.runtime.parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import ParameterError, declare
 from forest_study.closed_loop.link_model import LONGEST, Link, Quality
 
 PERIOD = 0.002  # [s] in which it looks what is due

@@ -12,8 +12,8 @@ from typing import TextIO
 import numpy as np
 
 from forest_bag.convert.table import Table, joined
-from forest_bag.read.flatten import NS_PER_S
 from forest_bag.storage.bag_files import BagError
+from forest_msgs_py.types import NS_PER_S
 
 BLOCK = 4096  # rows formatted at once
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from forest_bag.read.bag_reader import BagReader
-from forest_bag.read.flatten import NS_PER_S
 from forest_bag.read.survey import Survey, survey
+from forest_msgs_py.types import NS_PER_S
 
 EPOCH_NS = 10**17  # log times below are simulated time, not a date
 

@@ -24,6 +24,7 @@ from forest_bag.compare.pairing import common_topics
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.read.timeseries import Bag, NotInBag, Series, read_bag
 from forest_bag.storage.bag_files import BagError
+from forest_description.types import Floats
 
 START = "start"  # the origin of a bag is its first stamp
 
@@ -109,8 +110,6 @@ def _compare_series(result: TopicDifference, series: tuple[Series, Series], orig
         result.differing = max(result.differing, int((difference != 0.0).sum()))
 
 
-def interpolated(
-    time_ns: NDArray[np.int64], values: NDArray[np.float64], wanted_ns: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def interpolated(time_ns: NDArray[np.int64], values: Floats, wanted_ns: NDArray[np.int64]) -> Floats:
     """Values at other times; NaN around samples that are missing."""
     return np.interp(wanted_ns, time_ns, values)

@@ -10,8 +10,8 @@ import numpy as np
 from forest_bag.compare.alignment import interpolated
 from forest_bag.compare.comparison import Comparison
 from forest_bag.plots.standard_plots import finish_axes, new_figure
-from forest_bag.read.flatten import NS_PER_S
 from forest_bag.read.timeseries import Bag, NotInBag, Series, read_bag
+from forest_msgs_py.types import NS_PER_S
 
 PANELS = 6  # signals in the picture
 PANEL_HEIGHT = 2.2  # [in]

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from forest_bag.compare.comparison import Comparison, SignalDifference, Tolerance, TopicDifference
-from forest_bag.read.flatten import NS_PER_S
+from forest_msgs_py.types import NS_PER_S
 
 LISTED = 40  # characters for a name
 

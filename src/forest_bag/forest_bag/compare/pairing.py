@@ -18,10 +18,11 @@ from typing import Any
 
 from forest_bag.compare.comparison import Comparison, Place, SignalDifference, TopicDifference
 from forest_bag.read.bag_reader import BagReader
-from forest_bag.read.flatten import NS_PER_S, Row, texts
+from forest_bag.read.flatten import Row, texts
 from forest_bag.read.timeseries import Unreadable, message_reader
 from forest_bag.storage.raw_messages import RawMessage
 from forest_msgs_py.interfaces.topics import AUXILIARY, find
+from forest_msgs_py.types import NS_PER_S
 
 WALL_CLOCK_TOPICS = ("/rosout", "/parameter_events")  # stamped by the system's clock in any run
 WALL_CLOCK_COLUMNS = {AUXILIARY.name: frozenset(("missed_deadlines",))}

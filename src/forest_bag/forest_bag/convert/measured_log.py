@@ -22,9 +22,10 @@ from numpy.typing import NDArray
 
 from forest_bag.convert.log_map import FileForm, LogMap, Signal
 from forest_bag.storage.bag_files import BagError
+from forest_description.types import Floats
 from forest_msgs_py.interfaces.topics import JOY, Topic
+from forest_msgs_py.types import NS_PER_S
 
-NS_PER_S = 1_000_000_000
 MAX_STAMP_S = 2**31 - 1  # builtin_interfaces/Time
 SNIFFED = (",", ";", "\t")
 EMPTY = ("", "nan", "na", "null", "-")
@@ -34,10 +35,10 @@ class MeasuredLog(NamedTuple):
     """A log in SI units."""
 
     times_ns: NDArray[np.int64]
-    values: dict[Topic, tuple[tuple[str, ...], NDArray[np.float64]]]  # labels, [N, k]
+    values: dict[Topic, tuple[tuple[str, ...], Floats]]  # labels, [N, k]
     lines: list[int]  # of the file, for each row
 
-    def intervals(self) -> NDArray[np.float64]:
+    def intervals(self) -> Floats:
         """Times between rows, s."""
         return np.diff(self.times_ns) / NS_PER_S
 
@@ -59,7 +60,7 @@ def read_log(path: Path, mapping: LogMap) -> MeasuredLog:
     if not rows:
         raise BagError(f"{path} has no rows below its header; allowed: one or more")
 
-    def column(signal: Signal) -> NDArray[np.float64]:
+    def column(signal: Signal) -> Floats:
         if not signal.column:
             return np.full(len(rows), signal.si(0.0))
         if signal.column not in names:
@@ -81,7 +82,7 @@ def read_log(path: Path, mapping: LogMap) -> MeasuredLog:
 
 
 def _times(
-    path: Path, mapping: LogMap, column: Callable[[Signal], NDArray[np.float64]], lines: list[int]
+    path: Path, mapping: LogMap, column: Callable[[Signal], Floats], lines: list[int]
 ) -> NDArray[np.int64]:
     if mapping.time is None:
         seconds = np.arange(len(lines)) / mapping.rate

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from forest_bag.read.timeseries import Bag, NotInBag, Series
 from forest_bag.storage.bag_files import BagError
+from forest_description.types import Floats
 
 
 class Column(NamedTuple):
@@ -27,7 +28,7 @@ class Column(NamedTuple):
 
     name: str
     unit: str
-    values: NDArray[np.float64]
+    values: Floats
 
     @property
     def header(self) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-NS_PER_S = 1_000_000_000
+from forest_msgs_py.types import NS_PER_S
+
 BIN_NS = 10_000
 BINS = 10_000
 

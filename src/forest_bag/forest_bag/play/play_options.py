@@ -7,11 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from forest_bag.play.playback import NS_PER_S, Plan
+from forest_bag.play.playback import Plan
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
 from forest_msgs_py.interfaces.qos_profiles import Qos, for_replay, offered
 from forest_msgs_py.interfaces.topics import CLOCK
+from forest_msgs_py.types import NS_PER_S
 
 NAME = re.compile(r"(~/|/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # as ROS allows them
 

@@ -25,8 +25,8 @@ from typing import NamedTuple, Protocol
 
 from forest_bag.play.lateness import Lateness
 from forest_bag.storage.raw_messages import RawMessage
+from forest_msgs_py.types import NS_PER_S
 
-NS_PER_S = 1_000_000_000
 LAG_NS = NS_PER_S
 SHARES = (50, 99, 99.9)  # of the messages, in the summary [%]
 

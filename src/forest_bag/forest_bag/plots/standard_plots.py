@@ -26,8 +26,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from forest_bag.read.flatten import NS_PER_S
 from forest_bag.read.timeseries import Bag, NotInBag, Series
+from forest_description.types import Floats
 from forest_msgs_py.interfaces.topics import (
     FLOWS,
     GROUND_TRUTH_TIP_POSE,
@@ -40,11 +40,11 @@ from forest_msgs_py.interfaces.topics import (
     VALVE_VOLTAGES,
     Topic,
 )
+from forest_msgs_py.types import NS_PER_S
 
 matplotlib.use("Agg")
 
 Limits = Mapping[str, tuple[float, float]]  # joint -> lowest and highest angle, rad
-Floats = NDArray[np.float64]
 
 WIDTH_IN, DPI = 10.0, 100  # 1000 px
 MAX_HOLD_PERIODS = 3.0  # a command older than this is stale, and a stale wish is no motion

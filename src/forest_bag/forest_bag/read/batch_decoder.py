@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_bag.read.flatten import Row
+from forest_description.types import Floats
 from forest_msgs_py.interfaces.topics import FLOAT_ARRAY, JOINT_STATE, Topic
 from forest_msgs_py.serialization.batch_encoder import Encoder
 
@@ -25,7 +26,7 @@ class Alike(NamedTuple):
     """What the messages say."""
 
     stamps_ns: NDArray[np.int64]  # [N]
-    values: NDArray[np.float64]  # [N, k]
+    values: Floats  # [N, k]
     labels: tuple[str, ...]
     units: tuple[str, ...]
 

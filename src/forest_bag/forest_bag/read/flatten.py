@@ -23,8 +23,8 @@ from forest_msgs_py.interfaces.topics import (
     TWIST,
     Topic,
 )
+from forest_msgs_py.types import NS_PER_S
 
-NS_PER_S = 1_000_000_000
 LONGEST_ARRAY = 256
 
 

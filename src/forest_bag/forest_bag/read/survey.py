@@ -17,12 +17,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from forest_bag.read.bag_reader import BagReader
-from forest_bag.read.flatten import NS_PER_S
 from forest_bag.storage.metadata import recorded_losses
 from forest_bag.storage.raw_messages import RawMessage
 from forest_msgs_py.interfaces.qos_profiles import described
 from forest_msgs_py.interfaces.topics import EVENTS, find
 from forest_msgs_py.runtime.sequences import SequenceGaps
+from forest_msgs_py.types import NS_PER_S
 
 LEARNED = 1000  # intervals
 GAP_PERIODS = 5.0

@@ -23,13 +23,15 @@ from numpy.typing import NDArray
 
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.read.batch_decoder import decoded
-from forest_bag.read.flatten import NS_PER_S, TAKERS, Row, take_any
+from forest_bag.read.flatten import TAKERS, Row, take_any
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.metadata import recorded_losses
 from forest_bag.storage.raw_messages import Channel, RawMessage
+from forest_description.types import Floats
 from forest_msgs_py.interfaces.qos_profiles import offered
 from forest_msgs_py.interfaces.topics import Topic, find, message_class, unlisted
 from forest_msgs_py.runtime.sequences import SequenceGaps
+from forest_msgs_py.types import NS_PER_S
 
 LATEST_NS = 2**63 - 1  # of a log time in an array; MCAP's own are unsigned
 
@@ -67,13 +69,13 @@ class Series(NamedTuple):
 
     time_ns: NDArray[np.int64]
     log_time_ns: NDArray[np.int64]
-    values: NDArray[np.float64]
+    values: Floats
     labels: tuple[str, ...]
     units: tuple[str, ...]
     incomplete: int
     unreadable: int = 0
 
-    def column(self, label: str) -> NDArray[np.float64]:
+    def column(self, label: str) -> Floats:
         """The values of one label, [N].
 
         Raises:

@@ -9,6 +9,7 @@ from typing import Any
 from forest_control.config.setting_file import SettingFileError, is_number, shipped_in, shown, tree_of
 from forest_control.config.settings import Settings
 from forest_control.config.tunables import TUNABLES, Tunable, as_typed
+from forest_description.types import AXES
 
 KEYS = (
     "mode",
@@ -22,7 +23,6 @@ KEYS = (
     "joint_span",
 )
 RULES = {tunable.name: tunable for tunable in TUNABLES if tunable.name in KEYS}
-AXES = 3
 
 
 def shipped() -> tuple[str, ...]:
@@ -72,11 +72,11 @@ def _checked(name: str, rule: Tunable, value: Any, triple: bool) -> Any:
         return value
     allowed = f"{rule.low:g} .. {rule.high:g} {rule.unit}".rstrip()
     numbers = value if triple and isinstance(value, list) else [value]
-    if not all(_fits(number, rule) for number in numbers) or len(numbers) not in (1, AXES):
+    if not all(_fits(number, rule) for number in numbers) or len(numbers) not in (1, len(AXES)):
         many = "one number for all levers or three (swing, boom, stick), each " if triple else ""
         raise SettingFileError(f"profile {name!r}: {rule.name} is {shown(value)}; allowed: {many}{allowed}")
     floats = [float(number) for number in numbers]
-    return tuple(AXES // len(floats) * floats) if triple else floats[0]
+    return tuple(len(AXES) // len(floats) * floats) if triple else floats[0]
 
 
 def _fits(value: Any, rule: Tunable) -> bool:

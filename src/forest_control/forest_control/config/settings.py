@@ -14,13 +14,12 @@ from forest_control.servo.schemes import Gains, Scheme
 from forest_control.servo.swing_feedforward import swing_load
 from forest_control.valve.valve_driver import axis_drivers
 from forest_control.valve.valve_driver_parameters import command_noise
-from forest_description.derived.actuation import Linkages, displacements, rated_speeds
+from forest_description.derived.actuator_kinematics import Linkages, displacements, rated_speeds
 from forest_description.derived.limits import Interval, joint_limits
 from forest_description.geometry.kinematics import Links
 from forest_description.geometry.linkage import Linkage, cylinder_length
 from forest_description.machine import Machine
-
-Triple = tuple[float, float, float]
+from forest_description.types import Vec3
 
 SMOOTHING = 0.01  # [s] of the reference's acceleration
 INTEGRAL_LIMIT = 0.1  # [rad/s] more than any valve is wrong by
@@ -38,26 +37,26 @@ class Settings(NamedTuple):
     mode: Mode = Mode.RATE
     position_source: Source = Source.CYLINDERS  # of boom and stick
     axis_frame: Frame = Frame.CARTESIAN
-    deadzone: Triple = (0.0, 0.0, 0.0)  # of the levers
-    expo: Triple = (0.0, 0.0, 0.0)
+    deadzone: Vec3 = (0.0, 0.0, 0.0)  # of the levers
+    expo: Vec3 = (0.0, 0.0, 0.0)
     tip_speed: float = 0.5  # [m/s] wished at full deflection, tip schemes
-    axis_speed: Triple = (3.0, 3.0, 3.0)  # [m/s] largest wish of each lever, tip schemes
+    axis_speed: Vec3 = (3.0, 3.0, 3.0)  # [m/s] largest wish of each lever, tip schemes
     position_span: float = 0.5  # [m] of the tip about the clutch point at full deflection, position mode
-    joint_span: Triple = (0.1, 0.1, 0.1)  # [rad] of the joints, joint scheme in position mode
-    joint_rates: Triple = (0.8, 0.25, 0.25)  # [rad/s] largest wish; at full deflection in the joint scheme
-    velocity_gain: Triple = (0.313, 0.313, 0.313)  # K_v
-    position_gain: Triple = (2.5, 5.0, 5.0)  # K_p [1/s]
-    damping_gain: Triple = (0.0, 0.0, 0.0)  # K_d
+    joint_span: Vec3 = (0.1, 0.1, 0.1)  # [rad] of the joints, joint scheme in position mode
+    joint_rates: Vec3 = (0.8, 0.25, 0.25)  # [rad/s] largest wish; at full deflection in the joint scheme
+    velocity_gain: Vec3 = (0.313, 0.313, 0.313)  # K_v
+    position_gain: Vec3 = (2.5, 5.0, 5.0)  # K_p [1/s]
+    damping_gain: Vec3 = (0.0, 0.0, 0.0)  # K_d
     jacobian_at_joints: bool = False  # scheme (d) takes J^-1 at the measured angles, as the thesis does
     lead: float = 0.2  # [rad]
-    feedback_gain: Triple = (3.0, 5.0, 5.0)  # K_p of the coordinated scheme [1/s]
-    integral_gain: Triple = (3.0, 4.0, 4.0)  # K_i of the coordinated scheme [1/s^2]
-    rate_gain: Triple = (0.4, 0.0, 0.0)  # D of the coordinated scheme; only the swing rocks slowly
-    lead_time: Triple = (0.018, 0.013, 0.013)  # T [s]
+    feedback_gain: Vec3 = (3.0, 5.0, 5.0)  # K_p of the coordinated scheme [1/s]
+    integral_gain: Vec3 = (3.0, 4.0, 4.0)  # K_i of the coordinated scheme [1/s^2]
+    rate_gain: Vec3 = (0.4, 0.0, 0.0)  # D of the coordinated scheme; only the swing rocks slowly
+    lead_time: Vec3 = (0.018, 0.013, 0.013)  # T [s]
     load_bandwidth: float = 1.0  # [Hz] of the valve driver's
     tip_acceleration: float = 4.0  # [m/s^2] of the coordinated scheme's reference: steps become ramps
     joint_margin: float = 0.0175  # [rad] kept from every joint limit
-    approach: Triple = (1.0, 2.0, 2.0)  # [1/s] allowed speed per angle or stroke left to a limit
+    approach: Vec3 = (1.0, 2.0, 2.0)  # [1/s] allowed speed per angle or stroke left to a limit
 
 
 class Parameters(NamedTuple):
@@ -71,8 +70,8 @@ class Parameters(NamedTuple):
     lead: float  # [rad] the reference may run ahead of the joint, so that a stalled joint does not wind up
     links: Links
     linkages: Linkages
-    rated_speeds: Triple  # [rad/s, m/s, m/s] of an ideal valve at its rated voltage
-    rated_voltages: Triple  # [V] of each axis' valve
+    rated_speeds: Vec3  # [rad/s, m/s, m/s] of an ideal valve at its rated voltage
+    rated_voltages: Vec3  # [V] of each axis' valve
     coordinated: CoordinationParameters
     capacity: Capacity
     workspace: Workspace

@@ -15,12 +15,12 @@ from typing import NamedTuple
 
 from forest_control.valve.tracking_limit import Reach
 from forest_control.valve.valve_driver_parameters import AxisDriver
-from forest_description.derived.actuation import Linkages
+from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.derived.bodies import boom_body, stick_body
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine
+from forest_description.types import Vec3
 
-Triple = tuple[float, float, float]
 RESERVE = 0.85  # of the greatest speed: feedback and another load than expected need the rest
 LEAST_SHARE = 0.1  # of the unloaded force, taken to remain under any load
 
@@ -38,7 +38,7 @@ class Capacity(NamedTuple):
     linkages: Linkages
 
 
-def gravity_torques(q: Triple, c: Capacity) -> tuple[float, float]:
+def gravity_torques(q: Vec3, c: Capacity) -> tuple[float, float]:
     """Return G of boom and stick [N m] on a level platform. Thesis eq. 3.15."""
     c_2, s_2 = math.cos(q[1]), math.sin(q[1])
     c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])
@@ -47,7 +47,7 @@ def gravity_torques(q: Triple, c: Capacity) -> tuple[float, float]:
     return boom + c.stick_weight * c.boom_length * c_2 + stick, stick
 
 
-def greatest_rates(q: Triple, wished: Triple, c: Capacity, reach: Reach) -> Triple:
+def greatest_rates(q: Vec3, wished: Vec3, c: Capacity, reach: Reach) -> Vec3:
     """Return the joint rates [rad/s], not negative, that the valves can give in the wished directions.
 
     Args:

@@ -13,13 +13,13 @@ is not kept, but a joint moves, and a moment later J has its inverse again: nobo
 import math
 
 from forest_description.geometry.kinematics import Links, is_singular, joint_rates
+from forest_description.types import Vec3
 
-Triple = tuple[float, float, float]
 BENT = 0.05  # [rad] of the stick from straight or flat, at the least
 ASIDE = 0.02  # |r| at the least, as a share of the arm's length
 
 
-def rates_anywhere(q: Triple, velocity: Triple, links: Links) -> Triple:
+def rates_anywhere(q: Vec3, velocity: Vec3, links: Links) -> Vec3:
     """Return J^-1(q) x' [rad/s] of a tip velocity x' [m/s]; if it is singular, that of the nearest pose."""
     if not is_singular(q, links):
         return joint_rates(q, velocity, links)

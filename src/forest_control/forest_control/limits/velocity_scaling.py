@@ -20,11 +20,10 @@ import math
 from enum import IntEnum
 from typing import NamedTuple
 
-from forest_description.derived.actuation import Linkages
+from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.geometry.kinematics import Links
 from forest_description.geometry.linkage import Linkage, length_and_arm, lever_arm
-
-Triple = tuple[float, float, float]
+from forest_description.types import Vec3
 
 NEGLIGIBLE_SPEED = 1e-6  # [m/s] likewise towards the swing axis
 NEGLIGIBLE_RATE = 1e-6  # [rad/s] up to this a joint does not count as moving: rounding must not stop others
@@ -46,8 +45,8 @@ class Pumps(NamedTuple):
     """What the pumps give, and what the actuators take."""
 
     limit: float  # Q [m^3/s]
-    extending: Triple  # A at port 1
-    retracting: Triple  # A at port 2
+    extending: Vec3  # A at port 1
+    retracting: Vec3  # A at port 2
     linkages: Linkages
 
 
@@ -79,10 +78,10 @@ REACH_APPROACH = 2.0  # [1/s] k for the swing axis
 class GovernorParameters(NamedTuple):
     """Limits per joint, swing, boom, stick."""
 
-    lower: Triple  # [rad], margin included
-    upper: Triple  # [rad], margin included
-    rates: Triple  # [rad/s]
-    approach: Triple  # [1/s]
+    lower: Vec3  # [rad], margin included
+    upper: Vec3  # [rad], margin included
+    rates: Vec3  # [rad/s]
+    approach: Vec3  # [1/s]
     pumps: Pumps
     axis: Axis
     strokes: tuple[Stroke, Stroke, Stroke] = (NO_STROKE, NO_STROKE, NO_STROKE)
@@ -95,7 +94,7 @@ class Governed(NamedTuple):
     limit: Limit
 
 
-def govern(angles: Triple, wished: Triple, p: GovernorParameters) -> Governed:
+def govern(angles: Vec3, wished: Vec3, p: GovernorParameters) -> Governed:
     """Return the factor 0..1 by which all wished joint rates [rad/s] must shrink at these angles [rad]."""
     governed = Governed(1.0, Limit.NONE)
     for joint in range(3):
@@ -156,7 +155,7 @@ def _at_most(governed: Governed, allowed: float, wished: float, limit: Limit) ->
     return governed
 
 
-def flow_demand(q: Triple, rates: Triple, pumps: Pumps) -> float:
+def flow_demand(q: Vec3, rates: Vec3, pumps: Pumps) -> float:
     """Return the flow [m^3/s] that joint rates [rad/s] take at joint angles [rad]: sum of A |v|."""
     boom = lever_arm(q[1], pumps.linkages[0]) * rates[1]
     stick = lever_arm(q[2], pumps.linkages[1]) * rates[2]
@@ -167,7 +166,7 @@ def _inlet(speed: float, i: int, pumps: Pumps) -> float:
     return speed * pumps.extending[i] if speed > 0.0 else -speed * pumps.retracting[i]
 
 
-def _towards_axis(q: Triple, rates: Triple, links: Links) -> tuple[float, float]:
+def _towards_axis(q: Vec3, rates: Vec3, links: Links) -> tuple[float, float]:
     """Return |r| [m] and how fast it shrinks [m/s]."""
     c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])
     r = links.base_offset + links.boom * math.cos(q[1]) + links.stick * c_23

@@ -17,7 +17,8 @@ fast, in a corner, stops the tip.
 import math
 from typing import NamedTuple
 
-Triple = tuple[float, float, float]
+from forest_description.types import Vec3
+
 NOTHING, PLANE, BOX, CYLINDER = 0, 1, 2, 3
 MOST = 12  # walls; a compiler wants a fixed number
 PASSES = 20
@@ -33,8 +34,8 @@ class Wall(NamedTuple):
     """
 
     kind: int
-    first: Triple  # [m]
-    second: Triple  # [m]
+    first: Vec3  # [m]
+    second: Vec3  # [m]
     radius: float  # [m]
 
 
@@ -54,10 +55,10 @@ class Gap(NamedTuple):
     """Where a wall is, seen from the tip."""
 
     distance: float  # d [m]
-    away: Triple  # n
+    away: Vec3  # n
 
 
-def gap(p: Triple, wall: Wall) -> Gap:
+def gap(p: Vec3, wall: Wall) -> Gap:
     """Return distance and direction of a wall from a point [m]."""
     if wall.kind == PLANE:
         n = wall.first
@@ -69,7 +70,7 @@ def gap(p: Triple, wall: Wall) -> Gap:
     return Gap(FAR, (0.0, 0.0, 1.0))
 
 
-def _box(p: Triple, low: Triple, high: Triple) -> Gap:
+def _box(p: Vec3, low: Vec3, high: Vec3) -> Gap:
     x, y, z = _beyond(p[0], low[0], high[0]), _beyond(p[1], low[1], high[1]), _beyond(p[2], low[2], high[2])
     outside = math.sqrt(x * x + y * y + z * z)
     if outside > 0.0:
@@ -85,7 +86,7 @@ def _box(p: Triple, low: Triple, high: Triple) -> Gap:
     return Gap(nearest, away)
 
 
-def _cylinder(p: Triple, wall: Wall) -> Gap:
+def _cylinder(p: Vec3, wall: Wall) -> Gap:
     x, y = p[0] - wall.first[0], p[1] - wall.first[1]
     across = math.sqrt(x * x + y * y)
     e_x, e_y = (x / across, y / across) if across > 0.0 else (1.0, 0.0)
@@ -101,7 +102,7 @@ def _cylinder(p: Triple, wall: Wall) -> Gap:
     return Gap(max(below, above), (0.0, 0.0, 1.0 if above >= below else -1.0))
 
 
-def slid(p: Triple, velocity: Triple, w: Workspace) -> Triple:
+def slid(p: Vec3, velocity: Vec3, w: Workspace) -> Vec3:
     """Return what walls leave of a tip velocity [m/s] at a tip position [m]."""
     v = velocity
     for _ in range(PASSES):
@@ -121,7 +122,7 @@ def slid(p: Triple, velocity: Triple, w: Workspace) -> Triple:
     return 0.0, 0.0, 0.0
 
 
-def share(p: Triple, velocity: Triple, w: Workspace) -> float:
+def share(p: Vec3, velocity: Vec3, w: Workspace) -> float:
     """Return the factor 0..1 by which a tip velocity [m/s] must shrink as a whole: for levers of joints."""
     factor = 1.0
     for i in range(w.number):
@@ -132,7 +133,7 @@ def share(p: Triple, velocity: Triple, w: Workspace) -> float:
     return factor
 
 
-def _excess(near: Gap, v: Triple, approach: float) -> float:
+def _excess(near: Gap, v: Vec3, approach: float) -> float:
     return -_dot(v, near.away) - max(0.0, approach * near.distance)
 
 
@@ -141,5 +142,5 @@ def _beyond(x: float, low: float, high: float) -> float:
     return x - low if x < low else max(0.0, x - high)
 
 
-def _dot(a: Triple, b: Triple) -> float:
+def _dot(a: Vec3, b: Vec3) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

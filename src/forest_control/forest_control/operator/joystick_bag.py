@@ -10,11 +10,11 @@ from typing import NamedTuple
 
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
-from forest_control.operator.sources import LeverError
+from forest_control.operator.joystick_sources import LeverError
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.stamps import stamp_in
+from forest_msgs_py.types import NS_PER_S
 
-NS_PER_S = 1_000_000_000
 SUFFIXES = (".mcap", ".db3", ".zstd")
 
 

@@ -11,12 +11,12 @@ The deadman is a button that must be held (left shoulder by default): without it
 
 from typing import NamedTuple
 
+from forest_description.types import Vec3
+
 LEFT_X, LEFT_Y, RIGHT_Y = 0, 1, 3
 AXIS_COUNT = 6
 BUTTON_COUNT = 21
 LEFT_SHOULDER = 9
-
-Triple = tuple[float, float, float]
 
 
 class Levers(NamedTuple):
@@ -46,11 +46,11 @@ def axes_from_levers(levers: Levers) -> tuple[float, ...]:
     return tuple(axes)
 
 
-def levers_for_tip_velocity(velocity: Triple, speed: float) -> Levers:
+def levers_for_tip_velocity(velocity: Vec3, speed: float) -> Levers:
     """Return the levers that wish a tip velocity [m/s]; straight stick curves, Cartesian frame."""
     return Levers(velocity[1] / speed, velocity[2] / speed, velocity[0] / speed)
 
 
-def joint_rate_wish(levers: Levers, rates: Triple) -> Triple:
+def joint_rate_wish(levers: Levers, rates: Vec3) -> Vec3:
     """Return the wished joint rates [rad/s]; a full deflection is the joint's entry in `rates`."""
     return levers.swing * rates[0], levers.boom * rates[1], levers.stick * rates[2]

@@ -27,9 +27,8 @@ from typing import NamedTuple
 
 from forest_control.operator.levers import Levers
 from forest_description.geometry.kinematics import Links, tip_position
+from forest_description.types import ZERO, Vec3
 
-Triple = tuple[float, float, float]
-ZERO: Triple = (0.0, 0.0, 0.0)
 FOLLOWING = 3.0  # [1/s] speed per distance left in position mode
 ARRIVED = 2e-4  # [m] from where the tip shall be: it is there; for a joint a tenth of it in rad
 JOINT_ACCELERATION = 1.0  # [rad/s^2] of the joint scheme in position mode
@@ -54,11 +53,11 @@ class Hand(NamedTuple):
 
     mode: int  # a `Mode`
     frame: int  # a `Frame`
-    deadzone: Triple
-    expo: Triple
-    speeds: Triple  # [m/s] of the tip at full deflection
+    deadzone: Vec3
+    expo: Vec3
+    speeds: Vec3  # [m/s] of the tip at full deflection
     tip_span: float  # [m] of the tip about the clutch point at full deflection
-    joint_span: Triple  # [rad] of the joints about it
+    joint_span: Vec3  # [rad] of the joints about it
 
 
 def shaped(levers: Levers, h: Hand) -> Levers:
@@ -82,7 +81,7 @@ def curve(deflection: float, deadzone: float, expo: float) -> float:
     return math.copysign(z * (1.0 - expo * (1.0 - z * z)), deflection)
 
 
-def along(swing: float, boom: float, stick: float, angle: float, frame: int) -> Triple:
+def along(swing: float, boom: float, stick: float, angle: float, frame: int) -> Vec3:
     """Return the vector (x, y, z) of components along the levers' directions, the crane swung to an angle."""
     if frame == Frame.CARTESIAN:
         return stick, swing, boom
@@ -90,13 +89,13 @@ def along(swing: float, boom: float, stick: float, angle: float, frame: int) -> 
     return c * stick - s * swing, s * stick + c * swing, boom
 
 
-def tip_rate(levers: Levers, pose: Triple, h: Hand) -> Triple:
+def tip_rate(levers: Levers, pose: Vec3, h: Hand) -> Vec3:
     """Return the tip velocity [m/s] that shaped levers wish in rate mode. Thesis section 5.1."""
     v = h.speeds
     return along(v[0] * levers.swing, v[1] * levers.boom, v[2] * levers.stick, pose[0], h.frame)
 
 
-def tip_following(levers: Levers, clutch: Triple, pose: Triple, h: Hand, links: Links) -> Triple:
+def tip_following(levers: Levers, clutch: Vec3, pose: Vec3, h: Hand, links: Links) -> Vec3:
     """Return the tip velocity [m/s] towards what shaped levers wish in position mode. Thesis section 5.1.
 
     Args:
@@ -117,7 +116,7 @@ def tip_following(levers: Levers, clutch: Triple, pose: Triple, h: Hand, links: 
     return speed * x, speed * y, speed * z
 
 
-def joint_following(levers: Levers, clutch: Triple, angles: Triple, h: Hand, rates: Triple) -> Triple:
+def joint_following(levers: Levers, clutch: Vec3, angles: Vec3, h: Hand, rates: Vec3) -> Vec3:
     """Return the joint rates [rad/s] towards what shaped levers wish in position mode, at most `rates`."""
     span = h.joint_span
     return (

@@ -6,12 +6,13 @@ to its command and fades (`HAND_OVER`).
 """
 
 from forest_control.config.settings import Parameters
-from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, ZERO, Inputs, State, Triple, minus
+from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, Inputs, State, minus
 from forest_control.pipeline.stop_profile import NO_STOP
 from forest_control.servo import coordinated_servo
 from forest_control.servo.joint_angle_filter import Correction
 from forest_control.servo.schemes import Scheme, closes_on_position, decayed, reference_that_gives
 from forest_description.geometry.kinematics import joint_rates, tip_velocity
+from forest_description.types import ZERO, Vec3
 
 HAND_OVER = 0.2  # [s] in which the difference between two schemes' commands fades
 
@@ -22,7 +23,7 @@ def resumed(state: State) -> State:
     return State(r, True, m, state.scheme, u, state.offset, NO_MODE, state.clutch, True, NO_STOP)
 
 
-def clutched(state: State, s: Triple, p: Parameters) -> State:
+def clutched(state: State, s: Vec3, p: Parameters) -> State:
     """Return the state with the clutch where the machine is, if another mode was in force."""
     if state.mode == p.hand.mode:
         return state
@@ -71,14 +72,14 @@ def relearnt(state: State, correction: Correction) -> State:
     return state._replace(reference=reference, clutch=clutch)
 
 
-def offset_to(u: Triple, state: State, p: Parameters) -> Triple:
+def offset_to(u: Vec3, state: State, p: Parameters) -> Vec3:
     """Return what is added [rad/s] to the servo's rates; after a change, all that they differ by."""
     if state.changed or (state.scheme != NO_SCHEME and state.scheme != p.scheme):
         return minus(state.rates, u)
     return state.offset
 
 
-def faded(offset: Triple, dt: float) -> Triple:
+def faded(offset: Vec3, dt: float) -> Vec3:
     """Return an offset [rad/s] dt [s] later."""
     return (
         decayed(offset[0], dt, HAND_OVER),
@@ -87,7 +88,7 @@ def faded(offset: Triple, dt: float) -> Triple:
     )
 
 
-def within_lead(r: Triple, before: Triple, s: Triple, p: Parameters) -> Triple:
+def within_lead(r: Vec3, before: Vec3, s: Vec3, p: Parameters) -> Vec3:
     """Return reference angles [rad] within `lead` of the joints, and inside their limits.
 
     A machine may stand between margin and limit. There the reference goes no further out than it was before;

@@ -9,23 +9,22 @@ from forest_control.servo import coordinated_servo
 from forest_control.servo.joint_angle_filter import NONE as NO_CORRECTION
 from forest_control.servo.joint_angle_filter import UNREAD, Correction, Lengths
 from forest_control.valve.tracking_limit import FULL, RELAXED, Reach, Strains
+from forest_description.types import ZERO, Vec3
 
-Triple = tuple[float, float, float]
-ZERO: Triple = (0.0, 0.0, 0.0)
 NO_SCHEME = NO_MODE = -1
 
 
 class State(NamedTuple):
     """What the controller remembers."""
 
-    reference: Triple  # r [rad]
+    reference: Vec3  # r [rad]
     enabled: bool
     memory: coordinated_servo.Memory = coordinated_servo.REST
     scheme: int = NO_SCHEME  # that was in charge
-    rates: Triple = ZERO  # u [rad/s], commanded last
-    offset: Triple = ZERO  # [rad/s] added to the servo's, and fading
+    rates: Vec3 = ZERO  # u [rad/s], commanded last
+    offset: Vec3 = ZERO  # [rad/s] added to the servo's, and fading
     mode: int = NO_MODE  # that was in force
-    clutch: Triple = ZERO  # [rad] the pose that position mode moves about
+    clutch: Vec3 = ZERO  # [rad] the pose that position mode moves about
     changed: bool = False  # somebody changed a parameter: what it does to the command shall fade, too
     stop: Stop = NO_STOP  # along the path, under way or over
     correction: Correction = NO_CORRECTION  # of the angles
@@ -35,20 +34,20 @@ class State(NamedTuple):
 class Inputs(NamedTuple):
     """What arrives in a step."""
 
-    angles: Triple  # s [rad], measured by the resolvers
-    rates: Triple  # v [rad/s], measured
+    angles: Vec3  # s [rad], measured by the resolvers
+    rates: Vec3  # v [rad/s], measured
     levers: Levers
     enabled: bool  # a fresh, finite, held deadman
     cylinders: Lengths = UNREAD  # [m] boom, stick, of the same moment; NaN: no sample
     reach: Reach = FULL  # of the valves, as the driver has learnt it
-    voltages: Triple = ZERO  # [V] of the valves, given last by the driver
+    voltages: Vec3 = ZERO  # [V] of the valves, given last by the driver
 
 
 class Output(NamedTuple):
     """What leaves in a step."""
 
-    command: Triple  # [V] of ideal valves, as applied
-    tip_wish: Triple  # [m/s], governed
+    command: Vec3  # [V] of ideal valves, as applied
+    tip_wish: Vec3  # [m/s], governed
     governed: Governed
 
 
@@ -56,34 +55,34 @@ class Told(NamedTuple):
     """What a step has to tell of itself and of the tip."""
 
     output: Output
-    tip: Triple  # [m]
+    tip: Vec3  # [m]
     tip_orientation: tuple[float, float, float, float]  # quaternion x, y, z, w
-    tip_velocity: Triple  # [m/s]
+    tip_velocity: Vec3  # [m/s]
 
 
 class Wish(NamedTuple):
     """What the scheme is asked for, governed."""
 
-    rates: Triple  # a [rad/s]
-    velocity: Triple  # x' [m/s]
+    rates: Vec3  # a [rad/s]
+    velocity: Vec3  # x' [m/s]
     governed: Governed
 
 
 REST = State(ZERO, False)
 
 
-def begun(angles: Triple, enabled: bool) -> State:
+def begun(angles: Vec3, enabled: bool) -> State:
     """Return the state of a machine at rest; a compiler knows no defaults."""
     return State(
         angles, enabled, coordinated_servo.REST, NO_SCHEME, ZERO, ZERO, NO_MODE, ZERO, False, NO_STOP
     )
 
 
-def minus(x: Triple, y: Triple) -> Triple:
+def minus(x: Vec3, y: Vec3) -> Vec3:
     """Return x - y."""
     return x[0] - y[0], x[1] - y[1], x[2] - y[2]
 
 
-def scaled(values: Triple, factor: float) -> Triple:
+def scaled(values: Vec3, factor: float) -> Vec3:
     """Return values times a factor."""
     return factor * values[0], factor * values[1], factor * values[2]

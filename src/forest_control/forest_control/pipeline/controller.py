@@ -16,7 +16,7 @@ from forest_control.limits import workspace
 from forest_control.limits.velocity_scaling import Governed, Limit, govern
 from forest_control.pipeline import stop_profile
 from forest_control.pipeline.bumpless_transfer import clutched, relearnt, resumed, taken_over
-from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, ZERO, Triple, Wish, begun, minus, scaled
+from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, Wish, begun, minus, scaled
 from forest_control.pipeline.control_state import REST as REST
 from forest_control.pipeline.control_state import Inputs as Inputs
 from forest_control.pipeline.control_state import Output as Output
@@ -33,6 +33,7 @@ from forest_control.servo.joint_angle_filter import corrected, latched, learnt
 from forest_control.servo.schemes import Scheme, jacobian_pose
 from forest_control.valve.tracking_limit import RELAXED, Strains, Valves, strained
 from forest_description.geometry.kinematics import joint_rates, tip_orientation, tip_position, tip_velocity
+from forest_description.types import ZERO, Vec3
 
 
 def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Output]:
@@ -139,7 +140,7 @@ def _braking(p: Parameters) -> Parameters:
     return p._replace(coordinated=c._replace(gains=(swing._replace(lead_time=lead), boom, stick)))
 
 
-def _stop_from(state: State, s: Triple, p: Parameters) -> Stop:
+def _stop_from(state: State, s: Vec3, p: Parameters) -> Stop:
     """Return the stop of a scheme at measured angles [rad]; none when nothing was commanded."""
     if state.rates == ZERO and state.memory.velocity == ZERO:
         return NO_STOP

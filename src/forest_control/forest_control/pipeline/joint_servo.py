@@ -2,19 +2,20 @@
 
 from forest_control.config.settings import Parameters
 from forest_control.pipeline.bumpless_transfer import faded, offset_to, within_lead
-from forest_control.pipeline.control_state import ZERO, Inputs, Output, State, Triple, Wish
+from forest_control.pipeline.control_state import Inputs, Output, State, Wish
 from forest_control.pipeline.stop_profile import NO_STOP
 from forest_control.servo import coordinated_servo
 from forest_control.servo.inching import MOVING
 from forest_control.servo.schemes import Scheme, Signals, advanced, closes_on_position, moved, servo
-from forest_description.derived.actuation import joint_rates_to_actuator_speeds
+from forest_description.derived.actuator_kinematics import joint_rates_to_actuator_speeds
 from forest_description.geometry.kinematics import tip_velocity
+from forest_description.types import ZERO, Vec3
 
 NEAR = 0.002  # [rad] of the reference, where a position servo at rest may leave its valve shut
 
 
 def carried_out(
-    state: State, wish: Wish, pose: Triple, inputs: Inputs, p: Parameters, dt: float
+    state: State, wish: Wish, pose: Vec3, inputs: Inputs, p: Parameters, dt: float
 ) -> tuple[State, Output]:
     """Return the state and the output of a step that carries out a governed wish."""
     r, s, a = state.reference, inputs.angles, wish.rates
@@ -39,8 +40,8 @@ def carried_out(
 
 
 def _thesis_servo(
-    memory: coordinated_servo.Memory, wish: Wish, r: Triple, inputs: Inputs, p: Parameters, dt: float
-) -> tuple[coordinated_servo.Memory, Triple]:
+    memory: coordinated_servo.Memory, wish: Wish, r: Vec3, inputs: Inputs, p: Parameters, dt: float
+) -> tuple[coordinated_servo.Memory, Vec3]:
     """Return the memory, and the joint rates [rad/s] that a scheme of the thesis commands at a reference."""
     still = closes_on_position(p.scheme) and coordinated_servo.rests(memory, wish.rates)
     swing, u_1 = _joint_servo(memory.swing, 0, still, wish, r, inputs, p, dt)
@@ -54,7 +55,7 @@ def _joint_servo(
     i: int,
     still: bool,
     wish: Wish,
-    r: Triple,
+    r: Vec3,
     inputs: Inputs,
     p: Parameters,
     dt: float,
@@ -70,7 +71,7 @@ def _joint_servo(
     return coordinated_servo.Joint(a, 0.0, 0.0, seen, holds, wide, side, 0.0, MOVING), u
 
 
-def to_voltage(rates: Triple, angles: Triple, p: Parameters) -> Triple:
+def to_voltage(rates: Vec3, angles: Vec3, p: Parameters) -> Vec3:
     """Return the ideal valves' voltages for joint rates [rad/s], clipped at the rating. Thesis eq. 3.16."""
     speeds = joint_rates_to_actuator_speeds(angles, rates, p.linkages)
     return _volts(speeds[0], 0, p), _volts(speeds[1], 1, p), _volts(speeds[2], 2, p)

@@ -22,8 +22,8 @@ import math
 from typing import NamedTuple
 
 from forest_description.geometry.kinematics import Links, is_singular, joint_rates, tip_velocity
+from forest_description.types import Vec3
 
-Triple = tuple[float, float, float]
 CLOSED_LOOP = 0.24  # [s] T of a scheme that holds its reference: just inside 0.25 s, softest for the swing
 OPEN_LOOP = 0.16  # [s] T of the others
 LAG = 0.015  # [s] after which spool and oil answer
@@ -35,15 +35,15 @@ class Stop(NamedTuple):
 
     elapsed: float  # t [s]
     duration: float  # T [s]
-    velocity: Triple  # x' [m/s]
-    rates: Triple  # u [rad/s] when it began, for where J has no inverse
-    wish: Triple  # of the tip when it began [m/s], for a scheme that holds its reference
+    velocity: Vec3  # x' [m/s]
+    rates: Vec3  # u [rad/s] when it began, for where J has no inverse
+    wish: Vec3  # of the tip when it began [m/s], for a scheme that holds its reference
 
 
 NO_STOP = Stop(math.inf, OPEN_LOOP, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
-def begin(duration: float, u: Triple, wish: Triple, s: Triple, links: Links) -> Stop:
+def begin(duration: float, u: Vec3, wish: Vec3, s: Vec3, links: Links) -> Stop:
     """Return the stop within a duration [s] from commanded joint rates [rad/s] and the tip's wish [m/s].
 
     Args:
@@ -71,7 +71,7 @@ def _share(part: float) -> float:
     return x * x * math.sqrt(x) * (3.5 - 2.5 * x)
 
 
-def onwards(u: Triple, a: Triple) -> Triple:
+def onwards(u: Vec3, a: Vec3) -> Vec3:
     """Return the rates u [rad/s] of the joints that go on as wished [rad/s]; none of the others.
 
     What is little over at the end of a stop would throw the valves to and fro across their overlap.
@@ -93,7 +93,7 @@ def is_over(stop: Stop) -> bool:
     return stop.elapsed >= stop.duration
 
 
-def commanded(stop: Stop, s: Triple, links: Links) -> tuple[Triple, Triple]:
+def commanded(stop: Stop, s: Vec3, links: Links) -> tuple[Vec3, Vec3]:
     """Return joint rates [rad/s] at measured angles [rad], and the tip velocity [m/s] that they aim at."""
     left = share(stop)
     velocity = left * stop.velocity[0], left * stop.velocity[1], left * stop.velocity[2]

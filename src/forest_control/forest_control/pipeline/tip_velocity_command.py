@@ -14,14 +14,15 @@ from forest_control.operator.operator_profile import (
     tip_following,
     tip_rate,
 )
-from forest_control.pipeline.control_state import ZERO, Inputs, State, Triple, Wish, scaled
+from forest_control.pipeline.control_state import Inputs, State, Wish, scaled
 from forest_control.servo import coordinated_servo
 from forest_control.servo.schemes import Scheme, closes_on_position
 from forest_control.valve.tracking_limit import AS_FILED, Valves, ceiling
 from forest_description.geometry.kinematics import is_singular, tip_position, tip_velocity
+from forest_description.types import ZERO, Vec3
 
 
-def wished_velocity(state: State, pose: Triple, inputs: Inputs, p: Parameters, dt: float) -> Triple:
+def wished_velocity(state: State, pose: Vec3, inputs: Inputs, p: Parameters, dt: float) -> Vec3:
     """Return the tip velocity [m/s] that the levers ask for; a ramp in position mode or coordinated."""
     if p.scheme == Scheme.JOINT:
         return ZERO
@@ -36,9 +37,7 @@ def wished_velocity(state: State, pose: Triple, inputs: Inputs, p: Parameters, d
     return coordinated_servo.ramped(state.memory.velocity, wish, p.coordinated.acceleration, dt)
 
 
-def wished_rates(
-    state: State, pose: Triple, velocity: Triple, inputs: Inputs, p: Parameters, dt: float
-) -> Triple:
+def wished_rates(state: State, pose: Vec3, velocity: Vec3, inputs: Inputs, p: Parameters, dt: float) -> Vec3:
     """Return the joint rates [rad/s] of a wished tip velocity, or in the joint scheme the levers' own."""
     if p.scheme != Scheme.JOINT:
         return rates_anywhere(pose, velocity, p.links)
@@ -51,7 +50,7 @@ def wished_rates(
 
 
 def governed_wish(
-    pose: Triple, angles: Triple, rates: Triple, velocity: Triple, valves: Valves, p: Parameters
+    pose: Vec3, angles: Vec3, rates: Vec3, velocity: Vec3, valves: Valves, p: Parameters
 ) -> Wish:
     """Return what the scheme shall do, governed.
 
@@ -78,9 +77,7 @@ def governed_wish(
     return Wish(a, scaled(velocity, governed.factor), governed)
 
 
-def governor_at(
-    angles: Triple, wished: Triple, p: Parameters, valves: Valves = AS_FILED
-) -> GovernorParameters:
+def governor_at(angles: Vec3, wished: Vec3, p: Parameters, valves: Valves = AS_FILED) -> GovernorParameters:
     """Return the governor's limits at a pose [rad] for wished joint rates [rad/s].
 
     The coordinated scheme asks the valves for no more than they can give against the crane's weight, where

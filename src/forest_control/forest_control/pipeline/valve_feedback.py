@@ -7,9 +7,9 @@ not, the crane stands, but a reference would run ahead, and the crane after it, 
 import math
 from typing import Any
 
-from forest_control.pipeline.control_state import ZERO, Triple
 from forest_control.valve.tracking_limit import FULL, Reach, reached
 from forest_description.machine import Machine
+from forest_description.types import ZERO, Vec3
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.serialization.unpacking import ArrayReader
 
@@ -44,7 +44,7 @@ class ValveReports:
         self._voltages, self._voltages_received = ZERO, -math.inf
         self._obeyed = -math.inf
 
-    def read(self) -> tuple[Reach, Triple]:
+    def read(self) -> tuple[Reach, Vec3]:
         """Return the valves' reach, and the voltages [V]."""
         now = self._pace.now()
         if status := self.status.newest():
@@ -59,7 +59,7 @@ class ValveReports:
         reach = self._reach if now - self._reach_received <= STATUS_TIMEOUT else FULL
         return reach, self._voltages if fresh else ZERO
 
-    def objection(self, command: Triple) -> str:
+    def objection(self, command: Vec3) -> str:
         """Return why a command [V] does not reach the valves, or "".
 
         Of a driver that has never spoken nothing is expected: it may be in shadow, or somebody else's.

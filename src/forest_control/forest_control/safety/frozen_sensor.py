@@ -16,10 +16,9 @@ Not seen: a frozen sensor behind a converter that adds noise, and one that freez
 from typing import NamedTuple
 
 from forest_control.config.settings import Parameters
-from forest_description.derived.actuation import actuator_speeds_to_joint_rates
-from forest_description.machine import AXES
+from forest_description.derived.actuator_kinematics import actuator_speeds_to_joint_rates
+from forest_description.types import AXES, Vec3
 
-Triple = tuple[float, float, float]
 WAY = 0.02  # [rad] ten times the step of a resolver of 12 bits; 0.12 m at 6 m
 LONG = 0.15  # [s] a valve, and the oil behind it, take as long to set a joint in motion
 
@@ -27,15 +26,15 @@ LONG = 0.15  # [s] a valve, and the oil behind it, take as long to set a joint i
 class Stillness(NamedTuple):
     """Of swing, boom, stick, since each moved last."""
 
-    angles: Triple  # s [rad]
-    ways: Triple  # [rad]
-    times: Triple  # [s]
+    angles: Vec3  # s [rad]
+    ways: Vec3  # [rad]
+    times: Vec3  # [s]
 
 
 MOVING = Stillness((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
-def watched(before: Stillness, s: Triple, command: Triple, p: Parameters, dt: float) -> Stillness:
+def watched(before: Stillness, s: Vec3, command: Vec3, p: Parameters, dt: float) -> Stillness:
     """Return the stillness after a sample.
 
     Args:

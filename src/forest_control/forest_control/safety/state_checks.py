@@ -1,14 +1,13 @@
 """Whether a measured state of the joints can be true."""
 
 from forest_control.config.settings import Parameters
-from forest_description.machine import AXES
+from forest_description.types import AXES, Vec3
 
-Triple = tuple[float, float, float]
 BEYOND_LIMIT = 0.1  # [rad] outside the joint limits: end stops give, encoders are not perfect
 FASTEST = 5.0  # [rad/s] no joint of such a crane moves faster
 
 
-def plausible(angles: Triple, rates: Triple, p: Parameters) -> bool:
+def plausible(angles: Vec3, rates: Vec3, p: Parameters) -> bool:
     """Tell whether a measured state can be true; `implausible` says what of it cannot."""
     for i in range(3):
         low, high = p.governor.lower[i] - BEYOND_LIMIT, p.governor.upper[i] + BEYOND_LIMIT

@@ -23,10 +23,8 @@ from typing import NamedTuple
 from forest_control.servo.inching import MOVING, Inching, inched, is_due, served
 from forest_control.servo.schemes import FULL_RATE, Gains, Signals, coordinated
 from forest_control.servo.swing_feedforward import SwingLoad, inertia
-from forest_description.derived.actuation import Linkages, actuator_speeds_to_joint_rates
-
-Triple = tuple[float, float, float]
-ZERO: Triple = (0.0, 0.0, 0.0)
+from forest_description.derived.actuator_kinematics import Linkages, actuator_speeds_to_joint_rates
+from forest_description.types import ZERO, Vec3
 
 REST_RATE = 1e-4  # [rad/s] a reference slower than this rests
 ERROR_LAG = 0.05  # [s] of the low-pass through which an error decides about holding, or, slow, is heard
@@ -40,7 +38,7 @@ class CoordinationParameters(NamedTuple):
     """Gains and bounds, per joint where triples: swing, boom, stick."""
 
     gains: tuple[Gains, Gains, Gains]
-    integral: Triple  # K_i [1/s^2]
+    integral: Vec3  # K_i [1/s^2]
     swing: SwingLoad  # what is fed forward to it
     load_bandwidth: float  # [rad/s] at which the valve driver learns a load
     smoothing: float  # [s] of b
@@ -48,7 +46,7 @@ class CoordinationParameters(NamedTuple):
     integral_limit: float  # [rad/s]
     hold_error: float  # [rad] a resting joint this near holds
     release_error: float  # [rad] and moves again beyond this
-    inches: Triple  # [rad/s, m/s, m/s] speeds of the actuators while a resting joint is inched
+    inches: Vec3  # [rad/s, m/s, m/s] speeds of the actuators while a resting joint is inched
     linkages: Linkages
 
 
@@ -72,7 +70,7 @@ AT_REST = Joint()
 class Memory(NamedTuple):
     """State between steps."""
 
-    velocity: Triple  # x' [m/s], governed
+    velocity: Vec3  # x' [m/s], governed
     swing: Joint = AT_REST
     boom: Joint = AT_REST
     stick: Joint = AT_REST
@@ -84,7 +82,7 @@ REST = Memory(ZERO)
 MOST_SAMPLES = 50
 
 
-def in_motion(velocity: Triple, a: Triple, samples: int) -> Memory:
+def in_motion(velocity: Vec3, a: Vec3, samples: int) -> Memory:
     """Return the memory of a scheme that takes over at a tip velocity [m/s] and joint rates [rad/s]."""
     return Memory(velocity, _going(a[0]), _going(a[1]), _going(a[2]), 0.0, samples)
 
@@ -93,12 +91,12 @@ def _going(a: float) -> Joint:
     return Joint(a, 0.0, 0.0, 0.0, True, 1.0, 0.0, 0.0, MOVING)
 
 
-def going(memory: Memory, velocity: Triple) -> Memory:
+def going(memory: Memory, velocity: Vec3) -> Memory:
     """Return the memory with the tip's governed velocity [m/s]: from now on the reference is not a mean."""
     return Memory(velocity, memory.swing, memory.boom, memory.stick, memory.torque, MOST_SAMPLES)
 
 
-def settle(reference: Triple, s: Triple, memory: Memory) -> tuple[Triple, Memory]:
+def settle(reference: Vec3, s: Vec3, memory: Memory) -> tuple[Vec3, Memory]:
     """Return the pose [rad] to start from: the mean of what was measured at rest; one sample is too noisy."""
     count = memory.samples + 1
     (r_1, r_2, r_3), (s_1, s_2, s_3) = reference, s
@@ -106,7 +104,7 @@ def settle(reference: Triple, s: Triple, memory: Memory) -> tuple[Triple, Memory
     return q, Memory(memory.velocity, memory.swing, memory.boom, memory.stick, memory.torque, count)
 
 
-def ramped(velocity: Triple, wish: Triple, acceleration: float, dt: float) -> Triple:
+def ramped(velocity: Vec3, wish: Vec3, acceleration: float, dt: float) -> Vec3:
     """Return the reference velocity [m/s] after dt [s] on the way to a wish, at most so accelerated."""
     x, y, z = wish[0] - velocity[0], wish[1] - velocity[1], wish[2] - velocity[2]
     size, most = math.sqrt(x * x + y * y + z * z), acceleration * dt
@@ -118,14 +116,14 @@ def ramped(velocity: Triple, wish: Triple, acceleration: float, dt: float) -> Tr
 
 def servo(
     memory: Memory,
-    a: Triple,
-    r: Triple,
-    s: Triple,
-    v: Triple,
-    volts: Triple,
+    a: Vec3,
+    r: Vec3,
+    s: Vec3,
+    v: Vec3,
+    volts: Vec3,
     p: CoordinationParameters,
     dt: float,
-) -> tuple[Memory, Triple]:
+) -> tuple[Memory, Vec3]:
     """Return the memory one step on, and the commanded joint rates u [rad/s].
 
     Args:
@@ -157,12 +155,12 @@ def servo(
     return Memory(memory.velocity, swing, boom, stick, torque, memory.samples), (u_1, u_2, u_3)
 
 
-def inches(memory: Memory) -> Triple:
+def inches(memory: Memory) -> Vec3:
     """Return the rates [rad/s] at which joints at rest are inched now."""
     return memory.swing.inching.rate, memory.boom.inching.rate, memory.stick.inching.rate
 
 
-def rests(memory: Memory, a: Triple) -> bool:
+def rests(memory: Memory, a: Vec3) -> bool:
     """Tell whether the reference rests: neither now nor a step ago any joint was wished to move [rad/s]."""
     m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
     return max(abs(a[0]), abs(a[1]), abs(a[2]), abs(m_1.a), abs(m_2.a), abs(m_3.a)) < REST_RATE

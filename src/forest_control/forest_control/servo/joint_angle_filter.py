@@ -16,10 +16,10 @@ import math
 from enum import IntEnum
 from typing import NamedTuple
 
-from forest_description.derived.actuation import Linkages
+from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.geometry.linkage import angle_at
+from forest_description.types import Vec3
 
-Triple = tuple[float, float, float]
 Lengths = tuple[float, float]
 
 SMOOTHING = 5.0  # [s] T
@@ -46,7 +46,7 @@ UNREAD: Lengths = (math.nan, math.nan)
 NONE = Correction()
 
 
-def learnt(c: Correction, s: Triple, lengths: Lengths, linkages: Linkages, dt: float) -> Correction:
+def learnt(c: Correction, s: Vec3, lengths: Lengths, linkages: Linkages, dt: float) -> Correction:
     """Return the correction after a sample of the resolvers [rad] and of both cylinders [m; NaN: none].
 
     Thesis App. A, first two equations.
@@ -65,6 +65,6 @@ def latched(c: Correction, wanted: int) -> Correction:
     return Correction(c.boom, c.stick, c.samples, wanted == Source.CYLINDERS and c.samples > 0)
 
 
-def corrected(s: Triple, c: Correction) -> Triple:
+def corrected(s: Vec3, c: Correction) -> Vec3:
     """Return the angles [rad] to control by."""
     return (s[0], s[1] + c.boom, s[2] + c.stick) if c.used else s

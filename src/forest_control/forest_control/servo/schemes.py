@@ -31,9 +31,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from forest_description.geometry.kinematics import Links, is_singular, joint_rates, nearest_pose, tip_position
-
-Triple = tuple[float, float, float]
-ZERO: Triple = (0.0, 0.0, 0.0)
+from forest_description.types import ZERO, Vec3
 
 FADED = 1e-3  # [rad/s] of an offset: less of it opens no valve for long enough to be felt, and keeps one open
 FULL_RATE = 0.1  # [rad/s] a wish from which the coordinated scheme hears all of the rate
@@ -137,7 +135,7 @@ def closes_on_position(scheme: int) -> bool:
     return scheme == Scheme.IK_POSITION or scheme == Scheme.JACOBIAN_POSITION or scheme == Scheme.COORDINATED
 
 
-def jacobian_pose(scheme: int, r: Triple, s: Triple, at_joints: bool) -> Triple:
+def jacobian_pose(scheme: int, r: Vec3, s: Vec3, at_joints: bool) -> Vec3:
     """Return the pose [rad] at which a scheme takes J^-1.
 
     Args:
@@ -151,7 +149,7 @@ def jacobian_pose(scheme: int, r: Triple, s: Triple, at_joints: bool) -> Triple:
     return s if measured or (at_joints and scheme == Scheme.JACOBIAN_POSITION) else r
 
 
-def advanced(scheme: int, r: Triple, a: Triple, velocity: Triple, links: Links, dt: float) -> Triple:
+def advanced(scheme: int, r: Vec3, a: Vec3, velocity: Vec3, links: Links, dt: float) -> Vec3:
     """Return the reference angles r [rad] one step on.
 
     Args:
@@ -176,7 +174,7 @@ def advanced(scheme: int, r: Triple, a: Triple, velocity: Triple, links: Links, 
     return moved(r, a, dt)
 
 
-def moved(q: Triple, rates: Triple, dt: float) -> Triple:
+def moved(q: Vec3, rates: Vec3, dt: float) -> Vec3:
     """Return angles [rad] moved on at rates [rad/s]."""
     return q[0] + dt * rates[0], q[1] + dt * rates[1], q[2] + dt * rates[2]
 

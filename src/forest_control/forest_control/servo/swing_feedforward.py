@@ -16,11 +16,10 @@ whose load changes as it speeds up. Boom and stick carry mostly their weight, wh
 import math
 from typing import NamedTuple
 
-from forest_description.derived.actuation import displacements
+from forest_description.derived.actuator_kinematics import displacements
 from forest_description.derived.bodies import boom_body, stick_body
 from forest_description.machine import Machine
-
-Triple = tuple[float, float, float]
+from forest_description.types import Vec3
 
 
 class SwingLoad(NamedTuple):
@@ -36,7 +35,7 @@ class SwingLoad(NamedTuple):
     valve_drop: float  # N [N m] of a crane that is not loaded
 
 
-def inertia(q: Triple, load: SwingLoad) -> float:
+def inertia(q: Vec3, load: SwingLoad) -> float:
     """Return M_11 [kg m^2] at joint angles [rad]. Thesis eq. 3.15."""
     c_2, s_2 = math.cos(q[1]), math.sin(q[1])
     c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])

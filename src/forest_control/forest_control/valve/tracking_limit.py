@@ -22,9 +22,9 @@ from typing import NamedTuple
 
 from forest_control.valve.valve_adaptation import Learner, WayEstimate, gain
 from forest_control.valve.valve_driver_parameters import Axes, AxisDriver, moved_spools
-from forest_description.components.valve import Direction
+from forest_description.components.valve_characteristic import Direction
+from forest_description.types import Vec3
 
-Triple = tuple[float, float, float]
 Flags = tuple[bool, bool, bool]
 
 LEAST, MOST = 0.2, 1.0  # R: the driver opens no valve wider than the file's
@@ -40,8 +40,8 @@ WIDE = 0.95  # of the rated voltage: noise lets a voltage come away from it, and
 class Reach(NamedTuple):
     """R of swing, boom, stick, in either direction."""
 
-    forward: Triple
-    backward: Triple
+    forward: Vec3
+    backward: Vec3
 
 
 class Strain(NamedTuple):
@@ -57,7 +57,7 @@ class Strains(NamedTuple):
     swing: Strain = Strain()
     boom: Strain = Strain()
     stick: Strain = Strain()
-    spools: Triple = (0.0, 0.0, 0.0)  # y [V]
+    spools: Vec3 = (0.0, 0.0, 0.0)  # y [V]
 
 
 class Valves(NamedTuple):
@@ -125,7 +125,7 @@ def reported(r: Reports, now: Reach) -> Reports:
     return Reports(r.older, r.newer, r.newer, step) if step == 0 else Reports(r.reach, r.older, r.newer, step)
 
 
-def open_wide(spools: Triple, rated: Triple) -> Flags:
+def open_wide(spools: Vec3, rated: Vec3) -> Flags:
     """Tell which valves are open as far as they go, by where their spools are and the rated voltages [V]."""
     return (
         abs(spools[0]) >= WIDE * rated[0],
@@ -135,7 +135,7 @@ def open_wide(spools: Triple, rated: Triple) -> Flags:
 
 
 def strained(
-    strains: Strains, voltages: Triple, rated: Triple, axes: Axes, a: Triple, e: Triple, v: Triple, dt: float
+    strains: Strains, voltages: Vec3, rated: Vec3, axes: Axes, a: Vec3, e: Vec3, v: Vec3, dt: float
 ) -> Strains:
     """Return the joints' ceilings after dt [s].
 

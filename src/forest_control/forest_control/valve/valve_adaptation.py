@@ -35,7 +35,12 @@ from forest_control.valve.valve_flow import (
     overlapping,
     told_by_flow,
 )
-from forest_description.components.valve import LINEAR, Direction, ValveLaw, voltage_for_opening
+from forest_description.components.valve_characteristic import (
+    LINEAR,
+    Direction,
+    ValveLaw,
+    voltage_for_opening,
+)
 
 DEADBAND_SPREAD, STRETCH_SPREAD = 0.15, 0.4  # [V], - of what a machine's file says, standard deviation
 LEAST_SHARE = 0.3  # of the low-pass' memory in which the spool was open

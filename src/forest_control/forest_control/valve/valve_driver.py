@@ -35,6 +35,7 @@ from forest_control.valve.valve_driver_parameters import (
 from forest_control.valve.valve_flow import Sight
 from forest_control.valve.valve_hold import CALM, SHUT, Hold, obeyed
 from forest_control.valve.valve_inverse import required_opening, spool_voltage
+from forest_description.types import Vec3
 
 __all__ = [
     "REST",
@@ -52,7 +53,6 @@ __all__ = [
     "step",
 ]
 
-Triple = tuple[float, float, float]
 Learners = tuple[Learner, Learner, Learner]
 Holds = tuple[Hold, Hold, Hold]
 
@@ -70,13 +70,13 @@ LASTING = 2.0  # times that, at the most, its load may be, or that its load, to 
 class State(NamedTuple):
     """What the driver remembers of swing, boom, stick."""
 
-    loads: Triple  # low-passed [N m, N, N]
+    loads: Vec3  # low-passed [N m, N, N]
     primed: bool  # the first pressures have arrived
-    means: Triple = (0.0, 0.0, 0.0)  # [Pa] of both ports
-    spools: Triple = (0.0, 0.0, 0.0)  # [V] where the spools should have been when the voltages were given
-    strokes: Triple = (0.0, 0.0, 0.0)  # [V] where they were on average since the last step
+    means: Vec3 = (0.0, 0.0, 0.0)  # [Pa] of both ports
+    spools: Vec3 = (0.0, 0.0, 0.0)  # [V] where the spools should have been when the voltages were given
+    strokes: Vec3 = (0.0, 0.0, 0.0)  # [V] where they were on average since the last step
     holds: Holds = (SHUT, SHUT, SHUT)
-    voltages: Triple = (0.0, 0.0, 0.0)  # [V] given last, without dither
+    voltages: Vec3 = (0.0, 0.0, 0.0)  # [V] given last, without dither
     saturated: tuple[bool, bool, bool] = (False, False, False)  # a valve could not open as far as wished
     phase: float = 0.0  # of the dither, in turns
     learners: Learners = (UNLEARNT, UNLEARNT, UNLEARNT)
@@ -87,17 +87,17 @@ class State(NamedTuple):
 class Pressures(NamedTuple):
     """What the transducers say [Pa]: at both actuator ports of each axis, and at the pump."""
 
-    port_1: Triple
-    port_2: Triple
+    port_1: Vec3
+    port_2: Vec3
     supply: float
 
 
 class Motion(NamedTuple):
     """What is measured for learning, too: actuator positions [rad, m, m], pressures at the valves [Pa]."""
 
-    positions: Triple
-    valve_1: Triple
-    valve_2: Triple
+    positions: Vec3
+    valve_1: Vec3
+    valve_2: Vec3
 
 
 class AxisMemory(NamedTuple):
@@ -109,7 +109,7 @@ class AxisMemory(NamedTuple):
 
 
 REST = State((0.0, 0.0, 0.0), False)
-_NOTHING: Triple = (math.nan, math.nan, math.nan)
+_NOTHING: Vec3 = (math.nan, math.nan, math.nan)
 UNSEEN, STILL = Pressures(_NOTHING, _NOTHING, math.nan), Motion(_NOTHING, _NOTHING, _NOTHING)
 
 
@@ -121,12 +121,12 @@ def at_rest(state: State) -> State:
 
 def step(
     state: State,
-    command: Triple,
+    command: Vec3,
     pressures: Pressures | None,
     p: Parameters,
     dt: float,
     motion: Motion | None = None,
-) -> tuple[State, Triple]:
+) -> tuple[State, Vec3]:
     """Return the amplifier voltages [V] for commands [V] of ideal valves; zero for one that is no number.
 
     Args:
@@ -144,8 +144,8 @@ def step(
 
 
 def step_seen(
-    state: State, command: Triple, pressures: Pressures, motion: Motion, p: Parameters, dt: float
-) -> tuple[State, Triple]:
+    state: State, command: Vec3, pressures: Pressures, motion: Motion, p: Parameters, dt: float
+) -> tuple[State, Vec3]:
     """Do as `step`; what is not measured is NaN (`UNSEEN`, `STILL`), for a compiler knows no None."""
     seen = plausible(pressures, p)
     state = _filter_loads(state, pressures, seen, p, dt)

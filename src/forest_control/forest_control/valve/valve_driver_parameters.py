@@ -8,11 +8,10 @@ from typing import NamedTuple
 
 from forest_control.valve.valve_adaptation import AdaptationParameters
 from forest_control.valve.valve_flow import FlowParameters
-from forest_description.components.valve import ValveLaw
-from forest_description.derived.actuation import displacements, rated_speeds
+from forest_description.components.valve_characteristic import ValveLaw
+from forest_description.derived.actuator_kinematics import displacements, rated_speeds
 from forest_description.machine import Machine
-
-Triple = tuple[float, float, float]
+from forest_description.types import Vec3
 
 LEAST_FED = 0.001  # [V] lets the tip sink by under 1 mm/s
 MISJUDGED = 0.2  # [V] by which an overlap may be thought too wide, twice over
@@ -62,7 +61,7 @@ class Parameters(NamedTuple):
     compensate: bool
     beyond_valve: bool
     hold_zone: float  # [V]
-    command_noises: tuple[float, float, float]  # [V] commands up to this may be noise
+    command_noises: Vec3  # [V] commands up to this may be noise
     load_bandwidth: float  # [rad/s]
     minimum_drop: float
     slew_limit: float  # [V/s]; inf: none
@@ -110,7 +109,7 @@ def axis_drivers(machine: Machine, beyond_valve: bool = True) -> Axes:
     )
 
 
-def moved_spools(spools: Triple, voltages: Triple, axes: Axes, dt: float) -> Triple:
+def moved_spools(spools: Vec3, voltages: Vec3, axes: Axes, dt: float) -> Vec3:
     """Return where first-order spools [V] are after voltages [V] were in force for dt [s]."""
     return (
         voltages[0] + left(axes[0], dt) * (spools[0] - voltages[0]),

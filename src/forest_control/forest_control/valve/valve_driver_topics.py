@@ -5,10 +5,10 @@ from typing import Any
 
 from forest_control.valve import valve_adaptation as adaptation
 from forest_control.valve.valve_driver import STILL, UNSEEN, Motion, Parameters, Pressures, State
+from forest_description.types import Vec3
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader
 
-Triple = tuple[float, float, float]
 LATEST_NS = 100_000_000  # pressures that are newer by more have another clock
 
 
@@ -36,8 +36,8 @@ class Measurements:
         )
         self._supply_reader = ArrayReader(topics.SUPPLY, ("pressure",))
         self._position_readers = [JointReader((name,)) for name in topics.ACTUATORS]
-        self._ports: list[Triple] = []
-        self._valves: list[Triple] = []
+        self._ports: list[Vec3] = []
+        self._valves: list[Vec3] = []
         self._supply, self._positions = 0.0, [math.nan] * len(topics.ACTUATORS)
         self._stamp = 0  # [ns] of the newest pressures
         self._received = dict.fromkeys(("ports", "valves", "supply", *topics.ACTUATORS), -math.inf)
@@ -98,7 +98,7 @@ class Measurements:
         return bool(self._pace.now() - self._received[what] <= self.timeout)
 
 
-def _arrays(data: bytes, readers: list[ArrayReader]) -> tuple[list[Triple], str, int]:
+def _arrays(data: bytes, readers: list[ArrayReader]) -> tuple[list[Vec3], str, int]:
     """Return the values, what is wrong with them or "", and their stamp [ns]."""
     one, two = [reader.read(data, 0) for reader in readers]
     return [one.values, two.values], one.problem or two.problem, one.stamp_ns

@@ -14,7 +14,7 @@ The opening is y sqrt(S / N). Flows, openings and V count along the positive dir
 import math
 from typing import NamedTuple
 
-from forest_description.components.valve import ValveLaw
+from forest_description.components.valve_characteristic import ValveLaw
 
 BANDWIDTH = 2.0 * math.pi * 10.0  # [rad/s] of both stages of the low-pass: a jump must be learnt in time
 CUBED_BANDWIDTH = BANDWIDTH**3

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from forest_description.components.circuit import Valve
 from forest_description.components.hose import Hose
+from forest_description.components.valve_parameters import Valve
 from forest_description.config.parameter import (
     MachineError,
     ParameterSet,

@@ -15,13 +15,12 @@ from __future__ import annotations
 import math
 
 from forest_description.config.parameter import MachineError
+from forest_description.types import Vec3
 
 ROUNDING = 1e-6  # of the greatest moment, for numbers as they are printed
 
 
-def require_rigid(
-    link: str, mass: float, moments: tuple[float, float, float], product: float, unknown_xx: bool = False
-) -> None:
+def require_rigid(link: str, mass: float, moments: Vec3, product: float, unknown_xx: bool = False) -> None:
     """Raise unless a rigid body can have such moments of inertia.
 
     Args:

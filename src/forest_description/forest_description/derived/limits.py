@@ -11,11 +11,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from forest_description.geometry.kinematics import Links, Vector, inverse_kinematics, tip_position
-from forest_description.machine import AXES, Machine
+from forest_description.geometry.kinematics import Links, inverse_kinematics, tip_position
+from forest_description.machine import Machine
+from forest_description.types import AXES, Vec3
 
 Interval = tuple[float, float]
-THESIS_START: Vector = (5.5, 0.0, 1.0)
+THESIS_START: Vec3 = (5.5, 0.0, 1.0)
 """Where the sessions of Thesis section 5.2 begin, the tip [m]."""
 
 
@@ -37,7 +38,7 @@ def joint_limits(machine: Machine) -> tuple[Interval, Interval, Interval]:
     )
 
 
-def pose_at(tip: Vector, machine: Machine) -> Vector:
+def pose_at(tip: Vec3, machine: Machine) -> Vec3:
     """Return the joint angles (swing, boom, stick) [rad] that put the tip at a place.
 
     Args:
@@ -55,7 +56,7 @@ def pose_at(tip: Vector, machine: Machine) -> Vector:
     return angles
 
 
-def start_tip(machine: Machine) -> Vector:
+def start_tip(machine: Machine) -> Vec3:
     """Return where a session begins unless somebody says otherwise, the tip [m].
 
     That is the start of Thesis section 5.2 if the machine reaches it, or else where boom and stick are in the

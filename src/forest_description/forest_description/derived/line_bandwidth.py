@@ -15,7 +15,8 @@ from __future__ import annotations
 
 import math
 
-from forest_description.machine import AXES, Machine
+from forest_description.machine import Machine
+from forest_description.types import AXES
 
 
 def lump_frequency(wave_speed: float, length: float) -> float:

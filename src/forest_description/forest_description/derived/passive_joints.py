@@ -22,12 +22,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.derived.limits import Interval, joint_limits
-from forest_description.geometry.kinematics import Vector
 from forest_description.geometry.linkage import Linkage, cylinder_length
 from forest_description.machine import Machine
+from forest_description.types import Floats, Vec3
 
 CYLINDER_JOINTS = ("boom_cylinder_pivot", "boom_cylinder_rod", "stick_cylinder_pivot", "stick_cylinder_rod")
 """Joints of the URDF in the order of `cylinder_joint_positions`."""
@@ -49,7 +48,7 @@ def barrel_pivot(linkage: Linkage) -> tuple[float, float]:
     return a * math.cos(offset), -a * math.sin(offset)
 
 
-def cylinder_joint_positions(q: Vector, machine: Machine) -> tuple[float, float, float, float]:
+def cylinder_joint_positions(q: Vec3, machine: Machine) -> tuple[float, float, float, float]:
     """Return barrel angle [rad] and rod extension [m] of boom and stick, in the order of `CYLINDER_JOINTS`.
 
     Args:
@@ -65,7 +64,7 @@ def cylinder_joint_positions(q: Vector, machine: Machine) -> tuple[float, float,
     )
 
 
-def head_joint_positions(q: Vector, angles: tuple[float, float]) -> tuple[float, float]:
+def head_joint_positions(q: Vec3, angles: tuple[float, float]) -> tuple[float, float]:
     """Return the hanging head's joints [rad], in the order of `HEAD_JOINTS`; zero is along the stick's -z.
 
     Args:
@@ -94,7 +93,7 @@ def cylinder_followers(machine: Machine) -> tuple[Follower, Follower, Follower, 
     return first, second, third, fourth
 
 
-def _follower(angle: NDArray[np.float64], position: NDArray[np.float64]) -> Follower:
+def _follower(angle: Floats, position: Floats) -> Follower:
     """Return the least-squares line and what both it and the true position stay within."""
     multiplier, offset = np.polyfit(angle, position, 1)
     reached = np.concatenate([position, offset + multiplier * angle])

@@ -23,10 +23,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from forest_description.components.circuit import Valve
 from forest_description.components.hose import Hose, MeasuredHose
 from forest_description.components.oil import Oil
 from forest_description.components.pump import IdealPump, Pump
+from forest_description.components.valve_parameters import Valve
 from forest_description.config.parameter import MachineError, derived
 from forest_description.machine import CylinderDrive, Machine, SwingDrive
 

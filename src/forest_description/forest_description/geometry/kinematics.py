@@ -16,9 +16,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-Vector = tuple[float, float, float]
-Matrix = tuple[Vector, Vector, Vector]
-Quaternion = tuple[float, float, float, float]
+from forest_description.types import Matrix3, Quaternion, Vec3
 
 SINGULAR_SHARE = 1e-6
 """|det J| below this share of l2 l3 (l1 + l2 + l3), the bound of |det J|, counts as singular."""
@@ -32,7 +30,7 @@ class Links(NamedTuple):
     stick: float
 
 
-def tip_position(q: Vector, links: Links) -> Vector:
+def tip_position(q: Vec3, links: Links) -> Vec3:
     """Return the tip p = (r cos q1, r sin q1, l2 sin q2 + l3 sin(q2 + q3)) [m].
 
     Args:
@@ -45,7 +43,7 @@ def tip_position(q: Vector, links: Links) -> Vector:
     return (r * math.cos(q[0]), r * math.sin(q[0]), z)
 
 
-def tip_orientation(q: Vector) -> Quaternion:
+def tip_orientation(q: Vec3) -> Quaternion:
     """Return the orientation of the stick, and so of the frame at its tip, as a unit quaternion (x, y, z, w).
 
     A turn by q1 about z, then by −(q2 + q3) about the y axis that turned with it: x points along the stick
@@ -59,7 +57,7 @@ def tip_orientation(q: Vector) -> Quaternion:
     return (s * s_pitch, -c * s_pitch, s * c_pitch, c * c_pitch)
 
 
-def jacobian(q: Vector, links: Links) -> Matrix:
+def jacobian(q: Vec3, links: Links) -> Matrix3:
     """Return the tip Jacobian J = dp/dq, 3x3, rows x, y, z, columns swing, boom, stick [m/rad].
 
     Args:
@@ -74,7 +72,7 @@ def jacobian(q: Vector, links: Links) -> Matrix:
     return ((-r * s1, -z2 * c1, -z3 * c1), (r * c1, -z2 * s1, -z3 * s1), (0.0, x2, x3))
 
 
-def jacobian_determinant(q: Vector, links: Links) -> float:
+def jacobian_determinant(q: Vec3, links: Links) -> float:
     """Return det J = −r l2 l3 sin q3 [m³]; zero on the swing axis and with the stick straight or folded flat.
 
     Args:
@@ -86,7 +84,7 @@ def jacobian_determinant(q: Vector, links: Links) -> float:
     return -r * l2 * l3 * math.sin(q[2])
 
 
-def is_singular(q: Vector, links: Links) -> bool:
+def is_singular(q: Vec3, links: Links) -> bool:
     """Tell whether |det J| is under ``SINGULAR_SHARE`` of its bound: the tip cannot move in every direction.
 
     Args:
@@ -97,7 +95,7 @@ def is_singular(q: Vector, links: Links) -> bool:
     return not abs(jacobian_determinant(q, links)) > SINGULAR_SHARE * l2 * l3 * (l1 + l2 + l3)
 
 
-def tip_velocity(q: Vector, rates: Vector, links: Links) -> Vector:
+def tip_velocity(q: Vec3, rates: Vec3, links: Links) -> Vec3:
     """Return the tip velocity J(q) q̇ [m/s].
 
     Args:
@@ -113,7 +111,7 @@ def tip_velocity(q: Vector, rates: Vector, links: Links) -> Vector:
     )
 
 
-def joint_rates(q: Vector, velocity: Vector, links: Links) -> Vector:
+def joint_rates(q: Vec3, velocity: Vec3, links: Links) -> Vec3:
     """Return the joint rates J⁻¹(q) v [rad/s] of a tip velocity.
 
     With v_t, v_r, v_z the velocity along the tangent, the radius and up:
@@ -142,7 +140,7 @@ def joint_rates(q: Vector, velocity: Vector, links: Links) -> Vector:
     return (swing, boom, stick)
 
 
-def inverse_kinematics(position: Vector, links: Links) -> Vector:
+def inverse_kinematics(position: Vec3, links: Links) -> Vec3:
     """Return the joint angles q that put the tip at a position, elbow up (stick angle in [−π, 0]) [rad].
 
     The law of cosines in the triangle of boom, stick and the line from boom pivot to tip; swing and boom in
@@ -176,7 +174,7 @@ def inverse_kinematics(position: Vector, links: Links) -> Vector:
     return (math.atan2(position[1], position[0]), boom, stick)
 
 
-def nearest_pose(position: Vector, like: Vector, links: Links) -> Vector:
+def nearest_pose(position: Vec3, like: Vec3, links: Links) -> Vec3:
     """Return the joint angles q that put the tip at a position, on the branch of a pose [rad].
 
     The branch is the elbow's side, the tip's side of the swing axis and the swing's and boom's whole turns. A

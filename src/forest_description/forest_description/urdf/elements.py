@@ -6,17 +6,17 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from forest_description.derived.limits import Interval
-from forest_description.geometry.kinematics import Vector
+from forest_description.types import Vec3
 
-ORIGIN: Vector = (0.0, 0.0, 0.0)
+ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 
 
 class Inertial(NamedTuple):
     """Mass [kg], centre of mass [m], and the inertia tensor about it in the link's directions [kg m^2]."""
 
     mass: float
-    centre: Vector
-    diagonal: Vector  # ixx, iyy, izz
+    centre: Vec3
+    diagonal: Vec3  # ixx, iyy, izz
     ixz: float  # the only product that a body symmetric about the x-z plane has
 
 
@@ -35,7 +35,7 @@ def link(robot: ElementTree.Element, name: str, inertial: Inertial | None = None
 
 
 def visual(
-    owner: ElementTree.Element, shape: str, centre: Vector = ORIGIN, turned: Vector = ORIGIN, **size: str
+    owner: ElementTree.Element, shape: str, centre: Vec3 = ORIGIN, turned: Vec3 = ORIGIN, **size: str
 ) -> None:
     """Add what a viewer draws: box, cylinder (along its z) or sphere; roll, pitch, yaw turn it."""
     element = ElementTree.SubElement(owner, "visual")
@@ -48,8 +48,8 @@ def joint(
     name: str,
     kind: str,
     between: tuple[str, str],
-    place: Vector,
-    axis: Vector | None = None,
+    place: Vec3,
+    axis: Vec3 | None = None,
 ) -> ElementTree.Element:
     """Add a joint between parent and child at ``place`` in the parent's frame."""
     added = ElementTree.SubElement(robot, "joint", name=name, type=kind)
@@ -72,6 +72,6 @@ def mimic(follower: ElementTree.Element, leader: str, multiplier: float, offset:
     ElementTree.SubElement(follower, "mimic", joint=leader, multiplier=repr(multiplier), offset=repr(offset))
 
 
-def text(numbers: Vector) -> str:
+def text(numbers: Vec3) -> str:
     """Return three numbers as URDF writes them."""
     return " ".join(repr(number) for number in numbers)

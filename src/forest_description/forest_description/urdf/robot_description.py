@@ -22,7 +22,7 @@ import math
 from xml.etree import ElementTree
 
 from forest_description.components.load import Log
-from forest_description.derived.actuation import rated_speeds
+from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.derived.bodies import PlanarBody, boom_body, hanging_body, stick_body
 from forest_description.derived.limits import Interval, joint_limits
 from forest_description.derived.passive_joints import (
@@ -31,17 +31,17 @@ from forest_description.derived.passive_joints import (
     barrel_pivot,
     cylinder_followers,
 )
-from forest_description.geometry.kinematics import Vector
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import CylinderDrive, Machine
+from forest_description.types import Vec3
 from forest_description.urdf.elements import ORIGIN, Inertial, joint, limit, link, mimic, text, visual
 
-FORWARD: Vector = (1.0, 0.0, 0.0)
-UP: Vector = (0.0, 0.0, 1.0)
-LIFTING: Vector = (0.0, -1.0, 0.0)
-ALONG_X: Vector = (0.0, 0.5 * math.pi, 0.0)
+FORWARD: Vec3 = (1.0, 0.0, 0.0)
+UP: Vec3 = (0.0, 0.0, 1.0)
+LIFTING: Vec3 = (0.0, -1.0, 0.0)
+ALONG_X: Vec3 = (0.0, 0.5 * math.pi, 0.0)
 """Roll, pitch, yaw that lay a cylinder's axis along x."""
-ALONG_Y: Vector = (0.5 * math.pi, 0.0, 0.0)
+ALONG_Y: Vec3 = (0.5 * math.pi, 0.0, 0.0)
 BOOM_SLENDERNESS, STICK_SLENDERNESS = 14.0, 20.0
 """Length over thickness of the beams that stand for boom and stick."""
 HEAD_DENSITY = 3900.0
@@ -113,7 +113,7 @@ def _head(robot: ElementTree.Element, machine: Machine) -> None:
     limit(out_of_plane, (-0.5 * math.pi, 0.5 * math.pi), 0.0, PASSIVE_SPEED)
 
 
-def _log(head: ElementTree.Element, log: Log, centre: Vector) -> None:
+def _log(head: ElementTree.Element, log: Log, centre: Vec3) -> None:
     """Draw a log across the crane's plane, as thick as its mass makes it."""
     radius = math.sqrt(log.mass / (math.pi * LOG_LENGTH * LOG_DENSITY))
     visual(head, "cylinder", centre, ALONG_Y, radius=repr(max(radius, 0.05)), length=repr(LOG_LENGTH))

@@ -21,13 +21,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from forest_description.types import Bools, Floats
 from forest_ident.actuator import kernel
 from forest_ident.actuator.priors import PRIORS, Actuator, actuator, centre
-
-Floats = NDArray[np.float64]
-Rows = NDArray[np.bool_]
 
 PRESSURE_SIZE, PRESSURE_LENGTH = 0.2, 8.0  # s [P], t [n]
 POSITION_SIZE, POSITION_LENGTH = 0.02, 50.0  # s [X], t [n]
@@ -66,7 +63,7 @@ def simulate(z: Floats, signal: Floats, rows: int | None = None) -> tuple[Floats
 class Problem:
     """A record, and which of its rows count."""
 
-    def __init__(self, record: Columns, counted: Rows | None = None) -> None:
+    def __init__(self, record: Columns, counted: Bools | None = None) -> None:
         self._record = record
         self.counted = np.ones(len(record.signal), dtype=bool) if counted is None else counted
         self._rows = int(np.flatnonzero(self.counted)[-1]) + 1
@@ -204,7 +201,7 @@ def memory(values: Floats) -> float:
 
 
 class Fold(NamedTuple):
-    """Rows fitted, rows predicted, RMS of pressure over each [P], of the mean over fits that are alike."""
+    """Bools fitted, rows predicted, RMS of pressure over each [P], of the mean over fits that are alike."""
 
     fitted: tuple[int, int]
     held_out: tuple[int, int]

@@ -10,16 +10,15 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_compile import flat_layout
 from forest_compile.entry import Entry
 from forest_compile.kernel_cache import Kept, can_compile
+from forest_description.types import Floats
 from forest_ident.actuator import model, steps
 from forest_ident.actuator.model import Parameters
 from forest_ident.actuator.steps import SUBSTEPS
 
-Floats = NDArray[np.float64]
 BEYOND = 100.0  # what a simulation that ran away is said to have given
 _TEXT = """
 def kernel(signal, rows, substeps, parameters, pressures, positions, filled):

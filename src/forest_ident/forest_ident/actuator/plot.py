@@ -6,7 +6,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from forest_ident.actuator.record import Floats, Record
+from forest_description.types import Floats
+from forest_ident.actuator.record import Record
 
 
 def draw(path: Path, test: Record, foretold: Floats) -> None:

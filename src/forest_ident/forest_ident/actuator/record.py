@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from forest_description.types import Floats
+
 LEAST = 60  # samples of a record that anything is fitted to
 SPANS = (2.5, 7.3, 2.25)  # of valve, pressure and position in the units of `actuator_priors`
 

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from forest_compile.kernel_cache import can_compile
+from forest_description.types import Floats
 from forest_ident.actuator import fit, record
-from forest_ident.actuator.fit import Columns, Fit, Floats, rms
+from forest_ident.actuator.fit import Columns, Fit, rms
 from forest_ident.actuator.priors import PRIORS, actuator, unit, unit_factor
 from forest_ident.actuator.record import Record, RecordError, Scales
 from forest_msgs_py.runtime.command_line import whole

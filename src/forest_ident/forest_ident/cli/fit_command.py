@@ -14,11 +14,11 @@ import numpy as np
 
 from forest_bag.read.bag_reader import FILE_KINDS, SUFFIXES
 from forest_description.machine import Machine, load_machine
-from forest_ident.data import session_bag
-from forest_ident.data.session import Session, SessionError
 from forest_ident.estimators.calibration import Offset
 from forest_ident.estimators.estimate import NORMAL_95
 from forest_ident.experiments import experiments
+from forest_ident.measurements import session_bag
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.refinement import identification
 from forest_ident.refinement.result import Result, table, told
 from forest_ident.refinement.unidentified import untold

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from forest_description.machine import load_machine
-from forest_ident.data.session import SessionError
-from forest_ident.validation import questions
+from forest_ident.measurements.session import SessionError
+from forest_ident.validation import unmodelled_effects
 from forest_msgs_py.runtime.command_line import whole
 
 
@@ -37,10 +37,13 @@ def run(options: argparse.Namespace) -> int:
     machine = load_machine(options.machine)
     if options.out.exists():
         raise SessionError(f"{options.out} exists already; choose another --out or remove it")
-    answers = [questions.answer(case, options.seed, not options.exact) for case in questions.cases(machine)]
+    answers = [
+        unmodelled_effects.answer(case, options.seed, not options.exact)
+        for case in unmodelled_effects.cases(machine)
+    ]
     for answer in answers:
         print(text_table(answer), end="\n\n")
-    from forest_ident.report.questions_plot import draw  # matplotlib takes half a second
+    from forest_ident.report.unmodelled_effects_plot import draw  # matplotlib takes half a second
 
     options.out.mkdir(parents=True)
     cases = {
@@ -53,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def text_table(answer: questions.Answer) -> str:
+def text_table(answer: unmodelled_effects.Answer) -> str:
     """Return a case's NRMSE per axis [%]; pressures while the valve is open."""
     names = ("angle", "velocity", "flow", "driving", "return")
     head = [answer.case.name, *names, *(f"{name} {way}" for name in names[3:] for way in ("out", "in"))]

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from forest_description.machine import load_machine
-from forest_ident.data import session_bag
-from forest_ident.data.session import SessionError
+from forest_ident.measurements import session_bag
+from forest_ident.measurements.session import SessionError
 from forest_ident.validation import validation
 
 

@@ -1,6 +1,6 @@
 """`forest-ident`: from experiments to a machine file, from the command line.
 
-The program itself is `forest_study.experiments.ident_cli`, which adds the verb that starts a graph.
+The program itself is `forest_study.experiments.forest_ident_main`, which adds the verb that starts a graph.
 Each verb is a module
 with `add_parser(subparsers)`, which names its flags and sets `command`, a function that takes the parsed
 arguments and returns the exit code. Exit codes: 0 well, 1 failed, 2 wrong arguments, 130 stopped.
@@ -17,7 +17,7 @@ from forest_bag.storage.bag_files import BagError
 from forest_description.machine import MachineError
 from forest_ident.actuator.record import RecordError
 from forest_ident.cli import actuator_command, fit_command, questions_command, validate_command
-from forest_ident.data.session import SessionError
+from forest_ident.measurements.session import SessionError
 from forest_msgs_py.runtime import command_line
 
 PROGRAM = "forest-ident"

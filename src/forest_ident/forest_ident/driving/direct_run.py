@@ -6,10 +6,10 @@ import dataclasses
 import math
 
 from forest_description.machine import Machine
-from forest_ident.data.session import Session
 from forest_ident.driving import simulated_experiment
 from forest_ident.estimators import calibration
 from forest_ident.experiments import experiments
+from forest_ident.measurements.session import Session
 from forest_sim.sensors.sensor_suite import Suite, sensor_suite
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from forest_ident.driving.safety_monitor import Seen, Triple, seen_ports
+from forest_description.types import Vec3
+from forest_ident.driving.safety_monitor import Seen, seen_ports
 from forest_ident.experiments.experiments import Plan
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import Topic
@@ -43,7 +44,7 @@ class Inputs:
             self._pressures, self._received = reading.values, sent
         return reading.stamp_ns, reading.problem
 
-    def read(self, angles: Triple) -> Seen:
+    def read(self, angles: Vec3) -> Seen:
         """Return what is seen together with the joints' angles [rad]."""
         if self._inbox is not None and (arrival := self._inbox.newest()):
             self.pressures(arrival.message, arrival.time)

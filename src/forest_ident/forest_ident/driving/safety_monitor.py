@@ -20,11 +20,10 @@ from typing import NamedTuple
 from forest_description.components.pump import LoadSensingPump
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import joint_angle
-from forest_description.machine import AXES, CylinderDrive, Machine
+from forest_description.machine import CylinderDrive, Machine
+from forest_description.types import AXES, Vec3
 from forest_ident.experiments.excitation import Programme, Track
 from forest_ident.experiments.experiments import SWING_ROOM, Plan
-
-Triple = tuple[float, float, float]
 
 MARGIN = 0.05  # of a cylinder's stroke, at either end; soft limits are at thrice that
 SWING_MARGIN = 0.1  # [rad] before the swing's ends
@@ -40,8 +39,8 @@ class Bounds(NamedTuple):
     """Within what an experiment is driven."""
 
     driven: tuple[bool, bool, bool]  # axes; those of a rig have no joints
-    low: Triple
-    high: Triple
+    low: Vec3
+    high: Vec3
     pressure: float  # [Pa] at an actuator, at most
     supply: float  # [Pa] at least
     temperature: float = HOTTEST  # [K] at most
@@ -50,7 +49,7 @@ class Bounds(NamedTuple):
 class Seen(NamedTuple):
     """One sample; NaN: there is no such sensor."""
 
-    angles: Triple  # [rad]
+    angles: Vec3  # [rad]
     pressures: tuple[float, ...]  # [Pa] at the ports of actuators
     supply: float  # [Pa]
     temperature: float  # [K]
@@ -106,7 +105,7 @@ def step(state: State, seen: Seen, b: Bounds, dt: float) -> tuple[State, str]:
     return after, ""
 
 
-def out_of_bounds(angles: Triple, b: Bounds) -> str:
+def out_of_bounds(angles: Vec3, b: Bounds) -> str:
     """Return which driven axis is not where it may be driven; "" if none."""
     for name, driven, angle, low, high in zip(AXES, b.driven, angles, b.low, b.high, strict=True):
         if driven and not low <= angle <= high:

@@ -9,26 +9,23 @@ operator sees the true angles here, and the sensors draw in another order. The o
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.machine import Machine
-from forest_ident.data.readings import PLACE, Columns, read, true_columns
-from forest_ident.data.session import Session
+from forest_description.types import Vec3
 from forest_ident.experiments import excitation
+from forest_ident.measurements.readings import PLACE, Columns, read, true_columns
+from forest_ident.measurements.session import Session
+from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_suite import Suite
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.flat_state import Stepper
-from forest_sim.solver.parameters import PlantParameters, plant_parameters
+from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.solver.power import power_flows
 from forest_sim.solver.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after
 
-Floats = NDArray[np.float64]
-Triple = tuple[float, float, float]
-
-PERIOD = 0.005  # [s]
 SUBSTEPS = 5
-STANDING: Triple = (0.0, 0.0, 0.0)  # [V]
+STANDING: Vec3 = (0.0, 0.0, 0.0)  # [V]
 LOSS_SAMPLES = 10  # of the power that warms the oil, in an update of its temperature
 
 
@@ -36,7 +33,7 @@ def run(
     name: str,
     machine: Machine,
     programme: excitation.Programme,
-    angles: Triple,
+    angles: Vec3,
     suite: Suite,
     bench: bool = False,
 ) -> Session:
@@ -75,7 +72,7 @@ def run(
 class _Trace:
     """A machine under way, and all its states until now."""
 
-    def __init__(self, machine: Machine, angles: Triple, bench: bool) -> None:
+    def __init__(self, machine: Machine, angles: Vec3, bench: bool) -> None:
         self._machine, self._bench = machine, bench
         p = plant_parameters(machine)
         self._oil = None if bench else machine.oil
@@ -85,12 +82,12 @@ class _Trace:
         self._plants: list[tuple[int, PlantParameters, float]] = [(0, p, self._temperature)]
         self._losses: list[float] = []
 
-    def angles(self) -> Triple:
+    def angles(self) -> Vec3:
         """Return the joint angles [rad]."""
         s = self._stepper.state
         return float(s[0]), float(s[6]), float(s[12])
 
-    def advance(self, volts: Triple) -> None:
+    def advance(self, volts: Vec3) -> None:
         """Move on by a period."""
         self._stepper.advance(volts, PERIOD / SUBSTEPS, SUBSTEPS)
         self._rows.append(self._stepper.state.copy())

@@ -18,7 +18,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.components.sensor_calibration import (
     CalibratedFlow,
@@ -27,13 +26,12 @@ from forest_description.components.sensor_calibration import (
     Calibration,
 )
 from forest_description.machine import Machine
-from forest_ident.data.readings import read
-from forest_ident.data.session import Session, SessionError
+from forest_description.types import Floats
+from forest_ident.measurements.readings import read
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error.noise_model import KIND, channel
 from forest_ident.output_error.output_error import Unknown, fit
 from forest_sim.sensors.sensor_suite import Suite
-
-Floats = NDArray[np.float64]
 
 NAME = "calibration"
 NEAR = 25.0  # [K] a thermocouple may be off; further, it is not in that bath

@@ -17,17 +17,15 @@ same angles tells them from B.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from forest_description.machine import AXES, Machine
-from forest_ident.data.differentiator import derivative, inner, smooth
-from forest_ident.data.readings import length_and_arm
-from forest_ident.data.session import Session
+from forest_description.machine import Machine
+from forest_description.types import AXES, Floats
 from forest_ident.estimators.least_squares import Line, solve
+from forest_ident.measurements.differentiator import derivative, inner, smooth
+from forest_ident.measurements.readings import length_and_arm
+from forest_ident.measurements.session import Session
 from forest_sim.mechanics.friction import friction, friction_force
 from forest_sim.mechanics.manipulator import dynamics, fold_head
-
-Floats = NDArray[np.float64]
 
 BANDWIDTH = 5.0  # [Hz]
 EVERY = 4  # rows of the mass matrix taken, of those that the bandwidth makes alike

@@ -19,16 +19,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.config.parameter import derived
-from forest_description.machine import AXES, Machine, Manipulator
-from forest_ident.data.readings import length_and_arm
-from forest_ident.data.session import Session
+from forest_description.machine import Machine, Manipulator
+from forest_description.types import AXES, Floats
 from forest_ident.estimators.least_squares import Line, solve
+from forest_ident.measurements.readings import length_and_arm
+from forest_ident.measurements.session import Session
 from forest_sim.mechanics.manipulator import dynamics, fold_head
-
-Floats = NDArray[np.float64]
 
 SETTLED = 2.0  # [s] at zero voltage until the crane has stopped swinging
 

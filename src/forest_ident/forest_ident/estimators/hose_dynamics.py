@@ -22,14 +22,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from forest_ident.data.differentiator import derivative, inner, smooth
-from forest_ident.data.readings import lagged
-from forest_ident.data.session import Session
+from forest_description.types import Floats
 from forest_ident.estimators.least_squares import Line, solve
-
-Floats = NDArray[np.float64]
+from forest_ident.measurements.differentiator import derivative, inner, smooth
+from forest_ident.measurements.readings import lagged
+from forest_ident.measurements.session import Session
 
 BANDWIDTH = 16.0  # [Hz] of the smoothing
 RATES = 0.08  # of the sampling rate: the greatest bandwidth in a record that is sampled slower than at 200 Hz

@@ -12,14 +12,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.machine import MeasuredHose
-from forest_ident.data.session import Session
+from forest_description.types import Floats
 from forest_ident.estimators.least_squares import Line, solve
 from forest_ident.estimators.valve_characteristic import holds
-
-Floats = NDArray[np.float64]
+from forest_ident.measurements.session import Session
 
 STEADY = 0.8  # [s] after which flow dynamics have died out
 

@@ -21,15 +21,13 @@ quarter of what passes inside; left out, R_in would come out a sixth too low.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine
-from forest_ident.data.differentiator import derivative, inner, smooth
-from forest_ident.data.session import Session
+from forest_description.types import Floats
 from forest_ident.estimators.least_squares import Line, solve
-
-Floats = NDArray[np.float64]
+from forest_ident.measurements.differentiator import derivative, inner, smooth
+from forest_ident.measurements.session import Session
 
 BANDWIDTH = 0.5  # [Hz]: creep is slow
 SETTLED = 5.0  # [s] until the creep is steady

@@ -22,14 +22,12 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from forest_description.components.circuit import BackwardValve, Valve
-from forest_ident.data.readings import openings
-from forest_ident.data.session import Session
+from forest_description.components.valve_parameters import BackwardValve, Valve
+from forest_description.types import Floats
+from forest_ident.measurements.readings import openings
+from forest_ident.measurements.session import Session
 from forest_ident.output_error import output_error
-
-Floats = NDArray[np.float64]
 
 SETTLED = 0.3  # [s] after a change of voltage
 KEYS = (

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-Triple = tuple[float, float, float]
+from forest_description.types import Vec3
 
 
 class Row(NamedTuple):
@@ -51,15 +51,15 @@ class State(NamedTuple):
     """Where the operator is: time since the start [s]; way and place in the programme of each axis."""
 
     time: float
-    ways: tuple[float, float, float]
+    ways: Vec3
     rows: tuple[int, int, int]
-    since: tuple[float, float, float]  # [s] in the row
+    since: Vec3  # [s] in the row
 
 
 START = State(0.0, (1.0, 1.0, 1.0), (0, 0, 0), (0.0, 0.0, 0.0))
 
 
-def step(state: State, angles: Triple, p: Programme, dt: float) -> tuple[State, Triple]:
+def step(state: State, angles: Vec3, p: Programme, dt: float) -> tuple[State, Vec3]:
     """Return the state after, and the voltages [V] over, the next period.
 
     Args:
@@ -95,7 +95,7 @@ def _level(row: Row, since: float) -> float:
     return row.start + (row.end - row.start) * min(since / row.duration, 1.0)
 
 
-def _triple(values: list[float]) -> Triple:
+def _triple(values: list[float]) -> Vec3:
     return values[0], values[1], values[2]
 
 

@@ -26,11 +26,10 @@ import numpy as np
 from forest_description.derived.limits import joint_limits, pose_at, start_tip
 from forest_description.geometry.kinematics import tip_position
 from forest_description.geometry.linkage import joint_angle
-from forest_description.machine import AXES, CylinderDrive, Machine
+from forest_description.machine import CylinderDrive, Machine
+from forest_description.types import AXES, Vec3
 from forest_ident.experiments import test_rig
 from forest_ident.experiments.excitation import Programme, Row, Track, stairs
-
-Triple = tuple[float, float, float]
 
 TILT = 0.15  # [rad] of the platform for the internal leakage
 SWING_ROOM = 1.2  # [rad] to either side
@@ -45,12 +44,12 @@ class Plan(NamedTuple):
     name: str
     machine: Machine  # as prepared: a rig, or the crane, tilted or not
     programme: Programme
-    angles: Triple  # [rad] at the start
+    angles: Vec3  # [rad] at the start
     bench: bool
     setup: str
     limits: str
     facts: dict[str, float]
-    tip: Triple = (math.nan, math.nan, math.nan)  # [m] at the start
+    tip: Vec3 = (math.nan, math.nan, math.nan)  # [m] at the start
 
 
 CRANE_LIMITS = (
@@ -242,9 +241,7 @@ def _all_axes(name: str, machine: Machine, seed: int) -> Plan:
     return Plan(name, machine, programme, rest, False, setup, _crane_limits(), {})
 
 
-def _track(
-    machine: Machine, axis: int, rest: Triple, rows: tuple[Row, ...], alternate: bool = False
-) -> Track:
+def _track(machine: Machine, axis: int, rest: Vec3, rows: tuple[Row, ...], alternate: bool = False) -> Track:
     low, high = joint_limits(machine)[axis]
     if axis == 0:
         low, high = max(low, rest[0] - SWING_ROOM), min(high, rest[0] + SWING_ROOM)
@@ -260,7 +257,7 @@ def _inside(drive: CylinderDrive) -> tuple[float, float]:
     return low, high
 
 
-def _rest(machine: Machine) -> Triple:
+def _rest(machine: Machine) -> Vec3:
     """Return where the crane starts: as the simulator does, if that is within the soft limits [rad]."""
     swing, *others = pose_at(start_tip(machine), machine)
     inside = (_inside(machine.boom), _inside(machine.stick))

@@ -20,12 +20,11 @@ from typing import NamedTuple
 
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine
+from forest_description.types import Vec3
 from forest_ident.online import recursive_least_squares
 from forest_ident.online.recursive_least_squares import Estimator
 from forest_msgs_py.interfaces.topics import IDENTIFICATION
 from forest_sim.mechanics.manipulator import Body, dynamics, fold_head
-
-Triple = tuple[float, float, float]
 
 LABELS = IDENTIFICATION.labels
 MARGIN = 0.15  # of the rated voltage, beyond which the law of the valve is fitted
@@ -38,12 +37,12 @@ STANDSTILL = 0.02  # share of the rated speed under which an axis stands
 class Sample(NamedTuple):
     """One sample of the machine; what is not read is NaN."""
 
-    angles: Triple  # [rad]
-    rates: Triple  # [rad/s]
-    pressures_1: Triple  # [Pa] at the actuators
-    pressures_2: Triple
+    angles: Vec3  # [rad]
+    rates: Vec3  # [rad/s]
+    pressures_1: Vec3  # [Pa] at the actuators
+    pressures_2: Vec3
     supply: float  # [Pa]
-    voltages: Triple  # [V]
+    voltages: Vec3  # [V]
 
 
 class Sums(NamedTuple):
@@ -79,8 +78,8 @@ class Parameters(NamedTuple):
     """What the machine file tells, and how long a sample counts."""
 
     displacements: tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
-    rated: Triple  # [V]
-    least_speed: Triple  # [rad/s; m/s] under which an axis stands
+    rated: Vec3  # [V]
+    least_speed: Vec3  # [rad/s; m/s] under which an axis stands
     machine: Machine
     body: Body
     memory: float  # [s]

@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_description.machine import AXES, Machine
-from forest_ident.data.readings import speeds
-from forest_ident.data.session import Session
+from forest_description.machine import Machine
+from forest_description.types import AXES
+from forest_ident.measurements.readings import speeds
+from forest_ident.measurements.session import Session
 from forest_ident.online import estimator
 
 UNITS = {"deadband": "V", "gain": "m3/(s*V*sqrt(Pa))"}

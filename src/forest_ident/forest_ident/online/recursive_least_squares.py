@@ -25,6 +25,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from forest_description.types import Vec3
+
 Pair = tuple[float, float]
 
 GREATEST = 1e8  # of P's diagonal
@@ -34,7 +36,7 @@ class Estimator(NamedTuple):
     """A running fit of two coefficients."""
 
     theta: Pair
-    covariance: tuple[float, float, float]  # P_11, P_12, P_22
+    covariance: Vec3  # P_11, P_12, P_22
     variance: float  # s2
     weight: float  # of the samples until now, after forgetting
 
@@ -76,7 +78,7 @@ def spread(e: Estimator) -> Pair:
     return math.sqrt(max(e.variance * p_11, 0.0)), math.sqrt(max(e.variance * p_22, 0.0))
 
 
-def _bounded(p: tuple[float, float, float]) -> tuple[float, float, float]:
+def _bounded(p: Vec3) -> Vec3:
     largest = max(p[0], p[2])
     if largest <= GREATEST:
         return p

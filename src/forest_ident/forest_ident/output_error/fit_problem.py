@@ -10,12 +10,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from forest_description.types import Bools, Floats
 from forest_ident.output_error.fit_statistics import censor, inflation
 from forest_ident.output_error.gaussian_estimate import Belief, prior, spread_of
 
-Floats = NDArray[np.float64]
 Columns = Mapping[str, Floats]
 Jacobian = Sequence[Mapping[str, Floats]]
 """Derivatives of the predicted columns, one entry per parameter."""
@@ -109,7 +108,7 @@ class Problem:
         places = (i for i, (n, k, _) in enumerate(self._nuisances) if (n, k) == (name, kind))
         return next((float(theta[self.count + i]) for i in places), 0.0)
 
-    def row(self, c: Channel, said: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    def row(self, c: Channel, said: Floats) -> tuple[Floats, Floats, Bools]:
         """Return residual/sigma, its derivative by what is said, and which rows are seen, not censored."""
         y, sigma = self._y[c.name], self.sigma[c.name]
         residual, slope = (y - said) / sigma, np.full(len(y), -1.0 / sigma)

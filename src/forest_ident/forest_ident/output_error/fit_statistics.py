@@ -11,10 +11,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
-Floats = NDArray[np.float64]
+from forest_description.types import Bools, Floats
 
 CERTAIN = 2.0  # standard errors of the scatter's excess at which half of it is believed
 
@@ -41,7 +40,7 @@ def inflation(scores: Floats, white: Floats) -> Floats:
 def censor(
     residual: Floats,
     slope: Floats,
-    rows: NDArray[np.bool_],
+    rows: Bools,
     said: Floats,
     bound: float,
     sigma: float,

@@ -19,9 +19,8 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from forest_description.types import Floats
 
 
 class Belief(NamedTuple):

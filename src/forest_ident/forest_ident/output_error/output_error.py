@@ -28,16 +28,15 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.machine import MachineError
+from forest_description.types import Floats
 from forest_ident.output_error.fit_problem import Channel, Columns, Fit, Jacobian, Problem, Unknown
 from forest_ident.output_error.fit_statistics import condition_number
 from forest_ident.output_error.gaussian_estimate import NOTHING, Belief, inverse, updated
 
 __all__ = ["Channel", "Fit", "Model", "Unknown", "fit"]
 
-Floats = NDArray[np.float64]
 
 BLOCK = 200  # rows of one block of the sandwich
 ITERATIONS = 20

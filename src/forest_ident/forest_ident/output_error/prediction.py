@@ -12,21 +12,19 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from forest_description.machine import AXES, Machine
-from forest_ident.data.readings import Columns, lagged, true_columns
-from forest_ident.data.session import THERMOCOUPLES, Session
+from forest_description.machine import Machine
+from forest_description.types import AXES
+from forest_ident.measurements.readings import Columns, lagged, true_columns
+from forest_ident.measurements.session import THERMOCOUPLES, Session
 from forest_ident.output_error.temperature_interpolation import plants_at
 from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import PlantParameters, plant_parameters
 from forest_sim.solver.plant_kernel import fastest_record
+from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.solver.state_recording import STATE, store
 from forest_sim.solver.step_schedule import even
-
-Floats = NDArray[np.float64]
 
 BLOCK = 1.0  # [s] over which the oil has one temperature
 STEP = 1e-3  # [s] of the integrator

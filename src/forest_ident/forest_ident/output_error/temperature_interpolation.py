@@ -12,14 +12,12 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_compile import flat_layout
 from forest_description.machine import Machine
-from forest_sim.solver.parameters import PlantParameters
+from forest_description.types import Floats
+from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.thermal import parameters_at
-
-Floats = NDArray[np.float64]
 
 GRID = 0.1  # [K]
 

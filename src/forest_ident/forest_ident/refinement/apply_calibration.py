@@ -15,15 +15,13 @@ import dataclasses
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.components.sensor_calibration import line_of
 from forest_description.machine import Machine
-from forest_ident.data.session import Session
+from forest_description.types import Floats
 from forest_ident.experiments import test_rig
+from forest_ident.measurements.session import Session
 from forest_ident.output_error.noise_model import KIND
-
-Floats = NDArray[np.float64]
 
 
 def lines(machine: Machine) -> dict[str, tuple[float, float]]:

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from forest_description.machine import Machine
-from forest_ident.data.session import Session, SessionError
 from forest_ident.experiments import test_rig
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error import noise_model
 from forest_ident.output_error.fit_problem import Fit
 

@@ -11,23 +11,27 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.config import schema
 from forest_description.machine import Machine
-from forest_ident.data.parameter_path import value_of, with_directions, with_values
-from forest_ident.data.session import Session
 from forest_ident.estimators import calibration
 from forest_ident.estimators.estimate import Estimate, is_loose, judged, motion_for
 from forest_ident.experiments import experiments
+from forest_ident.measurements.parameter_path import value_of, with_directions, with_values
+from forest_ident.measurements.session import Session
 from forest_ident.output_error import noise_model
 from forest_ident.output_error.gaussian_estimate import NOTHING, Belief
 from forest_ident.output_error.output_error import Fit
-from forest_ident.refinement import apply_calibration, data_quality, linear, mass_check, pooling, refinement
-from forest_ident.refinement.linear import First
+from forest_ident.refinement import (
+    apply_calibration,
+    data_quality,
+    linear_estimates,
+    mass_check,
+    pooling,
+    refinement,
+)
+from forest_ident.refinement.linear_estimates import First
 from forest_ident.refinement.result import Refined, Result
-
-Floats = NDArray[np.float64]
 
 HELD_OUT = ("validation", "motion")
 OWN_VALVE = (4.0, 0.01)  # standard errors and volts by which a valve must differ to be told on its own
@@ -87,13 +91,13 @@ def _prepared(start: Machine, sessions: Sequence[Session]) -> Machine:
     if not any(session.name != "calibration" for session in sessions):
         return machine
     for axis in range(3):
-        machine = linear.with_measured_hose(machine, axis)
+        machine = linear_estimates.with_measured_hose(machine, axis)
         machine = with_directions(machine, refinement.valve_section(machine, axis))
     return with_directions(machine, "valve")
 
 
 def _calibrate(result: Result, sessions: Sequence[Session]) -> None:
-    floor = linear.floor(result.start)
+    floor = linear_estimates.floor(result.start)
     for session in sessions:
         if session.name == "calibration":
             result.calibration += calibration.calibrate(result.start, session)
@@ -140,7 +144,7 @@ def _take_linear(result: Result, session: Session) -> None:
         return
     if not session.is_exact:
         session = apply_calibration.corrected(session, result.machine)
-    found = linear.estimates(result.machine, session)
+    found = linear_estimates.estimates(result.machine, session)
     result.linear += found
     usable = {f.key: f.value for f in found if f.main and _usable(f) and not _is_loose(f)}
     result.machine = with_values(result.machine, usable)

@@ -7,12 +7,12 @@ another one than told by more than their errors and `DIFFERS`.
 
 from __future__ import annotations
 
-from forest_ident.data.parameter_path import value_of, with_values
-from forest_ident.data.session import Session
 from forest_ident.estimators import gravity
 from forest_ident.estimators.estimate import Estimate, judged
 from forest_ident.estimators.least_squares import Line
-from forest_ident.refinement.linear import First
+from forest_ident.measurements.parameter_path import value_of, with_values
+from forest_ident.measurements.session import Session
+from forest_ident.refinement.linear_estimates import First
 from forest_ident.refinement.result import Result
 
 DIFFERS = (4.0, 0.03)  # standard errors and share by which a mass must differ to be corrected

@@ -7,9 +7,10 @@ import math
 
 import numpy as np
 
-from forest_description.machine import AXES, Machine
-from forest_ident.data.parameter_path import with_values
+from forest_description.machine import Machine
+from forest_description.types import AXES
 from forest_ident.estimators.estimate import Estimate, judged
+from forest_ident.measurements.parameter_path import with_values
 from forest_ident.refinement.result import Result
 
 LAW = ("deadband_voltage", "minimum_resistance")

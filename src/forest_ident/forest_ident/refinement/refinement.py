@@ -23,21 +23,19 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.components.pump import LoadSensingPump, PressureCompensatedPump
-from forest_description.machine import AXES, Machine
-from forest_ident.data import sample_mask
-from forest_ident.data.parameter_path import value_of, with_directions, with_values
-from forest_ident.data.session import Session
+from forest_description.machine import Machine
+from forest_description.types import AXES, Floats
 from forest_ident.experiments import experiments, test_rig
+from forest_ident.measurements import sample_mask
+from forest_ident.measurements.parameter_path import value_of, with_directions, with_values
+from forest_ident.measurements.session import Session
 from forest_ident.output_error import noise_model
 from forest_ident.output_error.gaussian_estimate import Belief, widened
 from forest_ident.output_error.output_error import Fit, Model, Unknown, fit
 from forest_ident.output_error.prediction import Offsets, predict, redrawn
 from forest_ident.refinement import apply_calibration
-
-Floats = NDArray[np.float64]
 
 UNKNOWN = 0.4  # of what no experiment has found yet: relative, or volts
 SETTLED = 0.25  # [s] after a change of voltage

@@ -6,13 +6,14 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from forest_description.config import schema
-from forest_description.machine import AXES, Machine, MachineError
-from forest_ident.data.parameter_path import value_of
-from forest_ident.data.session import Session
+from forest_description.machine import Machine, MachineError
+from forest_description.types import AXES
 from forest_ident.estimators import calibration
 from forest_ident.estimators.estimate import Estimate
+from forest_ident.measurements.parameter_path import value_of
+from forest_ident.measurements.session import Session
 from forest_ident.output_error.output_error import Fit
-from forest_ident.refinement.linear import First
+from forest_ident.refinement.linear_estimates import First
 
 
 class Refined(NamedTuple):

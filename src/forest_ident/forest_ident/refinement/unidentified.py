@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from forest_description.machine import AXES, Machine
+from forest_description.machine import Machine
+from forest_description.types import AXES
 from forest_ident.estimators.estimate import motion_for
 from forest_ident.refinement.refinement import hose_section, valve_section
 from forest_ident.refinement.result import Result

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from forest_description.components.hose import GeometricHose, MeasuredHose
-from forest_description.machine import AXES, Machine, load_machine
-from forest_ident.data.parameter_path import value_of
+from forest_description.machine import Machine, load_machine
+from forest_description.types import AXES
 from forest_ident.estimators.estimate import NORMAL_95, Estimate
+from forest_ident.measurements.parameter_path import value_of
 from forest_ident.refinement.result import Result
 
 HOSE_PARTS = ("length", "bore", "turbulent_resistance", "laminar_resistance", "inertance", "capacitance")

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from forest_description.machine import Machine
-from forest_ident.data.session import Session, SessionError
 from forest_ident.estimators.estimate import NORMAL_95
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.online import online_comparison
 from forest_ident.refinement.result import Refined, Result, table
 from forest_ident.refinement.unidentified import untold

@@ -10,11 +10,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from forest_description.machine import AXES, Machine, MeasuredHose
-from forest_ident.data.differentiator import derivative, smooth
-from forest_ident.data.session import Session
+from forest_description.machine import Machine, MeasuredHose
+from forest_description.types import AXES, Floats
 from forest_ident.estimators import (
     damping,
     hose_dynamics,
@@ -23,10 +21,10 @@ from forest_ident.estimators import (
     valve_characteristic,
 )
 from forest_ident.experiments import test_rig
-from forest_ident.refinement import linear
+from forest_ident.measurements.differentiator import derivative, smooth
+from forest_ident.measurements.session import Session
+from forest_ident.refinement import linear_estimates
 from forest_ident.refinement.result import Refined
-
-Floats = NDArray[np.float64]
 
 MOST = 99.5  # [%] of the samples that a picture's scale must hold
 MEASURED, FITTED = {"color": "C0"}, {"color": "k", "linestyle": ":", "linewidth": 1.8}
@@ -34,7 +32,7 @@ MEASURED, FITTED = {"color": "C0"}, {"color": "k", "linestyle": ":", "linewidth"
 
 def valve(axes: Any, machine: Machine, session: Session) -> None:
     """C_R over the voltage: read, the law, the polynomial. Thesis fig. 4.4."""
-    low, high = linear.floor(machine, session), linear.highest(machine, session)
+    low, high = linear_estimates.floor(machine, session), linear_estimates.highest(machine, session)
     points = valve_characteristic.points(session, high)
     c_r = valve_characteristic.resistance(points, low)
     order = np.argsort(points.voltage)
@@ -61,7 +59,7 @@ def hose(axes: Any, machine: Machine, session: Session) -> None:
     """Pressure drop over flow. Thesis fig. 4.6."""
     laminar = session.facts.get("laminar", 0.0) > 0.0
     q, drop = hose_resistance.steady(
-        session, linear.floor(machine, session), linear.highest(machine, session)
+        session, linear_estimates.floor(machine, session), linear_estimates.highest(machine, session)
     )
     of = machine.hose_of(int(session.facts.get("hose_axis", 0.0)))
     r = getattr(of, "laminar_resistance" if laminar else "turbulent_resistance", math.nan)
@@ -93,7 +91,7 @@ def _dynamics(machine: Machine, session: Session) -> tuple[MeasuredHose, tuple[F
     laminar = session.facts.get("laminar", 0.0) > 0.0
     of = test_rig.as_measured(machine, machine.hose_of(int(session.facts.get("hose_axis", 0.0))))
     r = of.laminar_resistance if laminar else of.turbulent_resistance
-    meter = linear.meter(machine, session)
+    meter = linear_estimates.meter(machine, session)
     lag = meter.time_constant if meter else 0.0
     *terms, rows = hose_dynamics.terms(session, r, laminar, lag)
     part = slice(rows.start, rows.stop, 5)

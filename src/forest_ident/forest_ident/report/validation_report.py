@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from forest_description.machine import Machine
-from forest_ident.data.session import Session
+from forest_ident.measurements.session import Session
 from forest_ident.validation.validation import Signal
 
 SCALES = {

@@ -12,15 +12,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from forest_description.machine import AXES, Machine
-from forest_ident.data.differentiator import derivative
-from forest_ident.data.session import Session, SessionError
+from forest_description.machine import Machine
+from forest_description.types import AXES, Floats
+from forest_ident.measurements.differentiator import derivative
+from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error.prediction import predict
 from forest_ident.refinement import apply_calibration, refinement
-
-Floats = NDArray[np.float64]
 
 SPEED_BANDWIDTH = 8.0  # [Hz] of the smoothing of both speeds
 STILL = 1e-6  # [unit] range of a signal that did not move

@@ -48,12 +48,12 @@ from forest_msgs_py.clock.step_topics import (
     silent_steps,
 )
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.interfaces.messages import NS_PER_S
 from forest_msgs_py.interfaces.stamps import STAMPED
 from forest_msgs_py.interfaces.topics import Topic, message_class
 from forest_msgs_py.runtime.node import NodeFailure, publisher
 from forest_msgs_py.runtime.polled_subscription import Inbox
 from forest_msgs_py.serialization.packing import pack_clock
+from forest_msgs_py.types import NS_PER_S
 
 AHEAD = 400  # steps by which the machine may be ahead of the recorder
 END = "end"  # told instead of topics when the step was the last

@@ -29,7 +29,7 @@ from forest_msgs_py.clock.lockstep import Lockstep
 from forest_msgs_py.clock.step_topics import LATE, StepPublisher
 from forest_msgs_py.interfaces.topics import Topic
 from forest_msgs_py.runtime.node import publisher, raw_publish, subscription, timer
-from forest_msgs_py.runtime.parameters import declare
+from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.polled_subscription import Tally, inbox, sent_at
 from forest_msgs_py.serialization.packing import Packer, Speaker
 

@@ -25,7 +25,7 @@ from forest_msgs_py.interfaces.messages import stamp_to_ns
 from forest_msgs_py.interfaces.topics import find, message_class, offered_qos, unlisted
 from forest_msgs_py.introspection.graph_listener import GraphListener, Heard, Offer
 from forest_msgs_py.runtime.node import Finished, NodeFailure
-from forest_msgs_py.runtime.parameters import declare
+from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.polled_subscription import Inbox
 from forest_msgs_py.serialization.packing import pack_clock
 

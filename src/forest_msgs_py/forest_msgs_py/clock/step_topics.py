@@ -9,12 +9,13 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from forest_msgs_py.interfaces.messages import NS_PER_S, ns_to_stamp, stamp_to_ns
+from forest_msgs_py.interfaces.messages import ns_to_stamp, stamp_to_ns
 from forest_msgs_py.interfaces.stamps import stamp_in
 from forest_msgs_py.interfaces.topics import QUIET, SILENCE, Topic, message_class
 from forest_msgs_py.runtime.node import raw_publish
 from forest_msgs_py.runtime.polled_subscription import Arrival, Inbox
 from forest_msgs_py.serialization.cdr import to_cdr
+from forest_msgs_py.types import NS_PER_S
 
 STEP_NS = 5_000_000
 DEPTH = 1000  # steps that a publisher keeps

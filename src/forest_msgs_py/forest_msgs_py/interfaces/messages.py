@@ -26,8 +26,8 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, MultiArrayDimension
 
 from forest_msgs_py.interfaces.topics import Topic
+from forest_msgs_py.types import NS_PER_S
 
-NS_PER_S = 1_000_000_000
 STAMP_SIZE = 2  # sec and nanosec in front of the values
 POSE_SIZE = 7  # position and quaternion
 UNSET = (0.0, 0.0, 0.0, 0.0)  # an orientation that nobody knows

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import struct
 
-from forest_msgs_py.interfaces.messages import NS_PER_S
 from forest_msgs_py.interfaces.topics import FLOAT_ARRAY, JOINT_STATE, JOY_TYPE, POSE, TWIST
+from forest_msgs_py.types import NS_PER_S
 
 MOST_STAMP = 2**32  # seconds, or nanoseconds
 

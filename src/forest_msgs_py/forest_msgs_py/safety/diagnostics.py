@@ -27,8 +27,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.interfaces.messages import NS_PER_S, ns_to_stamp
+from forest_msgs_py.interfaces.messages import ns_to_stamp
 from forest_msgs_py.runtime.node import publisher
+from forest_msgs_py.types import NS_PER_S
 
 WELL = "well"
 LOG_PERIOD = 1.0  # [s]

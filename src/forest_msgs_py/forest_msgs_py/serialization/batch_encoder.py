@@ -23,7 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_msgs_py.interfaces.messages import (
-    NS_PER_S,
     float_array,
     joint_state,
     pose_stamped,
@@ -34,6 +33,7 @@ from forest_msgs_py.interfaces.messages import (
 from forest_msgs_py.interfaces.stamps import MOST_STAMP
 from forest_msgs_py.interfaces.topics import FLOAT_ARRAY, JOINT_STATE, POSE, TWIST, Topic
 from forest_msgs_py.serialization.cdr import to_cdr
+from forest_msgs_py.types import NS_PER_S
 
 MARKED_STAMP = 1_234_567_891_987_654_321  # [ns]
 MARK = 1.2345678912345e-77  # times 1, 2, 3 …; no message has such numbers

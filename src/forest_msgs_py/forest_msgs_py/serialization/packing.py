@@ -14,7 +14,6 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 from forest_msgs_py.interfaces.messages import (
-    NS_PER_S,
     JoyValues,
     pose_stamped,
     sensor_array,
@@ -24,6 +23,7 @@ from forest_msgs_py.interfaces.messages import (
 from forest_msgs_py.interfaces.topics import FLOAT_ARRAY, JOINT_STATE, POSE, TWIST, Topic
 from forest_msgs_py.serialization.batch_encoder import MARK, MARKED_STAMP, columns
 from forest_msgs_py.serialization.cdr import ENCAPSULATION, to_cdr
+from forest_msgs_py.types import NS_PER_S
 
 DOUBLE = 8  # bytes
 

@@ -25,7 +25,6 @@ from rclpy.serialization import deserialize_message
 
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import (
-    NS_PER_S,
     STAMP_SIZE,
     JointValues,
     JoyValues,
@@ -39,6 +38,7 @@ from forest_msgs_py.interfaces.messages import (
 from forest_msgs_py.interfaces.stamps import FIRST, after_dimensions, aligned
 from forest_msgs_py.interfaces.topics import Topic, message_class, unlisted
 from forest_msgs_py.serialization.cdr import ENCAPSULATION
+from forest_msgs_py.types import NS_PER_S
 
 DOUBLE = 8  # bytes
 AFTER_STAMP = FIRST + 8

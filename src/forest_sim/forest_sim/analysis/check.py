@@ -6,16 +6,16 @@ from collections.abc import Iterator
 from typing import Any
 
 from forest_description.config.parameter import choice_of, parameter_of
-from forest_description.derived.actuation import rated_speeds
+from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.derived.limits import joint_limits, workspace_limits
 from forest_description.derived.line_bandwidth import one_lump_warnings
-from forest_description.machine import AXES, Machine
+from forest_description.machine import Machine
+from forest_description.types import AXES, Vec3
 from forest_sim.analysis.friction_ends import large_heading, rubbing_axes, small_heading, without_dry_friction
 from forest_sim.analysis.modes import SHUT, Mode, modes, operating_point, slow_modes, unguarded
-from forest_sim.mechanics.manipulator import Triple
 from forest_sim.run.simulation import start_angles
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 
 MPA = 1e6
 GRID = 8  # poses of boom and of stick, less one
@@ -39,7 +39,7 @@ def components(machine: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
                 yield from components(value, f"{name}.")
 
 
-def full_speeds(machine: Machine, angles: Triple) -> dict[str, tuple[float, float]]:
+def full_speeds(machine: Machine, angles: Vec3) -> dict[str, tuple[float, float]]:
     """Return the steady joint speeds [rad/s] at a pose, each axis alone at full voltage to both sides."""
     p = unguarded(plant_parameters(machine))
     speeds = {}
@@ -120,7 +120,7 @@ def _inertia_warnings(machine: Machine) -> list[str]:
     return found
 
 
-def _holding_pressures(machine: Machine, place: int) -> Iterator[tuple[float, float, float]]:
+def _holding_pressures(machine: Machine, place: int) -> Iterator[Vec3]:
     """Give a resting cylinder's greater pressure [Pa] over the joint limits, with boom and stick angle."""
     p, (_, boom, stick) = plant_parameters(machine), joint_limits(machine)
     for q_2 in (boom[0] + (boom[1] - boom[0]) * k / GRID for k in range(GRID + 1)):

@@ -17,9 +17,9 @@ the slope is that at its speed, and the same amplitudes hold.
 import math
 from typing import NamedTuple
 
+from forest_description.types import AXES
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force
-from forest_sim.solver.parameters import Axis, PlantParameters
-from forest_sim.solver.state_recording import AXES
+from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 SMALL = 0.5  # U/u_0 up to which c(U) is within 10 % of the slope at rest
 SAMPLES = 400  # of a quarter of the sine

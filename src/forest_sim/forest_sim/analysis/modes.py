@@ -21,28 +21,24 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eig
 
+from forest_description.types import AXES, Floats, Vec3
 from forest_sim.hydraulics.port import is_shut
-from forest_sim.hydraulics.spool import Spool
+from forest_sim.hydraulics.spool_dynamics import Spool
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.end_stop import UNCUSHIONED, EndStop
-from forest_sim.mechanics.manipulator import Triple
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation, step
 from forest_sim.solver.multibody import HeadState
-from forest_sim.solver.parameters import NO_GUARD, Axis, PlantParameters
 from forest_sim.solver.plant import AxisState, PlantState, ports_at, state_derivative
-from forest_sim.solver.state_recording import AXES
-
-Floats = NDArray[np.float64]
+from forest_sim.solver.plant_parameters import NO_GUARD, Axis, PlantParameters
 
 NO_STOP = EndStop(-math.inf, math.inf, 0.0, 0.0)
 DIFFERENCE = (1e-6, 1e-6, 10.0, 10.0, 1e-8, 1e-8)  # rad, rad/s, Pa, m^3/s: rounding and curvature both small
 PARTS = {"angle": "links", "rate": "links", "pressure_1": "oil", "pressure_2": "oil"}
 SETTLING, SETTLING_STEP = 3.0, 5e-3  # [s] over which the steady motion at a pose is found
-SHUT: Triple = (0.0, 0.0, 0.0)  # [V] of the spools
+SHUT: Vec3 = (0.0, 0.0, 0.0)  # [V] of the spools
 SLOWEST = 1e-3  # [Hz] anything below is no oscillation but rounding
 
 
@@ -51,7 +47,7 @@ class Mode(NamedTuple):
 
     frequency: float  # w_n/2pi [Hz]
     damping: float  # zeta
-    axes: Triple  # participation of swing, boom, stick
+    axes: Vec3  # participation of swing, boom, stick
     parts: dict[str, float]  # participation of links, oil, hoses (flow), pump, hanging head
 
     @property
@@ -79,7 +75,7 @@ def unguarded(p: PlantParameters) -> PlantParameters:
     return p._replace(guard=NO_GUARD, swing=free(p.swing), boom=free(p.boom), stick=free(p.stick))
 
 
-def operating_point(angles: Triple, spools: Triple, p: PlantParameters) -> Simulation:
+def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulation:
     """Return the machine at rest at a pose, or in the steady motion that open valves give it there.
 
     Args:
@@ -121,7 +117,7 @@ def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int,
     return np.column_stack(columns), tuple(kept)
 
 
-def modes(angles: Triple, spools: Triple, p: PlantParameters) -> list[Mode]:
+def modes(angles: Vec3, spools: Vec3, p: PlantParameters) -> list[Mode]:
     """Return the oscillations at a pose, the slowest first.
 
     Args:

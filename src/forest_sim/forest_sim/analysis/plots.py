@@ -6,20 +6,18 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from forest_bag.plots.standard_plots import draw_all, finish_axes, new_figure, widen
 from forest_bag.read.timeseries import Bag, Series, bag_of
 from forest_description.derived.limits import joint_limits
-from forest_description.machine import AXES, Machine
+from forest_description.machine import Machine
+from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.serialization.batch_encoder import columns
 from forest_sim.analysis.mode_map import MapPoint
 from forest_sim.run.energy import Account
 from forest_sim.run.sensor_log import OBSERVED
 from forest_sim.run.trajectory_files import Rows
-
-Floats = NDArray[np.float64]
 
 L_MIN_PER_M3_S = 60_000.0
 # Each entry of the account keeps its colour in every picture.

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.components.pump import (
     ConstantFlowPump,
@@ -20,13 +19,11 @@ from forest_description.components.pump import (
     Pump,
 )
 from forest_description.machine import Machine, load_machine
+from forest_description.types import Floats, Vec3
 from forest_sim.analysis.summary import Summary
-from forest_sim.mechanics.manipulator import Triple
 from forest_sim.run.energy import Account, account
 from forest_sim.run.inputs import Voltages
 from forest_sim.run.simulation import Run, blocks
-
-Floats = NDArray[np.float64]
 
 FILES = Path(__file__).resolve().parents[1] / "pumps"
 SORTS: dict[type[Any], str] = {
@@ -59,7 +56,7 @@ class Comparison:
     paths: dict[str, float]  # by kind of pump, how far the tip went [m]
 
 
-def compare(machine: Machine, voltages: Voltages, angles: Triple, run: Run) -> Comparison:
+def compare(machine: Machine, voltages: Voltages, angles: Vec3, run: Run) -> Comparison:
     """Run the same voltages on the machine with each sort of pump.
 
     Args:

@@ -5,19 +5,16 @@ import time
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import tip_position
-from forest_description.machine import AXES, Machine
-from forest_sim.mechanics.manipulator import Triple
+from forest_description.machine import Machine
+from forest_description.types import AXES, Floats, Vec3
 from forest_sim.run.energy import Account, account, settled, unaccounted
 from forest_sim.run.simulation import Block, Run
 from forest_sim.solver.integrator import Events
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE, restore
-
-Floats = NDArray[np.float64]
 
 ENERGY_GAP = 0.005  # of the energy that passed through, above which an account is in doubt
 BEYOND_LIMIT = 3.0  # [deg]
@@ -41,7 +38,7 @@ class Summary:
         self._highest = np.full(len(_PRESSURES), -np.inf)
         self._lowest = np.full(len(_PRESSURES), np.inf)
         self._outside = np.zeros(3)
-        self._tip: Triple | None = None
+        self._tip: Vec3 | None = None
         self._path = 0.0
         self._began = math.inf
 
@@ -75,7 +72,7 @@ class Summary:
         parts = {name: float(value) for name, value in total._asdict().items()}
         return parts | {"unaccounted": unaccounted(total)}
 
-    def result(self, run: Run, voltages: str, start: Triple) -> dict[str, Any]:
+    def result(self, run: Run, voltages: str, start: Vec3) -> dict[str, Any]:
         """Return everything, for `summary.json`: SI units, degrees where the name says so."""
         wall = max(time.monotonic() - self._began, 1e-9)
         links, angles = self._machine.manipulator.links, self._last[_ANGLES]

@@ -14,10 +14,10 @@ import numpy as np
 
 from forest_compile.kernel_cache import can_compile
 from forest_description.geometry.kinematics import tip_position
-from forest_description.machine import AXES, Machine
+from forest_description.machine import Machine
+from forest_description.types import AXES, Vec3
 from forest_sim.analysis import check, mode_map, modes, pump_comparison, summary
 from forest_sim.analysis.friction_ends import large_heading, rubbing_axes, small_heading, without_dry_friction
-from forest_sim.mechanics.manipulator import Triple
 from forest_sim.run.disturbance import UNDISTURBED, Disturbance
 from forest_sim.run.energy import account
 from forest_sim.run.inputs import Voltages
@@ -26,7 +26,7 @@ from forest_sim.run.simulation import Run, RunError, blocks, substeps
 from forest_sim.run.trajectory_files import Thinned, naming, trajectory_files
 from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 
 QUIET = 2.0  # [s] after which a run begins to say how far it is
 TOLD_EVERY = 1.0  # [s] on a terminal; elsewhere ten times rarer
@@ -82,7 +82,7 @@ def _stops_noted() -> Iterator[list[int]]:
 def simulate(
     machine: Machine,
     voltages: Voltages,
-    angles: Triple,
+    angles: Vec3,
     run: Run,
     out: Path,
     sensing: Sensing = EXACT,
@@ -119,7 +119,7 @@ def simulate(
     return 0
 
 
-def compare_pumps(machine: Machine, voltages: Voltages, angles: Triple, run: Run, out: Path) -> int:
+def compare_pumps(machine: Machine, voltages: Voltages, angles: Vec3, run: Run, out: Path) -> int:
     """Run the same input on the four sorts of pump; write table, picture and `pumps.json`."""
     substeps(run)
     new_directory(out)
@@ -143,7 +143,7 @@ def compare_pumps(machine: Machine, voltages: Voltages, angles: Triple, run: Run
     return 0
 
 
-def show_equilibrium(machine: Machine, angles: Triple, as_json: bool) -> int:
+def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
     """Print how the machine rests at a pose with its valves shut."""
     p = plant_parameters(machine)
     rest = equilibrium(angles, p)
@@ -181,7 +181,7 @@ def show_equilibrium(machine: Machine, angles: Triple, as_json: bool) -> int:
     return 0
 
 
-def show_modes(machine: Machine, angles: Triple, spools: Triple, as_json: bool) -> int:
+def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> int:
     """Print frequencies and damping ratios at a pose; with dry friction, of small and large oscillations."""
     p = plant_parameters(machine)
     ends = rubbing_axes(p)

@@ -14,9 +14,9 @@ from pathlib import Path
 from forest_description.config.source_tree import shipped_machines
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine, MachineError, load_machine
+from forest_description.types import Vec3
 from forest_msgs_py.runtime import command_line
 from forest_msgs_py.runtime.command_line import number, whole
-from forest_sim.mechanics.manipulator import Triple
 from forest_sim.run import inputs
 from forest_sim.run.inputs import InputError, Voltages
 from forest_sim.run.simulation import Run, RunError, checked_angles, start_angles
@@ -243,7 +243,7 @@ def _machine(options: argparse.Namespace) -> Machine:
     return at_temperature(machine, options.temperature + ZERO_CELSIUS)
 
 
-def _run(options: argparse.Namespace) -> tuple[Machine, Voltages, Triple, Run]:
+def _run(options: argparse.Namespace) -> tuple[Machine, Voltages, Vec3, Run]:
     machine = _machine(options)
     voltages = _voltages(options)
     duration = options.duration or voltages.duration
@@ -272,11 +272,11 @@ def _voltages(options: argparse.Namespace) -> Voltages:
     return inputs.read_voltages(path)
 
 
-def _tip(given: Sequence[float] | None) -> Triple | None:
+def _tip(given: Sequence[float] | None) -> Vec3 | None:
     return None if given is None else (given[0], given[1], given[2])
 
 
-def _pose(options: argparse.Namespace, machine: Machine) -> Triple:
+def _pose(options: argparse.Namespace, machine: Machine) -> Vec3:
     if options.angles is not None:
         a, b, c = (math.radians(angle) for angle in options.angles)
         return checked_angles(machine, (a, b, c))

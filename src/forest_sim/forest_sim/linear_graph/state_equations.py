@@ -22,9 +22,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import sympy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from sympy import Abs, Expr, Symbol, sign, sqrt
 
+from forest_description.types import Floats
 from forest_sim.linear_graph.linear_graph import TWO_PORTS, Branch, Domain, GraphError, Kind, LinearGraph
 from forest_sim.linear_graph.normal_tree import NormalTree, normal_tree
 
@@ -43,7 +44,7 @@ class StateEquations:
     across: dict[str, Expr]
     through: dict[str, Expr]
 
-    def function(self, *expressions: Expr) -> Callable[..., NDArray[np.float64]]:
+    def function(self, *expressions: Expr) -> Callable[..., Floats]:
         """Return f(states, inputs, parameters) for some expressions, by default the derivatives.
 
         States and inputs are in the order of the fields, parameters a dict by name.
@@ -52,9 +53,7 @@ class StateEquations:
         compiled = sympy.lambdify(arguments, list(expressions or self.derivatives), "numpy", cse=True)
         names = [symbol.name for symbol in self.parameters]
 
-        def evaluate(
-            states: ArrayLike, inputs: ArrayLike, parameters: dict[str, float]
-        ) -> NDArray[np.float64]:
+        def evaluate(states: ArrayLike, inputs: ArrayLike, parameters: dict[str, float]) -> Floats:
             values = [*np.asarray(states), *np.asarray(inputs), *(parameters[name] for name in names)]
             return np.array(compiled(*values), dtype=np.float64)
 

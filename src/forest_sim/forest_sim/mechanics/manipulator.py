@@ -23,9 +23,9 @@ from typing import NamedTuple
 
 from forest_description.derived.bodies import boom_body, stick_body
 from forest_description.machine import Manipulator
+from forest_description.types import Vec3
 
 Pair = tuple[float, float]
-Triple = tuple[float, float, float]
 
 
 class Body(NamedTuple):
@@ -61,7 +61,7 @@ class Dynamics(NamedTuple):
     m_22: float
     m_23: float
     m_33: float
-    bias: Triple  # V + G [N m]
+    bias: Vec3  # V + G [N m]
 
 
 def fold_head(m: Manipulator) -> Body:
@@ -85,7 +85,7 @@ def fold_head(m: Manipulator) -> Body:
     )
 
 
-def dynamics(q: Triple, rates: Triple, body: Body) -> Dynamics:
+def dynamics(q: Vec3, rates: Vec3, body: Body) -> Dynamics:
     """Return M(q), and V(q, q') + G(q). Thesis eq. 3.15, App. B.
 
     Args:
@@ -141,14 +141,14 @@ def dynamics(q: Triple, rates: Triple, body: Body) -> Dynamics:
     )
 
 
-def kinetic_energy(q: Triple, rates: Triple, body: Body) -> float:
+def kinetic_energy(q: Vec3, rates: Vec3, body: Body) -> float:
     """Return T = 1/2 q'^T M(q) q' [J]; q [rad], rates [rad/s]."""
     d = dynamics(q, (0.0, 0.0, 0.0), body)
     u_1, u_2, u_3 = rates
     return 0.5 * (d.m_11 * u_1**2 + d.m_22 * u_2**2 + d.m_33 * u_3**2) + d.m_23 * u_2 * u_3
 
 
-def potential_energy(q: Triple, body: Body) -> float:
+def potential_energy(q: Vec3, body: Body) -> float:
     """Return U(q) [J], of which G is the gradient; zero is a mass at the boom's pivot. q [rad]."""
     b = body
     c_2, s_2 = math.cos(q[1]), math.sin(q[1])
@@ -161,7 +161,7 @@ def potential_energy(q: Triple, body: Body) -> float:
     return b.gravity_across * left + b.gravity_down * (b.stick_mass * h_s + b.boom_mass * h_b)
 
 
-def tip_load_torques(q: Triple, force: Triple, body: Body) -> Triple:
+def tip_load_torques(q: Vec3, force: Vec3, body: Body) -> Vec3:
     """Return the joint torques J^T F [N m] of an external force on the tip, to be added to the actuators'.
 
     Args:

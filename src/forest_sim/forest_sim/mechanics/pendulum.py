@@ -29,7 +29,8 @@ from typing import NamedTuple
 
 from forest_description.derived.bodies import hanging_body
 from forest_description.machine import Manipulator
-from forest_sim.mechanics.manipulator import Body, Pair, Triple
+from forest_description.types import Vec3
+from forest_sim.mechanics.manipulator import Body, Pair
 
 
 class HangingHead(NamedTuple):
@@ -56,7 +57,7 @@ class PendulumDynamics(NamedTuple):
     coupling: tuple[Pair, Pair, Pair]  # rows swing, boom, stick; columns α, β
     m_alpha: float
     m_beta: float
-    crane_bias: Triple  # V + G, to be added to the crane's [N m]
+    crane_bias: Vec3  # V + G, to be added to the crane's [N m]
     head_bias: Pair
 
 
@@ -67,7 +68,7 @@ class PendulumDamping(NamedTuple):
     e = (0, 0, 0, 0, 1).
     """
 
-    crane: Triple
+    crane: Vec3
     head: Pair
 
 
@@ -80,7 +81,7 @@ def hanging_head(m: Manipulator) -> HangingHead:
 
 
 def pendulum_dynamics(
-    q: Triple, rates: Triple, angles: Pair, angle_rates: Pair, head: HangingHead, body: Body
+    q: Vec3, rates: Vec3, angles: Pair, angle_rates: Pair, head: HangingHead, body: Body
 ) -> PendulumDynamics:
     """Return the hanging head's share of M and of V + G. Thesis section 4.4.
 
@@ -128,7 +129,7 @@ def pendulum_dynamics(
     )
 
 
-def pendulum_damping(rates: Triple, angle_rates: Pair, head: HangingHead) -> PendulumDamping:
+def pendulum_damping(rates: Vec3, angle_rates: Pair, head: HangingHead) -> PendulumDamping:
     """Return the torques of the joint's damping: α against the stick's absolute pitch, β on its own."""
     in_plane = head.damping * (angle_rates[0] - rates[1] - rates[2])
     return PendulumDamping((0.0, in_plane, in_plane), (-in_plane, -head.damping * angle_rates[1]))
@@ -141,7 +142,7 @@ def hanging_angles(swing: float, body: Body) -> Pair:
 
 
 def pendulum_kinetic_energy(
-    q: Triple, rates: Triple, angles: Pair, angle_rates: Pair, head: HangingHead, body: Body
+    q: Vec3, rates: Vec3, angles: Pair, angle_rates: Pair, head: HangingHead, body: Body
 ) -> float:
     """Return the head's T = 1/2 m |p'|^2 + 1/2 I_t |d'|^2 [J]; arguments as `pendulum_dynamics`."""
     radius, (x_2, z_2), (x_3, z_3) = _tip(q, body)
@@ -158,7 +159,7 @@ def pendulum_kinetic_energy(
     return 0.5 * head.mass * _dot(centre, centre) + 0.5 * head.inertia * _dot(turning, turning)
 
 
-def pendulum_potential_energy(q: Triple, angles: Pair, head: HangingHead, body: Body) -> float:
+def pendulum_potential_energy(q: Vec3, angles: Pair, head: HangingHead, body: Body) -> float:
     """Return the head's U [J]; zero is a mass at the boom's pivot. Arguments as `pendulum_dynamics`."""
     radius, (_, z_2), _ = _tip(q, body)
     out = radius + head.length * math.sin(angles[0]) * math.cos(angles[1])
@@ -168,16 +169,14 @@ def pendulum_potential_energy(q: Triple, angles: Pair, head: HangingHead, body: 
     return head.mass * (body.gravity_across * across + body.gravity_down * up)
 
 
-def _tip(q: Triple, body: Body) -> tuple[float, Pair, Pair]:
+def _tip(q: Vec3, body: Body) -> tuple[float, Pair, Pair]:
     """Return the tip's radius and its x, z [m] from the boom's pivot and from the stick's."""
     x_3, z_3 = body.stick_length * math.cos(q[1] + q[2]), body.stick_length * math.sin(q[1] + q[2])
     x_2, z_2 = body.boom_length * math.cos(q[1]) + x_3, body.boom_length * math.sin(q[1]) + z_3
     return body.base_offset + x_2, (x_2, z_2), (x_3, z_3)
 
 
-def _accelerations(
-    q: Triple, rates: Triple, angles: Pair, angle_rates: Pair, body: Body
-) -> tuple[Triple, Triple]:
+def _accelerations(q: Vec3, rates: Vec3, angles: Pair, angle_rates: Pair, body: Body) -> tuple[Vec3, Vec3]:
     """Return the tip's acceleration less gravity [m/s^2], and d'' [1/s^2], while no joint accelerates."""
     radius, (x_2, z_2), (x_3, z_3) = _tip(q, body)
     u_1, u_23 = rates[0], rates[1] + rates[2]
@@ -199,11 +198,11 @@ def _accelerations(
     return tip, turning
 
 
-def _dot(a: Triple, b: Triple) -> float:
+def _dot(a: Vec3, b: Vec3) -> float:
     """Return the scalar product."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def _sum(k: float, a: Triple, n: float, b: Triple) -> Triple:
+def _sum(k: float, a: Vec3, n: float, b: Vec3) -> Vec3:
     """Return k a + n b."""
     return (k * a[0] + n * b[0], k * a[1] + n * b[1], k * a[2] + n * b[2])

@@ -13,7 +13,7 @@ from typing import NamedTuple, TypeVar
 
 from forest_compile.kernel_cache import can_compile
 from forest_description.machine import Machine
-from forest_sim.mechanics.manipulator import Triple
+from forest_description.types import Vec3
 from forest_sim.run.inputs import Voltages
 from forest_sim.run.simulation import Block, Run, checked_angles, start_angles, whole
 
@@ -25,7 +25,7 @@ class Job(NamedTuple):
 
     machine: Machine
     voltages: Voltages
-    angles: Triple | None = None
+    angles: Vec3 | None = None
 
 
 def everything(run: Block) -> Block:

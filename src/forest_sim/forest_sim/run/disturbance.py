@@ -3,17 +3,16 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from forest_description.machine import AXES
-from forest_sim.hydraulics.spool import STUCK
-from forest_sim.mechanics.manipulator import Triple
-from forest_sim.solver.parameters import PlantParameters
+from forest_description.types import AXES, Vec3
+from forest_sim.hydraulics.spool_dynamics import STUCK
+from forest_sim.solver.plant_parameters import PlantParameters
 
 
 class Disturbance(NamedTuple):
     """Spools that stay where they are, and the force [N] on the tip in the base frame."""
 
     stuck_spools: tuple[str, ...] = ()  # of `AXES`
-    tip_force: Triple = (0.0, 0.0, 0.0)
+    tip_force: Vec3 = (0.0, 0.0, 0.0)
 
 
 UNDISTURBED = Disturbance()
@@ -33,7 +32,7 @@ def parse_stuck_spools(text: str) -> tuple[str, ...]:
     return names
 
 
-def checked_tip_force(force: Sequence[float]) -> Triple:
+def checked_tip_force(force: Sequence[float]) -> Vec3:
     """Return the force on the tip [N] that a list gives.
 
     Raises:

@@ -21,14 +21,12 @@ account then leaves open, `unaccounted`, is the error of the integration.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.machine import Line
+from forest_description.types import AXES, Floats
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import PlantParameters
-from forest_sim.solver.state_recording import AXES, ENERGY
-
-Floats = NDArray[np.float64]
+from forest_sim.solver.plant_parameters import PlantParameters
+from forest_sim.solver.state_recording import ENERGY
 
 
 class Account(NamedTuple):

@@ -19,9 +19,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from forest_description.types import Floats, Vec3
 
 NAMES = ("step", "chirp", "thesis")
 COLUMNS = ("time", "swing", "boom", "stick")
@@ -138,7 +137,7 @@ def thesis(amplitude: float = 5.0) -> Voltages:
     return Voltages("thesis", Ramps(times, levels), float(times[-1]))
 
 
-def _on_axis(axis: int, voltage: float) -> tuple[float, float, float]:
+def _on_axis(axis: int, voltage: float) -> Vec3:
     return (
         voltage if axis == 0 else 0.0,
         voltage if axis == 1 else 0.0,

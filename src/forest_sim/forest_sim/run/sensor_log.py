@@ -8,10 +8,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.geometry.kinematics import tip_orientation
 from forest_description.machine import Machine
+from forest_description.types import Floats
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import Topic
 from forest_sim.run.simulation import Block
@@ -20,11 +20,10 @@ from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import Fault, sensor_suite
 from forest_sim.sensors.signal_processing import Motion
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import restore
 from forest_sim.solver.thermal import parameters_at
 
-Floats = NDArray[np.float64]
 Observed = dict[Topic, Floats]
 
 OBSERVED = (

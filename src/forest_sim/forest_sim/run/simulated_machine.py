@@ -4,7 +4,7 @@ What the simulator node wraps. Faults and the force on the tip may change betwee
 """
 
 from forest_description.machine import Machine
-from forest_sim.mechanics.manipulator import Triple
+from forest_description.types import Vec3
 from forest_sim.run.disturbance import UNDISTURBED, Disturbance, disturbed
 from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_readings import Report
@@ -12,8 +12,8 @@ from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import Suite
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Events, advance
-from forest_sim.solver.parameters import plant_parameters
 from forest_sim.solver.plant_kernel import ready_advance
+from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power import power_flows
 from forest_sim.solver.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after
 
@@ -27,7 +27,7 @@ class SimulatedMachine:
     def __init__(
         self,
         machine: Machine,
-        angles: Triple,
+        angles: Vec3,
         suite: Suite,
         period: float,
         warms: bool = True,
@@ -71,7 +71,7 @@ class SimulatedMachine:
         self._plant = disturbed(self._undisturbed, disturbance)
         self._sensors.learn(self._plant, self._around)
 
-    def step(self, voltages: Triple) -> Report:
+    def step(self, voltages: Vec3) -> Report:
         """Move on by a period under held voltages [V]; return what the sensors say then, and the truth."""
         self._simulation = self._advance(self._simulation, voltages, STEP, self._substeps, self._plant)
         self._periods += 1

@@ -9,25 +9,22 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_description.derived.limits import joint_limits, start_tip, workspace_limits
 from forest_description.geometry.kinematics import inverse_kinematics
-from forest_description.machine import AXES, Machine
-from forest_sim.mechanics.manipulator import Triple
+from forest_description.machine import Machine
+from forest_description.types import AXES, Floats, Vec3
 from forest_sim.run.disturbance import UNDISTURBED, Disturbance, disturbed
 from forest_sim.run.energy import heat_in
 from forest_sim.run.inputs import Voltages
 from forest_sim.solver import step_schedule
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import plant_parameters
 from forest_sim.solver.plant_kernel import fastest_record
+from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE, store
 from forest_sim.solver.step_schedule import Pace
 from forest_sim.solver.thermal import UPDATE_PERIOD, parameters_at, temperature_after
-
-Floats = NDArray[np.float64]
 
 BLOCK = UPDATE_PERIOD  # [s]
 LIMIT_TOLERANCE = 1e-9  # [rad]
@@ -56,7 +53,7 @@ class Block(NamedTuple):
     temperature: Floats  # [N] K, of the oil; NaN for a machine without
 
 
-def start_angles(machine: Machine, tip: Triple | None = None) -> Triple:
+def start_angles(machine: Machine, tip: Vec3 | None = None) -> Vec3:
     """Return the joint angles [rad] that put the tip at a place [m]; by default as the simulator node starts.
 
     Raises:
@@ -80,7 +77,7 @@ def start_angles(machine: Machine, tip: Triple | None = None) -> Triple:
         raise RunError(f"{given} is out of reach: it needs the {error}") from error
 
 
-def checked_angles(machine: Machine, angles: Triple) -> Triple:
+def checked_angles(machine: Machine, angles: Vec3) -> Vec3:
     """Return joint angles [rad] if they lie within the joints' limits.
 
     Raises:
@@ -111,7 +108,7 @@ def substeps(run: Run) -> int:
 def blocks(
     machine: Machine,
     voltages: Voltages,
-    angles: Triple,
+    angles: Vec3,
     run: Run,
     disturbance: Disturbance = UNDISTURBED,
 ) -> Iterator[Block]:
@@ -178,7 +175,7 @@ def _start(simulation: Simulation, voltages: Voltages, temperature: float) -> Bl
     return Block(time, voltages.at(time), states, np.zeros((1, len(ENERGY))), np.full(1, temperature))
 
 
-def whole(machine: Machine, voltages: Voltages, angles: Triple, run: Run) -> Block:
+def whole(machine: Machine, voltages: Voltages, angles: Vec3, run: Run) -> Block:
     """Return a whole run as one block, for runs that fit into memory."""
     parts = list(blocks(machine, voltages, angles, run))
     return Block(*(np.concatenate(column) for column in zip(*parts, strict=True)))

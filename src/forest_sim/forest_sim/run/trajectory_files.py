@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_bag.write.bag_writer import BagWriter, Layout
-from forest_description.machine import AXES, Machine
+from forest_description.machine import Machine
+from forest_description.types import AXES, Floats
 from forest_description.urdf.robot_description import robot_description
 from forest_msgs_py.interfaces.topics import (
     GROUND_TRUTH_TIP_POSE,
@@ -29,7 +29,6 @@ from forest_sim.run.simulation import Block
 from forest_sim.solver.integrator import Events
 from forest_sim.solver.state_recording import STATE
 
-Floats = NDArray[np.float64]
 Rows = dict[Any, Floats]  # by topic or name, each [N, ...]
 
 FRAME = "base_link"

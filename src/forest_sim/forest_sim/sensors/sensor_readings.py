@@ -14,10 +14,10 @@ from typing import NamedTuple
 from forest_description.components.pump import IdealPump
 from forest_description.geometry.kinematics import Links, tip_position, tip_velocity
 from forest_description.machine import Machine
+from forest_description.types import Vec3
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.port import port_pressure
 from forest_sim.hydraulics.supply import saturation
-from forest_sim.mechanics.manipulator import Triple
 from forest_sim.sensors.sensor_model import WORKS, Channel, ChannelState, sample, sample_if
 from forest_sim.sensors.sensor_suite import (
     CHANNELS,
@@ -38,15 +38,15 @@ from forest_sim.sensors.signal_processing import (
     positions,
 )
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import Axis, PlantParameters
 from forest_sim.solver.plant import AxisState, Ports, Transmission, ports_at, supply_draw, transmissions
+from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 
 class Surroundings(NamedTuple):
     """What sensors measure outside of hydraulics and crane."""
 
     engine_speed: float = 2500.0 * 2.0 * math.pi / 60.0  # [rad/s]
-    temperatures: Triple = (313.15, 313.15, 313.15)  # [K] tank, pump case, swing motor case
+    temperatures: Vec3 = (313.15, 313.15, 313.15)  # [K] tank, pump case, swing motor case
     tilt: tuple[float, float] = (0.0, 0.0)  # [rad] pitch, roll
     rig: bool = False  # a test rig: the second flow meter is at the far end of the swing's hose 1
 
@@ -102,8 +102,8 @@ class Report(NamedTuple):
 
     seen: Measurement
     joints: Motion  # angles [rad], rates [rad/s], actuator torques [N m]
-    tip: Triple  # [m]
-    tip_velocity: Triple  # [m/s]
+    tip: Vec3  # [m]
+    tip_velocity: Vec3  # [m/s]
 
 
 def measure(

@@ -12,13 +12,14 @@ from forest_compile.entry import Entry
 from forest_compile.kernel_cache import Kept
 from forest_description.geometry.kinematics import Links
 from forest_description.machine import load_machine
+from forest_msgs_py.types import PERIOD
 from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_readings import Report, Sensors, Surroundings
 from forest_sim.sensors.sensor_suite import EXACT_SUITE, NO_DRAWS, Suite, conditions, draw, noise_generator
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import PlantParameters, plant_parameters
+from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 
 
 class SensorRun:
@@ -72,7 +73,7 @@ def _example() -> Example:
     simulation, around = equilibrium((0.0, 0.5, -1.5), plant), sensor_readings.surroundings(machine)
     state = sensor_readings.at_rest(simulation, plant, EXACT_SUITE, around)
     known = Sensors(plant, EXACT_SUITE.channels, 0.0, around), links
-    state, report = sensor_readings.report(state, simulation, NO_DRAWS.normal, known, 0.005)
+    state, report = sensor_readings.report(state, simulation, NO_DRAWS.normal, known, PERIOD)
     return Example(state, (simulation, NO_DRAWS.normal), known, report)
 
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from forest_description.components.sensor_calibration import Unit, line_of
 from forest_description.components.sensors import FlowMeter, LinearTransducer
-from forest_description.machine import AXES, CylinderDrive, Machine
+from forest_description.machine import CylinderDrive, Machine
+from forest_description.types import AXES
 from forest_sim.sensors.sensor_model import ABSENT, EXACT, Channel
 
 PORTS = tuple(f"{port}_{place}" for port in (1, 2) for place in ("valve", "actuator"))

@@ -22,10 +22,10 @@ import math
 from typing import NamedTuple
 
 from forest_description.geometry.linkage import lever_arm
+from forest_description.types import Vec3
 from forest_sim.hydraulics.actuator import Actuator
-from forest_sim.mechanics.manipulator import Triple
 from forest_sim.sensors.sensor_suite import PLACES
-from forest_sim.solver.parameters import PlantParameters
+from forest_sim.solver.plant_parameters import PlantParameters
 
 SPEED_BANDWIDTH = 25.0  # [Hz]
 
@@ -41,9 +41,9 @@ Estimates = tuple["SpeedEstimate", ...]  # joints, then actuators
 class Motion(NamedTuple):
     """Positions, speeds and efforts of three joints or actuators; NaN where there is no reading."""
 
-    position: Triple
-    speed: Triple
-    effort: Triple
+    position: Vec3
+    speed: Vec3
+    effort: Vec3
 
 
 class SpeedEstimate(NamedTuple):
@@ -65,8 +65,8 @@ class Measurement(NamedTuple):
     supply_flow: float
     supply_saturation: float
     case_drain_flow: float
-    spools: Triple
-    temperatures: Triple
+    spools: Vec3
+    temperatures: Vec3
     engine_speed: float
     tilt: tuple[float, ...]
 

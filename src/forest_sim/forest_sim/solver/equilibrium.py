@@ -1,19 +1,19 @@
 """Where a simulation starts: every valve shut, nothing moving, gravity held by trapped oil."""
 
 from forest_description.geometry.linkage import lever_arm
-from forest_sim.hydraulics.spool import CENTRED
+from forest_description.types import Vec3
+from forest_sim.hydraulics.spool_dynamics import CENTRED
 from forest_sim.hydraulics.supply import Supply, SupplyState, pump_flow
-from forest_sim.mechanics.manipulator import Triple
 from forest_sim.mechanics.pendulum import hanging_angles
 from forest_sim.solver.integrator import Events, Simulation
 from forest_sim.solver.multibody import HANGING_STILL, HeadState, mechanics
-from forest_sim.solver.parameters import Axis, PlantParameters
 from forest_sim.solver.plant import AxisState, PlantState
+from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 PRELOAD = 0.1  # pressure in the less loaded chamber, as a share of the supply's
 
 
-def equilibrium(angles: Triple, p: PlantParameters) -> Simulation:
+def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
     """Return the machine at rest at the joint angles [rad], valves shut.
 
     The trapped volumes leave one pressure per cylinder free: the less loaded chamber gets `PRELOAD` of the

@@ -8,13 +8,12 @@ import ctypes
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_compile import flat_layout
-from forest_sim.mechanics.manipulator import Triple
+from forest_description.types import Floats, Vec3
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import PlantParameters
 from forest_sim.solver.plant_kernel import KEPT
+from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.state_recording import restore, store
 
 _packers: list[Callable[[PlantParameters], flat_layout.Row]] = []
@@ -33,9 +32,7 @@ class Stepper:
             ModuleNotFoundError: llvmlite is not installed.
         """
         self._kernel = KEPT.kernel()
-        self.state: NDArray[np.float64] = np.array(
-            flat_layout.packer(simulation)(simulation), dtype=np.float64
-        )
+        self.state: Floats = np.array(flat_layout.packer(simulation)(simulation), dtype=np.float64)
         """What `recording.STATE` names; it may be read and written between calls."""
         self._parameters = np.array(_packed(p), dtype=np.float64)
         self._voltages = (ctypes.c_double * 3)()
@@ -47,7 +44,7 @@ class Stepper:
             *(self._parameters.ctypes.data, self.state.ctypes.data, self.state.ctypes.data),
         )
 
-    def advance(self, voltages: Triple, h: float, count: int) -> None:
+    def advance(self, voltages: Vec3, h: float, count: int) -> None:
         """Advance by `count` steps of h [s] with the valve voltages [V] held."""
         self._voltages[0], self._voltages[1], self._voltages[2] = voltages
         self._pace[0], self._pace[1] = h, count

@@ -8,14 +8,14 @@ a hanging head's two rates.
 import math
 from typing import NamedTuple
 
+from forest_description.types import Vec3
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.hydraulics.hydraulic_line import LineSolution, PortGuard, drained, solve_line, supply_coupling
 from forest_sim.hydraulics.supply import SupplyState, pump_flow, reference_after
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_resistance
 from forest_sim.mechanics.friction import friction_slope
-from forest_sim.mechanics.manipulator import Pair, Triple
+from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.multibody import HeadState, Inertia, mechanics, resisted, solve, times
-from forest_sim.solver.parameters import Axis, PlantParameters
 from forest_sim.solver.plant import (
     AxisState,
     PlantState,
@@ -25,6 +25,7 @@ from forest_sim.solver.plant import (
     sensed_load,
     transmissions,
 )
+from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 TOLERANCE = 1e-4  # [rad/s] of Newton's last correction; the next one would be a thousandth of it at 1 ms
 SUPPLY_TOLERANCE = 1e3  # [Pa] of P_s, as above
@@ -62,7 +63,7 @@ class SupplyError(NamedTuple):
 
     residual: float  # [m^3]
     slope: float  # by P_s [m^3/Pa]
-    by_rate: Triple  # by the joint rates [m^3 s], which is also -d(residual of the joints)/dP_s
+    by_rate: Vec3  # by the joint rates [m^3 s], which is also -d(residual of the joints)/dP_s
     feeds: tuple[Pair, Pair, Pair]  # d(flow into hose 1, 2)/dP_s of swing, boom, stick [m^3/(s Pa)]
     state: SupplyState  # P_s [Pa] of the guess, and the P_r that follows from it
 
@@ -70,7 +71,7 @@ class SupplyError(NamedTuple):
 class Guess(NamedTuple):
     """What Newton looks for: the rates and the supply's pressure at a stage's end."""
 
-    rates: Triple  # of the joints [rad/s]
+    rates: Vec3  # of the joints [rad/s]
     head_rates: Pair  # of the hanging head [rad/s]
     supply: SupplyState
 
@@ -82,7 +83,7 @@ class Trial(NamedTuple):
     boom: AxisSolution
     stick: AxisSolution
     matrix: Inertia
-    residual: Triple  # of the joints [N m s]
+    residual: Vec3  # of the joints [N m s]
     head_residual: Pair
     supply: SupplyError
 
@@ -90,7 +91,7 @@ class Trial(NamedTuple):
 def solve_stage(
     base: PlantState,
     start: PlantState,
-    rates: Triple,
+    rates: Vec3,
     ports: tuple[Ports, Ports, Ports],
     h: float,
     p: PlantParameters,
@@ -246,7 +247,7 @@ def _supply_error(
     supply: float,
     axes: tuple[AxisSolution, AxisSolution, AxisSolution],
     ports: tuple[Ports, Ports, Ports],
-    arms: Triple,
+    arms: Vec3,
     h: float,
     p: PlantParameters,
 ) -> SupplyError:

@@ -10,14 +10,14 @@ The step assumes that commands stand still over it. The spools' lags are linear 
 import math
 from typing import NamedTuple
 
+from forest_description.types import Vec3
 from forest_sim.hydraulics.hydraulic_line import PortGuard
-from forest_sim.hydraulics.spool import Spool, Spools, spool_after
+from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
-from forest_sim.mechanics.manipulator import Triple
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.multibody import HeadState
-from forest_sim.solver.parameters import PlantParameters, SpoolValve
 from forest_sim.solver.plant import AxisState, PlantState, ports_at
+from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve
 
 GAMMA = 1.0 - math.sqrt(0.5)
 
@@ -36,10 +36,10 @@ class Simulation(NamedTuple):
     plant: PlantState
     spools: Spools
     events: Events
-    accelerations: Triple  # of the joints over the last stage [rad/s^2], from which Newton starts
+    accelerations: Vec3  # of the joints over the last stage [rad/s^2], from which Newton starts
 
 
-def step(simulation: Simulation, voltages: Triple, h: float, p: PlantParameters) -> Simulation:
+def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
     """Advance the machine by h [s] with the valve voltages [V] held."""
     plant, c = simulation.plant, GAMMA * h
     middle = spools_after(simulation.spools, voltages, c, p)
@@ -60,7 +60,7 @@ def step(simulation: Simulation, voltages: Triple, h: float, p: PlantParameters)
     return Simulation(after, end, events, _mean_accelerations(base, after, c))
 
 
-def _mean_accelerations(before: PlantState, after: PlantState, time: float) -> Triple:
+def _mean_accelerations(before: PlantState, after: PlantState, time: float) -> Vec3:
     """Return the joints' mean accelerations [rad/s^2] over a time [s]."""
     per_time = 1.0 / time
     return (
@@ -70,7 +70,7 @@ def _mean_accelerations(before: PlantState, after: PlantState, time: float) -> T
     )
 
 
-def _rates_after(plant: PlantState, accelerations: Triple, time: float) -> Triple:
+def _rates_after(plant: PlantState, accelerations: Vec3, time: float) -> Vec3:
     """Return the joint rates [rad/s] that steady accelerations [rad/s^2] lead to."""
     return (
         plant.swing.rate + time * accelerations[0],
@@ -79,14 +79,14 @@ def _rates_after(plant: PlantState, accelerations: Triple, time: float) -> Tripl
     )
 
 
-def advance(simulation: Simulation, voltages: Triple, h: float, count: int, p: PlantParameters) -> Simulation:
+def advance(simulation: Simulation, voltages: Vec3, h: float, count: int, p: PlantParameters) -> Simulation:
     """Advance the machine by `count` steps of h [s] with the valve voltages [V] held."""
     for _ in range(count):
         simulation = step(simulation, voltages, h, p)
     return simulation
 
 
-def spools_after(spools: Spools, voltages: Triple, time: float, p: PlantParameters) -> Spools:
+def spools_after(spools: Spools, voltages: Vec3, time: float, p: PlantParameters) -> Spools:
     """Return the spools after a time [s] under held voltages [V]; they end at the rated one."""
     return (
         _spool_after(spools[0], voltages[0], time, p.valves[0]),

@@ -11,9 +11,10 @@ Without a hanging head the swing is on its own (M_12 = M_13 = 0), and its equati
 
 from typing import NamedTuple
 
-from forest_sim.mechanics.manipulator import Pair, Triple, dynamics, tip_load_torques
+from forest_description.types import Vec3
+from forest_sim.mechanics.manipulator import Pair, dynamics, tip_load_torques
 from forest_sim.mechanics.pendulum import pendulum_damping, pendulum_dynamics
-from forest_sim.solver.parameters import PlantParameters
+from forest_sim.solver.plant_parameters import PlantParameters
 
 
 class HeadState(NamedTuple):
@@ -43,7 +44,7 @@ class Mechanics(NamedTuple):
     """M and bias at one state."""
 
     inertia: Inertia
-    bias: Triple
+    bias: Vec3
     head_bias: Pair
 
 
@@ -51,7 +52,7 @@ NOT_COUPLED = ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
 HANGING_STILL = HeadState(0.0, 0.0, 0.0, 0.0)
 
 
-def mechanics(q: Triple, rates: Triple, head: HeadState, p: PlantParameters) -> Mechanics:
+def mechanics(q: Vec3, rates: Vec3, head: HeadState, p: PlantParameters) -> Mechanics:
     """Return M and bias. Thesis eq. 3.15, section 4.4.
 
     Args:
@@ -92,7 +93,7 @@ def mechanics(q: Triple, rates: Triple, head: HeadState, p: PlantParameters) -> 
     )
 
 
-def times(m: Inertia, a: Triple, b: Pair) -> tuple[Triple, Pair]:
+def times(m: Inertia, a: Vec3, b: Pair) -> tuple[Vec3, Pair]:
     """Return M applied to three joint accelerations and two of the head [N m]."""
     if m.m_alpha == 0.0:
         return (m.m_11 * a[0], m.m_22 * a[1] + m.m_23 * a[2], m.m_23 * a[1] + m.m_33 * a[2]), (0.0, 0.0)
@@ -107,7 +108,7 @@ def times(m: Inertia, a: Triple, b: Pair) -> tuple[Triple, Pair]:
     )
 
 
-def resisted(m: Inertia, resistance: Triple, damping: float, h: float) -> Inertia:
+def resisted(m: Inertia, resistance: Vec3, damping: float, h: float) -> Inertia:
     """Return M + h times what resists the joints, -d(torque)/d(rate), and the head joint's damping.
 
     Args:
@@ -133,7 +134,7 @@ def resisted(m: Inertia, resistance: Triple, damping: float, h: float) -> Inerti
     )
 
 
-def solve(m: Inertia, r: Triple, s: Pair) -> tuple[Triple, Pair]:
+def solve(m: Inertia, r: Vec3, s: Pair) -> tuple[Vec3, Pair]:
     """Return M^-1 applied to three torques on the joints and two on the head's axes.
 
     The head's diagonal block is eliminated first.
@@ -168,7 +169,7 @@ def solve(m: Inertia, r: Triple, s: Pair) -> tuple[Triple, Pair]:
     )
 
 
-def _solve_crane(m: Inertia, r: Triple) -> Triple:
+def _solve_crane(m: Inertia, r: Vec3) -> Vec3:
     """Return the inverse of the 3x3 block applied to r."""
     d_11 = m.m_22 * m.m_33 - m.m_23 * m.m_23
     if m.m_12 == 0.0 and m.m_13 == 0.0:  # quotients of M alone, which serve a second right-hand side as well

@@ -17,21 +17,22 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from forest_description.components.valve import ValveLaw, edges
+from forest_description.components.valve_characteristic import ValveLaw, edges
 from forest_description.geometry.linkage import Linkage, length_and_arm
 from forest_description.machine import Machine
+from forest_description.types import Floats, Vec3
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.hydraulics.hydraulic_line import flow_rate, pressure_rate
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
-from forest_sim.hydraulics.spool import Spools
+from forest_sim.hydraulics.spool_dynamics import Spools
 from forest_sim.hydraulics.supply import SupplyState, pump_flow, reference_rate
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
-from forest_sim.mechanics.manipulator import Pair, Triple
+from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.multibody import HANGING_STILL, HeadState, Mechanics, mechanics, solve
-from forest_sim.solver.parameters import Axis, PlantParameters, plant_parameters
+from forest_sim.solver.plant_parameters import Axis, PlantParameters, plant_parameters
 
 
 class AxisState(NamedTuple):
@@ -120,7 +121,7 @@ def passive_force(position: float, speed: float, axis: Axis) -> float:
     return end_stop_force(position, speed, axis.stop) - braking - friction_force(speed, axis.friction)
 
 
-def accelerations(m: Mechanics, torques: tuple[float, float, float]) -> tuple[Triple, Pair]:
+def accelerations(m: Mechanics, torques: Vec3) -> tuple[Vec3, Pair]:
     """Return M^-1 (tau - V - G) of the joints and of the hanging head [rad/s^2]. Thesis eq. 3.15, 4.11."""
     b = m.bias
     driving = torques[0] - b[0], torques[1] - b[1], torques[2] - b[2]
@@ -207,7 +208,7 @@ def sensed_load(pressure: float, port: Port) -> float:
     return pressure if port.to_supply < math.inf else 0.0
 
 
-def to_array(state: PlantState) -> NDArray[np.float64]:
+def to_array(state: PlantState) -> Floats:
     """Return the 18 states as an array in Appendix B's order."""
     return np.array([*state.swing, *state.boom, *state.stick], dtype=np.float64)
 
@@ -228,9 +229,7 @@ def from_array(x: ArrayLike, supply_pressure: float) -> PlantState:
     return PlantState(AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]), supply, HANGING_STILL)
 
 
-def thesis_state_derivative(
-    x: ArrayLike, c_r: ArrayLike, p_s: float, machine: Machine
-) -> NDArray[np.float64]:
+def thesis_state_derivative(x: ArrayLike, c_r: ArrayLike, p_s: float, machine: Machine) -> Floats:
     """Return xdot of Appendix B, corrected, for given orifice resistances.
 
     Thesis eq. 3.20, App. B. Differs: docs/equations.md lists the corrections.

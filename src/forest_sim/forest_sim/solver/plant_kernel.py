@@ -11,28 +11,27 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_compile import flat_layout, machine_code
 from forest_compile.entry import Entry
 from forest_compile.kernel_cache import Kept, can_compile
-from forest_description.components import valve
+from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
-from forest_sim.hydraulics import port, spool
+from forest_description.types import Floats, Vec3
+from forest_sim.hydraulics import port, spool_dynamics
 from forest_sim.mechanics import pendulum
-from forest_sim.mechanics.manipulator import Triple
 from forest_sim.solver import implicit_stage, integrator, plant, power, state_recording
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import PlantParameters, plant_parameters
+from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.solver.step_schedule import Pace, given
 
 # What is seldom called, or only with the energy account: written out, it would make the whole larger.
 APART = (
     port._two_edges,
     pendulum.pendulum_dynamics,
-    spool._second_order,
-    valve._curved_opening,
+    spool_dynamics._second_order,
+    valve_characteristic._curved_opening,
     implicit_stage._solve_further,
     implicit_stage._try_again,
     power.power_flows,
@@ -44,8 +43,7 @@ APART = (
 ARGUMENTS = "ppippiiippp"
 NAMES = "state, voltages, stride, steps, counts, pace, rows, recorded, parameters, states, energies"
 
-Floats = NDArray[np.float64]
-Advance = Callable[[Simulation, Triple, float, int, PlantParameters], Simulation]
+Advance = Callable[[Simulation, Vec3, float, int, PlantParameters], Simulation]
 Record = Callable[[Simulation, Floats, Pace | float, PlantParameters, Floats, Floats | None], Simulation]
 
 
@@ -124,7 +122,7 @@ def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
     here = _Flat()
 
     def advance(
-        simulation: Simulation, voltages: Triple, h: float, count: int, p: PlantParameters
+        simulation: Simulation, voltages: Vec3, h: float, count: int, p: PlantParameters
     ) -> Simulation:
         here.voltages[:] = voltages
         here.pace[:] = h, count

@@ -22,7 +22,6 @@ from forest_sim.hydraulics.supply import pump_flow
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import Axis, PlantParameters
 from forest_sim.solver.plant import (
     AxisState,
     Ports,
@@ -33,6 +32,7 @@ from forest_sim.solver.plant import (
     state_derivative,
     transmissions,
 )
+from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 
 class SupplyPower(NamedTuple):

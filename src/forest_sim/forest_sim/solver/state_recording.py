@@ -12,21 +12,18 @@ of `power` are integrated over the integrator's own steps with the trapezoidal r
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_compile import flat_layout
-from forest_sim.hydraulics.spool import CENTRED, Spool
+from forest_description.types import AXES, Floats
+from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.integrator import Events, Simulation, step
 from forest_sim.solver.multibody import HANGING_STILL, HeadState
-from forest_sim.solver.parameters import PlantParameters
 from forest_sim.solver.plant import AxisState, PlantState
+from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.power import AxisPower, SupplyPower, power_flows
 from forest_sim.solver.step_schedule import Pace, given
 
-Floats = NDArray[np.float64]
-
-AXES = ("swing", "boom", "stick")
 STATE = (
     *(f"{axis}_{field}" for axis in AXES for field in AxisState._fields),
     *(f"supply_{field}" for field in SupplyState._fields),

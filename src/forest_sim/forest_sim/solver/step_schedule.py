@@ -10,10 +10,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Truths = NDArray[np.bool_]
+from forest_description.types import Bools, Floats
 
 LONGEST = 5e-3 / 3.0  # [s] of a step
 FINER = 3  # short steps in a long one
@@ -49,7 +47,7 @@ def ringing_rows(period: float) -> int:
     return max(1, math.ceil(RING / period - ROUNDING))
 
 
-def jumps(table: Floats, before: Floats, rows: int) -> Truths:
+def jumps(table: Floats, before: Floats, rows: int) -> Bools:
     """Return which rows begin or contain a jump of a command.
 
     Args:
@@ -58,11 +56,11 @@ def jumps(table: Floats, before: Floats, rows: int) -> Truths:
         rows: how many there are.
     """
     moves = np.abs(np.diff(table, axis=0, prepend=before[np.newaxis, :])).max(axis=1)
-    found: Truths = (moves > JUMP).reshape(rows, -1).any(axis=1)
+    found: Bools = (moves > JUMP).reshape(rows, -1).any(axis=1)
     return found
 
 
-def after_jumps(jumped: Truths, period: float) -> Pace:
+def after_jumps(jumped: Bools, period: float) -> Pace:
     """Return the pace of rows of a period [s], given which of them begin or contain a jump."""
     ringing = np.convolve(jumped, np.ones(ringing_rows(period)))[: len(jumped)] > 0.5
     counts = np.where(ringing, FINER, 1.0) * long_steps(period)

@@ -14,7 +14,6 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_control.operator.levers import REST, Levers
 from forest_control.pipeline import controller
@@ -22,20 +21,19 @@ from forest_control.valve import valve_driver
 from forest_control.valve.tracking_limit import UNREPORTED, learnt_reach, reported
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
-from forest_sim.mechanics.manipulator import Triple
+from forest_description.types import ZERO, Floats, Vec3
+from forest_msgs_py.types import PERIOD
 from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_suite import Suite, draw, noise_generator
 from forest_sim.sensors.sensor_suite import sensor_suite as suite_of
 from forest_sim.sensors.signal_processing import Measurement
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import PlantParameters, plant_parameters
 from forest_sim.solver.plant_kernel import compiled_advance
+from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop.link_model import Quality, Reader
 
-PERIOD = 0.005  # [s]
 SUBSTEPS = 5  # of 1 ms
-ZERO: Triple = (0.0, 0.0, 0.0)
 
 
 class Operator(NamedTuple):
@@ -61,18 +59,18 @@ RELEASED = Operator(REST, False)
 class Trajectory(NamedTuple):
     """A session, one row per period."""
 
-    time: NDArray[np.float64]  # [N] s
-    angles: NDArray[np.float64]  # [N, 3] rad, true
-    tip: NDArray[np.float64]  # [N, 3] m, true
-    tip_wish: NDArray[np.float64]  # [N, 3] m/s, governed
-    commands: NDArray[np.float64]  # [N, 3] V of ideal valves
-    voltages: NDArray[np.float64]  # [N, 3] V
-    pressures: NDArray[np.float64]  # [N, 12] Pa
+    time: Floats  # [N] s
+    angles: Floats  # [N, 3] rad, true
+    tip: Floats  # [N, 3] m, true
+    tip_wish: Floats  # [N, 3] m/s, governed
+    commands: Floats  # [N, 3] V of ideal valves
+    voltages: Floats  # [N, 3] V
+    pressures: Floats  # [N, 12] Pa
 
-    def tip_error(self) -> NDArray[np.float64]:
+    def tip_error(self) -> Floats:
         """Return true tip minus integrated wish [N, 3] m, from the first row on."""
         wished = np.vstack([np.zeros(3), np.cumsum(self.tip_wish[:-1], axis=0) * PERIOD])
-        error: NDArray[np.float64] = self.tip - self.tip[0] - wished
+        error: Floats = self.tip - self.tip[0] - wished
         return error
 
 
@@ -80,13 +78,13 @@ def run(
     machine: Machine,
     operator: Callable[[float], Operator],
     duration: float,
-    start: Triple,
+    start: Vec3,
     control: controller.Settings,
     drive: valve_driver.Settings,
     model: Machine | None = None,
     sensor_suite: Suite | None = None,
     ways: Links | None = None,
-    watch: Callable[[float, Triple], None] = lambda _time, _angles: None,
+    watch: Callable[[float, Vec3], None] = lambda _time, _angles: None,
     plant: PlantParameters | None = None,
     behind: Sequence[int] = (),
 ) -> Trajectory:
@@ -135,7 +133,7 @@ class _Loop:
         p: PlantParameters,
         control: controller.Parameters,
         drive: valve_driver.Parameters,
-        start: Triple,
+        start: Vec3,
         suite: Suite,
         behind: Sequence[int] = (),
     ) -> None:
@@ -147,11 +145,11 @@ class _Loop:
         self._controller, self._driver = controller.REST, valve_driver.REST
         self._reports = UNREPORTED
         self._behind = iter(behind)
-        self._waiting: list[Triple] = []  # commands
+        self._waiting: list[Vec3] = []  # commands
         self._volts, self._held = ZERO, 0  # given last, in force for so many periods
         self._advance = compiled_advance()
 
-    def period(self, operator: Operator) -> tuple[Triple, Triple, Triple, Triple, tuple[float, ...]]:
+    def period(self, operator: Operator) -> tuple[Vec3, Vec3, Vec3, Vec3, tuple[float, ...]]:
         """Return a period's angles, tip wish, commands, voltages, pressures, and move the machine over it."""
         self._sensors, seen = sensor_readings.measure(
             self._simulation, self._sensors, self._plant, PERIOD, self._suite, draw(self._generator)
@@ -163,11 +161,11 @@ class _Loop:
         self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
         return angles, wish, command, volts, seen.pressures
 
-    def _answer(self, seen: Measurement, operator: Operator) -> tuple[Triple, Triple]:
+    def _answer(self, seen: Measurement, operator: Operator) -> tuple[Vec3, Vec3]:
         """Return the tip's wish, and the command that reaches the driver."""
         return self._control_step(seen, operator)
 
-    def _in_force(self, command: Triple, seen: Measurement) -> Triple:
+    def _in_force(self, command: Vec3, seen: Measurement) -> Vec3:
         """Return the voltages under which the machine moves over this period; a held-up driver's last."""
         self._waiting.append(command)
         self._held += 1
@@ -184,7 +182,7 @@ class _Loop:
             self._held = 0
         return self._volts
 
-    def _control_step(self, seen: Measurement, operator: Operator) -> tuple[Triple, Triple]:
+    def _control_step(self, seen: Measurement, operator: Operator) -> tuple[Vec3, Vec3]:
         """Return the tip's wish and the command; both zero while the joints' state cannot be believed."""
         if controller.implausible(seen.joints.position, seen.joints.speed, self._control):
             self._controller = controller.REST
@@ -204,7 +202,7 @@ class _LateLoop(_Loop):
         p: PlantParameters,
         control: controller.Parameters,
         drive: valve_driver.Parameters,
-        start: Triple,
+        start: Vec3,
         suite: Suite,
         behind: Sequence[int],
         ways: Links,
@@ -212,10 +210,10 @@ class _LateLoop(_Loop):
         super().__init__(p, control, drive, start, suite, behind)
         self._joystick: Reader[Operator] = Reader(ways.joystick, 3 * ways.seed, JOY_TIMEOUT)
         self._states: Reader[Measurement] = Reader(ways.state, 3 * ways.seed + 1, STATE_TIMEOUT)
-        self._commands: Reader[Triple] = Reader(ways.commands, 3 * ways.seed + 2, COMMAND_TIMEOUT)
+        self._commands: Reader[Vec3] = Reader(ways.commands, 3 * ways.seed + 2, COMMAND_TIMEOUT)
         self._now, self._wish = 0.0, ZERO
 
-    def _answer(self, seen: Measurement, operator: Operator) -> tuple[Triple, Triple]:
+    def _answer(self, seen: Measurement, operator: Operator) -> tuple[Vec3, Vec3]:
         self._now += PERIOD
         hand, _ = self._joystick.passed(self._now, operator)
         state, is_new = self._states.passed(self._now, seen)
@@ -245,7 +243,7 @@ def _motion(seen: Measurement) -> valve_driver.Motion:
     return valve_driver.Motion(seen.actuators.position, _at_port(seen, 1, 0), _at_port(seen, 2, 0))
 
 
-def _at_port(seen: Measurement, port: int, place: int = 1) -> Triple:
+def _at_port(seen: Measurement, port: int, place: int = 1) -> Vec3:
     """Return the pressures [Pa] of one port, swing, boom, stick; place: 0 at the valve, 1 at the actuator."""
     first = place if port == 1 else 2 + place
     return seen.pressures[first], seen.pressures[first + 4], seen.pressures[first + 8]

@@ -16,16 +16,17 @@ from forest_control.pipeline import controller
 from forest_control.valve import valve_driver
 from forest_control.valve.tracking_limit import Reports, learnt_reach, reported
 from forest_description.geometry.kinematics import Links, tip_position
-from forest_sim.mechanics.manipulator import Triple
+from forest_description.types import ZERO, Vec3
+from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_model import ABSENT, Channel, ChannelState, sample_if
 from forest_sim.sensors.sensor_readings import axis_pressures
 from forest_sim.sensors.sensor_suite import PLACES, TIME_TOLERANCE
 from forest_sim.sensors.signal_processing import SpeedEstimate, estimate_speed
 from forest_sim.solver import integrator
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.parameters import PlantParameters
 from forest_sim.solver.plant import ports_at, transmissions
-from forest_study.closed_loop.closed_loop import PERIOD, SUBSTEPS, ZERO
+from forest_sim.solver.plant_parameters import PlantParameters
+from forest_study.closed_loop.closed_loop import SUBSTEPS
 
 CHANNEL_COUNT = PLACES["pressure"].stop  # resolvers, transducers, pressures: the suite's first channels
 
@@ -69,11 +70,11 @@ class Knowledge(NamedTuple):
 class Happened(NamedTuple):
     """What is recorded of a period."""
 
-    angles: Triple  # [rad] true
-    tip: Triple  # [m] true
-    tip_wish: Triple  # [m/s]
-    command: Triple  # [V]
-    voltages: Triple  # [V]
+    angles: Vec3  # [rad] true
+    tip: Vec3  # [m] true
+    tip_wish: Vec3  # [m/s]
+    command: Vec3  # [V]
+    voltages: Vec3  # [V]
     pressures: tuple[float, ...]  # [Pa] read, 12
 
 

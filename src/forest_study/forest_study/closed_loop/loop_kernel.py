@@ -9,7 +9,6 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_compile import flat_layout
 from forest_compile.entry import Entry
@@ -19,17 +18,16 @@ from forest_control.operator import levers
 from forest_control.pipeline import controller
 from forest_control.valve import tracking_limit, valve_driver
 from forest_description.machine import Machine, load_machine
-from forest_sim.mechanics.manipulator import Triple
+from forest_description.types import Floats, Vec3
+from forest_msgs_py.types import PERIOD
 from forest_sim.sensors import sensor_readings, sensor_suite
 from forest_sim.sensors.sensor_suite import CHANNELS, Suite, noise_generator
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.parameters import PlantParameters, plant_parameters
+from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop import closed_loop, loop_core
-from forest_study.closed_loop.closed_loop import PERIOD, Operator, Trajectory
+from forest_study.closed_loop.closed_loop import Operator, Trajectory
 from forest_study.closed_loop.loop_core import CHANNEL_COUNT, Happened, Knowledge, Loop, Senses, Sensing
-
-Floats = NDArray[np.float64]
 
 # What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
 APART = (*plant_kernel.APART, *control_compiled.APART)
@@ -65,7 +63,7 @@ def by_heart(
     machine: Machine,
     operator: Callable[[float], Operator],
     duration: float,
-    start: Triple,
+    start: Vec3,
     control: controller.Settings,
     drive: valve_driver.Settings,
     model: Machine | None = None,
@@ -93,7 +91,7 @@ def by_heart(
 def prepared(
     machine: Machine,
     levers: Floats,
-    start: Triple,
+    start: Vec3,
     control: controller.Settings,
     drive: valve_driver.Settings,
     model: Machine | None = None,
@@ -142,7 +140,7 @@ def knowledge(
     )
 
 
-def begin(k: Knowledge, start: Triple, suite: Suite) -> Loop:
+def begin(k: Knowledge, start: Vec3, suite: Suite) -> Loop:
     """Return the loop as it first reports, having been at rest at joint angles [rad]."""
     simulation = equilibrium(start, k.plant)
     seen = sensor_readings.at_rest(simulation, k.plant, suite)

@@ -15,15 +15,23 @@ from typing import Any
 
 from forest_bringup import graph
 from forest_bringup.graph_lock import AlreadyRunning, Failure
-from forest_bringup.lockstep_run import GUARD, RECORDER, STEP, in_lockstep
+from forest_bringup.lockstep_run import GUARD, RECORDER, in_lockstep
 from forest_bringup.profile_choice import profile_for
 from forest_bringup.supervisor import STOP_SIGNALS, Stopped, Supervisor
 from forest_control.operator.joystick_bag import is_bag, read_joy_record
-from forest_control.operator.joystick_faults import parse_joystick_faults
-from forest_control.operator.sources import LEAD_IN, LEAD_OUT, THESIS_DURATION, LeverError, read_levers
+from forest_control.operator.joystick_fault_injection import parse_joystick_faults
+from forest_control.operator.joystick_sources import (
+    LEAD_IN,
+    LEAD_OUT,
+    THESIS_DURATION,
+    LeverError,
+    read_levers,
+)
 from forest_description.derived.limits import joint_limits
-from forest_description.machine import AXES, MachineError, load_machine
+from forest_description.machine import MachineError, load_machine
+from forest_description.types import AXES
 from forest_msgs_py.runtime.command_line import number
+from forest_msgs_py.types import PERIOD
 
 LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample
 END_LIMIT = 10.0  # [s] for it to end
@@ -175,14 +183,14 @@ def _length(joystick: str) -> float:
     if joystick == "thesis":
         return THESIS_DURATION
     if is_bag(Path(joystick)):
-        return max(STEP, read_joy_record(Path(joystick)).length)
+        return max(PERIOD, read_joy_record(Path(joystick)).length)
     return max(0.5, read_levers(Path(joystick)).times[-1])
 
 
 def _steps(joystick: str, duration: float) -> int:
     """Return how many steps a run in lockstep takes; a bag's run has its rests at both ends already."""
-    around = STEP if is_bag(Path(joystick)) else LEAD_IN + LEAD_OUT
-    return round((duration + around) / STEP)
+    around = PERIOD if is_bag(Path(joystick)) else LEAD_IN + LEAD_OUT
+    return round((duration + around) / PERIOD)
 
 
 def _finish(

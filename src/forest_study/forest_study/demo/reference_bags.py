@@ -19,8 +19,9 @@ from pathlib import Path
 from forest_bringup import graph, lockstep_run
 from forest_bringup.graph_lock import Failure
 from forest_bringup.supervisor import NodeSpec
-from forest_control.operator.sources import LEAD_IN, LEAD_OUT
+from forest_control.operator.joystick_sources import LEAD_IN, LEAD_OUT
 from forest_msgs_py.runtime import command_line
+from forest_msgs_py.types import PERIOD
 from forest_study.demo import synthetic_operator
 
 MACHINE, SCHEME = "c180", "coordinated"
@@ -59,7 +60,7 @@ def _make(options: argparse.Namespace) -> int:
             output = graph.parameter("output", str(new))
             nodes.append(NodeSpec("recorder", "forest_bag.recorder_node", (*output, *exclude)))
             with tempfile.TemporaryDirectory() as logs:
-                lockstep_run.run(nodes, round(seconds / lockstep_run.STEP), Path(logs))
+                lockstep_run.run(nodes, round(seconds / PERIOD), Path(logs))
             shutil.rmtree(options.out / name, ignore_errors=True)
             new.rename(options.out / name)
         finally:

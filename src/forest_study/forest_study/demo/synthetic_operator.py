@@ -15,9 +15,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from forest_description.types import Floats
+
 RATE = 50.0  # [Hz]
 MOVEMENT = 0.35, 0.9  # [s] shortest and longest
 REST = 0.0, 0.5  # [s]

@@ -19,11 +19,11 @@ from forest_bringup.graph import ros_namespace
 from forest_bringup.supervisor import Stopped
 from forest_description.machine import Machine, load_machine
 from forest_ident.cli.fit_command import Bar
-from forest_ident.data import session_bag
-from forest_ident.data.session import SessionError
 from forest_ident.driving.direct_run import duration, experiment, told
 from forest_ident.estimators import calibration
 from forest_ident.experiments import experiments
+from forest_ident.measurements import session_bag
+from forest_ident.measurements.session import SessionError
 from forest_msgs_py.runtime.command_line import number, whole
 from forest_study.experiments import experiment_graph
 from forest_study.experiments.experiment_graph import Conditions

@@ -15,13 +15,14 @@ from typing import NamedTuple
 
 from forest_bringup import graph
 from forest_bringup.graph_lock import Failure
-from forest_bringup.lockstep_run import RECORDER, STEP, in_lockstep
+from forest_bringup.lockstep_run import RECORDER, in_lockstep
 from forest_bringup.supervisor import NodeSpec, Supervisor
 from forest_description.export.machine_yaml import machine_text
 from forest_description.machine import Machine, load_machine
-from forest_ident.data import session_bag
 from forest_ident.experiments import experiments
 from forest_ident.experiments.experiments import Plan
+from forest_ident.measurements import session_bag
+from forest_msgs_py.types import PERIOD
 
 OPERATOR = "experiment_operator"
 OPERATOR_MODULE = "forest_ident.experiment_operator_node"
@@ -60,7 +61,7 @@ def run(name: str, conditions: Conditions, bag: Path, logs: Path, progress: Prog
         Stopped: the user asked to stop.
     """
     plan = conditions.plan(name)
-    steps = round(plan.programme.duration / STEP)
+    steps = round(plan.programme.duration / PERIOD)
     nodes = in_lockstep(_nodes(plan, conditions, bag, _machine_file(plan, logs)), steps)
     heard = listener(progress)
     with Supervisor(nodes, conditions.namespace, logs, echo=heard) as running:

@@ -21,12 +21,12 @@ from forest_bringup.graph_lock import Failure
 from forest_bringup.supervisor import NodeSpec, Supervisor
 from forest_bringup.terminal import ask
 from forest_description.machine import load_machine
-from forest_ident.data import session_bag
-from forest_ident.data.session import SessionError
 from forest_ident.driving.direct_run import duration, told
 from forest_ident.driving.valve_takeover import DRIVER, WANTED, Switches
 from forest_ident.estimators import calibration
 from forest_ident.experiments import experiment_metadata
+from forest_ident.measurements import session_bag
+from forest_ident.measurements.session import SessionError
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.introspection.live_graph import LiveGraph, NoAnswer
 from forest_study.experiments.experiment_command import LOGS, Progress, conditions_of, make_directory, wanted

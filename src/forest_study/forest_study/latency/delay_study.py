@@ -21,12 +21,13 @@ from forest_control.valve import valve_driver
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine, load_machine
-from forest_study.closed_loop.closed_loop import PERIOD, Links, Operator, Trajectory
+from forest_description.types import Vec3
+from forest_msgs_py.types import PERIOD
+from forest_study.closed_loop.closed_loop import Links, Operator, Trajectory
 from forest_study.closed_loop.closed_loop import run as run_loop
 from forest_study.closed_loop.link_model import Quality
 from forest_study.results import new_directory
 
-Triple = tuple[float, float, float]
 DELAYS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6)  # [s]
 THRESHOLD = (0.15, 0.2)  # [s] what the literature on teleoperation names
 WAYS = ("joystick", "by sight", "state")
@@ -48,7 +49,7 @@ class Score(NamedTuple):
     stop_mm: float
 
 
-def wished(time: float) -> Triple:
+def wished(time: float) -> Vec3:
     """Return the tip velocity [m/s] that the hand has in mind."""
     if not BEGIN <= time < RELEASE:
         return 0.0, 0.0, 0.0
@@ -60,12 +61,12 @@ def wished(time: float) -> Triple:
 class Hand:
     """An operator who moves by heart, or corrects what was seen."""
 
-    def __init__(self, tip: Triple, machine: Machine, gain: float) -> None:
+    def __init__(self, tip: Vec3, machine: Machine, gain: float) -> None:
         self._links, self._gain = machine.manipulator.links, gain
         self._goal, self._tip = tip, tip
-        self._off: list[Triple] = [(0.0, 0.0, 0.0)] * (1 + round(REACTION / PERIOD))
+        self._off: list[Vec3] = [(0.0, 0.0, 0.0)] * (1 + round(REACTION / PERIOD))
 
-    def watch(self, _time: float, angles: Triple) -> None:
+    def watch(self, _time: float, angles: Vec3) -> None:
         """See where the tip is."""
         self._tip = tip_position(angles, self._links)
 
@@ -80,7 +81,7 @@ class Hand:
         return Operator(levers_for_tip_velocity(_plus(wish, back, self._gain), SPEED))
 
 
-def _plus(a: Triple, b: Triple, factor: float) -> Triple:
+def _plus(a: Vec3, b: Vec3, factor: float) -> Vec3:
     return a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]
 
 

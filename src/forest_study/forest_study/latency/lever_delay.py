@@ -28,9 +28,9 @@ from numpy.typing import NDArray
 from forest_bag.read.timeseries import Bag
 from forest_control.operator import joystick_interpolation
 from forest_control.operator.levers import RIGHT_Y, levers_from_axes
+from forest_description.types import Floats
 from forest_msgs_py.interfaces import topics
 
-Floats = NDArray[np.float64]
 Times = NDArray[np.int64]
 DIGITS = 1  # of a millisecond
 MOVED = 0.2  # of the greatest deflection or wish: less is no movement

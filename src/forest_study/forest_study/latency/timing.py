@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_bag.read.timeseries import Bag, NotInBag, read_bag
 from forest_bringup.graph_lock import Failure
@@ -29,12 +28,13 @@ from forest_control.operator.levers import REST, Levers, levers_from_axes
 from forest_control.pipeline import controller
 from forest_control.valve import valve_driver
 from forest_description.machine import Machine, load_machine
+from forest_description.types import Floats, Vec3
 from forest_msgs_py.interfaces import topics
-from forest_study.closed_loop.closed_loop import PERIOD, Operator, Trajectory
+from forest_msgs_py.types import PERIOD
+from forest_study.closed_loop.closed_loop import Operator, Trajectory
 from forest_study.closed_loop.closed_loop import run as run_loop
 from forest_study.latency import lever_delay
 
-Floats = NDArray[np.float64]
 LATEST = 20  # periods: what answers older states was said at an end
 STALLS, GOES_ON = 0.06, 0.45  # a driver is held up in so many periods; and for another one
 UNEVEN, JOY_PERIOD = 0.003, 0.01  # [s]
@@ -51,7 +51,7 @@ class Timing(NamedTuple):
 class Session(NamedTuple):
     """What was done in a session."""
 
-    start: tuple[float, float, float]  # joint angles [rad]
+    start: Vec3  # joint angles [rad]
     hand: Callable[[float], Levers]  # by time from the first state [s]
     armed: tuple[bool, ...]  # by period
 

@@ -22,19 +22,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from forest_control.operator.joystick_sources import THESIS_DURATION, thesis_levers, thesis_tip_velocity
 from forest_control.operator.levers import REST, Levers
-from forest_control.operator.sources import THESIS_DURATION, thesis_levers, thesis_tip_velocity
 from forest_control.pipeline import controller
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver
 from forest_description.derived.limits import THESIS_START
-from forest_description.geometry.kinematics import Vector, inverse_kinematics, joint_rates
+from forest_description.geometry.kinematics import inverse_kinematics, joint_rates
 from forest_description.machine import Machine, load_machine
+from forest_description.types import Vec3
+from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop import loop_kernel
-from forest_study.closed_loop.closed_loop import PERIOD, Operator
+from forest_study.closed_loop.closed_loop import Operator
 from forest_study.thesis.thesis_plant import DRIVE, Motion
 from forest_study.thesis.thesis_schemes import INTEGRAL_SHARE
-from forest_study.thesis.thesis_study import AXES, MISMATCHES, POLES, SINUSOID, Case, metrics
+from forest_study.thesis.thesis_study import COORDINATES, MISMATCHES, POLES, SINUSOID, Case, metrics
 from forest_study.thesis.thesis_study import gains as thesis_gains
 
 MACHINE = "c180"
@@ -121,7 +123,7 @@ def motion(trial: Trial) -> Motion:
     return Motion(time, wished, np.gradient(tip, PERIOD, axis=0), place, tip)
 
 
-def _levers_by_heart(start: Vector, settings: controller.Settings, model: Machine) -> list[Levers]:
+def _levers_by_heart(start: Vec3, settings: controller.Settings, model: Machine) -> list[Levers]:
     """Return the joint scheme's levers of every period: J^-1 of the wish at the pose that it should reach."""
     q, links, levers = start, model.manipulator.links, []
     for k in range(round(THESIS_DURATION / PERIOD) + 1):
@@ -136,7 +138,7 @@ def found(trial: Trial) -> dict[str, float]:
     """Return a trial's metrics as on the linear plant, and the largest on any axis and the RMS [m]."""
     moved = motion(trial)
     numbers = metrics(moved)
-    numbers["position_error"] = max(numbers[f"position_error_{axis}"] for axis in AXES)
+    numbers["position_error"] = max(numbers[f"position_error_{axis}"] for axis in COORDINATES)
     numbers["position_rms"] = float(np.sqrt(np.mean(np.sum(moved.position_error**2, axis=1))))
     return numbers
 
@@ -159,5 +161,5 @@ def study() -> dict[str, Any]:
     }
 
 
-def _three(value: float) -> Vector:
+def _three(value: float) -> Vec3:
     return value, value, value

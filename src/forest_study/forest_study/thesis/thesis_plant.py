@@ -23,51 +23,40 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from forest_control.operator.sources import thesis_tip_velocity
+from forest_control.operator.joystick_sources import thesis_tip_velocity
 from forest_control.servo.schemes import moved
-from forest_description.geometry.kinematics import (
-    Links,
-    Vector,
-    inverse_kinematics,
-    tip_position,
-    tip_velocity,
-)
+from forest_description.geometry.kinematics import Links, inverse_kinematics, tip_position, tip_velocity
+from forest_description.types import ZERO, Floats, Vec3
 
 DRIVE = 2.0 * math.pi * 2.0
 """The plant's input gain k, the thesis' W0, fixed at the nominal natural frequency [rad/s]."""
 STEP = 0.005  # [s]; 1, 2.5, 4 and 5.5 s are whole numbers of it
 INSIDE = 1e-9  # [s]
 
-Floats = NDArray[np.float64]
-
-
-ZERO: Vector = (0.0, 0.0, 0.0)
-
 
 class State(NamedTuple):
     """What a case integrates."""
 
-    angles: Vector  # s [rad]
-    rates: Vector  # v [rad/s]
-    reference: Vector  # r [rad]
-    wished_tip: Vector  # x_d [m]
-    ramped: Vector = ZERO  # x', the coordinated scheme's own wish [m/s]
-    integral: Vector = ZERO  # w, alike [rad/s]
+    angles: Vec3  # s [rad]
+    rates: Vec3  # v [rad/s]
+    reference: Vec3  # r [rad]
+    wished_tip: Vec3  # x_d [m]
+    ramped: Vec3 = ZERO  # x', the coordinated scheme's own wish [m/s]
+    integral: Vec3 = ZERO  # w, alike [rad/s]
 
 
 class Control(NamedTuple):
     """What a scheme makes of state and wish."""
 
-    drive: Vector  # k u [rad/s^2]
-    reference_rates: Vector  # dr/dt [rad/s]
-    ramp: Vector = ZERO  # dx'/dt [m/s^2]
-    integral_rates: Vector = ZERO  # dw/dt [rad/s^2]
+    drive: Vec3  # k u [rad/s^2]
+    reference_rates: Vec3  # dr/dt [rad/s]
+    ramp: Vec3 = ZERO  # dx'/dt [m/s^2]
+    integral_rates: Vec3 = ZERO  # dw/dt [rad/s^2]
 
 
-Scheme = Callable[[State, Vector], Control]  # of a state and the wished tip velocity [m/s]
-Wish = Callable[[float], Vector]  # tip velocity [m/s] at a time [s]
+Scheme = Callable[[State, Vec3], Control]  # of a state and the wished tip velocity [m/s]
+Wish = Callable[[float], Vec3]  # tip velocity [m/s] at a time [s]
 
 
 class Motion(NamedTuple):
@@ -90,13 +79,13 @@ class Motion(NamedTuple):
         return self.position - self.wished_position
 
 
-def at_rest(tip: Vector, links: Links) -> State:
+def at_rest(tip: Vec3, links: Links) -> State:
     """Return the state at rest with the tip at a place [m], nothing wished yet."""
     angles = inverse_kinematics(tip, links)
     return State(angles, (0.0, 0.0, 0.0), angles, tip)
 
 
-def rate_change(rates: Vector, drive: Vector, natural_frequency: float) -> Vector:
+def rate_change(rates: Vec3, drive: Vec3, natural_frequency: float) -> Vec3:
     """Return the joints' accelerations v' = -w_n v + k u [rad/s^2]. Thesis section 5.2.1.
 
     Differs: the thesis prints the order and the 2 Hz, not the gain.
@@ -153,7 +142,7 @@ def _runge_kutta(
 ) -> State:
     """Return the state one step on."""
 
-    def slope(at: State, wished: Vector) -> State:
+    def slope(at: State, wished: Vec3) -> State:
         control = scheme(at, wished)
         change = rate_change(at.rates, control.drive, natural_frequency)
         return State(at.rates, change, control.reference_rates, wished, control.ramp, control.integral_rates)
@@ -166,7 +155,7 @@ def _runge_kutta(
     return _moved(state, State(*map(_mean, k1, k2, k3, k4)), step)
 
 
-def _mean(a: Vector, b: Vector, c: Vector, d: Vector) -> Vector:
+def _mean(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> Vec3:
     """Return (a + 2 b + 2 c + d)/6."""
     return (
         (a[0] + 2.0 * (b[0] + c[0]) + d[0]) / 6.0,

@@ -12,13 +12,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from forest_bag.plots.standard_plots import finish_axes, new_figure
+from forest_description.types import Floats
 from forest_study.thesis.thesis_plant import Motion
 from forest_study.thesis.thesis_study import FIGURES, motion
 
-Floats = NDArray[np.float64]
 GRAPHS = ("x", "y", "z", "magnitude")
 HEIGHT = 11.0  # [in]
 SERVOS = {"c": "velocity servo (c)", "d": "position servo (d)"}

@@ -31,8 +31,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from forest_control.servo import schemes
-from forest_description.geometry.kinematics import Links, Vector, inverse_kinematics, joint_rates
-from forest_study.thesis.thesis_plant import DRIVE, ZERO, Control, Scheme, State
+from forest_description.geometry.kinematics import Links, inverse_kinematics, joint_rates
+from forest_description.types import ZERO, Vec3
+from forest_study.thesis.thesis_plant import DRIVE, Control, Scheme, State
 
 ACCELERATION = 4.0  # [m/s^2] of x', as in the graph
 RAMP_LAG = 0.01  # [s] with which x' closes in on the wish
@@ -90,7 +91,7 @@ def poles(gains: Servo, natural_frequency: float) -> dict[str, list[float]]:
 def ik_velocity(gains: Servo, links: Links) -> Scheme:
     """Scheme (a), inverse kinematics, velocity servo; its differentiator is ideal. Thesis fig. 5.2."""
 
-    def control(state: State, wished: Vector) -> Control:
+    def control(state: State, wished: Vec3) -> Control:
         a = joint_rates(inverse_kinematics(state.wished_tip, links), wished, links)
         return Control(_velocity_servo(a, state, gains), ZERO)
 
@@ -100,7 +101,7 @@ def ik_velocity(gains: Servo, links: Links) -> Scheme:
 def ik_position(gains: Servo, links: Links) -> Scheme:
     """Scheme (b), inverse kinematics, position servo. Thesis fig. 5.2."""
 
-    def control(state: State, _: Vector) -> Control:
+    def control(state: State, _: Vec3) -> Control:
         return Control(_position_servo(inverse_kinematics(state.wished_tip, links), state, gains), ZERO)
 
     return control
@@ -109,7 +110,7 @@ def ik_position(gains: Servo, links: Links) -> Scheme:
 def jacobian_velocity(gains: Servo, links: Links) -> Scheme:
     """Scheme (c), inverse Jacobian at the measured angles, velocity servo. Thesis fig. 5.2."""
 
-    def control(state: State, wished: Vector) -> Control:
+    def control(state: State, wished: Vec3) -> Control:
         return Control(_velocity_servo(joint_rates(state.angles, wished, links), state, gains), ZERO)
 
     return control
@@ -118,7 +119,7 @@ def jacobian_velocity(gains: Servo, links: Links) -> Scheme:
 def jacobian_position(gains: Servo, links: Links) -> Scheme:
     """Scheme (d), inverse Jacobian at the measured angles, position servo. Thesis fig. 5.2."""
 
-    def control(state: State, wished: Vector) -> Control:
+    def control(state: State, wished: Vec3) -> Control:
         a = joint_rates(state.angles, wished, links)
         return Control(_position_servo(state.reference, state, gains), a)
 
@@ -132,7 +133,7 @@ def coordinated(gains: Servo, links: Links) -> Scheme:
     k_i = INTEGRAL_SHARE * k_p**2
     made = schemes.Gains(0.0, 0.0, 0.0, feedback=k_p, lead_time=1.0 / w_n)
 
-    def control(state: State, wished: Vector) -> Control:
+    def control(state: State, wished: Vec3) -> Control:
         ramp, r, s, w = _ramp(state.ramped, wished), state.reference, state.angles, state.integral
         a = joint_rates(r, state.ramped, links)
         later = joint_rates(schemes.moved(r, a, ALONG), schemes.moved(state.ramped, ramp, ALONG), links)
@@ -147,7 +148,7 @@ def coordinated(gains: Servo, links: Links) -> Scheme:
     return control
 
 
-def _ramp(velocity: Vector, wished: Vector) -> Vector:
+def _ramp(velocity: Vec3, wished: Vec3) -> Vec3:
     """Return dx'/dt [m/s^2] towards a wish [m/s], at most `ACCELERATION`."""
     x, y, z = ((w - v) / RAMP_LAG for w, v in zip(wished, velocity, strict=True))
     share = min(1.0, ACCELERATION / max(math.hypot(x, y, z), ACCELERATION))
@@ -163,7 +164,7 @@ SCHEMES: dict[str, Callable[[Servo, Links], Scheme]] = {
 }
 
 
-def _velocity_servo(a: Vector, state: State, gains: Servo) -> Vector:
+def _velocity_servo(a: Vec3, state: State, gains: Servo) -> Vec3:
     """Return k u = W0 K_v (K* a - v) [rad/s²] of the three joints. Thesis fig. 5.3.
 
     `forest_control.servo.schemes` writes the servo for a plant v' = w_n (u - v); its gain is W0 K_v
@@ -181,7 +182,7 @@ def _velocity_servo(a: Vector, state: State, gains: Servo) -> Vector:
     )
 
 
-def _position_servo(r: Vector, state: State, gains: Servo) -> Vector:
+def _position_servo(r: Vec3, state: State, gains: Servo) -> Vec3:
     """Return k u = W0 (K_p (r - s) - K_d v) [rad/s²] of the three joints. Thesis fig. 5.3."""
     made = schemes.Gains(0.0, DRIVE * gains.position_gain, DRIVE * gains.damping_gain, 0.0, 0.0)
     s, v = state.angles, state.rates

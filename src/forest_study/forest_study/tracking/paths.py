@@ -20,15 +20,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-Triple = tuple[float, float, float]
-Floats = NDArray[np.float64]
+from forest_description.types import Floats, Vec3
 
 STEP = 1e-3  # [m] of the profile
 NAMES = ("sweep", "radial", "vertical", "circle_h", "circle_v")
-CENTRE: Triple = (5.9, 0.0, 0.8)  # [m] of both circles, radius 1 m
+CENTRE: Vec3 = (5.9, 0.0, 0.8)  # [m] of both circles, radius 1 m
 SHORTEST = 1e-6  # [m] between two waypoints; nearer ones are one, where the tip stops
 LONGEST = 200.0  # [m]
 CORNER = math.radians(25.0)  # a sharper turn is a corner
@@ -44,7 +42,7 @@ class TipPath(NamedTuple):
 
     name: str
     length: float  # [m]
-    at: Callable[[float], Triple]  # place [m] at a way s
+    at: Callable[[float], Vec3]  # place [m] at a way s
     stops: tuple[float, ...]  # [m] ways at which the tip stops, both ends included
 
 
@@ -87,7 +85,7 @@ def path_named(name: str) -> TipPath:
     return polyline(Path(name).stem, _waypoints(Path(name)))
 
 
-def polyline(name: str, points: list[Triple]) -> TipPath:
+def polyline(name: str, points: list[Vec3]) -> TipPath:
     """Return the way from point to point [m]: straight from corner to corner, smooth in between."""
     stretches = _stretches(points)
     if not stretches:
@@ -100,16 +98,16 @@ def polyline(name: str, points: list[Triple]) -> TipPath:
         ends.append(len(table) - 1)
     ways = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(table, axis=0), axis=1))])
 
-    def at(s: float) -> Triple:
+    def at(s: float) -> Vec3:
         x, y, z = (float(np.interp(s, ways, table[:, i])) for i in range(3))
         return x, y, z
 
     return TipPath(name, float(ways[-1]), at, tuple(ways[ends].tolist()))
 
 
-def _stretches(points: list[Triple]) -> list[list[Triple]]:
+def _stretches(points: list[Vec3]) -> list[list[Vec3]]:
     """Return the points [m] from stop to stop: both ends, corners, and points that are said twice."""
-    stretches: list[list[Triple]] = []
+    stretches: list[list[Vec3]] = []
     stops = True
     for here, there in pairwise(points):
         if math.dist(here, there) < SHORTEST:
@@ -122,14 +120,14 @@ def _stretches(points: list[Triple]) -> list[list[Triple]]:
     return stretches
 
 
-def _turn(a: Triple, b: Triple, c: Triple) -> float:
+def _turn(a: Vec3, b: Vec3, c: Vec3) -> float:
     """Return the angle [rad] by which the way from a over b to c turns at b."""
     before, after = np.subtract(b, a), np.subtract(c, b)
     size = float(np.linalg.norm(before) * np.linalg.norm(after))
     return math.acos(max(-1.0, min(1.0, float(before @ after) / size))) if size > 0.0 else 0.0
 
 
-def _smooth(stretch: list[Triple]) -> Floats:
+def _smooth(stretch: list[Vec3]) -> Floats:
     """Return points [N, 3] m, close together, on the cubic spline through the points of a stretch."""
     table = np.array(stretch)
     if len(table) == 2:
@@ -152,7 +150,7 @@ def is_closed(path: TipPath) -> bool:
 
 
 def fastest(
-    path: TipPath, speed: float, acceleration: float, limit: Callable[[Triple, Triple], float]
+    path: TipPath, speed: float, acceleration: float, limit: Callable[[Vec3, Vec3], float]
 ) -> Profile:
     """Return the fastest profile that stands at the path's stops.
 
@@ -178,7 +176,7 @@ def fastest(
     return Profile(time, ways, v)
 
 
-def _direction(path: TipPath, s: float) -> Triple:
+def _direction(path: TipPath, s: float) -> Vec3:
     """Return the unit vector along the path."""
     a, b = path.at(max(0.0, s - 0.5 * STEP)), path.at(min(path.length, s + 0.5 * STEP))
     size = math.dist(a, b) or 1.0
@@ -204,7 +202,7 @@ def _circle(name: str) -> TipPath:
     return TipPath(name, 2.0 * math.pi, lambda s: (x - math.cos(s), y, z + math.sin(s)), (0.0, 2.0 * math.pi))
 
 
-def _waypoints(file: Path) -> list[Triple]:
+def _waypoints(file: Path) -> list[Vec3]:
     try:
         with file.open(newline="", encoding="utf-8-sig") as text:
             rows = [row for row in csv.reader(text) if row]

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib
 
+from forest_description.types import AXES
+from forest_msgs_py.types import PERIOD
+
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-
-from forest_description.machine import AXES
-from forest_study.closed_loop.closed_loop import PERIOD
 
 if TYPE_CHECKING:
     from forest_study.tracking.tracking import Session

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_bag.read.timeseries import Bag, read_bag
 from forest_bag.write.bag_writer import BagWriter
@@ -22,14 +21,15 @@ from forest_bringup.supervisor import NodeSpec, Stopped
 from forest_control.config.tunables import TUNABLES, as_typed
 from forest_control.operator.joystick_watch import HEARTBEAT
 from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
+from forest_description.types import Floats
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import ns_to_stamp
 from forest_msgs_py.interfaces.topics import Topic, message_class, offered_qos
 from forest_msgs_py.serialization.cdr import to_cdr
-from forest_study.closed_loop.closed_loop import PERIOD, Trajectory
+from forest_msgs_py.types import PERIOD
+from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.tracking.tracking import Course, Session
 
-Floats = NDArray[np.float64]
 PERIOD_NS = 5_000_000
 SAME = 1e-9  # [mm, m/s, s] by which two figures may differ and be the same
 UNITS = {

@@ -22,14 +22,13 @@ from forest_control.valve import valve_driver
 from forest_description.derived.limits import pose_at
 from forest_description.geometry.kinematics import inverse_kinematics, is_singular, joint_rates
 from forest_description.machine import Machine
+from forest_description.types import Floats, Vec3
+from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_suite import Suite, calibrated, sensor_suite
-from forest_sim.solver.parameters import PlantParameters
+from forest_sim.solver.plant_parameters import PlantParameters
 from forest_study.closed_loop import loop_kernel
-from forest_study.closed_loop.closed_loop import PERIOD, Trajectory
+from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.tracking.paths import PathError, Profile, TipPath, fastest, is_closed, reverse
-
-Triple = tuple[float, float, float]
-Floats = NDArray[np.float64]
 
 RAMP = 0.5  # [m/s^2]
 REST = 1.0  # [s] before the first lap and after every lap
@@ -162,7 +161,7 @@ def plan(path: TipPath, speed: float, p: controller.Parameters, laps: int) -> tu
     return tuple(runs)
 
 
-def _limit(place: Triple, along: Triple, path: TipPath, p: controller.Parameters) -> float:
+def _limit(place: Vec3, along: Vec3, path: TipPath, p: controller.Parameters) -> float:
     """Return the speed [m/s] that the governor allows at a place in a direction."""
     try:
         angles = inverse_kinematics(place, p.links)
@@ -174,20 +173,20 @@ def _limit(place: Triple, along: Triple, path: TipPath, p: controller.Parameters
     return factor
 
 
-def _allowed(angles: Triple, along: Triple, p: controller.Parameters) -> float:
+def _allowed(angles: Vec3, along: Vec3, p: controller.Parameters) -> float:
     fast = 100.0  # [m/s] more than any limit: what the governor leaves of it is the limit
     rates = joint_rates(angles, (fast * along[0], fast * along[1], fast * along[2]), p.links)
     return fast * govern(angles, rates, controller.governor_at(angles, rates, p)).factor
 
 
-def _angles(place: Triple, path: TipPath, machine: Machine) -> Triple:
+def _angles(place: Vec3, path: TipPath, machine: Machine) -> Vec3:
     try:
         return pose_at(place, machine)
     except ValueError as error:
         raise PathError(f"{path.name}: {error}") from error
 
 
-def _wish(time: float, laps: tuple[Lap, ...]) -> Triple:
+def _wish(time: float, laps: tuple[Lap, ...]) -> Vec3:
     """Return the velocity [m/s] that moves the reference to its place one period later."""
     lap = next((lap for lap in reversed(laps) if time >= lap.start - 0.5 * PERIOD), laps[0])
     since = time - lap.start

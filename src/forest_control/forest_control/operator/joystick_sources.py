@@ -1,0 +1,103 @@
+"""Joystick inputs as functions of time: the thesis' test input, and a person's recorded levers."""
+
+import csv
+import math
+from bisect import bisect_right
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+from forest_control.operator.joystick_interpolation import LONGEST as LONGEST_LINE
+from forest_control.operator.joystick_interpolation import between
+from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
+from forest_description.types import Vec3
+
+THESIS_DURATION = 10.0  # [s] of the figures
+LEAD_IN = 0.5  # [s] at rest, deadman held, before a source plays: recorders come late on a busy computer
+LEAD_OUT = 0.3  # [s] at rest with the deadman released, after it
+LONGEST = 86400.0  # [s]
+COLUMNS = ("time_s", "swing", "boom", "stick")
+
+
+class LeverError(ValueError):
+    """A lever file is not usable; the message names file, line and what is allowed."""
+
+
+def thesis_tip_velocity(time: float) -> Vec3:
+    """Return the wished tip velocity [m/s] of the thesis' evaluation at a time [s]. Thesis section 5.2.
+
+    Steps in x and z at different times and a sinusoid in y; amplitudes as read in docs/equations.md.
+    """
+    x = 0.30 if 1.0 <= time < 4.0 else 0.0
+    z = 0.25 if 2.5 <= time < 5.5 else 0.0
+    return x, 0.47 * math.sin(2.0 * math.pi * 1.18 * time), z
+
+
+def thesis_levers(time: float, tip_speed: float) -> Levers:
+    """Return the levers for the thesis' input; `tip_speed` [m/s] is what a full deflection wishes."""
+    return levers_for_tip_velocity(thesis_tip_velocity(time), tip_speed)
+
+
+class LeverRecord(NamedTuple):
+    """Rows of a lever file: samples of a hand that moved between them, too."""
+
+    times: tuple[float, ...]  # [s]
+    levers: tuple[Levers, ...]
+    interpolated: bool = True  # False: each row holds until the next
+
+    def at(self, time: float) -> Levers:
+        """Return the levers at a time [s]; rest before the first row and after the last.
+
+        They go on a line from row to row. A row that is followed late, as in a log of changes or a list of
+        steps, holds until `lever_hold.LONGEST` before the next.
+        """
+        row = bisect_right(self.times, time) - 1
+        if row < 0 or time > self.times[-1]:
+            return REST
+        if not self.interpolated or row + 1 == len(self.times):
+            return self.levers[row]
+        end = self.times[row + 1]
+        begun = max(self.times[row], end - LONGEST_LINE)
+        return between(self.levers[row], self.levers[row + 1], max(0.0, time - begun) / (end - begun))
+
+
+def read_levers(path: Path) -> LeverRecord:
+    """Read a CSV with the columns time_s, swing, boom, stick; deflections -1..1, times rising.
+
+    Raises:
+        LeverError: the file cannot be read, or a line does not fit.
+    """
+    try:
+        with path.open(
+            newline="", encoding="utf-8-sig"
+        ) as file:  # spreadsheets put a byte order mark in front
+            reader = csv.reader(file)
+            header, *rows = [(reader.line_num, row) for row in reader if row] or [(1, ["nothing"])]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise LeverError(f"{path}: cannot be read as CSV: {error}") from error
+    if tuple(cell.strip() for cell in header[1]) != COLUMNS:
+        found = ",".join(header[1])
+        raise LeverError(f"{path}:{header[0]}: the header must be {','.join(COLUMNS)}, found {found}")
+    if not rows:
+        raise LeverError(f"{path}:{header[0]}: no rows below the header; allowed: one or more")
+    numbers = [_numbers(path, line, row) for line, row in rows]
+    for (line, _), (before, after) in zip(rows[1:], pairwise(numbers), strict=True):
+        if after[0] <= before[0]:
+            raise LeverError(f"{path}:{line}: time_s is {after[0]:g} after {before[0]:g}; times must rise")
+    return LeverRecord(tuple(n[0] for n in numbers), tuple(Levers(*n[1:]) for n in numbers))
+
+
+def _numbers(path: Path, line: int, row: list[str]) -> tuple[float, float, float, float]:
+    if len(row) != len(COLUMNS):
+        raise LeverError(f"{path}:{line}: {len(row)} columns; allowed are the {len(COLUMNS)} of the header")
+    values = []
+    for name, cell in zip(COLUMNS, row, strict=True):
+        low, high = (0.0, LONGEST) if name == "time_s" else (-1.0, 1.0)
+        try:
+            value = float(cell)
+        except ValueError:
+            value = math.nan
+        if not (math.isfinite(value) and low <= value <= high):
+            raise LeverError(f"{path}:{line}: {name} is {cell!r}; allowed: {low:g} .. {high:g}")
+        values.append(value)
+    return values[0], values[1], values[2], values[3]

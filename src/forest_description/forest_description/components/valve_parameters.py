@@ -1,0 +1,195 @@
+"""The parameters of the valves that the axes of a machine share: the spool valve, and the port valves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar, cast
+
+import numpy as np
+
+from forest_description.components.valve_characteristic import (
+    CURVE_SIZE,
+    LINEAR_AREA,
+    POLYNOMIAL,
+    TABLE,
+    Curve,
+    Direction,
+    Knots,
+    ValveLaw,
+)
+from forest_description.config.parameter import (
+    MachineError,
+    ParameterSet,
+    choice,
+    component,
+    curve,
+    parameter,
+    require_order,
+)
+
+
+@dataclass(frozen=True)
+class PolynomialCurve(ParameterSet):
+    """C_R as a polynomial of the voltage, as the thesis fits it (section 4.3.2); only its shape counts."""
+
+    kind: ClassVar[str] = "polynomial"
+
+    coefficients: tuple[float, ...] = curve(
+        "1", -1e30, 1e30, "of C_R over the voltage in volts, lowest power first, any scale"
+    )
+
+    def curve(self, deadband_voltage: float, rated_voltage: float) -> Curve:
+        """Return the kernel's curve for a valve with this overlap [V] and rated voltage [V].
+
+        Raises:
+            MachineError: C_R is not positive, or grows, somewhere between the two voltages.
+        """
+        power = np.polynomial.Polynomial(self.coefficients)
+        inner = np.polynomial.Polynomial([deadband_voltage, rated_voltage - deadband_voltage])
+        in_stroke = power(inner)
+        s = np.linspace(0.0, 1.0, 1001)
+        if not (np.all(in_stroke(s) > 0.0) and np.all(np.diff(in_stroke(s)) <= 0.0)):
+            raise MachineError(
+                f"curve.coefficients: C_R must be positive and fall from {deadband_voltage:g} to "
+                f"{rated_voltage:g} V"
+            )
+        values = (np.asarray(in_stroke.coef, np.float64) / float(in_stroke(1.0))).tolist()
+        return Curve(POLYNOMIAL, LINEAR_AREA.knots, _filled("curve.coefficients", values, 0.0))
+
+
+@dataclass(frozen=True)
+class TableCurve(ParameterSet):
+    """C_R as measured at some voltages; the opening is straight in between. Only its shape counts."""
+
+    kind: ClassVar[str] = "table"
+
+    voltages: tuple[float, ...] = curve(
+        "V", 0.0, 50.0, "rising, from the edge of the overlap to the rated one"
+    )
+    resistances: tuple[float, ...] = curve(
+        "Pa*s2/m6", 1e6, 1e30, "C_R there, falling; the overlap's is not given"
+    )
+
+    def curve(self, deadband_voltage: float, rated_voltage: float) -> Curve:
+        """Return the kernel's curve; below the first voltage the opening falls to zero at the overlap's edge.
+
+        Raises:
+            MachineError: The rows do not fit each other or the valve's voltages, or C_R grows.
+        """
+        volts, c_r = np.array(self.voltages), np.array(self.resistances)
+        if len(volts) != len(c_r):
+            raise MachineError(
+                f"curve.voltages ({len(volts)}) and curve.resistances ({len(c_r)}) must be equally many"
+            )
+        s = (volts - deadband_voltage) / (rated_voltage - deadband_voltage)
+        if np.any(np.diff(volts) <= 0.0) or s[0] <= 0.0 or not math.isclose(s[-1], 1.0):
+            raise MachineError(
+                f"curve.voltages must rise from above deadband_voltage ({deadband_voltage:g} V) to "
+                f"rated_voltage ({rated_voltage:g} V)"
+            )
+        if np.any(np.diff(c_r) > 0.0):
+            raise MachineError("curve.resistances must fall with the voltage")
+        opening = np.sqrt(c_r[-1] / c_r)
+        s[-1] = 1.0
+        return Curve(
+            TABLE,
+            _filled("curve.voltages", [0.0, *s.tolist()], 1.0),
+            _filled("curve.resistances", [0.0, *opening.tolist()], 1.0),
+        )
+
+
+def _filled(what: str, numbers: list[float], last: float) -> Knots:
+    """Return numbers as a curve's row, filled up; a ``MachineError`` if they are too many."""
+    if len(numbers) > CURVE_SIZE:
+        more = len(numbers) - CURVE_SIZE
+        raise MachineError(f"{what}: {more} too many; a curve has at most {CURVE_SIZE} places")
+    row: Any = (*numbers, *[last] * (CURVE_SIZE - len(numbers)))
+    return cast(Knots, row)
+
+
+@dataclass(frozen=True)
+class BackwardValve(ParameterSet):
+    """The negative direction of a valve that is not the same both ways."""
+
+    deadband_voltage: float = parameter("V", -5.0, 5.0, "overlap of the negative direction")
+    minimum_resistance: float = parameter(
+        "Pa*s2/m6", 1e9, 1e18, "C_R at the rated voltage, negative direction"
+    )
+
+
+@dataclass(frozen=True)
+class Valve(ParameterSet):
+    """Proportional spool valve; its law: `valve_characteristic`. Thesis section 2.3, 3.2.2, 4.3.2."""
+
+    deadband_voltage: float = parameter(
+        "V", -5.0, 5.0, "overlap: no flow up to it; 0 critical, negative underlap"
+    )
+    rated_voltage: float = parameter("V", 1.0, 50.0, "voltage of the fully open spool")
+    minimum_resistance: float = parameter(
+        "Pa*s2/m6", 1e9, 1e18, "orifice resistance C_R at the rated voltage, edges of port 1"
+    )
+    port_2_area: float = parameter("1", 0.05, 20.0, "area of port 2's edges over that of port 1's")
+    leakage_conductance: float = parameter(
+        "m3/(s*Pa)", 0.0, 1e-9, "laminar leakage past each of the four edges"
+    )
+    load_check: str = choice(
+        "none", "ideal", doc="check valve between supply and spool: a load does not go back to the manifold"
+    )
+    backward: BackwardValve | None = component()
+    curve: PolynomialCurve | TableCurve | None = component()
+    spool_bandwidth: float | None = parameter(
+        "Hz", 0.1, 500.0, "of the spool's lag; null: it follows at once"
+    )
+    spool_damping: float | None = parameter(
+        "1", 0.1, 5.0, "damping ratio of a second-order spool; null: first order"
+    )
+
+    def __post_init__(self) -> None:
+        """Check ranges, that the valve opens at all, the spool's lag, and the curve."""
+        super().__post_init__()
+        if self.spool_damping is not None and self.spool_bandwidth is None:
+            raise MachineError(
+                f"spool_damping ({self.spool_damping:g}) is of a lag that spool_bandwidth: null leaves out; "
+                f"allowed: null, or a spool_bandwidth"
+            )
+        require_order("deadband_voltage", self.deadband_voltage, "rated_voltage", self.rated_voltage, "V")
+        if self.backward is not None:
+            edge = self.backward.deadband_voltage
+            require_order("backward.deadband_voltage", edge, "rated_voltage", self.rated_voltage, "V")
+        _ = self.law
+
+    @property
+    def law(self) -> ValveLaw:
+        """The constants of ``valve_characteristic.py``'s functions."""
+        back = self.backward
+        c_forward = self.minimum_resistance
+        c_backward = back.minimum_resistance if back else c_forward
+        d_backward = back.deadband_voltage if back else self.deadband_voltage
+        unequal = self.port_2_area**-2.0
+        shape = LINEAR_AREA
+        if self.curve is not None:
+            shape = self.curve.curve(self.deadband_voltage, self.rated_voltage)
+        return ValveLaw(
+            forward=Direction(self.deadband_voltage, self.rated_voltage, c_forward, c_forward * unequal),
+            backward=Direction(d_backward, self.rated_voltage, c_backward, c_backward * unequal),
+            curve=shape,
+            leakage=self.leakage_conductance,
+            load_check=int(self.load_check == "ideal"),
+        )
+
+
+@dataclass(frozen=True)
+class PortValves(ParameterSet):
+    """Relief and anti-cavitation valves at every actuator port; not in the thesis."""
+
+    relief_pressure: float = parameter("Pa", 1e5, 1e8, "port pressure above which oil leaves to the tank")
+    relief_conductance: float = parameter("m3/(s*Pa)", 1e-13, 1e-5, "flow per pressure above it")
+    anticavitation_pressure: float = parameter("Pa", -1e5, 1e6, "port pressure below which the tank refills")
+    anticavitation_conductance: float = parameter("m3/(s*Pa)", 1e-13, 1e-5, "flow per pressure below it")
+
+    def __post_init__(self) -> None:
+        """Check ranges, and that no port is emptied and filled at once."""
+        super().__post_init__()
+        low, high = self.anticavitation_pressure, self.relief_pressure
+        require_order("anticavitation_pressure", low, "relief_pressure", high, "Pa")

@@ -1,0 +1,77 @@
+"""A recorded session as the estimators take it: readings on one time base, voltages, what was set by hand.
+
+A session comes from a bag (`session_bag`) or from a simulated experiment (`simulated`), and nobody
+downstream can tell which. Ground truth is in neither.
+
+| array | shape | unit |
+|---|---|---|
+| time | N, rising in equal steps | s |
+| voltages | N, 3 (swing, boom, stick), each row holds until the next | V |
+| a reading | N, by channel of `sensor_suite.CHANNELS`; absent sensors are absent | the channel's |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from forest_description.types import Floats
+
+THERMOCOUPLES = ("tank_temperature", "pump_temperature", "motor_temperature")
+
+
+class SessionError(ValueError):
+    """A session does not hold what is asked of it; the message says what is missing."""
+
+
+@dataclass(frozen=True)
+class Session:
+    """One experiment, or any other record of the machine."""
+
+    name: str
+    """Of the experiment (`experiments.CATALOGUE`); "motion" for any other record."""
+    time: Floats
+    voltages: Floats
+    readings: Mapping[str, Floats]
+    facts: Mapping[str, float] = field(default_factory=dict)
+    """What the sensors do not tell: by hand set or read, SI."""
+    whole: bool = True
+    """False: its recorder was killed, or the file was cut; this is what is whole of it."""
+
+    @property
+    def period(self) -> float:
+        """Time between two rows [s]."""
+        return float(np.median(np.diff(self.time)))
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether a simulator's exact sensors made it."""
+        return self.facts.get("exact_sensors", 0.0) > 0.0
+
+    def has(self, *channels: str) -> bool:
+        """Tell whether all of these channels were there, with samples throughout."""
+        return all(name in self.readings and np.isfinite(self.readings[name]).all() for name in channels)
+
+    def column(self, channel: str) -> Floats:
+        """Return a channel's readings.
+
+        Raises:
+            SessionError: it was not recorded; the message names those that were.
+        """
+        if channel not in self.readings:
+            known = ", ".join(sorted(self.readings))
+            raise SessionError(f"{self.name}: no channel {channel}; the record holds {known}")
+        return self.readings[channel]
+
+    def part(self, first: int, last: int) -> Session:
+        """Return the rows from ``first`` to before ``last``."""
+        rows = slice(first, last)
+        readings = {name: column[rows] for name, column in self.readings.items()}
+        return Session(self.name, self.time[rows], self.voltages[rows], readings, self.facts, self.whole)
+
+    def temperature(self) -> Floats | None:
+        """Return the oil's temperature [K], the mean of its thermocouples; None if there are none."""
+        columns = [self.readings[name] for name in THERMOCOUPLES if self.has(name)]
+        return np.asarray(np.mean(columns, axis=0), dtype=np.float64) if columns else None

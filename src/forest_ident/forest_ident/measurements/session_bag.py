@@ -1,0 +1,216 @@
+"""Sessions on disk: a bag of the graph's topics, and beside it what was done by hand.
+
+The bag is what the recorder writes of a session: what the machine can know, commands and voltages; the ground
+truth that a simulator tells beside is not read. `experiment.yaml` in its directory names the experiment and
+the facts that no sensor tells, with units; a person who runs the experiment otherwise writes it by hand.
+Without that file a bag is a "motion".
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from forest_bag.read.timeseries import Bag, NotInBag, read_bag
+from forest_bag.write.bag_writer import BagWriter, Layout
+from forest_description.types import AXES, Floats
+from forest_ident.experiments.experiment_metadata import FACTS, value
+from forest_ident.measurements.readings import speeds
+from forest_ident.measurements.session import Session, SessionError
+from forest_msgs_py.interfaces.topics import (
+    ACTUATOR_STATES,
+    AUXILIARY,
+    FLOWS,
+    JOINT_STATES,
+    PRESSURES,
+    SUPPLY,
+    VALVE_COMMANDS,
+    VALVE_VOLTAGES,
+    Topic,
+    offered_qos,
+)
+from forest_msgs_py.interfaces.yaml_text import parsed
+from forest_msgs_py.serialization.batch_encoder import Encoder
+
+FILE = "experiment.yaml"
+SAME_CLOCK = 1_000_000_000  # [ns] by which a message may be sent later than it is stamped
+TICK = 1000  # [ns]
+CHUNK_BYTES = 1024 * 1024
+# Channel of the sensors to (topic, label), for what is written and read alike.
+PLACES: dict[str, tuple[Topic, str]] = {
+    **{f"{axis}_resolver": (JOINT_STATES, f"{axis}.position") for axis in AXES},
+    **{f"{axis}_transducer": (ACTUATOR_STATES, f"{axis}_cylinder.position") for axis in AXES[1:]},
+    **{
+        f"{axis}_pressure_{port}_{place}": (PRESSURES, f"{axis}_{port}_{place}")
+        for axis in AXES
+        for port in (1, 2)
+        for place in ("valve", "actuator")
+    },
+    "swing_flow": (FLOWS, "swing_1"),
+    "stick_flow": (FLOWS, "stick_1"),
+    "supply_pressure": (SUPPLY, "pressure"),
+    **{f"{axis}_spool": (AUXILIARY, f"{axis}_spool") for axis in AXES},
+    "case_drain": (AUXILIARY, "case_drain_flow"),
+    **{
+        name: (AUXILIARY, name)
+        for name in (
+            *("tank_temperature", "pump_temperature", "motor_temperature"),
+            *("engine_speed", "platform_pitch", "platform_roll"),
+        )
+    },
+}
+
+
+def write(session: Session, directory: Path) -> None:
+    """Write a session as a bag with its `experiment.yaml`.
+
+    Raises:
+        FileExistsError: the directory exists.
+        OSError: it cannot be written.
+    """
+    writer = BagWriter(directory, Layout(chunk_bytes=CHUNK_BYTES))
+    stamps = np.round(session.time * 1e9).astype(np.int64)
+    encoded = []
+    for topic, labels, values in _tables(session):
+        reduced = topic._replace(labels=labels, units=tuple("" for _ in labels))
+        writer.add_topic(f"/{topic.name}", topic.type, [offered_qos(topic)], "")
+        encoded.append((f"/{topic.name}", Encoder(reduced).encode(stamps, values)))
+    try:
+        for row, stamp in enumerate(stamps.tolist()):
+            for name, messages in encoded:
+                data = messages[row]
+                if data is not None:
+                    writer.write(name, data, stamp, stamp, row + 1)
+    finally:
+        writer.close()
+    write_facts(directory, session.name, session.facts)
+
+
+def write_facts(directory: Path, experiment: str, facts: Mapping[str, float]) -> None:
+    """Write what no topic tells of an experiment into its bag's directory.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    told = {key: {"value": float(value), "unit": FACTS[key].unit} for key, value in sorted(facts.items())}
+    text = yaml.safe_dump({"experiment": experiment, "facts": told}, sort_keys=False)
+    (directory / FILE).write_text(text, encoding="utf-8")
+
+
+def _tables(session: Session) -> list[tuple[Topic, tuple[str, ...], Floats]]:
+    """Return (topic, labels, numbers) of what a session holds."""
+    tables: list[tuple[Topic, tuple[str, ...], Floats]] = [
+        (topic, AXES, session.voltages) for topic in (VALVE_COMMANDS, VALVE_VOLTAGES)
+    ]
+    for topic in (PRESSURES, FLOWS, SUPPLY, AUXILIARY):
+        there = [
+            (label, name) for name, (where, label) in PLACES.items() if where is topic and session.has(name)
+        ]
+        if there:
+            labels = tuple(label for label, _ in there)
+            tables.append((topic, labels, np.column_stack([session.readings[name] for _, name in there])))
+    joints = tuple(axis for axis in AXES if session.has(f"{axis}_resolver"))
+    if joints:
+        tables.append((JOINT_STATES, joints, _motion(session, [f"{axis}_resolver" for axis in joints])))
+    rods = [axis for axis in AXES[1:] if session.has(f"{axis}_transducer")]
+    if rods:
+        labels = tuple(f"{axis}_cylinder" for axis in rods)
+        tables.append((ACTUATOR_STATES, labels, _motion(session, [f"{axis}_transducer" for axis in rods])))
+    return tables
+
+
+def _motion(session: Session, names: list[str]) -> Floats:
+    """Return positions and the speeds a machine would publish; efforts, which are derived, as zero."""
+    positions = np.column_stack([session.readings[name] for name in names])
+    rates = np.column_stack([speeds(column, session.period) for column in positions.T])
+    return np.hstack([positions, rates, np.zeros_like(positions)])
+
+
+def read(path: Path) -> Session:
+    """Read a bag as a session.
+
+    Raises:
+        SessionError: it holds no voltages, or `experiment.yaml` is not usable.
+        FileNotFoundError: there is no bag.
+    """
+    bag = read_bag(path)
+    name, facts = _experiment(path)
+    base = _first_there(bag, path)
+    time = bag.series(base).time_ns * 1e-9
+    time = time - time[0] if len(time) else time
+    if len(time) < 3 or not np.all(np.diff(time) > 0.0):
+        raise SessionError(f"{path}: needs three samples or more with rising stamps")
+    begin = int(bag.series(base).time_ns[0])
+    period = float(np.median(np.diff(time)))
+    grid = period * np.arange(round(time[-1] / period) + 1)
+    try:
+        volts = bag.series(VALVE_VOLTAGES)
+        columns = [volts.column(axis) for axis in AXES]
+    except NotInBag as error:
+        raise SessionError(f"{path}: {error}") from error
+    given = _given(volts.time_ns - begin, bag.sent_ns(VALVE_VOLTAGES) - begin, period)
+    voltages = np.column_stack([_held(given, column, grid) for column in columns])
+    readings = {}
+    for channel, (topic, label) in PLACES.items():
+        if bag.name(topic) is None or label not in bag.series(topic).labels:
+            continue
+        series = bag.series(topic)
+        readings[channel] = _at(series.time_ns - begin, series.column(label), grid)
+    return Session(name, grid, voltages, readings, facts, bag.complete)
+
+
+def _first_there(bag: Bag, path: Path) -> Topic:
+    for topic in (PRESSURES, JOINT_STATES):
+        if bag.name(topic) is not None:
+            return topic
+    raise SessionError(f"{path}: holds neither {PRESSURES.name} nor {JOINT_STATES.name}")
+
+
+def _given(stamped: NDArray[np.int64], sent: NDArray[np.int64], period: float) -> NDArray[np.int64]:
+    """Return from when on voltages hold [ns]: from the beginning of the row in which they were sent.
+
+    Their stamps are those of the samples they answer; live they come later, on a busy computer by some rows.
+    Where the clocks of stamps and publishers are two, stamps it is.
+    """
+    if len(sent) == 0 or abs(int(sent[0]) - int(stamped[0])) > SAME_CLOCK:
+        return stamped
+    width = period * 1e9
+    ordered = np.maximum.accumulate(np.floor((sent + TICK) / width) * width)
+    return np.asarray(np.round(ordered), dtype=np.int64)
+
+
+def _held(time_ns: NDArray[np.int64], values: Floats, grid: Floats) -> Floats:
+    """Return what held at the grid's times: the last value sent, zero before the first."""
+    row = np.searchsorted(time_ns * 1e-9, grid + 1e-6, side="right") - 1
+    return np.where(row >= 0, values[np.maximum(row, 0)], 0.0)
+
+
+def _at(time_ns: NDArray[np.int64], values: Floats, grid: Floats) -> Floats:
+    """Return a column at the grid's times; where stamps agree, its own samples."""
+    time, good = time_ns * 1e-9, np.isfinite(values)
+    if not good.any():
+        return np.full(len(grid), math.nan)
+    if len(time) == len(grid) and good.all() and np.allclose(time, grid, atol=1e-6):
+        return values
+    return np.interp(grid, time[good], values[good])
+
+
+def _experiment(path: Path) -> tuple[str, dict[str, float]]:
+    file = (path if path.is_dir() else path.parent) / FILE
+    if not file.is_file():
+        return "motion", {}
+    try:
+        content = parsed(file.read_text("utf-8"))
+        name = str(content["experiment"])
+        facts = {str(key): value(str(key), told) for key, told in (content.get("facts") or {}).items()}
+    except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError) as error:
+        raise SessionError(
+            f"{file}: not usable ({error}); allowed: experiment: NAME and "
+            "facts: {key: {value: 1.0, unit: m3}}"
+        ) from error
+    return name, facts

@@ -1,0 +1,141 @@
+"""The machine as the plant's kernels take it: flat NamedTuples of floats, made once from a `Machine`."""
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+from forest_description.components.valve_characteristic import ValveLaw
+from forest_description.derived.limits import joint_limits
+from forest_description.geometry.linkage import Linkage
+from forest_description.machine import CylinderDrive, EndStops, Line, Machine
+from forest_description.types import Vec3
+from forest_sim.hydraulics.actuator import Actuator, cylinder, motor
+from forest_sim.hydraulics.hydraulic_line import PortGuard
+from forest_sim.hydraulics.spool_dynamics import SpoolLag, spool_lag
+from forest_sim.hydraulics.supply import Supply, supply
+from forest_sim.mechanics.end_stop import UNCUSHIONED, CushionBrake, EndStop
+from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction
+from forest_sim.mechanics.manipulator import Body, fold_head
+from forest_sim.mechanics.pendulum import HangingHead, hanging_head
+
+NO_GUARD = PortGuard(math.inf, 0.0, -math.inf, 0.0)
+
+
+class SpoolValve(NamedTuple):
+    """One valve: what its edges do at a spool position, and how the spool follows the voltage."""
+
+    law: ValveLaw
+    lag: SpoolLag
+
+
+class Axis(NamedTuple):
+    """One hydraulic axis behind its valve: two hoses, the actuator between them, the ends of its stroke."""
+
+    line_1: Line
+    line_2: Line
+    actuator: Actuator
+    friction: Friction
+    cushion: CushionBrake
+    stop: EndStop
+
+
+class PlantParameters(NamedTuple):
+    """Everything the equations of motion need."""
+
+    valves: tuple[SpoolValve, SpoolValve, SpoolValve]
+    swing: Axis
+    boom: Axis
+    stick: Axis
+    boom_linkage: Linkage
+    stick_linkage: Linkage
+    body: Body
+    head: HangingHead
+    guard: PortGuard
+    supply: Supply
+    tip_force: Vec3  # [N] on the tip from outside, in the base frame
+
+
+@lru_cache(maxsize=64)
+def plant_parameters(machine: Machine) -> PlantParameters:
+    """Return the kernel's parameters for a machine, and keep them: they are asked for again and again."""
+    return parameters_of(machine)
+
+
+def parameters_of(machine: Machine) -> PlantParameters:
+    """Return the kernel's parameters for a machine; components that it lacks become neutral numbers."""
+    return PlantParameters(
+        valves=(_valve(machine, 0), _valve(machine, 1), _valve(machine, 2)),
+        swing=_swing(machine),
+        boom=_cylinder(machine, 1),
+        stick=_cylinder(machine, 2),
+        boom_linkage=machine.boom.linkage,
+        stick_linkage=machine.stick.linkage,
+        body=fold_head(machine.manipulator),
+        head=hanging_head(machine.manipulator),
+        guard=_guard(machine),
+        supply=supply(machine.pump),
+        tip_force=(0.0, 0.0, 0.0),
+    )
+
+
+def _valve(machine: Machine, axis: int) -> SpoolValve:
+    valve = machine.valve_of(axis)
+    return SpoolValve(valve.law, spool_lag(valve))
+
+
+def _swing(machine: Machine) -> Axis:
+    lines = _lines(machine, 0)
+    return Axis(
+        line_1=lines[0],
+        line_2=lines[1],
+        actuator=motor(machine.swing, *lines),
+        friction=FRICTIONLESS,
+        cushion=UNCUSHIONED,
+        stop=_swing_stop(joint_limits(machine)[0], machine.end_stops),
+    )
+
+
+def _cylinder(machine: Machine, axis: int) -> Axis:
+    lines = _lines(machine, axis)
+    drive = machine.boom if axis == 1 else machine.stick
+    return Axis(
+        line_1=lines[0],
+        line_2=lines[1],
+        actuator=cylinder(drive, *lines),
+        friction=friction(drive.friction),
+        cushion=_cushion(drive),
+        stop=_cylinder_stop(drive, machine.end_stops),
+    )
+
+
+def _lines(machine: Machine, axis: int) -> tuple[Line, Line]:
+    return machine.line(axis, 1), machine.line(axis, 2)
+
+
+def _guard(machine: Machine) -> PortGuard:
+    v = machine.port_valves
+    if v is None:
+        return NO_GUARD
+    return PortGuard(
+        v.relief_pressure, v.relief_conductance, v.anticavitation_pressure, v.anticavitation_conductance
+    )
+
+
+def _swing_stop(limits: tuple[float, float], stops: EndStops | None) -> EndStop:
+    if stops is None:
+        return EndStop(-math.inf, math.inf, 0.0, 0.0)
+    return EndStop(*limits, stops.swing_stiffness, stops.swing_damping)
+
+
+def _cylinder_stop(drive: CylinderDrive, stops: EndStops | None) -> EndStop:
+    if stops is None:
+        return EndStop(-math.inf, math.inf, 0.0, 0.0)
+    extended = drive.retracted_length + drive.stroke
+    return EndStop(drive.retracted_length, extended, stops.cylinder_stiffness, stops.cylinder_damping)
+
+
+def _cushion(drive: CylinderDrive) -> CushionBrake:
+    if drive.cushion is None:
+        return UNCUSHIONED
+    extended = drive.retracted_length + drive.stroke
+    return CushionBrake(drive.retracted_length, extended, drive.cushion.length, drive.cushion.resistance)

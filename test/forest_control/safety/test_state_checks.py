@@ -1,0 +1,67 @@
+"""Claims about a measured state: what cannot be true is refused and named, what end stops give is not."""
+
+import math
+
+import numpy as np
+import pytest
+
+from forest_control.pipeline import controller
+from forest_control.safety.state_checks import implausible, plausible
+from forest_description.derived.limits import joint_limits
+from forest_description.machine import load_machine
+from forest_description.types import AXES
+
+MACHINE = load_machine("c180")
+P = controller.parameters(MACHINE, controller.Settings(joint_margin=0.0))
+MIDDLE, ZERO = (0.2, 0.4, -1.4), (0.0, 0.0, 0.0)
+every_joint = pytest.mark.parametrize("joint", range(3), ids=AXES)
+
+
+def but(values, joint, value):
+    return (*values[:joint], value, *values[joint + 1 :])
+
+
+def said(angles, rates):
+    """What is said of a state, by those who name it and by those who only tell."""
+    problem = implausible(angles, rates, P)
+    assert plausible(angles, rates, P) == (problem == "")
+    return problem
+
+
+def test_a_crane_at_rest_in_the_middle_is_believed():
+    assert said(MIDDLE, ZERO) == ""
+
+
+@every_joint
+@pytest.mark.parametrize("end", [0, 1], ids=["lower", "upper"])
+def test_a_joint_may_be_a_tenth_of_a_radian_beyond_either_limit_and_no_further(joint, end):
+    limit, outward = joint_limits(MACHINE)[joint][end], (-1.0, 1.0)[end]
+    assert said(but(MIDDLE, joint, limit + outward * 0.1), ZERO) == ""
+    assert f"{AXES[joint]} is" in said(but(MIDDLE, joint, limit + outward * 0.1001), ZERO)
+
+
+@every_joint
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_joint_may_move_at_five_radians_a_second_either_way_and_no_faster(joint, sign):
+    assert said(MIDDLE, but(ZERO, joint, sign * 5.0)) == ""
+    assert f"{AXES[joint]} moves at" in said(MIDDLE, but(ZERO, joint, sign * 5.001))
+
+
+@every_joint
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e308])
+def test_what_is_no_number_is_refused(joint, bad):
+    assert AXES[joint] in said(but(MIDDLE, joint, bad), ZERO)
+    assert AXES[joint] in said(MIDDLE, but(ZERO, joint, bad))
+
+
+def test_degrees_and_a_lack_of_rates_are_named():
+    assert "swing is 11.4592 rad; allowed" in said(tuple(map(math.degrees, MIDDLE)), ZERO)
+    assert "no finite velocity" in implausible(MIDDLE, (), P)
+
+
+def test_those_who_name_a_state_and_those_who_only_tell_agree():
+    rng, refused = np.random.default_rng(31), 0
+    for _ in range(2000):
+        angles, rates = (tuple(x) for x in rng.normal(0.0, 1.5, (2, 3)).tolist())
+        refused += said(angles, rates) != ""
+    assert 0 < refused < 2000

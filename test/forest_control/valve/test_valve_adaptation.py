@@ -1,0 +1,202 @@
+"""Claims about learning a valve: deadband and gain are found from motion, and from nothing else."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from forest_control.valve import valve_adaptation as adaptation
+from forest_control.valve import valve_driver
+from forest_control.valve.valve_adaptation import UNLEARNT, learn
+from forest_control.valve.valve_driver import Settings
+from forest_control.valve.valve_flow import Sight
+from forest_description.components.valve_characteristic import TABLE, Curve, Direction, ValveLaw, edges
+from forest_description.machine import load_machine
+
+MACHINE = load_machine()
+P = valve_driver.parameters(MACHINE, Settings(adapt=True))
+FILE = MACHINE.valve.law
+SUPPLY = MACHINE.pump.supply_pressure
+PERIOD = 0.005
+TANK = 2e5  # [Pa] at the outlet
+
+
+class Axis(NamedTuple):
+    """One actuator behind its valve."""
+
+    flow: object  # FlowParameters
+    load: float  # pressure over its ports, A_1 P_1 - A_2 P_2 [N; N m]
+
+
+BOOM, SWING = Axis(P.flows[1], 60e3), Axis(P.flows[0], 0.0)
+
+
+def law(forward=(0.0, 1.0), backward=(0.0, 1.0), curve=FILE.curve):
+    """The file's valve, each direction with a deadband wider by [V] and a gain that is a factor."""
+
+    def way(wider, gain):
+        edge = FILE.forward
+        deadband = edge.deadband_voltage + wider
+        span = (edge.rated_voltage - edge.deadband_voltage) / gain
+        return Direction(deadband, deadband + span, edge.resistance_1, edge.resistance_2)
+
+    return ValveLaw(way(*forward), way(*backward), curve, 0.0)
+
+
+def steady(axis, volts, valve):
+    """Speed and port pressures of an actuator without inertia under its load."""
+    a, open_to = axis.flow, edges(volts, valve)
+    one, two = a.displacement_1, a.displacement_2
+    extends = volts > 0.0
+    c_1, c_2 = (open_to.supply_1, open_to.tank_2) if extends else (open_to.tank_1, open_to.supply_2)
+    if math.isinf(c_1):
+        return 0.0, (max(axis.load, 0.0) + two * 1e6) / one, 1e6
+    drive = one * SUPPLY - axis.load if extends else two * SUPPLY + axis.load
+    speed = math.copysign(math.sqrt(drive / (c_1 * one**3 + c_2 * two**3)), volts)
+    if extends:
+        return speed, SUPPLY - c_1 * (one * speed) ** 2, c_2 * (two * speed) ** 2
+    return speed, c_1 * (one * speed) ** 2, SUPPLY - c_2 * (two * speed) ** 2
+
+
+def run(axis, valve, volts, noise=0.0, seed=0, file=FILE, learner=UNLEARNT, a=P.adaptation):
+    """Learn from a voltage's course [V], one value (or function of what is learnt) a period."""
+    rng, position, last = np.random.default_rng(seed), 1.0, None
+    for v in volts:
+        v = v(learner) if callable(v) else v
+        speed, one, two = steady(axis, v, valve)
+        # What the hoses take up while their pressures change comes on top: take none of it here.
+        flow = axis.flow._replace(capacitance_1=0.0, capacitance_2=0.0, internal_leakage=0.0)
+        flow = flow._replace(external_leakage=0.0, position_noise=noise)
+        position += PERIOD * speed
+        seen = Sight(position + noise * rng.standard_normal(), one, two, one, two, SUPPLY, v)
+        learner, last = learn(learner, seen, file, flow, a, PERIOD), seen
+    assert last is not None
+    return learner
+
+
+def strokes(duration=8.0, most=5.0, period=4.0):
+    """To and fro, over the overlap at once as the driver does it."""
+    times = np.arange(0.0, duration, PERIOD)
+    wave = most * np.sin(2.0 * math.pi * times / period)
+    return (np.sign(wave) * (1.2 + np.abs(wave))).tolist()
+
+
+def shift(way):
+    return way.deadband, adaptation.gain(way)
+
+
+@pytest.mark.parametrize("axis", [BOOM, SWING], ids=["boom", "swing"])
+@pytest.mark.parametrize(
+    ("forward", "backward"),
+    [((0.15, 1.4), (0.15, 1.4)), ((-0.15, 0.6), (0.1, 1.2)), ((0.0, 1.0), (-0.2, 0.8))],
+)
+def test_deadband_and_gain_of_either_direction_are_found(axis, forward, backward):
+    learner = run(axis, law(forward, backward), strokes())
+    assert shift(learner.forward) == pytest.approx(forward, abs=0.01)
+    assert shift(learner.backward) == pytest.approx(backward, abs=0.01)
+
+
+def test_a_file_that_is_right_stays_right():
+    learner = run(BOOM, law(), strokes())
+    assert shift(learner.forward) == pytest.approx((0.0, 1.0), abs=1e-3)
+    assert shift(learner.backward) == pytest.approx((0.0, 1.0), abs=1e-3)
+
+
+def test_under_noise_the_estimate_is_as_good_as_its_spread_says():
+    off = []
+    for seed in range(6):
+        learner = run(BOOM, law((0.15, 1.4), (-0.15, 0.7)), strokes(), noise=1.8e-4, seed=seed)
+        for way, (wider, gain) in ((learner.forward, (0.15, 1.4)), (learner.backward, (-0.15, 0.7))):
+            assert adaptation.deadband_spread(way) < 0.08
+            assert adaptation.gain_spread(way) < 0.06
+            off.append((way.deadband - wider) / adaptation.deadband_spread(way))
+            off.append((adaptation.gain(way) - gain) / adaptation.gain_spread(way))
+    assert np.sqrt(np.mean(np.square(off))) < 2.0
+    assert np.max(np.abs(off)) < 5.0
+
+
+def test_a_curve_that_is_not_straight_is_learnt_as_well():
+    knots = (0.0, 0.2, 0.5, 1.0) + (1.0,) * 8
+    curve = Curve(TABLE, knots, (0.0, 0.1, 0.4, 1.0) + (1.0,) * 8)
+    learner = run(BOOM, law((0.12, 0.8), (0.0, 1.3), curve), strokes(), file=law(curve=curve))
+    assert shift(learner.forward) == pytest.approx((0.12, 0.8), abs=0.03)
+    assert shift(learner.backward) == pytest.approx((0.0, 1.3), abs=0.05)
+
+
+def test_an_open_valve_without_motion_widens_the_deadband_until_something_moves():
+    tops = []
+
+    def just_beyond(learner):
+        tops.append(learner.forward.deadband)
+        return 1.05 + learner.forward.deadband
+
+    run(SWING, law((0.15, 1.0)), [just_beyond] * 200, noise=2e-4)
+    assert tops[0] == 0.0
+    assert 0.1 < max(tops) < 0.15 + 0.1 * adaptation.SEARCH
+    assert tops[-1] == pytest.approx(0.15, abs=0.02)
+
+
+def test_a_dead_valve_is_searched_no_further_than_allowed():
+    learner = run(SWING, law((3.0, 1.0)), [1.3] * 400)
+    assert 0.0 < learner.forward.deadband <= P.adaptation.deadband_range
+    assert learner.backward == UNLEARNT.backward
+
+
+@pytest.mark.parametrize("volts", [[0.0] * 400, [0.9, -0.9] * 200], ids=["centred", "inside the overlap"])
+def test_a_shut_valve_teaches_nothing(volts):
+    learner = run(BOOM, law((0.15, 1.4)), volts, noise=2e-4)
+    assert learner.forward == UNLEARNT.forward
+    assert learner.backward == UNLEARNT.backward
+
+
+def still(**changes):
+    """A spool wide open, seen with something that makes the flow unknowable."""
+    sight = Sight(1.0, 8e6, 5e6, 8e6, 5e6, SUPPLY, 4.0)._replace(**changes)
+    learner = UNLEARNT
+    for _ in range(300):
+        learner = learn(learner, sight, FILE, P.flows[1], P.adaptation, PERIOD)
+    return learner.forward
+
+
+def test_what_cannot_tell_a_flow_teaches_nothing():
+    assert still() != UNLEARNT.forward
+    relief, stalled = 1.3 * SUPPLY, SUPPLY
+    assert still(port_1=relief, valve_1=relief, port_2=0.0, valve_2=0.0) == UNLEARNT.forward
+    assert still(port_1=stalled, valve_1=stalled, port_2=2e5, valve_2=0.0) == UNLEARNT.forward
+
+
+def test_a_gap_in_the_measurements_keeps_what_is_learnt():
+    learner = run(BOOM, law((0.15, 1.4), (0.15, 1.4)), strokes())
+    after = adaptation.blind(learner)
+    assert (after.forward, after.backward) == (learner.forward, learner.backward)
+    resumed = run(BOOM, law((0.15, 1.4), (0.15, 1.4)), strokes(4.0), learner=after)
+    assert shift(resumed.forward) == pytest.approx((0.15, 1.4), abs=0.01)
+
+
+def test_nothing_winds_up_and_nothing_leaves_its_range():
+    rng, learner = np.random.default_rng(5), UNLEARNT
+    a = P.adaptation._replace(forgetting_time=0.05)
+    for _ in range(4000):
+        ports = rng.uniform(-1e6, 30e6, 4).tolist()
+        seen = Sight(rng.normal(), *ports, SUPPLY, rng.uniform(-10.0, 10.0))
+        learner = learn(learner, seen, FILE, P.flows[1], a, PERIOD)
+        for way in (learner.forward, learner.backward):
+            assert abs(way.deadband) <= a.deadband_range
+            assert 1.0 / a.gain_range - 1e-12 <= adaptation.gain(way) <= a.gain_range + 1e-12
+            assert 0.0 <= way.p_dd <= 1.0 + 1e-12
+            assert 0.0 <= way.p_kk <= 1.0 + 1e-12
+
+
+def test_an_underlapped_valve_is_left_alone():
+    edge = FILE.forward._replace(deadband_voltage=-0.1)
+    learner = run(BOOM, law((0.15, 1.4)), strokes(2.0), file=ValveLaw(edge, edge, FILE.curve, 0.0))
+    assert learner.forward == UNLEARNT.forward
+
+
+def test_the_learnt_valve_is_the_true_one():
+    true = law((0.15, 1.4), (-0.1, 0.8))
+    known = adaptation.learnt_law(FILE, run(BOOM, true, strokes()))
+    for volts in (1.3, 2.0, 4.0, -1.1, -3.0):
+        told, meant = edges(volts, known), edges(volts, true)
+        assert min(told.supply_1, told.tank_1) == pytest.approx(min(meant.supply_1, meant.tank_1), rel=0.1)

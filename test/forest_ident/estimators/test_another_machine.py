@@ -1,0 +1,93 @@
+"""A crane of another class: no flow meters, no inclinometer, a load-sensing pump, a measured curve."""
+
+import pytest
+
+from forest_description.machine import load_machine
+from forest_ident.driving.direct_run import experiment
+from forest_ident.estimators.estimate import Estimate, judged
+from forest_ident.experiments import experiments
+from forest_ident.output_error.gaussian_estimate import NOTHING
+from forest_ident.output_error.prediction import predict
+from forest_ident.refinement import linear_estimates, refinement
+from forest_ident.refinement.identification import identify
+from forest_ident.refinement.unidentified import untold
+
+
+@pytest.fixture(scope="module")
+def loader():
+    return load_machine("loader")
+
+
+@pytest.fixture(scope="module")
+def valve(loader):
+    return experiment("valve_swing", loader, seed=1)
+
+
+@pytest.fixture(scope="module")
+def creep(loader):
+    return experiment("motor_internal", loader, seed=1, longest=5.0)
+
+
+def test_a_bench_is_judged_by_its_own_meters(loader, valve):
+    """The crane has no flow meter: the floor of the bench's is no flow for all that."""
+    found = identify(loader, [valve], refine=False).estimates
+    for way in ("", "backward."):
+        assert found[f"swing.valve.{way}deadband_voltage"].value == pytest.approx(0.9, abs=0.02)
+        gain = found[f"swing.valve.{way}minimum_resistance"].value
+        assert gain == pytest.approx(loader.swing.valve.minimum_resistance, rel=0.02)
+
+
+def test_a_load_sensing_pump_is_sought_by_its_margin(loader, valve):
+    """No experiment loads it up to the pressure that it keeps at most: that stays as told, and it is said."""
+    free = refinement.task(loader, valve).free
+    assert "pump.margin" in free
+    assert "pump.supply_pressure" not in free
+    assert "against its end" in dict(untold(identify(loader, [valve], refine=False)))["pump.supply_pressure"]
+
+
+@pytest.mark.parametrize("name", ["hose", "damping_boom"])
+def test_all_that_is_found_of_a_valve_goes_along(loader, name):
+    """What is held at an estimate makes the rest wrong and too sure."""
+    found = refinement.task(loader, experiment("valve", loader, longest=3.0)).free
+    later = refinement.task(loader, experiment(name, loader, longest=3.0))
+    assert set(found) <= {*later.free, *later.carried}
+
+
+def test_a_tilt_without_inclinometer_is_told_by_the_plan(loader, creep):
+    tilted = refinement.prepared(loader, creep)
+    assert tilted.manipulator.platform_tilt == pytest.approx(experiments.TILT)
+
+
+def test_the_pressures_that_a_record_began_with_are_sought(loader, creep):
+    """Behind a shut valve they last: a transducer's offset of 0.08 MPa would become leakage."""
+    tilted, begun = refinement.prepared(loader, creep), {"swing_pressure_1_actuator": 1e5}
+    one, other = (
+        predict(tilted, creep, bench=False, begun=by)["swing_pressure_1_actuator"] for by in ({}, begun)
+    )
+    assert other[0] - one[0] == pytest.approx(1e5)
+    _, fit = refinement.refine(linear_estimates.with_measured_hose(loader, 0), creep, NOTHING)
+    assert any(key.startswith("start.swing_pressure_1") for key in fit.values)
+
+
+def test_a_warning_goes_when_a_later_record_tells():
+    wide = judged(Estimate("pump.margin", 2e6, 1e6, "Pa", 10.0, "test"))
+    assert "cannot tell" in wide.warning
+    assert judged(wide._replace(standard_error=1e3)).warning == ""
+
+
+def test_a_curve_below_the_meters_floor_leaves_the_overlap_open(loader):
+    """The stick's curve has its first knots below the floor, and the file tells them in volts."""
+    session = experiment("valve_stick", load_machine("unknown:3:loader"), seed=3)
+    found = identify(loader, [session])
+    overlap = found.estimates["stick.valve.deadband_voltage"]
+    assert "cannot tell" in overlap.warning
+    assert overlap.value < loader.stick.valve.curve.voltages[0]
+    assert overlap.holds(1.394)
+
+
+def test_dry_friction_that_the_file_tells_is_no_damping(loader):
+    """The search starts here, and the boom's record feels what is held of the stick's damping."""
+    session = experiment("damping_boom", loader, longest=35.0)
+    found = identify(loader, [session], refine=False).estimates["boom.damping"]
+    assert found.value == pytest.approx(loader.boom.damping, rel=0.25)
+    assert loader.boom.friction.coulomb_force > 0.0

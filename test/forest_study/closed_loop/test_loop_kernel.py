@@ -1,0 +1,126 @@
+"""The compiled loop is the interpreted one, to the last bit; what it does not know it refuses."""
+
+import dataclasses
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+pytest.importorskip("llvmlite")
+
+from forest_compile import flat_layout
+from forest_control.operator.levers import Levers
+from forest_control.operator.operator_profile import Mode
+from forest_control.pipeline import controller
+from forest_control.servo.schemes import Scheme
+from forest_control.valve import valve_driver
+from forest_description.components.valve_parameters import PolynomialCurve, TableCurve
+from forest_description.geometry.kinematics import inverse_kinematics
+from forest_description.machine import load_machine
+from forest_msgs_py.types import PERIOD
+from forest_sim.sensors.sensor_faults import parse_faults
+from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_study.closed_loop import closed_loop, loop_core, loop_kernel
+from forest_study.closed_loop.closed_loop import Operator
+
+C180 = load_machine("c180")
+START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
+ROWS = 240
+
+
+def hand(seed=0, rows=ROWS):
+    """Return levers that jump, with the deadman let go now and then."""
+    rng = np.random.default_rng(seed)
+    held = np.clip(rng.normal(0.0, 0.6, (rows // 40, 3)), -1.0, 1.0)
+    enabled = (np.arange(rows) // 60 % 3 != 1) & (np.arange(rows) > 9)
+    return np.column_stack([np.repeat(held, 40, axis=0), enabled])
+
+
+def interpreted(table, machine, settings, drive, model, suite):
+    def operator(time):
+        *levers, enabled = table[round(time / PERIOD)].tolist()
+        return Operator(Levers(*levers), enabled > 0.5)
+
+    end = PERIOD * len(table)
+    return closed_loop.run(machine, operator, end, START, settings, drive, model, suite)
+
+
+def assert_same(settings, drive, machine=C180, model=C180, seed=0):
+    suite, table = sensor_suite(machine, noise=True, seed=seed), hand(seed)
+    fast = loop_kernel.run(machine, table, START, settings, drive, model, suite)
+    python = interpreted(table, machine, settings, drive, model, suite)
+    for name, a, b in zip(fast._fields, fast, python, strict=True):
+        np.testing.assert_array_equal(a, b, err_msg=name)
+    assert np.ptp(fast.tip, axis=0).max() > 0.01  # and it moved
+
+
+@pytest.mark.parametrize("scheme", list(Scheme))
+def test_every_scheme_is_the_interpreted_loop_to_the_last_bit(scheme):
+    assert_same(controller.Settings(scheme=scheme), valve_driver.Settings(adapt=scheme % 2 == 1))
+
+
+def test_so_is_position_mode_and_a_driver_with_all_it_has():
+    drive = valve_driver.Settings(adapt=True, slew_limit=500.0, dither_amplitude=0.05)
+    assert_same(controller.Settings(mode=Mode.POSITION), drive, seed=1)
+
+
+def test_so_is_another_machine_than_believed_with_slow_sensors_and_none():
+    """Half the sampling rate, no pressures read, a bent valve on the boom, a tabulated one on the stick."""
+    sensors = dataclasses.replace(C180.sensors, sample_rate=100.0, pressure=None)
+    table = TableCurve(voltages=(3.0, 6.0, 10.0), resistances=(9e12, 1e12, 3e11))
+    bent = PolynomialCurve(coefficients=(12.0, -2.0, 0.09))
+    other = dataclasses.replace(
+        C180,
+        sensors=sensors,
+        boom=dataclasses.replace(C180.boom, valve=dataclasses.replace(C180.valve, curve=bent)),
+        stick=dataclasses.replace(C180.stick, valve=dataclasses.replace(C180.valve, curve=table)),
+    )
+    drive = valve_driver.Settings(adapt=True)
+    assert_same(controller.Settings(), drive, other, C180, seed=2)
+    assert_same(controller.Settings(), drive, C180, other, seed=3)
+
+
+def test_the_core_interpreted_is_the_core_compiled():
+    suite, table = sensor_suite(C180, noise=True, seed=4), hand(4)[20:32]
+    settings, drive = controller.Settings(), valve_driver.Settings()
+    fast = loop_kernel.run(C180, table, START, settings, drive, suite=suite)
+    k = loop_kernel.knowledge(C180, C180, settings, drive, suite)
+    loop, normals = loop_kernel.begin(k, START, suite), loop_kernel.draws(suite, len(table)).ravel().tolist()
+    for row, (*levers, enabled) in enumerate(table.tolist()):
+        first = row * loop_core.CHANNEL_COUNT
+        loop, happened = loop_core.period(loop, Levers(*levers), enabled > 0.5, k, normals, first)
+        assert happened.command == tuple(fast.commands[row])
+        assert happened.tip == tuple(fast.tip[row])
+        assert happened.pressures == tuple(fast.pressures[row])
+
+
+def test_all_machines_and_settings_share_one_shape():
+    """Or a kernel made for one would misread another's numbers."""
+    shapes = set()
+    for name in ("c180", "c180_thesis", "loader"):
+        machine = load_machine(name)
+        k = loop_kernel.knowledge(
+            machine, machine, controller.Settings(), valve_driver.Settings(), sensor_suite(machine)
+        )
+        shapes.add(tuple(path for path, _ in flat_layout.leaves(k, "k")))
+    assert len(shapes) == 1
+
+
+def test_equal_seeds_repeat_and_others_do_not():
+    suites = [sensor_suite(C180, noise=True, seed=seed) for seed in (1, 1, 2)]
+    tips = [
+        loop_kernel.run(C180, hand(), START, controller.Settings(), valve_driver.Settings(), suite=suite).tip
+        for suite in suites
+    ]
+    assert [np.array_equal(a, b) for a, b in pairwise(tips)] == [True, False]
+
+
+def test_faulty_sensors_are_refused():
+    suite = sensor_suite(C180, faults=parse_faults("boom_resolver: absent from 2 s"))
+    with pytest.raises(ValueError, match="faults are not compiled"):
+        loop_kernel.run(C180, hand(), START, controller.Settings(), valve_driver.Settings(), suite=suite)
+
+
+def test_levers_without_a_deadman_are_refused():
+    with pytest.raises(ValueError, match=r"shape \(240, 3\); allowed: a row of 4"):
+        loop_kernel.run(C180, hand()[:, :3], START, controller.Settings(), valve_driver.Settings())

@@ -1,0 +1,44 @@
+"""A machine whose numbers nobody told: recorded, identified, driven along a path. Aims of the issue."""
+
+import pytest
+
+pytest.importorskip("llvmlite")
+
+from forest_control.servo.schemes import scheme_named
+from forest_description.machine import load_machine
+from forest_ident.driving.direct_run import experiment
+from forest_ident.measurements.parameter_path import value_of
+from forest_ident.refinement.identification import identify
+from forest_ident.report import machine_writer
+from forest_study.tracking.paths import path_named
+from forest_study.tracking.tracking import track
+
+UNKNOWN = "unknown:5"
+
+
+@pytest.fixture(scope="module")
+def identified(tmp_path_factory):
+    """What two of its records make of the shipped crane's file."""
+    machine = load_machine(UNKNOWN)
+    result = identify(load_machine("c180"), [experiment(name, machine, seed=5) for name in ("valve", "hose")])
+    return machine_writer.write(result, "c180", tmp_path_factory.mktemp("unknown") / "identified.yaml")
+
+
+def rms(model):
+    course = path_named("vertical"), 0.5, scheme_named("coordinated")
+    return track(*course, load_machine(UNKNOWN), model).total.rms_mm
+
+
+def test_valve_and_hose_of_a_machine_that_nobody_knows_are_found(identified):
+    machine = load_machine(UNKNOWN)
+    for key in ("valve.minimum_resistance", "valve.backward.minimum_resistance", "hose.turbulent_resistance"):
+        assert value_of(identified, key) == pytest.approx(value_of(machine, key), rel=0.02)
+    for key in ("valve.deadband_voltage", "valve.backward.deadband_voltage"):
+        assert value_of(identified, key) == pytest.approx(value_of(machine, key), abs=0.02)
+    for key in ("hose.inertance", "hose.capacitance"):
+        assert value_of(identified, key) == pytest.approx(value_of(machine, key), rel=0.05)
+
+
+def test_the_tip_tracks_as_with_the_exact_model(identified):
+    assert rms(identified) < 1.3 * rms(load_machine(UNKNOWN))
+    assert rms(load_machine("c180")) > 1.3 * rms(load_machine(UNKNOWN))

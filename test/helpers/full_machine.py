@@ -1,0 +1,111 @@
+"""What tests of the kernel share: pumps of every sort, a machine with everything, its state as an array."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from forest_description.components.load import Log, Pendulum
+from forest_description.components.pump import (
+    ConstantFlowPump,
+    IdealPump,
+    LoadSensingPump,
+    PressureCompensatedPump,
+)
+from forest_description.components.valve_parameters import BackwardValve, TableCurve
+from forest_description.geometry.kinematics import inverse_kinematics
+from forest_description.machine import Cushion, Friction, Machine, load_machine
+from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.solver.multibody import HeadState
+from forest_sim.solver.plant import AxisState, PlantState, ports_at, state_derivative
+from forest_sim.solver.plant_kernel import compiled_advance
+from forest_sim.solver.plant_parameters import PlantParameters
+
+C180 = load_machine("c180")
+START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
+PRESSURE = C180.pump.supply_pressure
+SHARED = {field.name: getattr(C180.pump, field.name) for field in dataclasses.fields(C180.pump)}
+BAND, RELIEF = SHARED.pop("compensator_band"), SHARED.pop("relief_pressure")
+
+PUMPS = {
+    "ideal": IdealPump(PRESSURE),
+    "compensated": PressureCompensatedPump(**SHARED, relief_pressure=RELIEF, compensator_band=BAND),
+    "constant flow": ConstantFlowPump(**SHARED),
+    "load sensing": LoadSensingPump(
+        **SHARED, relief_pressure=RELIEF, compensator_band=BAND, margin=2e6, response_time=0.05
+    ),
+}
+FRICTION = Friction(coulomb_force=4e3, breakaway_force=7e3, stribeck_speed=0.02, smoothing_speed=2e-3)
+CUSHION = Cushion(length=0.08, resistance=3e7)
+
+
+def with_pump(name: str, machine: Machine = C180, **changes: float) -> Machine:
+    """Return a machine with another pump."""
+    return dataclasses.replace(machine, pump=dataclasses.replace(PUMPS[name], **changes))
+
+
+def full_machine(pump: str = "load sensing") -> Machine:
+    """Return a machine that has every component, its axes' valves and hoses of different sorts."""
+    leaking = dataclasses.replace(
+        C180.valve,
+        leakage_conductance=2e-13,
+        port_2_area=0.8,
+        backward=BackwardValve(deadband_voltage=1.3, minimum_resistance=1.5e12),
+        spool_damping=0.7,
+    )
+    underlapped = dataclasses.replace(C180.valve, deadband_voltage=-0.2, leakage_conductance=1e-13)
+    measured = dataclasses.replace(
+        C180.valve, curve=TableCurve((2.0, 4.0, 7.0, 10.0), (9e13, 1.2e13, 3e12, 1e12)), spool_bandwidth=20.0
+    )
+    swing = dataclasses.replace(C180.swing, flow_regime="turbulent", valve=leaking)
+    boom = dataclasses.replace(
+        C180.boom, flow_regime="laminar", valve=underlapped, friction=FRICTION, cushion=CUSHION
+    )
+    stick = dataclasses.replace(C180.stick, valve=measured, friction=FRICTION, cushion=CUSHION)
+    hanging = dataclasses.replace(
+        C180.manipulator, pendulum=Pendulum(1.2, 60.0, 300.0), log=Log(mass=400.0, x=0.5, y=0.0)
+    )
+    return dataclasses.replace(
+        with_pump(pump),
+        name=f"full, {pump}",
+        swing=swing,
+        boom=boom,
+        stick=stick,
+        manipulator=hanging,
+    )
+
+
+def advance(simulation, voltages, h, count, p):
+    return compiled_advance()(simulation, voltages, h, count, p)
+
+
+SCALE = np.array([*([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3] * 3), 2e7, 2e7, 1.0, 1.0, 1.0, 1.0])
+
+
+def pack(state: PlantState) -> np.ndarray:
+    """Return all states, the 18 of the axes, the pump's, the hanging head's, each over its natural scale."""
+    return np.array([x for part in state for x in part]) / SCALE
+
+
+def unpack(y: np.ndarray) -> PlantState:
+    """Return the state that `pack` was given."""
+    v = (y * SCALE).tolist()
+    axes = (AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]))
+    return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]))
+
+
+def reference(simulation, p: PlantParameters, seconds: float) -> np.ndarray:
+    """Integrate `state_derivative` with the spools held, by scipy's Radau."""
+    ports = ports_at(simulation.spools, p)
+    solution = solve_ivp(
+        lambda _, y: pack(state_derivative(unpack(y), ports, p)),
+        (0.0, seconds),
+        pack(simulation.plant),
+        method="Radau",
+        rtol=1e-8,
+        atol=1e-10,
+    )
+    assert solution.success, solution.message
+    return solution.y[:, -1]

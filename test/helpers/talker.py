@@ -1,0 +1,53 @@
+"""A node for the tests of the frame: publishes joints at 200 Hz and has last words."""
+
+import sys
+
+from rclpy.duration import Duration
+from rclpy.node import Node
+
+from forest_msgs_py.interfaces import messages, topics
+from forest_msgs_py.runtime.node import Finished, NodeFailure, publisher, run_node
+from forest_msgs_py.runtime.node_parameters import declare
+
+FAULTS = {"bug": ZeroDivisionError("a bug"), "failure": NodeFailure("pump is gone"), "done": Finished()}
+
+
+class Talker(Node):
+    def __init__(self):
+        super().__init__("talker")
+        self.fault = declare(self, "fault", "", "what goes wrong", choices=("", *FAULTS))
+        loop = declare(
+            self, "loop", "", "how a loop of its own ends", choices=("", "wait", "return", *FAULTS)
+        )
+        if loop:
+            self.run = lambda stopping: self.keep_time(loop, stopping)
+        self.joints = publisher(self, topics.JOINT_STATES)
+        self.voltages = publisher(self, topics.VALVE_VOLTAGES)
+        self.matched = False
+        self.create_timer(0.005, self.tick)
+        print("up", flush=True)
+
+    def tick(self):
+        now = self.get_clock().now().nanoseconds
+        self.joints.publish(messages.joint_state(topics.JOINTS, now, (0.1, 0.2, 0.3)))
+        if not self.matched and self.voltages.get_subscription_count():
+            self.matched = True
+            print("matched", flush=True)
+        if self.fault:
+            raise FAULTS[self.fault]
+
+    def keep_time(self, end, stopping):
+        if end == "wait":
+            stopping.wait()
+        elif end != "return":
+            raise FAULTS[end]
+        print("loop ended", flush=True)
+
+    def stop(self):
+        self.voltages.publish(messages.float_array(topics.VALVE_VOLTAGES, 0, (0.0, 0.0, 0.0)))
+        self.voltages.wait_for_all_acked(Duration(seconds=1))
+        print("last words", flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(run_node(Talker))
