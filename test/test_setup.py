@@ -43,7 +43,14 @@ def test_what_only_tests_need_is_in_their_lock_alone(run, test):
 
 @pytest.mark.parametrize(
     ("script", "part"),
-    [("demo", "run"), ("graph", "run"), ("bags", "run"), ("test", "test"), ("check", "dev"), ("docs", "docs")],
+    [
+        ("demo", "run"),
+        ("graph", "run"),
+        ("bags", "run"),
+        ("test", "test"),
+        ("check", "dev"),
+        ("docs", "docs"),
+    ],
 )
 def test_a_script_asks_for_its_part(script, part):
     text = (ROOT / "scripts" / f"{script}.sh").read_text("utf-8")
