@@ -222,7 +222,7 @@ def _signed(terms: Sequence[tuple[int, str]]) -> str:
 
 
 def _block(equation: str) -> str:
-    return f"```math\n{equation}\n```"
+    return f"$${equation}$$"
 
 
 if __name__ == "__main__":
