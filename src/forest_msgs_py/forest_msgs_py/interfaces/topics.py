@@ -142,7 +142,7 @@ VALVE_DRIVER_STATUS = Topic(
           for what in ("deadband", "deadband_spread", "gain", "gain_spread")),
     ),
     ("1",) * 3 + ("V", "V", "1", "1") * 6, 10.0,
-    "1 where a valve cannot open as far as commanded; deadband and gain (1: the file's) as known, with spread.",
+    "1 where a valve cannot open as commanded; deadband and gain (1: the file's) as known, with spread.",
     (_DRIVER,), (_CONTROLLER,), late=True,
 )
 TIP_POSE = Topic(
