@@ -59,7 +59,14 @@ def test_the_tools_that_build_the_pages_go_beside_the_other_parts(part):
 
 @pytest.mark.parametrize(
     ("script", "part"),
-    [("demo", "run"), ("graph", "run"), ("bags", "run"), ("test", "test"), ("check", "dev"), ("docs", "docs")],
+    [
+        ("demo", "run"),
+        ("graph", "run"),
+        ("bags", "run"),
+        ("test", "test"),
+        ("check", "dev"),
+        ("docs", "docs"),
+    ],
 )
 def test_a_script_asks_for_its_part(script, part):
     text = (ROOT / "scripts" / f"{script}.sh").read_text("utf-8")
