@@ -55,6 +55,7 @@ compile --universal --python-version 3.10 --constraint requirements.lock --const
     --constraint requirements-dev.lock "$@" --output-file requirements-docs.lock - <<'TOOLS'
 mkdocs-material
 mkdocstrings[python]
+l2m4m
 TOOLS
 
 # What scripts/mutate.sh installs for itself, beside .venv's own packages. Yattag, for reports of HTML, is published

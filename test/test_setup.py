@@ -41,6 +41,22 @@ def test_what_only_tests_need_is_in_their_lock_alone(run, test):
     assert not locked(run) & locked(test)
 
 
+def versions(lock: str) -> dict[str, set[str]]:
+    """Versions that a lock holds of each distribution; several where Python decides."""
+    found: dict[str, set[str]] = {}
+    for name, version in re.findall(r"^([\w.-]+)==(\S+)", (ROOT / lock).read_text("utf-8"), re.MULTILINE):
+        found.setdefault(canonicalize_name(name), set()).add(version)
+    return found
+
+
+@pytest.mark.parametrize("part", ["", "-test", "-dev"])
+def test_the_tools_that_build_the_pages_go_beside_the_other_parts(part):
+    others, docs = versions(f"requirements{part}.lock"), versions("requirements-docs.lock")
+    assert {name: docs[name] for name in docs if name in others} == {
+        name: others[name] for name in others if name in docs
+    }
+
+
 @pytest.mark.parametrize(
     ("script", "part"),
     [

@@ -14,10 +14,10 @@ LINK = re.compile(r"\]\(([^)\s]+)\)")
 
 
 def prose(text: str) -> list[str]:
-    """The lines of a page that are no code, no table, no comment; of a link its words alone."""
+    """The lines of a page that are no code, no table, no equation; of a link its words alone."""
     without_code = re.sub(r"^( *)```.*?^\1```$", "", text, flags=re.MULTILINE | re.DOTALL)
     lines = [LINK.sub("]", line) for line in without_code.splitlines()]
-    return [line for line in lines if not line.lstrip().startswith(("|", "<!--"))]
+    return [line for line in lines if not line.lstrip().startswith(("|", "<!--", "$$"))]
 
 
 def test_code_tables_and_addresses_are_no_prose():

@@ -23,7 +23,9 @@ FENCE = re.compile(
     re.MULTILINE,
 )
 RUN = {"console", "python", "diff"}
+PROMPTS = ("$ ", "> ")
 LIMIT_S = 300.0  # at which a test fails rather than hangs
+PORT_TAKEN = "RTPS_TRANSPORT_SHM"  # the middleware's word for a port that is another run's
 
 
 class Example(NamedTuple):
@@ -31,9 +33,20 @@ class Example(NamedTuple):
 
     line: int
     kind: str
-    title: str
+    title: str  # the file that it is written to, if it is
     text: str
     reason: str  # why it is not run, if it is not
+
+    @property
+    def commands(self) -> str:
+        """The script of a `console`."""
+        return "\n".join(line[2:] for line in self.text.splitlines() if line.startswith(PROMPTS))
+
+    @property
+    def shown(self) -> list[str]:
+        """The lines that a `console` prints, as far as the page shows them."""
+        lines = self.text.splitlines() if self.kind == "console" else []
+        return [line for line in lines if not line.startswith(PROMPTS)]
 
 
 def examples(page: Path) -> Iterator[Example]:
@@ -43,9 +56,8 @@ def examples(page: Path) -> Iterator[Example]:
         title = re.search(r'title="([^"]+)"', match["info"])
         if match["kind"] in RUN or title or match["reason"]:
             line = text.count("\n", 0, match.start("kind")) + 1
-            yield Example(
-                line, match["kind"], title[1] if title else "", match["text"], match["reason"] or ""
-            )
+            file = title[1] if title else ""
+            yield Example(line, match["kind"], file, match["text"], match["reason"] or "")
 
 
 def run_page(page: Path, folder: Path, environment: Mapping[str, str]) -> None:
@@ -62,41 +74,39 @@ def run_page(page: Path, folder: Path, environment: Mapping[str, str]) -> None:
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(example.text, encoding="utf-8")
             continue
-        lines = example.text.splitlines()
-        commands = {
-            "console": [
-                "bash",
-                "-euo",
-                "pipefail",
-                "-c",
-                "\n".join(x[2:] for x in lines if x[:2] in ("$ ", "> ")),
-            ],
-            "python": [sys.executable, "-c", example.text],
-            "diff": ["git", "apply", "-"],
-        }
-        done = subprocess.run(
-            commands[example.kind],
-            input=example.text if example.kind == "diff" else "",
-            cwd=folder,
-            env=dict(environment),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=LIMIT_S,
-            check=False,
-        )
+        code, printed = run(example, folder, environment)
         where = f"{page.name}, line {example.line}"
-        assert done.returncode == 0, f"{where}: exit code {done.returncode}\n{done.stdout}"
-        wanted = [x for x in lines if x[:2] not in ("$ ", "> ")] if example.kind == "console" else []
-        assert not wanted or matches(done.stdout, wanted), f"{where}: printed was\n{done.stdout}"
+        assert code == 0, f"{where}: exit code {code}\n{printed}"
+        assert not example.shown or matches(printed, example.shown), f"{where}: printed was\n{printed}"
+
+
+def run(example: Example, folder: Path, environment: Mapping[str, str]) -> tuple[int, str]:
+    """Run one block; return its exit code and what it printed."""
+    command = {
+        "console": ["bash", "-euo", "pipefail", "-c", example.commands],
+        "python": [sys.executable, "-c", example.text],
+        "diff": ["git", "apply", "-"],
+    }[example.kind]
+    done = subprocess.run(
+        command,
+        input=example.text if example.kind == "diff" else "",
+        cwd=folder,
+        env=dict(environment),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+    )
+    return done.returncode, done.stdout
 
 
 def matches(printed: str, wanted: list[str]) -> bool:
     """Tell whether a text is what a page shows of it."""
     parts = [
-        r"(?:.*\n)*?" if line.strip() == "…" else re.escape(line.rstrip()).replace("…", ".*?") + r"\s*?\n"
+        r"(?:.*\n)*?" if line.strip() == "…" else re.escape(line.rstrip()).replace("…", ".*?") + r"\n"
         for line in wanted
         if line.strip()
     ]
-    lines = [line.rstrip() for line in printed.replace("\r", "\n").splitlines() if line.strip()]
+    lines = [line.rstrip() for line in printed.splitlines() if line.strip() and PORT_TAKEN not in line]
     return re.fullmatch("".join(parts), "".join(f"{line}\n" for line in lines)) is not None

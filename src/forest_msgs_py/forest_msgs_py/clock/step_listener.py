@@ -45,7 +45,9 @@ class StepListener:
 
     Args:
         node: that subscribes.
-        wanted, offered, refused: as of the `GraphListener`.
+        wanted: as of the `GraphListener`; so are the next two.
+        offered: the same.
+        refused: the same.
         settled: whether nothing is waited for of these nodes but their messages.
         nodes: of the run.
         guard: how long it waits for a step [s, wall clock].
