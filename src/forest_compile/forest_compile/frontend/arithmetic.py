@@ -44,8 +44,8 @@ TWO_ARGUMENTS: dict[Any, str] = {
     pow: "pow",
     math.fmod: "fmod",
 }
-_EXTERNAL = {**ONE_ARGUMENT, **TWO_ARGUMENTS}
-EXTERNALS = dict.fromkeys(ONE_ARGUMENT.values(), 1) | dict.fromkeys(TWO_ARGUMENTS.values(), 2)
+EXTERNAL = {**ONE_ARGUMENT, **TWO_ARGUMENTS}
+ARGUMENT_COUNTS = dict.fromkeys(ONE_ARGUMENT.values(), 1) | dict.fromkeys(TWO_ARGUMENTS.values(), 2)
 _ARITHMETIC: dict[type[ast.operator], str] = {
     ast.Add: "fadd",
     ast.Sub: "fsub",
@@ -81,18 +81,18 @@ class Arithmetic(Integers):
         if isinstance(sort, ast.Mod):
             return self._double_remainder(left, right)
         if isinstance(sort, ast.Pow):
-            return self._external(pow, [left, right])
+            return self.external(pow, [left, right])
         if type(sort) not in _ARITHMETIC:
             raise NotTranslatedError(f"{type(sort).__name__} is not translated")
         return self.into.operate(_ARITHMETIC[type(sort)], left, right)
 
     def _double_remainder(self, left: Scalar, right: Scalar) -> Scalar:
         """Return Python's remainder, which has the divisor's sign, zero too; C's has the dividend's."""
-        into, rest = self.into, self._external(math.fmod, [left, right])
+        into, rest = self.into, self.external(math.fmod, [left, right])
         signs = [into.operate("fcmp olt", value, NO_DOUBLE) for value in (rest, right)]
         moved = into.operate("fadd", rest, right)
         signed = into.select(into.operate("xor", *signs), moved, rest)
-        zero = self._external(math.copysign, [NO_DOUBLE, right])
+        zero = self.external(math.copysign, [NO_DOUBLE, right])
         return into.select(into.operate("fcmp une", rest, NO_DOUBLE), signed, zero)
 
     def compared(self, sort: ast.cmpop, left: Value, right: Value) -> Scalar:
@@ -128,20 +128,12 @@ class Arithmetic(Integers):
             return self.extreme(ast.Gt(), [self.integer(numbers[0]), self.negative(numbers[0])])
         if function in _SPECIAL:
             return _SPECIAL[function](self, numbers)
-        return self._external(function, numbers)
+        return self.external(function, numbers)
 
-    def _external(self, function: Any, numbers: list[Scalar]) -> Scalar:
+    def external(self, function: Any, numbers: list[Scalar]) -> Scalar:
         """Return what a function of doubles gives that LLVM or the C library has."""
         given = ", ".join(f"double {self.double(value).text}" for value in numbers)
-        return self.into.emit(DOUBLE, f"call double @{_EXTERNAL[function]}({given})")
-
-    def is_nan(self, value: Scalar) -> Scalar:
-        """Return whether a number is NaN."""
-        return self.compared(ast.NotEq(), value, value)
-
-    def is_finite(self, value: Scalar) -> Scalar:
-        """Return whether a number is neither infinite nor NaN."""
-        return self.compared(ast.Lt(), self._external(abs, [value]), INFINITE)
+        return self.into.emit(DOUBLE, f"call double @{EXTERNAL[function]}({given})")
 
     def floor(self, value: Scalar) -> Scalar:
         """Return the greatest integer that is not greater."""
@@ -164,12 +156,11 @@ _SPECIAL: dict[Any, Callable[[Arithmetic, list[Scalar]], Scalar]] = {
     float: lambda to, given: to.double(given[0]),
     bool: lambda to, given: to.truth(given[0]),
     math.floor: lambda to, given: to.floor(given[0]),
-    math.isnan: lambda to, given: to.is_nan(given[0]),
-    math.isfinite: lambda to, given: to.is_finite(given[0]),
+    math.isnan: lambda to, given: to.compared(ast.NotEq(), *given, *given),
+    math.isfinite: lambda to, given: to.compared(ast.Lt(), to.external(abs, given), INFINITE),
 }
 _ARITIES: dict[Any, range] = (
-    dict.fromkeys(_SPECIAL, range(1, 2))
-    | dict.fromkeys(ONE_ARGUMENT, range(1, 2))
+    dict.fromkeys((*_SPECIAL, *ONE_ARGUMENT), range(1, 2))
     | dict.fromkeys(TWO_ARGUMENTS, range(2, 3))
     | dict.fromkeys((max, min), range(2, 1000))
 )
