@@ -14,7 +14,8 @@ class Entry(NamedTuple):
     text: str  # its source in Python; it returns nothing
     names: Mapping[str, Any]  # what names in it mean: model functions, types, numbers and tuples of numbers
     arguments: str  # a letter for each: p pointer to doubles, d double, i integer
-    # Names of tuples that lie flat in an argument: the argument's name, and an example. If the source uses the
-    # argument itself, too, the tuple is what lay there at the beginning.
+    # Names of tuples that lie flat in an argument: the argument's name, and an example. If the source uses
+    # the argument itself, too, the tuple is what lay there at the beginning.
     tuples: Mapping[str, tuple[str, Any]]
-    noinline: tuple[Callable[..., Any], ...] = ()  # functions whose calls stay calls: seldom called, or large
+    # Functions whose calls stay calls: those that are seldom called, or large.
+    noinline: tuple[Callable[..., Any], ...] = ()

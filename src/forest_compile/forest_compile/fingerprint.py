@@ -1,9 +1,9 @@
-"""Whether a kernel on disk is still the one that its laws would give: a digest of all that decides it.
+"""Whether a kernel on disk is still what its model functions would give: a digest of all that decides it.
 
-The digest follows the names in the laws' bytecode through what is imported: functions, numbers, tuples and
-types. It reads no source, since a node computes it at every start; 120 functions take about a millisecond. A
-name counts even where the law means a field of the same name, so the digest covers a little too much, never
-too little. Strings do not count: no law can use them.
+The digest follows the names in the bytecode through what is imported: functions, numbers, tuples and types.
+It reads no source, since a node computes it at every start; 120 functions take about a millisecond. A name
+counts even where the bytecode means a field of the same name: the digest covers a little too much, never too
+little. Strings do not count: no model function can use them.
 """
 
 import hashlib
@@ -37,7 +37,7 @@ def changed(entry: Entry) -> Iterator[FunctionType]:
     """Yield functions whose file does not say what was imported, while it is the file that is translated."""
     files: dict[str, list[list[Any]]] = {}
     for one in functions(entry):
-        if one.__qualname__.isidentifier():  # no method: that is no law
+        if one.__qualname__.isidentifier():  # a method is no model function
             path = one.__code__.co_filename
             if path not in files:
                 files[path] = _written(path)

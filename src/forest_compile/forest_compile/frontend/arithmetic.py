@@ -29,23 +29,19 @@ from forest_compile.ir.values import (
 )
 
 TRUE, FALSE, NO_DOUBLE, INFINITE = number(True), number(False), number(0.0), number(math.inf)
-ONE_ARGUMENT: dict[Any, str] = {
-    math.sqrt: "llvm.sqrt.f64",
-    abs: "llvm.fabs.f64",
-    math.fabs: "llvm.fabs.f64",
-    math.sin: "sin",
-    math.cos: "cos",
-    math.exp: "exp",
-    math.acos: "acos",
+EXTERNAL: dict[Any, tuple[str, int]] = {  # LLVM's or the C library's name, and how many doubles it takes
+    math.sqrt: ("llvm.sqrt.f64", 1),
+    abs: ("llvm.fabs.f64", 1),
+    math.fabs: ("llvm.fabs.f64", 1),
+    math.sin: ("sin", 1),
+    math.cos: ("cos", 1),
+    math.exp: ("exp", 1),
+    math.acos: ("acos", 1),
+    math.copysign: ("llvm.copysign.f64", 2),
+    math.atan2: ("atan2", 2),
+    pow: ("pow", 2),
+    math.fmod: ("fmod", 2),
 }
-TWO_ARGUMENTS: dict[Any, str] = {
-    math.copysign: "llvm.copysign.f64",
-    math.atan2: "atan2",
-    pow: "pow",
-    math.fmod: "fmod",
-}
-EXTERNAL = {**ONE_ARGUMENT, **TWO_ARGUMENTS}
-ARGUMENT_COUNTS = dict.fromkeys(ONE_ARGUMENT.values(), 1) | dict.fromkeys(TWO_ARGUMENTS.values(), 2)
 _ARITHMETIC: dict[type[ast.operator], str] = {
     ast.Add: "fadd",
     ast.Sub: "fsub",
@@ -117,9 +113,10 @@ class Arithmetic(Integers):
 
     def builtin(self, function: Any, numbers: list[Scalar], text: str) -> Scalar:
         """Return what a function of numbers gives; `text` is the call's."""
-        if function not in _ARITIES:
+        if function not in _SPECIAL and function not in EXTERNAL:
             raise NotTranslatedError(f"{text!r} is not translated")
-        if len(numbers) not in _ARITIES[function]:
+        _, wanted = EXTERNAL.get(function, ("", 1))
+        if not (len(numbers) > 1 if function in (max, min) else len(numbers) == wanted):
             raise NotTranslatedError(f"{text!r}: not with {len(numbers)} numbers")
         no_double = all(value.kind != DOUBLE for value in numbers)
         if function is pow and no_double:
@@ -133,7 +130,7 @@ class Arithmetic(Integers):
     def external(self, function: Any, numbers: list[Scalar]) -> Scalar:
         """Return what a function of doubles gives that LLVM or the C library has."""
         given = ", ".join(f"double {self.double(value).text}" for value in numbers)
-        return self.into.emit(DOUBLE, f"call double @{EXTERNAL[function]}({given})")
+        return self.into.emit(DOUBLE, f"call double @{EXTERNAL[function][0]}({given})")
 
     def floor(self, value: Scalar) -> Scalar:
         """Return the greatest integer that is not greater."""
@@ -159,8 +156,3 @@ _SPECIAL: dict[Any, Callable[[Arithmetic, list[Scalar]], Scalar]] = {
     math.isnan: lambda to, given: to.compared(ast.NotEq(), *given, *given),
     math.isfinite: lambda to, given: to.compared(ast.Lt(), to.external(abs, given), INFINITE),
 }
-_ARITIES: dict[Any, range] = (
-    dict.fromkeys((*_SPECIAL, *ONE_ARGUMENT), range(1, 2))
-    | dict.fromkeys(TWO_ARGUMENTS, range(2, 3))
-    | dict.fromkeys((max, min), range(2, 1000))
-)
