@@ -137,7 +137,9 @@ def bag_of(series: Mapping[Topic, Series]) -> Bag:
     for topic, values in series.items():
         times = values.log_time_ns
         first, last = (int(times[0]), int(times[-1])) if len(times) else (0, 0)
-        bag.topics[topic.name] = TopicInfo(topic.type, len(times), first, last, 0)
+        bag.topics[topic.name] = TopicInfo(
+            type=topic.type, count=len(times), first_ns=first, last_ns=last, lost=0
+        )
         bag._series[topic.name] = values
     return bag
 
@@ -179,7 +181,13 @@ def _info(channel: Channel, messages: list[RawMessage], lost: int | None) -> Top
         for message in messages:
             gaps.observe(message.sequence, lambda: publishers)
         lost = gaps.lost
-    return TopicInfo(channel.type, len(times), min(times, default=0), max(times, default=0), lost)
+    return TopicInfo(
+        type=channel.type,
+        count=len(times),
+        first_ns=min(times, default=0),
+        last_ns=max(times, default=0),
+        lost=lost,
+    )
 
 
 def row_reader(name: str, type_name: str) -> Callable[[bytes], Row]:
@@ -232,7 +240,14 @@ def _series(name: str, type_name: str, messages: list[RawMessage]) -> Series:
     rows, unreadable = _rows(read, messages[:1])
     alike = decoded(kind, [m.data for m in messages], rows[0]) if messages else None
     if alike is not None:
-        return Series(alike.stamps_ns, log_time, alike.values, alike.labels, alike.units, 0)
+        return Series(
+            time_ns=alike.stamps_ns,
+            log_time_ns=log_time,
+            values=alike.values,
+            labels=alike.labels,
+            units=alike.units,
+            incomplete=0,
+        )
     rows, unreadable = _rows(read, messages)
     columns = dict(zip(kind.labels, kind.units, strict=True)) if not rows else {}
     for row_ in rows:
@@ -249,7 +264,15 @@ def _series(name: str, type_name: str, messages: list[RawMessage]) -> Series:
         dtype=np.int64,
     )
     incomplete = sum(len(r.labels) < len(columns) for r in rows)
-    return Series(time, log_time, values, tuple(columns), tuple(columns.values()), incomplete, unreadable)
+    return Series(
+        time_ns=time,
+        log_time_ns=log_time,
+        values=values,
+        labels=tuple(columns),
+        units=tuple(columns.values()),
+        incomplete=incomplete,
+        unreadable=unreadable,
+    )
 
 
 def _rows(read: Callable[[bytes], Row], messages: list[RawMessage]) -> tuple[list[Row], int]:

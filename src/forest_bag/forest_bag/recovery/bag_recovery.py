@@ -54,7 +54,13 @@ class Recovered:
     def about(self, files: Sequence[FileEntry], counts: dict[_Offer, int] | None = None) -> dict[str, Any]:
         """Return rosbag2's metadata of some files; counts by offer, if not those of all files."""
         topics = [
-            TopicEntry(o.name, o.type, o.qos, o.type_hash, o.messages if counts is None else counts.get(o, 0))
+            TopicEntry(
+                name=o.name,
+                type=o.type,
+                qos=o.qos,
+                type_hash=o.type_hash,
+                messages=o.messages if counts is None else counts.get(o, 0),
+            )
             for o in self._offers.values()
         ]
         return information(files, topics, {name: gaps.lost for name, gaps in self.topics.items()})

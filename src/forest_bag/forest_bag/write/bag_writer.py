@@ -214,7 +214,13 @@ class BagWriter:
 
     def _about(self, files: list[FileEntry], counts: dict[Recorded, int]) -> dict[str, Any]:
         topics = [
-            TopicEntry(topic.name, topic.type, topic.qos, topic.type_hash, counts.get(topic, 0))
+            TopicEntry(
+                name=topic.name,
+                type=topic.type,
+                qos=topic.qos,
+                type_hash=topic.type_hash,
+                messages=counts.get(topic, 0),
+            )
             for topic in self._offered
         ]
         return information(files, topics, self.lost)

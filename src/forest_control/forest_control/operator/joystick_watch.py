@@ -89,7 +89,17 @@ class Watch(NamedTuple):
 
 
 REST = Watch(
-    Joystick.SILENT, NO_STAMP, NO_HEARTBEAT, -math.inf, -math.inf, 0.0, False, CENTRED, False, False, 0
+    joystick=Joystick.SILENT,
+    stamp=NO_STAMP,
+    heartbeat=NO_HEARTBEAT,
+    fresh_since=-math.inf,
+    moved=-math.inf,
+    restless=0.0,
+    repeats=False,
+    levers=CENTRED,
+    held=False,
+    armed=False,
+    out_of_order=0,
 )
 
 
@@ -233,12 +243,28 @@ def sample_of(
     """
     axes, buttons = content
     levers, held = levers_from_axes(axes), buttons[deadman] == 1
-    return Sample(received, stamp, heartbeat_of(frame), content == before, True, levers, held)
+    return Sample(
+        received=received,
+        stamp=stamp,
+        heartbeat=heartbeat_of(frame),
+        same=content == before,
+        good=True,
+        levers=levers,
+        held=held,
+    )
 
 
 def bad_sample(received: float) -> Sample:
     """Return what stands for a message that cannot be read."""
-    return Sample(received, NO_STAMP, NO_HEARTBEAT, False, False, CENTRED, False)
+    return Sample(
+        received=received,
+        stamp=NO_STAMP,
+        heartbeat=NO_HEARTBEAT,
+        same=False,
+        good=False,
+        levers=CENTRED,
+        held=False,
+    )
 
 
 def heartbeat_of(frame: str) -> int:

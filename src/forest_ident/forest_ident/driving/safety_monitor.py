@@ -69,11 +69,11 @@ def bounds(plan: Plan, programme: Programme) -> Bounds:
     relief = m.port_valves.relief_pressure if m.port_valves is not None else 0.0
     idle = m.pump.margin if isinstance(m.pump, LoadSensingPump) else m.pump.supply_pressure
     return Bounds(
-        (joints[0], joints[1], joints[2]),
-        (pairs[0][0], pairs[1][0], pairs[2][0]),
-        (pairs[0][1], pairs[1][1], pairs[2][1]),
-        OVERLOAD * max(m.pump.supply_pressure, relief),
-        STARVED * idle,
+        driven=(joints[0], joints[1], joints[2]),
+        low=(pairs[0][0], pairs[1][0], pairs[2][0]),
+        high=(pairs[0][1], pairs[1][1], pairs[2][1]),
+        pressure=OVERLOAD * max(m.pump.supply_pressure, relief),
+        supply=STARVED * idle,
     )
 
 

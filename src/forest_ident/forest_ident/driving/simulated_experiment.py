@@ -66,7 +66,13 @@ def run(
     facts = {}
     if not bench and "case_drain" in true:
         facts["case_drain_volume"] = float(np.sum(true["case_drain"]) * PERIOD)
-    return Session(name, PERIOD * np.arange(count, dtype=np.float64), voltages, readings, facts)
+    return Session(
+        name=name,
+        time=PERIOD * np.arange(count, dtype=np.float64),
+        voltages=voltages,
+        readings=readings,
+        facts=facts,
+    )
 
 
 class _Trace:

@@ -83,7 +83,13 @@ def simulated(suite: Suite) -> Session:
     readings = {
         name: y for name, y in read(true, suite, PERIOD, "calibration").items() if np.isfinite(y).all()
     }
-    return Session("calibration", time, np.zeros((count, 3)), readings, {"ice_until": EACH})
+    return Session(
+        name="calibration",
+        time=time,
+        voltages=np.zeros((count, 3)),
+        readings=readings,
+        facts={"ice_until": EACH},
+    )
 
 
 def calibrate(machine: Machine, session: Session) -> list[Offset]:
@@ -110,7 +116,14 @@ def _transducer(machine: Machine, session: Session, name: str) -> Offset:
             f"{1e-6 * VENTED:g} MPa, with the pump off and the lines open to the air"
         )
     if np.ptp(y) == 0.0:
-        return Offset(name, float(y[0]), 0.0 if y[0] > 0.0 else math.inf, 1.0, 0.0, "Pa")
+        return Offset(
+            channel=name,
+            offset=float(y[0]),
+            offset_error=0.0 if y[0] > 0.0 else math.inf,
+            gain=1.0,
+            gain_error=0.0,
+            unit="Pa",
+        )
     judged = channel(machine, session, name)._replace(offset=0.0)
     start = float(np.mean(y))
 
@@ -119,7 +132,14 @@ def _transducer(machine: Machine, session: Session, name: str) -> Offset:
 
     unknown = Unknown("offset", start, positive=False, difference=1.0)
     result = fit(model, {name: y}, [judged], [unknown])
-    return Offset(name, result.values["offset"], result.errors["offset"], 1.0, 0.0, "Pa")
+    return Offset(
+        channel=name,
+        offset=result.values["offset"],
+        offset_error=result.errors["offset"],
+        gain=1.0,
+        gain_error=0.0,
+        unit="Pa",
+    )
 
 
 def _thermocouple(session: Session, name: str) -> Offset:
@@ -137,12 +157,12 @@ def _thermocouple(session: Session, name: str) -> Offset:
     errors = [float(np.std(part)) / math.sqrt(len(part)) for part in (ice, water)]
     gain = float(np.mean(water) - np.mean(ice)) / (BOILING - ICE)
     return Offset(
-        name,
-        float(np.mean(ice)) - ICE,
-        errors[0],
-        gain,
-        math.hypot(*errors) / (BOILING - ICE),
-        "K",
+        channel=name,
+        offset=float(np.mean(ice)) - ICE,
+        offset_error=errors[0],
+        gain=gain,
+        gain_error=math.hypot(*errors) / (BOILING - ICE),
+        unit="K",
     )
 
 
@@ -158,4 +178,6 @@ def meter_gain(session: Session, floor: float) -> Offset | None:
     x, y = one[seen], two[seen]
     gain = float(x @ y / (x @ x))
     error = float(np.std(y - gain * x) / math.sqrt(x @ x))
-    return Offset("stick_flow", 0.0, 0.0, gain, error, "m3/s")
+    return Offset(
+        channel="stick_flow", offset=0.0, offset_error=0.0, gain=gain, gain_error=error, unit="m3/s"
+    )

@@ -95,7 +95,10 @@ def moments(machine: Machine, session: Session) -> list[Moment]:
         "m3 y3": m.stick_mass * m.stick_y,
     }
     pairs = zip(told, line.values.tolist(), line.errors.tolist(), strict=True)
-    return [Moment(name, value, error, told[name], line.condition) for name, value, error in pairs]
+    return [
+        Moment(name=name, value=value, error=error, told=told[name], condition=line.condition)
+        for name, value, error in pairs
+    ]
 
 
 def masses(machine: Machine, session: Session, names: tuple[str, ...] = ("head_mass",)) -> Line:

@@ -47,9 +47,13 @@ class Plan(NamedTuple):
     angles: Vec3  # [rad] at the start
     bench: bool
     setup: str
-    limits: str
     facts: dict[str, float]
     tip: Vec3 = (math.nan, math.nan, math.nan)  # [m] at the start
+
+    @property
+    def limits(self) -> str:
+        """What keeps the machine from harm."""
+        return BENCH_LIMITS if self.bench else _crane_limits()
 
 
 CRANE_LIMITS = (
@@ -142,7 +146,9 @@ def _valve(name: str, machine: Machine, axis: int) -> Plan:
         "ports, one in the supply. Oil through the cooler at one temperature."
     )
     programme = Programme((track, None, None), total)
-    return Plan(name, rig, programme, _rest(machine), True, setup, BENCH_LIMITS, {})
+    return Plan(
+        name=name, machine=rig, programme=programme, angles=_rest(machine), bench=True, setup=setup, facts={}
+    )
 
 
 def _spool_lag(machine: Machine) -> Plan:
@@ -152,7 +158,15 @@ def _spool_lag(machine: Machine) -> Plan:
     track = Track(rows, -ENDLESS, ENDLESS, alternate=True)
     setup = "As for the valve. The spool sensor and the amplifier's voltage on one clock."
     programme = Programme((track, None, None), 16.0)
-    return Plan("spool_lag", rig, programme, _rest(machine), True, setup, BENCH_LIMITS, {})
+    return Plan(
+        name="spool_lag",
+        machine=rig,
+        programme=programme,
+        angles=_rest(machine),
+        bench=True,
+        setup=setup,
+        facts={},
+    )
 
 
 def _hose(name: str, machine: Machine, axis: int, laminar: bool) -> Plan:
@@ -175,7 +189,15 @@ def _hose(name: str, machine: Machine, axis: int, laminar: bool) -> Plan:
     )
     programme = Programme((track, None, None), total)
     facts = {"hose_length": length, "hose_axis": float(axis), "laminar": float(laminar)}
-    return Plan(name, rig, programme, _rest(machine), True, setup, BENCH_LIMITS, facts)
+    return Plan(
+        name=name,
+        machine=rig,
+        programme=programme,
+        angles=_rest(machine),
+        bench=True,
+        setup=setup,
+        facts=facts,
+    )
 
 
 def _motor(name: str, machine: Machine) -> Plan:
@@ -192,7 +214,9 @@ def _motor(name: str, machine: Machine) -> Plan:
         start = (0.9, rest[1], rest[2])
         programme = Programme((None, None, None), 100.0)
         told = {"platform_tilt": TILT}  # for cranes without an inclinometer
-        return Plan(name, tilted, programme, start, False, setup, _crane_limits(), told)
+        return Plan(
+            name=name, machine=tilted, programme=programme, angles=start, bench=False, setup=setup, facts=told
+        )
     rated = machine.valve_of(0).rated_voltage
     rows = stairs(tuple(rated * share for share in (0.3, 0.4, 0.25, 0.35)), 2.5)
     setup = (
@@ -200,7 +224,9 @@ def _motor(name: str, machine: Machine) -> Plan:
         "the record starts; read it when it ends, and write the volume under case_drain_volume."
     )
     programme = Programme((_track(machine, 0, rest, rows), None, None), 70.0)
-    return Plan(name, machine, programme, rest, False, setup, _crane_limits(), {})
+    return Plan(
+        name=name, machine=machine, programme=programme, angles=rest, bench=False, setup=setup, facts={}
+    )
 
 
 def _one_axis(name: str, machine: Machine, axis: int) -> Plan:
@@ -216,7 +242,9 @@ def _one_axis(name: str, machine: Machine, axis: int) -> Plan:
     tracks: list[Track | None] = [None, None, None]
     tracks[axis] = _track(machine, axis, rest, rows, alternate=name.startswith("deadband"))
     programme = Programme((tracks[0], tracks[1], tracks[2]), total)
-    return Plan(name, machine, programme, rest, False, setup, _crane_limits(), {})
+    return Plan(
+        name=name, machine=machine, programme=programme, angles=rest, bench=False, setup=setup, facts={}
+    )
 
 
 def _all_axes(name: str, machine: Machine, seed: int) -> Plan:
@@ -238,7 +266,9 @@ def _all_axes(name: str, machine: Machine, seed: int) -> Plan:
             tracks[axis] = _track(machine, axis, rest, rows, alternate=True)
         setup, total = "Crane without load, oil warm. This record is held out: it checks the model.", 40.0
     programme = Programme((tracks[0], tracks[1], tracks[2]), total)
-    return Plan(name, machine, programme, rest, False, setup, _crane_limits(), {})
+    return Plan(
+        name=name, machine=machine, programme=programme, angles=rest, bench=False, setup=setup, facts={}
+    )
 
 
 def _track(machine: Machine, axis: int, rest: Vec3, rows: tuple[Row, ...], alternate: bool = False) -> Track:

@@ -13,7 +13,7 @@ downstream can tell which. Ground truth is in neither.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -69,7 +69,7 @@ class Session:
         """Return the rows from ``first`` to before ``last``."""
         rows = slice(first, last)
         readings = {name: column[rows] for name, column in self.readings.items()}
-        return Session(self.name, self.time[rows], self.voltages[rows], readings, self.facts, self.whole)
+        return replace(self, time=self.time[rows], voltages=self.voltages[rows], readings=readings)
 
     def temperature(self) -> Floats | None:
         """Return the oil's temperature [K], the mean of its thermocouples; None if there are none."""

@@ -161,7 +161,9 @@ def read(path: Path) -> Session:
             continue
         series = bag.series(topic)
         readings[channel] = _at(series.time_ns - begin, series.column(label), grid)
-    return Session(name, grid, voltages, readings, facts, bag.complete)
+    return Session(
+        name=name, time=grid, voltages=voltages, readings=readings, facts=facts, whole=bag.complete
+    )
 
 
 def _first_there(bag: Bag, path: Path) -> Topic:

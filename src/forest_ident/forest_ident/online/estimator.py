@@ -99,12 +99,12 @@ def parameters(machine: Machine, memory: float = 60.0) -> Parameters:
         for v, pair in zip(valves, pairs, strict=True)
     ]
     return Parameters(
-        pairs,
-        (valves[0].rated_voltage, valves[1].rated_voltage, valves[2].rated_voltage),
-        (speeds[0], speeds[1], speeds[2]),
-        machine,
-        fold_head(machine.manipulator),
-        memory,
+        displacements=pairs,
+        rated=(valves[0].rated_voltage, valves[1].rated_voltage, valves[2].rated_voltage),
+        least_speed=(speeds[0], speeds[1], speeds[2]),
+        machine=machine,
+        body=fold_head(machine.manipulator),
+        memory=memory,
     )
 
 
@@ -121,7 +121,7 @@ def initial(p: Parameters) -> State:
             for way in (law.forward, law.backward)
         ]
         drive = recursive_least_squares.start((p.machine.drives[axis].damping, 0.0), (1e3, 1e3))
-        axes.append(Axis(ways[0], ways[1], drive, 0.0, 0.0, Sums()))
+        axes.append(Axis(forward=ways[0], backward=ways[1], drive=drive, voltage=0.0, since=0.0, sums=Sums()))
     return State((axes[0], axes[1], axes[2]))
 
 

@@ -51,7 +51,12 @@ def estimates(machine: Machine, session: Session) -> dict[str, float]:
     columns = [list(map(tuple, table.tolist())) for table in tables]
     supply = session.column("supply_pressure").tolist()
     for q, u, p_1, p_2, volts, p_s in zip(*columns, supply, strict=True):
-        state = estimator.step(state, estimator.Sample(q, u, p_1, p_2, p_s, volts), p, session.period)
+        state = estimator.step(
+            state,
+            estimator.Sample(angles=q, rates=u, pressures_1=p_1, pressures_2=p_2, supply=p_s, voltages=volts),
+            p,
+            session.period,
+        )
     return dict(zip(estimator.LABELS, estimator.report(state), strict=True))
 
 
@@ -74,7 +79,17 @@ def beside(start: Machine, found: Machine, session: Session) -> list[Beside]:
     for part in told:
         name = f"{AXES[axis]}_{part}"
         spread, unit = running[f"{name}_spread"], UNITS.get(part.partition("_")[0], DAMPING[axis])
-        rows.append(Beside(session.name, name, told[part], running[name], spread, settled[part], unit))
+        rows.append(
+            Beside(
+                record=session.name,
+                name=name,
+                told=told[part],
+                running=running[name],
+                spread=spread,
+                settled=settled[part],
+                unit=unit,
+            )
+        )
     return rows
 
 

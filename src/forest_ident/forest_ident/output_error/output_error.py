@@ -181,12 +181,12 @@ class _Search:
             residuals[c.name] = np.where(seen, residual, np.nan)
         said = {name: problem.said(theta, name, column) for name, column in predicted.items()}
         return Fit(
-            values,
-            errors,
-            condition_number((information + problem.known)[: problem.count, : problem.count]),
-            updated(belief, problem.names, theta, covariance),
-            residuals,
-            said,
-            dict(problem.sigma),
-            iterations,
+            values=values,
+            errors=errors,
+            condition=condition_number((information + problem.known)[: problem.count, : problem.count]),
+            belief=updated(belief, problem.names, theta, covariance),
+            residuals=residuals,
+            predicted=said,
+            noise=dict(problem.sigma),
+            iterations=iterations,
         )

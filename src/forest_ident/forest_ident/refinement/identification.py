@@ -130,7 +130,12 @@ def _told_offsets(start: Machine, sessions: Sequence[Session]) -> list[calibrati
         return []
     return [
         calibration.Offset(
-            name, bias, part.noise or part.full_scale * (part.accuracy or 1e-4), gain, 0.0, "Pa"
+            channel=name,
+            offset=bias,
+            offset_error=part.noise or part.full_scale * (part.accuracy or 1e-4),
+            gain=gain,
+            gain_error=0.0,
+            unit="Pa",
         )
         for name, (gain, bias) in apply_calibration.lines(start).items()
         if noise_model.KIND[name].unit == "Pa"
@@ -185,7 +190,14 @@ def _compare_valve(result: Result, session: Session, belief: Belief, fit: Fit) -
         error = fit.errors[f"{own}.{key}"]
         differs |= abs(away) > OWN_VALVE[0] * error and abs(away) > OWN_VALVE[1]
         result.linear.append(
-            First(f"{own}.{key}", fit.values[f"{own}.{key}"], error, fit.condition, "joint motion", False)
+            First(
+                key=f"{own}.{key}",
+                value=fit.values[f"{own}.{key}"],
+                error=error,
+                condition=fit.condition,
+                method="joint motion",
+                main=False,
+            )
         )
     if not differs and shared in {name.rpartition(".")[0] for name in belief.names}:
         return belief
@@ -206,7 +218,15 @@ def _note(result: Result, key: str, fit: Fit) -> None:
     """Enter an estimate; its value is brought up to date in the end."""
     unit = schema.parameters(Machine)[key].unit
     positive = not key.endswith("deadband_voltage")
-    estimate = Estimate(key, fit.values[key], fit.errors[key], unit, fit.condition, "output error", positive)
+    estimate = Estimate(
+        key=key,
+        value=fit.values[key],
+        standard_error=fit.errors[key],
+        unit=unit,
+        condition=fit.condition,
+        method="output error",
+        positive=positive,
+    )
     result.estimates[key] = judged(estimate)
 
 
@@ -236,6 +256,13 @@ def _conclude(result: Result) -> None:
         else:
             unit = schema.parameters(Machine)[first.key].unit
             result.estimates[first.key] = judged(
-                Estimate(first.key, first.value, first.error, unit, first.condition, first.method)
+                Estimate(
+                    key=first.key,
+                    value=first.value,
+                    standard_error=first.error,
+                    unit=unit,
+                    condition=first.condition,
+                    method=first.method,
+                )
             )
     result.machine = pooling.pooled(result)

@@ -107,7 +107,15 @@ def estimates(machine: Machine, session: Session) -> list[First]:
         _demand(session, moved > MOVED, f"a motion over {moved:.3f} rad", f"more than {MOVED} rad")
         line = damping.damping(machine, session, AXES.index(tail))
         value, error = float(line.values[0]), float(line.errors[0])
-        return [First(f"{tail}.damping", value, error, line.condition, "least squares (4.11)")]
+        return [
+            First(
+                key=f"{tail}.damping",
+                value=value,
+                error=error,
+                condition=line.condition,
+                method="least squares (4.11)",
+            )
+        ]
     return []
 
 
@@ -134,7 +142,16 @@ def _valve(machine: Machine, session: Session, section: str) -> list[First]:
     fit = valve_characteristic.law(points, owner, floor(machine, session), noise)
     keys = valve_characteristic.KEYS
     method = "C_R(V), flow below the floor censored (4.1)"
-    return [First(f"{section}.{k}", fit.values[k], fit.errors[k], fit.condition, method) for k in keys]
+    return [
+        First(
+            key=f"{section}.{k}",
+            value=fit.values[k],
+            error=fit.errors[k],
+            condition=fit.condition,
+            method=method,
+        )
+        for k in keys
+    ]
 
 
 def _hose(machine: Machine, session: Session) -> list[First]:
@@ -151,7 +168,15 @@ def _hose(machine: Machine, session: Session) -> list[First]:
     line = hose_resistance.resistance(flow, drop, laminar)
     key = f"{section}.{'laminar' if laminar else 'turbulent'}_resistance"
     value = float(line.values[0])
-    found = [First(key, value, float(line.errors[0]), line.condition, "least squares (4.4)")]
+    found = [
+        First(
+            key=key,
+            value=value,
+            error=float(line.errors[0]),
+            condition=line.condition,
+            method="least squares (4.4)",
+        )
+    ]
     read = meter(machine, session)
     lag = read.time_constant if read else 0.0
     inertance, capacitance = hose_dynamics.joint(session, value, laminar, lag, low, high)
@@ -159,15 +184,29 @@ def _hose(machine: Machine, session: Session) -> list[First]:
     for name, one, means in zip(("inertance", "capacitance"), (inertance, capacitance), groups, strict=True):
         error = float(np.std(means, ddof=1) / math.sqrt(len(means)))
         key, by = f"{section}.{name}", "four-group means (4.3.4.4)"
-        found.append(First(key, float(np.mean(means)), error, math.nan, by, main=False))
+        found.append(
+            First(
+                key=key, value=float(np.mean(means)), error=error, condition=math.nan, method=by, main=False
+            )
+        )
         value, error = float(one.values[0]), float(one.errors[0])
-        found.append(First(key, value, error, one.condition, "joint fit in phase (4.5a, 4.6)"))
+        found.append(
+            First(
+                key=key,
+                value=value,
+                error=error,
+                condition=one.condition,
+                method="joint fit in phase (4.5a, 4.6)",
+            )
+        )
     return found
 
 
 def _inverse(key: str, line: Line, method: str) -> First:
     conductance, error = float(line.values[0]), float(line.errors[0])
     if conductance <= 0.0:
-        return First(key, math.nan, math.nan, math.inf, method)
+        return First(key=key, value=math.nan, error=math.nan, condition=math.inf, method=method)
     value = 1.0 / conductance
-    return First(key, value, value * error / conductance, line.condition, method)
+    return First(
+        key=key, value=value, error=value * error / conductance, condition=line.condition, method=method
+    )

@@ -27,7 +27,16 @@ def weigh(result: Result, session: Session) -> None:
         result.remarks.append("load: no check; it takes three or more poses at rest, head without log")
         return
     for one in sums:
-        result.linear.append(First(f"gravity: {one.name}", one.value, one.error, one.condition, BY, False))
+        result.linear.append(
+            First(
+                key=f"gravity: {one.name}",
+                value=one.value,
+                error=one.error,
+                condition=one.condition,
+                method=BY,
+                main=False,
+            )
+        )
     told = ", ".join(
         f"{s.name} = {s.value:.5g} kg m (standard error {s.error:.2g}, told {s.told:.5g})" for s in sums
     )
@@ -42,7 +51,16 @@ def weigh(result: Result, session: Session) -> None:
         _correct(result, both, (HEAD, BOOM))
         return
     head = gravity.masses(result.machine, session, ("head_mass",))
-    result.linear.append(First(HEAD, float(head.values[0]), float(head.errors[0]), head.condition, BY, False))
+    result.linear.append(
+        First(
+            key=HEAD,
+            value=float(head.values[0]),
+            error=float(head.errors[0]),
+            condition=head.condition,
+            method=BY,
+            main=False,
+        )
+    )
     if _differs(result, head, 0, HEAD):
         _correct(result, head, (HEAD,))
 
@@ -58,5 +76,9 @@ def _correct(result: Result, line: Line, keys: tuple[str, ...]) -> None:
         value, error = float(line.values[place]), float(line.errors[place])
         told = value_of(result.start, key)
         result.machine = with_values(result.machine, {key: value})
-        result.estimates[key] = judged(Estimate(key, value, error, "kg", line.condition, BY))
+        result.estimates[key] = judged(
+            Estimate(
+                key=key, value=value, standard_error=error, unit="kg", condition=line.condition, method=BY
+            )
+        )
         result.remarks.append(f"{key}: the forces at rest say {value:.1f} kg, told were {told:.1f} kg")

@@ -96,7 +96,13 @@ class ArrayReader:
         names = [name.strip() for name in text.split(",")] if text else self._topic.labels
         at = {name: STAMP_SIZE + n for n, name in enumerate(names)}
         numbers = struct.Struct(f"<{len(message.data)}d")
-        return _Array(data[:end], numbers, place, place + numbers.size, _picker(at, self._labels))
+        return _Array(
+            prefix=data[:end],
+            numbers=numbers,
+            place=place,
+            size=place + numbers.size,
+            pick=_picker(at, self._labels),
+        )
 
 
 class _Joints(NamedTuple):

@@ -145,18 +145,40 @@ def _solve_with_port_valve(
     slope, kept = step / yielding, line.capacitance / yielding  # dP/dQ; dP/d(pressure)
     offset = kept * pressure - slope * outflow  # P at Q = 0
     if is_shut(port):
-        return LineSolution(offset, 0.0, slope, 0.0, offset, slope, slope)
+        return LineSolution(
+            pressure=offset,
+            flow=0.0,
+            stiffness=slope,
+            follows=0.0,
+            port_pressure=offset,
+            port_stiffness=slope,
+            slope=slope,
+        )
     gain = step / line.inertance
     share = 1.0 / (1.0 + gain * slope)
     intercept, admittance = share * (flow - gain * offset), share * gain
     seen = checked(intercept + admittance * supply, port, supply)
     if is_shut(seen):
-        return LineSolution(offset, 0.0, slope, 0.0, offset, slope, slope)
+        return LineSolution(
+            pressure=offset,
+            flow=0.0,
+            stiffness=slope,
+            follows=0.0,
+            port_pressure=offset,
+            port_stiffness=slope,
+            slope=slope,
+        )
     p, passed = meet(intercept, admittance, seen, supply)
     q = intercept + admittance * p
     follows = passed * admittance * slope
     return LineSolution(
-        offset + slope * q, q, slope * (1.0 - follows), follows, p, slope * (1.0 - passed), slope
+        pressure=offset + slope * q,
+        flow=q,
+        stiffness=slope * (1.0 - follows),
+        follows=follows,
+        port_pressure=p,
+        port_stiffness=slope * (1.0 - passed),
+        slope=slope,
     )
 
 
@@ -165,14 +187,10 @@ def drained(line: LineSolution, flow: float) -> LineSolution:
 
     What the pressure yields is what the valve does not deliver, so that no oil is lost or made.
     """
-    return LineSolution(
-        line.pressure - line.stiffness * flow,
-        line.flow + line.follows * flow,
-        line.stiffness,
-        line.follows,
-        line.port_pressure - line.port_stiffness * flow,
-        line.port_stiffness,
-        line.slope,
+    return line._replace(
+        pressure=line.pressure - line.stiffness * flow,
+        flow=line.flow + line.follows * flow,
+        port_pressure=line.port_pressure - line.port_stiffness * flow,
     )
 
 

@@ -5,19 +5,15 @@ lies in an array that the machine code moves in place.
 """
 
 import ctypes
-from collections.abc import Callable
 
 import numpy as np
 
 from forest_compile import flat_layout
 from forest_description.types import Floats, Vec3
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant_kernel import KERNEL
+from forest_sim.solver.plant_kernel import KERNEL, flat_parameters
 from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.state_recording import restore, store
-
-_packers: list[Callable[[PlantParameters], flat_layout.Row]] = []
-"""One for all machines, which are of one shape: a warming machine gets a stepper every second."""
 
 NO_STRIDE, ONE_ROW, UNRECORDED = 0, 1, 0
 
@@ -34,7 +30,7 @@ class Stepper:
         self._kernel = KERNEL.kernel()
         self.state: Floats = np.array(flat_layout.packer(simulation)(simulation), dtype=np.float64)
         """What `recording.STATE` names; it may be read and written between calls."""
-        self._parameters = np.array(_packed(p), dtype=np.float64)
+        self._parameters = flat_parameters(p)
         self._voltages = (ctypes.c_double * 3)()
         self._pace = (ctypes.c_double * 2)()  # length and count of steps
         pace = ctypes.addressof(self._pace)
@@ -58,9 +54,3 @@ class Stepper:
     @simulation.setter
     def simulation(self, simulation: Simulation) -> None:
         store(simulation, self.state)
-
-
-def _packed(p: PlantParameters) -> flat_layout.Row:
-    if not _packers:
-        _packers.append(flat_layout.packer(p))
-    return _packers[0](p)

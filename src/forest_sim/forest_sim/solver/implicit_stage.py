@@ -134,11 +134,11 @@ def _finished(base: PlantState, guess: Guess, trial: Trial, h: float, p: PlantPa
     """Return the state at a stage's end, from the last guess and the equations one correction before it."""
     fed, feeds = guess.supply.pressure - trial.supply.state.pressure, trial.supply.feeds
     return PlantState(
-        _assemble(base.swing, guess.rates[0], trial.swing, feeds[0], fed, p.swing, h),
-        _assemble(base.boom, guess.rates[1], trial.boom, feeds[1], fed, p.boom, h),
-        _assemble(base.stick, guess.rates[2], trial.stick, feeds[2], fed, p.stick, h),
-        guess.supply,
-        _head_at(base.head, guess.head_rates, h),
+        swing=_assemble(base.swing, guess.rates[0], trial.swing, feeds[0], fed, p.swing, h),
+        boom=_assemble(base.boom, guess.rates[1], trial.boom, feeds[1], fed, p.boom, h),
+        stick=_assemble(base.stick, guess.rates[2], trial.stick, feeds[2], fed, p.stick, h),
+        supply=guess.supply,
+        head=_head_at(base.head, guess.head_rates, h),
     )
 
 
@@ -183,23 +183,23 @@ def _try(
         (u[0] - base.swing.rate, u[1] - base.boom.rate, u[2] - base.stick.rate),
         (w[0] - base.head.alpha_rate, w[1] - base.head.beta_rate),
     )
-    error = SupplyError(0.0, 1.0, (0.0, 0.0, 0.0), UNFED, guess.supply)
+    error = SupplyError(residual=0.0, slope=1.0, by_rate=(0.0, 0.0, 0.0), feeds=UNFED, state=guess.supply)
     if not p.supply.ideal:
         error = _supply_error(
             base.supply, supply, (swing, boom, stick), ports, (t_1.arm, t_2.arm, t_3.arm), h, p
         )
     return Trial(
-        swing,
-        boom,
-        stick,
-        resisted(m.inertia, (swing.resistance, boom.resistance, stick.resistance), p.head.damping, h),
-        (
+        swing=swing,
+        boom=boom,
+        stick=stick,
+        matrix=resisted(m.inertia, (swing.resistance, boom.resistance, stick.resistance), p.head.damping, h),
+        residual=(
             gained[0] + h * (m.bias[0] - swing.torque),
             gained[1] + h * (m.bias[1] - boom.torque),
             gained[2] + h * (m.bias[2] - stick.torque),
         ),
-        (head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
-        error,
+        head_residual=(head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
+        supply=error,
     )
 
 
@@ -277,7 +277,13 @@ def _draw(axis: AxisSolution, ports: Ports, supply: float, a: Axis, h: float) ->
         sensed_load(axis.one.port_pressure, ports.port_1), sensed_load(axis.two.port_pressure, ports.port_2)
     )
     feeds = one.feed, two.feed
-    return AxisDraw(one.draw + two.draw, one.conductance + two.conductance, gain, load, feeds)
+    return AxisDraw(
+        flow=one.draw + two.draw,
+        conductance=one.conductance + two.conductance,
+        gain=gain,
+        load=load,
+        feeds=feeds,
+    )
 
 
 def _assemble(
@@ -303,12 +309,12 @@ def _assemble(
     more_2 = -a.displacement_2 * moved - a.leakage_12 * p_1
     one, two = _both_drained(solution.one, solution.two, more_1, more_2, a.leakage_12)
     return AxisState(
-        base.angle + h * rate,
-        rate,
-        one.pressure + p_1,
-        two.pressure + p_2,
-        one.flow + q_1,
-        -two.flow - q_2,
+        angle=base.angle + h * rate,
+        rate=rate,
+        pressure_1=one.pressure + p_1,
+        pressure_2=two.pressure + p_2,
+        flow_1=one.flow + q_1,
+        flow_2=-two.flow - q_2,
     )
 
 
@@ -352,7 +358,12 @@ def _solve_axis(
         one, two = _both_drained(one, two, more_1, more_2, a.leakage_12)
     force = actuator_force(speed, one.pressure, two.pressure, a) + passive_force(t.position, speed, axis)
     return AxisSolution(
-        rate, t.arm, one, two, t.arm * force, t.arm * t.arm * _resistance(speed, t, one, two, axis, h)
+        rate=rate,
+        arm=t.arm,
+        one=one,
+        two=two,
+        torque=t.arm * force,
+        resistance=t.arm * t.arm * _resistance(speed, t, one, two, axis, h),
     )
 
 

@@ -97,7 +97,7 @@ class _Flat(threading.local):
     ) -> Simulation:
         """Return what a kernel moves a machine to."""
         if self._p is not p:
-            self._p, self._row = p, np.array(_pack_parameters(p), dtype=np.float64)
+            self._p, self._row = p, flat_parameters(p)
             self._row_at = self._row.ctypes.data
         if self._moved is not simulation:
             state_recording.store(simulation, self.state)
@@ -107,14 +107,15 @@ class _Flat(threading.local):
         return self._moved
 
 
-def _pack_parameters(p: PlantParameters) -> flat_layout.Row:
-    """Return parameters laid out flat; all machines' are of one shape."""
-    if not _packers:
-        _packers.append(flat_layout.packer(p))
-    return _packers[0](p)
+def flat_parameters(p: PlantParameters) -> Floats:
+    """Return parameters laid out flat."""
+    return np.array(_packer()(p), dtype=np.float64)
 
 
-_packers: list[Callable[[PlantParameters], flat_layout.Row]] = []
+@lru_cache(maxsize=1)
+def _packer() -> Callable[[PlantParameters], flat_layout.Row]:
+    """Return what lays out any machine's parameters: all are of one shape."""
+    return flat_layout.packer(_example()[1])
 
 
 def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:

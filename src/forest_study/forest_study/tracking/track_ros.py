@@ -122,13 +122,13 @@ def trajectory(bag: Bag, steps: int) -> Trajectory:
     if np.isnan(angles).any() or np.isnan(tip).any():
         raise GraphError("the bag of the run through ROS lacks steps of the machine")
     return Trajectory(
-        PERIOD * np.arange(steps, dtype=np.float64),
-        angles,
-        tip,
-        _rows(bag, topics.TIP_TWIST_COMMAND, steps, 0.0),
-        _rows(bag, topics.VALVE_COMMANDS, steps, 0.0),
-        _rows(bag, topics.VALVE_VOLTAGES, steps, 0.0),
-        _rows(bag, topics.PRESSURES, steps, math.nan),
+        time=PERIOD * np.arange(steps, dtype=np.float64),
+        angles=angles,
+        tip=tip,
+        tip_wish=_rows(bag, topics.TIP_TWIST_COMMAND, steps, 0.0),
+        commands=_rows(bag, topics.VALVE_COMMANDS, steps, 0.0),
+        voltages=_rows(bag, topics.VALVE_VOLTAGES, steps, 0.0),
+        pressures=_rows(bag, topics.PRESSURES, steps, math.nan),
     )
 
 

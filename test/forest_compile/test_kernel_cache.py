@@ -30,7 +30,7 @@ def other_law(p):
     return p.x - p.y
 
 
-def kept(function=law, name="law"):
+def cached(function=law, name="law"):
     """Return a kernel of a law, as another process would see it."""
     text, tuples = "def kernel(given, results):\n    results[0] = law(p)", {"p": ("given", Point(1.0, 2.0))}
     return CachedKernel(name, lambda: Entry(text, {"law": function}, "pp", tuples))
@@ -61,34 +61,34 @@ def form(request, monkeypatch):
 
 def assert_refused(caplog, *words):
     """It is not used, and one sentence says why; who may compile makes it anew."""
-    assert kept().ready() is None
+    assert cached().ready() is None
     (record,) = caplog.records
     assert all(word in record.getMessage() for word in ("law is not used", *words, "run interpreted"))
     assert "\n" not in record.getMessage()
-    assert result(kept().kernel()) == law(Point(0.7, -0.4))
+    assert result(cached().kernel()) == law(Point(0.7, -0.4))
     assert "made anew" in caplog.records[-1].getMessage()
     caplog.clear()
-    assert result(kept().ready()) == law(Point(0.7, -0.4))
+    assert result(cached().ready()) == law(Point(0.7, -0.4))
     assert not caplog.records
 
 
 def test_a_kernel_is_there_for_the_next_process(form, cache):
-    assert kept().ready() is None
-    one = kept()
+    assert cached().ready() is None
+    one = cached()
     assert result(one.kernel()) == law(Point(0.7, -0.4))
     assert one.file.suffix == form
     assert one.file.parent == cache
     assert [cache.stat().st_mode & 0o777, one.file.stat().st_mode & 0o777] == [0o700, 0o600]
-    assert result(kept().ready()) == law(Point(0.7, -0.4))
+    assert result(cached().ready()) == law(Point(0.7, -0.4))
 
 
 def test_linked_and_unlinked_code_are_the_same_to_the_last_bit(monkeypatch):
     if not any(map(shutil.which, machine_code.LINKERS)):
         pytest.skip("no linker is installed")
-    linked = kept()
+    linked = cached()
     assert linked.kernel()
     monkeypatch.setattr(machine_code, "LINKERS", ())
-    unlinked = kept(name="unlinked")
+    unlinked = cached(name="unlinked")
     assert unlinked.kernel()
     assert [linked.file.suffix, unlinked.file.suffix] == [".so", ".o"]
     for x, y in np.random.default_rng(3).normal(0.0, 2.0, (100, 2)):
@@ -107,7 +107,7 @@ def test_linked_and_unlinked_code_are_the_same_to_the_last_bit(monkeypatch):
     ],
 )
 def test_a_damaged_file_is_made_anew(form, caplog, damage):
-    one = kept()
+    one = cached()
     one.kernel()
     file = one.file
     file.write_bytes(damage(file.read_bytes()))
@@ -116,7 +116,7 @@ def test_a_damaged_file_is_made_anew(form, caplog, damage):
 
 
 def test_one_kernels_file_is_not_anothers(form, caplog):
-    one, other = kept(), kept(other_law, "other")
+    one, other = cached(), cached(other_law, "other")
     one.kernel()
     other.kernel()
     one.file.write_bytes(other.file.read_bytes())
@@ -124,7 +124,7 @@ def test_one_kernels_file_is_not_anothers(form, caplog):
 
 
 def test_a_file_or_directory_that_others_can_write_is_not_used(form, cache, caplog):
-    one = kept()
+    one = cached()
     one.kernel()
     file = one.file
     file.chmod(0o620)
@@ -136,7 +136,7 @@ def test_a_file_or_directory_that_others_can_write_is_not_used(form, cache, capl
 
 
 def test_a_link_is_not_followed(form, cache, caplog):
-    one = kept()
+    one = cached()
     one.kernel()
     file = one.file
     file.symlink_to(file.rename(cache / "real"))
@@ -144,13 +144,13 @@ def test_a_link_is_not_followed(form, cache, caplog):
 
 
 def test_a_linked_directory_is_not_used_nor_written_to(form, cache, tmp_path, caplog):
-    kept().kernel()
+    cached().kernel()
     cache.rename(tmp_path / "real")
     cache.symlink_to(tmp_path / "real")
     before = [(file, file.stat().st_mtime_ns) for file in (tmp_path / "real").iterdir()]
-    assert kept().ready() is None
+    assert cached().ready() is None
     assert f"{cache} is a link" in caplog.text
-    one = kept()
+    one = cached()
     assert result(one.kernel()) == law(Point(0.7, -0.4))
     assert "cannot be kept" in caplog.text
     assert one.file is None
@@ -159,29 +159,29 @@ def test_a_linked_directory_is_not_used_nor_written_to(form, cache, tmp_path, ca
 
 def test_another_users_file_is_not_used(form, caplog, monkeypatch):
     """It is the asker who is another here: only root could give files away."""
-    one = kept()
+    one = cached()
     one.kernel()
     monkeypatch.setattr(os, "geteuid", lambda: os.getuid() + 1)
-    assert kept().ready() is None
+    assert cached().ready() is None
     assert f"belongs to user {os.getuid()}, not to {os.getuid() + 1}" in caplog.text
-    assert result(kept().kernel()) == law(Point(0.7, -0.4))
+    assert result(cached().kernel()) == law(Point(0.7, -0.4))
     assert "cannot be kept" in caplog.text
 
 
 def test_a_cache_that_cannot_be_written_costs_only_time(tmp_path, monkeypatch, caplog):
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    assert result(kept().kernel()) == law(Point(0.7, -0.4))
+    assert result(cached().kernel()) == law(Point(0.7, -0.4))
     assert "the machine code of law cannot be kept" in caplog.text
-    assert kept().ready() is None
+    assert cached().ready() is None
 
 
 def test_what_the_system_does_not_load_is_kept_as_object_code(monkeypatch, caplog):
     monkeypatch.setattr(machine_code, "linked", lambda code: b"not a shared object")
-    one = kept()
+    one = cached()
     assert result(one.kernel()) == law(Point(0.7, -0.4))
     assert one.file.suffix == ".o"
-    assert result(kept().ready()) == law(Point(0.7, -0.4))
+    assert result(cached().ready()) == law(Point(0.7, -0.4))
     assert not caplog.records
 
 
@@ -190,8 +190,8 @@ def test_a_linker_that_fails_makes_way_for_the_next(tmp_path, monkeypatch):
     if found is None:
         pytest.skip("no linker is installed")
     monkeypatch.setattr(machine_code, "LINKERS", ("false", found))
-    assert kept().kernel()
-    assert kept().file.suffix == ".so"
+    assert cached().kernel()
+    assert cached().file.suffix == ".so"
 
 
 NODES = """
