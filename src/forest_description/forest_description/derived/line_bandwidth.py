@@ -11,8 +11,6 @@ A soft wall, or an inertance measured with its fittings, makes the wave slower t
 docs/equations.md ("One lump") has the shipped machine's oscillations beside the limits of its hoses.
 """
 
-from __future__ import annotations
-
 import math
 
 from forest_description.machine import Machine

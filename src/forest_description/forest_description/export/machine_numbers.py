@@ -1,7 +1,5 @@
 """The table of every number of the shipped machines and its origin, as Markdown: docs/machine.md."""
 
-from __future__ import annotations
-
 import dataclasses
 
 from forest_description.config.parameter import Parameter, ParameterSet, choice_of, parameter_of
