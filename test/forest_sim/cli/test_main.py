@@ -18,7 +18,7 @@ from forest_msgs_py.interfaces import topics
 from forest_sim.cli import commands
 from forest_sim.cli import main as cli
 from forest_sim.cli.main import main
-from forest_sim.solver.plant_kernel import fastest_record
+from forest_sim.solver.compiled_plant import fastest_record
 
 PICTURES = {"tip_path.png", "joints.png", "voltages.png", "hydraulics.png", "spools.png", "power.png"}
 
