@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from energies import kinetic_energy, potential_energy
 
 from forest_description.machine import load_machine
-from forest_sim.mechanics.manipulator import kinetic_energy, potential_energy
 from forest_sim.run import inputs
 from forest_sim.run.energy import Account, account, heat_in, settled, unaccounted
 from forest_sim.run.sensor_log import EXACT, Observer
