@@ -30,6 +30,7 @@ from forest_control.operator.joystick_watch import (
 )
 from forest_control.operator.levers import RIGHT_Y
 from forest_control.pipeline import controller
+from forest_control.safety.state_checks import implausible
 from forest_control.pipeline.valve_feedback import ValveReports
 from forest_control.safety import frozen_sensor
 from forest_control.servo.joint_angle_filter import UNREAD, Lengths, Source
@@ -160,7 +161,7 @@ class ControllerNode(Node):
         self._watch()  # after a stall of ours this may come before its timer
         reading = self._joints.read(data)
         angles, rates = reading.values.position, reading.values.velocity
-        problem = reading.problem or controller.implausible(angles, rates, self._tuning.core)
+        problem = reading.problem or implausible(angles, rates, self._tuning.core)
         if problem:
             self._refuse(problem)
             self._stand_still()
