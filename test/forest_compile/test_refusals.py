@@ -1,6 +1,6 @@
 """What looks like the subset means what it means in Python, or is refused with its place, or is a fault."""
 
-# ruff: noqa: A001, B007, B012, C409, PLE0643, RET503, RUF015, SIM107 - wrong laws are the point.
+# ruff: noqa: A001, B007, B012, C409, PIE804, PLE0643, RET503, RUF015, SIM107 - wrong laws are the point.
 
 import functools
 import inspect
@@ -290,8 +290,84 @@ def unknown_keyword(p):
     return once(p, other=1)
 
 
+def given_twice(p):
+    return once(p, p=p)
+
+
+def field_given_twice(p):
+    return Q(p.x, x=p.y).x
+
+
+def of_place_alone(x, /):
+    return x
+
+
+def named_against_its_place(p):
+    return of_place_alone(x=p.x)
+
+
+def of_keyword_alone(x, *, scale):
+    return scale * x
+
+
+def without_its_keyword(p):
+    return of_keyword_alone(p.x)
+
+
+def placed_against_its_keyword(p):
+    return of_keyword_alone(p.x, p.y)
+
+
+def limited(x, most=None):
+    return min(x, most)
+
+
+def without_the_limit(p):
+    return limited(p.x)
+
+
 def spread(p):
     return once(*(p, 1))
+
+
+def spread_fields(p):
+    return Q(*(p.x, p.y)).x
+
+
+def spread_names(p):
+    return once(p, **{"counted": 1})
+
+
+def spread_named_fields(p):
+    return Q(**{"x": p.x, "y": p.y}).x
+
+
+def replaced_by_spread_names(p):
+    return p._replace(**{"x": p.y}).x
+
+
+def replaced_unknown(p):
+    return p._replace(x=p.y, z=p.x).x
+
+
+def replaced_by_place(p):
+    return p._replace(p.y).x
+
+
+def replaced_in_a_plain_tuple(p):
+    return (p.x, p.y)._replace(x=p.y)[0]
+
+
+def of_any_names(**numbers):
+    return numbers["x"]
+
+
+def calls_any_names(p):
+    return of_any_names(x=p.x)
+
+
+def named_of_a_builtin(p):
+    return max(p.x, p.y, default=0.0)
 
 
 def of_any_number(*numbers):
@@ -471,7 +547,22 @@ REFUSED = {
     wrong_field: "missing a required argument: 'y'",
     missing_field: "missing a required argument: 'y'",
     unknown_keyword: "unexpected keyword argument 'other'",
+    given_twice: r"'once\(p, p=p\)': multiple values for argument 'p'",
+    field_given_twice: "multiple values for argument 'x'",
+    named_against_its_place: "of_place_alone.*positional",
+    without_its_keyword: "missing a required.* argument: 'scale'",
+    placed_against_its_keyword: "too many positional arguments",
+    without_the_limit: r"'limited\(p.x\)': the default of 'most': None is no number",
     spread: "Starred is not translated",
+    spread_fields: "Starred is not translated",
+    spread_names: r"once\(p, \*\*.*\*\* is not translated",
+    spread_named_fields: r"\*\* is not translated",
+    replaced_by_spread_names: r"\*\* is not translated",
+    replaced_unknown: "there is no field 'z'",
+    replaced_by_place: r"'p._replace\(p.y\)' is not translated",
+    replaced_in_a_plain_tuple: "is not translated",
+    calls_any_names: "any number of arguments is not translated",
+    named_of_a_builtin: "'max.*' is not translated",
     calls_any_number: "any number of arguments is not translated",
     shadowed_range: "only ranges are gone through",
     shadowed_max: "'max' has no meaning outside the function",
@@ -578,7 +669,42 @@ def strided(p):
     return total
 
 
+def by_name(x, *, y=0.5):
+    return x + y
+
+
+def first_named(p):
+    return by_name(y=float(int(p.x)), x=(1.0, 2.0, 3.0)[p.n])
+
+
+def last_named(p):
+    return by_name(x=(1.0, 2.0, 3.0)[p.n], y=float(int(p.x)))
+
+
+def first_field(p):
+    return Q(y=float(int(p.x)), x=(1.0, 2.0, 3.0)[p.n]).x
+
+
+def last_field(p):
+    return Q(x=(1.0, 2.0, 3.0)[p.n], y=float(int(p.x))).x
+
+
+def first_replaced(p):
+    return p._replace(y=float(int(p.x)), x=(1.0, 2.0, 3.0)[p.n]).x
+
+
+def last_replaced(p):
+    return p._replace(x=(1.0, 2.0, 3.0)[p.n], y=float(int(p.x))).x
+
+
+BOTH = P(math.nan, n=3)  # int() and the index both fail: Python tells of what is written first
 FAULTS = [
+    (first_named, BOTH, "a whole number beyond"),
+    (last_named, BOTH, "an index beyond"),
+    (first_field, BOTH, "a whole number beyond"),
+    (last_field, BOTH, "an index beyond"),
+    (first_replaced, BOTH, "a whole number beyond"),
+    (last_replaced, BOTH, "an index beyond"),
     (product, P(n=2), "a whole number beyond"),
     (summed, P(n=1), "a whole number beyond"),
     (halved, P(n=2), "a whole number beyond"),

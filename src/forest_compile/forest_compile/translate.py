@@ -1,9 +1,15 @@
 """The laws, which are ordinary Python, as LLVM's text: one function that takes rows of doubles.
 
-The subset: functions of numbers and nested tuples of numbers, without effects; assignment, `if`, `for` over a
-range, `while`, `break`, `else`, `return`; arithmetic, comparison, and the functions in `translate_numbers`,
-where also stands what becomes of Python's errors. All else is refused (`NotTranslatedError`), with function,
-file and line. A variable is of one kind on every way: double, whole number, truth, or a tuple of one type.
+The subset:
+
+- functions of numbers and nested tuples of numbers, without effects;
+- assignment, `if`, `for` over a range, `while`, `break`, `else`, `return`;
+- calls by position and by keyword, defaults, NamedTuples and their `_replace`, but no `*` or `**`;
+- arithmetic, comparison, and the functions in `translate_numbers`, where also stands what becomes of Python's
+  errors.
+
+All else is refused (`NotTranslatedError`), with function, file and line.
+A variable is of one kind on every way: double, whole number, truth, or a tuple of one type.
 One that is not may not be used. Names outside of functions mean what they meant when the text was written.
 A square is the C library's power, as in Python; a product is faster.
 Each call is written out where it stands, so that LLVM sees the plant in one piece, except of functions that

@@ -281,6 +281,8 @@ class Expressions(Numbers):
         return into.joined(arrivals)
 
     def _call(self, node: ast.Call, frame: Frame) -> Value:
+        if any(word.arg is None for word in node.keywords):
+            raise NotTranslatedError(f"{ast.unparse(node)!r}: ** is not translated")
         if isinstance(node.func, ast.Attribute) and node.func.attr == "_replace":
             return self._replaced(node, self.value(node.func.value, frame), frame)
         written = self._written_out(node, frame)
@@ -290,9 +292,9 @@ class Expressions(Numbers):
         arguments = [self.value(item, frame) for item in node.args]
         named = {str(word.arg): self.value(word.value, frame) for word in node.keywords}
         if isinstance(function, FunctionType):
-            return self.call(function, [value for _, value in self._bound(node, function, arguments, named)])
+            return self.call(function, self._bound(node, function, arguments, named))
         if isinstance(function, type) and function.__bases__ == (tuple,) and hasattr(function, "_fields"):
-            return Record(function, tuple(v for _, v in self._bound(node, function, arguments, named)))
+            return Record(function, tuple(self._bound(node, function, arguments, named)))
         numbers = [item for item in arguments if isinstance(item, Scalar)]
         if len(numbers) != len(arguments) or named:
             raise NotTranslatedError(f"{ast.unparse(node)!r} is not translated")
@@ -300,21 +302,16 @@ class Expressions(Numbers):
 
     def _bound(
         self, node: ast.Call, function: Callable[..., Any], arguments: list[Value], named: dict[str, Value]
-    ) -> list[tuple[str, Value]]:
-        """Return name and value of each of a function's parameters, as a call gives them."""
-        signature = _signature(function)
-        if any(p.kind in (p.VAR_POSITIONAL, p.VAR_KEYWORD) for p in signature.parameters.values()):
+    ) -> list[Value]:
+        """Return the value of each of a function's parameters, in their order."""
+        parameters = _signature(function).parameters
+        if any(p.kind in (p.VAR_POSITIONAL, p.VAR_KEYWORD) for p in parameters.values()):
             raise NotTranslatedError(f"{ast.unparse(node)!r}: any number of arguments is not translated")
-        if any(word.arg is None for word in node.keywords):
-            raise NotTranslatedError(f"{ast.unparse(node)!r}: ** is not translated")
         try:
-            given = signature.bind(*arguments, **named).arguments
+            given = _signature(function).bind(*arguments, **named).arguments
         except TypeError as error:
             raise NotTranslatedError(f"{ast.unparse(node)!r}: {error}") from error
-        return [
-            (name, given[name] if name in given else constant(parameter.default))
-            for name, parameter in signature.parameters.items()
-        ]
+        return [given[name] if name in given else _default(node, parameters[name]) for name in parameters]
 
     def _replaced(self, node: ast.Call, value: Value, frame: Frame) -> Record:
         """Return a NamedTuple with some fields changed."""
@@ -332,3 +329,12 @@ class Expressions(Numbers):
 @lru_cache(maxsize=1024)
 def _signature(function: Callable[..., Any]) -> inspect.Signature:
     return inspect.signature(function, follow_wrapped=False)
+
+
+def _default(node: ast.Call, parameter: inspect.Parameter) -> Value:
+    """Return what a parameter is that a call does not give."""
+    try:
+        return constant(parameter.default)
+    except NotTranslatedError as error:
+        text = f"{ast.unparse(node)!r}: the default of {parameter.name!r}: {error}"
+        raise NotTranslatedError(text) from error

@@ -17,6 +17,7 @@ import numpy as np
 
 from forest_control.operator.levers import REST, Levers
 from forest_control.pipeline import controller
+from forest_control.safety.state_checks import implausible
 from forest_control.valve import valve_driver
 from forest_control.valve.tracking_limit import UNREPORTED, learnt_reach, reported
 from forest_description.geometry.kinematics import tip_position
@@ -184,7 +185,7 @@ class _Loop:
 
     def _control_step(self, seen: Measurement, operator: Operator) -> tuple[Vec3, Vec3]:
         """Return the tip's wish and the command; both zero while the joints' state cannot be believed."""
-        if controller.implausible(seen.joints.position, seen.joints.speed, self._control):
+        if implausible(seen.joints.position, seen.joints.speed, self._control):
             self._controller = controller.REST
             return ZERO, ZERO
         lengths = seen.actuators.position[1], seen.actuators.position[2]
