@@ -30,9 +30,9 @@ from forest_control.operator.joystick_watch import (
 )
 from forest_control.operator.levers import RIGHT_Y
 from forest_control.pipeline import controller
-from forest_control.safety.state_checks import implausible
 from forest_control.pipeline.valve_feedback import ValveReports
 from forest_control.safety import frozen_sensor
+from forest_control.safety.state_checks import implausible
 from forest_control.servo.joint_angle_filter import UNREAD, Lengths, Source
 from forest_control.servo.schemes import Scheme
 from forest_description.machine import Machine, load_machine

@@ -55,9 +55,7 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
     return _output(command, reference, servo, state, inputs, p, dt)
 
 
-def step_with_telemetry(
-    state: State, inputs: Inputs, p: Parameters, dt: float
-) -> tuple[State, Telemetry]:
+def step_with_telemetry(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Telemetry]:
     """Do as `step`, and tell where the tip is and how it moves, by the angles that count."""
     state, output = step(state, inputs, p, dt)
     angles = corrected(inputs.angles, state.correction)

@@ -17,7 +17,7 @@ from forest_compile.kernel_cache import can_compile
 from forest_description.types import Floats, Vec3
 from forest_sim.solver import state_recording
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant_kernel import KEPT, example
+from forest_sim.solver.plant_kernel import KERNEL, example
 from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.state_recording import STATE, restore, store
 from forest_sim.solver.step_schedule import StepSchedule, schedule_of
@@ -39,7 +39,7 @@ class FlatPlant:
     """
 
     def __init__(self) -> None:
-        self._kernel = KEPT.kernel()
+        self._kernel = KERNEL.kernel()
         self.state: Floats = np.zeros(len(STATE))
         """What `state_recording.STATE` names; it may be read and written between calls."""
         self._state_at = self.state.ctypes.data
@@ -152,7 +152,7 @@ def compiled_record() -> Record:
 
 def ready_advance() -> Advance | None:
     """Return the compiled `integrator.advance` if its code is there; None if it would have to be made."""
-    return compiled_advance() if KEPT.ready() else None
+    return compiled_advance() if KERNEL.ready() else None
 
 
 def fastest_record() -> Record:

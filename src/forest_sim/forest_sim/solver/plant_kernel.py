@@ -5,12 +5,11 @@ takes some two seconds (`python -m forest_sim.compiled`). Loading it (`forest_co
 some milliseconds. `compiled_plant` calls it.
 """
 
-from collections.abc import Callable
 from functools import lru_cache
 
 from forest_compile import flat_layout
 from forest_compile.entry import Entry
-from forest_compile.kernel_cache import Kept
+from forest_compile.kernel_cache import CachedKernel
 from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
 from forest_sim.hydraulics import port, spool_dynamics
@@ -21,7 +20,7 @@ from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 
 # What is seldom called, or only with the energy account: written out, it would make the whole larger.
-APART = (
+NOINLINE = (
     port._two_edges,
     pendulum.pendulum_dynamics,
     spool_dynamics._second_order,
@@ -38,13 +37,8 @@ ARGUMENTS = "ppippiiippp"
 NAMES = "state, voltages, stride, steps, counts, schedules, rows, recorded, parameters, states, energies"
 
 
-def entry(fixed: Callable[[str], bool] = lambda _: False) -> Entry:
-    """Return what the kernel is made of: it steps a machine that lies flat, and records it if asked to.
-
-    Args:
-        fixed: tells which parameters ("p.guard.relief_pressure") are taken for granted as `c180_thesis` has
-            them: what a component costs that this machine lacks, is what that saves.
-    """
+def entry() -> Entry:
+    """Return what the kernel is made of: it steps a machine that lies flat, and records it if asked to."""
     simulation, p = example()
     none = power.power_flows(simulation, p)
     names = {"step": integrator.step, "power_flows": power.power_flows, "NOTHING": none}
@@ -74,14 +68,8 @@ def entry(fixed: Callable[[str], bool] = lambda _: False) -> Entry:
     ]
     return Entry(
         *("\n".join(lines), names, ARGUMENTS),
-        views={"p": ("parameters", p)},
-        copies={"simulation": ("state", simulation)},
-        apart=APART,
-        fixed={
-            ("parameters", at): value
-            for at, (path, value) in enumerate(flat_layout.leaves(p, "p"))
-            if fixed(path)
-        },
+        {"simulation": ("state", simulation), "p": ("parameters", p)},
+        NOINLINE,
     )
 
 
@@ -92,5 +80,5 @@ def example() -> tuple[Simulation, PlantParameters]:
     return equilibrium((0.0, 0.5, -1.5), p), p
 
 
-KEPT = Kept("plant", entry)
+KERNEL = CachedKernel("plant", entry)
 """The kernel, which moves a flat machine in place."""
