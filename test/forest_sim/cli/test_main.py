@@ -240,7 +240,7 @@ def test_a_bad_voltage_file_is_told_by_line(forest_sim, tmp_path):
 
 
 def test_without_llvm_it_runs_and_says_once_how_to_be_faster(forest_sim, tmp_path, monkeypatch):
-    for module in ("solver.plant_kernel", "cli.commands"):
+    for module in ("solver.compiled_plant", "cli.commands"):
         monkeypatch.setattr(f"forest_sim.{module}.can_compile", lambda: False)
     assert fastest_record().__module__ == "forest_sim.solver.state_recording"
     code, _, err = forest_sim("simulate", "--duration", "0.2", "--out", tmp_path / "run")

@@ -1,9 +1,15 @@
-"""Parameters of the simulator's and the commander's node."""
+"""Parameters of the simulator's and the commander's node, and the machine that the simulator's describe."""
 
 from typing import Annotated, NamedTuple
 
+from forest_description.derived.limits import pose_at
+from forest_description.machine import Machine
 from forest_description.types import Vec3
-from forest_msgs_py.runtime.parameter_table import Parameter, tunable
+from forest_msgs_py.runtime.parameter_table import Parameter, ParameterError, tunable
+from forest_sim.run.disturbance import parse_disturbance
+from forest_sim.run.simulated_machine import SimulatedMachine
+from forest_sim.sensors.sensor_faults import parse_faults
+from forest_sim.sensors.sensor_suite import calibrated, sensor_suite
 
 
 class SimulatorParameters(NamedTuple):
@@ -28,3 +34,31 @@ class CommanderParameters(NamedTuple):
     input: Annotated[
         str, Parameter("CSV with columns time [s], swing, boom, stick [V of the ideal valve]")
     ] = ""
+
+
+def simulated_machine(machine: Machine, p: SimulatorParameters, period: float) -> SimulatedMachine:
+    """Return a machine at rest, with sensors and disturbance as the parameters say.
+
+    Args:
+        machine: what is simulated.
+        p: the parameters.
+        period: sampling period [s].
+
+    Raises:
+        ParameterError: a parameter does not fit the machine, or names what is not there.
+    """
+    try:
+        angles = pose_at(p.initial_tip, machine)
+    except ValueError as error:
+        raise ParameterError(f"parameter 'initial_tip' is {list(p.initial_tip)}: {error}") from error
+    try:
+        suite = sensor_suite(machine, p.sensor_noise, p.seed, parse_faults(p.sensor_faults))
+    except ValueError as error:
+        raise ParameterError(f"parameter 'sensor_faults': {error}") from error
+    suite = suite if p.sensor_static_errors else calibrated(suite)
+    made = SimulatedMachine(machine, angles, suite, period, p.oil_warms, p.rig, p.noise_run)
+    try:
+        made.disturb(parse_disturbance(p.stuck_spools, p.tip_force))
+    except ValueError as error:
+        raise ParameterError(f"parameter {error}") from error
+    return made
