@@ -23,7 +23,7 @@ from forest_sim.run.energy import account
 from forest_sim.run.inputs import Voltages
 from forest_sim.run.sensor_log import EXACT, Observer, Sensing
 from forest_sim.run.simulation import Run, RunError, blocks, substeps
-from forest_sim.run.trajectory_files import Thinned, naming, trajectory_files
+from forest_sim.run.trajectory_files import Thinned, TrajectoryFiles, naming
 from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant_parameters import plant_parameters
@@ -94,7 +94,11 @@ def simulate(
     _tell_about_the_compiler()
     observer, kept, total = Observer(machine, run.rate, sensing), Thinned(), summary.Summary(machine)
     progress = Progress(run.duration)
-    with naming(out), _stops_noted() as stopped, trajectory_files(out, machine, run.rate) as files:
+    with (
+        naming(out),
+        _stops_noted() as stopped,
+        contextlib.closing(TrajectoryFiles(out, machine, run.rate)) as files,
+    ):
         for block in blocks(machine, voltages, angles, run, disturbance):
             observed = observer.observe(block)
             files.write(block, observed)
