@@ -44,9 +44,9 @@ def full_speeds(machine: Machine, angles: Vec3) -> dict[str, tuple[float, float]
         rated = machine.valve_of(place).rated_voltage
         both = []
         for sign in (1.0, -1.0):
-            spools = tuple(sign * rated if i == place else 0.0 for i in range(3))
+            spools = tuple(sign * rated if i == place else 0.0 for i in range(len(AXES)))
             point = operating_point(angles, (spools[0], spools[1], spools[2]), p)
-            both.append(point.plant[place].rate)  # type: ignore[union-attr]
+            both.append(point.plant.axes[place].rate)
         speeds[axis] = (both[0], both[1])
     return speeds
 
@@ -123,7 +123,7 @@ def _holding_pressures(machine: Machine, place: int) -> Iterator[Vec3]:
     for q_2 in (boom[0] + (boom[1] - boom[0]) * k / GRID for k in range(GRID + 1)):
         for q_3 in (stick[0] + (stick[1] - stick[0]) * k / GRID for k in range(GRID + 1)):
             state = equilibrium((0.0, q_2, q_3), p).plant
-            axis = state.boom if place == 1 else state.stick
+            axis = state.axes[place]
             yield max(axis.pressure_1, axis.pressure_2), q_2, q_3
 
 
