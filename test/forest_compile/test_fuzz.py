@@ -189,7 +189,7 @@ def test_the_plant_at_random_states_is_pythons_to_the_last_bit(name):
 @pytest.mark.parametrize(
     ("kept", "step", "example"),
     [
-        (control_compiled.CONTROLLER, controller.told, control_compiled._control),
+        (control_compiled.CONTROLLER, controller.step_with_telemetry, control_compiled._control),
         (control_compiled.DRIVER, valve_driver.step_seen, control_compiled._drive),
         (sensor_run.KERNEL, sensor_readings.report, sensor_run._example),
     ],

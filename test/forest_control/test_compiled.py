@@ -50,7 +50,7 @@ def test_the_controllers_step_is_the_interpreted_one(machine, scheme):
     p = controller.parameters(load_machine(machine), controller.Settings(scheme=scheme))
     inputs = [(one,) for one in control_inputs(int(scheme))]
     fast = run(compiled.controller_step(), controller.REST, p, inputs)
-    assert fast == run(controller.told, controller.REST, p, inputs)
+    assert fast == run(controller.step_with_telemetry, controller.REST, p, inputs)
     assert len({told.output.command for told in fast[0]}) > 50
 
 
@@ -88,5 +88,5 @@ def test_without_the_code_the_interpreted_steps_run(monkeypatch, tmp_path):
     for name in ("CONTROLLER", "DRIVER"):
         known = getattr(compiled, name).entry
         monkeypatch.setattr(compiled, name, CachedKernel(name, lambda known=known: known))
-    assert compiled.controller_step() is controller.told
+    assert compiled.controller_step() is controller.step_with_telemetry
     assert compiled.driver_step() is valve_driver.step_seen

@@ -8,6 +8,7 @@ import pytest
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import controller
 from forest_control.pipeline.controller import Inputs, Settings
+from forest_control.safety.state_checks import implausible
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver
 from forest_control.valve.valve_driver import Pressures
@@ -24,7 +25,7 @@ def test_the_controller_commands_finite_voltages_within_the_rating(scheme):
     low, high = np.array(p.governor.lower) - 0.1, np.array(p.governor.upper) + 0.1
     for _ in range(1500):
         angles, rates = tuple(rng.uniform(low, high).tolist()), tuple(rng.uniform(-5.0, 5.0, 3).tolist())
-        assert controller.implausible(angles, rates, p) == ""
+        assert implausible(angles, rates, p) == ""
         levers = Levers(*rng.choice([-1.0, 0.0, 1.0, 0.3], 3).tolist())
         inputs = Inputs(angles, rates, levers, bool(rng.random() < 0.9))
         state, output = controller.step(state, inputs, p, float(rng.uniform(0.0025, 0.05)))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from forest_control.pipeline import controller
-from forest_control.pipeline.joint_servo import to_voltage
+from forest_control.pipeline.controller import to_voltage
 from forest_control.safety.frozen_sensor import MOVING, Stillness, frozen, watched
 from forest_description.machine import load_machine
 from forest_description.types import AXES

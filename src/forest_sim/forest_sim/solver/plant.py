@@ -55,6 +55,11 @@ class PlantState(NamedTuple):
     supply: SupplyState
     head: HeadState
 
+    @property
+    def axes(self) -> tuple[AxisState, AxisState, AxisState]:
+        """The axes in the order of `AXES`."""
+        return (self.swing, self.boom, self.stick)
+
 
 class Ports(NamedTuple):
     """What the spool's four edges connect the hoses of one axis to."""

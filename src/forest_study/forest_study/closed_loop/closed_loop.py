@@ -17,6 +17,7 @@ import numpy as np
 
 from forest_control.operator.levers import REST, Levers
 from forest_control.pipeline import controller
+from forest_control.safety.state_checks import implausible
 from forest_control.valve import valve_driver
 from forest_control.valve.tracking_limit import UNREPORTED, learnt_reach, reported
 from forest_description.geometry.kinematics import tip_position
@@ -27,9 +28,9 @@ from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_suite import Suite, draw, noise_generator
 from forest_sim.sensors.sensor_suite import sensor_suite as suite_of
 from forest_sim.sensors.signal_processing import Measurement
+from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant_kernel import compiled_advance
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop.link_model import Quality, Reader
 
@@ -184,7 +185,7 @@ class _Loop:
 
     def _control_step(self, seen: Measurement, operator: Operator) -> tuple[Vec3, Vec3]:
         """Return the tip's wish and the command; both zero while the joints' state cannot be believed."""
-        if controller.implausible(seen.joints.position, seen.joints.speed, self._control):
+        if implausible(seen.joints.position, seen.joints.speed, self._control):
             self._controller = controller.REST
             return ZERO, ZERO
         lengths = seen.actuators.position[1], seen.actuators.position[2]

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import controller
+from forest_control.safety.state_checks import plausible
 from forest_control.valve import valve_driver
 from forest_control.valve.tracking_limit import Reports, learnt_reach, reported
 from forest_description.geometry.kinematics import Links, tip_position
@@ -97,7 +98,7 @@ def period(
     read, seen = readings(senses, k.sensing), (senses.estimates[0], senses.estimates[1], senses.estimates[2])
     position, speed = (read[0], read[1], read[2]), (seen[0].speed, seen[1].speed, seen[2].speed)
     control, wish, command = controller.REST, ZERO, ZERO
-    if controller.plausible(position, speed, k.control):
+    if plausible(position, speed, k.control):
         reach, volts = loop.reports.reach, loop.drive.voltages
         inputs = controller.Inputs(position, speed, levers, enabled, (read[3], read[4]), reach, volts)
         control, output = controller.step(loop.control, inputs, k.control, PERIOD)

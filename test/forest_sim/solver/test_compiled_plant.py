@@ -5,9 +5,8 @@ import pytest
 pytest.importorskip("llvmlite")
 
 from forest_description.machine import load_machine
+from forest_sim.solver.compiled_plant import FlatPlant, compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.flat_state import Stepper
-from forest_sim.solver.plant_kernel import compiled_advance
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import STATE
 
@@ -16,15 +15,17 @@ REST = equilibrium((0.0, 0.5, -1.5), P)
 VOLTAGES = ((3.0, 2.5, -2.5), (0.0, 3.0, 1.0), (-4.0, 0.0, 5.0))
 
 
-def test_a_stepper_moves_as_advance_does_to_the_last_bit():
-    stepper, now = Stepper(REST, P), REST
+def test_a_flat_plant_moves_as_advance_does_to_the_last_bit():
+    plant, now = FlatPlant(), REST
+    plant.lay_out(REST)
+    plant.set_parameters(P)
     for volts in VOLTAGES:
-        stepper.advance(volts, 1e-3, 40)
+        plant.advance(volts, 1e-3, 40)
         now = compiled_advance()(now, volts, 1e-3, 40, P)
-        assert stepper.simulation == now
-        assert stepper.state[STATE.index("boom_angle")] == now.plant.boom.angle
-    stepper.simulation = REST
-    assert stepper.simulation == REST
+        assert plant.simulation == now
+        assert plant.state[STATE.index("boom_angle")] == now.plant.boom.angle
+    plant.lay_out(REST)
+    assert plant.simulation == REST
 
 
 def test_machines_that_take_turns_do_not_mix():
