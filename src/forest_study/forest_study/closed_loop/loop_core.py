@@ -16,6 +16,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from forest_control.config import settings as control_settings
 from forest_control.operator.joystick_watch import Sample, Watch, WatchParameters, heed, judge
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import control_state, controller
@@ -63,7 +64,7 @@ class Senses(NamedTuple):
 class Guarded(NamedTuple):
     """What the controller and its guard remember."""
 
-    state: controller.State = controller.REST
+    state: control_state.State = control_state.REST
     command: Vec3 = ZERO  # [V] the last one
     joystick: Watch = armed_watch()
     checks: Checks = Checks()
@@ -85,7 +86,7 @@ class Knowledge(NamedTuple):
     plant: PlantParameters
     links: Links  # of the machine
     sensing: Sensing
-    control: controller.Parameters
+    control: control_settings.Parameters
     drive: valve_driver.Parameters
 
 
