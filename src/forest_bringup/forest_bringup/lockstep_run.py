@@ -40,7 +40,7 @@ def run(
     """Run nodes, one of them a recorder, until the last of so many steps is in the bag.
 
     Raises:
-        Failure: a node ended unasked, or did not answer; the text names it.
+        GraphError: a node ended unasked, or did not answer; the text names it.
         Stopped: the user asked to stop.
     """
     with Supervisor(in_lockstep(nodes, steps, guard), namespace, logs) as running:

@@ -149,7 +149,7 @@ def _solve_with_port_valve(
             pressure=offset,
             flow=0.0,
             stiffness=slope,
-            follows=0.0,
+            flow_gain=0.0,
             port_pressure=offset,
             port_stiffness=slope,
             slope=slope,

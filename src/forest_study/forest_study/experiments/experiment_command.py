@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
 
     Raises:
         SessionError: no such experiment, or no directory for it.
-        Failure: the graph could not start, or had to end.
+        GraphError: the graph could not start, or had to end.
         KeyboardInterrupt: the user stopped it.
     """
     if options.name == "list":
