@@ -24,7 +24,7 @@ import math
 import numpy as np
 
 from forest_description.types import Floats
-from forest_ident.estimators.least_squares import Line, solve
+from forest_ident.estimators.least_squares import LinearFit, solve
 from forest_ident.measurements.differentiator import derivative, inner, smooth
 from forest_ident.measurements.readings import lagged
 from forest_ident.measurements.session import Session
@@ -56,7 +56,7 @@ def joint(
     lag: float,
     floor: float,
     highest: float = math.inf,
-) -> tuple[Line, Line]:
+) -> tuple[LinearFit, LinearFit]:
     """Return I and C by least squares, with all terms in phase. Thesis eq. 4.5a, 4.6.
 
     Differs: the thesis averages quotients that the phase biases.

@@ -88,10 +88,10 @@ def write(session: Session, directory: Path) -> None:
                     writer.write(name, data, stamp, stamp, row + 1)
     finally:
         writer.close()
-    write_facts(directory, session.name, session.facts)
+    write_metadata(directory, session.name, session.metadata)
 
 
-def write_facts(directory: Path, experiment: str, facts: Mapping[str, float]) -> None:
+def write_metadata(directory: Path, experiment: str, facts: Mapping[str, float]) -> None:
     """Write what no topic tells of an experiment into its bag's directory.
 
     Raises:

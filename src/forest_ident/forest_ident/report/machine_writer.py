@@ -12,7 +12,7 @@ from typing import Any
 from forest_description.components.hose import GeometricHose, MeasuredHose
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES
-from forest_ident.estimators.estimate import NORMAL_95, Estimate
+from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate
 from forest_ident.measurements.parameter_path import value_of
 from forest_ident.refinement.result import Result
 
@@ -110,7 +110,7 @@ def _measured(tree: dict[str, Any], section: str, result: Result) -> None:
 
 
 def _quantity(e: Estimate) -> str:
-    _, low, high = e.spelled()
+    _, low, high = e.formatted()
     doubt = f"; {e.warning}" if e.warning else ""
     source = f"identified: {e.method}, 95 % interval {low} .. {high}{doubt}"
     return f'{{value: {e.value:.9g}, unit: {e.unit}, source: "{source}"}}'
