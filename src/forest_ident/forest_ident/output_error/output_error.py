@@ -81,6 +81,22 @@ def fit(
     return _Search(model, problem, unknowns, channels, progress).fit(prior, redrawn)
 
 
+def damped_step(
+    hessian: Floats, slope: Floats, damping: float, least: float, reach: Floats | float
+) -> Floats:
+    """Return Marquardt's step: -(H + d diag(H + least))^-1 slope, clipped to the reach.
+
+    Args:
+        hessian: H, J'J and the prior's information.
+        slope: gradient of half the cost.
+        damping: d.
+        least: added to the diagonal, for directions without information.
+        reach: of each parameter, at most.
+    """
+    damped = hessian + damping * np.diag(np.diag(hessian) + least)
+    return np.clip(-np.linalg.solve(damped, slope), -reach, reach)
+
+
 class _Search:
     """Gauss-Newton on a problem. Derivatives, a simulation each, are kept as long as steps grow shorter."""
 
@@ -163,8 +179,7 @@ class _Search:
         slope = gradient + problem.known @ (theta - problem.mean)
         before = problem.cost(theta, predicted)
         for _ in range(TRIES):
-            damped = hessian + damping * np.diag(np.diag(hessian) + 1e-30)
-            move = np.clip(-np.linalg.solve(damped, slope), -problem.reach, problem.reach)
+            move = damped_step(hessian, slope, damping, 1e-30, problem.reach)
             try:
                 after = self._simulate(self._model, theta + move)
                 lower = problem.cost(theta + move, after) <= before

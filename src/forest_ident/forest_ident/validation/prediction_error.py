@@ -25,6 +25,11 @@ SPEED_BANDWIDTH = 8.0  # [Hz] of the smoothing of both speeds
 STILL = 1e-6  # [unit] range of a signal that did not move
 
 
+def rms(values: Floats) -> float:
+    """Return the root of the mean square."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
 class Signal(NamedTuple):
     """One signal of an axis, measured and predicted."""
 
@@ -37,8 +42,7 @@ class Signal(NamedTuple):
     @property
     def nrmse(self) -> float:
         """RMS error over range."""
-        span = float(np.ptp(self.measured))
-        return float(np.sqrt(np.mean((self.measured - self.predicted) ** 2))) / max(span, STILL)
+        return rms(self.measured - self.predicted) / max(float(np.ptp(self.measured)), STILL)
 
     @property
     def vaf(self) -> float:

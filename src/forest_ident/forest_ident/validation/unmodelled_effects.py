@@ -35,7 +35,7 @@ from forest_ident.driving import simulated_experiment
 from forest_ident.experiments import experiment_plan
 from forest_ident.measurements.parameter_path import SECTIONS, part_of, with_part
 from forest_ident.measurements.session import Session, SessionError
-from forest_ident.validation.prediction_error import Signal, signals
+from forest_ident.validation.prediction_error import Signal, rms, signals
 from forest_sim.sensors.sensor_suite import sensor_suite
 
 NARROWER = 0.9  # area of port 2's edges over that of port 1's
@@ -157,8 +157,7 @@ def _score(axis: str, name: str, way: str, parts: list[tuple[Signal, Bools]]) ->
     wrong = measured - np.concatenate([s.predicted[rows] for s, rows in parts])
     if len(measured) == 0:
         return Score(axis, name, way, parts[0][0].unit, 0.0, 0.0)
-    rms = float(np.sqrt(np.mean(wrong**2)))
-    return Score(axis, name, way, parts[0][0].unit, rms, float(np.ptp(measured)))
+    return Score(axis, name, way, parts[0][0].unit, rms(wrong), float(np.ptp(measured)))
 
 
 def _damped_as(model: Machine, session: Session) -> Machine:
