@@ -14,8 +14,6 @@ Gauss-Newton with Marquardt's damping; derivatives by forward differences. Where
 between fits that explain it about as well, their mean is better than any one of them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ Two minutes of fitting are some hundred thousand simulations: compiled, one take
 a third of a second.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 

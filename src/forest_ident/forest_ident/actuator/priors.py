@@ -7,8 +7,6 @@ position are brought to the spans of `record.SPANS`; widths of 0.5 to 1 allow a 
 Centres and widths were chosen by cross-validation within the first half of a record (docs/real-crane.md).
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

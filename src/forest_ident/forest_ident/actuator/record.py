@@ -5,8 +5,6 @@
 | V, P, X | what the record's units are of those in which the priors stand (`Scales`) |
 """
 
-from __future__ import annotations
-
 import csv
 import math
 from pathlib import Path

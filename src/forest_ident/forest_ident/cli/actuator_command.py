@@ -1,7 +1,5 @@
 """`forest-ident actuator`: one actuator of our physics, fitted to one record, predicts another."""
 
-from __future__ import annotations
-
 import argparse
 import csv
 import json

@@ -1,7 +1,5 @@
 """`forest-ident fit`: bags in, machine file and report out."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys

@@ -1,7 +1,5 @@
 """`forest-ident questions`: what the thesis' validation leaves open, asked of simulated machines."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from pathlib import Path

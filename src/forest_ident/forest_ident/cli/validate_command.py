@@ -1,7 +1,5 @@
 """`forest-ident validate`: a held-out record against what a model predicts of it."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Inputs of the scripted operator: the sample on which it steps, and the newest of the other topics."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

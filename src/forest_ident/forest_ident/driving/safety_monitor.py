@@ -12,8 +12,6 @@ peak, and closing it cures none.
 Pure: `step` is called with every sample.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 The node passes in readings and times; what decides is here. Pure but for its own state.
 """
 
-from __future__ import annotations
-
 from forest_description.types import AXES, ZERO, Vec3
 from forest_ident.driving import safety_monitor
 from forest_ident.driving.safety_monitor import Readings

@@ -6,8 +6,6 @@ operator reads the true angles here, and the sensors draw in another order. The 
 `forest_sim.run.simulation`; a rig's is kept at one temperature by its cooler.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

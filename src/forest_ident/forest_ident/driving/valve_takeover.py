@@ -6,8 +6,6 @@
 | controller | hands_off | true: it commands nothing, and is disarmed |
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from typing import Any
 

@@ -14,8 +14,6 @@ reading at an end of its range is left as it is: the estimators take it as censo
 compared with readings is better turned into a reading (`as_read`).
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence

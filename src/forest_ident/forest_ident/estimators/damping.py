@@ -14,8 +14,6 @@ The last two terms take the static errors of pressures, angles and masses; movin
 angles separates them from B.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from forest_description.machine import Machine

@@ -12,8 +12,6 @@ Rests tell two sums along the links and two across them (`moments`), not every m
 has its masses from drawings (section 4.4.1).
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from typing import NamedTuple

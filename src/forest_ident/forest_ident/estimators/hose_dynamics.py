@@ -17,8 +17,6 @@ h misses h^2/12 times the jump of the slope there; at 200 Hz that made I 3 to 9 
 off the samples to either side and put right (Euler and Maclaurin's formula).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -7,8 +7,6 @@
 | R | resistance of dP = R Q|Q| (turbulent), dP = R Q (laminar) | Pa s^2/m^6, Pa s/m^3 |
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

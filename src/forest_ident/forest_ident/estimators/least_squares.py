@@ -6,8 +6,6 @@ The covariance does not assume white residuals: (X'X)^-1 (sum over blocks of s_b
 blocks' scores s_b = sum of x_n e_n (a sandwich). Thesis section 4.1.2.2.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

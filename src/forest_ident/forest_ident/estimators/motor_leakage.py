@@ -18,8 +18,6 @@ Thesis section 4.3.5.2 has no external leakage there. Differs: the loaded chambe
 quarter of what passes inside; left out, R_in would come out a sixth too low.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from forest_description.derived.temperature import at_temperature

@@ -13,8 +13,6 @@ Sign: V > 0 connects port 1 to the supply: dP_1 = P_s - p_1, dP_2 = p_2. V < 0 t
 dP_1 = p_1.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Mapping

@@ -12,8 +12,6 @@ be known about how far a voltage moves it, and nothing runs into a stop.
 Pure: `step` is what a node calls at every sample and what an offline run calls every 5 ms.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

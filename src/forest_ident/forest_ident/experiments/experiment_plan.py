@@ -15,8 +15,6 @@
 A machine whose axes have valves or hoses of their own gets `valve_AXIS`, `hose_AXIS` for each of these.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Mapping

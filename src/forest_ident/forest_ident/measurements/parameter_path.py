@@ -4,8 +4,6 @@ A path like ``valve.backward.deadband_voltage`` names the way through the datacl
 studies speak of parameters by these paths, because the machine file and its reference do.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Mapping
 from typing import Any

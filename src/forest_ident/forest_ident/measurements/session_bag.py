@@ -6,8 +6,6 @@ the facts that no sensor tells, with units; a person who runs the experiment oth
 Without that file a bag is a "motion".
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Running estimates over a record, beside the off-line fit."""
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -13,8 +13,6 @@ Speeds are the machine's own causal estimates, pressures those at the actuators;
 the machine file. Thesis table 4.1, eq. 4.1, 4.11.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -3,8 +3,6 @@
 Symbols as in `output_error`. Nuisances (b, g) follow the parameters in theta.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple

@@ -12,8 +12,6 @@ the mean and covariance of its parameters as prior. Its result moves the correla
     m_r <- m_r + K (m_a' - m_a),  S_rr <- S_rr + K (S_aa' - S_aa) K',  S_ra <- K S_aa'
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import NamedTuple

@@ -3,8 +3,6 @@
 Exact sensors (a simulator's) get a noise near the rounding errors, so that the fit goes on to the end.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

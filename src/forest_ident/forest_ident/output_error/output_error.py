@@ -24,8 +24,6 @@ Thesis section 4.1.2. Differs: the thesis estimates each parameter by a linear l
 those are where this starts.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 

@@ -9,8 +9,6 @@ changes is smooth in its temperature. So plants are made at multiples of `GRID`,
 interpolated between two of them. The viscosity, which bends the most, is then right to 2e-6.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache

@@ -3,8 +3,6 @@
 A remark where a fit is still of use; a `SessionError` that names the record where it is not.
 """
 
-from __future__ import annotations
-
 import contextlib
 import dataclasses
 from collections.abc import Iterator

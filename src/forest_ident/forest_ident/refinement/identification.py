@@ -4,8 +4,6 @@ Order: calibration, the thesis' linear estimates (from which the refinement star
 by experiment with one Gaussian estimate. Sessions named "validation" or "motion" are held out.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 

@@ -1,7 +1,5 @@
 """The linear estimators of Thesis section 4.3, as far as a session supports them."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

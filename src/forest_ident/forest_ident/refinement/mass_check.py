@@ -5,8 +5,6 @@ moment is taken from the file, since the head pulls alike: so the sums give head
 where its estimate differs by more than its errors and `DIFFERS`.
 """
 
-from __future__ import annotations
-
 from forest_ident.estimators import gravity
 from forest_ident.estimators.least_squares import LinearFit
 from forest_ident.estimators.parameter_estimate import Estimate

@@ -1,7 +1,5 @@
 """Pool the estimates of a valve's two directions into one where they agree."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

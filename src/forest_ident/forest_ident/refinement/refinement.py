@@ -5,8 +5,6 @@ together without one huge problem: a crane's motion may still correct what the b
 within the bench's interval. `refinement_task` names the parameters and channels of each experiment.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Callable, Mapping

@@ -11,8 +11,6 @@ Names of unknowns that are no parameters of the machine:
 | start.CHANNEL.RECORD | pressure at the start of a crane's record, true minus read |
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from forest_description.components.pump import LoadSensingPump, PressureCompensatedPump

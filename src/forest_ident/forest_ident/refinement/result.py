@@ -1,14 +1,12 @@
 """The result of an identification: estimates beside the start's values, and what stayed unidentified."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from forest_description.config import schema
 from forest_description.machine import Machine
 from forest_description.types import AXES
-from forest_ident.estimators import calibration
+from forest_ident.estimators.calibration import Offset
 from forest_ident.estimators.parameter_estimate import Estimate, excitation_for
 from forest_ident.measurements.parameter_path import hose_section, part_of, valve_section
 from forest_ident.measurements.session import Session
@@ -36,7 +34,7 @@ class Result:
     estimates: dict[str, Estimate] = field(default_factory=dict)
     linear: list[Estimate] = field(default_factory=list)
     refined: list[Refined] = field(default_factory=list)
-    calibration: list[calibration.Offset] = field(default_factory=list)
+    calibration: list[Offset] = field(default_factory=list)
     held_out: list[Session] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
 

@@ -1,7 +1,5 @@
 """HTML pages from the templates beside this module: one file, with its figures inside."""
 
-from __future__ import annotations
-
 import base64
 import io
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The report of an identification: one HTML file that needs nothing beside it."""
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Callable
 from pathlib import Path

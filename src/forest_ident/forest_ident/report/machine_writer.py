@@ -1,7 +1,5 @@
 """An identified machine as a file: what was found, its source and interval, laid over the start's file."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math

@@ -3,8 +3,6 @@
 Measured values are points, fits are dotted lines. Each function draws on axes that it is given.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

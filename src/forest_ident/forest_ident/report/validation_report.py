@@ -1,7 +1,5 @@
 """Predictions of held-out records: measured solid, predicted dotted, as Thesis fig. 4.12 and 4.13."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

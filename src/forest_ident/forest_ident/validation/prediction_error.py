@@ -7,8 +7,6 @@
 | VAF | 1 - var(y - yhat)/var(y), variance accounted for |
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -18,8 +18,6 @@ held against what the crane's sensors read. One case after another:
 | out, in | the valve connects port 1, port 2 to the supply | - |
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from typing import NamedTuple
