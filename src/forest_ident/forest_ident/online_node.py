@@ -12,7 +12,7 @@ from rclpy.node import Node
 
 from forest_description.machine import load_machine
 from forest_description.types import Vec3
-from forest_ident.online import estimator
+from forest_ident.online import online_estimator
 from forest_ident.online.online_parameters import OnlineParameters
 from forest_msgs_py.clock.node_clock import pace
 from forest_msgs_py.interfaces import topics
@@ -36,8 +36,8 @@ class OnlineIdentificationNode(Node):
         self.run = self._pace.run
         machine = load_machine(declare(self, MachineParameter).machine)
         p = declare(self, OnlineParameters)
-        self._core = estimator.parameters(machine, p.memory)
-        self._state = estimator.initial(self._core)
+        self._core = online_estimator.parameters(machine, p.memory)
+        self._state = online_estimator.initial(self._core)
         self._period, self._timeout, self._every = StampedPeriod(p.period), p.timeout, p.report_period
         self._since = 0.0
         self._last: dict[Topic, tuple[bytes, float]] = {}  # message, when it was sent
@@ -58,15 +58,15 @@ class OnlineIdentificationNode(Node):
         if reading.problem or not reading.values.velocity:
             return
         dt = self._period.since(reading.stamp_ns)
-        sample = estimator.Sample(
-            angles=reading.values.position,
-            rates=reading.values.velocity,
-            pressures_1=self._triple(topics.PRESSURES, self._ports[0]),
-            pressures_2=self._triple(topics.PRESSURES, self._ports[1]),
-            supply=self._read(topics.SUPPLY, self._supply, 1)[0],
-            voltages=self._triple(topics.VALVE_VOLTAGES, self._voltages),
+        sample = online_estimator.Sample(
+            reading.values.position,
+            reading.values.velocity,
+            self._triple(topics.PRESSURES, self._ports[0]),
+            self._triple(topics.PRESSURES, self._ports[1]),
+            self._read(topics.SUPPLY, self._supply, 1)[0],
+            self._triple(topics.VALVE_VOLTAGES, self._voltages),
         )
-        self._state = estimator.step(self._state, sample, self._core, dt)
+        self._state = online_estimator.step(self._state, sample, self._core, dt)
         self._since += dt
         if self._since >= self._every:
             self._since = 0.0
@@ -86,7 +86,7 @@ class OnlineIdentificationNode(Node):
         return nothing if reading.problem else tuple(reading.values)
 
     def _publish(self, stamp: int) -> None:
-        told = zip(estimator.LABELS, estimator.report(self._state), strict=True)
+        told = zip(online_estimator.LABELS, online_estimator.report(self._state), strict=True)
         there = {label: value for label, value in told if math.isfinite(value)}
         message = float_array(topics.IDENTIFICATION, stamp, list(there.values()), labels=tuple(there))
         self._estimates.publish(message)

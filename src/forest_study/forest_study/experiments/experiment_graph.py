@@ -19,8 +19,8 @@ from forest_bringup.lockstep_run import RECORDER, in_lockstep
 from forest_bringup.supervisor import NodeSpec, Supervisor
 from forest_description.export.machine_yaml import machine_text
 from forest_description.machine import Machine, load_machine
-from forest_ident.experiments import experiments
-from forest_ident.experiments.experiments import Plan
+from forest_ident.experiments import experiment_plan
+from forest_ident.experiments.experiment_plan import Plan
 from forest_ident.measurements import session_bag
 from forest_msgs_py.types import PERIOD
 
@@ -43,7 +43,7 @@ class Conditions(NamedTuple):
 
     def plan(self, name: str) -> Plan:
         """Return the plan of an experiment."""
-        return experiments.plan(name, load_machine(self.machine), self.seed, self.longest)
+        return experiment_plan.plan(name, load_machine(self.machine), self.seed, self.longest)
 
 
 def run(name: str, conditions: Conditions, bag: Path, logs: Path, progress: Progress) -> None:
@@ -69,7 +69,7 @@ def run(name: str, conditions: Conditions, bag: Path, logs: Path, progress: Prog
     if failed := [name for name, code in running.exit_codes.items() if code != 0]:
         raise GraphError(f"{name}: {', '.join(failed)} ended badly; see the logs in {logs}")
     exact = {"exact_sensors": 1.0} if conditions.exact else {}
-    session_bag.write_facts(bag, name, {**plan.facts, **exact})
+    session_bag.write_metadata(bag, name, {**plan.metadata, **exact})
 
 
 def listener(progress: Progress) -> Callable[[str], None]:

@@ -1,4 +1,4 @@
-"""How well a model predicts a record that it was not fitted to. Thesis section 4.4.
+"""Errors of a model's prediction of a record that it was not fitted to. Thesis section 4.4.
 
 | symbol | name |
 |---|---|
@@ -7,21 +7,25 @@
 | VAF | 1 - var(y - yhat)/var(y), variance accounted for |
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
 
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
+from forest_ident.estimators import calibration
 from forest_ident.measurements.differentiator import derivative
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error.prediction import predict
-from forest_ident.refinement import apply_calibration, refinement
+from forest_ident.refinement import refinement
 
 SPEED_BANDWIDTH = 8.0  # [Hz] of the smoothing of both speeds
 STILL = 1e-6  # [unit] range of a signal that did not move
+
+
+def rms(values: Floats) -> float:
+    """Return the root of the mean square."""
+    return float(np.sqrt(np.mean(values**2)))
 
 
 class Signal(NamedTuple):
@@ -36,15 +40,13 @@ class Signal(NamedTuple):
     @property
     def nrmse(self) -> float:
         """RMS error over range."""
-        span = float(np.ptp(self.measured))
-        return float(np.sqrt(np.mean((self.measured - self.predicted) ** 2))) / max(span, STILL)
+        return rms(self.measured - self.predicted) / max(float(np.ptp(self.measured)), STILL)
 
     @property
     def vaf(self) -> float:
         """Variance accounted for."""
-        return 1.0 - float(np.var(self.measured - self.predicted)) / max(
-            float(np.var(self.measured)), STILL**2
-        )
+        variance = max(float(np.var(self.measured)), STILL**2)
+        return 1.0 - float(np.var(self.measured - self.predicted)) / variance
 
 
 def signals(model: Machine, session: Session) -> list[Signal]:
@@ -57,49 +59,47 @@ def signals(model: Machine, session: Session) -> list[Signal]:
     Raises:
         SessionError: it is a rig's record, or too short, or has no angles.
     """
-    if session.name.split("_")[0] in ("valve", "spool", "hose", "calibration"):
+    if not session.on_crane:
         raise SessionError(f"{session.name}: allowed for validation: records of the crane, not of a rig")
     missing = [f"{axis}_resolver" for axis in AXES if not session.has(f"{axis}_resolver")]
     if missing or len(session.time) < 100:
         raise SessionError(f"{session.name}: too short, or without {', '.join(missing) or 'samples'}")
-    exact = session.is_exact
-    known = session if exact else apply_calibration.corrected(session, model)
-    of = predict(refinement.prepared(model, session), known, bench=False)
-    of = of if exact else apply_calibration.as_read(of, model)
+    predicted = predict(refinement.prepared(model, session), calibration.corrected(session, model))
+    predicted = predicted if session.is_exact else calibration.as_read(predicted, model)
     found: list[Signal] = []
     for axis in AXES:
         if np.ptp(session.column(f"{axis}_resolver")) > 0.02:
-            found += _axis(axis, session, of)
+            found += _axis(axis, session, predicted)
     if not found:
         raise SessionError(f"{session.name}: no axis moved; it takes a record with motion")
     return found
 
 
-def _axis(axis: str, session: Session, of: dict[str, Floats]) -> list[Signal]:
-    angle = session.column(f"{axis}_resolver"), of[f"{axis}_resolver"]
+def _axis(axis: str, session: Session, predicted: dict[str, Floats]) -> list[Signal]:
+    angle = session.column(f"{axis}_resolver"), predicted[f"{axis}_resolver"]
     rates = tuple(derivative(column, SPEED_BANDWIDTH, session.period) for column in angle)
     found = [
         Signal(axis, "angle", "rad", *angle),
         Signal(axis=axis, name="velocity", unit="rad/s", measured=rates[0], predicted=rates[1]),
     ]
     if session.has(f"{axis}_flow"):
-        flow, said = session.column(f"{axis}_flow"), of[f"{axis}_flow"]
+        flow, exact = session.column(f"{axis}_flow"), predicted[f"{axis}_flow"]
         floor = float(np.min(np.abs(flow)))  # what the meter shows at rest
-        shown = np.where(said < 0.0, -1.0, 1.0) * np.maximum(np.abs(said), floor)
+        shown = np.where(exact < 0.0, -1.0, 1.0) * np.maximum(np.abs(exact), floor)
         signs = np.sign(flow) != np.sign(shown)
         still = signs & (np.abs(flow) <= 1.001 * floor) & (np.abs(shown) <= 1.001 * floor)
         found.append(
             Signal(axis=axis, name="flow", unit="m3/s", measured=flow, predicted=np.where(still, flow, shown))
         )
     there = [port for port in (1, 2) if session.has(f"{axis}_pressure_{port}_actuator")]
-    return found + [_pressure(axis, port, session, of) for port in there]
+    return found + [_pressure(axis, port, session, predicted) for port in there]
 
 
-def _pressure(axis: str, port: int, session: Session, of: dict[str, Floats]) -> Signal:
+def _pressure(axis: str, port: int, session: Session, predicted: dict[str, Floats]) -> Signal:
     channel = f"{axis}_pressure_{port}_actuator"
     measured = session.column(channel)
-    shown = np.maximum(of[channel], 0.0) if measured.min() >= 0.0 else of[channel]
-    return Signal(axis=axis, name=f"pressure {port}", unit="Pa", measured=measured, predicted=shown)
+    shown = np.maximum(predicted[channel], 0.0) if measured.min() >= 0.0 else predicted[channel]
+    return Signal(axis, f"pressure {port}", "Pa", measured, shown)
 
 
 def text_table(found: list[Signal]) -> str:

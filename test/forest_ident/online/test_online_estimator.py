@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident.driving.direct_run import experiment
+from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.online import online_comparison, recursive_least_squares
-from forest_ident.report import report
+from forest_ident.report import html_page, identification_report
 
 
 def test_it_ends_where_least_squares_does():
@@ -59,12 +59,12 @@ def test_running_estimates_come_near_the_truth(monkeypatch):
         assert abs(found - value) < 4.0 * spread, part
         assert spread < 0.25 * value, part
     monkeypatch.setattr(online_comparison, "estimates", lambda *_: told)
-    beside = {b.name: b for b in online_comparison.beside(machine, machine, session)}
-    assert set(beside) == {f"{name}_{part}" for part in (*truth, "gain_backward")}
+    compared = {c.name: c for c in online_comparison.compare(machine, machine, session)}
+    assert set(compared) == {f"{name}_{part}" for part in (*truth, "gain_backward")}
     for part, value in truth.items():
-        assert beside[f"{name}_{part}"].settled == pytest.approx(value, rel=1e-12)
-        assert beside[f"{name}_{part}"].running == told[f"{name}_{part}"]
+        assert compared[f"{name}_{part}"].offline == pytest.approx(value, rel=1e-12)
+        assert compared[f"{name}_{part}"].online == told[f"{name}_{part}"]
     result = SimpleNamespace(start=machine, machine=machine, refined=[SimpleNamespace(session=session)])
-    page = "".join(report._on_line(result))
+    page = html_page.render("online.html", online=identification_report.online(result))
     assert "on line, at its end" in page
-    assert f"{beside[f'{name}_damping'].running:.4g} ±" in page
+    assert f"{compared[f'{name}_damping'].online:.4g} ±" in page

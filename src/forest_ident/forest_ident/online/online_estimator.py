@@ -1,7 +1,7 @@
-"""Running estimates of a crane's overlap, gain and damping from what its sensors say, sample by sample.
+"""Running estimates of a crane's overlap, gain and damping from its sensors, sample by sample.
 
-The pure core of the on-line node: `step` takes one sample of the machine and the voltages that act, and
-returns what is believed now. Six quantities per axis, see `LABELS`.
+The pure core of the on-line node: `step` takes one sample of the machine and the acting voltages, and
+returns the estimates after it. Six quantities per axis, see `LABELS`.
 
 | quantity | from | unit |
 |---|---|---|
@@ -13,13 +13,11 @@ Speeds are the machine's own causal estimates, pressures those at the actuators;
 the machine file. Thesis table 4.1, eq. 4.1, 4.11.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 
 from forest_description.geometry.linkage import lever_arm
-from forest_description.machine import Machine
+from forest_description.machine import Machine, SwingDrive
 from forest_description.types import Vec3
 from forest_ident.online import recursive_least_squares
 from forest_ident.online.recursive_least_squares import Estimator
@@ -31,6 +29,7 @@ MARGIN = 0.15  # of the rated voltage, beyond which the law of the valve is fitt
 SETTLED = 0.3  # [s] that a voltage has stood still
 WINDOW = 0.6  # [s] of steady motion that counts as one sample
 LEAST_DROP = 1e5  # [Pa] over an edge: less tells nothing
+SCALE = 1e6  # gains are some 1e-7: scaled to about one, P stays in its bound
 STANDSTILL = 0.02  # share of the rated speed under which an axis stands
 
 
@@ -46,7 +45,7 @@ class Sample(NamedTuple):
 
 
 class Sums(NamedTuple):
-    """What was read of an axis in a window: it rocks, so that single samples are no steady motion."""
+    """Sums over a window of an axis: it rocks, so that single samples are no steady motion."""
 
     time: float = 0.0  # [s]
     samples: float = 0.0
@@ -54,32 +53,30 @@ class Sums(NamedTuple):
     pressure_1: float = 0.0
     pressure_2: float = 0.0
     supply: float = 0.0
-    load: float = 0.0  # what gravity and the other joints ask of the actuator
+    load: float = 0.0  # on the actuator, of gravity and the other joints
 
 
 class Axis(NamedTuple):
-    """What is believed of one axis, since when its voltage stands, and the window that is being filled."""
+    """Estimates of one axis, how long its voltage has been held, and the window that is being filled."""
 
     forward: Estimator
     backward: Estimator
     drive: Estimator
-    voltage: float
-    since: float  # [s]
-    sums: Sums
+    voltage: float = 0.0
+    since: float = 0.0  # [s]
+    sums: Sums = Sums()
 
 
 class State(NamedTuple):
-    """What is believed of all axes."""
+    """Estimates of all axes."""
 
     axes: tuple[Axis, Axis, Axis]
 
 
 class Parameters(NamedTuple):
-    """What the machine file tells, and how long a sample counts."""
+    """Constants of the machine, and the memory of the estimates."""
 
     displacements: tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
-    rated: Vec3  # [V]
-    least_speed: Vec3  # [rad/s; m/s] under which an axis stands
     machine: Machine
     body: Body
     memory: float  # [s]
@@ -93,36 +90,25 @@ def parameters(machine: Machine, memory: float = 60.0) -> Parameters:
         (machine.boom.head_area, machine.boom.rod_area),
         (machine.stick.head_area, machine.stick.rod_area),
     )
-    valves = [machine.valve_of(axis) for axis in range(3)]
-    speeds = [
-        STANDSTILL * math.sqrt(machine.pump.supply_pressure / (2.0 * v.minimum_resistance)) / pair[0]
-        for v, pair in zip(valves, pairs, strict=True)
-    ]
-    return Parameters(
-        displacements=pairs,
-        rated=(valves[0].rated_voltage, valves[1].rated_voltage, valves[2].rated_voltage),
-        least_speed=(speeds[0], speeds[1], speeds[2]),
-        machine=machine,
-        body=fold_head(machine.manipulator),
-        memory=memory,
-    )
+    return Parameters(pairs, machine, fold_head(machine.manipulator), memory)
 
 
 def initial(p: Parameters) -> State:
-    """Return the state in which the machine file is believed, but hardly."""
-    axes = []
-    for axis in range(3):
-        valve = p.machine.valve_of(axis)
-        law = valve.law
-        ways = [
-            recursive_least_squares.start(
-                _line(way.resistance_1, way.deadband_voltage, way.rated_voltage), (1e3, 1e3)
-            )
-            for way in (law.forward, law.backward)
-        ]
-        drive = recursive_least_squares.start((p.machine.drives[axis].damping, 0.0), (1e3, 1e3))
-        axes.append(Axis(forward=ways[0], backward=ways[1], drive=drive, voltage=0.0, since=0.0, sums=Sums()))
-    return State((axes[0], axes[1], axes[2]))
+    """Return the state at the machine file's values, with large standard errors."""
+    swing, boom, stick = (_initial_axis(p.machine, axis) for axis in range(3))
+    return State((swing, boom, stick))
+
+
+def _initial_axis(machine: Machine, axis: int) -> Axis:
+    law = machine.valve_of(axis).law
+    forward, backward = (
+        recursive_least_squares.start(
+            _line(way.resistance_1, way.deadband_voltage, way.rated_voltage), (1e3, 1e3)
+        )
+        for way in (law.forward, law.backward)
+    )
+    drive = recursive_least_squares.start((machine.drives[axis].damping, 0.0), (1e3, 1e3))
+    return Axis(forward, backward, drive)
 
 
 def _line(c_r: float, edge: float, rated: float) -> tuple[float, float]:
@@ -130,24 +116,19 @@ def _line(c_r: float, edge: float, rated: float) -> tuple[float, float]:
     return gain * SCALE, -gain * edge * SCALE
 
 
-SCALE = 1e6  # gains are some 1e-7: in units in which they are near one, P stays in its bound
-
-
 def step(state: State, sample: Sample, p: Parameters, dt: float) -> State:
-    """Return what is believed after a sample, ``dt`` [s] after the last one."""
+    """Return the estimates after a sample, ``dt`` [s] after the last one."""
     load = dynamics(sample.angles, sample.rates, p.body).bias
-    axes = [_axis(state.axes[axis], axis, sample, load[axis], p, dt) for axis in range(3)]
-    return State((axes[0], axes[1], axes[2]))
+    swing, boom, stick = (_axis(state.axes[axis], axis, sample, load[axis], p, dt) for axis in range(3))
+    return State((swing, boom, stick))
 
 
 def _axis(a: Axis, axis: int, s: Sample, load: float, p: Parameters, dt: float) -> Axis:
     voltage = s.voltages[axis]
     since = a.since + dt if voltage == a.voltage else 0.0
     a = a._replace(voltage=voltage, since=since)
-    arm = 1.0
-    if axis > 0:
-        drive = p.machine.boom if axis == 1 else p.machine.stick
-        arm = lever_arm(s.angles[axis], drive.linkage)
+    drive = p.machine.drives[axis]
+    arm = 1.0 if isinstance(drive, SwingDrive) else lever_arm(s.angles[axis], drive.linkage)
     values = (s.rates[axis] * arm, s.pressures_1[axis], s.pressures_2[axis], s.supply, load / arm)
     if since < SETTLED or not all(map(math.isfinite, values)):
         return a._replace(sums=Sums())
@@ -156,35 +137,30 @@ def _axis(a: Axis, axis: int, s: Sample, load: float, p: Parameters, dt: float) 
     if sums.time < WINDOW - 1e-9:
         return a._replace(sums=sums)
     mean = Sums(sums.time, 1.0, *(part / sums.samples for part in sums[2:]))
-    return _learnt(a._replace(sums=Sums()), axis, mean, p)
+    return _updated(a._replace(sums=Sums()), axis, mean, p)
 
 
-def _learnt(a: Axis, axis: int, mean: Sums, p: Parameters) -> Axis:
+def _updated(a: Axis, axis: int, mean: Sums, p: Parameters) -> Axis:
     """Return the axis after a full window."""
     speed, one, two = mean.speed, mean.pressure_1, mean.pressure_2
-    if abs(speed) < p.least_speed[axis]:
+    valve, (d_1, d_2) = p.machine.valve_of(axis), p.displacements[axis]
+    flow = math.sqrt(p.machine.pump.supply_pressure / (2.0 * valve.minimum_resistance))
+    if abs(speed) < STANDSTILL * flow / d_1:
         return a
-    d_1, d_2 = p.displacements[axis]
     force = d_1 * one - d_2 * two - mean.load
-    a = a._replace(
-        drive=recursive_least_squares.step(a.drive, (speed, _sign(speed)), force, mean.time, p.memory)
-    )
+    regressor = (speed, math.copysign(1.0, speed))
+    a = a._replace(drive=recursive_least_squares.step(a.drive, regressor, force, mean.time, p.memory))
     edge, forward = abs(a.voltage), a.voltage > 0.0
-    if not MARGIN * p.rated[axis] <= edge < p.rated[axis] or a.voltage * speed < 0.0:
+    if not MARGIN * valve.rated_voltage <= edge < valve.rated_voltage or a.voltage * speed < 0.0:
         return a
     driven, other = (one, two) if forward else (two, one)
     flow, drop = _inlet(axis, abs(speed), driven, other, mean.supply, forward, p)
     if drop <= LEAST_DROP:
         return a
+    way = a.forward if forward else a.backward
     y = SCALE * flow / math.sqrt(drop)
-    learnt = recursive_least_squares.step(
-        a.forward if forward else a.backward, (edge, 1.0), y, mean.time, p.memory
-    )
-    return a._replace(forward=learnt) if forward else a._replace(backward=learnt)
-
-
-def _sign(value: float) -> float:
-    return math.copysign(1.0, value)
+    way = recursive_least_squares.step(way, (edge, 1.0), y, mean.time, p.memory)
+    return a._replace(forward=way) if forward else a._replace(backward=way)
 
 
 def _inlet(
@@ -203,7 +179,7 @@ def _inlet(
 
 
 def report(state: State) -> tuple[float, ...]:
-    """Return what is believed, in the order of `LABELS`."""
+    """Return the estimates, in the order of `LABELS`."""
     values: list[float] = []
     for a in state.axes:
         for way in (a.forward, a.backward):

@@ -1,4 +1,4 @@
-"""What an estimator says: a value with its standard error, interval, condition and doubts.
+"""An estimated parameter: value, standard error, 95 % interval, condition number and warning.
 
 | symbol | name |
 |---|---|
@@ -12,11 +12,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from forest_description.config import schema
+from forest_description.machine import Machine
+
 NORMAL_95 = 1.959963985
 ILL_CONDITIONED = 1e5
-LOOSE = 0.2  # of a positive value, of a volt: a standard error beyond it says that the data cannot tell
+LOOSE = 0.2  # of a positive value, of a volt: a parameter with a greater standard error is not identified
 
-MOTION = {
+EXCITATION = {
     "deadband_voltage": "slow ramps of the voltage through the overlap, both ways",
     "minimum_resistance": "the valve held at several openings between a fifth and full",
     "port_2_area": "pressures at both ports of the valve with oil flowing through both",
@@ -38,13 +41,13 @@ MOTION = {
 }
 
 
-def motion_for(key: str) -> str:
-    """Return the motion that tells a parameter."""
-    return MOTION.get(key.rpartition(".")[2], "a motion in which it matters")
+def excitation_for(key: str) -> str:
+    """Return the motion that identifies a parameter."""
+    return EXCITATION.get(key.rpartition(".")[2], "a motion in which it matters")
 
 
 class Estimate(NamedTuple):
-    """One parameter as the data tell it."""
+    """One parameter as estimated from records."""
 
     key: str  # dotted, of the machine file
     value: float  # [unit]
@@ -54,6 +57,7 @@ class Estimate(NamedTuple):
     method: str
     positive: bool = True
     warning: str = ""
+    initial: bool = True  # of a linear estimate: whether the refinement starts from it
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -64,7 +68,12 @@ class Estimate(NamedTuple):
         reach = NORMAL_95 * self.standard_error
         return self.value - reach, self.value + reach
 
-    def spelled(self) -> tuple[str, str, str]:
+    @property
+    def usable(self) -> bool:
+        """Whether the value is a positive number."""
+        return math.isfinite(self.value) and self.value > 0.0
+
+    def formatted(self) -> tuple[str, str, str]:
         """Return value and both ends of the interval, in digits that tell them apart."""
         low, high = self.interval
         apart = (high - low) / max(abs(low), abs(high), 1e-300)
@@ -72,27 +81,31 @@ class Estimate(NamedTuple):
         value, low_text, high_text = (f"{number:.{digits}g}" for number in (self.value, low, high))
         return value, low_text, high_text
 
-    def holds(self, truth: float) -> bool:
-        """Tell whether the interval holds a value [unit]."""
+    def contains(self, truth: float) -> bool:
+        """Tell whether the interval contains a value [unit]."""
         low, high = self.interval
         return low <= truth <= high
 
+    def checked(self) -> Estimate:
+        """Return the estimate with a warning if its value is not identified, and which motion would help."""
+        motion, text = excitation_for(self.key), ""
+        if not (math.isfinite(self.value) and math.isfinite(self.standard_error)):
+            text = f"the data hold nothing of {self.key}; it takes {motion}"
+        elif is_loose(self.value, self.standard_error, self.positive):
+            text = f"the data cannot tell {self.key} (interval too wide); it takes {motion}"
+        elif self.condition > ILL_CONDITIONED:
+            text = (
+                f"{self.key} is told apart from the others only by little (condition number "
+                f"{self.condition:.0e}); it takes {motion}"
+            )
+        return self._replace(warning=text)
+
 
 def is_loose(value: float, error: float, positive: bool) -> bool:
-    """Tell whether a standard error says that the data cannot tell a value."""
+    """Tell whether a standard error is so great that the value is not identified."""
     return not (math.isfinite(value) and error <= LOOSE * (abs(value) if positive else 1.0))
 
 
-def judged(e: Estimate) -> Estimate:
-    """Return the estimate with a plain warning if the data cannot tell its value, and what motion would."""
-    e, motion = e._replace(warning=""), motion_for(e.key)
-    if not (math.isfinite(e.value) and math.isfinite(e.standard_error)):
-        return e._replace(warning=f"the data hold nothing of {e.key}; it takes {motion}")
-    if is_loose(e.value, e.standard_error, e.positive):
-        return e._replace(warning=f"the data cannot tell {e.key} (interval too wide); it takes {motion}")
-    if e.condition > ILL_CONDITIONED:
-        return e._replace(
-            warning=f"{e.key} is told apart from the others only by little (condition number "
-            f"{e.condition:.0e}); it takes {motion}"
-        )
-    return e
+def unit_of(key: str) -> str:
+    """Return the unit of a machine file's number, by its dotted key."""
+    return schema.parameters(Machine)[key].unit
