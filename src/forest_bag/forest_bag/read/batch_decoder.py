@@ -22,7 +22,7 @@ FEW = 8  # messages, for which looking at them one by one is as fast
 
 
 def decoded(kind: Topic, messages: Sequence[bytes], first: Row) -> tuple[NDArray[np.int64], Floats] | None:
-    """Return stamps [N] and numbers [N, k] of messages of the same labels; None if they differ in more than these.
+    """Return stamps [N] and numbers [N, k] of all messages; None if these differ in more, or cannot.
 
     Args:
         kind: row of the topic table.

@@ -153,7 +153,7 @@ def _collect_texts(value: Any, path: str, found: dict[str, Any]) -> None:
 
 
 def _fields(message: Any) -> list[str]:
-    """Names of a message's fields, without the constants of its type, which rosbags' classes hold beside them."""
+    """Names of a message's fields; the constants of its type, which rosbags counts among them, are none."""
     names = [field.name for field in fields(message) if not str(field.type).startswith("ClassVar")]
     return [name for name in names if name != EMPTY]
 

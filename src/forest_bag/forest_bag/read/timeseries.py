@@ -14,7 +14,6 @@ A bag whose recorder was killed (no footer, no index, no ``metadata.yaml``) give
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,38 +23,18 @@ from numpy.typing import NDArray
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.read.batch_decoder import decoded
 from forest_bag.read.flatten import TAKERS, Row, take_any
+from forest_bag.read.survey import TopicInfo, topic_infos, use_recorded_losses
 from forest_bag.storage.bag_files import BagError
-from forest_bag.storage.metadata import recorded_losses
 from forest_bag.storage.raw_messages import Channel, RawMessage
 from forest_description.types import Floats
-from forest_msgs_py.interfaces.qos_profiles import offered
 from forest_msgs_py.interfaces.topics import Topic, find, unlisted
-from forest_msgs_py.runtime.sequences import SequenceGaps
 from forest_msgs_py.serialization.cdr import CdrError, cdr_type
-from forest_msgs_py.types import NS_PER_S
 
 LATEST_NS = 2**63 - 1  # of a log time in an array; MCAP's own are unsigned
 
 
 class NotInBag(LookupError):
     """A topic or a column that the bag does not hold; the text names what there is."""
-
-
-@dataclass(frozen=True)
-class TopicInfo:
-    """What a bag holds of one topic; ``lost`` counts gaps in the publishers' sequence numbers."""
-
-    type: str
-    count: int
-    first_ns: int
-    last_ns: int
-    lost: int
-
-    @property
-    def rate_hz(self) -> float:
-        """Mean rate between the first and the last message, by log time; 0 for fewer than two."""
-        span = self.last_ns - self.first_ns
-        return (self.count - 1) * NS_PER_S / span if span > 0 else 0.0
 
 
 class Series(NamedTuple):
@@ -138,7 +117,7 @@ def bag_of(series: Mapping[Topic, Series]) -> Bag:
     for topic, values in series.items():
         times = values.log_time_ns
         first, last = (int(times[0]), int(times[-1])) if len(times) else (0, 0)
-        bag.topics[topic.name] = TopicInfo(topic.type, len(times), first, last, 0)
+        bag.topics[topic.name] = TopicInfo(topic.type, count=len(times), first_ns=first, last_ns=last)
         bag._series[topic.name] = values
     return bag
 
@@ -153,34 +132,21 @@ def read_bag(path: str | Path, topics: Collection[str] | None = None) -> Bag:
     Raises:
         FileNotFoundError: there is no bag.
     """
-    path = Path(path)
-    messages: dict[str, list[RawMessage]] = {}
     try:
         with BagReader(path, lenient=True) as reader:
+            messages: dict[str, list[RawMessage]] = {}
             for message in reader.messages():
                 if topics is None or message.channel.topic in topics:
                     messages.setdefault(message.channel.topic, []).append(message)
+            infos = topic_infos(reader)
+            for name, info in infos.items():
+                for message in messages.setdefault(name, []):
+                    info.add(message)
+            use_recorded_losses(infos, reader)
             channels = {name: found[0] for name, found in reader.channels.items()}
-            complete = reader.complete
-            lost = recorded_losses(reader.information)
+            return Bag(infos, channels, messages, reader.complete)
     except BagError as error:
         raise FileNotFoundError(str(error)) from error
-    infos = {
-        name: _info(channel, messages.setdefault(name, []), lost.get(name))
-        for name, channel in channels.items()
-    }
-    return Bag(infos, channels, messages, complete)
-
-
-def _info(channel: Channel, messages: list[RawMessage], lost: int | None) -> TopicInfo:
-    times = [message.log_ns for message in messages]
-    if lost is None:
-        publishers = max(1, len(offered(channel.qos)))
-        gaps = SequenceGaps()
-        for message in messages:
-            gaps.observe(message.sequence, lambda: publishers)
-        lost = gaps.lost
-    return TopicInfo(channel.type, len(times), min(times, default=0), max(times, default=0), lost)
 
 
 def message_reader(channel: Channel) -> Callable[[bytes], tuple[Row, Any]]:

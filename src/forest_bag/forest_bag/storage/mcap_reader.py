@@ -23,7 +23,6 @@ from mcap.opcode import Opcode
 from mcap.records import Channel as ChannelRecord
 from mcap.records import Schema
 
-from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.mcap_records import (
     BROKEN,
     HEAD,
@@ -35,7 +34,7 @@ from forest_bag.storage.mcap_records import (
     records,
     whole_records,
 )
-from forest_bag.storage.raw_messages import Channel, Damaged, Piece, RawMessage, full_type
+from forest_bag.storage.raw_messages import BagFile, Channel, Damaged, Piece, RawMessage, full_type
 
 LOOSE_BYTES = 1 << 20  # of loose messages make one piece
 _SPAN = struct.Struct("<QQ")  # of a chunk: first and last log time; of an index: offset and length
@@ -45,40 +44,20 @@ _CHUNK_INDEX = struct.Struct("<QQQQI")  # first and last log time, offset, lengt
 _CHANNEL_PLACE = struct.Struct("<HQ")
 
 
-class McapPieces:
+class McapPieces(BagFile):
     """An MCAP file: chunks or loose messages, with or without index, finished or cut off."""
 
     def __init__(self, path: Path, plain: Path) -> None:
-        """Open a file and find its pieces.
-
-        Args:
-            path: of the bag's file, by which it is named.
-            plain: where it lies decompressed; the same if it is not compressed.
-
-        Raises:
-            BagError: it is not an MCAP file, or less than the start of one.
-            OSError: it cannot be read.
-        """
-        self.path = path
-        self.channels: dict[int, Channel] = {}
-        self.pieces: list[Piece] = []
-        self.problems: list[str] = []
-        self.notes: list[str] = []
-        self.attachments: list[tuple[str, bytes]] = []
-        self.metadata: list[tuple[str, dict[str, str]]] = []
+        """Open a file and find its pieces; arguments and errors as `BagFile`."""
+        super().__init__(path, plain, MAGIC, ("an MCAP file", "MCAP"))
         self._counts: dict[int, int] | None = None  # by channel; None: nobody counted
         self._schemas: dict[int, Schema] = {}
         self._sets: dict[frozenset[int], frozenset[int]] = {}  # equal ones are one: chunks are many
         with plain.open("rb") as stream:
-            start = stream.read(len(MAGIC))
-            if start != MAGIC:
-                if MAGIC.startswith(start):
-                    raise Damaged(f"{path} is cut off: it holds {len(start)} bytes")
-                raise BagError(f"{path} is not an MCAP file: it does not begin with MCAP's magic bytes")
             self._bytes = mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ)
-            self.complete = self._bytes[-len(MAGIC) :] == MAGIC and len(self._bytes) > 2 * len(MAGIC)
-            if not (self.complete and self._use_index()):
-                self._scan()
+        self.complete = self._bytes[-len(MAGIC) :] == MAGIC and len(self._bytes) > 2 * len(MAGIC)
+        if not (self.complete and self._use_index()):
+            self._scan()
         if not self.complete and not self.problems:
             self.problems.append("it has no end: the recorder was killed, or is still at work")
 
@@ -87,11 +66,7 @@ class McapPieces:
         self._bytes.close()
 
     def read(self, piece: Piece) -> list[RawMessage]:
-        """Read the messages of a piece, in the file's order.
-
-        Raises:
-            Damaged: its bytes are not what was written.
-        """
+        """Read the messages of a piece; see `BagFile`."""
         data = self._bytes[piece.offset : piece.offset + piece.length]
         try:
             if data[0] == Opcode.CHUNK:
@@ -101,11 +76,7 @@ class McapPieces:
             raise Damaged(f"{self.path} is damaged at byte {piece.offset}: {error}") from error
 
     def check(self) -> None:
-        """Test all checksums; what has none is tested for its structure.
-
-        Raises:
-            Damaged: the file is not what was written.
-        """
+        """Test all checksums; what has none is tested for its structure."""
         for piece in self.pieces:
             data = self._bytes[piece.offset : piece.offset + piece.length]
             try:
