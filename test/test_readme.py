@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from forest_description.export.machine_numbers import assumptions
-from forest_msgs_py.interfaces.topics import overview
+from forest_msgs_py.interfaces.topic_reference import overview
 
 README = (Path(__file__).resolve().parents[1] / "README.md").read_text("utf-8")
 

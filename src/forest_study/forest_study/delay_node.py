@@ -11,7 +11,8 @@ from functools import partial
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
-from forest_msgs_py.interfaces.topics import TOPICS, find, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import TOPICS, find, message_class
 from forest_msgs_py.runtime.node import run_node, timer
 from forest_msgs_py.runtime.node_parameters import ParameterError, declare
 from forest_study.closed_loop.link_model import LONGEST, Link, Quality

@@ -1,4 +1,4 @@
-"""A bag that holds messages of a type that is not installed here, and its definition, is used by every verb."""
+"""Messages of a type that is not installed are used by every verb if the bag holds the definition."""
 
 import csv
 import struct

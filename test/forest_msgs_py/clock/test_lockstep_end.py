@@ -12,6 +12,7 @@ from forest_msgs_py.clock.step_order import StepOrder
 from forest_msgs_py.clock.step_topics import STEP_NS, lockstep_qos
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import JoyValues
+from forest_msgs_py.interfaces.topic_qos import qos
 from forest_msgs_py.interfaces.topics import ROLL, SAID, message_class
 from forest_msgs_py.runtime.node import NodeFailure
 from forest_msgs_py.runtime.polled_subscription import Inbox
@@ -35,7 +36,7 @@ def run(make_node):
     def made(end):
         recorder = make_node("recorder")
         accounts = Inbox(recorder, message_class(SAID), SAID.name, lockstep_qos(), raw=True)
-        rolls = Inbox(recorder, message_class(ROLL), ROLL.name, topics.qos(ROLL, reading=True))
+        rolls = Inbox(recorder, message_class(ROLL), ROLL.name, qos(ROLL, reading=True))
         machine = Lockstep(make_node("machine"), 0.2, leads=True, quiet=QUIET)
         joystick = Lockstep(make_node("joystick"), 0.2, quiet=QUIET)
         machine.inbox(topics.JOY)

@@ -4,6 +4,7 @@ import pytest
 
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.qos_profiles import Qos, for_replay, offered
+from forest_msgs_py.interfaces.topic_qos import STREAM_DEPTH, offered_qos
 
 NEVER = {"sec": 9223372036, "nsec": 854775807}
 
@@ -17,8 +18,8 @@ def test_numbers_and_words_mean_the_same():
 
 
 def test_what_our_publishers_offer_is_read_back():
-    assert offered([topics.offered_qos(topics.ROBOT_DESCRIPTION)]) == [Qos(1, latched=True)]
-    assert offered([topics.offered_qos(topics.JOY)]) == [Qos(topics.STREAM_DEPTH)]
+    assert offered([offered_qos(topics.ROBOT_DESCRIPTION)]) == [Qos(1, latched=True)]
+    assert offered([offered_qos(topics.JOY)]) == [Qos(STREAM_DEPTH)]
 
 
 @pytest.mark.parametrize("told", ["", "[]", ": not yaml: [", None, 7, "text", "- 3"])

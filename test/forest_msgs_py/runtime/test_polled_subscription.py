@@ -8,7 +8,8 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_msgs_py.interfaces.messages import float_array
-from forest_msgs_py.interfaces.topics import VALVE_VOLTAGES, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import VALVE_VOLTAGES, message_class
 from forest_msgs_py.runtime import polled_subscription as inbox_module
 from forest_msgs_py.runtime.node import publisher
 from forest_msgs_py.runtime.polled_subscription import Inbox, Tally, inbox, sent_at

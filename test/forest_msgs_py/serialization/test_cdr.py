@@ -64,17 +64,14 @@ def test_a_kind_that_is_not_encoded_is_told():
         cdr_type("a/msg/B")
 
 
-@pytest.mark.parametrize(
-    "definition",
-    [
-        "a/Point[] points\nuint8 n\n" + "=" * 80 + "\nMSG: a/Point\nfloat32 x\nfloat32 y\n",
-        "=" * 80
-        + "\nIDL: a/msg/Point\nmodule a { module msg { struct Point { float x; float y; }; }; };\n"
-        + "=" * 80
-        + "\nIDL: a/msg/B\nmodule a { module msg { struct B { sequence<a::msg::Point> points; uint8 n; }; }; };\n",
-    ],
-    ids=["ros2msg", "ros2idl"],
-)
+LINE = "=" * 80 + "\n"
+MSG = f"a/Point[] points\nuint8 n\n{LINE}MSG: a/Point\nfloat32 x\nfloat32 y\n"
+POINT = "module a { module msg { struct Point { float x; float y; }; }; };\n"
+WHOLE = "module a { module msg { struct B { sequence<a::msg::Point> points; uint8 n; }; }; };\n"
+IDL = f"{LINE}IDL: a/msg/Point\n{POINT}{LINE}IDL: a/msg/B\n{WHOLE}"
+
+
+@pytest.mark.parametrize("definition", [MSG, IDL], ids=["ros2msg", "ros2idl"])
 def test_a_type_that_is_not_installed_is_decoded_by_a_definition(definition):
     kind = cdr_type("a/msg/B", definition)
     data = ENCAPSULATION + struct.pack("<IffffB", 2, 1.5, 2.5, -3.5, 4.5, 7)

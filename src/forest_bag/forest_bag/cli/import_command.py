@@ -15,7 +15,8 @@ from forest_bag.convert.log_map import LogMap, mappable, read_map, signal_units
 from forest_bag.convert.measured_log import MeasuredLog, read_log
 from forest_bag.write.bag_writer import Attached, BagWriter
 from forest_description.types import Floats
-from forest_msgs_py.interfaces.topics import JOY, JOY_AXES, JOY_BUTTONS, Topic, message_class, offered_qos
+from forest_msgs_py.interfaces.topic_qos import offered_qos
+from forest_msgs_py.interfaces.topics import JOY, JOY_AXES, JOY_BUTTONS, Topic, message_class
 from forest_msgs_py.types import NS_PER_S
 
 FRAME = "base_link"

@@ -14,7 +14,6 @@ from __future__ import annotations
 import statistics
 import struct
 from dataclasses import dataclass, field
-from typing import Any
 
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.metadata import recorded_losses

@@ -22,7 +22,8 @@ from forest_msgs_py.clock.step_order import StepOrder
 from forest_msgs_py.clock.step_topics import DEPTH, STEP_NS, lockstep_qos, silences
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import stamp_to_ns
-from forest_msgs_py.interfaces.topics import find, message_class, offered_qos, unlisted
+from forest_msgs_py.interfaces.topic_qos import offered_qos, qos
+from forest_msgs_py.interfaces.topics import find, message_class, unlisted
 from forest_msgs_py.introspection.graph_listener import GraphListener, Heard, Offer
 from forest_msgs_py.runtime.node import Finished, NodeFailure
 from forest_msgs_py.runtime.node_parameters import declare
@@ -160,7 +161,7 @@ class StepListener:
         row = find(name) or unlisted(name, type_name)
         if name in self._order.latched:
             kind = message_class(unlisted(name, type_name))
-            self._latched[name] = Inbox(self._node, kind, name, topics.qos(row, reading=True), raw=True)
+            self._latched[name] = Inbox(self._node, kind, name, qos(row, reading=True), raw=True)
         if self._wanted(name, (type_name,)):
             self._offered(Offer(name, type_name, [offered_qos(row)], str(endpoints[0].topic_type_hash)))
 

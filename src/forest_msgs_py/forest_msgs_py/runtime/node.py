@@ -39,7 +39,8 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from forest_msgs_py.interfaces.topics import Topic, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import Topic, message_class
 from forest_msgs_py.runtime.environment import NoSupervisor, prepare_environment, wait_for_supervisor
 
 LAST_WORDS = 0.1  # [s]

@@ -17,7 +17,8 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from forest_msgs_py.interfaces.topics import Topic, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import Topic, message_class
 
 CLOCK_TOLERANCE = 0.05  # [s] between the clocks of publisher and reader
 

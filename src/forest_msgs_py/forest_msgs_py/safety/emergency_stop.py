@@ -32,7 +32,8 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import Trigger
 
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.interfaces.topics import READER_DEPTH, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import READER_DEPTH, qos
+from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import publisher, subscription
 from forest_msgs_py.safety.input_status import Strangers
 
