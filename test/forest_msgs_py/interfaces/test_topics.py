@@ -75,13 +75,14 @@ def test_a_resolved_name_finds_its_row_in_any_namespace(name, row):
 
 
 def test_what_machines_and_joysticks_of_others_say_is_heard_from_best_effort_publishers_too():
-    qos = pytest.importorskip("rclpy.qos")
-    lossy = qos.QoSProfile(depth=5, reliability=qos.ReliabilityPolicy.BEST_EFFORT)
+    rclpy_qos = pytest.importorskip("rclpy.qos")
+    lossy = rclpy_qos.QoSProfile(depth=5, reliability=rclpy_qos.ReliabilityPolicy.BEST_EFFORT)
     heard = {
         row.name
         for row in TOPICS
-        if qos.qos_check_compatible(lossy, qos(row, reading=True))[0] != qos.QoSCompatibility.ERROR
+        if rclpy_qos.qos_check_compatible(lossy, qos(row, reading=True))[0]
+        != rclpy_qos.QoSCompatibility.ERROR
     }
     sensed = {"joint_states", "actuator_states", *(f"hydraulics/{what}" for what in ("pressures", "supply"))}
     assert heard == {"joy", "hydraulics/flows", "hydraulics/auxiliary", *sensed}
-    assert all(qos(row).reliability == qos.ReliabilityPolicy.RELIABLE for row in TOPICS)
+    assert all(qos(row).reliability == rclpy_qos.ReliabilityPolicy.RELIABLE for row in TOPICS)

@@ -203,11 +203,12 @@ def _series(channel: Channel, messages: list[RawMessage]) -> Series:
 
 def _rows(read: Callable[[bytes], tuple[Row, Any]], messages: list[RawMessage]) -> tuple[list[Row], int]:
     """One row for each message, an empty one for what is unreadable, and how many of these there are."""
-    rows, unreadable = [], 0
-    for message in messages:
-        try:
-            rows.append(read(message.data)[0])
-        except CdrError:
-            rows.append(Row(None, (), (), ()))
-            unreadable += 1
-    return rows, unreadable
+    found = [_row(read, message.data) for message in messages]
+    return [row or Row(None, (), (), ()) for row in found], found.count(None)
+
+
+def _row(read: Callable[[bytes], tuple[Row, Any]], data: bytes) -> Row | None:
+    try:
+        return read(data)[0]
+    except CdrError:
+        return None
