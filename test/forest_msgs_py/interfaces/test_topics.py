@@ -54,10 +54,10 @@ def test_type_and_qos_of_every_topic_exist(row):
     pytest.importorskip("rclpy")
     assert topics.message_class(row).__name__ == row.type.rsplit("/", 1)[1]
     profile = qos(row)
-    assert profile.depth == (1 if row.latched else 200 if row.rate_hz >= 100 else 10)
+    assert profile.depth == (1 if row.transient_local else 200 if row.rate_hz >= 100 else 10)
     assert qos(row, reading=True).depth == 10
     assert profile.reliability.short_key == "reliable"
-    assert profile.durability.short_key == ("transient_local" if row.latched else "volatile")
+    assert profile.durability.short_key == ("transient_local" if row.transient_local else "volatile")
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ PARAMETERS = {
 }
 
 
-class Remote:
+class RemoteControl:
     """Commands to a player, each with the sentence that answers it.
 
     Args:

@@ -45,7 +45,7 @@ def _stamp(message: Any) -> int:
     return int(message.header.stamp.sec) * NS_PER_S + int(message.header.stamp.nanosec)
 
 
-def _take_joints(topic: Topic, message: Any) -> Row:
+def _flatten_joints(topic: Topic, message: Any) -> Row:
     """Columns name.position for all joints, then .velocity and .effort where the message has them."""
     names = tuple(message.name)
     parts = (("position", message.position), ("velocity", message.velocity), ("effort", message.effort))
@@ -61,7 +61,7 @@ def _take_joints(topic: Topic, message: Any) -> Row:
     )
 
 
-def _take_array(topic: Topic, message: Any) -> Row:
+def _flatten_array(topic: Topic, message: Any) -> Row:
     offset = int(message.layout.data_offset)
     values = tuple(message.data[offset:].tolist())
     text = message.layout.dim[0].label if message.layout.dim else ""
@@ -80,18 +80,18 @@ def _array_stamp(message: Any) -> int | None:
     return int(stamp[0]) * NS_PER_S + int(stamp[1])
 
 
-def _take_pose(_topic: Topic, message: Any) -> Row:
+def _flatten_pose(_topic: Topic, message: Any) -> Row:
     point, turn = message.pose.position, message.pose.orientation
     values = (point.x, point.y, point.z, turn.x, turn.y, turn.z, turn.w)
     return Row(_stamp(message), TIP_POSE.labels, TIP_POSE.units, values)
 
 
-def _take_twist(_topic: Topic, message: Any) -> Row:
+def _flatten_twist(_topic: Topic, message: Any) -> Row:
     speed = message.twist.linear
     return Row(_stamp(message), TIP_TWIST.labels, TIP_TWIST.units, (speed.x, speed.y, speed.z))
 
 
-def _take_joy(_topic: Topic, message: Any) -> Row:
+def _flatten_joy(_topic: Topic, message: Any) -> Row:
     axes = _named(JOY_AXES, "axis", len(message.axes))
     buttons = _named(JOY_BUTTONS, "button", len(message.buttons))
     labels = (*axes, *(f"button_{name}" for name in buttons))
@@ -103,12 +103,12 @@ def _named(names: tuple[str, ...], kind: str, count: int) -> tuple[str, ...]:
     return (*names, *(f"{kind}_{place}" for place in range(len(names), count)))[:count]
 
 
-def _take_clock(_topic: Topic, message: Any) -> Row:
+def _flatten_clock(_topic: Topic, message: Any) -> Row:
     stamp = int(message.clock.sec) * NS_PER_S + int(message.clock.nanosec)
     return Row(stamp, CLOCK.labels, CLOCK.units, (stamp / NS_PER_S,))
 
 
-def take_any(_topic: Topic, message: Any) -> Row:
+def flatten_any(_topic: Topic, message: Any) -> Row:
     """Every number of a message of any type, by its path like ``twist.linear.x``; units nobody knows.
 
     Texts and arrays of more than LONGEST_ARRAY elements (pictures, point clouds) are left out.
@@ -133,7 +133,7 @@ def _collect_numbers(value: Any, path: str, found: dict[str, float]) -> None:
 
 
 def texts(message: Any) -> dict[str, Any]:
-    """What `take_any` leaves out of a message, by its path: texts, and long arrays."""
+    """What `flatten_any` leaves out of a message, by its path: texts, and long arrays."""
     found: dict[str, Any] = {}
     _collect_texts(message, "", found)
     return found
@@ -158,11 +158,11 @@ def _fields(message: Any) -> list[str]:
     return [name for name in names if name != EMPTY]
 
 
-TAKERS: dict[str, Callable[[Topic, Any], Row]] = {
-    JOINT_STATE: _take_joints,
-    FLOAT_ARRAY: _take_array,
-    POSE: _take_pose,
-    TWIST: _take_twist,
-    JOY_TYPE: _take_joy,
-    CLOCK.type: _take_clock,
+FLATTENERS: dict[str, Callable[[Topic, Any], Row]] = {
+    JOINT_STATE: _flatten_joints,
+    FLOAT_ARRAY: _flatten_array,
+    POSE: _flatten_pose,
+    TWIST: _flatten_twist,
+    JOY_TYPE: _flatten_joy,
+    CLOCK.type: _flatten_clock,
 }

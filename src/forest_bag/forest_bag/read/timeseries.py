@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.read.batch_decoder import decoded
-from forest_bag.read.flatten import TAKERS, Row, take_any
+from forest_bag.read.flatten import FLATTENERS, Row, flatten_any
 from forest_bag.read.survey import TopicInfo, topic_infos, use_recorded_losses
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import Channel, RawMessage
@@ -161,7 +161,7 @@ def message_reader(channel: Channel) -> Callable[[bytes], tuple[Row, Any]]:
         cdr = cdr_type(type_name, channel.definition)
     except ValueError:
         raise ValueError(f"{name}: {type_name or 'its type'} is not installed here") from None
-    kind, take = _kind(channel), TAKERS.get(type_name, take_any)
+    kind, take = _kind(channel), FLATTENERS.get(type_name, flatten_any)
 
     def read(data: bytes) -> tuple[Row, Any]:
         message = cdr.decode(data)

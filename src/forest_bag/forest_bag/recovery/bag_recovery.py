@@ -12,8 +12,8 @@ from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.mcap_file import McapFile
 from forest_bag.storage.mcap_records import MAGIC
-from forest_bag.storage.mcap_recovery import Salvage
-from forest_bag.storage.metadata import FileEntry, Offer, information, write_metadata
+from forest_bag.storage.mcap_recovery import RecordRecovery
+from forest_bag.storage.metadata import FileEntry, OfferedTopic, information, write_metadata
 from forest_msgs_py.interfaces.yaml_text import parsed
 from forest_msgs_py.runtime.sequences import SequenceGaps
 
@@ -25,33 +25,37 @@ class Recovered:
     """A recovery: what became of each file, and the topics by name."""
 
     def __init__(self) -> None:
-        self.files: list[tuple[Path | None, Salvage]] = []
+        self.files: list[tuple[Path | None, RecordRecovery]] = []
         self.topics: dict[str, SequenceGaps] = {}
         self.nameless = 0  # messages of channels that nothing readable tells about
-        self._offers: dict[tuple[str, ...], Offer] = {}
-        self._counts: dict[Offer, int] = {}
+        self._offers: dict[tuple[str, ...], OfferedTopic] = {}
+        self._counts: dict[OfferedTopic, int] = {}
 
     @property
     def messages(self) -> int:
         """Number of messages in all files."""
         return sum(self._counts.values())
 
-    def offer(self, name: str, type_name: str, metadata: dict[str, str]) -> Offer:
+    def offer(self, name: str, type_name: str, metadata: dict[str, str]) -> OfferedTopic:
         """Return the entry of a channel, the same for equal ones in several files."""
         self.topics.setdefault(name, SequenceGaps())
         key = (name, type_name, *sorted(f"{k}={v}" for k, v in metadata.items()))
         if key not in self._offers:
             qos = _profiles(metadata.get("offered_qos_profiles", ""))
-            self._offers[key] = offer = Offer(name, type_name, qos, metadata.get("topic_type_hash", ""))
+            self._offers[key] = offer = OfferedTopic(
+                name, type_name, qos, metadata.get("topic_type_hash", "")
+            )
             self._counts[offer] = 0
         return self._offers[key]
 
-    def count(self, offer: Offer, sequence: int) -> None:
+    def count(self, offer: OfferedTopic, sequence: int) -> None:
         """Count a message, and those that are missing before it."""
         self._counts[offer] += 1
         self.topics[offer.name].observe(sequence, lambda: len(offer.qos))
 
-    def about(self, files: Sequence[FileEntry], counts: dict[Offer, int] | None = None) -> dict[str, Any]:
+    def about(
+        self, files: Sequence[FileEntry], counts: dict[OfferedTopic, int] | None = None
+    ) -> dict[str, Any]:
         """Return rosbag2's metadata of some files; counts by offer, if not those of all files."""
         found = self._counts if counts is None else {o: counts.get(o, 0) for o in self._counts}
         return information(files, found, {name: gaps.lost for name, gaps in self.topics.items()})
@@ -75,15 +79,15 @@ def recover(files: Sequence[Path], output: Path) -> Recovered:
     """
     recovered = Recovered()
     entries: list[FileEntry] = []
-    salvages = [Salvage(file) for file in files]
-    if all(salvage.empty for salvage in salvages):
+    recoveries = [RecordRecovery(file) for file in files]
+    if all(recovery.empty for recovery in recoveries):
         raise BagError("; ".join(map(_why_nothing, files)))
     output.mkdir(parents=True)
-    for salvage in salvages:
-        path = None if salvage.empty else output / f"{output.resolve().name}_{len(entries)}.mcap"
-        recovered.files.append((path, salvage))
+    for recovery in recoveries:
+        path = None if recovery.empty else output / f"{output.resolve().name}_{len(entries)}.mcap"
+        recovered.files.append((path, recovery))
         if path is not None:
-            entries.append(_copy(salvage, path, recovered))
+            entries.append(_copy(recovery, path, recovered))
     write_metadata(output, recovered.about(entries))
     return recovered
 
@@ -98,12 +102,12 @@ def _why_nothing(file: Path) -> str:
     return f"{file} holds neither a message nor an attachment that can be read: nothing to recover"
 
 
-def _copy(salvage: Salvage, path: Path, recovered: Recovered) -> FileEntry:
+def _copy(recovery: RecordRecovery, path: Path, recovered: Recovered) -> FileEntry:
     """Write one file."""
     out = McapFile(path, "zstd", CHUNK_BYTES, library=LIBRARY)
     copy = _Copy(out, recovered)
     try:
-        for record in salvage:
+        for record in recovery:
             copy.take(record)
     finally:
         out.finish(lambda: recovered.about([out.entry], copy.counts))
@@ -114,10 +118,10 @@ class _Copy:
     """Puts the records of a damaged file into a new one; numbers of schemas and channels change."""
 
     def __init__(self, out: McapFile, recovered: Recovered) -> None:
-        self.counts: dict[Offer, int] = {}
+        self.counts: dict[OfferedTopic, int] = {}
         self._out, self._recovered = out, recovered
         self._schemas: dict[int, tuple[str, int]] = {0: ("", 0)}  # the file's number: type, our number
-        self._channels: dict[int, tuple[Offer, int]] = {}
+        self._channels: dict[int, tuple[OfferedTopic, int]] = {}
 
     def take(self, record: Any) -> None:
         """Copy one record."""

@@ -40,7 +40,7 @@ class Damage(NamedTuple):
     length: int
 
 
-class Salvage:
+class RecordRecovery:
     """Reads one file; iterate over its schemas, channels, messages, attachments and metadata.
 
     Attributes:
@@ -112,7 +112,7 @@ class Salvage:
 def is_recoverable(path: Path) -> bool:
     """Whether a bag, a directory or one file, holds anything that a recovery would save."""
     try:
-        return any(not Salvage(file).empty for file in bag_files(path))
+        return any(not RecordRecovery(file).empty for file in bag_files(path))
     except (BagError, OSError):
         return False
 

@@ -23,7 +23,7 @@ class FileEntry(NamedTuple):
     messages: int
 
 
-class Offer:
+class OfferedTopic:
     """A topic as some publishers offer it: a channel in a file, an entry in ``metadata.yaml``.
 
     Both say the same of them: rosbags leaves out the messages of a channel that has no entry like it.
@@ -40,14 +40,14 @@ class Offer:
         self.type, self.qos, self.type_hash = type_name, list(qos), type_hash
         self.channel = 0  # in the present file
 
-    def covers(self, other: Offer) -> bool:
+    def covers(self, other: OfferedTopic) -> bool:
         """Whether this one's channel tells what there is to tell of the other, too."""
         same = self.type_hash == other.type_hash
         return same and all(profile in self.qos for profile in other.qos)
 
 
 def information(
-    files: Sequence[FileEntry], counts: Mapping[Offer, int], lost: Mapping[str, int]
+    files: Sequence[FileEntry], counts: Mapping[OfferedTopic, int], lost: Mapping[str, int]
 ) -> dict[str, Any]:
     """Return what stands below ``rosbag2_bagfile_information``.
 
@@ -89,7 +89,7 @@ def _file(file: FileEntry) -> dict[str, Any]:
     return {"path": file.path, **{key: span[key] for key in keys}}
 
 
-def _topic(offer: Offer, count: int) -> dict[str, Any]:
+def _topic(offer: OfferedTopic, count: int) -> dict[str, Any]:
     metadata = {
         "name": offer.name,
         "type": offer.type,

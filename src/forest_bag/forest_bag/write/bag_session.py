@@ -7,7 +7,7 @@ take      what is recorded between a start and a stop: one bag. The first is `ou
 ring      with `snapshot_ns`: the messages of the last seconds; they come into the bag when one asks for them
 ========  ==================================================================================================
 
-No ROS in here. Latched messages and context outlive a take: each of them gets all.
+No ROS in here. Transient-local messages and context outlive a take: each of them gets all.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from forest_bag.storage.metadata import Offer
+from forest_bag.storage.metadata import OfferedTopic
 from forest_bag.write.bag_split import Attached, Contents, Layout
 from forest_bag.write.bag_writer import BagWriter
 from forest_bag.write.transient_local import Sample
@@ -103,7 +103,7 @@ class Session:
         """Learn of a topic, or of a further publisher of it, as `BagWriter.add_topic`."""
         if self._writer is not None:
             return self._writer.add_topic(name, type_name, qos, type_hash)
-        self._contents.add(Offer(name, type_name, qos, type_hash))
+        self._contents.add(OfferedTopic(name, type_name, qos, type_hash))
         return True
 
     def attach(self, file: Attached) -> None:
@@ -142,13 +142,13 @@ class Session:
             OSError: the disk is full.
         """
         if self._writer is None:
-            self._contents.latched.keep(Sample(name, data, log_ns, publish_ns, sequence))
+            self._contents.transient_local.keep(Sample(name, data, log_ns, publish_ns, sequence))
         elif not self._snapshot_ns:
             self._writer.write(name, data, log_ns, publish_ns, sequence)
         else:
             self._ring.append(Sample(name, data, log_ns, publish_ns, sequence))
             while self._ring[0].log_ns < log_ns - self._snapshot_ns:
-                self._contents.latched.keep(self._ring.popleft())
+                self._contents.transient_local.keep(self._ring.popleft())
 
     def flush(self) -> None:
         """Have what was written survive a kill, and soon a power cut.
@@ -184,4 +184,4 @@ class Session:
 
     def _forget_ring(self) -> None:
         while self._ring:
-            self._contents.latched.keep(self._ring.popleft())
+            self._contents.transient_local.keep(self._ring.popleft())

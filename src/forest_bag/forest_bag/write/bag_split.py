@@ -1,4 +1,4 @@
-"""One file of a bag: whole by itself, with types, topics, context, and first what latched topics hold."""
+"""One file of a bag, readable alone: it begins with types, topics, context and transient-local messages."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from forest_bag.storage.mcap_file import CHUNK_BYTES, McapFile
-from forest_bag.storage.metadata import FileEntry, Offer, dump
-from forest_bag.write.transient_local import Latched
+from forest_bag.storage.metadata import FileEntry, OfferedTopic, dump
+from forest_bag.write.transient_local import TransientLocal
 from forest_msgs_py.interfaces.definitions import message_definition
 
 LIBRARY = "forest_msgs_py bag_writer"
@@ -39,16 +39,16 @@ ONE_FILE = Layout()
 
 @dataclass
 class Contents:
-    """What every file of a recording begins with: topics by name, attachments and notes, latched messages."""
+    """What every file of a recording begins with: topics by name, context, transient-local messages."""
 
-    topics: dict[str, Offer] = field(default_factory=dict)
+    topics: dict[str, OfferedTopic] = field(default_factory=dict)
     context: dict[str, Attached | dict[str, str]] = field(default_factory=dict)
-    latched: Latched = field(default_factory=Latched)
+    transient_local: TransientLocal = field(default_factory=TransientLocal)
 
-    def add(self, offer: Offer) -> bool:
+    def add(self, offer: OfferedTopic) -> bool:
         """Take in a topic, or what a further publisher of it offers; False if that is known already."""
         before = self.topics.get(offer.name)
-        self.latched.watch(offer.name, offer.qos)
+        self.transient_local.watch(offer.name, offer.qos)
         if before is not None and before.covers(offer):
             return False
         self.topics[offer.name] = offer
@@ -69,7 +69,7 @@ class Split:
     def __init__(self, path: Path, layout: Layout) -> None:
         self.empty = True
         self._schemas: dict[str, int] = {}
-        self._topics: dict[int, Offer] = {}  # by channel
+        self._topics: dict[int, OfferedTopic] = {}  # by channel
         try:
             self.file = McapFile(path, layout.compression, layout.chunk_bytes, layout.durable, LIBRARY)
         except FileExistsError:
@@ -78,7 +78,7 @@ class Split:
             path.unlink(missing_ok=True)
             raise
 
-    def open_channel(self, topic: Offer) -> bool:
+    def open_channel(self, topic: OfferedTopic) -> bool:
         """Open a channel for a topic; False if its type's definition is not installed."""
         known = True
         if topic.type not in self._schemas:
@@ -99,11 +99,11 @@ class Split:
         else:
             self.file.note(name, told)
 
-    def counts(self) -> dict[Offer, int]:
+    def counts(self) -> dict[OfferedTopic, int]:
         """Return the number of messages written, by topic."""
         return {topic: self.file.counts[channel] for channel, topic in self._topics.items()}
 
-    def finish(self, about: Callable[[FileEntry, dict[Offer, int]], dict[str, Any]]) -> None:
+    def finish(self, about: Callable[[FileEntry, dict[OfferedTopic, int]], dict[str, Any]]) -> None:
         """Finish the file, with rosbag2's metadata of it in it.
 
         Raises:

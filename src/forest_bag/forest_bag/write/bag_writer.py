@@ -7,7 +7,7 @@ log time         when a recorder received a message, system time, ns; a simulati
 publish time     when its publisher sent it (DDS source timestamp), ns
 sequence         the publisher's count of its messages; gaps are losses
 QoS profile      dict with the keys of rosbag2's metadata version 9
-split            one of a bag's files; each is whole by itself: types, topics, latched messages, context
+split            one of a bag's files; each has types, topics, context, transient-local messages
 ===============  ===========================================================================================
 
 No ROS in here. A killed process leaves every finished chunk behind, so chunks are kept small and are
@@ -21,7 +21,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from forest_bag.storage.metadata import FileEntry, Offer, information, sync_directory, write_metadata
+from forest_bag.storage.metadata import FileEntry, OfferedTopic, information, sync_directory, write_metadata
 from forest_bag.write.bag_split import ONE_FILE, Attached, Contents, Layout, Split
 from forest_bag.write.transient_local import Sample
 
@@ -95,7 +95,7 @@ class BagWriter:
         Returns:
             False if the message definition is not installed; the bytes are kept all the same.
         """
-        offer = Offer(name, type_name, qos, type_hash)
+        offer = OfferedTopic(name, type_name, qos, type_hash)
         self.counts.setdefault(name, 0)
         self.lost.setdefault(name, 0)
         if not self._contents.add(offer):
@@ -133,8 +133,8 @@ class BagWriter:
             self._begin(log_ns)
         self._split.file.add_message(self._contents.topics[name].channel, log_ns, data, publish_ns, sequence)
         self.counts[name] += 1
-        if name in self._contents.latched:
-            self._contents.latched.keep(Sample(name, data, log_ns, publish_ns, sequence))
+        if name in self._contents.transient_local:
+            self._contents.transient_local.keep(Sample(name, data, log_ns, publish_ns, sequence))
 
     def flush(self) -> None:
         """Finish the open chunk and hand it to the operating system: from here on a kill cannot take it.
@@ -183,10 +183,10 @@ class BagWriter:
         return split
 
     def _begin(self, log_ns: int) -> None:
-        """Have the file begin with what the latched topics hold, as a subscriber would be told."""
+        """Have the file begin with what the transient-local topics hold, as a subscriber would be told."""
         self._split.empty, file = False, self._split.file
         topics = self._contents.topics
-        for sample in self._contents.latched:
+        for sample in self._contents.transient_local:
             if sample.name in topics:
                 channel = topics[sample.name].channel
                 file.add_message(channel, log_ns, sample.data, sample.publish_ns, sample.sequence)
@@ -207,5 +207,5 @@ class BagWriter:
             for offer, count in split.counts().items():
                 self._written[offer] += count
 
-    def _about(self, files: list[FileEntry], counts: dict[Offer, int]) -> dict[str, Any]:
+    def _about(self, files: list[FileEntry], counts: dict[OfferedTopic, int]) -> dict[str, Any]:
         return information(files, {offer: counts.get(offer, 0) for offer in self._written}, self.lost)

@@ -20,16 +20,16 @@ EVENT_DEPTH = 10
 
 def queue_depth(topic: Topic) -> int:
     """Length of the publisher's queue, messages."""
-    if topic.latched:
+    if topic.transient_local:
         return 1
     return STREAM_DEPTH if topic.rate_hz >= STREAM_RATE_HZ else EVENT_DEPTH
 
 
 def qos(topic: Topic, reading: bool = False) -> QoSProfile:
-    """Publishers are reliable; latched topics keep their last message for those who come late.
+    """Publishers are reliable; transient-local topics keep their last message for those who come late.
 
     A subscription to what is sensed is best-effort: it hears reliable publishers and best-effort ones, and a
-    lost sample does not hold back those after it until it was repeated. Of what is latched it keeps more
+    lost sample does not hold back those after it until it was repeated. Of what is transient local it keeps more
     than one message, or the last of one publisher would take the place of another's.
 
     Args:
@@ -38,7 +38,7 @@ def qos(topic: Topic, reading: bool = False) -> QoSProfile:
     """
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-    durability = DurabilityPolicy.TRANSIENT_LOCAL if topic.latched else DurabilityPolicy.VOLATILE
+    durability = DurabilityPolicy.TRANSIENT_LOCAL if topic.transient_local else DurabilityPolicy.VOLATILE
     lossy = reading and topic.sensed
     reliability = ReliabilityPolicy.BEST_EFFORT if lossy else ReliabilityPolicy.RELIABLE
     depth = READER_DEPTH if reading else queue_depth(topic)
@@ -52,7 +52,7 @@ def offered_qos(topic: Topic) -> dict[str, Any]:
         "history": "keep_last",
         "depth": queue_depth(topic),
         "reliability": "reliable",
-        "durability": "transient_local" if topic.latched else "volatile",
+        "durability": "transient_local" if topic.transient_local else "volatile",
         "deadline": never,
         "lifespan": never,
         "liveliness": "automatic",

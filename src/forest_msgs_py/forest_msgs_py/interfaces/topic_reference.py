@@ -16,7 +16,7 @@ def _fields(topic: Topic) -> str:
 
 
 def _row(topic: Topic) -> str:
-    quality = f"reliable, {'latched' if topic.latched else 'volatile'}, depth {queue_depth(topic)}"
+    quality = f"reliable, {'latched' if topic.transient_local else 'volatile'}, depth {queue_depth(topic)}"
     quality += "; read best-effort" if topic.sensed else ""
     people = (", ".join(topic.publishers) or "-", ", ".join(topic.subscribers) or "-")
     rate = f"{topic.rate_hz:g} Hz" if topic.rate_hz else "on change"

@@ -53,7 +53,7 @@ class Topic(NamedTuple):
     doc: str
     publishers: tuple[str, ...]
     subscribers: tuple[str, ...]
-    latched: bool = False
+    transient_local: bool = False
     recorded: bool = True
     late: bool = False  # read by nodes for what it tells slowly; in lockstep `LATE` steps after it was said
     sensed: bool = False  # a stream that others publish, too; the next sample makes up for a lost one
@@ -168,7 +168,7 @@ EMERGENCY_STOP = Topic(
 EMERGENCY_STOPPED = Topic(
     "emergency_stopped", "std_msgs/msg/Bool", (), (), 0.0,
     "Whether a node stands still after an emergency stop, from its start on; true stops the others, too.",
-    (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER), latched=True,
+    (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER), transient_local=True,
 )
 IDENTIFICATION = Topic(
     "identification/estimates", FLOAT_ARRAY, _ESTIMATES, _ESTIMATE_UNITS, 1.0,
@@ -193,7 +193,7 @@ GROUND_TRUTH_TIP_TWIST = Topic(
 ROBOT_DESCRIPTION = Topic(
     "robot_description", "std_msgs/msg/String", (), (), 0.0,
     "URDF made from the machine file.",
-    (_SIMULATOR,), _NOBODY, latched=True,
+    (_SIMULATOR,), _NOBODY, transient_local=True,
 )
 EVENTS = Topic(
     "events", "std_msgs/msg/String", (), (), 0.0,
@@ -215,22 +215,22 @@ ROSOUT = Topic(
     "What the nodes log.",
     ("every node",), _NOBODY,
 )
-ROLL = Topic(
+ANNOUNCEMENT = Topic(
     "lockstep/roll", "std_msgs/msg/String", (), (), 0.0,
     "In lockstep: a node's name and the topics on which it will speak in every step, line by line.",
-    ("every node in lockstep",), ("recorder in lockstep",), latched=True, recorded=False,
+    ("every node in lockstep",), ("recorder in lockstep",), transient_local=True, recorded=False,
 )
-SILENCE = Topic(
+NO_OUTPUT = Topic(
     "lockstep/silence", "std_msgs/msg/Header", (), (), _RATE,
     "In lockstep: topics on which a node said nothing in a step; 'end' when the step was the last.",
     ("every node in lockstep",), ("every node in lockstep",), recorded=False,
 )
-QUIET = Topic(
+IDLE = Topic(
     "lockstep/quiet", "std_msgs/msg/Header", (), (), _RATE,
     "As lockstep/silence, of topics that no node reads.",
     ("every node in lockstep",), ("nodes in lockstep that read what comes late",), recorded=False,
 )
-SAID = Topic(
+STEP_BATCH = Topic(
     "lockstep/said", "std_msgs/msg/UInt8MultiArray", (), (), _RATE,
     "In lockstep: a node's messages of many steps, with their topics; see `forest_msgs_py.clock.step_batch`.",
     ("every node in lockstep",), ("recorder in lockstep",), recorded=False,
@@ -259,7 +259,7 @@ TOPICS: tuple[Topic, ...] = (
     IDENTIFICATION,
     *(EMERGENCY_STOPPED, GROUND_TRUTH_JOINT_STATES, GROUND_TRUTH_TIP_POSE),
     *(GROUND_TRUTH_TIP_TWIST, ROBOT_DESCRIPTION, EVENTS, DIAGNOSTICS, CLOCK, ROSOUT),
-    *(ROLL, SILENCE, QUIET, SAID, RECORDED),
+    *(ANNOUNCEMENT, NO_OUTPUT, IDLE, STEP_BATCH, RECORDED),
 )
 
 
