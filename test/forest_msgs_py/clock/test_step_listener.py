@@ -58,6 +58,6 @@ def test_a_lost_account_ends_the_record_before_it(run, wait_until):
     batches[1]._told = 4  # as if its batch of step 4 had been told, and lost
     tell(batches[1], 5)
     found = []
-    with pytest.raises(NodeFailure, match="batch of two of steps 4 to 4 was lost"):
+    with pytest.raises(NodeFailure, match="account of two of steps 4 to 4 was lost"):
         wait_until(lambda: found.extend(heard.take()))
     assert len(found) == 3 * len(batches)

@@ -56,7 +56,7 @@ class StepOrder:
         return not self._absent
 
     def add_announcement(self, text: str) -> None:
-        """Take in a node's name and its outputs, line by line: topic, type, and whether it is transient local."""
+        """Take in a node's name and its outputs, a line each: topic, type, whether transient local."""
         node, *outputs = text.split("\n")
         if node not in self._absent:
             return
@@ -72,7 +72,7 @@ class StepOrder:
                 self._outputs[node].append(name)
 
     def add_transient_local(self, name: str, data: bytes) -> None:
-        """Take in a message of a transient-local topic; one that comes in the middle of a run counts in that step."""
+        """Take in a message of a transient-local topic; in the middle of a run it counts in that step."""
         self._messages[self._next].append((name, data))
         self._awaited[name] -= 1
 

@@ -58,8 +58,8 @@ def offered(qos: Any) -> list[Qos]:
 def for_replay(profiles: list[Qos]) -> Qos:
     """One profile that serves every reader which the recorded publishers together served.
 
-    Reliable or transient local if one of them was; the queue holds what all their queues held. Deadline, lifespan and
-    liveliness are those of the first, if all agree: one of several is no promise for all.
+    Reliable or transient local if one of them was; the queue holds what all their queues held. Deadline,
+    lifespan and liveliness are those of the first, if all agree: one of several is no promise for all.
     """
     if not profiles:
         return Qos()

@@ -29,8 +29,8 @@ def qos(topic: Topic, reading: bool = False) -> QoSProfile:
     """Publishers are reliable; transient-local topics keep their last message for those who come late.
 
     A subscription to what is sensed is best-effort: it hears reliable publishers and best-effort ones, and a
-    lost sample does not hold back those after it until it was repeated. Of what is transient local it keeps more
-    than one message, or the last of one publisher would take the place of another's.
+    lost sample does not hold back those after it until it was repeated. Of a transient-local topic it keeps
+    more than one message, or the last of one publisher would take the place of another's.
 
     Args:
         topic: row of the table.
