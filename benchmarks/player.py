@@ -33,7 +33,8 @@ SHARES = (50, 99, 99.9, 100)  # of the messages [%]
 def write_bag(directory: Path, seconds: float) -> int:
     """Write the bag; return its number of messages."""
     from forest_bag.write.bag_writer import BagWriter
-    from forest_msgs_py.interfaces.topics import JOY, offered_qos
+    from forest_msgs_py.interfaces.topic_qos import offered_qos
+    from forest_msgs_py.interfaces.topics import JOY
 
     writer = BagWriter(directory)
     names = [f"/load_{number}" for number in range(TOPICS)]

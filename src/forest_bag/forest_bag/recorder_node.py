@@ -28,7 +28,7 @@ from forest_bag.write.bag_writer import Layout
 from forest_msgs_py.clock.step_listener import listener
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
-from forest_msgs_py.introspection.graph_listener import Offer
+from forest_msgs_py.introspection.graph_listener import DiscoveredTopic
 from forest_msgs_py.introspection.parameter_survey import ParameterSurvey
 from forest_msgs_py.runtime.node import NodeFailure, publisher, run_node, timer
 from forest_msgs_py.runtime.node_parameters import declare
@@ -100,7 +100,7 @@ class RecorderNode(Node):
         self._recording.guard(self._listener.look)
         self._survey.look()
 
-    def _offered(self, offer: Offer) -> None:
+    def _offered(self, offer: DiscoveredTopic) -> None:
         self._recording.session.add_topic(*offer)
 
     def _refused(self, name: str, reason: str) -> None:

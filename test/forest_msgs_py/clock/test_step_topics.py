@@ -8,7 +8,7 @@ import rclpy
 
 from forest_msgs_py.clock import step_topics
 from forest_msgs_py.clock.lockstep import Lockstep
-from forest_msgs_py.clock.step_topics import LATE, STEP_NS, StepInbox, silent_steps
+from forest_msgs_py.clock.step_topics import LATE, STEP_NS, StepSubscription, steps_without_output
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array
 from forest_msgs_py.serialization.cdr import to_cdr
@@ -31,7 +31,7 @@ class Queue:
 @pytest.fixture
 def box(monkeypatch):
     monkeypatch.setattr(step_topics, "Inbox", Queue)
-    return lambda lag: StepInbox(None, topics.VALVE_VOLTAGES, lag)
+    return lambda lag: StepSubscription(None, topics.VALVE_VOLTAGES, lag)
 
 
 def say(inbox, *steps):
@@ -76,7 +76,7 @@ def test_its_time_is_that_of_the_step_in_which_it_was_said(box):
 
 def test_what_was_not_said_is_known_too_and_what_came_early_waits_for_its_step(box):
     inbox = box(1)
-    inbox.silent(1 * STEP_NS)
+    inbox.without_output(1 * STEP_NS)
     say(inbox, 3, 2)  # in no order
     inbox.collect()
     assert inbox.has(2 * STEP_NS)
@@ -92,10 +92,10 @@ def test_a_late_inbox_takes_no_more_than_it_needs_for_its_step(box):
 
 
 def test_silence_is_told_of_single_steps_and_of_spans():
-    kind = topics.message_class(topics.SILENCE)
+    kind = topics.message_class(topics.NO_OUTPUT)
     header = kind(frame_id="/joy /valve_driver/status@3-5")
     header.stamp.nanosec = 2 * STEP_NS
-    told = list(silent_steps(header))
+    told = list(steps_without_output(header))
     assert told == [
         ("/joy", 2 * STEP_NS),
         *(("/valve_driver/status", step * STEP_NS) for step in (3, 4, 5)),

@@ -8,10 +8,11 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_msgs_py.interfaces.messages import float_array
-from forest_msgs_py.interfaces.topics import VALVE_VOLTAGES, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import VALVE_VOLTAGES, message_class
 from forest_msgs_py.runtime import polled_subscription as inbox_module
 from forest_msgs_py.runtime.node import publisher
-from forest_msgs_py.runtime.polled_subscription import Inbox, Tally, inbox, sent_at
+from forest_msgs_py.runtime.polled_subscription import Inbox, ReceivedCount, inbox, sent_at
 from forest_msgs_py.runtime.stamped_period import LONGEST, StampedPeriod, TimeInForce
 from forest_msgs_py.serialization.unpacking import ArrayReader
 
@@ -47,7 +48,7 @@ def test_a_message_from_the_future_is_as_good_as_old():
 
 @pytest.mark.usefixtures("standing_clocks")
 def test_a_tally_counts_and_tells_for_how_long_the_newest_message_has_been_sent():
-    tally = Tally()
+    tally = ReceivedCount()
     assert (tally.count, tally.age()) == (0, math.inf)
     for count, age in ((1, 4.0), (2, 0.5), (3, 0.0)):
         tally.note(sent(age))

@@ -17,7 +17,7 @@ def status_line(seconds: float, size: int, messages: int, rate: float, lost: int
     return f"{clock}, {size / 1e6:.2f} MB, {messages} messages, {rate:.0f}/s, lost {lost}"
 
 
-class Status:
+class RecordingStatus:
     """Says how the recording is going when it is time to.
 
     Args:

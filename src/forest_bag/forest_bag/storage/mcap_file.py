@@ -44,6 +44,7 @@ from mcap.records import (
 from forest_bag.storage.append_file import AppendFile
 from forest_bag.storage.mcap_chunk import OpenChunk, compressor
 from forest_bag.storage.mcap_records import MAGIC
+from forest_bag.storage.metadata import FileEntry, dump
 
 CHUNK_BYTES = 64 * 1024
 RESERVE_BYTES = 16 * 1024  # kept free for the summary, besides definitions and the index of chunks
@@ -84,7 +85,7 @@ class McapFile:
         self._chunk_index = bytearray()
         self._defined = 0
         self._chunk = OpenChunk()
-        self._file = AppendFile(path, durable)
+        self._path, self._file = path, AppendFile(path, durable)
         self._file.append(MAGIC + _encoded(Header("ros2", library)))
 
     @property
@@ -102,6 +103,11 @@ class McapFile:
     def message_count(self) -> int:
         """Messages written; those of the open chunk are not."""
         return sum(self.counts.values())
+
+    @property
+    def entry(self) -> FileEntry:
+        """What ``metadata.yaml`` says of the file."""
+        return FileEntry(self._path.name, self.first_ns, self.last_ns, self.message_count)
 
     def add_schema(self, name: str, encoding: str, data: bytes) -> int:
         """Write a message type's definition; return its number."""
@@ -157,18 +163,23 @@ class McapFile:
         self._write_chunk()
         self._file.sync_soon()
 
-    def finish(self, about: Callable[[], None] = lambda: None) -> None:
+    def finish(self, information: Callable[[], Mapping[str, Any]] | None = None) -> None:
         """Write summary and footer, force the file to the disk and close it; a second call does nothing.
 
         Args:
-            about: called when every message is written, for a last `note`.
+            information: rosbag2's metadata of the file, asked for when every message is written.
 
         Raises:
             OSError: the disk is full; what was written whole is kept and the file closed all the same.
         """
         if self._file.closed:
             return
-        steps = (self._write_chunk, self._file.release, about, self._end, self._file.close)
+
+        def write_information() -> None:
+            if information is not None:
+                self.note("rosbag2", {"serialized_metadata": dump(information())})
+
+        steps = (self._write_chunk, self._file.release, write_information, self._end, self._file.close)
         errors = [error for step in steps if (error := _refused(step)) is not None]
         if errors:
             raise errors[0]

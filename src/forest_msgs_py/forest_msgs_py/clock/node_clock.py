@@ -31,7 +31,7 @@ from forest_msgs_py.clock.step_topics import StepPublisher
 from forest_msgs_py.interfaces.topics import Topic
 from forest_msgs_py.runtime.node import publisher, raw_publish, subscription, timer
 from forest_msgs_py.runtime.node_parameters import declare
-from forest_msgs_py.runtime.polled_subscription import Tally, inbox, sent_at
+from forest_msgs_py.runtime.polled_subscription import ReceivedCount, inbox, sent_at
 from forest_msgs_py.serialization.packing import Packer, Speaker
 
 
@@ -60,9 +60,9 @@ class Live:
         """A subscription to be read when its messages are needed."""
         return inbox(self._node, topic)
 
-    def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> Tally:
+    def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> ReceivedCount:
         """Call with each message of a topic and the time at which it was sent, by `now`'s clock [s]."""
-        tally = Tally()
+        tally = ReceivedCount()
 
         def arrived(data: bytes, info: dict[str, int]) -> None:
             tally.note(info)
@@ -93,7 +93,7 @@ def pace(node: Node, leads: bool = False) -> Live | Lockstep:
 
     Args:
         node: whose pace it is.
-        leads: whether the node begins each step, as the machine does.
+        leads: whether the node begins each step, as the simulator does.
     """
     p = declare(node, ClockParameters)
     run = declare(node, LeaderParameters) if leads else LeaderParameters()

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from forest_msgs_py.clock.step_topics import STEP_NS, StepInbox
+from forest_msgs_py.clock.step_topics import STEP_NS, StepSubscription
 from forest_msgs_py.runtime.node import NodeFailure
 
 LOOP = ("joystick", "controller", "valve_driver")  # as a step passes from one to the next
 
 
-def patience(waited: StepInbox, inboxes: Sequence[StepInbox], step: int, leads: bool) -> float:
+def extra_time(
+    waited: StepSubscription, inboxes: Sequence[StepSubscription], step: int, leads: bool
+) -> float:
     """How much longer than the guard a node waits [s].
 
     When one node hangs, all wait. Whoever has got a part of the step waits for the one that hangs, or for
@@ -31,7 +33,9 @@ def patience(waited: StepInbox, inboxes: Sequence[StepInbox], step: int, leads: 
     return 1.0 * min(hops, default=len(LOOP))
 
 
-def complaint(waited: StepInbox, inboxes: Sequence[StepInbox], step: int, guard: float) -> NodeFailure:
+def timeout_failure(
+    waited: StepSubscription, inboxes: Sequence[StepSubscription], step: int, guard: float
+) -> NodeFailure:
     """Name all that is missing of a step, and who should have said it.
 
     Args:

@@ -30,7 +30,7 @@ class InputStatus:
         self._is_missed = is_missed or (lambda: bool(what) and ear.count == 0)
         self._name: str = ear.subscription.topic_name
         asks = not pace.lockstep and ear.subscription.qos_profile.reliability == ReliabilityPolicy.RELIABLE
-        self._strangers = Strangers(node, ear.subscription) if asks else None
+        self._unmatched = UnmatchedPublishers(node, ear.subscription) if asks else None
         self._since, self._before, self._rate = pace.now(), 0, math.nan
 
     def waiting(self) -> str:
@@ -39,7 +39,7 @@ class InputStatus:
 
     def unheard(self) -> str:
         """Return which publishers the subscription cannot hear, and why; "" for none."""
-        return self._strangers.told() if self._strangers is not None else ""
+        return self._unmatched.told() if self._unmatched is not None else ""
 
     def values(self) -> dict[str, Any]:
         """Return age, rate and count of the messages."""
@@ -54,7 +54,7 @@ class InputStatus:
         }
 
 
-class Strangers:
+class UnmatchedPublishers:
     """Publishers that offer less than a subscription asks for: the middleware brings nothing of theirs.
 
     ROS tells the publisher's side of that, which may be somebody else's, on a computer that nobody looks at.

@@ -24,7 +24,8 @@ from forest_description.types import Floats
 from forest_msgs_py.clock.step_topics import STEP_NS
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import ns_to_stamp
-from forest_msgs_py.interfaces.topics import Topic, message_class, offered_qos
+from forest_msgs_py.interfaces.topic_qos import offered_qos
+from forest_msgs_py.interfaces.topics import Topic, message_class
 from forest_msgs_py.runtime.parameter_table import typed_values
 from forest_msgs_py.serialization.cdr import to_cdr
 from forest_msgs_py.types import PERIOD
