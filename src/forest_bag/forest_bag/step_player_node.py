@@ -18,7 +18,7 @@ from rclpy.node import Node
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage
-from forest_msgs_py.clock.node_clock import pace
+from forest_msgs_py.clock.node_clock import node_clock
 from forest_msgs_py.clock.step_topics import STEP_NS
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.stamps import STAMPED
@@ -35,10 +35,10 @@ class StepPlayerNode(Node):
 
     def __init__(self) -> None:
         super().__init__("step_player")
-        self._pace = pace(self, leads=True)
-        if not self._pace.lockstep:
+        self._node_clock = node_clock(self, leads=True)
+        if not self._node_clock.lockstep:
             raise ParameterError("parameter 'lockstep' is false; allowed: true; `forest-bag play` plays live")
-        self.run = self._pace.run
+        self.run = self._node_clock.run
         path = declare(self, "bag", "", "recorded in lockstep")
         answers = declare(self, "answers", [""], "topics, without slash, that the nodes under test say")
         try:
@@ -47,7 +47,7 @@ class StepPlayerNode(Node):
             raise ParameterError(f"parameter 'bag': {error}") from error
         rows = {name: find(name) for name in self._bag.channels}
         self._said = {
-            name: self._pace.publisher(row)
+            name: self._node_clock.publisher(row)
             for name, row in rows.items()
             if row is not None and _is_played(row, answers)
         }
@@ -58,11 +58,11 @@ class StepPlayerNode(Node):
             )
         for row in rows.values():
             if row is not None and row.name in answers:
-                self._pace.inbox(row)
+                self._node_clock.polled_subscription(row)
         self._messages: Iterator[RawMessage] = self._bag.messages(list(self._said))
         self._next: RawMessage | None = next(self._messages, None)
         self._say_until(0)
-        self._pace.every(0.0, lambda: self._say_until(self._pace.stamp()))
+        self._node_clock.every(0.0, lambda: self._say_until(self._node_clock.stamp()))
 
     def _say_until(self, stamp: int) -> None:
         """Say what the bag holds up to a stamp [ns]."""

@@ -38,14 +38,14 @@ from forest_control.servo.schemes import Scheme
 from forest_description.machine import Machine, load_machine
 from forest_description.types import ZERO
 from forest_description.urdf.robot_description import robot_description
-from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import Tunables, declare
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
-from forest_msgs_py.safety.diagnostics import Health
+from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import JointReader, read_joy_data
@@ -65,8 +65,8 @@ class ControllerNode(Node):
 
     def __init__(self) -> None:
         super().__init__("controller")
-        self._pace = pace(self)
-        self.run = self._pace.run
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
         get = partial(declare, self)
         machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
         self._machine, self._tunables = machine, self._declare_tunables()
@@ -87,21 +87,26 @@ class ControllerNode(Node):
         self._state_received, self._order = -math.inf, StampOrder(self._state_timeout)
         self._joystick, self._joy_content, self._joy_problem = joystick_watch.REST, None, ""
         self._hold = joystick_interpolation.CENTRED
-        said = self._pace.publisher(topics.DIAGNOSTICS)
-        self._health = Health(self, ("joystick", "machine", "emergency stop"), "standing still", said)
-        stopped = self._pace.publisher(topics.EMERGENCY_STOPPED)
+        said = self._node_clock.publisher(topics.DIAGNOSTICS)
+        self._diagnostics = Diagnostics(
+            self, ("joystick", "machine", "emergency stop"), "standing still", said
+        )
+        stopped = self._node_clock.publisher(topics.EMERGENCY_STOPPED)
         self._stop = EmergencyStop(self, "", self._against_reset, self._stand_still, stopped)
         self._declare_outputs()
         if get("publish_description", False, "publish robot_description; where no simulator does"):
             self._describe(machine)
         self._joints = JointReader(topics.JOINTS)
-        self._joy, self._valves = self._pace.inbox(topics.JOY), ValveReports(self._pace, machine)
+        self._joy, self._valves = (
+            self._node_clock.polled_subscription(topics.JOY),
+            ValveReports(self._node_clock, machine),
+        )
         self._actuators, self._lengths = (
-            self._pace.inbox(topics.ACTUATOR_STATES),
+            self._node_clock.polled_subscription(topics.ACTUATOR_STATES),
             JointReader(topics.ACTUATORS),
         )
-        self._watch_inputs(self._pace.on(topics.JOINT_STATES, self._on_joint_states))
-        self._pace.every(WATCHDOG_PERIOD, self._on_watchdog)
+        self._watch_inputs(self._node_clock.on(topics.JOINT_STATES, self._on_joint_states))
+        self._node_clock.every(WATCHDOG_PERIOD, self._on_watchdog)
 
     def _declare_tunables(self) -> Tunables:
         """What may be set while the node runs; an operator's profile gives what is not."""
@@ -113,25 +118,28 @@ class ControllerNode(Node):
         return tunables
 
     def _describe(self, machine: Machine) -> None:
-        self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
+        self._description = self._node_clock.publisher(topics.ROBOT_DESCRIPTION)
         text = robot_description(machine)
         self._description.publish(message_class(topics.ROBOT_DESCRIPTION)(data=text))
 
     def _declare_outputs(self) -> None:
-        self._command = speaker(self._pace, topics.VALVE_COMMANDS, plain=self._plain)
-        self._pose = speaker(self._pace, topics.TIP_POSE, FRAME)
-        self._twist = speaker(self._pace, topics.TIP_TWIST, FRAME)
-        self._wish = speaker(self._pace, topics.TIP_TWIST_COMMAND, FRAME)
-        self._status = speaker(self._pace, topics.CONTROLLER_STATUS, plain=self._plain)
+        self._command = number_publisher(self._node_clock, topics.VALVE_COMMANDS, plain=self._plain)
+        self._pose = number_publisher(self._node_clock, topics.TIP_POSE, FRAME)
+        self._twist = number_publisher(self._node_clock, topics.TIP_TWIST, FRAME)
+        self._wish = number_publisher(self._node_clock, topics.TIP_TWIST_COMMAND, FRAME)
+        self._status = number_publisher(self._node_clock, topics.CONTROLLER_STATUS, plain=self._plain)
 
     def _watch_inputs(self, joints: Any) -> None:
         """Have /diagnostics tell of what the controller hears."""
-        heard, reports = partial(InputStatus, self, self._pace), (self._valves.volts, self._valves.status)
+        heard, reports = (
+            partial(InputStatus, self, self._node_clock),
+            (self._valves.volts, self._valves.status),
+        )
         joystick = heard(self._joy, "a joystick", self._is_nobody_there)
-        self._health.watch("joystick", joystick, values=self._joystick_values)
+        self._diagnostics.watch("joystick", joystick, values=self._joystick_values)
         others = map(heard, (self._actuators, *reports))
-        self._health.watch("machine", heard(joints, "the machine's state"), *others, values=self._limits)
-        self._health.watch("emergency stop", self._stop)
+        self._diagnostics.watch("machine", heard(joints, "the machine's state"), *others, values=self._limits)
+        self._diagnostics.watch("emergency stop", self._stop)
 
     def _joystick_values(self) -> dict[str, Any]:
         watch, p = self._joystick, self._watch_settings
@@ -182,7 +190,7 @@ class ControllerNode(Node):
             self._joy_problem = reading.problem or ("" if in_order else GOES_BACK)
 
     def _on_joint_states(self, data: bytes, sent: float) -> None:
-        if self._pace.now() - sent > self._state_timeout:
+        if self._node_clock.now() - sent > self._state_timeout:
             return  # left over from a stall, ours or the machine's; the watchdog speaks meanwhile
         self._watch()  # after a stall of ours this may come before its timer
         reading = self._joints.read(data)
@@ -205,7 +213,7 @@ class ControllerNode(Node):
         lengths, valves = self._cylinders(reading.stamp_ns), self._valves.read()
         self._still = frozen_sensor.watched(self._still, angles, self._asked, self._tuning.core, dt)
         problem = self._valves.objection(self._asked) or frozen_sensor.frozen(self._still)
-        self._health.note("machine", problem)
+        self._diagnostics.note("machine", problem)
         if problem:
             self._operator(False)
             self._stand_still()
@@ -237,12 +245,12 @@ class ControllerNode(Node):
         self._read_joy()
         allowed = machine_known and not self._stop.pressed and not self._hands_off()
         p = self._watch_settings
-        self._joystick, operator = joystick_watch.judge(self._joystick, self._pace.now(), allowed, p)
+        self._joystick, operator = joystick_watch.judge(self._joystick, self._node_clock.now(), allowed, p)
         # A joystick that goes after the deadman was released is not missed.
         gone = self._is_nobody_there()
         problem = self._joy_problem or ("" if gone else problem_of(self._joystick))
-        self._health.note("joystick", problem)
-        self._health.note("emergency stop", "emergency stop pressed" if self._stop.pressed else "")
+        self._diagnostics.note("joystick", problem)
+        self._diagnostics.note("emergency stop", "emergency stop pressed" if self._stop.pressed else "")
         if not operator.enabled:
             self._hold = joystick_interpolation.CENTRED
             return operator
@@ -259,41 +267,41 @@ class ControllerNode(Node):
         output = told.output
         self._asked = output.command
         if not self._hands_off():
-            self._command.say(stamp, output.command)
-        self._pose.say(stamp, (*told.tip, *told.tip_orientation))
-        self._twist.say(stamp, told.tip_velocity)
+            self._command.publish(stamp, output.command)
+        self._pose.publish(stamp, (*told.tip, *told.tip_orientation))
+        self._twist.publish(stamp, told.tip_velocity)
         if self._tuning.core.scheme != Scheme.JOINT:
-            self._wish.say(stamp, output.tip_wish)
+            self._wish.publish(stamp, output.tip_wish)
         watch, held_back = self._joystick, output.governed
         codes = held_back.factor, held_back.limit, watch.armed, watch.joystick, self._stop.pressed
-        self._status.say(stamp, codes)
-        self._health.publish(stamp)
+        self._status.publish(stamp, codes)
+        self._diagnostics.publish(stamp)
 
     def _on_watchdog(self) -> None:
         self._watch()
         if not self._period.started:  # nobody else would tell
             self._operator(False)
-            self._health.publish(self._pace.stamp())
+            self._diagnostics.publish(self._node_clock.stamp())
 
     def _watch(self) -> None:
-        if self._pace.now() - self._state_received > self._state_timeout and self._period.started:
+        if self._node_clock.now() - self._state_received > self._state_timeout and self._period.started:
             when, why = self._refused  # the cause, rather than what follows from it
-            refused = self._pace.now() - when <= self._state_timeout
-            self._health.note("machine", why if refused else "no state of the machine")
+            refused = self._node_clock.now() - when <= self._state_timeout
+            self._diagnostics.note("machine", why if refused else "no state of the machine")
             self._operator(False)
             self._stand_still()
 
     def _refuse(self, problem: str) -> None:
         """Remember and tell why a state of the machine is not believed."""
-        self._refused = self._pace.now(), problem
-        self._health.note("machine", problem)
+        self._refused = self._node_clock.now(), problem
+        self._diagnostics.note("machine", problem)
 
     def _stand_still(self) -> None:
         self._state, self._asked, self._still = controller.REST, ZERO, frozen_sensor.MOVING
-        now = self._pace.stamp()
+        now = self._node_clock.stamp()
         if not self._hands_off():
-            self._command.say(now, ZERO)
-        self._health.publish(now)
+            self._command.publish(now, ZERO)
+        self._diagnostics.publish(now)
 
     def _may_take_hands_off(self, changed: list[Any]) -> SetParametersResult:
         wanted = any(parameter.name == "hands_off" and parameter.value for parameter in changed)

@@ -20,9 +20,9 @@ from forest_ident.driving import safety_monitor
 from forest_ident.driving.operator_inputs import Inputs
 from forest_ident.driving.valve_takeover import CONTROLLER, Switches
 from forest_ident.experiments import excitation, experiments
-from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.introspection.live_graph import UNKNOWN, LiveGraph, NoAnswer, speakers
+from forest_msgs_py.introspection.live_graph import UNKNOWN, LiveGraph, NoAnswer, publishers_of
 from forest_msgs_py.runtime.node import Finished, NodeFailure, run_node, subscription
 from forest_msgs_py.runtime.node_parameters import ParameterError, declare
 from forest_msgs_py.runtime.stamp_order import StampOrder
@@ -41,8 +41,8 @@ class ExperimentOperatorNode(Node):
 
     def __init__(self) -> None:
         super().__init__("experiment_operator")
-        self._pace = pace(self)
-        self.run = self._pace.run
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
         self._plan = self._planned()
         self._timeout = declare(self, "timeout", 0.1, "age at which the state is lost", "s", 0.01, 1.0)
         self._listeners = declare(self, "listeners", 1, "of the commands, to be there first", low=0, high=9)
@@ -51,19 +51,23 @@ class ExperimentOperatorNode(Node):
         self._state, self._watched = excitation.START, safety_monitor.State()
         self._period, self._order = StampedPeriod(PERIOD), StampOrder(self._timeout)
         self._begun, self._told = False, -1
-        self._created = self._received = self._pace.now()
-        self._command = speaker(self._pace, topics.VALVE_COMMANDS)
-        self._inputs, self._joints = Inputs(self._pace, self._plan), JointReader(topics.JOINTS)
+        self._created = self._received = self._node_clock.now()
+        self._command = number_publisher(self._node_clock, topics.VALVE_COMMANDS)
+        self._inputs, self._joints = Inputs(self._node_clock, self._plan), JointReader(topics.JOINTS)
         self._crane: Any = None
         self._stood: tuple[float, ...] = ()
         if self._plan.bench:
-            self._crane = None if self._pace.lockstep else self._pace.inbox(topics.JOINT_STATES)
-            self._pace.on(topics.PRESSURES, self._on_pressures)
+            self._crane = (
+                None
+                if self._node_clock.lockstep
+                else self._node_clock.polled_subscription(topics.JOINT_STATES)
+            )
+            self._node_clock.on(topics.PRESSURES, self._on_pressures)
         else:
-            self._pace.on(topics.JOINT_STATES, self._on_joints)
-        self._pace.every(WATCHDOG_PERIOD, self._watch)
+            self._node_clock.on(topics.JOINT_STATES, self._on_joints)
+        self._node_clock.every(WATCHDOG_PERIOD, self._watch)
         self._graph: LiveGraph | None = None
-        if not self._pace.lockstep:
+        if not self._node_clock.lockstep:
             for topic in (topics.EMERGENCY_STOP, topics.EMERGENCY_STOPPED):
                 subscription(self, topic, self._on_emergency_stop)
             self._take_over()
@@ -103,7 +107,7 @@ class ExperimentOperatorNode(Node):
             NodeFailure: somebody does, who cannot be told to stop.
         """
         quiet = (self.get_name(), *self._switches.found)
-        others = [name for name in speakers(self, topics.VALVE_COMMANDS) if name not in quiet]
+        others = [name for name in publishers_of(self, topics.VALVE_COMMANDS) if name not in quiet]
         if others == [CONTROLLER] and not self._begun:
             self._switches.include(CONTROLLER)
             self._switches.throw()
@@ -124,15 +128,15 @@ class ExperimentOperatorNode(Node):
         self._on_sample(stamp, sent, problem, ZERO)
 
     def _on_sample(self, stamp: int, sent: float, problem: str, angles: Vec3) -> None:
-        if self._pace.now() - sent > self._timeout:
+        if self._node_clock.now() - sent > self._timeout:
             return  # left over from a stall; the watchdog ends the experiment if nothing newer comes
         problem = problem or self._order.problem("the machine's state", stamp, sent)
         if problem:
-            self._command.say(self._pace.stamp(), ZERO)
+            self._command.publish(self._node_clock.stamp(), ZERO)
             return
         self._received, dt = sent, self._period.since(stamp)
         if not self._begun and not self._begin(angles):
-            self._command.say(stamp, ZERO)
+            self._command.publish(stamp, ZERO)
             return
         self._see_that_the_crane_stands()
         seen = self._inputs.read(angles)
@@ -140,7 +144,7 @@ class ExperimentOperatorNode(Node):
         if reason:
             raise NodeFailure(reason)
         self._state, volts = excitation.step(self._state, angles, self._programme, dt)
-        self._command.say(stamp, volts)
+        self._command.publish(stamp, volts)
         self._tell()
 
     def _see_that_the_crane_stands(self) -> None:
@@ -160,7 +164,7 @@ class ExperimentOperatorNode(Node):
 
     def _begin(self, angles: Vec3) -> bool:
         """Begin when everybody is there; live, the swing goes about where it stands."""
-        if self._pace.lockstep:
+        if self._node_clock.lockstep:
             self._begun = True
         elif self._is_alone() and self.count_subscribers(topics.VALVE_COMMANDS.name) >= self._listeners:
             self._programme = safety_monitor.around(self._programme, self._plan, angles[0])
@@ -174,14 +178,14 @@ class ExperimentOperatorNode(Node):
         if second > self._told:
             self._told = second
             print(f"{PROGRESS} {second} of {whole:g} s", flush=True)
-            if not self._pace.lockstep:
+            if not self._node_clock.lockstep:
                 self._is_alone()
-        if self._state.time > whole - 1e-9 and not self._pace.lockstep:
+        if self._state.time > whole - 1e-9 and not self._node_clock.lockstep:
             raise Finished
 
     def _watch(self) -> None:
         """End the experiment when nothing good arrives any more."""
-        now = self._pace.now()
+        now = self._node_clock.now()
         if not self._begun:
             if now - self._created > START_LIMIT:
                 needed = f"the machine's state, and {self._listeners} who hear valve_commands"
@@ -194,7 +198,7 @@ class ExperimentOperatorNode(Node):
 
     def stop(self) -> None:
         """Last words: zero; then the others are as they were."""
-        self._command.say(self._pace.stamp(), ZERO)
+        self._command.publish(self._node_clock.stamp(), ZERO)
         if self._graph is None:
             return
         failed = self._switches.restore()

@@ -24,13 +24,13 @@ from forest_description.geometry.kinematics import tip_orientation
 from forest_description.machine import Machine, load_machine
 from forest_description.types import ZERO, Vec3
 from forest_description.urdf.robot_description import robot_description
-from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import ParameterError, declare, declare_triple
 from forest_msgs_py.runtime.stamp_order import StampOrder
-from forest_msgs_py.safety.diagnostics import Health, beyond, rating_values
+from forest_msgs_py.safety.diagnostics import Diagnostics, beyond, rating_values
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
 from forest_sim.run.disturbance import Disturbance, checked_tip_force, parse_stuck_spools
@@ -51,8 +51,8 @@ class SimulatorNode(Node):
 
     def __init__(self) -> None:
         super().__init__("simulator")
-        self._pace = pace(self, leads=True)
-        self.run = self._pace.run or self._keep_time
+        self._node_clock = node_clock(self, leads=True)
+        self.run = self._node_clock.run or self._keep_time
         machine = load_machine(declare(self, "machine", "c180", "shipped machine, or path of a machine file"))
         start = declare_triple(self, "initial_tip", start_tip(machine), "tip position at the start", "m")
         self._plain = declare(self, "plain_arrays", False, "publish Float64MultiArray without stamp")
@@ -70,23 +70,25 @@ class SimulatorNode(Node):
         self._voltages, self._received = ZERO, -math.inf
         self._order = StampOrder(self._machine.machine.command_timeout)
         self._missed = 0
-        self._speakers = {
-            topic: speaker(self._pace, topic, FRAME if topic.type in FRAMED else "", self._plain)
+        self._number_publishers = {
+            topic: number_publisher(
+                self._node_clock, topic, FRAME if topic.type in FRAMED else "", self._plain
+            )
             for topic in topics.TOPICS
             if "simulator" in topic.publishers and topic not in (topics.DIAGNOSTICS, topics.ROBOT_DESCRIPTION)
         }
-        said = self._pace.publisher(topics.DIAGNOSTICS)
-        self._health = Health(self, ("voltages", "machine"), "valves centred", said)
-        self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
+        said = self._node_clock.publisher(topics.DIAGNOSTICS)
+        self._diagnostics = Diagnostics(self, ("voltages", "machine"), "valves centred", said)
+        self._description = self._node_clock.publisher(topics.ROBOT_DESCRIPTION)
         text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
         self._description.publish(text)
         self._voltage_reader = ArrayReader(topics.VALVE_VOLTAGES)
-        self._voltage_inbox = self._pace.inbox(topics.VALVE_VOLTAGES)
+        self._voltage_subscription = self._node_clock.polled_subscription(topics.VALVE_VOLTAGES)
         self._watch_voltages(machine)
-        self._stamp = self._pace.stamp()
+        self._stamp = self._node_clock.stamp()
         self._next = time.monotonic_ns() + PERIOD_NS
-        if self._pace.lockstep:
-            self._pace.every(0.0, self._make_step)
+        if self._node_clock.lockstep:
+            self._node_clock.every(0.0, self._make_step)
 
     def _sensor_suite(self, machine: Machine) -> Suite:
         noise = declare(self, "sensor_noise", False, "errors, noise, lag and rate as in the machine file")
@@ -122,9 +124,11 @@ class SimulatorNode(Node):
     def _watch_voltages(self, machine: Machine) -> None:
         """Have /diagnostics tell of the voltages, and of what goes on in the machine."""
         self._ratings, self._clipped = [machine.valve_of(axis).rated_voltage for axis in range(3)], 0
-        heard = InputStatus(self, self._pace, self._voltage_inbox, "voltages", self._is_unattended)
-        self._health.watch("voltages", heard, values=self._voltage_values)
-        self._health.watch("machine", values=self._machine_values)
+        heard = InputStatus(
+            self, self._node_clock, self._voltage_subscription, "voltages", self._is_unattended
+        )
+        self._diagnostics.watch("voltages", heard, values=self._voltage_values)
+        self._diagnostics.watch("machine", values=self._machine_values)
 
     def _voltage_values(self) -> dict[str, Any]:
         timeout = {"command_timeout [s]": self._machine.machine.command_timeout}
@@ -136,25 +140,25 @@ class SimulatorNode(Node):
         return {"machine": self._machine.machine.name} | named
 
     def _is_unattended(self) -> bool:
-        return self._pace.now() - self._received > self._machine.machine.command_timeout
+        return self._node_clock.now() - self._received > self._machine.machine.command_timeout
 
     def _read_voltages(self) -> None:
         """Take the newest command; a bad one, and one that is too old, centres the valves."""
-        arrival = self._voltage_inbox.newest()
+        arrival = self._voltage_subscription.newest()
         if arrival is not None:
             reading = self._voltage_reader.read(arrival.message, 0)
             problem = reading.problem
             if not problem and reading.values != ZERO:  # zero is obeyed in any order
                 problem = self._order.problem("valve_voltages", reading.stamp_ns, arrival.time)
-            self._health.note("voltages", problem)
+            self._diagnostics.note("voltages", problem)
             clipped = "" if problem else beyond(topics.VALVE_VOLTAGES, reading.values, self._ratings)
-            self._health.warn("voltages", clipped)
+            self._diagnostics.warn("voltages", clipped)
             self._clipped += bool(clipped)
             self._voltages = ZERO if problem else reading.values
             self._received = arrival.time
         if self._is_unattended():
             self._voltages = ZERO
-            self._health.warn("voltages", "")
+            self._diagnostics.warn("voltages", "")
 
     def _keep_time(self, stopping: threading.Event) -> None:
         """Keep the time, live, until the node stops."""
@@ -175,7 +179,7 @@ class SimulatorNode(Node):
 
     def _make_step(self) -> None:
         """Move on by a period in lockstep: there are no deadlines to be missed."""
-        self._stamp = self._pace.stamp()
+        self._stamp = self._node_clock.stamp()
         self._advance()
 
     def _advance(self) -> None:
@@ -183,7 +187,7 @@ class SimulatorNode(Node):
         with self._changing:
             report = self._machine.step(self._voltages)
         self._publish(report)
-        self._health.publish(self._stamp)  # last: nobody waits for it
+        self._diagnostics.publish(self._stamp)  # last: nobody waits for it
 
     def _publish(self, report: Report) -> None:
         """Publish one sample; what the driver needs goes before what makes the controller step."""
@@ -201,7 +205,7 @@ class SimulatorNode(Node):
         self._say(topics.GROUND_TRUTH_TIP_TWIST, report.tip_velocity)
 
     def _say(self, topic: topics.Topic, values: tuple[float, ...]) -> None:
-        self._speakers[topic].say(self._stamp, values)
+        self._number_publishers[topic].publish(self._stamp, values)
 
 
 def _flat(motion: Motion) -> tuple[float, ...]:

@@ -28,14 +28,14 @@ class ValveReports:
     """The newest reports; what is older, or bad, says nothing: the valves are as the machine's file says.
 
     Args:
-        pace: of the node, whose inboxes and clock are used.
+        clock: of the node, whose subscriptions and clock are used.
         machine: whose valves they are.
     """
 
-    def __init__(self, pace: Any, machine: Machine) -> None:
-        self._pace = pace
-        self.status = pace.inbox(topics.VALVE_DRIVER_STATUS, answered=True)
-        self.volts = pace.inbox(topics.VALVE_VOLTAGES, answered=True)
+    def __init__(self, clock: Any, machine: Machine) -> None:
+        self._node_clock = clock
+        self.status = clock.polled_subscription(topics.VALVE_DRIVER_STATUS, answered=True)
+        self.volts = clock.polled_subscription(topics.VALVE_VOLTAGES, answered=True)
         self._status_reader = ArrayReader(topics.VALVE_DRIVER_STATUS, LEARNT)
         self._volts_reader = ArrayReader(topics.VALVE_VOLTAGES, topics.JOINTS)
         laws = [machine.valve_of(axis).law for axis in range(3)]
@@ -46,7 +46,7 @@ class ValveReports:
 
     def read(self) -> tuple[Reach, Vec3]:
         """Return the valves' reach, and the voltages [V]."""
-        now = self._pace.now()
+        now = self._node_clock.now()
         if status := self.status.newest():
             reading = self._status_reader.read(status.message, 0)
             if not reading.problem:
@@ -64,7 +64,7 @@ class ValveReports:
 
         Of a driver that has never spoken nothing is expected: it may be in shadow, or somebody else's.
         """
-        now = self._pace.now()
+        now = self._node_clock.now()
         if self._voltages_received == -math.inf:
             return ""
         if now - self._voltages_received > SILENT:

@@ -19,18 +19,23 @@ class Inputs:
     """Pressures at the watched ports, of the supply, and the oil's temperature.
 
     Args:
-        pace: of the node.
+        clock: of the node.
         plan: of the experiment; a rig is stepped by its pressures, a crane by its joints.
     """
 
-    def __init__(self, pace: Any, plan: Plan) -> None:
+    def __init__(self, clock: Any, plan: Plan) -> None:
         self.ports = seen_ports(plan)
         self._ports = ArrayReader(topics.PRESSURES, self.ports) if self.ports else None
-        self._inbox = pace.inbox(topics.PRESSURES) if self.ports and not plan.bench else None
+        self._subscription = (
+            clock.polled_subscription(topics.PRESSURES) if self.ports and not plan.bench else None
+        )
         labels = {topics.SUPPLY: "pressure", topics.AUXILIARY: "tank_temperature"}
-        if pace.lockstep:  # in which nobody can wait for what the table says that nobody reads
+        if clock.lockstep:  # in which nobody can wait for what the table says that nobody reads
             del labels[topics.AUXILIARY]
-        self._slow = [(pace.inbox(topic), ArrayReader(topic, (label,))) for topic, label in labels.items()]
+        self._slow = [
+            (clock.polled_subscription(topic), ArrayReader(topic, (label,)))
+            for topic, label in labels.items()
+        ]
         self._values = [NOTHING, NOTHING]
         self._pressures: tuple[float, ...] = ()
         self._received = -math.inf
@@ -46,10 +51,10 @@ class Inputs:
 
     def read(self, angles: Vec3) -> Seen:
         """Return what is seen together with the joints' angles [rad]."""
-        if self._inbox is not None and (arrival := self._inbox.newest()):
+        if self._subscription is not None and (arrival := self._subscription.newest()):
             self.pressures(arrival.message, arrival.time)
-        for place, (inbox, reader) in enumerate(self._slow):
-            if arrival := inbox.newest():
+        for place, (subscription, reader) in enumerate(self._slow):
+            if arrival := subscription.newest():
                 reading = reader.read(arrival.message, 0)
                 self._values[place] = NOTHING if reading.problem else reading.values[0]
         return Seen(angles, self._pressures, *self._values)

@@ -31,7 +31,7 @@ class Switches:
         self._graph = graph
         self.found: dict[str, dict[str, Any]] = {}
         self.include(DRIVER)
-        if CONTROLLER in graph.speakers(topics.VALVE_COMMANDS):
+        if CONTROLLER in graph.publishers_of(topics.VALVE_COMMANDS):
             self.include(CONTROLLER)
 
     def include(self, node: str) -> None:

@@ -13,7 +13,7 @@ from forest_msgs_py.interfaces.messages import ns_to_stamp, stamp_to_ns
 from forest_msgs_py.interfaces.stamps import stamp_in
 from forest_msgs_py.interfaces.topics import IDLE, NO_OUTPUT, Topic, message_class
 from forest_msgs_py.runtime.node import raw_publish
-from forest_msgs_py.runtime.polled_subscription import Arrival, Inbox
+from forest_msgs_py.runtime.polled_subscription import Arrival, PolledSubscription
 from forest_msgs_py.serialization.cdr import to_cdr
 from forest_msgs_py.types import NS_PER_S
 
@@ -35,9 +35,9 @@ def is_awaited(topic: Topic) -> bool:
     return bool(topic.subscribers) and not topic.late
 
 
-def no_output_subscription(node: Node, topic: Topic) -> Inbox:
+def no_output_subscription(node: Node, topic: Topic) -> PolledSubscription:
     """A subscription to what is not said."""
-    return Inbox(node, message_class(topic), topic.name, lockstep_qos())
+    return PolledSubscription(node, message_class(topic), topic.name, lockstep_qos())
 
 
 def steps_without_output(header: Any) -> Iterator[tuple[str, int]]:
@@ -101,8 +101,8 @@ class StepSubscription:
 
     def __init__(self, node: Node, topic: Topic, lag: int = 0) -> None:
         self.topic, self._lag_ns = topic, lag * STEP_NS
-        self._inbox = Inbox(node, message_class(topic), topic.name, lockstep_qos(), raw=True)
-        self.subscription = self._inbox.subscription
+        self._polled = PolledSubscription(node, message_class(topic), topic.name, lockstep_qos(), raw=True)
+        self.subscription = self._polled.subscription
         self.name = self.subscription.topic_name
         self._waiting: dict[int, bytes] = {}
         self._without_output: set[int] = set()
@@ -113,7 +113,7 @@ class StepSubscription:
         """Take what has arrived, until it is known what counts in the step of this stamp [ns]."""
         if until > 0 and self.has(until):
             return
-        for data, _info in self._inbox.take():
+        for data, _info in self._polled.take():
             stamp = stamp_in(self.topic.type, data)
             self._waiting.setdefault(stamp, data)
             if stamp == until - self._lag_ns:
