@@ -11,8 +11,7 @@ In the order in which data passes:
 - `play`: A bag played in time: what is asked for, reading ahead, timing, remote control.
 - `player_node`: The player node: raw bytes from a bag onto their topics, with the QoS they were recorded
   with.
-- `step_player_node`: Plays a bag in lockstep: says what was said in step k, and waits for the answers to
-  it.
+- `step_player_node`: Plays a bag in lockstep: publishes the messages of step k, and waits for the answers.
 - `compare`: Two bags side by side: to the last bit or within a tolerance.
 - `convert`: Bags to tables, and measured logs to bags.
 - `plots`: The standard pictures of a bag.

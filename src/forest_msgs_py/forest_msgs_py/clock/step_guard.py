@@ -1,4 +1,4 @@
-"""When a node in lockstep has waited too long, and what it says then; see `lockstep`."""
+"""When a node in lockstep has waited too long, and the failure that it ends with; see `lockstep`."""
 
 from __future__ import annotations
 
