@@ -56,11 +56,14 @@ def listen(count: int) -> None:
     from rclpy.qos import QoSProfile
     from std_msgs.msg import String
 
-    from forest_msgs_py.runtime.polled_subscription import Inbox
+    from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 
     rclpy.init()
     node = rclpy.create_node("listener")
-    inboxes = [Inbox(node, String, f"/load_{n}", QoSProfile(depth=count), raw=True) for n in range(TOPICS)]
+    inboxes = [
+        PolledSubscription(node, String, f"/load_{n}", QoSProfile(depth=count), raw=True)
+        for n in range(TOPICS)
+    ]
     stamps: list[list[int]] = [[] for _ in inboxes]
     print("ready", flush=True)
     end = None

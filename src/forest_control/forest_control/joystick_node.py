@@ -33,7 +33,7 @@ from forest_control.operator.joystick_sources import (
 )
 from forest_control.operator.joystick_watch import HEARTBEAT
 from forest_control.operator.levers import BUTTON_COUNT, REST, Levers, axes_from_levers
-from forest_msgs_py.clock.node_clock import pace, publishes_bytes
+from forest_msgs_py.clock.node_clock import node_clock, publishes_bytes
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import JoyValues
 from forest_msgs_py.interfaces.topics import JOY_RATE_HZ, message_class
@@ -56,8 +56,8 @@ class JoystickNode(Node):
 
     def __init__(self) -> None:
         super().__init__("joystick")
-        self._pace = pace(self)
-        self.run = self._pace.run
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
         p = declare(self, JoystickParameters)
         self._p = p
         self._faults = _faults(p.faults)
@@ -65,33 +65,33 @@ class JoystickNode(Node):
             None if p.source == "thesis" else _record(Path(p.source), p.interpolate)
         )
         self._length = p.duration or _length(self._record)
-        self._publisher = self._pace.publisher(topics.JOY)
+        self._publisher = self._node_clock.publisher(topics.JOY)
         self._publish = publishes_bytes(self._publisher)
         self._begun: float | None = None
         self._count = 0
         self._last: Said | None = None
         self._place = -1  # in the bag, of the last message said
         # In lockstep it answers every step.
-        self._pace.every(0.0 if self._pace.lockstep else 1.0 / JOY_RATE_HZ, self._on_timer)
+        self._node_clock.every(0.0 if self._node_clock.lockstep else 1.0 / JOY_RATE_HZ, self._on_timer)
 
     def _on_timer(self) -> None:
         if self._begun is None:
             if (
-                not self._pace.lockstep
+                not self._node_clock.lockstep
                 and self._publisher.get_subscription_count() < self._p.wait_for_subscribers
             ):
                 return
             # Before the beginning: a process' first line takes a tenth of a second on a busy computer.
             self.get_logger().info(f"playing for {self._length:g} s")
-            self._begun = self._pace.now()
-        elapsed = self._pace.now() - self._begun
+            self._begun = self._node_clock.now()
+        elapsed = self._node_clock.now() - self._begun
         if isinstance(self._record, JoyRecord):
             message, over = self._replayed(self._record, elapsed), elapsed > self._length
         else:
             played = elapsed - LEAD_IN
             message = self._made(self._levers(played), played < self._length)
             over = played >= self._length + LEAD_OUT
-        if over and not self._pace.lockstep:  # there, the machine knows when the run is over
+        if over and not self._node_clock.lockstep:  # there, the machine knows when the run is over
             raise Finished
         self._say(message, faults_at(self._faults, elapsed))
 
@@ -130,7 +130,7 @@ class JoystickNode(Node):
         if BAD in faults:
             axes = (math.nan,) * len(axes)
         self._last = Said(said.frame, JoyValues(axes, buttons))
-        self._publish(pack_joy(self._pace.stamp(), *self._last))
+        self._publish(pack_joy(self._node_clock.stamp(), *self._last))
 
     def stop(self) -> None:
         """Last words: deadman released."""

@@ -20,9 +20,9 @@ from forest_ident.driving.operator_parameters import OperatorParameters
 from forest_ident.driving.scripted_operator import ScriptedOperator
 from forest_ident.driving.valve_takeover import ValveTakeover
 from forest_ident.experiments import experiment_plan
-from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.introspection.live_graph import LiveGraph, NoAnswer, speakers
+from forest_msgs_py.introspection.live_graph import LiveGraph, NoAnswer, publishers_of
 from forest_msgs_py.runtime.node import Finished, NodeFailure, run_node, subscription
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter, ParameterError
@@ -35,16 +35,16 @@ class ExperimentOperatorNode(Node):
 
     def __init__(self) -> None:
         super().__init__("experiment_operator")
-        self._pace = pace(self)
-        self.run = self._pace.run
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
         machine, p = load_machine(declare(self, MachineParameter).machine), declare(self, OperatorParameters)
         plan, self._timeout, self._listeners = _planned(machine, p), p.timeout, p.listeners
-        self._operator = ScriptedOperator(plan, self._timeout, self._pace.now())
-        self._command = speaker(self._pace, topics.VALVE_COMMANDS)
-        self._inputs = Inputs(self._pace, plan, self._on_sample)
-        self._pace.every(WATCHDOG_PERIOD, self._watch)
+        self._operator = ScriptedOperator(plan, self._timeout, self._node_clock.now())
+        self._command = number_publisher(self._node_clock, topics.VALVE_COMMANDS)
+        self._inputs = Inputs(self._node_clock, plan, self._on_sample)
+        self._node_clock.every(WATCHDOG_PERIOD, self._watch)
         self._takeover: ValveTakeover | None = None
-        if not self._pace.lockstep:
+        if not self._node_clock.lockstep:
             for topic in (topics.EMERGENCY_STOP, topics.EMERGENCY_STOPPED):
                 subscription(self, topic, self._on_emergency_stop)
             with _failing():
@@ -56,16 +56,16 @@ class ExperimentOperatorNode(Node):
             raise NodeFailure("emergency stop pressed; reset it before the next experiment")
 
     def _on_sample(self, stamp: int, sent: float, problem: str, angles: Vec3) -> None:
-        if self._pace.now() - sent > self._timeout:
+        if self._node_clock.now() - sent > self._timeout:
             return  # left over from a stall; the watchdog ends the experiment if nothing newer comes
         if not self._operator.accepts(stamp, sent, problem):
-            self._command.say(self._pace.stamp(), ZERO)
+            self._command.publish(self._node_clock.stamp(), ZERO)
         elif not self._operator.begun and not self._begin(angles):
-            self._command.say(stamp, ZERO)
+            self._command.publish(stamp, ZERO)
         else:
             volts, reason = self._operator.step(self._inputs.read(angles), self._inputs.crane_angles())
             _fail_if(reason)
-            self._command.say(stamp, volts)
+            self._command.publish(stamp, volts)
             self._report_progress()
 
     def _begin(self, angles: Vec3) -> bool:
@@ -80,7 +80,7 @@ class ExperimentOperatorNode(Node):
         if self._takeover is None:
             return True
         with _failing():
-            found = speakers(self, topics.VALVE_COMMANDS)
+            found = publishers_of(self, topics.VALVE_COMMANDS)
             return self._takeover.is_alone(self.get_name(), found, self._operator.begun)
 
     def _report_progress(self) -> None:
@@ -93,7 +93,7 @@ class ExperimentOperatorNode(Node):
 
     def _watch(self) -> None:
         """End the experiment when no good state arrives in time."""
-        now = self._pace.now()
+        now = self._node_clock.now()
         needed = f"the machine's state, and {self._listeners} who hear valve_commands"
         _fail_if(self._operator.overdue(now, needed))
         if self._operator.begun:
@@ -101,7 +101,7 @@ class ExperimentOperatorNode(Node):
 
     def stop(self) -> None:
         """Publish zero as the last command; then give the valves back."""
-        self._command.say(self._pace.stamp(), ZERO)
+        self._command.publish(self._node_clock.stamp(), ZERO)
         if self._takeover is not None:
             with _failing():
                 self._takeover.close()

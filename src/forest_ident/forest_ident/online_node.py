@@ -14,7 +14,7 @@ from forest_description.machine import load_machine
 from forest_description.types import Vec3
 from forest_ident.online import online_estimator
 from forest_ident.online.online_parameters import OnlineParameters
-from forest_msgs_py.clock.node_clock import pace
+from forest_msgs_py.clock.node_clock import node_clock
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array
 from forest_msgs_py.interfaces.topics import Topic
@@ -32,8 +32,8 @@ class OnlineIdentificationNode(Node):
 
     def __init__(self) -> None:
         super().__init__("online_identification")
-        self._pace = pace(self)
-        self.run = self._pace.run
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
         machine = load_machine(declare(self, MachineParameter).machine)
         p = declare(self, OnlineParameters)
         self._core = online_estimator.parameters(machine, p.memory)
@@ -45,10 +45,10 @@ class OnlineIdentificationNode(Node):
         self._ports = [ArrayReader(topics.PRESSURES, labels) for labels in PORTS]
         self._supply = ArrayReader(topics.SUPPLY, ("pressure",))
         self._voltages = ArrayReader(topics.VALVE_VOLTAGES)
-        self._estimates = self._pace.publisher(topics.IDENTIFICATION)
+        self._estimates = self._node_clock.publisher(topics.IDENTIFICATION)
         for topic in (topics.PRESSURES, topics.SUPPLY, topics.VALVE_VOLTAGES):
-            self._pace.on(topic, partial(self._keep, topic))
-        self._pace.on(topics.JOINT_STATES, self._on_joints)
+            self._node_clock.on(topic, partial(self._keep, topic))
+        self._node_clock.on(topics.JOINT_STATES, self._on_joints)
 
     def _keep(self, topic: Topic, data: bytes, sent: float) -> None:
         self._last[topic] = data, sent
@@ -80,7 +80,7 @@ class OnlineIdentificationNode(Node):
         """Return a topic's newest values; NaN if they are bad, too old or never came."""
         nothing = (math.nan,) * count
         data, sent = self._last.get(topic, (b"", -math.inf))
-        if not data or self._pace.now() - sent > self._timeout:
+        if not data or self._node_clock.now() - sent > self._timeout:
             return nothing
         reading = reader.read(data, 0)
         return nothing if reading.problem else tuple(reading.values)

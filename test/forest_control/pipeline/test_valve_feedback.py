@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from pace_by_hand import Pace
+from clock_by_hand import Pace
 
 from forest_control.pipeline.valve_feedback import LEARNT, ValveReports
 from forest_control.safety.driver_response import DriverResponse, objection, responds, response

@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_msgs_py.clock.lockstep import Lockstep
+from forest_msgs_py.clock.lockstep import LockstepClock
 from forest_msgs_py.clock.step_batch import read_batch
 from forest_msgs_py.clock.step_order import StepOrder
 from forest_msgs_py.clock.step_topics import STEP_NS, lockstep_qos
@@ -15,7 +15,7 @@ from forest_msgs_py.interfaces.messages import JoyValues
 from forest_msgs_py.interfaces.topic_qos import qos
 from forest_msgs_py.interfaces.topics import ANNOUNCEMENT, STEP_BATCH, message_class
 from forest_msgs_py.runtime.node import NodeFailure
-from forest_msgs_py.runtime.polled_subscription import Inbox
+from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.serialization.packing import pack_clock, pack_joy
 
 QUIET, LAST = 20, 33  # steps in a batch; the run's end, in the middle of one
@@ -35,13 +35,15 @@ def run(make_node):
 
     def made(end):
         recorder = make_node("recorder")
-        batches = Inbox(recorder, message_class(STEP_BATCH), STEP_BATCH.name, lockstep_qos(), raw=True)
-        announcements = Inbox(
+        batches = PolledSubscription(
+            recorder, message_class(STEP_BATCH), STEP_BATCH.name, lockstep_qos(), raw=True
+        )
+        announcements = PolledSubscription(
             recorder, message_class(ANNOUNCEMENT), ANNOUNCEMENT.name, qos(ANNOUNCEMENT, reading=True)
         )
-        machine = Lockstep(make_node("machine"), 0.2, leads=True, quiet=QUIET)
-        joystick = Lockstep(make_node("joystick"), 0.2, quiet=QUIET)
-        machine.inbox(topics.JOY)
+        machine = LockstepClock(make_node("machine"), 0.2, leads=True, quiet=QUIET)
+        joystick = LockstepClock(make_node("joystick"), 0.2, quiet=QUIET)
+        machine.polled_subscription(topics.JOY)
         speaker, stopping = joystick.publisher(topics.JOY), threading.Event()
 
         def say():

@@ -59,7 +59,7 @@ class Recording:
                 self._log(f"recording to {self.session.directory}")
             if self._status.due(now):
                 lost = sum(self.session.lost.values())
-                self._status.say(now, self.session.size, self.session.message_count, lost)
+                self._status.show(now, self.session.size, self.session.message_count, lost)
 
     def guard(self, action: Callable[[], object]) -> None:
         """Do something with the session.

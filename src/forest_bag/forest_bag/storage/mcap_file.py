@@ -10,8 +10,9 @@ chunk          messages that are compressed and written together; its index says
 record         what an MCAP file consists of: opcode (1 byte), length (8 bytes), content
 =============  =============================================================================================
 
-Why not mcap's own writer: it builds an object for each message, keeps 2 kB of objects for each chunk, and
-after a failed write the middle of a record stays behind. Here every write is whole records or is taken back.
+Kept beside mcap's own writer for crash safety: after a failed write of that one, half a record stays behind.
+Here every write is whole records or is taken back. It also builds no object for each message, and keeps less
+than the 2 kB of objects for each chunk.
 Schemas and channels stand between the chunks, so that a topic without messages is in the file, too. The bytes
 for the summary are kept free on the disk: a file on a full disk still gets one.
 """

@@ -1,7 +1,8 @@
 """What is readable in an MCAP file that was cut off, or damaged in the middle: every whole record.
 
-A reader that stops at the first thing it does not understand gives up everything behind it. Here the search
-goes on for the next record that is whole: a chunk by its checksum, the others by lengths that agree.
+Kept beside mcap's own readers: they stop at the first record that they cannot parse, and give up everything
+behind it. Here the search goes on for the next record that is whole: a chunk by its checksum, the others by
+lengths that agree.
 """
 
 from __future__ import annotations

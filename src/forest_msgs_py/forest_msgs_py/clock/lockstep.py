@@ -52,7 +52,7 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.stamps import STAMPED
 from forest_msgs_py.interfaces.topics import Topic, message_class
 from forest_msgs_py.runtime.node import NodeFailure, publisher
-from forest_msgs_py.runtime.polled_subscription import Inbox
+from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.serialization.packing import pack_clock
 from forest_msgs_py.types import NS_PER_S
 
@@ -62,11 +62,11 @@ START = 20.0  # [s, wall clock] in which a graph starts, on a busy computer, too
 LOOK = 0.1  # [s] between looks at whether the node was told to stop
 
 
-class Lockstep:
-    """The pace of a graph that waits for everybody.
+class LockstepClock:
+    """The clock of a graph in which each node waits for the others.
 
     Args:
-        node: whose pace it is.
+        node: whose clock it is.
         guard: how long it waits for a message [s, wall clock].
         leads: begin each step, and wait for the answers to the one before.
         steps: after which a leader is done; 0: no end.
@@ -86,7 +86,7 @@ class Lockstep:
         quiet: int = 1,
     ) -> None:
         self._node, self._guard, self._leads, self._steps = node, guard, leads, steps
-        self._inboxes: list[StepSubscription] = []
+        self._inputs: list[StepSubscription] = []
         self._callbacks: list[tuple[StepSubscription, Callable[[bytes, float], None]]] = []
         self._timers: list[tuple[int, Callable[[], None]]] = []
         self._publishers: list[StepPublisher] = []
@@ -125,7 +125,7 @@ class Lockstep:
         self._publishers.append(stepping)
         return stepping
 
-    def inbox(self, topic: Topic, answered: bool = False) -> StepSubscription:
+    def polled_subscription(self, topic: Topic, answered: bool = False) -> StepSubscription:
         """Messages of a topic, one of each step.
 
         Args:
@@ -133,16 +133,16 @@ class Lockstep:
             answered: what is said in answer to this node; it counts in the next step.
         """
         made = StepSubscription(self._node, topic, LATE if topic.late and answered else int(answered))
-        self._inboxes.append(made)
+        self._inputs.append(made)
         if not is_awaited(topic) and len(self._no_output_subscriptions) == 1:
             self._no_output_subscriptions.append(no_output_subscription(self._node, topics.IDLE))
         return made
 
     def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> StepSubscription:
         """Call with the message of each step in which one is said, and the step's time [s]."""
-        made = self.inbox(topic)
+        made = self.polled_subscription(topic)
         self._callbacks.append((made, callback))
-        self._inboxes.insert(0, self._inboxes.pop())  # the last to come: waited for first, most often alone
+        self._inputs.insert(0, self._inputs.pop())  # the last to come: waited for first, most often alone
         return made
 
     def every(self, period: float, callback: Callable[[], None]) -> None:
@@ -155,8 +155,8 @@ class Lockstep:
         Raises:
             NodeFailure: a message was waited for longer than the guard allows.
         """
-        if not self._inboxes:
-            self.inbox(topics.CLOCK)
+        if not self._inputs:
+            self.polled_subscription(topics.CLOCK)
         self._announce()
         try:
             self._step_on(stopping)
@@ -199,8 +199,8 @@ class Lockstep:
         self._step = self._publishing = step
         if self._clock is not None:
             self._clock.publish(pack_clock(self.stamp()))
-        for inbox, callback in self._callbacks:
-            if arrival := inbox.newest():
+        for polled, callback in self._callbacks:
+            if arrival := polled.newest():
                 callback(*arrival)
         for steps, tick in self._timers:
             if step % steps == 0:
@@ -229,24 +229,24 @@ class Lockstep:
     def _gather(self, step: int, stopping: threading.Event) -> bool:
         """Wait for all that the node reads of a step; False if it was told to stop meanwhile."""
         stamp, begun = step * STEP_NS, time.monotonic()
-        for inbox in self._inboxes:
-            if inbox is not self._inboxes[0]:  # which comes last: the others are there when it is
-                inbox.collect(stamp)
-            while not inbox.has(stamp):
-                if not self._wait(inbox, step, begun, stopping):
+        for polled in self._inputs:
+            if polled is not self._inputs[0]:  # which comes last: the others are there when it is
+                polled.collect(stamp)
+            while not polled.has(stamp):
+                if not self._wait(polled, step, begun, stopping):
                     return False
-        for inbox in self._inboxes:
-            inbox.turn_to(stamp)
+        for polled in self._inputs:
+            polled.turn_to(stamp)
         return self._wait_for_recorder(step, stopping)
 
     def _wait_for_recorder(self, step: int, stopping: threading.Event) -> bool:
-        inbox, begun, stamp = self._recorded, time.monotonic(), (step - AHEAD) * STEP_NS
-        while inbox is not None and stamp > 0 and not inbox.reached(stamp):
-            if not self._wait(inbox, step, begun, stopping):
+        polled, begun, stamp = self._recorded, time.monotonic(), (step - AHEAD) * STEP_NS
+        while polled is not None and stamp > 0 and not polled.reached(stamp):
+            if not self._wait(polled, step, begun, stopping):
                 return False
         return True
 
-    def _wait(self, inbox: StepSubscription, step: int, begun: float, stopping: threading.Event) -> bool:
+    def _wait(self, polled: StepSubscription, step: int, begun: float, stopping: threading.Event) -> bool:
         """Wait until something arrives, and take it; False if the node is told to stop."""
         if self._ended:
             self._tell(self._step)
@@ -254,9 +254,9 @@ class Lockstep:
         if stopping.is_set():
             return False
         waited, guard = time.monotonic() - begun, self._guard if step > 1 else max(self._guard, START)
-        if waited > guard and waited > guard + extra_time(inbox, self._inboxes, step, self._leads):
-            raise timeout_failure(inbox, self._inboxes, step, guard)
-        heard = [inbox.subscription, *(told.subscription for told in self._no_output_subscriptions)]
+        if waited > guard and waited > guard + extra_time(polled, self._inputs, step, self._leads):
+            raise timeout_failure(polled, self._inputs, step, guard)
+        heard = [polled.subscription, *(told.subscription for told in self._no_output_subscriptions)]
         if self._wait_set is None:
             self._wait_set = rclpy_implementation.WaitSet(
                 len(heard), 0, 0, 0, 0, 0, self._node.context.handle
@@ -267,17 +267,17 @@ class Lockstep:
             waits.add_subscription(subscription.handle)
         waits.wait(int(LOOK * NS_PER_S))  # what came before, and was not taken, ends it at once
         if waits.is_ready("subscription", 0):
-            inbox.collect(step * STEP_NS)
+            polled.collect(step * STEP_NS)
         for place, told in enumerate(self._no_output_subscriptions, start=1):
             if waits.is_ready("subscription", place):
                 self._take_no_output(told)
         return True
 
-    def _take_no_output(self, no_output_subscription: Inbox) -> None:
+    def _take_no_output(self, no_output_subscription: PolledSubscription) -> None:
         """Take on which topics nothing was published, and whether the run has ended."""
         for header, _info in no_output_subscription.take():
             self._ended = self._ended or header.frame_id == END
             for name, stamp in steps_without_output(header):
-                for inbox in self._inboxes:
-                    if inbox.name == name:
-                        inbox.without_output(stamp)
+                for polled in self._inputs:
+                    if polled.name == name:
+                        polled.without_output(stamp)

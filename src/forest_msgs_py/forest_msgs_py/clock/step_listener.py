@@ -28,7 +28,7 @@ from forest_msgs_py.interfaces.topics import find, message_class, unlisted
 from forest_msgs_py.introspection.graph_listener import DiscoveredTopic, GraphListener, ReceivedMessage
 from forest_msgs_py.runtime.node import Finished, NodeFailure
 from forest_msgs_py.runtime.node_parameters import declare
-from forest_msgs_py.runtime.polled_subscription import Inbox
+from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.serialization.packing import pack_clock
 
 WALL_CLOCK = "/parameter_events"  # carries the time of day: no two runs say the same
@@ -75,13 +75,13 @@ class StepListener:
             reliability=ReliabilityPolicy.RELIABLE,
             durability=DurabilityPolicy.TRANSIENT_LOCAL,
         )
-        self._announcements = Inbox(
+        self._announcements = PolledSubscription(
             node, message_class(topics.ANNOUNCEMENT), topics.ANNOUNCEMENT.name, transient_local
         )
         # All nodes' batches wait in one queue, with `lockstep_quiet` 1 one of each step: the simulator may be
         # hundreds of steps ahead, and what the queue lets go would be missing in the bag.
         depth = DEPTH * len(nodes)
-        self._batches = Inbox(
+        self._batches = PolledSubscription(
             node, message_class(topics.STEP_BATCH), topics.STEP_BATCH.name, lockstep_qos(depth), raw=True
         )
         self._no_output_subscriptions = no_output_subscription(node, topics.NO_OUTPUT)
@@ -89,7 +89,7 @@ class StepListener:
             message_class(topics.RECORDED), topics.RECORDED.name, lockstep_qos()
         )
         self._found: set[str] = set()  # topics announced whose publishers have been seen
-        self._transient_local: dict[str, Inbox] = {}
+        self._transient_local: dict[str, PolledSubscription] = {}
         self._sequence: Counter[str] = Counter()
         self._is_wanted = cache(lambda name: wanted(name, ()))  # asked of every message
         self._told, self._end, self._finished = 0, -1, False  # steps
@@ -143,8 +143,8 @@ class StepListener:
             self._order.add_announcement(message.data)
         for name in self._order.types.keys() - self._found:
             self._look_for(name, self._order.types[name])
-        for name, inbox in self._transient_local.items():
-            for data, _info in inbox.take():
+        for name, polled in self._transient_local.items():
+            for data, _info in polled.take():
                 self._order.add_transient_local(name, data)
         if self._order.is_begun and self._found == self._order.types.keys():
             for data, _info in self._batches.take():
@@ -166,7 +166,9 @@ class StepListener:
         row = find(name) or unlisted(name, type_name)
         if name in self._order.transient_local:
             kind = message_class(unlisted(name, type_name))
-            self._transient_local[name] = Inbox(self._node, kind, name, qos(row, reading=True), raw=True)
+            self._transient_local[name] = PolledSubscription(
+                self._node, kind, name, qos(row, reading=True), raw=True
+            )
         if self._wanted(name, (type_name,)):
             self._offered(
                 DiscoveredTopic(name, type_name, [offered_qos(row)], str(endpoints[0].topic_type_hash))

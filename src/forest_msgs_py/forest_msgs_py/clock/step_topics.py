@@ -1,4 +1,4 @@
-"""What a node reads and says in lockstep, step by step; see :mod:`forest_msgs_py.clock.lockstep`."""
+"""What a node reads and publishes in lockstep, step by step; see :mod:`forest_msgs_py.clock.lockstep`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from forest_msgs_py.interfaces.messages import ns_to_stamp, stamp_to_ns
 from forest_msgs_py.interfaces.stamps import stamp_in
 from forest_msgs_py.interfaces.topics import IDLE, NO_OUTPUT, Topic, message_class
 from forest_msgs_py.runtime.node import raw_publish
-from forest_msgs_py.runtime.polled_subscription import Arrival, Inbox
+from forest_msgs_py.runtime.polled_subscription import Arrival, PolledSubscription
 from forest_msgs_py.serialization.cdr import to_cdr
 from forest_msgs_py.types import NS_PER_S
 
@@ -35,9 +35,9 @@ def is_awaited(topic: Topic) -> bool:
     return bool(topic.subscribers) and not topic.late
 
 
-def no_output_subscription(node: Node, topic: Topic) -> Inbox:
-    """A subscription to what is not said."""
-    return Inbox(node, message_class(topic), topic.name, lockstep_qos())
+def no_output_subscription(node: Node, topic: Topic) -> PolledSubscription:
+    """A subscription to the messages that name topics without output."""
+    return PolledSubscription(node, message_class(topic), topic.name, lockstep_qos())
 
 
 def steps_without_output(header: Any) -> Iterator[tuple[str, int]]:
@@ -53,13 +53,13 @@ def steps_without_output(header: Any) -> Iterator[tuple[str, int]]:
 
 
 class IdleReport:
-    """Tells of topics that no node reads, and of many steps at once, that nothing was said.
+    """Reports steps without output of topics that no node waits for, many at once.
 
-    Only who reads them late waits for that: most of these topics have no output in most steps, and a message
-    costs as much as those that matter.
+    Only a node that reads them late needs the report. Most of these topics have no output in most steps, and
+    a message costs as much as those that matter.
 
     Args:
-        node: that speaks.
+        node: that publishes.
     """
 
     def __init__(self, node: Node) -> None:
@@ -67,7 +67,7 @@ class IdleReport:
         self._spans: list[list[Any]] = []  # name, first and last step
 
     def note(self, step: int, names: Sequence[str]) -> None:
-        """Note on which topics nothing was said in a step."""
+        """Note on which topics nothing was published in a step."""
         for name in names:
             span = next((span for span in self._spans if span[0] == name and span[2] == step - 1), None)
             if span is None:
@@ -76,7 +76,7 @@ class IdleReport:
                 span[2] = step
 
     def tell(self, step: int) -> None:
-        """Tell what is untold."""
+        """Publish what was noted since the last report."""
         if self._spans:
             text = " ".join(f"{name}{SPAN}{first}-{last}" for name, first, last in self._spans)
             self._spans.clear()
@@ -101,8 +101,8 @@ class StepSubscription:
 
     def __init__(self, node: Node, topic: Topic, lag: int = 0) -> None:
         self.topic, self._lag_ns = topic, lag * STEP_NS
-        self._inbox = Inbox(node, message_class(topic), topic.name, lockstep_qos(), raw=True)
-        self.subscription = self._inbox.subscription
+        self._polled = PolledSubscription(node, message_class(topic), topic.name, lockstep_qos(), raw=True)
+        self.subscription = self._polled.subscription
         self.name = self.subscription.topic_name
         self._waiting: dict[int, bytes] = {}
         self._without_output: set[int] = set()
@@ -113,14 +113,14 @@ class StepSubscription:
         """Take what has arrived, until it is known what counts in the step of this stamp [ns]."""
         if until > 0 and self.has(until):
             return
-        for data, _info in self._inbox.take():
+        for data, _info in self._polled.take():
             stamp = stamp_in(self.topic.type, data)
             self._waiting.setdefault(stamp, data)
             if stamp == until - self._lag_ns:
                 return
 
     def without_output(self, stamp: int) -> None:
-        """Nothing will be said in the step of this stamp."""
+        """Note that nothing will be published in the step of this stamp."""
         self._without_output.add(stamp)
 
     def has(self, stamp: int) -> bool:
@@ -162,15 +162,15 @@ class StepSubscription:
 
 
 class StepPublisher:
-    """A publisher that speaks once a step; the first word counts.
+    """A publisher of one message a step; the first counts.
 
-    What nobody waits for is kept until the node is told to tell it: one after the other, messages cost less.
+    Messages that no node waits for are kept until `tell`: one after the other, messages cost less.
 
     Args:
-        node: that speaks.
+        node: that publishes.
         topic: row of the table.
         step: the step that is being made; 0 between the steps.
-        note: is given the step and the bytes of all that is said.
+        note: is given the step and the bytes of all that is published.
     """
 
     def __init__(
@@ -181,10 +181,10 @@ class StepPublisher:
         self._say = raw_publish(self._publisher)
         self._step, self._note = step, note
         self._kept: list[bytes] = []
-        self.published_step = 0  # last step in which something was said
+        self.published_step = 0  # last step in which something was published
 
     def publish(self, message: Any) -> None:
-        """Say a message, or its bytes. Between the steps, as a stopped node's last words, nothing is said."""
+        """Publish a message, or its bytes; nothing between the steps, as when a stopped node ends."""
         step = self._step()
         if step == self.published_step or step == 0:
             return
@@ -197,7 +197,7 @@ class StepPublisher:
         self._note(step, data)
 
     def tell(self) -> None:
-        """Say what was kept."""
+        """Publish what was kept."""
         for data in self._kept:
             self._say(data)
         self._kept.clear()

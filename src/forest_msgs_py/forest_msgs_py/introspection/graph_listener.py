@@ -12,7 +12,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from forest_msgs_py.interfaces.topics import message_class, unlisted
-from forest_msgs_py.runtime.polled_subscription import Inbox
+from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.runtime.sequences import SequenceGaps
 
 QUEUE_DEPTH = 10_000  # messages: three seconds of 3 kHz, in which a disk may think
@@ -47,7 +47,7 @@ class _ListenedTopic:
         self.publishers: dict[bytes, TopicEndpointInfo] = {}
         self.told = 0  # of the publishers, to who listens
         self.present = 0  # at the last look
-        self.inbox: Inbox | None = None
+        self.polled: PolledSubscription | None = None
         self.qos: tuple[ReliabilityPolicy, DurabilityPolicy] | None = None
         self.gaps = SequenceGaps()
 
@@ -97,18 +97,20 @@ class GraphListener:
         """Return what has arrived since the last time, in the order of arrival."""
         heard, self._moved = self._moved, []
         for name, watched in self._watched.items():
-            if watched.inbox is not None:
-                heard.extend(self._taken(name, watched, watched.inbox))
+            if watched.polled is not None:
+                heard.extend(self._taken(name, watched, watched.polled))
         heard.sort(key=itemgetter(0))
         return heard
 
-    def _taken(self, name: str, watched: _ListenedTopic, inbox: Inbox) -> Iterator[ReceivedMessage]:
+    def _taken(
+        self, name: str, watched: _ListenedTopic, polled: PolledSubscription
+    ) -> Iterator[ReceivedMessage]:
         observe = watched.gaps.observe
 
         def publishers() -> int:  # asked only when a number does not follow on
             return self._meet_publishers(name, watched)
 
-        for data, info in inbox.take():
+        for data, info in polled.take():
             sequence = info.get("publication_sequence_number") or 0
             missed = observe(sequence, publishers)
             yield ReceivedMessage(
@@ -141,12 +143,12 @@ class GraphListener:
     def _subscribe(
         self, name: str, kind: Any, watched: _ListenedTopic, qos: tuple[ReliabilityPolicy, DurabilityPolicy]
     ) -> None:
-        if watched.inbox is not None:
-            self._moved.extend(self._taken(name, watched, watched.inbox))
-            self._node.destroy_subscription(watched.inbox.subscription)
+        if watched.polled is not None:
+            self._moved.extend(self._taken(name, watched, watched.polled))
+            self._node.destroy_subscription(watched.polled.subscription)
         watched.qos = qos
         profile = QoSProfile(depth=QUEUE_DEPTH, reliability=qos[0], durability=qos[1])
-        watched.inbox = Inbox(self._node, kind, name, profile, raw=True)
+        watched.polled = PolledSubscription(self._node, kind, name, profile, raw=True)
 
     def _meet_publishers(self, name: str, watched: _ListenedTopic) -> int:
         """Note who publishes now; return how many have done so until now."""

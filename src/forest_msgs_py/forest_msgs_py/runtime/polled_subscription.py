@@ -73,7 +73,7 @@ class ReceivedCount:
         return (time.time_ns() - self._sent_ns) * 1e-9 if self.count else math.inf
 
 
-class Inbox(ReceivedCount):
+class PolledSubscription(ReceivedCount):
     """Messages of one topic, waiting in the middleware's queue until they are taken.
 
     Args:
@@ -119,6 +119,6 @@ class Inbox(ReceivedCount):
         return Arrival(newest[0], sent_at(newest[1]))
 
 
-def inbox(node: Node, topic: Topic) -> Inbox:
-    """An inbox with the type and the QoS of the table, for the bytes of messages."""
-    return Inbox(node, message_class(topic), topic.name, qos(topic, reading=True), raw=True)
+def polled_subscription(node: Node, topic: Topic) -> PolledSubscription:
+    """A polled subscription with the type and the QoS of the table, for the bytes of messages."""
+    return PolledSubscription(node, message_class(topic), topic.name, qos(topic, reading=True), raw=True)

@@ -50,7 +50,7 @@ class EmergencyStop:
         prefix: of the services' names: "" or "~/".
         objection: what stands against a reset now, "" for nothing.
         act: called at once when the stop is pressed.
-        said: publisher of /emergency_stopped, if the node has one of its own pace.
+        said: publisher of /emergency_stopped, if the node has one of its own clock.
     """
 
     def __init__(

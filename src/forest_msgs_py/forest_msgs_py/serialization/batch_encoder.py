@@ -10,7 +10,8 @@ stamps_ns     ROS time, int64 [N]
 values        float64 [N, k], k numbers per message in the order of `packing.columns`
 ============  ==============================================================================================
 
-Kept beside rosbags' typestore, whose bytes are the same: MEASURED
+Kept beside rosbags' typestore, whose bytes are the same: 0.7 µs a message instead of 14 µs
+(`benchmarks/serialization.py`).
 """
 
 from __future__ import annotations

@@ -3,8 +3,9 @@
 rosbags' typestore does the work. The gaps between fields are zero, where ROS's own serializer leaves what
 was in memory: a bag of a simulated run repeats to the byte.
 
-rosbags and not mcap-ros2-support: that one decodes ten times slower, encodes only into its own file, and
-reads no IDL. What a node does in each step is in `packing` and `unpacking`, which are faster still.
+rosbags and not mcap-ros2-support: that one takes twice as long to decode, encodes only into its own file,
+and reads no IDL. What a node does in each step is in `packing` and `unpacking`, which are faster still
+(`benchmarks/serialization.py`).
 """
 
 from __future__ import annotations

@@ -112,8 +112,8 @@ class Packer:
         return Template(data, stamp, place, _runs(told))
 
 
-class Speaker:
-    """Says stamps and numbers.
+class NumberPublisher:
+    """Publishes stamps and numbers.
 
     Args:
         publish: publishes the bytes of a message of the topic.
@@ -123,7 +123,7 @@ class Speaker:
     def __init__(self, publish: Callable[[bytes], None], packer: Packer) -> None:
         self._publish, self._packer = publish, packer
 
-    def say(self, stamp_ns: int, values: Sequence[float]) -> None:
+    def publish(self, stamp_ns: int, values: Sequence[float]) -> None:
         """Publish a message with this stamp and these numbers, unless all of them are missing."""
         data = self._packer.pack(stamp_ns, values)
         if data is not None:

@@ -110,7 +110,7 @@ def _refuse_emergency_stop(graph: LiveGraph) -> None:
 
 
 def _demand(graph: LiveGraph, topic: topics.Topic) -> None:
-    if not graph.hears(topic):
+    if not graph.has_message(topic):
         raise NoAnswer(f"nobody publishes {topic.name} in {graph.place}: no machine is behind the graph")
 
 

@@ -1,4 +1,4 @@
-"""Time and inboxes by hand, for what a node reads: no process, no middleware."""
+"""Time and subscriptions by hand, for what a node reads: no process, no middleware."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ class Arrival(NamedTuple):
     time: float
 
 
-class Box:
-    """An inbox into which a test puts what arrives."""
+class HandSubscription:
+    """A subscription into which a test puts what arrives."""
 
     def __init__(self) -> None:
         self.arrival: Arrival | None = None
@@ -23,18 +23,18 @@ class Box:
         return arrival
 
 
-class Pace:
-    """Time and inboxes by hand."""
+class HandClock:
+    """Time and subscriptions by hand."""
 
     def __init__(self) -> None:
-        self.boxes: dict[str, Box] = {}
+        self.boxes: dict[str, HandSubscription] = {}
         self.answered: set[str] = set()
         self.time = 0.0
 
-    def inbox(self, topic: Any, answered: bool = False) -> Box:
+    def polled_subscription(self, topic: Any, answered: bool = False) -> HandSubscription:
         if answered:
             self.answered.add(topic.name)
-        return self.boxes.setdefault(topic.name, Box())
+        return self.boxes.setdefault(topic.name, HandSubscription())
 
     def now(self) -> float:
         return self.time
