@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from clock_by_hand import Pace
+from clock_by_hand import HandClock
 
 from forest_control.pipeline.valve_feedback import LEARNT, ValveReports
 from forest_control.safety.driver_response import DriverResponse, objection, responds, response
@@ -26,7 +26,7 @@ BEGIN = 1000.0  # [s] a clock that started long ago
 
 @pytest.fixture
 def pace():
-    pace = Pace()
+    pace = HandClock()
     pace.time = BEGIN
     return pace
 

@@ -202,7 +202,7 @@ EVENTS = Topic(
 )
 DIAGNOSTICS = Topic(
     "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", (), (), 1.0,
-    "Diagnostics of the nodes' inputs, of hardware and others where somebody tells it.",
+    "Health of the nodes' inputs, of hardware and others where somebody tells it.",
     (_CONTROLLER, _DRIVER, _SIMULATOR), _NOBODY,
 )
 CLOCK = Topic(
