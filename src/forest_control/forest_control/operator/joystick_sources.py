@@ -26,7 +26,7 @@ class LeverError(ValueError):
 def thesis_tip_velocity(time: float) -> Vec3:
     """Return the wished tip velocity [m/s] of the thesis' evaluation at a time [s]. Thesis section 5.2.
 
-    Steps in x and z at different times and a sinusoid in y; amplitudes as read in docs/equations.md.
+    Steps in x and z at different times and a sinusoid in y; amplitudes: docs/explanation/equations.md.
     """
     x = 0.30 if 1.0 <= time < 4.0 else 0.0
     z = 0.25 if 2.5 <= time < 5.5 else 0.0

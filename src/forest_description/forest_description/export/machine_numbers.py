@@ -86,20 +86,6 @@ def table(rows: list[Quantity], machine: Machine) -> str:
     return "\n".join(lines)
 
 
-def assumptions() -> str:
-    """Return Markdown for the default machine's assumed numbers, one line each: key, value, unit, why."""
-    lines = ["| assumed | value | why |", "|---|---|---|"]
-    for row in sources("c180"):
-        if origin(row.source) == "assumed":
-            cells = (
-                f"`{row.key}`",
-                f"{number(row.value, 6)} {row.unit}",
-                row.source.removeprefix("assumed: "),
-            )
-            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
-    return "\n".join(lines)
-
-
 def document() -> str:
     """Return the whole docs/machine.md."""
     thesis, c180, loader = (load_machine(name) for name in ("c180_thesis", "c180", "loader"))

@@ -388,15 +388,5 @@ def markdown() -> str:
     )
 
 
-def overview() -> str:
-    """The short table that the README holds: topic, type, content."""
-    rows = [
-        f"| `{topic.name}` | {topic.type.replace('/msg/', '/')} | {topic.doc} |"
-        for topic in TOPICS
-        if topic.recorded
-    ]
-    return "\n".join(("| topic | type | content |", "|---|---|---|", *rows))
-
-
 if __name__ == "__main__":
     print(markdown())

@@ -4,7 +4,7 @@ Port 1 is connected to the supply and port 2 to the tank, the thesis' only case.
 to the actuator, hose 2 from the actuator to the valve. Node names are those of the crane's places. What the
 graph leaves to the manipulator is a velocity source: its through variable is the torque or force on the load.
 
-`graph_page` draws them and writes what follows from them into docs/linear-graphs.md.
+`page` draws them and writes what follows from them into docs/explanation/linear-graphs.md.
 
 | symbol | name | unit |
 |---|---|---|

@@ -232,7 +232,7 @@ def from_array(x: ArrayLike, supply_pressure: float) -> PlantState:
 def thesis_state_derivative(x: ArrayLike, c_r: ArrayLike, p_s: float, machine: Machine) -> Floats:
     """Return xdot of Appendix B, corrected, for given orifice resistances.
 
-    Thesis eq. 3.20, App. B. Differs: docs/equations.md lists the corrections.
+    Thesis eq. 3.20, App. B. Differs: docs/explanation/equations.md lists the corrections.
     Port 1 of every valve is connected to the supply, port 2 to the tank.
 
     Args:
