@@ -43,7 +43,7 @@ def test_what_only_tests_need_is_in_their_lock_alone(run, test):
 
 @pytest.mark.parametrize(
     ("script", "part"),
-    [("demo", "run"), ("graph", "run"), ("bags", "run"), ("test", "test"), ("check", "dev")],
+    [("demo", "run"), ("graph", "run"), ("bags", "run"), ("test", "test"), ("check", "dev"), ("docs", "docs")],
 )
 def test_a_script_asks_for_its_part(script, part):
     text = (ROOT / "scripts" / f"{script}.sh").read_text("utf-8")
@@ -93,7 +93,7 @@ def checkout(tmp_path):
     (tmp_path / "scripts").mkdir()
     shutil.copy(ROOT / "scripts" / "setup.sh", tmp_path / "scripts")
     (tmp_path / "wheels").mkdir()
-    for part in ("", "-jazzy", "-test", "-jazzy-test", "-dev"):
+    for part in ("", "-jazzy", "-test", "-jazzy-test", "-dev", "-docs"):
         (tmp_path / f"requirements{part}.lock").write_text(
             wheel(tmp_path / "wheels", f"part{part.replace('-', '_')}")
         )
@@ -127,8 +127,10 @@ def test_each_part_is_installed_when_it_is_asked_for_and_once(checkout):
     assert setup("test") == setup() == ""
     setup("dev")
     assert there() == {"part", "part_test", "part_dev"}
+    setup("docs")
+    assert there() == {"part", "part_test", "part_dev", "part_docs"}
     assert (checkout / ".venv" / ".python").stat().st_ino == made
     (checkout / "requirements-test.lock").write_text(wheel(checkout / "wheels", "part_more"))
     assert setup() == setup("dev") == ""  # what the tests need is no business of the others
     setup("test")
-    assert there() == {"part", "part_test", "part_dev", "part_more"}
+    assert there() == {"part", "part_test", "part_dev", "part_docs", "part_more"}

@@ -1,4 +1,4 @@
-"""The table of every number of the shipped machines and its origin, as Markdown: docs/machine.md."""
+"""docs/reference/machine.md: every number of the shipped machines and where it comes from."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from forest_description.machine import Machine, load_machine, sources
 INTRODUCTION = """# The machine in numbers
 
 Made by `python -m forest_description.export.machine_numbers` from the files in
-`forest_description/machines/`; do not
-edit by hand. A number is from the **thesis** (with its place) or **assumed** (with the reason).
+`forest_description/machines/`. Do not edit it by hand.
+A number is from the **thesis** (with its place) or **assumed** (with the reason).
 
 - `c180_thesis` is the crane with the choices of the thesis, a known slip included.
-- `c180`, the default, is based on it: the slip corrected, and with what a teleoperated machine needs.
-- `loader` is a machine of another class, a small trailer loader crane; nothing of it is from the thesis. It
-  shows what a machine file can say: load-sensing pump, valves by axis and direction, friction, hanging head.
+- `c180`, the default, is based on it: the slip corrected, and with what a teleoperated machine
+  needs.
+- `loader` is a machine of another class, a small trailer loader crane. All of it is assumed.
+  It shows what a machine file can say: load-sensing pump, valves by axis and direction, friction,
+  hanging head.
 """
 
 
@@ -87,7 +89,7 @@ def table(rows: list[Quantity], machine: Machine) -> str:
 
 
 def document() -> str:
-    """Return the whole docs/machine.md."""
+    """Return the whole docs/reference/machine.md."""
     thesis, c180, loader = (load_machine(name) for name in ("c180_thesis", "c180", "loader"))
     printed, chosen = sources("c180_thesis"), choices(thesis)
     numbers = [row for row in sources("c180") if row not in printed]

@@ -4,7 +4,8 @@ Positive parameters are log-normal about a centre, the others normal: with some 
 record of a few motions, least squares alone explains the record and nothing after it. Centres are of the
 order that a load-sensing crane valve and a cylinder of usual proportions give once valve, pressure and
 position are brought to the spans of `actuator_record.SPANS`; widths of 0.5 to 1 allow a factor of 3 to 7.
-Centres and widths were chosen by cross-validation within the first half of a record (docs/real-crane.md).
+Centres and widths were chosen by cross-validation within the first half of a record
+(docs/explanation/real-crane.md).
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The one table of topics: name, type, values with units, rate, QoS, who speaks and who listens.
 
-Nodes, recorder, bag reader, pictures and ``docs/topics.md`` are made from this table. Names are relative
-where a crane owns the topic, so that a namespace moves the whole graph; ``/clock``, ``/diagnostics`` and
-``/rosout`` belong to the ROS graph and are absolute.
+Nodes, recorder, bag reader, pictures and ``docs/reference/topics.md`` are made from this table. Names are
+relative where a crane owns the topic, so that a namespace moves the whole graph; ``/clock``, ``/diagnostics``
+and ``/rosout`` belong to the ROS graph and are absolute.
 
 ====================  ======================================================================================
 symbol                meaning
@@ -352,7 +352,7 @@ def _row(topic: Topic) -> str:
 
 
 def markdown() -> str:
-    """The table as ``docs/topics.md`` holds it."""
+    """The table as ``docs/reference/topics.md`` holds it."""
     head = ("topic", "type", "values [unit]", "rate", "QoS", "recorded", "published by", "read by", "content")
     return "\n".join(
         (
