@@ -18,7 +18,6 @@ from forest_bag.write.bag_writer import BagWriter
 from forest_bringup import graph, lockstep_run
 from forest_bringup.graph_lock import GraphError
 from forest_bringup.supervisor import NodeSpec, Stopped
-from forest_control.config.tunables import TUNABLES, as_typed
 from forest_control.operator.joystick_watch import HEARTBEAT
 from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
 from forest_description.types import Floats
@@ -26,6 +25,7 @@ from forest_msgs_py.clock.step_topics import STEP_NS
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import ns_to_stamp
 from forest_msgs_py.interfaces.topics import Topic, message_class, offered_qos
+from forest_msgs_py.runtime.parameter_table import typed_values
 from forest_msgs_py.serialization.cdr import to_cdr
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Trajectory
@@ -90,7 +90,8 @@ def _nodes(course: Course, settings: GraphSettings, directory: Path) -> list[Nod
     """Return the graph, the recorder included; the controller is told every setting of the course."""
     label = course.settings.scheme.label
     controller, driver = graph.control(settings.model, label, shadow=False, describe=False)
-    typed = {one.name: as_typed(one.name, course.settings) for one in TUNABLES if one.name != "scheme"}
+    typed = typed_values(course.settings)
+    del typed["scheme"]  # `graph.control` tells it
     simulated = {
         "initial_tip": course.laps[0].path.at(0.0),
         "sensor_noise": settings.noise,
