@@ -9,12 +9,13 @@ wall.)
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from rclpy.node import Node
 
+from forest_bag.play.player_parameters import StepPlayerParameters
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage
@@ -24,7 +25,8 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.stamps import STAMPED
 from forest_msgs_py.interfaces.topics import Topic, find
 from forest_msgs_py.runtime.node import NodeFailure, run_node
-from forest_msgs_py.runtime.node_parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import ParameterError
 
 # The leader's own, and what several nodes say, among them those under test.
 NOT_PLAYED = (topics.CLOCK, topics.DIAGNOSTICS)
@@ -39,8 +41,7 @@ class StepPlayerNode(Node):
         if not self._pace.lockstep:
             raise ParameterError("parameter 'lockstep' is false; allowed: true; `forest-bag play` plays live")
         self.run = self._pace.run
-        path = declare(self, "bag", "", "recorded in lockstep")
-        answers = declare(self, "answers", [""], "topics, without slash, that the nodes under test say")
+        path, answers = declare(self, StepPlayerParameters)
         try:
             self._bag = BagReader(Path(path))
         except (BagError, OSError) as error:
@@ -81,7 +82,7 @@ class StepPlayerNode(Node):
         return super().destroy_node()
 
 
-def _is_played(row: Topic, answers: list[str]) -> bool:
+def _is_played(row: Topic, answers: Sequence[str]) -> bool:
     said = row.type in STAMPED or row == topics.ROBOT_DESCRIPTION
     return said and row.name not in answers and row not in NOT_PLAYED
 

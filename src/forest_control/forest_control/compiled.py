@@ -12,7 +12,7 @@ from typing import Any
 
 from forest_compile import compiled_step, kernel_cache
 from forest_compile.compiled_step import CompiledStep, Example
-from forest_compile.kernel_cache import Kept
+from forest_compile.kernel_cache import CachedKernel
 from forest_control.limits import workspace
 from forest_control.operator import levers, operator_profile
 from forest_control.pipeline import bumpless_transfer, controller, stop_profile
@@ -24,7 +24,7 @@ from forest_msgs_py.types import PERIOD
 Step = Callable[..., tuple[Any, Any]]
 
 # What is seldom called stays a function; all else is written out.
-APART = (
+NOINLINE = (
     *(controller._stopping, bumpless_transfer.taken_over, kinematics.nearest_pose, stop_profile.share),
     *(workspace.share, workspace.slid, operator_profile.tip_following),
 )
@@ -59,8 +59,8 @@ def _drive() -> Example:
     return Example(state, inputs, p, voltages)
 
 
-CONTROLLER = Kept("controller", lambda: compiled_step.entry(controller.told, _control(), APART))
-DRIVER = Kept("valve-driver", lambda: compiled_step.entry(valve_driver.step_seen, _drive(), APART))
+CONTROLLER = CachedKernel("controller", lambda: compiled_step.entry(controller.told, _control(), NOINLINE))
+DRIVER = CachedKernel("valve-driver", lambda: compiled_step.entry(valve_driver.step_seen, _drive(), NOINLINE))
 
 
 def main() -> None:

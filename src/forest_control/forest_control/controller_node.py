@@ -13,12 +13,11 @@ from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 
 from forest_control import compiled
+from forest_control.config.controller_parameters import ControllerParameters, ProfileParameter
 from forest_control.config.parameter_update import Retuning
-from forest_control.config.profile_file import load_profile, shipped
-from forest_control.config.tunables import TUNABLES, as_typed, settings_from
+from forest_control.config.profile_file import load_profile
+from forest_control.config.settings import Settings
 from forest_control.config.workspace_file import load_workspace
-from forest_control.config.workspace_file import shipped as workspaces
-from forest_control.limits.workspace import Workspace
 from forest_control.operator import joystick_interpolation, joystick_watch
 from forest_control.operator.joystick_watch import (
     Joystick,
@@ -29,7 +28,7 @@ from forest_control.operator.joystick_watch import (
     problem_of,
     sample_of,
 )
-from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, RIGHT_Y
+from forest_control.operator.levers import RIGHT_Y
 from forest_control.pipeline import controller
 from forest_control.pipeline.valve_feedback import ValveReports
 from forest_control.safety import frozen_sensor
@@ -43,13 +42,13 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import Tunables, declare
+from forest_msgs_py.runtime.parameter_table import MachineParameter, table_of
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.safety.diagnostics import Health
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import JointReader, read_joy_data
-from forest_msgs_py.types import PERIOD
 
 FRAME = "base_link"
 WATCHDOG_PERIOD = 0.02  # [s]
@@ -67,19 +66,16 @@ class ControllerNode(Node):
         super().__init__("controller")
         self._pace = pace(self)
         self.run = self._pace.run
-        get = partial(declare, self)
-        machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
-        self._machine, self._tunables = machine, self._declare_tunables()
-        tunables = self._tunables
-        self._workspace = self._walls()
-        core = controller.parameters(machine, settings_from(tunables.values), self._workspace)
-        self._tuning = Retuning(core)
-        self._period = StampedPeriod(get("period", PERIOD, "nominal period of the state", "s", 1e-4, 0.1))
-        self._watch_settings = self._joystick_settings()
-        self._state_timeout = get("state_timeout", 0.1, "age at which the state is lost", "s", 0.01, 0.2)
-        self._deadman = get("deadman_button", LEFT_SHOULDER, "button to hold", low=0, high=BUTTON_COUNT - 1)
-        self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
-        get("hands_off", False, "disarmed, no valve commands: somebody else has the valves", read_only=False)
+        machine = load_machine(declare(self, MachineParameter).machine)
+        # An operator's profile gives what is not set.
+        tunables = Tunables(self, {"profile": load_profile})
+        profile = load_profile(tunables.declare(ProfileParameter).profile)
+        settings = tunables.declare(Settings, profile)
+        p, self._watch_settings = declare(self, ControllerParameters), declare(self, WatchParameters)
+        self._machine, self._tunables, self._workspace = machine, tunables, load_workspace(p.workspace)
+        self._tuning = Retuning(controller.parameters(machine, settings, self._workspace))
+        self._period, self._state_timeout = StampedPeriod(p.period), p.state_timeout
+        self._deadman, self._plain = p.deadman_button, p.plain_arrays
         self.add_on_set_parameters_callback(self._may_take_hands_off)
         self._state, self._step = controller.REST, compiled.controller_step()
         self._asked, self._still = ZERO, frozen_sensor.MOVING
@@ -92,7 +88,7 @@ class ControllerNode(Node):
         stopped = self._pace.publisher(topics.EMERGENCY_STOPPED)
         self._stop = EmergencyStop(self, "", self._against_reset, self._stand_still, stopped)
         self._declare_outputs()
-        if get("publish_description", False, "publish robot_description; where no simulator does"):
+        if p.publish_description:
             self._describe(machine)
         self._joints = JointReader(topics.JOINTS)
         self._joy, self._valves = self._pace.inbox(topics.JOY), ValveReports(self._pace, machine)
@@ -102,15 +98,6 @@ class ControllerNode(Node):
         )
         self._watch_inputs(self._pace.on(topics.JOINT_STATES, self._on_joint_states))
         self._pace.every(WATCHDOG_PERIOD, self._on_watchdog)
-
-    def _declare_tunables(self) -> Tunables:
-        """What may be set while the node runs; an operator's profile gives what is not."""
-        tunables, defaults = Tunables(self, {"profile": load_profile}), controller.Settings()
-        text = f"operator's profile: {', '.join(shipped())}, or path of a file; what is also given wins"
-        profile = load_profile(tunables.declare("profile", "default", text))
-        for one in TUNABLES:
-            tunables.declare(one.name, profile.get(one.name, as_typed(one.name, defaults)), *one[1:])
-        return tunables
 
     def _describe(self, machine: Machine) -> None:
         self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
@@ -136,7 +123,7 @@ class ControllerNode(Node):
     def _joystick_values(self) -> dict[str, Any]:
         watch, p = self._joystick, self._watch_settings
         state = {"state": watch.joystick.name.lower(), "deadman held": watch.held, "armed": watch.armed}
-        timeouts = {"joy_timeout [s]": p.timeout, "frozen_timeout [s]": p.frozen_timeout}
+        timeouts = {"joy_timeout [s]": p.joy_timeout, "frozen_timeout [s]": p.frozen_timeout}
         return {**state, **timeouts, "centre [1]": p.centre, "out of order since start": watch.out_of_order}
 
     def _limits(self) -> dict[str, Any]:
@@ -149,23 +136,9 @@ class ControllerNode(Node):
         watch = self._joystick
         return watch.joystick == Joystick.SILENT or (watch.joystick == Joystick.LOST and not watch.held)
 
-    def _walls(self) -> Workspace:
-        doc = f"walls: {', '.join(workspaces())}, or path of a file; empty: none"
-        return load_workspace(declare(self, "workspace", "", doc))
-
     def _tune(self, values: dict[str, Any]) -> None:
         """Follow parameters that were set while the machine may be moving."""
-        self._tuning.want(controller.parameters(self._machine, settings_from(values), self._workspace))
-
-    def _joystick_settings(self) -> WatchParameters:
-        d, get = WatchParameters(), partial(declare, self)
-        return WatchParameters(
-            timeout=get("joy_timeout", d.timeout, "age at which the joystick is lost", "s", 0.01, 2.0),
-            frozen_timeout=get(
-                "frozen_timeout", d.frozen_timeout, "longest hold still, deflected; 0: any", "s", 0.0, 60.0
-            ),
-            centre=get("centre", d.centre, "deflection that counts as centred", "", 0.001, 0.5),
-        )
+        self._tuning.want(controller.parameters(self._machine, table_of(Settings, values), self._workspace))
 
     def _read_joy(self) -> None:
         """Take in every joystick sample that waits, oldest first."""

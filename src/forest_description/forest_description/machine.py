@@ -6,8 +6,6 @@ extending), port 2 the negative one. Where every shipped number comes from: ``py
 forest_description.export.machine_numbers`` (docs/reference/machine.md).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from pathlib import Path

@@ -9,22 +9,23 @@ valves.
 
 import math
 import sys
-from functools import partial
 from typing import Any
 
 from rclpy.node import Node
 
-from forest_description.machine import load_machine
+from forest_description.machine import Machine, load_machine
 from forest_description.types import ZERO, Vec3
 from forest_ident.driving import safety_monitor
 from forest_ident.driving.operator_inputs import Inputs
+from forest_ident.driving.operator_parameters import OperatorParameters
 from forest_ident.driving.valve_takeover import CONTROLLER, Switches
 from forest_ident.experiments import excitation, experiments
 from forest_msgs_py.clock.node_clock import pace, speaker
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.introspection.live_graph import UNKNOWN, LiveGraph, NoAnswer, speakers
 from forest_msgs_py.runtime.node import Finished, NodeFailure, run_node, subscription
-from forest_msgs_py.runtime.node_parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import MachineParameter, ParameterError
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.serialization.unpacking import JointReader
@@ -43,9 +44,9 @@ class ExperimentOperatorNode(Node):
         super().__init__("experiment_operator")
         self._pace = pace(self)
         self.run = self._pace.run
-        self._plan = self._planned()
-        self._timeout = declare(self, "timeout", 0.1, "age at which the state is lost", "s", 0.01, 1.0)
-        self._listeners = declare(self, "listeners", 1, "of the commands, to be there first", low=0, high=9)
+        machine = load_machine(declare(self, MachineParameter).machine)
+        p = declare(self, OperatorParameters)
+        self._plan, self._timeout, self._listeners = _planned(machine, p), p.timeout, p.listeners
         self._programme = self._plan.programme
         self._bounds = safety_monitor.bounds(self._plan, self._programme)
         self._state, self._watched = excitation.START, safety_monitor.State()
@@ -67,17 +68,6 @@ class ExperimentOperatorNode(Node):
             for topic in (topics.EMERGENCY_STOP, topics.EMERGENCY_STOPPED):
                 subscription(self, topic, self._on_emergency_stop)
             self._take_over()
-
-    def _planned(self) -> experiments.Plan:
-        get = partial(declare, self)
-        machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
-        name = get("experiment", "validation", "as `forest-ident experiment list` tells them")
-        allowed = [known for known in experiments.names(machine) if known != "calibration"]
-        if name not in allowed:
-            raise ParameterError(f"parameter 'experiment' is {name!r}; allowed: {', '.join(allowed)}")
-        seed = get("seed", 0, "of levels drawn by lot", low=0)
-        longest = get("longest", 0.0, "cut the programme off there, for a trial; 0: never", "s", 0.0, 1e6)
-        return experiments.plan(name, machine, seed, longest or math.inf)
 
     def _take_over(self) -> None:
         """Have what is commanded here, and nothing else, reach the valves.
@@ -201,6 +191,13 @@ class ExperimentOperatorNode(Node):
         self._graph.close()
         if failed:
             raise NodeFailure(failed)
+
+
+def _planned(machine: Machine, p: OperatorParameters) -> experiments.Plan:
+    allowed = [known for known in experiments.names(machine) if known != "calibration"]
+    if p.experiment not in allowed:
+        raise ParameterError(f"parameter 'experiment' is {p.experiment!r}; allowed: {', '.join(allowed)}")
+    return experiments.plan(p.experiment, machine, p.seed, p.longest or math.inf)
 
 
 def main() -> None:

@@ -13,15 +13,16 @@ from rclpy.node import Node
 from forest_description.machine import load_machine
 from forest_description.types import Vec3
 from forest_ident.online import estimator
+from forest_ident.online.online_parameters import OnlineParameters
 from forest_msgs_py.clock.node_clock import pace
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array
 from forest_msgs_py.interfaces.topics import Topic
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader
-from forest_msgs_py.types import PERIOD
 
 PORTS = tuple(tuple(f"{joint}_{port}_actuator" for joint in topics.JOINTS) for port in (1, 2))
 
@@ -33,14 +34,11 @@ class OnlineIdentificationNode(Node):
         super().__init__("online_identification")
         self._pace = pace(self)
         self.run = self._pace.run
-        get = partial(declare, self)
-        machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
-        memory = get("memory", 60.0, "after which a sample counts 1/e", "s", 1.0, 86400.0)
-        self._core = estimator.parameters(machine, memory)
+        machine = load_machine(declare(self, MachineParameter).machine)
+        p = declare(self, OnlineParameters)
+        self._core = estimator.parameters(machine, p.memory)
         self._state = estimator.initial(self._core)
-        self._period = StampedPeriod(get("period", PERIOD, "nominal period of the joints", "s", 1e-4, 0.1))
-        self._timeout = get("timeout", 0.1, "age at which pressures and voltages are lost", "s", 0.01, 2.0)
-        self._every = get("report_period", 1.0, "between two reports", "s", 0.1, 600.0)
+        self._period, self._timeout, self._every = StampedPeriod(p.period), p.timeout, p.report_period
         self._since = 0.0
         self._last: dict[Topic, tuple[bytes, float]] = {}  # message, when it was sent
         self._joints = JointReader(topics.JOINTS)

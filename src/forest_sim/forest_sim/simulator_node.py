@@ -14,6 +14,7 @@ import math
 import sys
 import threading
 import time
+from collections.abc import Sequence
 from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
@@ -28,13 +29,15 @@ from forest_msgs_py.clock.node_clock import pace, speaker
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import run_node
-from forest_msgs_py.runtime.node_parameters import ParameterError, declare, declare_triple
+from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import MachineParameter, ParameterError
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.safety.diagnostics import Health, beyond, rating_values
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
 from forest_sim.run.disturbance import Disturbance, checked_tip_force, parse_stuck_spools
 from forest_sim.run.simulated_machine import SimulatedMachine
+from forest_sim.run.simulator_parameters import SimulatorParameters
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_readings import Report
 from forest_sim.sensors.sensor_suite import Suite, calibrated, sensor_suite
@@ -53,25 +56,23 @@ class SimulatorNode(Node):
         super().__init__("simulator")
         self._pace = pace(self, leads=True)
         self.run = self._pace.run or self._keep_time
-        machine = load_machine(declare(self, "machine", "c180", "shipped machine, or path of a machine file"))
-        start = declare_triple(self, "initial_tip", start_tip(machine), "tip position at the start", "m")
-        self._plain = declare(self, "plain_arrays", False, "publish Float64MultiArray without stamp")
-        warms = declare(self, "oil_warms", True, "false: the oil stays as warm as the machine file says")
-        rig = declare(self, "rig", False, "a test rig: the second flow meter behind the swing's hose 1")
-        run = declare(self, "noise_run", "", "another name: other noise of the same sensors")
-        suite, angles = self._sensor_suite(machine), _start_angles(machine, start)
-        self._machine = SimulatedMachine(machine, angles, suite, PERIOD_NS * 1e-9, warms, rig, run)
+        machine = load_machine(declare(self, MachineParameter).machine)
+        p = declare(self, SimulatorParameters, initial_tip=start_tip(machine))
+        suite, angles = _sensor_suite(machine, p), _start_angles(machine, p.initial_tip)
+        self._machine = SimulatedMachine(
+            machine, angles, suite, PERIOD_NS * 1e-9, p.oil_warms, p.rig, p.noise_run
+        )
         if not self._machine.is_compiled:
             self.get_logger().info(
                 "the plant is interpreted; `python -m forest_sim.compiled` makes it fast, once"
             )
         self._changing = threading.Lock()  # parameters come in the executor's thread
-        self._declare_disturbance()
+        self._disturb(p)
         self._voltages, self._received = ZERO, -math.inf
         self._order = StampOrder(self._machine.machine.command_timeout)
         self._missed = 0
         self._speakers = {
-            topic: speaker(self._pace, topic, FRAME if topic.type in FRAMED else "", self._plain)
+            topic: speaker(self._pace, topic, FRAME if topic.type in FRAMED else "", p.plain_arrays)
             for topic in topics.TOPICS
             if "simulator" in topic.publishers and topic not in (topics.DIAGNOSTICS, topics.ROBOT_DESCRIPTION)
         }
@@ -88,22 +89,9 @@ class SimulatorNode(Node):
         if self._pace.lockstep:
             self._pace.every(0.0, self._make_step)
 
-    def _sensor_suite(self, machine: Machine) -> Suite:
-        noise = declare(self, "sensor_noise", False, "errors, noise, lag and rate as in the machine file")
-        seed = declare(self, "seed", 0, "of the sensors' errors and noise", low=0)
-        static = declare(self, "sensor_static_errors", True, "with noise: units as before calibration")
-        faults = declare(self, "sensor_faults", "", "e.g. boom_resolver: frozen from 2 s; swing_flow: absent")
+    def _disturb(self, p: SimulatorParameters) -> None:
         try:
-            suite = sensor_suite(machine, noise, seed, parse_faults(faults))
-        except ValueError as error:
-            raise ParameterError(f"parameter 'sensor_faults': {error}") from error
-        return suite if static else calibrated(suite)
-
-    def _declare_disturbance(self) -> None:
-        stuck = declare(self, "stuck_spools", "", "axes whose spools do not move", read_only=False)
-        force = declare(self, "tip_force", [0.0, 0.0, 0.0], "on the tip, base frame", "N", read_only=False)
-        try:
-            self._machine.disturb(_disturbance(stuck, force))
+            self._machine.disturb(_disturbance(p.stuck_spools, p.tip_force))
         except ValueError as error:
             raise ParameterError(f"parameter {error}") from error
         self.add_on_set_parameters_callback(self._on_parameters)
@@ -208,6 +196,14 @@ def _flat(motion: Motion) -> tuple[float, ...]:
     return *motion.position, *motion.speed, *motion.effort
 
 
+def _sensor_suite(machine: Machine, p: SimulatorParameters) -> Suite:
+    try:
+        suite = sensor_suite(machine, p.sensor_noise, p.seed, parse_faults(p.sensor_faults))
+    except ValueError as error:
+        raise ParameterError(f"parameter 'sensor_faults': {error}") from error
+    return suite if p.sensor_static_errors else calibrated(suite)
+
+
 def _start_angles(machine: Machine, tip: Vec3) -> Vec3:
     try:
         return pose_at(tip, machine)
@@ -215,7 +211,7 @@ def _start_angles(machine: Machine, tip: Vec3) -> Vec3:
         raise ParameterError(f"parameter 'initial_tip' is {list(tip)}: {error}") from error
 
 
-def _disturbance(stuck_spools: str, tip_force: list[float]) -> Disturbance:
+def _disturbance(stuck_spools: str, tip_force: Sequence[float]) -> Disturbance:
     try:
         stuck = parse_stuck_spools(stuck_spools)
     except ValueError as error:

@@ -7,7 +7,10 @@ shown as it is.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields, is_dataclass
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from forest_msgs_py.interfaces.stamps import MOST_STAMP
 from forest_msgs_py.interfaces.topics import (
@@ -26,6 +29,7 @@ from forest_msgs_py.interfaces.topics import (
 from forest_msgs_py.types import NS_PER_S
 
 LONGEST_ARRAY = 256
+EMPTY = "structure_needs_at_least_one_member"  # DDS knows no message without fields
 
 
 class Row(NamedTuple):
@@ -53,13 +57,13 @@ def _take_joints(topic: Topic, message: Any) -> Row:
         _stamp(message),
         tuple(f"{name}.{part}" for part, _ in present for name in names),
         tuple(unit[order[part]] for part, _ in present for unit in split),
-        tuple(value for _, data in present for value in data),
+        tuple(value for _, data in present for value in data.tolist()),
     )
 
 
 def _take_array(topic: Topic, message: Any) -> Row:
     offset = int(message.layout.data_offset)
-    values = tuple(message.data[offset:])
+    values = tuple(message.data[offset:].tolist())
     text = message.layout.dim[0].label if message.layout.dim else ""
     labels = tuple(text.split(",")) if text else topic.labels
     if len(labels) != len(values):
@@ -117,16 +121,14 @@ def take_any(_topic: Topic, message: Any) -> Row:
 
 
 def _collect_numbers(value: Any, path: str, found: dict[str, float]) -> None:
-    if hasattr(value, "get_fields_and_field_types"):
-        for name in value.get_fields_and_field_types():
+    if is_dataclass(value):
+        for name in _fields(value):
             if path or name != "header":
                 _collect_numbers(getattr(value, name), f"{path}.{name}" if path else name, found)
     elif isinstance(value, (bool, int, float)):
         found[path] = float(value)
-    elif isinstance(value, bytes) and len(value) == 1:  # an octet
-        found[path] = float(value[0])
     elif not isinstance(value, str) and len(value) <= LONGEST_ARRAY:
-        for place, element in enumerate(value):
+        for place, element in enumerate(value.tolist() if isinstance(value, np.ndarray) else value):
             _collect_numbers(element, f"{path}_{place}", found)
 
 
@@ -138,16 +140,22 @@ def texts(message: Any) -> dict[str, Any]:
 
 
 def _collect_texts(value: Any, path: str, found: dict[str, Any]) -> None:
-    if hasattr(value, "get_fields_and_field_types"):
-        for name in value.get_fields_and_field_types():
+    if is_dataclass(value):
+        for name in _fields(value):
             _collect_texts(getattr(value, name), f"{path}.{name}" if path else name, found)
     elif isinstance(value, str):
         found[path] = value
     elif hasattr(value, "__len__") and len(value) > LONGEST_ARRAY:
-        found[path] = bytes(value) if hasattr(value, "itemsize") else str(value)
+        found[path] = value.tobytes() if isinstance(value, np.ndarray) else str(value)
     elif isinstance(value, (list, tuple)):
         for place, element in enumerate(value):
             _collect_texts(element, f"{path}_{place}", found)
+
+
+def _fields(message: Any) -> list[str]:
+    """Names of a message's fields, without the constants of its type, which rosbags' classes hold beside them."""
+    names = [field.name for field in fields(message) if not str(field.type).startswith("ClassVar")]
+    return [name for name in names if name != EMPTY]
 
 
 TAKERS: dict[str, Callable[[Topic, Any], Row]] = {

@@ -10,8 +10,6 @@ Symbols:
 One lump per hose is an approximation; ``line_bandwidth.py`` says up to which frequency.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple

@@ -3,8 +3,6 @@
 Ranges are wide: they catch a slipped decimal point or a wrong unit, not an unusual crane.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from typing import Any, NamedTuple, TypeVar

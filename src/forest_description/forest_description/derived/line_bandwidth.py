@@ -11,8 +11,6 @@ A soft wall, or an inertance measured with its fittings, makes the wave slower t
 docs/explanation/equations.md ("One lump") compares the shipped machine's oscillations with these limits.
 """
 
-from __future__ import annotations
-
 import math
 
 from forest_description.machine import Machine

@@ -1,7 +1,5 @@
 """docs/reference/machine-file.md: what a machine file may say, made from the dataclasses that read it."""
 
-from __future__ import annotations
-
 import dataclasses
 import textwrap
 

@@ -1,7 +1,5 @@
 """docs/reference/machine.md: every number of the shipped machines and where it comes from."""
 
-from __future__ import annotations
-
 import dataclasses
 
 from forest_description.config.parameter import Parameter, ParameterSet, choice_of, parameter_of

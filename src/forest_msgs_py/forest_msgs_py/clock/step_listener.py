@@ -16,6 +16,7 @@ from functools import cache
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from forest_msgs_py.clock.clock_parameters import ListenerParameters
 from forest_msgs_py.clock.lockstep import END
 from forest_msgs_py.clock.step_batch import read_account
 from forest_msgs_py.clock.step_order import StepOrder
@@ -177,9 +178,8 @@ def listener(
     node: Node, wanted: Wanted, offered: Offered, refused: Refused, settled: Settled
 ) -> GraphListener | StepListener:
     """The listener that a node's parameters ask for: live, or of a run in lockstep."""
-    told = declare(node, "lockstep_nodes", [""], "in lockstep: the nodes of the run")
-    guard = declare(node, "lockstep_guard", 20.0, "wait for a step", "s", 0.1, 3600.0)
-    nodes = [name for name in told if name]
+    p = declare(node, ListenerParameters)
+    nodes = [name for name in p.lockstep_nodes if name]
     if not nodes:
         return GraphListener(node, wanted, offered, refused)
-    return StepListener(node, wanted, offered, refused, settled, nodes, guard + PATIENCE)
+    return StepListener(node, wanted, offered, refused, settled, nodes, p.lockstep_guard + PATIENCE)

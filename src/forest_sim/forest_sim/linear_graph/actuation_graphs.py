@@ -18,8 +18,6 @@ graph leaves to the manipulator is a velocity source: its through variable is th
 | qdot_sw, xdot | swing rate, piston speed, inputs | rad/s, m/s |
 """
 
-from __future__ import annotations
-
 from forest_sim.linear_graph.linear_graph import Branch, Domain, Kind, LinearGraph
 
 TANK = "tank"

@@ -4,8 +4,6 @@ All circuits run from left to right: supply, valve edge, hose 1, actuator, hose 
 below; the actuator's mechanical side stands on a panel in the middle.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

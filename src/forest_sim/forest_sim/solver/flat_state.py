@@ -12,7 +12,7 @@ import numpy as np
 from forest_compile import flat_layout
 from forest_description.types import Floats, Vec3
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant_kernel import KEPT
+from forest_sim.solver.plant_kernel import KERNEL
 from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.state_recording import restore, store
 
@@ -31,7 +31,7 @@ class Stepper:
         Raises:
             ModuleNotFoundError: llvmlite is not installed.
         """
-        self._kernel = KEPT.kernel()
+        self._kernel = KERNEL.kernel()
         self.state: Floats = np.array(flat_layout.packer(simulation)(simulation), dtype=np.float64)
         """What `recording.STATE` names; it may be read and written between calls."""
         self._parameters = np.array(_packed(p), dtype=np.float64)

@@ -14,7 +14,7 @@ import numpy as np
 
 from forest_compile import flat_layout, machine_code
 from forest_compile.entry import Entry
-from forest_compile.kernel_cache import Kept, can_compile
+from forest_compile.kernel_cache import CachedKernel, can_compile
 from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
 from forest_description.types import Floats, Vec3
@@ -27,7 +27,7 @@ from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.solver.step_schedule import Pace, given
 
 # What is seldom called, or only with the energy account: written out, it would make the whole larger.
-APART = (
+NOINLINE = (
     port._two_edges,
     pendulum.pendulum_dynamics,
     spool_dynamics._second_order,
@@ -67,7 +67,7 @@ def compiled_record() -> Record:
 
 def ready_advance() -> Advance | None:
     """Return the compiled `integrator.advance` if its code is there; None if it would have to be made."""
-    return compiled_advance() if KEPT.ready() else None
+    return compiled_advance() if KERNEL.ready() else None
 
 
 def fastest_record() -> Record:
@@ -77,7 +77,7 @@ def fastest_record() -> Record:
 
 @lru_cache(maxsize=1)
 def _compiled() -> tuple[Advance, Record]:
-    return _around(KEPT.kernel())
+    return _around(KERNEL.kernel())
 
 
 class _Flat(threading.local):
@@ -148,13 +148,8 @@ def _around(kernel: machine_code.Kernel) -> tuple[Advance, Record]:
     return advance, record
 
 
-def entry(fixed: Callable[[str], bool] = lambda _: False) -> Entry:
-    """Return what the kernel is made of: it steps a machine that lies flat, and records it if asked to.
-
-    Args:
-        fixed: tells which parameters ("p.guard.relief_pressure") are taken for granted as `c180_thesis` has
-            them: what a component costs that this machine lacks, is what that saves.
-    """
+def entry() -> Entry:
+    """Return what the kernel is made of: it steps a machine that lies flat, and records it if asked to."""
     simulation, p = _example()
     none = power.power_flows(simulation, p)
     names = {"step": integrator.step, "power_flows": power.power_flows, "NOTHING": none}
@@ -184,14 +179,8 @@ def entry(fixed: Callable[[str], bool] = lambda _: False) -> Entry:
     ]
     return Entry(
         *("\n".join(lines), names, ARGUMENTS),
-        views={"p": ("parameters", p)},
-        copies={"simulation": ("state", simulation)},
-        apart=APART,
-        fixed={
-            ("parameters", at): value
-            for at, (path, value) in enumerate(flat_layout.leaves(p, "p"))
-            if fixed(path)
-        },
+        {"simulation": ("state", simulation), "p": ("parameters", p)},
+        NOINLINE,
     )
 
 
@@ -202,5 +191,5 @@ def _example() -> tuple[Simulation, PlantParameters]:
     return equilibrium((0.0, 0.5, -1.5), p), p
 
 
-KEPT = Kept("plant", entry)
+KERNEL = CachedKernel("plant", entry)
 """The kernel, which moves a flat machine in place (`stepper`)."""

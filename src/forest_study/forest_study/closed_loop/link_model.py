@@ -11,9 +11,11 @@ A message that was overtaken arrives late all the same, as on a network: order i
 
 import heapq
 import math
-from typing import Generic, NamedTuple, TypeVar
+from typing import Annotated, Generic, NamedTuple, TypeVar
 
 import numpy as np
+
+from forest_msgs_py.runtime.parameter_table import Parameter, table_rows
 
 T = TypeVar("T")
 LONGEST = 60.0  # [s]
@@ -23,12 +25,20 @@ class LinkError(ValueError):
     """A link's quality is not allowed; the message says what is."""
 
 
+class DelayParameters(NamedTuple):
+    """Of `delay_node`, beside the link's quality."""
+
+    topic_in: Annotated[str, Parameter("heard")] = "joy"
+    topic_out: Annotated[str, Parameter("said")] = "joy_late"
+    seed: Annotated[int, Parameter("of jitter and losses", low=0)] = 0
+
+
 class Quality(NamedTuple):
     """How bad a link is."""
 
-    delay: float = 0.0  # [s]
-    jitter: float = 0.0  # [s]
-    loss: float = 0.0  # [1]
+    delay: Annotated[float, Parameter("of every message", "s", 0.0, LONGEST)] = 0.0
+    jitter: Annotated[float, Parameter("greatest extra delay, drawn evenly", "s", 0.0, LONGEST)] = 0.0
+    loss: Annotated[float, Parameter("probability of a message to be lost", "", 0.0, 1.0)] = 0.0
 
     def checked(self) -> "Quality":
         """Return itself.
@@ -36,9 +46,10 @@ class Quality(NamedTuple):
         Raises:
             LinkError: a delay or jitter is negative or longer than a minute, or the loss is not 0..1.
         """
-        for name, value, most in zip(self._fields, self, (LONGEST, LONGEST, 1.0), strict=True):
-            if not (math.isfinite(value) and 0.0 <= value <= most):
-                raise LinkError(f"{name} is {value!r}; allowed: 0 .. {most:g}")
+        for value, row in zip(self, table_rows(Quality), strict=True):
+            assert row.high is not None
+            if not (math.isfinite(value) and 0.0 <= value <= row.high):
+                raise LinkError(f"{row.name} is {value!r}; allowed: 0 .. {row.high:g}")
         return self
 
 
