@@ -61,7 +61,7 @@ def _minimum_jerk(times: Floats, knots: Floats, levels: Floats) -> Floats:
 
 
 def valve_ramps(peak: float, rise: float) -> tuple[Floats, Floats]:
-    """Return times [s], of shape [N], and commands [V], [N, 3]: each axis slowly to +peak, to -peak and back."""
+    """Return times [s], [N], and commands [V], [N, 3]: each axis slowly to +peak, to -peak and back."""
     times = np.arange(0.0, 12.0 * rise + 0.5 / RATE, 1.0 / RATE)
     knots = np.arange(0.0, 13.0) * rise
     ramps = [
