@@ -59,8 +59,11 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
 HEAD = """# Parameters
 
 Give a parameter at the start with `--ros-args -p NAME:=VALUE`. A value that is not allowed ends the
-node with one sentence and exit code 2. Three numbers are of swing, boom and stick. A *live* parameter
-may be set while the node runs: `ros2 param set /NODE NAME VALUE`."""
+node with one sentence and exit code 2. Three numbers are of swing, boom and stick.
+A *live* parameter may be set while the node runs: `ros2 param set /NODE NAME VALUE`.
+
+The controller's `profile` gives other defaults than these to the settings that it names
+(`forest_control/profiles`)."""
 
 
 def node_rows(node: str) -> tuple[Parameter, ...]:
