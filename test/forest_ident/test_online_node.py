@@ -5,15 +5,15 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_description.machine import load_machine
-from forest_ident.online import estimator
+from forest_ident.online import online_estimator
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array, joint_state, read_float_array
 from forest_msgs_py.interfaces.topic_qos import qos
 
 
 def test_labels_are_those_of_the_topic():
-    p = estimator.parameters(load_machine("c180"))
-    assert len(estimator.report(estimator.initial(p))) == len(topics.IDENTIFICATION.labels)
+    p = online_estimator.parameters(load_machine("c180"))
+    assert len(online_estimator.report(online_estimator.initial(p))) == len(topics.IDENTIFICATION.labels)
 
 
 def test_it_tells_what_it_believes_while_the_joints_come(peer, start_node):

@@ -8,12 +8,13 @@ recorded run, to the last bit, or the nodes are not the same. (`forest-bag play`
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from rclpy.node import Node
 
+from forest_bag.play.player_parameters import StepPlayerParameters
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage
@@ -23,7 +24,8 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.stamps import STAMPED
 from forest_msgs_py.interfaces.topics import Topic, find
 from forest_msgs_py.runtime.node import NodeFailure, run_node
-from forest_msgs_py.runtime.node_parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import ParameterError
 
 # /clock is this node's own; several nodes publish diagnostics, among them those under test.
 NOT_PLAYED = (topics.CLOCK, topics.DIAGNOSTICS)
@@ -38,8 +40,7 @@ class StepPlayerNode(Node):
         if not self._node_clock.lockstep:
             raise ParameterError("parameter 'lockstep' is false; allowed: true; `forest-bag play` plays live")
         self.run = self._node_clock.run
-        path = declare(self, "bag", "", "recorded in lockstep")
-        answers = declare(self, "answers", [""], "topics, without slash, that the nodes under test say")
+        path, answers = declare(self, StepPlayerParameters)
         try:
             self._bag = BagReader(Path(path))
         except (BagError, OSError) as error:
@@ -80,7 +81,7 @@ class StepPlayerNode(Node):
         return super().destroy_node()
 
 
-def _is_played(row: Topic, answers: list[str]) -> bool:
+def _is_played(row: Topic, answers: Sequence[str]) -> bool:
     said = row.type in STAMPED or row == topics.ROBOT_DESCRIPTION
     return said and row.name not in answers and row not in NOT_PLAYED
 

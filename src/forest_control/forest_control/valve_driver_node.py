@@ -12,9 +12,9 @@ from typing import Any
 from rclpy.node import Node
 
 from forest_control import compiled
-from forest_control.config.valve_tunables import TUNABLES
 from forest_control.valve import valve_driver
 from forest_control.valve.tracking_limit import SAID_EVERY
+from forest_control.valve.valve_driver_parameters import DriverParameters
 from forest_control.valve.valve_driver_topics import Measurements, status
 from forest_description.machine import Machine, load_machine
 from forest_description.types import ZERO, Vec3
@@ -22,13 +22,13 @@ from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import Tunables, declare
+from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import TimeInForce
 from forest_msgs_py.safety.diagnostics import Diagnostics, beyond, rating_values
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
-from forest_msgs_py.types import PERIOD
 
 WATCHDOG_PERIOD = 0.02  # [s]
 
@@ -40,19 +40,13 @@ class ValveDriverNode(Node):
         super().__init__("valve_driver")
         self._node_clock = node_clock(self)
         self.run = self._node_clock.run
-        get = partial(declare, self)
-        machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
+        machine = load_machine(declare(self, MachineParameter).machine)
         self._tunables = Tunables(self)
-        for tunable in TUNABLES:
-            default = getattr(valve_driver.Settings(), tunable.name)
-            self._tunables.declare(tunable.name, default, *tunable[1:])
-        self._core = valve_driver.parameters(machine, valve_driver.Settings(**self._tunables.values))
+        self._core = valve_driver.parameters(machine, self._tunables.declare(valve_driver.Settings))
         self._tunables.watch(partial(self._set, machine))
-        self._period = TimeInForce(get("period", PERIOD, "nominal period of the commands", "s", 1e-4, 0.1))
-        self._command_timeout = get("command_timeout", 0.1, "age at which a command is lost", "s", 0.01, 0.2)
-        timeout = get("pressure_timeout", 0.1, "age at which pressures are lost", "s", 0.01, 2.0)
-        self._shadow = get("shadow", False, "compute everything, publish no voltage")
-        self._plain = get("plain_arrays", False, "publish Float64MultiArray without stamp")
+        p = declare(self, DriverParameters)
+        self._period, self._command_timeout = TimeInForce(p.period), p.command_timeout
+        self._shadow = p.shadow
         self._state, self._step = valve_driver.REST, compiled.driver_step()
         self._command_received, self._count = -math.inf, 0
         self._order, self._asked = StampOrder(self._command_timeout), ZERO
@@ -64,13 +58,13 @@ class ValveDriverNode(Node):
         self._stop = EmergencyStop(self, "~/", self._against_reset, self._stand_still, stopped)
         self._voltages = (
             None
-            if self._shadow
-            else number_publisher(self._node_clock, topics.VALVE_VOLTAGES, plain=self._plain)
+            if p.shadow
+            else number_publisher(self._node_clock, topics.VALVE_VOLTAGES, plain=p.plain_arrays)
         )
-        self._status = number_publisher(self._node_clock, topics.VALVE_DRIVER_STATUS, plain=self._plain)
+        self._status = number_publisher(self._node_clock, topics.VALVE_DRIVER_STATUS, plain=p.plain_arrays)
         self._commands = ArrayReader(topics.VALVE_COMMANDS)
         commands = self._node_clock.on(topics.VALVE_COMMANDS, self._on_command)
-        self._measured = Measurements(self._node_clock, timeout, self._core.idle_pressure)
+        self._measured = Measurements(self._node_clock, p.pressure_timeout, self._core.idle_pressure)
         self._ratings, self._clipped = [machine.valve_of(axis).rated_voltage for axis in range(3)], 0
         self._watch_inputs(commands)
         self._node_clock.every(WATCHDOG_PERIOD, self._watch)

@@ -13,8 +13,10 @@ from forest_description.types import ZERO
 from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import Finished, run_node
-from forest_msgs_py.runtime.node_parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import ParameterError
 from forest_sim.run.inputs import InputError, read_voltages
+from forest_sim.run.simulator_parameters import CommanderParameters
 
 
 class CommanderNode(Node):
@@ -24,11 +26,8 @@ class CommanderNode(Node):
         super().__init__("commander")
         self._node_clock = node_clock(self)
         self.run = self._node_clock.run
-        file = declare(
-            self, "input", "", "CSV with columns time [s], swing, boom, stick [V of the ideal valve]"
-        )
         try:
-            self._input = read_voltages(Path(file))
+            self._input = read_voltages(Path(declare(self, CommanderParameters).input))
         except InputError as error:
             raise ParameterError(f"parameter 'input': {error}") from error
         self._command = number_publisher(self._node_clock, topics.VALVE_COMMANDS)

@@ -1,4 +1,4 @@
-"""The topic table is sound, and docs/topics.md shows it."""
+"""The topic table is sound, and docs/reference/topics.md shows it."""
 
 import subprocess
 import sys
@@ -11,7 +11,7 @@ from forest_msgs_py.interfaces.topic_qos import qos
 from forest_msgs_py.interfaces.topic_reference import markdown
 from forest_msgs_py.interfaces.topics import TOPICS, Topic
 
-DOCS = Path(__file__).resolve().parents[3] / "docs" / "topics.md"
+DOCS = Path(__file__).resolve().parents[3] / "docs" / "reference" / "topics.md"
 ROS_WORLD = {"/clock", "/diagnostics", "/rosout"}
 
 

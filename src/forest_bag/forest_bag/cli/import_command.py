@@ -29,7 +29,7 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         "from-csv",
         help=text,
         description=text.capitalize() + ".",
-        epilog=f"The map is described in docs/bags.md. Topics: {', '.join(mappable())}.",
+        epilog=f"The map is described in docs/reference/bags.md. Topics: {', '.join(mappable())}.",
     )
     parser.set_defaults(command=run)
     parser.add_argument("file", type=Path, metavar="FILE", help="the log, a CSV file")

@@ -133,7 +133,13 @@ class McapPieces(BagFile):
             found = frozenset(number for number, _ in _CHANNEL_PLACE.iter_unpack(places))
             if found or last:  # else there are nothing but schemas in it
                 self.pieces.append(
-                    Piece(first, last, offset, length, self._sets.setdefault(found, found) or None)
+                    Piece(
+                        first_ns=first,
+                        last_ns=last,
+                        offset=offset,
+                        length=length,
+                        channels=self._sets.setdefault(found, found) or None,
+                    )
                 )
         elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             self._declare(opcode, body)
@@ -217,10 +223,10 @@ class McapPieces(BagFile):
         schema = self._schemas.get(record.schema_id)
         name, text = ("", b"") if schema is None else (schema.name, schema.data)
         self.channels[record.id] = Channel(
-            record.topic,
-            full_type(name, record.message_encoding),
-            record.message_encoding,
-            record.metadata.get("offered_qos_profiles", ""),
-            record.metadata.get("topic_type_hash", ""),
-            text.decode("utf-8", "replace"),
+            topic=record.topic,
+            type=full_type(name, record.message_encoding),
+            encoding=record.message_encoding,
+            qos=record.metadata.get("offered_qos_profiles", ""),
+            type_hash=record.metadata.get("topic_type_hash", ""),
+            definition=text.decode("utf-8", "replace"),
         )

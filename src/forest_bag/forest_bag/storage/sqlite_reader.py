@@ -81,7 +81,13 @@ class SqlitePieces(BagFile):
         have = {row[1] for row in self._database.execute("PRAGMA table_info(topics)")}
         wanted = ", ".join(name if name in have else f"'' AS {name}" for name in TOPIC_COLUMNS)
         return {
-            number: Channel(name, full_type(kind, encoding), encoding, qos, str(type_hash or ""))
+            number: Channel(
+                topic=name,
+                type=full_type(kind, encoding),
+                encoding=encoding,
+                qos=qos,
+                type_hash=str(type_hash or ""),
+            )
             for number, name, kind, encoding, qos, type_hash in self._database.execute(
                 f"SELECT {wanted} FROM topics"
             )

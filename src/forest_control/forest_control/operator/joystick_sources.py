@@ -3,13 +3,14 @@
 import math
 from bisect import bisect_right
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from forest_control.operator.joystick_interpolation import LONGEST as LONGEST_LINE
 from forest_control.operator.joystick_interpolation import between
-from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
+from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, levers_for_tip_velocity
 from forest_description.types import Vec3
 from forest_msgs_py.interfaces.csv_text import Column, read_rows
+from forest_msgs_py.runtime.parameter_table import Parameter
 
 THESIS_DURATION = 10.0  # [s] of the figures
 LEAD_IN = 0.5  # [s] at rest, deadman held, before a source plays: recorders come late on a busy computer
@@ -28,7 +29,7 @@ class LeverError(ValueError):
 def thesis_tip_velocity(time: float) -> Vec3:
     """Return the wished tip velocity [m/s] of the thesis' evaluation at a time [s]. Thesis section 5.2.
 
-    Steps in x and z at different times and a sinusoid in y; amplitudes as read in docs/equations.md.
+    Steps in x and z at different times and a sinusoid in y; amplitudes: docs/explanation/equations.md.
     """
     x = 0.30 if 1.0 <= time < 4.0 else 0.0
     z = 0.25 if 2.5 <= time < 5.5 else 0.0
@@ -38,6 +39,22 @@ def thesis_tip_velocity(time: float) -> Vec3:
 def thesis_levers(time: float, tip_speed: float) -> Levers:
     """Return the levers for the thesis' input; `tip_speed` [m/s] is what a full deflection wishes."""
     return levers_for_tip_velocity(thesis_tip_velocity(time), tip_speed)
+
+
+class JoystickParameters(NamedTuple):
+    """Of `joystick_node`."""
+
+    source: Annotated[
+        str, Parameter("thesis, or the path of a CSV of levers, or of a bag with a joystick")
+    ] = "thesis"
+    duration: Annotated[
+        float, Parameter("how long to play; 0: as long as the source is", "s", 0.0, LONGEST)
+    ] = 0.0
+    tip_speed: Annotated[float, Parameter("tip speed at full deflection", "m/s", 0.48, 3.0)] = 0.5
+    wait_for_subscribers: Annotated[int, Parameter("listeners to wait for", low=0, high=100)] = 1
+    deadman_button: Annotated[int, Parameter("button to hold", low=0, high=BUTTON_COUNT - 1)] = LEFT_SHOULDER
+    faults: Annotated[str, Parameter("e.g. lost from 3 s until 4 s; frozen from 6 s")] = ""
+    interpolate: Annotated[bool, Parameter("lines from row to row of a CSV; false: each row holds")] = True
 
 
 class LeverRecord(NamedTuple):

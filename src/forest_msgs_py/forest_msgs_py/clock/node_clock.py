@@ -25,8 +25,9 @@ from typing import Any
 
 from rclpy.node import Node
 
+from forest_msgs_py.clock.clock_parameters import ClockParameters, LeaderParameters
 from forest_msgs_py.clock.lockstep import LockstepClock
-from forest_msgs_py.clock.step_topics import LATE, StepPublisher
+from forest_msgs_py.clock.step_topics import StepPublisher
 from forest_msgs_py.interfaces.topics import Topic
 from forest_msgs_py.runtime.node import publisher, raw_publish, subscription, timer
 from forest_msgs_py.runtime.node_parameters import declare
@@ -96,12 +97,15 @@ def node_clock(node: Node, leads: bool = False) -> LiveClock | LockstepClock:
         node: whose clock it is.
         leads: whether the node begins each step, as the simulator does.
     """
-    stepping = declare(node, "lockstep", False, "every node waits for the messages of each step")
-    guard = declare(node, "lockstep_guard", 20.0, "wait for a message of a step", "s", 0.1, 3600.0)
-    steps = declare(node, "steps", 0, "of the run in lockstep; 0: no end", low=0) if leads else 0
-    recorder = declare(node, "wait_for_recorder", False, "in lockstep, stay near it") if leads else False
-    rarely = "in lockstep, how often to tell what no node waits for"
-    quiet = declare(node, "lockstep_quiet", 20, rarely, "steps", 1, LATE // 2)
-    if not stepping:
+    p = declare(node, ClockParameters)
+    run = declare(node, LeaderParameters) if leads else LeaderParameters()
+    if not p.lockstep:
         return LiveClock(node)
-    return LockstepClock(node, guard, leads=leads, steps=steps, recorded=recorder, quiet=quiet)
+    return LockstepClock(
+        node,
+        p.lockstep_guard,
+        leads=leads,
+        steps=run.steps,
+        recorded=run.wait_for_recorder,
+        quiet=p.lockstep_quiet,
+    )

@@ -16,6 +16,7 @@ from functools import cache
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from forest_msgs_py.clock.clock_parameters import ListenerParameters
 from forest_msgs_py.clock.lockstep import END
 from forest_msgs_py.clock.step_batch import read_batch
 from forest_msgs_py.clock.step_order import StepOrder
@@ -46,7 +47,9 @@ class StepListener:
 
     Args:
         node: that subscribes.
-        wanted, offered, refused: as of the `GraphListener`.
+        wanted: as of the `GraphListener`; so are the next two.
+        offered: the same.
+        refused: the same.
         settled: whether nothing is waited for of these nodes but their messages.
         nodes: of the run.
         guard: how long it waits for a step [s, wall clock].
@@ -182,9 +185,8 @@ def listener(
     node: Node, wanted: Wanted, offered: Offered, refused: Refused, settled: Settled
 ) -> GraphListener | StepListener:
     """The listener that a node's parameters ask for: live, or of a run in lockstep."""
-    told = declare(node, "lockstep_nodes", [""], "in lockstep: the nodes of the run")
-    guard = declare(node, "lockstep_guard", 20.0, "wait for a step", "s", 0.1, 3600.0)
-    nodes = [name for name in told if name]
+    p = declare(node, ListenerParameters)
+    nodes = [name for name in p.lockstep_nodes if name]
     if not nodes:
         return GraphListener(node, wanted, offered, refused)
-    return StepListener(node, wanted, offered, refused, settled, nodes, guard + PATIENCE)
+    return StepListener(node, wanted, offered, refused, settled, nodes, p.lockstep_guard + PATIENCE)

@@ -107,14 +107,14 @@ def _profile(entry: dict[str, Any]) -> Qos:
     depth = entry.get("depth")
     lifespan = _duration(entry.get("lifespan"))
     return Qos(
-        min(depth, MOST_DEPTH) if isinstance(depth, int) and depth > 0 else DEFAULT_DEPTH,
-        history == "keep_all",
-        _word(entry.get("reliability"), RELIABILITY) != "best_effort",
-        _word(entry.get("durability"), DURABILITY) == "transient_local",
-        _duration(entry.get("deadline")),
-        lifespan,
-        _word(entry.get("liveliness"), LIVELINESS) == "manual_by_topic",
-        _duration(entry.get("liveliness_lease_duration")),
+        depth=min(depth, MOST_DEPTH) if isinstance(depth, int) and depth > 0 else DEFAULT_DEPTH,
+        keep_all=history == "keep_all",
+        reliable=_word(entry.get("reliability"), RELIABILITY) != "best_effort",
+        transient_local=_word(entry.get("durability"), DURABILITY) == "transient_local",
+        deadline_ns=_duration(entry.get("deadline")),
+        lifespan_ns=lifespan,
+        manual=_word(entry.get("liveliness"), LIVELINESS) == "manual_by_topic",
+        lease_ns=_duration(entry.get("liveliness_lease_duration")),
     )
 
 

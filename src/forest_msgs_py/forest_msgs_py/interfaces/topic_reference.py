@@ -1,4 +1,4 @@
-"""The table of topics as pages show it: ``docs/topics.md`` and the README's short table."""
+"""The table of topics as docs/reference/topics.md shows it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def _row(topic: Topic) -> str:
 
 
 def markdown() -> str:
-    """The table as ``docs/topics.md`` holds it."""
+    """The table as docs/reference/topics.md holds it."""
     head = ("topic", "type", "values [unit]", "rate", "QoS", "recorded", "published by", "read by", "content")
     return "\n".join(
         (
@@ -59,16 +59,6 @@ def markdown() -> str:
             *(_row(topic) for topic in TOPICS),
         )
     )
-
-
-def overview() -> str:
-    """The short table that the README holds: topic, type, content."""
-    rows = [
-        f"| `{topic.name}` | {topic.type.replace('/msg/', '/')} | {topic.doc} |"
-        for topic in TOPICS
-        if topic.recorded
-    ]
-    return "\n".join(("| topic | type | content |", "|---|---|---|", *rows))
 
 
 if __name__ == "__main__":

@@ -120,7 +120,7 @@ AUXILIARY = Topic(
 )
 VALVE_COMMANDS = Topic(
     "valve_commands", FLOAT_ARRAY, JOINTS, ("V",) * 3, _RATE,
-    "Voltage of an ideal valve (no lap, linear, nominal pressure drop): a wished actuator speed.",
+    "Voltage of an ideal valve (no lap, linear, nominal pressure drop): an actuator speed.",
     (_CONTROLLER,), (_DRIVER,),
 )
 VALVE_VOLTAGES = Topic(
@@ -136,7 +136,7 @@ VALVE_DRIVER_STATUS = Topic(
           for what in ("deadband", "deadband_spread", "gain", "gain_spread")),
     ),
     ("1",) * 3 + ("V", "V", "1", "1") * 6, 10.0,
-    "1 where a valve cannot open as far as wished; deadband and gain (1: the file's) as known, with spread.",
+    "1 where a valve cannot open as commanded; deadband and gain (1: the file's) as known, with spread.",
     (_DRIVER,), (_CONTROLLER,), late=True,
 )
 TIP_POSE = Topic(
@@ -151,13 +151,13 @@ TIP_TWIST = Topic(
 )
 TIP_TWIST_COMMAND = Topic(
     "tip/twist_command", TWIST, _XYZ, ("m/s",) * 3, _RATE,
-    "Tip velocity that the operator wishes, after every limit; absent in joint mode.",
+    "Commanded tip velocity, after every limit; absent in joint mode.",
     (_CONTROLLER,), _NOBODY,
 )
 CONTROLLER_STATUS = Topic(
     "controller/status", FLOAT_ARRAY,
     ("factor", "limit", "armed", "joystick", "emergency_stop"), ("1",) * 5, _RATE,
-    "What holds the wish back: factor 0..1; codes of limit and joystick as in docs/safety.md; 0 or 1.",
+    "What limits the command: factor 0..1; codes of limit and joystick: explanation/safety.md; 0 or 1.",
     (_CONTROLLER,), _NOBODY,
 )
 EMERGENCY_STOP = Topic(

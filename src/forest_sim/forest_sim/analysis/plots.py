@@ -63,7 +63,17 @@ def _bag(kept: Rows) -> Bag:
     """Return the kept rows as a session that `forest_bag.plots.standard_plots` can draw."""
     stamps = np.round(kept["time"] * 1e9).astype(np.int64)
     return bag_of(
-        {topic: Series(stamps, stamps, kept[topic], columns(topic), (), incomplete=0) for topic in OBSERVED}
+        {
+            topic: Series(
+                time_ns=stamps,
+                log_time_ns=stamps,
+                values=kept[topic],
+                labels=columns(topic),
+                units=(),
+                incomplete=0,
+            )
+            for topic in OBSERVED
+        }
     )
 
 

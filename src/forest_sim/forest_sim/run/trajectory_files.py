@@ -145,13 +145,3 @@ def naming(directory: Path) -> Iterator[None]:
         if error.filename is not None or error.errno is None:
             raise
         raise OSError(error.errno, error.strerror, str(directory)) from error
-
-
-@contextlib.contextmanager
-def trajectory_files(directory: Path, machine: Machine, rate: float) -> Iterator[TrajectoryFiles]:
-    """Open the files of a run, and finish them however it ends."""
-    files = TrajectoryFiles(directory, machine, rate)
-    try:
-        yield files
-    finally:
-        files.close()
