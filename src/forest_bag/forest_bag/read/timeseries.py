@@ -11,8 +11,6 @@ values        float64 [N, k], one column per label
 A bag whose recorder was killed (no footer, no index, no ``metadata.yaml``) gives every finished chunk.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple

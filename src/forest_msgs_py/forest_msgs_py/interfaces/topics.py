@@ -18,8 +18,6 @@ valve, actuator       place of a pressure transducer: at the valve's port, at th
 This module imports no ROS: ``message_class`` does so when it is called.
 """
 
-from __future__ import annotations
-
 import importlib
 from typing import Any, NamedTuple
 

@@ -13,8 +13,6 @@ place        offset of the first number in the bytes
 ===========  ===============================================================================================
 """
 
-from __future__ import annotations
-
 import math
 import struct
 from collections.abc import Callable, Sequence
