@@ -23,7 +23,7 @@ from forest_msgs_py.types import PERIOD
 
 Step = Callable[..., tuple[Any, Any]]
 
-# What is seldom called stays a function; all else is written out.
+# What is seldom called stays a function; all else is inlined.
 NOINLINE = (
     *(controller._stopping, bumpless_transfer.taken_over, kinematics.nearest_pose, stop_profile.share),
     *(workspace.share, workspace.slid, operator_profile.tip_following),

@@ -26,7 +26,7 @@ from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.solver.step_schedule import Pace, given
 
-# What is seldom called, or only with the energy account: written out, it would make the whole larger.
+# What is seldom called, or only with the energy account: inlined, it would make the whole larger.
 NOINLINE = (
     port._two_edges,
     pendulum.pendulum_dynamics,
