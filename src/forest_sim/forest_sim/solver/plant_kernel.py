@@ -179,9 +179,11 @@ def entry() -> Entry:
         *(f"    state[{i}] = {path}" for i, path in enumerate(state)),
     ]
     return Entry(
-        *("\n".join(lines), names, ARGUMENTS),
-        {"simulation": ("state", simulation), "p": ("parameters", p)},
-        NOINLINE,
+        text="\n".join(lines),
+        names=names,
+        arguments=ARGUMENTS,
+        tuples={"simulation": ("state", simulation), "p": ("parameters", p)},
+        noinline=NOINLINE,
     )
 
 
