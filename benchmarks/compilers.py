@@ -83,7 +83,7 @@ LAWS = {
     "plant": plant,
     "kinematics": kinematics,
     "sensors": lambda: _stepping(sensor_readings.report, sensor_run._example()),
-    "controller": lambda: _stepping(controller.told, control._control()),
+    "controller": lambda: _stepping(controller.step_with_telemetry, control._control()),
     "driver": lambda: _stepping(valve_driver.step_seen, control._drive()),
 }
 

@@ -11,8 +11,8 @@ from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_kernel import compiled_advance
 from forest_sim.solver.plant_parameters import plant_parameters
 
 DT = 0.005

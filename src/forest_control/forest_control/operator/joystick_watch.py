@@ -28,10 +28,11 @@ joystick that is lost may begin anew.
 
 import math
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from forest_control.operator.levers import REST as CENTRED
 from forest_control.operator.levers import Levers, levers_from_axes
+from forest_msgs_py.runtime.parameter_table import Parameter
 
 NO_HEARTBEAT = -1
 NO_STAMP = 0  # [ns]
@@ -53,11 +54,14 @@ class Joystick(IntEnum):
 
 
 class WatchParameters(NamedTuple):
-    """What a user may set."""
+    """Of `controller_node`: when a joystick is believed, and when its levers count as centred."""
 
-    timeout: float = 0.15  # [s]
-    frozen_timeout: float = 10.0  # [s] of a joystick not known to be restless; 0: all may for ever
-    centre: float = 0.05
+    joy_timeout: Annotated[float, Parameter("age at which the joystick is lost", "s", 0.01, 2.0)] = 0.15
+    # Of a joystick that is not known to be restless.
+    frozen_timeout: Annotated[float, Parameter("longest hold still, deflected; 0: any", "s", 0.0, 60.0)] = (
+        10.0
+    )
+    centre: Annotated[float, Parameter("deflection that counts as centred", "", 0.001, 0.5)] = 0.05
 
 
 class Sample(NamedTuple):
@@ -174,9 +178,9 @@ def is_released(watch: Watch, centre: float) -> bool:
 def _judged(watch: Watch, now: float, p: WatchParameters) -> Joystick:
     if watch.joystick == Joystick.SILENT:
         return Joystick.SILENT
-    if now - watch.fresh_since > p.timeout:
+    if now - watch.fresh_since > p.joy_timeout:
         return Joystick.LOST
-    if watch.joystick in (Joystick.BAD, Joystick.LOST):
+    if watch.joystick == Joystick.BAD or watch.joystick == Joystick.LOST:
         return watch.joystick
     if _is_still(watch, now, p) and not is_centred(watch.levers, p.centre):
         return Joystick.FROZEN
@@ -204,7 +208,11 @@ def _learnt(watch: Watch, now: float) -> float:
 
 def in_play(levers: Levers) -> bool:
     """Tell whether a lever is where its converter's noise shows: neither at zero nor at an end."""
-    return any(0.0 < abs(lever) < 1.0 for lever in levers)
+    return _in_play(levers.swing) or _in_play(levers.boom) or _in_play(levers.stick)
+
+
+def _in_play(lever: float) -> bool:
+    return 0.0 < abs(lever) < 1.0
 
 
 def problem_of(watch: Watch) -> str:

@@ -5,8 +5,6 @@ Every number of a file is written ``{value: 3000, unit: psi, source: "Thesis 3.1
 ``kind``. What is allowed, the dataclasses declare.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re

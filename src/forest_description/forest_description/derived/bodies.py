@@ -11,8 +11,6 @@ across, upwards when the link points forward, z the joint axis.
 | I_xy | product of inertia about it, the integral of x y dm (the inertia tensor holds -I_xy) | kg m^2 |
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from forest_description.machine import Manipulator

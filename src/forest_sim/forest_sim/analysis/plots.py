@@ -13,7 +13,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.serialization.batch_encoder import columns
+from forest_msgs_py.serialization.packing import columns
 from forest_sim.analysis.mode_map import MapPoint
 from forest_sim.run.energy import Account
 from forest_sim.run.sensor_log import OBSERVED

@@ -55,6 +55,11 @@ class PlantState(NamedTuple):
     supply: SupplyState
     head: HeadState
 
+    @property
+    def axes(self) -> tuple[AxisState, AxisState, AxisState]:
+        """The axes in the order of `AXES`."""
+        return (self.swing, self.boom, self.stick)
+
 
 class Ports(NamedTuple):
     """What the spool's four edges connect the hoses of one axis to."""
@@ -238,7 +243,7 @@ def from_array(x: ArrayLike, supply_pressure: float) -> PlantState:
 def thesis_state_derivative(x: ArrayLike, c_r: ArrayLike, p_s: float, machine: Machine) -> Floats:
     """Return xdot of Appendix B, corrected, for given orifice resistances.
 
-    Thesis eq. 3.20, App. B. Differs: docs/equations.md lists the corrections.
+    Thesis eq. 3.20, App. B. Differs: docs/explanation/equations.md lists the corrections.
     Port 1 of every valve is connected to the supply, port 2 to the tank.
 
     Args:

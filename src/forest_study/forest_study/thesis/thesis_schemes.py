@@ -40,7 +40,7 @@ RAMP_LAG = 0.01  # [s] with which x' closes in on the wish
 FEEDBACK_DAMPING = 0.8  # of the coordinated scheme's loop: K_p = w_n/(4 D^2), 4.9 1/s on the 2 Hz plant
 INTEGRAL_SHARE = 0.16  # K_i over K_p^2
 ALONG = 1e-6  # [s] of the difference quotient for b
-DAMPING_RATIO = 1.64  # as read in docs/equations.md
+DAMPING_RATIO = 1.64  # as read in docs/explanation/equations.md
 
 
 class Servo(NamedTuple):
