@@ -24,7 +24,7 @@ from forest_msgs_py.types import PERIOD
 
 Step = Callable[..., tuple[Any, Any]]
 
-# What is seldom called stays a function; all else is written out.
+# What is seldom called stays a function; all else is inlined.
 NOINLINE = (
     *(motion_command.stop_command, bumpless_transfer.taken_over, kinematics.nearest_pose),
     *(stop_profile.share,),

@@ -28,7 +28,7 @@ mass P n^2/X. Pressures count from the tank. Positive: s opens chamber 1 to the 
 F_0 holds the arm at rest. Edges pass k o sqrt(drop) at an opening o, up to the flow that a direction's
 compensator lets through; a load check lets nothing back to the pump. The sensor sits upstream of the hose.
 
-Everything here is in the subset that `forest_compile.translate` turns into machine code.
+Everything here is in the subset that `forest_compile.frontend` turns into machine code.
 """
 
 import math

@@ -11,7 +11,7 @@ Rosenbrock's W-method of second order, with gamma = 1 - 1/sqrt(2):
 
 Its order does not depend on A, its stability does: an edge that opens wide on a small chamber would need
 steps of a hundredth of a sample otherwise, and with longer ones stands at pressures that no equation has.
-Everything here, too, is in the subset that `forest_compile.translate` turns into machine code.
+Everything here, too, is in the subset that `forest_compile.frontend` turns into machine code.
 """
 
 import math

@@ -13,7 +13,7 @@ ends of the range. No reading is told as NaN: sensors.py leaves the quantity out
 A turbine's blades do not tell which way the oil goes. The floor keeps the sign of the true flow, as a data
 acquisition that knows the spool's side would; oil at rest reads plus the floor.
 
-Everything here is pure and stays in the subset of Python that `forest_compile.translate` takes.
+Everything here is pure and stays in the subset of Python that `forest_compile.frontend` takes.
 """
 
 import math

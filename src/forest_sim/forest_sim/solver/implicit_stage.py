@@ -77,7 +77,7 @@ def solve_stage(
 def _solve_further(
     base: PlantState, guess: Guess, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
 ) -> tuple[PlantState, int]:
-    """Return what `solve_stage` does, from the second iteration on; seldom, hence apart when compiled."""
+    """Return what `solve_stage` does, from the second iteration on; seldom, hence not inlined."""
     failed, bounds = 1, UNBOUNDED
     trial = _try_again(base, guess, ports, h, p)
     for iteration in range(1, ITERATIONS):
@@ -159,7 +159,7 @@ def _try(
 def _try_again(
     base: PlantState, guess: Guess, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
 ) -> Trial:
-    """Return what `_try` does; kept apart when compiled."""
+    """Return what `_try` does; not inlined."""
     return _try(base, guess, ports, h, p)
 
 

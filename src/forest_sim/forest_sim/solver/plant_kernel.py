@@ -19,7 +19,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 
-# What is seldom called, or only with the energy account: written out, it would make the whole larger.
+# What is seldom called, or only with the energy account: inlined, it would make the whole larger.
 NOINLINE = (
     port._two_edges,
     pendulum.pendulum_dynamics,
@@ -67,9 +67,11 @@ def entry() -> Entry:
         *(f"    state[{i}] = {path}" for i, path in enumerate(state)),
     ]
     return Entry(
-        *("\n".join(lines), names, ARGUMENTS),
-        {"simulation": ("state", simulation), "p": ("parameters", p)},
-        NOINLINE,
+        text="\n".join(lines),
+        names=names,
+        arguments=ARGUMENTS,
+        tuples={"simulation": ("state", simulation), "p": ("parameters", p)},
+        noinline=NOINLINE,
     )
 
 

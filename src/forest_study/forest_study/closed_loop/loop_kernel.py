@@ -204,7 +204,8 @@ def entry() -> Entry:
         *(f"        state[{i}] = {path}" for i, path in enumerate(after)),
         *(f"        recorded[{RECORDED} * row + {i}] = {path}" for i, path in enumerate(out)),
     ]
-    return Entry("\n".join(lines), names, ARGUMENTS, {"k": ("knowledge", k)}, NOINLINE)
+    tuples = {"k": ("knowledge", k)}
+    return Entry(text="\n".join(lines), names=names, arguments=ARGUMENTS, tuples=tuples, noinline=NOINLINE)
 
 
 @lru_cache(maxsize=1)
