@@ -30,6 +30,7 @@ from forest_description.components.sensor_calibration import (
 )
 from forest_description.machine import Machine
 from forest_description.types import Floats
+from forest_ident.estimators.parameter_estimate import NORMAL_95
 from forest_ident.experiments import test_rig
 from forest_ident.measurements.readings import read
 from forest_ident.measurements.session import Session, SessionError
@@ -58,6 +59,12 @@ class Offset(NamedTuple):
     gain: float
     gain_error: float
     unit: str
+
+    def formatted(self) -> tuple[str, str]:
+        """Return offset and gain with their 95 % intervals; "" for one that was not estimated."""
+        offset = f"{self.offset:.4g} ± {NORMAL_95 * self.offset_error:.2g} {self.unit}"
+        gain = f"{self.gain:.6f} ± {NORMAL_95 * self.gain_error:.1g}"
+        return offset if self.offset_error > 0.0 else "", gain if self.gain_error > 0.0 else ""
 
 
 def updated(machine: Machine, offsets: Sequence[Offset]) -> Calibration | None:
