@@ -1,7 +1,7 @@
 """On-line identification as a node: running estimates of overlap, gain and damping beside the off-line fit.
 
-It listens and never speaks to the machine. It steps when the joints' state arrives, with the pressures and
-voltages that arrived last, and tells every second what it believes.
+It never publishes to the machine. It steps when the joints' state arrives, with the pressures and
+voltages that arrived last, and publishes its estimates every second.
 """
 
 import math
@@ -27,7 +27,7 @@ PORTS = tuple(tuple(f"{joint}_{port}_actuator" for joint in topics.JOINTS) for p
 
 
 class OnlineIdentificationNode(Node):
-    """Shell around `online.step`."""
+    """Shell around `online_estimator.step`."""
 
     def __init__(self) -> None:
         super().__init__("online_identification")
@@ -88,8 +88,8 @@ class OnlineIdentificationNode(Node):
         return nothing if reading.problem else tuple(reading.values)
 
     def _publish(self, stamp: int) -> None:
-        told = zip(online_estimator.LABELS, online_estimator.report(self._state), strict=True)
-        there = {label: value for label, value in told if math.isfinite(value)}
+        values = zip(online_estimator.LABELS, online_estimator.report(self._state), strict=True)
+        there = {label: value for label, value in values if math.isfinite(value)}
         message = float_array(topics.IDENTIFICATION, stamp, list(there.values()), labels=tuple(there))
         self._estimates.publish(message)
 

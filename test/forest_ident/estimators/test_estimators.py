@@ -114,7 +114,7 @@ def test_a_load_that_nobody_told_is_weighed(unknown_machine):
     for one, true in zip(
         gravity.moments(unknown_machine, session), gravity.moments(loaded, session), strict=True
     ):
-        assert abs(one.value - true.told) < 5.0 * one.error + 0.01 * abs(true.told), one
+        assert abs(one.value - true.known) < 5.0 * one.error + 0.01 * abs(true.known), one
 
 
 def test_boom_and_head_are_weighed_together_and_a_right_mass_is_left_alone(unknown_machine):

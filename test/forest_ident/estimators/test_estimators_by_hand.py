@@ -209,7 +209,7 @@ def test_rests_tell_four_moments_along_and_across_the_links():
         m.stick_mass * m.stick_y,
     ]
     assert [moment.value for moment in told] == pytest.approx(expected, rel=1e-6)
-    assert [moment.told for moment in told] == pytest.approx(expected, rel=1e-12)
+    assert [moment.known for moment in told] == pytest.approx(expected, rel=1e-12)
 
 
 def test_masses_are_weighed_against_those_that_the_file_tells():

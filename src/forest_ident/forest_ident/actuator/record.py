@@ -50,7 +50,7 @@ def read(path: Path, whole: bool = True) -> Record:
     """Return a file's columns.
 
     Args:
-        path: the CSV file; columns beside the four are not looked at.
+        path: the CSV file; other columns than the four are ignored.
         whole: whether pressure and position must be there, too.
 
     Raises:

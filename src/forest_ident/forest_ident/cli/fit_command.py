@@ -159,7 +159,7 @@ def _is_bag(path: Path) -> bool:
 
 
 def text_table(result: Result) -> str:
-    """Return what was found as text: old, new, interval, warning; sensors."""
+    """Return the estimates as text: start, value, interval, warning; sensors."""
     lines = [f"  {'parameter':<42} {'told':>11} {'found':>13}  95 % interval"]
     for e, before in table(result):
         value, low, high = e.formatted()
@@ -171,7 +171,7 @@ def text_table(result: Result) -> str:
 
 
 def against(result: Result, truth: Machine) -> str:
-    """Return how far every estimate is from the truth, and whether its interval holds that."""
+    """Return the error of every estimate, and whether its interval contains the truth."""
     pairs = [(e, value_in(truth, e.key)) for e, _ in table(result)]
     known = [(e, true) for e, true in pairs if true is not None]
     held = sum(e.contains(true) for e, true in known)

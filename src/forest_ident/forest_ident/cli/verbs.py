@@ -32,7 +32,7 @@ def main(
 
     Args:
         arguments: default: the command line's.
-        more_verbs: modules of verbs, told before those of this package.
+        more_verbs: modules of verbs, listed before those of this package.
         more_errors: exceptions of theirs whose text is the sentence for the user.
     """
     options = _parser([*more_verbs, *VERBS]).parse_args(arguments)

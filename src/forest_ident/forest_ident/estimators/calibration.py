@@ -1,6 +1,6 @@
 """Calibration of the sensors before the first experiment. Thesis section 4.3.1.
 
-| sensor | against | tells |
+| sensor | against | estimates |
 |---|---|---|
 | pressure transducers | atmosphere: pump off, lines vented | offset |
 | flow meters | each other, in series on the valve's rig | gain of the second over the first |

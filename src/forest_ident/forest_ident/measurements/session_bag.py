@@ -1,8 +1,8 @@
-"""Sessions on disk: a bag of the graph's topics, and beside it what was done by hand.
+"""Sessions on disk: a bag of the graph's topics, and an `experiment.yaml` beside it.
 
-The bag is what the recorder writes of a session: what the machine can know, commands and voltages; the ground
-truth that a simulator tells beside is not read. `experiment.yaml` in its directory names the experiment and
-the facts that no sensor tells, with units; a person who runs the experiment otherwise writes it by hand.
+The bag is the recorder's: sensors, commands and voltages. A simulator's ground truth is not read.
+`experiment.yaml` in its directory names the experiment and the facts that no sensor measures, with units; a
+person who runs the experiment otherwise writes it by hand.
 Without that file a bag is a "motion".
 """
 
@@ -90,13 +90,13 @@ def write(session: Session, directory: Path) -> None:
 
 
 def write_metadata(directory: Path, experiment: str, facts: Mapping[str, float]) -> None:
-    """Write what no topic tells of an experiment into its bag's directory.
+    """Write an experiment's name and facts into its bag's directory.
 
     Raises:
         OSError: it cannot be written.
     """
-    told = {key: {"value": float(value), "unit": FACTS[key].unit} for key, value in sorted(facts.items())}
-    text = yaml.safe_dump({"experiment": experiment, "facts": told}, sort_keys=False)
+    entries = {key: {"value": float(facts[key]), "unit": FACTS[key].unit} for key in sorted(facts)}
+    text = yaml.safe_dump({"experiment": experiment, "facts": entries}, sort_keys=False)
     (directory / FILE).write_text(text, encoding="utf-8")
 
 
@@ -205,7 +205,7 @@ def _experiment(path: Path) -> tuple[str, dict[str, float]]:
     try:
         content = parsed(file.read_text("utf-8"))
         name = str(content["experiment"])
-        facts = {str(key): value(str(key), told) for key, told in (content.get("facts") or {}).items()}
+        facts = {str(key): value(str(key), entry) for key, entry in (content.get("facts") or {}).items()}
     except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError) as error:
         raise SessionError(
             f"{file}: not usable ({error}); allowed: experiment: NAME and "

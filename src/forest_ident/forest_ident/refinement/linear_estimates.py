@@ -123,8 +123,8 @@ def _hose(machine: Machine, session: Session) -> list[Estimate]:
     laminar, axis = session.metadata["laminar"] > 0.0, int(session.metadata["hose_axis"])
     section, length = hose_section(machine, axis), test_rig.as_measured(machine, machine.hose_of(axis)).length
     piece = session.metadata.get("hose_length", length)
-    told = f"the {length:g} m of {section}.length, in whose numbers R, I and C are told"
-    _require(session, math.isclose(piece, length, rel_tol=1e-3), f"a piece of {piece:g} m", told)
+    allowed = f"the {length:g} m of {section}.length, in whose numbers R, I and C are told"
+    _require(session, math.isclose(piece, length, rel_tol=1e-3), f"a piece of {piece:g} m", allowed)
     low, high = floor(machine, session), highest(machine, session)
     flow, drop = hose_estimators.steady(session, low, high)
     _require(session, len(flow) >= ENOUGH, f"{len(flow)} steady flows", f"{ENOUGH} or more")

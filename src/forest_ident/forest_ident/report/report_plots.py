@@ -24,7 +24,7 @@ from forest_ident.measurements.session import Session
 from forest_ident.refinement import linear_estimates
 from forest_ident.refinement.result import Refined
 
-PERCENTILE = 99.5  # [%] of the samples that a plot's scale must hold
+PERCENTILE = 99.5  # [%] of the samples that a plot's scale must show
 MEASURED, FITTED = {"color": "C0"}, {"color": "k", "linestyle": ":", "linewidth": 1.8}
 NOTHING = np.zeros(0)
 
