@@ -61,12 +61,12 @@ class OnlineIdentificationNode(Node):
             return
         dt = self._period.since(reading.stamp_ns)
         sample = online_estimator.Sample(
-            reading.values.position,
-            reading.values.velocity,
-            self._triple(topics.PRESSURES, self._ports[0]),
-            self._triple(topics.PRESSURES, self._ports[1]),
-            self._read(topics.SUPPLY, self._supply, 1)[0],
-            self._triple(topics.VALVE_VOLTAGES, self._voltages),
+            angles=reading.values.position,
+            rates=reading.values.velocity,
+            pressures_1=self._triple(topics.PRESSURES, self._ports[0]),
+            pressures_2=self._triple(topics.PRESSURES, self._ports[1]),
+            supply=self._read(topics.SUPPLY, self._supply, 1)[0],
+            voltages=self._triple(topics.VALVE_VOLTAGES, self._voltages),
         )
         self._state = online_estimator.step(self._state, sample, self._core, dt)
         self._since += dt

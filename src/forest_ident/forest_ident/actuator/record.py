@@ -82,7 +82,13 @@ def read(path: Path, whole: bool = True) -> Record:
         for name in head
         if name in MEASURED and (name in wanted or not any(row.is_empty(name) for row in body))
     }
-    return Record(path, _samples(body), columns["valve"], columns.get("pressure"), columns.get("position"))
+    return Record(
+        path=path,
+        samples=_samples(body),
+        valve=columns["valve"],
+        pressure=columns.get("pressure"),
+        position=columns.get("position"),
+    )
 
 
 def _text(item: Any) -> str:
@@ -152,4 +158,10 @@ def scales(record: Record) -> Scales:
             raise RecordError(f"{record.path}, column {name!r}: does not change, which tells nothing")
     speed = np.diff(record.position)
     side = -1.0 if float(speed @ record.valve[:-1]) < 0.0 else 1.0
-    return Scales(side * spans[0], spans[1], spans[2], float(record.pressure[0]), float(record.position[0]))
+    return Scales(
+        valve=side * spans[0],
+        pressure=spans[1],
+        position=spans[2],
+        pressure_zero=float(record.pressure[0]),
+        position_zero=float(record.position[0]),
+    )

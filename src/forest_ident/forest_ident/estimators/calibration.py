@@ -56,9 +56,9 @@ class Offset(NamedTuple):
     channel: str
     offset: float
     offset_error: float
-    gain: float
-    gain_error: float
     unit: str
+    gain: float = 1.0
+    gain_error: float = 0.0
 
     def formatted(self) -> tuple[str, str]:
         """Return offset and gain with their 95 % intervals; "" for one that was not estimated."""
@@ -92,7 +92,13 @@ def simulated(suite: Suite) -> Session:
     readings = {
         name: y for name, y in read(true, suite, PERIOD, "calibration").items() if np.isfinite(y).all()
     }
-    return Session("calibration", time, np.zeros((count, 3)), readings, {"ice_until": EACH})
+    return Session(
+        name="calibration",
+        time=time,
+        voltages=np.zeros((count, 3)),
+        readings=readings,
+        metadata={"ice_until": EACH},
+    )
 
 
 def calibrate(machine: Machine, session: Session) -> list[Offset]:
@@ -119,7 +125,9 @@ def _transducer(machine: Machine, session: Session, name: str) -> Offset:
             f"{1e-6 * VENTED:g} MPa, with the pump off and the lines open to the air"
         )
     if np.ptp(y) == 0.0:
-        return Offset(name, float(y[0]), 0.0 if y[0] > 0.0 else math.inf, 1.0, 0.0, "Pa")
+        return Offset(
+            channel=name, offset=float(y[0]), offset_error=0.0 if y[0] > 0.0 else math.inf, unit="Pa"
+        )
     noise = channel(machine, session, name)._replace(offset=0.0)
     start = float(np.mean(y))
 
@@ -128,7 +136,9 @@ def _transducer(machine: Machine, session: Session, name: str) -> Offset:
 
     unknown = Unknown("offset", start, positive=False, difference=1.0)
     result = fit(model, {name: y}, [noise], [unknown])
-    return Offset(name, result.values["offset"], result.errors["offset"], 1.0, 0.0, "Pa")
+    return Offset(
+        channel=name, offset=result.values["offset"], offset_error=result.errors["offset"], unit="Pa"
+    )
 
 
 def _thermocouple(session: Session, name: str) -> Offset:
@@ -146,12 +156,12 @@ def _thermocouple(session: Session, name: str) -> Offset:
     errors = [float(np.std(part)) / math.sqrt(len(part)) for part in (ice, water)]
     gain = float(np.mean(water) - np.mean(ice)) / (BOILING - ICE)
     return Offset(
-        name,
-        float(np.mean(ice)) - ICE,
-        errors[0],
-        gain,
-        math.hypot(*errors) / (BOILING - ICE),
-        "K",
+        channel=name,
+        offset=float(np.mean(ice)) - ICE,
+        offset_error=errors[0],
+        gain=gain,
+        gain_error=math.hypot(*errors) / (BOILING - ICE),
+        unit="K",
     )
 
 
@@ -167,7 +177,9 @@ def meter_gain(session: Session, floor: float) -> Offset | None:
     x, y = one[seen], two[seen]
     gain = float(x @ y / (x @ x))
     error = float(np.std(y - gain * x) / math.sqrt(x @ x))
-    return Offset("stick_flow", 0.0, 0.0, gain, error, "m3/s")
+    return Offset(
+        channel="stick_flow", offset=0.0, offset_error=0.0, gain=gain, gain_error=error, unit="m3/s"
+    )
 
 
 def lines(machine: Machine) -> dict[str, tuple[float, float]]:

@@ -93,7 +93,10 @@ def moments(machine: Machine, session: Session) -> list[Moment]:
         "m3 y3": m.stick_mass * m.stick_y,
     }
     pairs = zip(known, fit.values.tolist(), fit.errors.tolist(), strict=True)
-    return [Moment(name, value, error, known[name], fit.condition) for name, value, error in pairs]
+    return [
+        Moment(name=name, value=value, error=error, known=known[name], condition=fit.condition)
+        for name, value, error in pairs
+    ]
 
 
 def masses(machine: Machine, session: Session, names: tuple[str, ...] = ("head_mass",)) -> LinearFit:

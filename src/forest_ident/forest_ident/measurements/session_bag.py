@@ -159,7 +159,9 @@ def read(path: Path) -> Session:
             continue
         series = bag.series(topic)
         readings[channel] = _at(series.time_ns - begin, series.column(label), grid)
-    return Session(name, grid, voltages, readings, facts, bag.complete)
+    return Session(
+        name=name, time=grid, voltages=voltages, readings=readings, metadata=facts, whole=bag.complete
+    )
 
 
 def _first_there(bag: Bag, path: Path) -> Topic:

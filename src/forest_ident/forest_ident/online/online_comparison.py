@@ -47,7 +47,12 @@ def estimates(machine: Machine, session: Session) -> dict[str, float]:
     supply = session.column("supply_pressure").tolist()
     for q, u, p_1, p_2, volts, p_s in zip(*columns, supply, strict=True):
         state = online_estimator.step(
-            state, online_estimator.Sample(q, u, p_1, p_2, p_s, volts), p, session.period
+            state,
+            online_estimator.Sample(
+                angles=q, rates=u, pressures_1=p_1, pressures_2=p_2, supply=p_s, voltages=volts
+            ),
+            p,
+            session.period,
         )
     return dict(zip(online_estimator.LABELS, online_estimator.report(state), strict=True))
 
@@ -71,7 +76,17 @@ def compare(start: Machine, found: Machine, session: Session) -> list[Comparison
     for part in known:
         name = f"{AXES[axis]}_{part}"
         error, unit = running[f"{name}_spread"], UNITS.get(part.partition("_")[0], DAMPING[axis])
-        rows.append(Comparison(session.name, name, known[part], running[name], error, offline[part], unit))
+        rows.append(
+            Comparison(
+                record=session.name,
+                name=name,
+                start=known[part],
+                online=running[name],
+                standard_error=error,
+                offline=offline[part],
+                unit=unit,
+            )
+        )
     return rows
 
 

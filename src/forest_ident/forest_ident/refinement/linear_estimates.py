@@ -96,7 +96,15 @@ def _require(session: Session, there: bool, holds: str, allowed: str) -> None:
 def _estimate(
     key: str, value: float, error: float, condition: float, method: str, initial: bool = True
 ) -> Estimate:
-    return Estimate(key, value, error, unit_of(key), condition, method, initial=initial)
+    return Estimate(
+        key=key,
+        value=value,
+        standard_error=error,
+        unit=unit_of(key),
+        condition=condition,
+        method=method,
+        initial=initial,
+    )
 
 
 def _valve(machine: Machine, session: Session) -> list[Estimate]:

@@ -24,7 +24,15 @@ def check_masses(result: Result, session: Session) -> None:
         result.remarks.append("load: no check; it takes three or more poses at rest, head without log")
         return
     result.linear += [
-        Estimate(f"gravity: {m.name}", m.value, m.error, "kg*m", m.condition, METHOD, initial=False)
+        Estimate(
+            key=f"gravity: {m.name}",
+            value=m.value,
+            standard_error=m.error,
+            unit="kg*m",
+            condition=m.condition,
+            method=METHOD,
+            initial=False,
+        )
         for m in sums
     ]
     estimates = ", ".join(
@@ -51,7 +59,16 @@ def check_masses(result: Result, session: Session) -> None:
 def _estimates(fit: LinearFit, *keys: str) -> list[Estimate]:
     pairs = zip(keys, fit.values.tolist(), fit.errors.tolist(), strict=True)
     return [
-        Estimate(key, value, error, "kg", fit.condition, METHOD, initial=False) for key, value, error in pairs
+        Estimate(
+            key=key,
+            value=value,
+            standard_error=error,
+            unit="kg",
+            condition=fit.condition,
+            method=METHOD,
+            initial=False,
+        )
+        for key, value, error in pairs
     ]
 
 

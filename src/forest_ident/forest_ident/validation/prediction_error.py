@@ -78,14 +78,19 @@ def signals(model: Machine, session: Session) -> list[Signal]:
 def _axis(axis: str, session: Session, predicted: dict[str, Floats]) -> list[Signal]:
     angle = session.column(f"{axis}_resolver"), predicted[f"{axis}_resolver"]
     rates = tuple(derivative(column, SPEED_BANDWIDTH, session.period) for column in angle)
-    found = [Signal(axis, "angle", "rad", *angle), Signal(axis, "velocity", "rad/s", rates[0], rates[1])]
+    found = [
+        Signal(axis, "angle", "rad", *angle),
+        Signal(axis=axis, name="velocity", unit="rad/s", measured=rates[0], predicted=rates[1]),
+    ]
     if session.has(f"{axis}_flow"):
         flow, exact = session.column(f"{axis}_flow"), predicted[f"{axis}_flow"]
         floor = float(np.min(np.abs(flow)))  # what the meter shows at rest
         shown = np.where(exact < 0.0, -1.0, 1.0) * np.maximum(np.abs(exact), floor)
         signs = np.sign(flow) != np.sign(shown)
         still = signs & (np.abs(flow) <= 1.001 * floor) & (np.abs(shown) <= 1.001 * floor)
-        found.append(Signal(axis, "flow", "m3/s", flow, np.where(still, flow, shown)))
+        found.append(
+            Signal(axis=axis, name="flow", unit="m3/s", measured=flow, predicted=np.where(still, flow, shown))
+        )
     there = [port for port in (1, 2) if session.has(f"{axis}_pressure_{port}_actuator")]
     return found + [_pressure(axis, port, session, predicted) for port in there]
 
@@ -94,7 +99,7 @@ def _pressure(axis: str, port: int, session: Session, predicted: dict[str, Float
     channel = f"{axis}_pressure_{port}_actuator"
     measured = session.column(channel)
     shown = np.maximum(predicted[channel], 0.0) if measured.min() >= 0.0 else predicted[channel]
-    return Signal(axis, f"pressure {port}", "Pa", measured, shown)
+    return Signal(axis=axis, name=f"pressure {port}", unit="Pa", measured=measured, predicted=shown)
 
 
 def text_table(found: list[Signal]) -> str:

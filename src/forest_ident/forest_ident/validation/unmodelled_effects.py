@@ -154,8 +154,10 @@ def _score(axis: str, name: str, way: str, parts: list[tuple[Signal, Bools]]) ->
     measured = np.concatenate([s.measured[rows] for s, rows in parts])
     wrong = measured - np.concatenate([s.predicted[rows] for s, rows in parts])
     if len(measured) == 0:
-        return Score(axis, name, way, parts[0][0].unit, 0.0, 0.0)
-    return Score(axis, name, way, parts[0][0].unit, rms(wrong), float(np.ptp(measured)))
+        return Score(axis=axis, signal=name, way=way, unit=parts[0][0].unit, rms=0.0, span=0.0)
+    return Score(
+        axis=axis, signal=name, way=way, unit=parts[0][0].unit, rms=rms(wrong), span=float(np.ptp(measured))
+    )
 
 
 def _damped_as(model: Machine, session: Session) -> Machine:
