@@ -39,10 +39,11 @@ FILE = "experiment.yaml"
 SAME_CLOCK = 1_000_000_000  # [ns] by which a message may be sent later than it is stamped
 TICK = 1000  # [ns]
 CHUNK_BYTES = 1024 * 1024
+POSITION = ".position"  # ends a label of topics with positions and speeds
 # Channel of the sensors to (topic, label), for what is written and read alike.
 PLACES: dict[str, tuple[Topic, str]] = {
-    **{f"{axis}_resolver": (JOINT_STATES, f"{axis}.position") for axis in AXES},
-    **{f"{axis}_transducer": (ACTUATOR_STATES, f"{axis}_cylinder.position") for axis in AXES[1:]},
+    **{f"{axis}_resolver": (JOINT_STATES, f"{axis}{POSITION}") for axis in AXES},
+    **{f"{axis}_transducer": (ACTUATOR_STATES, f"{axis}_cylinder{POSITION}") for axis in AXES[1:]},
     **{
         f"{axis}_pressure_{port}_{place}": (PRESSURES, f"{axis}_{port}_{place}")
         for axis in AXES
@@ -105,27 +106,22 @@ def _tables(session: Session) -> list[tuple[Topic, tuple[str, ...], Floats]]:
     tables: list[tuple[Topic, tuple[str, ...], Floats]] = [
         (topic, AXES, session.voltages) for topic in (VALVE_COMMANDS, VALVE_VOLTAGES)
     ]
-    for topic in (PRESSURES, FLOWS, SUPPLY, AUXILIARY):
-        there = [
-            (label, name) for name, (where, label) in PLACES.items() if where is topic and session.has(name)
-        ]
-        if there:
-            labels = tuple(label for label, _ in there)
-            tables.append((topic, labels, np.column_stack([session.readings[name] for _, name in there])))
-    joints = tuple(axis for axis in AXES if session.has(f"{axis}_resolver"))
-    if joints:
-        tables.append((JOINT_STATES, joints, _motion(session, [f"{axis}_resolver" for axis in joints])))
-    rods = [axis for axis in AXES[1:] if session.has(f"{axis}_transducer")]
-    if rods:
-        labels = tuple(f"{axis}_cylinder" for axis in rods)
-        tables.append((ACTUATOR_STATES, labels, _motion(session, [f"{axis}_transducer" for axis in rods])))
+    for topic in (PRESSURES, FLOWS, SUPPLY, AUXILIARY, JOINT_STATES, ACTUATOR_STATES):
+        columns = {
+            label.removesuffix(POSITION): session.readings[channel]
+            for channel, (where, label) in PLACES.items()
+            if where is topic and session.has(channel)
+        }
+        if columns:
+            values = np.column_stack(list(columns.values()))
+            moves = topic in (JOINT_STATES, ACTUATOR_STATES)
+            tables.append((topic, tuple(columns), _motion(values, session.period) if moves else values))
     return tables
 
 
-def _motion(session: Session, names: list[str]) -> Floats:
+def _motion(positions: Floats, period: float) -> Floats:
     """Return positions and the speeds a machine would publish; efforts, which are derived, as zero."""
-    positions = np.column_stack([session.readings[name] for name in names])
-    rates = np.column_stack([speeds(column, session.period) for column in positions.T])
+    rates = np.column_stack([speeds(column, period) for column in positions.T])
     return np.hstack([positions, rates, np.zeros_like(positions)])
 
 

@@ -153,11 +153,8 @@ def _open(model: Machine, session: Session, axis: int) -> tuple[Bools, Bools]:
 def _score(axis: str, name: str, way: str, parts: list[tuple[Signal, Bools]]) -> Score:
     measured = np.concatenate([s.measured[rows] for s, rows in parts])
     wrong = measured - np.concatenate([s.predicted[rows] for s, rows in parts])
-    if len(measured) == 0:
-        return Score(axis=axis, signal=name, way=way, unit=parts[0][0].unit, rms=0.0, span=0.0)
-    return Score(
-        axis=axis, signal=name, way=way, unit=parts[0][0].unit, rms=rms(wrong), span=float(np.ptp(measured))
-    )
+    size, span = (rms(wrong), float(np.ptp(measured))) if len(measured) else (0.0, 0.0)
+    return Score(axis=axis, signal=name, way=way, unit=parts[0][0].unit, rms=size, span=span)
 
 
 def _damped_as(model: Machine, session: Session) -> Machine:
