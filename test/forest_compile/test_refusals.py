@@ -1,6 +1,6 @@
 """What looks like the subset means what it means in Python, or is refused with its place, or is a fault."""
 
-# ruff: noqa: A001, B007, B012, C409, PLE0643, RET503, RUF015, SIM107 - wrong laws are the point.
+# ruff: noqa: A001, B007, B012, C409, PIE804, PLE0643, RET503, RUF015, SIM107 - wrong laws are the point.
 
 import functools
 import inspect
@@ -15,8 +15,9 @@ import pytest
 pytest.importorskip("llvmlite")
 
 from forest_compile import machine_code
-from forest_compile.llvm_text import NotTranslatedError
-from forest_compile.translate import Library
+from forest_compile.entry import Entry
+from forest_compile.frontend import translate
+from forest_compile.ir.values import NotTranslatedError
 
 
 class P(NamedTuple):
@@ -38,12 +39,11 @@ class Named(IntEnum):
     ONE = 1
 
 
-def kernel_of(law, apart=()):
+def kernel_of(law, noinline=()):
     """A law of a `P` that gives one number, as machine code."""
-    library = Library(apart)
     text = "def kernel(given, result):\n    result[0] = law(p)"
-    library.entry(machine_code.ENTRY, text, {"law": law}, "pp", {"p": ("given", P())}, {})
-    kernel = machine_code.load(machine_code.optimised("\n".join(library.text())), "pp")
+    entry = Entry(text, {"law": law}, "pp", {"p": ("given", P())}, noinline)
+    kernel = machine_code.load(machine_code.optimised(translate.llvm_ir(entry)), "pp")
 
     def run(p):
         given, result = np.array(p, dtype=float), np.empty(1)
@@ -139,9 +139,9 @@ RIGHT = [
 
 
 @pytest.mark.parametrize("law", RIGHT, ids=lambda law: law.__name__)
-@pytest.mark.parametrize("apart", [False, True], ids=["written out", "apart"])
-def test_it_means_what_python_means(law, apart):
-    run, rng = kernel_of(law, (law,) if apart else ()), np.random.default_rng(3)
+@pytest.mark.parametrize("noinline", [False, True], ids=["inlined", "called"])
+def test_it_means_what_python_means(law, noinline):
+    run, rng = kernel_of(law, (law,) if noinline else ()), np.random.default_rng(3)
     points = [
         P(*xy, n, on)
         for n in range(-4, 7)
@@ -290,8 +290,84 @@ def unknown_keyword(p):
     return once(p, other=1)
 
 
+def given_twice(p):
+    return once(p, p=p)
+
+
+def field_given_twice(p):
+    return Q(p.x, x=p.y).x
+
+
+def of_place_alone(x, /):
+    return x
+
+
+def named_against_its_place(p):
+    return of_place_alone(x=p.x)
+
+
+def of_keyword_alone(x, *, scale):
+    return scale * x
+
+
+def without_its_keyword(p):
+    return of_keyword_alone(p.x)
+
+
+def placed_against_its_keyword(p):
+    return of_keyword_alone(p.x, p.y)
+
+
+def limited(x, most=None):
+    return min(x, most)
+
+
+def without_the_limit(p):
+    return limited(p.x)
+
+
 def spread(p):
     return once(*(p, 1))
+
+
+def spread_fields(p):
+    return Q(*(p.x, p.y)).x
+
+
+def spread_names(p):
+    return once(p, **{"counted": 1})
+
+
+def spread_named_fields(p):
+    return Q(**{"x": p.x, "y": p.y}).x
+
+
+def replaced_by_spread_names(p):
+    return p._replace(**{"x": p.y}).x
+
+
+def replaced_unknown(p):
+    return p._replace(x=p.y, z=p.x).x
+
+
+def replaced_by_place(p):
+    return p._replace(p.y).x
+
+
+def replaced_in_a_plain_tuple(p):
+    return (p.x, p.y)._replace(x=p.y)[0]
+
+
+def of_any_names(**numbers):
+    return numbers["x"]
+
+
+def calls_any_names(p):
+    return of_any_names(x=p.x)
+
+
+def named_of_a_builtin(p):
+    return max(p.x, p.y, default=0.0)
 
 
 def of_any_number(*numbers):
@@ -471,7 +547,22 @@ REFUSED = {
     wrong_field: "missing a required argument: 'y'",
     missing_field: "missing a required argument: 'y'",
     unknown_keyword: "unexpected keyword argument 'other'",
+    given_twice: r"'once\(p, p=p\)': multiple values for argument 'p'",
+    field_given_twice: "multiple values for argument 'x'",
+    named_against_its_place: "of_place_alone.*positional",
+    without_its_keyword: "missing a required.* argument: 'scale'",
+    placed_against_its_keyword: "too many positional arguments",
+    without_the_limit: r"'limited\(p.x\)': the default of 'most': None is no number",
     spread: "Starred is not translated",
+    spread_fields: "Starred is not translated",
+    spread_names: r"once\(p, \*\*.*\*\* is not translated",
+    spread_named_fields: r"\*\* is not translated",
+    replaced_by_spread_names: r"\*\* is not translated",
+    replaced_unknown: "there is no field 'z'",
+    replaced_by_place: r"'p._replace\(p.y\)' is not translated",
+    replaced_in_a_plain_tuple: "is not translated",
+    calls_any_names: "any number of arguments is not translated",
+    named_of_a_builtin: "'max.*' is not translated",
     calls_any_number: "any number of arguments is not translated",
     shadowed_range: "only ranges are gone through",
     shadowed_max: "'max' has no meaning outside the function",
@@ -578,7 +669,42 @@ def strided(p):
     return total
 
 
+def by_name(x, *, y=0.5):
+    return x + y
+
+
+def first_named(p):
+    return by_name(y=float(int(p.x)), x=(1.0, 2.0, 3.0)[p.n])
+
+
+def last_named(p):
+    return by_name(x=(1.0, 2.0, 3.0)[p.n], y=float(int(p.x)))
+
+
+def first_field(p):
+    return Q(y=float(int(p.x)), x=(1.0, 2.0, 3.0)[p.n]).x
+
+
+def last_field(p):
+    return Q(x=(1.0, 2.0, 3.0)[p.n], y=float(int(p.x))).x
+
+
+def first_replaced(p):
+    return p._replace(y=float(int(p.x)), x=(1.0, 2.0, 3.0)[p.n]).x
+
+
+def last_replaced(p):
+    return p._replace(x=(1.0, 2.0, 3.0)[p.n], y=float(int(p.x))).x
+
+
+BOTH = P(math.nan, n=3)  # int() and the index both fail: Python tells of what is written first
 FAULTS = [
+    (first_named, BOTH, "a whole number beyond"),
+    (last_named, BOTH, "an index beyond"),
+    (first_field, BOTH, "a whole number beyond"),
+    (last_field, BOTH, "an index beyond"),
+    (first_replaced, BOTH, "a whole number beyond"),
+    (last_replaced, BOTH, "an index beyond"),
     (product, P(n=2), "a whole number beyond"),
     (summed, P(n=1), "a whole number beyond"),
     (halved, P(n=2), "a whole number beyond"),
@@ -592,10 +718,10 @@ FAULTS = [
 ]
 
 
-@pytest.mark.parametrize("apart", [False, True], ids=["written out", "apart"])
+@pytest.mark.parametrize("noinline", [False, True], ids=["inlined", "called"])
 @pytest.mark.parametrize(("law", "p", "fault"), FAULTS)
-def test_what_does_not_fit_is_an_error_that_tells_its_place(law, p, fault, apart):
-    run, line = kernel_of(law, (law,) if apart else ()), law.__code__.co_firstlineno
+def test_what_does_not_fit_is_an_error_that_tells_its_place(law, p, fault, noinline):
+    run, line = kernel_of(law, (law,) if noinline else ()), law.__code__.co_firstlineno
     harmless, place = P(n=0 if law is summed else 1), rf"{law.__name__} \(test_refusals.py, line \d+\): "
     with pytest.raises(ArithmeticError, match=place + f".*{fault}") as caught:
         run(p)
@@ -611,11 +737,10 @@ def test_what_lies_in_a_row_for_a_whole_number_must_be_one(p):
 
 def test_a_negative_index_of_a_row_is_an_error():
     def read(index, at):
-        library = Library(())
         text = f"def kernel(given, result, at):\n    result[0] = given[{index}]"
-        library.entry(machine_code.ENTRY, text, {}, "ppi", {}, {})
+        entry = Entry(text, {}, "ppi", {})
         numbers = np.array([2.5, 0.0, 7.5])
-        kernel = machine_code.load(machine_code.optimised("\n".join(library.text())), "ppi")
+        kernel = machine_code.load(machine_code.optimised(translate.llvm_ir(entry)), "ppi")
         kernel(numbers.ctypes.data, numbers.ctypes.data + 8, at)
         return numbers[1]
 

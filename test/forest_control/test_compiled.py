@@ -5,10 +5,11 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_compile.kernel_cache import Kept
+from forest_compile.kernel_cache import CachedKernel
 from forest_control import compiled
+from forest_control.config import settings as control_settings
 from forest_control.operator.levers import Levers
-from forest_control.pipeline import controller
+from forest_control.pipeline import control_state, controller
 from forest_control.servo.joint_angle_filter import UNREAD
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver
@@ -29,28 +30,28 @@ def control_inputs(seed, count=150):
     rows = walk(seed, count, [-1, 0, -2, -1, -1, -1, -1, -1, -1], [1, 1, -0.5, 1, 1, 1, 1, 1, 1])
     for k, row in enumerate(rows):
         lengths = UNREAD if k % 7 == 3 else (1.9, 1.7)
-        yield controller.Inputs(tuple(row[:3]), tuple(row[3:6]), Levers(*row[6:]), k % 50 < 40, lengths)
+        yield control_state.Inputs(tuple(row[:3]), tuple(row[3:6]), Levers(*row[6:]), k % 50 < 40, lengths)
 
 
 def run(step, state, p, arguments):
     """The outputs of a session; what the operator changes half way is told as the node tells it."""
     told = []
     for k, inputs in enumerate(arguments):
-        if k == 75 and isinstance(p, controller.Parameters):
+        if k == 75 and isinstance(p, control_settings.Parameters):
             p, state = p._replace(lead=0.5 * p.lead), state._replace(changed=True)
         state, output = step(state, *inputs, p, DT)
         told.append(output)
-    return told, state.built() if hasattr(state, "built") else state
+    return told, state.built if hasattr(state, "built") else state
 
 
 @pytest.mark.parametrize("machine", MACHINES)
 @pytest.mark.parametrize("scheme", list(Scheme))
 def test_the_controllers_step_is_the_interpreted_one(machine, scheme):
     compiled.CONTROLLER.kernel()
-    p = controller.parameters(load_machine(machine), controller.Settings(scheme=scheme))
+    p = control_settings.parameters(load_machine(machine), control_settings.Settings(scheme=scheme))
     inputs = [(one,) for one in control_inputs(int(scheme))]
-    fast = run(compiled.controller_step(), controller.REST, p, inputs)
-    assert fast == run(controller.told, controller.REST, p, inputs)
+    fast = run(compiled.controller_step(), control_state.REST, p, inputs)
+    assert fast == run(controller.step_with_telemetry, control_state.REST, p, inputs)
     assert len({told.output.command for told in fast[0]}) > 50
 
 
@@ -80,13 +81,13 @@ def test_a_state_stays_what_it_was_when_the_step_moves_on():
     second, volts = step(first, (2.0, 0.0, 0.0), *unseen, p, DT)
     assert first.voltages != second.voltages
     again, repeated = step(first, (2.0, 0.0, 0.0), *unseen, p, DT)
-    assert (again.built(), repeated) == (second.built(), volts)
+    assert (again.built, repeated) == (second.built, volts)
 
 
 def test_without_the_code_the_interpreted_steps_run(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     for name in ("CONTROLLER", "DRIVER"):
         known = getattr(compiled, name).entry
-        monkeypatch.setattr(compiled, name, Kept(name, lambda known=known: known))
-    assert compiled.controller_step() is controller.told
+        monkeypatch.setattr(compiled, name, CachedKernel(name, lambda known=known: known))
+    assert compiled.controller_step() is controller.step_with_telemetry
     assert compiled.driver_step() is valve_driver.step_seen

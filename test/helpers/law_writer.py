@@ -20,6 +20,11 @@ class Row(NamedTuple):
     n: int = 2
 
 
+class Pair(NamedTuple):
+    first: Row = Row(0.5, n=1)
+    scale: float = SCALE
+
+
 class Given(NamedTuple):
     x: float
     y: float
@@ -45,7 +50,7 @@ class Writer:
 
     def __init__(self, seed: int) -> None:
         self.random = random.Random(seed)
-        self.helpers: dict[str, tuple[str, str]] = {}  # name to kinds of arguments, kind of result
+        self.helpers: dict[str, tuple[str, int, str]] = {}  # kinds of arguments, required, kind of result
         self.known: dict[str, str] = {}  # variable to kind
         self.counters: set[str] = set()  # of loops under way
         self.count = 0
@@ -54,18 +59,23 @@ class Writer:
         """Return the source; the law is `law(p)`, p a `Given`."""
         parts = [HEAD]
         for i in range(self.random.randint(1, 3)):
-            kinds, result = "".join(self.random.choices("dwtv", k=3)), self.random.choice(RESULTS)
-            names = [f"a{k}" for k in range(3)]
-            default = f"a2={self.constant(kinds[2])}" if self.random.random() < 0.5 else "a2"
-            parts.append(f"\n\ndef helper_{i}(a0, a1, {default}):")
-            self.known = dict(zip(names, kinds, strict=True))
+            kinds, result = self.random.choices("dwtvr", k=4), self.random.choice(RESULTS)
+            required = self.random.randint(0, 4)
+            parts.append(f"\n\ndef helper_{i}({self.parameters(kinds, required)}):")
+            self.known = {f"a{k}": kind for k, kind in enumerate(kinds)}
             parts += [*self.body(result, 2), ""]
-            self.helpers[f"helper_{i}"] = kinds, result
+            self.helpers[f"helper_{i}"] = "".join(kinds), required, result
         self.known = dict(PARAMETERS)
         parts += ["\n\ndef law(p):", *self.statements(1, 5)]
         given = ", ".join(self.expression(kind, 2) for kind in "dwtvr")
         changed = [name for name in self.known if "." not in name]
         return "\n".join([*parts, f"    return ({', '.join([given, *changed])})", ""])
+
+    def parameters(self, kinds: list[str], required: int) -> str:
+        """Return parameters: `required` of them without default, the last one or two by keyword alone."""
+        names = [f"a{k}" if k < required else f"a{k}={self.constant(kind)}" for k, kind in enumerate(kinds)]
+        names.insert(self.random.randint(2, 3), "*")
+        return ", ".join(names)
 
     def body(self, result: str, count: int) -> list[str]:
         """Return a function's statements."""
@@ -80,7 +90,7 @@ class Writer:
         names = [name for name, sort in self.known.items() if sort == kind]
         if depth == 0 or self.random.random() < 0.2:
             return self.random.choice(names) if names and self.random.random() < 0.8 else self.constant(kind)
-        helpers = [name for name, (_, result) in self.helpers.items() if result == kind]
+        helpers = [name for name, (*_, result) in self.helpers.items() if result == kind]
         if helpers and self.random.random() < 0.2:
             return self.call(self.random.choice(helpers), depth - 1)
         if self.random.random() < 0.1:
@@ -92,9 +102,14 @@ class Writer:
         return pieces[0] + "".join(self.expression(p[0], depth - 1) + p[1:] for p in pieces[1:])
 
     def call(self, name: str, depth: int) -> str:
-        """Return a call of a helper, by place or by keyword."""
-        a, b, c = (self.expression(kind, depth) for kind in self.helpers[name][0])
-        return self.random.choice((f"{name}({a}, {b}, {c})", f"{name}({a}, a2={c}, a1={b})"))
+        """Return a call of a helper: some arguments by place, others by keyword in any order, or left out."""
+        kinds, required, _ = self.helpers[name]
+        by_place = self.random.randint(0, 2)
+        named = [k for k in range(by_place, len(kinds)) if k < required or self.random.random() < 0.5]
+        self.random.shuffle(named)
+        given = [self.expression(kind, depth) for kind in kinds[:by_place]]
+        given += [f"a{k}={self.expression(kinds[k], depth)}" for k in named]
+        return f"{name}({', '.join(given)})"
 
     def statements(self, depth: int, count: int) -> list[str]:
         """Return some statements, indented."""
@@ -194,7 +209,8 @@ math.cos($d) | math.atan2($d, $d) | math.exp(min($d, 9.0)) | math.acos(max(-1.0,
 math.fmod($d, abs($d) + 0.5) | math.fabs($w) | $d ** 2 | abs($d) ** 0.5 | $d ** 3 | (abs($d) + 0.1) ** -0.25
 pow(abs($d) + 0.1, math.sin($d)) | ($w / (2 * $w + 1)) | ($d or $d) | ($d and $d) | $v[0] | $v[-1]
 $v[$w % 3] | $v[$w % 3 - 3] | $v[int($t)] | $r.a | $r.b | TABLE[$w % 4] | TABLE[-$w % 4 - 4]
-(Row(0.25), Row($d, $d))[$w % 2].b
+(Row(0.25), Row($d, $d))[$w % 2].b | Pair($r).first.a | Pair(scale=$d, first=$r).scale | Pair().first.a * $d
+Pair(scale=$d)._replace(first=$r).first.b | $r._replace(b=$d, a=$d).a
 """,
         "w": """
 ($w + $w) | ($w - $w) | ($w * $w) % 97 | ($w % (2 * $w + 1)) | -$w | -$t | abs($w) | ($w * $t) | max($w, $w)
@@ -211,8 +227,9 @@ math.isnan($d) | math.isfinite($d) | ($d > $w) | (not $w or $t) | ($w == $d == $
 tuple([TABLE[i] * $d + i for i in range(3)])
 """,
         "r": """
-Row($d) | Row($d, $d) | Row(n=$w % 9, a=$d) | $r._replace(b=$d) | $r._replace(a=$d, n=$w % 7)
-(Row($d), $r)[$w % 2]
+Row($d) | Row($d, $d) | Row(n=$w % 9, a=$d) | Row($d, n=$w % 5) | Row(b=$d, n=$w % 3, a=$d)
+$r._replace(b=$d) | $r._replace(a=$d, n=$w % 7) | $r._replace(n=$w % 7, b=$d, a=$d) | $r._replace()
+(Row($d), $r)[$w % 2] | Pair($r, $d).first | Pair()._replace(first=$r).first | Pair().first
 """,
     }.items()
 }

@@ -1,6 +1,7 @@
 """A node for the tests of the frame: publishes joints at 200 Hz and has last words."""
 
 import sys
+from typing import Annotated, NamedTuple
 
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -8,17 +9,22 @@ from rclpy.node import Node
 from forest_msgs_py.interfaces import messages, topics
 from forest_msgs_py.runtime.node import Finished, NodeFailure, publisher, run_node
 from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import Parameter
 
 FAULTS = {"bug": ZeroDivisionError("a bug"), "failure": NodeFailure("pump is gone"), "done": Finished()}
+
+
+class TalkerParameters(NamedTuple):
+    fault: Annotated[str, Parameter("what goes wrong", choices=("", *FAULTS))] = ""
+    loop: Annotated[str, Parameter("how a loop of its own ends", choices=("", "wait", "return", *FAULTS))] = (
+        ""
+    )
 
 
 class Talker(Node):
     def __init__(self):
         super().__init__("talker")
-        self.fault = declare(self, "fault", "", "what goes wrong", choices=("", *FAULTS))
-        loop = declare(
-            self, "loop", "", "how a loop of its own ends", choices=("", "wait", "return", *FAULTS)
-        )
+        self.fault, loop = declare(self, TalkerParameters)
         if loop:
             self.run = lambda stopping: self.keep_time(loop, stopping)
         self.joints = publisher(self, topics.JOINT_STATES)

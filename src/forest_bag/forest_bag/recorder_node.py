@@ -4,8 +4,9 @@ It watches the graph, subscribes to each topic with its publishers' QoS, and cop
 In a namespace it records that namespace, and the topics of the ROS graph (absolute in the topic table).
 
 A thread of its own copies and writes; the executor is left with looking for topics and with the services
-`~/start`, `~/stop`, `~/split`, `~/snapshot` and `~/mark`, which says the parameter `event` on /events. The
-thread that writes never waits for the disk: a third one syncs. In lockstep it ends with the run's last step.
+`~/start`, `~/stop`, `~/split`, `~/snapshot` and `~/mark`, which publishes the parameter `event` on /events.
+The thread that writes never waits for the disk: a third one syncs. In lockstep the node ends with the run's
+last step.
 """
 
 from __future__ import annotations
@@ -19,21 +20,21 @@ from typing import Any
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from forest_bag.record.recorder_parameters import RecorderParameters
 from forest_bag.record.recording import Recording, Refusal
 from forest_bag.record.run_context import RunContext, versions
 from forest_bag.record.topic_choice import ChoiceError, TopicChoice
-from forest_bag.storage.mcap_chunk import COMPRESSIONS
 from forest_bag.write.bag_session import Session
 from forest_bag.write.bag_writer import Layout
 from forest_msgs_py.clock.step_listener import listener
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
-from forest_msgs_py.introspection.graph_listener import Offer
+from forest_msgs_py.introspection.graph_listener import DiscoveredTopic
 from forest_msgs_py.introspection.parameter_survey import ParameterSurvey
 from forest_msgs_py.runtime.node import NodeFailure, publisher, run_node, timer
-from forest_msgs_py.runtime.node_parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import ParameterError
 
-HOUR = 3600.0  # [s]; readers load a file's index whole, which has ten entries for each second
 QUICK_POLL_S, SLOW_POLL_S = 0.05, 0.25
 QUICK_POLLS = 100  # the first five seconds, while a graph comes up
 
@@ -43,10 +44,10 @@ class RecorderNode(Node):
 
     def __init__(self) -> None:
         super().__init__("recorder")
-        choice, session = self._choice(), self._new_session()
+        p = declare(self, RecorderParameters)
+        choice, session = self._choice(p), self._new_session(p)
         self._listener = listener(self, choice.wants, self._offered, self._refused, self._settled)
         self._recording = Recording(session, self._listener.take, self.get_logger().info)
-        declare(self, "event", "mark", "what the next `mark` says on /events", read_only=False)
         self._events = publisher(self, topics.EVENTS)
         answers = {name: getattr(self._recording, name) for name in ("start", "stop", "split", "snapshot")}
         for name, verb in (answers | {"mark": self._mark}).items():
@@ -57,34 +58,23 @@ class RecorderNode(Node):
         self._polls = 0
         self._poll_timer = timer(self, QUICK_POLL_S, self._poll)
 
-    def _choice(self) -> TopicChoice:
-        chosen = declare(self, "topics", [""], "record only these")
-        regex = declare(self, "regex", "", "record only, or also, topics whose name contains this")
-        excluded = declare(self, "exclude", [""], "names, or regular expressions, of topics not to record")
-        everything = declare(self, "everything", False, "record all namespaces, not only the recorder's")
-        if any(chosen) or regex:
-            chosen = [*chosen, topics.EVENTS.name]
+    def _choice(self, p: RecorderParameters) -> TopicChoice:
+        chosen = [*p.topics, topics.EVENTS.name] if any(p.topics) or p.regex else p.topics
         resolve, namespace = self.resolve_topic_name, self.get_namespace()
         try:
-            return TopicChoice(resolve, namespace, chosen, regex, excluded, everything)
+            return TopicChoice(resolve, namespace, chosen, p.regex, p.exclude, p.everything)
         except ChoiceError as error:
             raise ParameterError(f"parameter 'regex' or 'exclude': {error}") from error
 
-    def _new_session(self) -> Session:
-        output = declare(self, "output", "", "Directory to be made for the bag")
-        compression = declare(self, "compression", "zstd", "of the chunks", choices=COMPRESSIONS)
-        duration = declare(self, "max_duration", HOUR, "longest file; 0: no limit", "s", 0.0, 1e9)
-        size = declare(self, "max_size", 0.0, "largest file; 0: no limit", "MB", 0.0, 1e9)
-        last = "keep so much in memory and write it on ~/snapshot; 0: write everything"
-        snapshot = declare(self, "snapshot_seconds", 0.0, last, "s", 0.0, 3600.0)
-        paused = declare(self, "start_paused", False, "record nothing before ~/start")
+    def _new_session(self, p: RecorderParameters) -> Session:
+        output, paused = p.output, p.start_paused
         refused = f"parameter 'output' is {output!r}: %s; allowed: a directory that does not exist yet"
         if not output:
             raise ParameterError(refused % "no directory")
         if Path(output).exists():
             raise ParameterError(refused % f"{output} exists")
-        layout = Layout(compression, int(size * 1e6), int(duration * 1e9), durable=True)
-        session = Session(output, layout, int(snapshot * 1e9))
+        layout = Layout(p.compression, int(p.max_size * 1e6), int(p.max_duration * 1e9), durable=True)
+        session = Session(output, layout, int(p.snapshot_seconds * 1e9))
         try:
             if not paused:
                 session.start()
@@ -111,7 +101,7 @@ class RecorderNode(Node):
         self._recording.guard(self._listener.look)
         self._survey.look()
 
-    def _offered(self, offer: Offer) -> None:
+    def _offered(self, offer: DiscoveredTopic) -> None:
         self._recording.session.add_topic(*offer)
 
     def _refused(self, name: str, reason: str) -> None:
@@ -125,7 +115,7 @@ class RecorderNode(Node):
         self._recording.guard(lambda: self._run_context.node(name, parameters, self._listener.context_ns()))
 
     def _mark(self) -> str:
-        """Say an event on /events, which is recorded as every topic is."""
+        """Publish an event on /events, which is recorded as every topic is."""
         self._recording.demand_take()
         if not self._events.get_subscription_count():
             raise Refusal("the recorder does not hear /events: not yet, or it is told to exclude it")

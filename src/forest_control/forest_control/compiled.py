@@ -12,10 +12,11 @@ from typing import Any
 
 from forest_compile import compiled_step, kernel_cache
 from forest_compile.compiled_step import CompiledStep, Example
-from forest_compile.kernel_cache import Kept
+from forest_compile.kernel_cache import CachedKernel
+from forest_control.config import settings as control_settings
 from forest_control.limits import workspace
 from forest_control.operator import levers, operator_profile
-from forest_control.pipeline import bumpless_transfer, controller, stop_profile
+from forest_control.pipeline import bumpless_transfer, control_state, controller, motion_command, stop_profile
 from forest_control.valve import valve_driver
 from forest_description.geometry import kinematics
 from forest_description.machine import load_machine
@@ -24,16 +25,17 @@ from forest_msgs_py.types import PERIOD
 Step = Callable[..., tuple[Any, Any]]
 
 # What is seldom called stays a function; all else is written out.
-APART = (
-    *(controller._stopping, bumpless_transfer.taken_over, kinematics.nearest_pose, stop_profile.share),
+NOINLINE = (
+    *(motion_command.stop_command, bumpless_transfer.taken_over, kinematics.nearest_pose),
+    *(stop_profile.share,),
     *(workspace.share, workspace.slid, operator_profile.tip_following),
 )
 
 
 def controller_step() -> Step:
-    """Return `controller.told`, compiled if its code is there."""
+    """Return `controller.step_with_telemetry`, compiled if its code is there."""
     kernel = CONTROLLER.ready()
-    return CompiledStep(kernel, _control()) if kernel else controller.told
+    return CompiledStep(kernel, _control()) if kernel else controller.step_with_telemetry
 
 
 def driver_step() -> Step:
@@ -45,10 +47,10 @@ def driver_step() -> Step:
 @lru_cache(maxsize=1)
 def _control() -> Example:
     """Return values of the types that all machines share."""
-    p = controller.parameters(load_machine("c180"), controller.Settings())
-    inputs = controller.Inputs((0.0, 0.5, -1.5), (0.0, 0.0, 0.0), levers.REST, False)
-    state, told = controller.told(controller.REST, inputs, p, PERIOD)
-    return Example(state, (inputs,), p, told)
+    p = control_settings.parameters(load_machine("c180"), control_settings.Settings())
+    inputs = control_state.Inputs((0.0, 0.5, -1.5), (0.0, 0.0, 0.0), levers.REST, False)
+    state, telemetry = controller.step_with_telemetry(control_state.REST, inputs, p, PERIOD)
+    return Example(state, (inputs,), p, telemetry)
 
 
 @lru_cache(maxsize=1)
@@ -59,8 +61,10 @@ def _drive() -> Example:
     return Example(state, inputs, p, voltages)
 
 
-CONTROLLER = Kept("controller", lambda: compiled_step.entry(controller.told, _control(), APART))
-DRIVER = Kept("valve-driver", lambda: compiled_step.entry(valve_driver.step_seen, _drive(), APART))
+CONTROLLER = CachedKernel(
+    "controller", lambda: compiled_step.entry(controller.step_with_telemetry, _control(), NOINLINE)
+)
+DRIVER = CachedKernel("valve-driver", lambda: compiled_step.entry(valve_driver.step_seen, _drive(), NOINLINE))
 
 
 def main() -> None:

@@ -6,7 +6,6 @@ bag's messages are said again as they are, under new stamps. `faults` go wrong a
 
 import math
 import sys
-from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,18 +26,20 @@ from forest_control.operator.joystick_sources import (
     LEAD_IN,
     LEAD_OUT,
     THESIS_DURATION,
+    JoystickParameters,
     LeverRecord,
     read_levers,
     thesis_levers,
 )
 from forest_control.operator.joystick_watch import HEARTBEAT
-from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, axes_from_levers
-from forest_msgs_py.clock.node_clock import pace, publishes_bytes
+from forest_control.operator.levers import BUTTON_COUNT, REST, Levers, axes_from_levers
+from forest_msgs_py.clock.node_clock import node_clock, publishes_bytes
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import JoyValues
 from forest_msgs_py.interfaces.topics import JOY_RATE_HZ, message_class
 from forest_msgs_py.runtime.node import Finished, run_node
-from forest_msgs_py.runtime.node_parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import ParameterError
 from forest_msgs_py.serialization.packing import pack_joy
 from forest_msgs_py.types import NS_PER_S
 
@@ -55,53 +56,42 @@ class JoystickNode(Node):
 
     def __init__(self) -> None:
         super().__init__("joystick")
-        self._pace = pace(self)
-        self.run = self._pace.run
-        get = partial(declare, self)
-        source = get(
-            "source", "thesis", "thesis, or the path of a CSV of levers, or of a bag with a joystick"
-        )
-        duration = get("duration", 0.0, "how long to play; 0: as long as the source is", "s", 0.0, 86400.0)
-        self._tip_speed = get("tip_speed", 0.5, "tip speed at full deflection", "m/s", 0.48, 3.0)
-        self._listeners = get("wait_for_subscribers", 1, "listeners to wait for", low=0, high=100)
-        self._deadman = get("deadman_button", LEFT_SHOULDER, "button to hold", low=0, high=BUTTON_COUNT - 1)
-        self._faults = self._declare_faults()
-        interpolate = get("interpolate", True, "lines from row to row of a CSV; false: each row holds")
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
+        p = declare(self, JoystickParameters)
+        self._p = p
+        self._faults = _faults(p.faults)
         self._record: LeverRecord | JoyRecord | None = (
-            None if source == "thesis" else _record(Path(source), interpolate)
+            None if p.source == "thesis" else _record(Path(p.source), p.interpolate)
         )
-        self._length = duration or _length(self._record)
-        self._publisher = self._pace.publisher(topics.JOY)
+        self._length = p.duration or _length(self._record)
+        self._publisher = self._node_clock.publisher(topics.JOY)
         self._publish = publishes_bytes(self._publisher)
         self._begun: float | None = None
         self._count = 0
         self._last: Said | None = None
         self._place = -1  # in the bag, of the last message said
         # In lockstep it answers every step.
-        self._pace.every(0.0 if self._pace.lockstep else 1.0 / JOY_RATE_HZ, self._on_timer)
-
-    def _declare_faults(self) -> tuple[JoystickFault, ...]:
-        faults = declare(self, "faults", "", "e.g. lost from 3 s until 4 s; frozen from 6 s")
-        try:
-            return parse_joystick_faults(faults)
-        except ValueError as error:
-            raise ParameterError(f"parameter 'faults': {error}") from error
+        self._node_clock.every(0.0 if self._node_clock.lockstep else 1.0 / JOY_RATE_HZ, self._on_timer)
 
     def _on_timer(self) -> None:
         if self._begun is None:
-            if not self._pace.lockstep and self._publisher.get_subscription_count() < self._listeners:
+            if (
+                not self._node_clock.lockstep
+                and self._publisher.get_subscription_count() < self._p.wait_for_subscribers
+            ):
                 return
             # Before the beginning: a process' first line takes a tenth of a second on a busy computer.
             self.get_logger().info(f"playing for {self._length:g} s")
-            self._begun = self._pace.now()
-        elapsed = self._pace.now() - self._begun
+            self._begun = self._node_clock.now()
+        elapsed = self._node_clock.now() - self._begun
         if isinstance(self._record, JoyRecord):
             message, over = self._replayed(self._record, elapsed), elapsed > self._length
         else:
             played = elapsed - LEAD_IN
             message = self._made(self._levers(played), played < self._length)
             over = played >= self._length + LEAD_OUT
-        if over and not self._pace.lockstep:  # there, the machine knows when the run is over
+        if over and not self._node_clock.lockstep:  # there, the machine knows when the run is over
             raise Finished
         self._say(message, faults_at(self._faults, elapsed))
 
@@ -110,11 +100,11 @@ class JoystickNode(Node):
             return REST
         if isinstance(self._record, LeverRecord):
             return self._record.at(played)
-        return thesis_levers(played, self._tip_speed)
+        return thesis_levers(played, self._p.tip_speed)
 
     def _made(self, levers: Levers, held: bool) -> Said:
         self._count += 1  # a script may hold still for ever: the controller sees by this that it lives
-        buttons = tuple(int(held and place == self._deadman) for place in range(BUTTON_COUNT))
+        buttons = tuple(int(held and place == self._p.deadman_button) for place in range(BUTTON_COUNT))
         return Said(f"{HEARTBEAT}{self._count}", JoyValues(axes_from_levers(levers), buttons))
 
     def _replayed(self, record: JoyRecord, elapsed: float) -> Said | None:
@@ -134,15 +124,24 @@ class JoystickNode(Node):
             return
         axes, buttons = said.joy
         if RELEASED in faults:
-            buttons = tuple(0 if place == self._deadman else down for place, down in enumerate(buttons))
+            buttons = tuple(
+                0 if place == self._p.deadman_button else down for place, down in enumerate(buttons)
+            )
         if BAD in faults:
             axes = (math.nan,) * len(axes)
         self._last = Said(said.frame, JoyValues(axes, buttons))
-        self._publish(pack_joy(self._pace.stamp(), *self._last))
+        self._publish(pack_joy(self._node_clock.stamp(), *self._last))
 
     def stop(self) -> None:
         """Last words: deadman released."""
         self._say(self._made(REST, False), frozenset())
+
+
+def _faults(text: str) -> tuple[JoystickFault, ...]:
+    try:
+        return parse_joystick_faults(text)
+    except ValueError as error:
+        raise ParameterError(f"parameter 'faults': {error}") from error
 
 
 def _record(path: Path, interpolate: bool) -> LeverRecord | JoyRecord:

@@ -9,22 +9,23 @@ import contextlib
 import math
 import sys
 from collections.abc import Iterator
-from functools import partial
 from typing import Any
 
 from rclpy.node import Node
 
-from forest_description.machine import load_machine
+from forest_description.machine import Machine, load_machine
 from forest_description.types import ZERO, Vec3
 from forest_ident.driving.operator_inputs import Inputs
+from forest_ident.driving.operator_parameters import OperatorParameters
 from forest_ident.driving.scripted_operator import ScriptedOperator
 from forest_ident.driving.valve_takeover import ValveTakeover
 from forest_ident.experiments import experiment_plan
-from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.introspection.live_graph import LiveGraph, NoAnswer, speakers
+from forest_msgs_py.introspection.live_graph import LiveGraph, NoAnswer, publishers_of
 from forest_msgs_py.runtime.node import Finished, NodeFailure, run_node, subscription
-from forest_msgs_py.runtime.node_parameters import ParameterError, declare
+from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import MachineParameter, ParameterError
 
 WATCHDOG_PERIOD = 0.02  # [s]
 
@@ -34,49 +35,37 @@ class ExperimentOperatorNode(Node):
 
     def __init__(self) -> None:
         super().__init__("experiment_operator")
-        self._pace = pace(self)
-        self.run = self._pace.run
-        plan = self._planned()
-        self._timeout = declare(self, "timeout", 0.1, "age at which the state is lost", "s", 0.01, 1.0)
-        self._listeners = declare(self, "listeners", 1, "of the commands, to be there first", low=0, high=9)
-        self._operator = ScriptedOperator(plan, self._timeout, self._pace.now())
-        self._command = speaker(self._pace, topics.VALVE_COMMANDS)
-        self._inputs = Inputs(self._pace, plan, self._on_sample)
-        self._pace.every(WATCHDOG_PERIOD, self._watch)
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
+        machine, p = load_machine(declare(self, MachineParameter).machine), declare(self, OperatorParameters)
+        plan, self._timeout, self._listeners = _planned(machine, p), p.timeout, p.listeners
+        self._operator = ScriptedOperator(plan, self._timeout, self._node_clock.now())
+        self._command = number_publisher(self._node_clock, topics.VALVE_COMMANDS)
+        self._inputs = Inputs(self._node_clock, plan, self._on_sample)
+        self._node_clock.every(WATCHDOG_PERIOD, self._watch)
         self._takeover: ValveTakeover | None = None
-        if not self._pace.lockstep:
+        if not self._node_clock.lockstep:
             for topic in (topics.EMERGENCY_STOP, topics.EMERGENCY_STOPPED):
                 subscription(self, topic, self._on_emergency_stop)
             with _failing():
                 self._takeover = ValveTakeover(LiveGraph(self.get_namespace(), "_operator_switches"))
                 self._takeover.apply()
 
-    def _planned(self) -> experiment_plan.Plan:
-        get = partial(declare, self)
-        machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
-        name = get("experiment", "validation", "as `forest-ident experiment list` tells them")
-        allowed = [known for known in experiment_plan.names(machine) if known != "calibration"]
-        if name not in allowed:
-            raise ParameterError(f"parameter 'experiment' is {name!r}; allowed: {', '.join(allowed)}")
-        seed = get("seed", 0, "of levels drawn by lot", low=0)
-        longest = get("longest", 0.0, "cut the programme off there, for a trial; 0: never", "s", 0.0, 1e6)
-        return experiment_plan.plan(name, machine, seed, longest or math.inf)
-
     def _on_emergency_stop(self, message: Any) -> None:
         if message.data:
             raise NodeFailure("emergency stop pressed; reset it before the next experiment")
 
     def _on_sample(self, stamp: int, sent: float, problem: str, angles: Vec3) -> None:
-        if self._pace.now() - sent > self._timeout:
+        if self._node_clock.now() - sent > self._timeout:
             return  # left over from a stall; the watchdog ends the experiment if nothing newer comes
         if not self._operator.accepts(stamp, sent, problem):
-            self._command.say(self._pace.stamp(), ZERO)
+            self._command.publish(self._node_clock.stamp(), ZERO)
         elif not self._operator.begun and not self._begin(angles):
-            self._command.say(stamp, ZERO)
+            self._command.publish(stamp, ZERO)
         else:
             volts, reason = self._operator.step(self._inputs.read(angles), self._inputs.crane_angles())
             _fail_if(reason)
-            self._command.say(stamp, volts)
+            self._command.publish(stamp, volts)
             self._report_progress()
 
     def _begin(self, angles: Vec3) -> bool:
@@ -91,7 +80,7 @@ class ExperimentOperatorNode(Node):
         if self._takeover is None:
             return True
         with _failing():
-            found = speakers(self, topics.VALVE_COMMANDS)
+            found = publishers_of(self, topics.VALVE_COMMANDS)
             return self._takeover.is_alone(self.get_name(), found, self._operator.begun)
 
     def _report_progress(self) -> None:
@@ -104,7 +93,7 @@ class ExperimentOperatorNode(Node):
 
     def _watch(self) -> None:
         """End the experiment when no good state arrives in time."""
-        now = self._pace.now()
+        now = self._node_clock.now()
         needed = f"the machine's state, and {self._listeners} who hear valve_commands"
         _fail_if(self._operator.overdue(now, needed))
         if self._operator.begun:
@@ -112,7 +101,7 @@ class ExperimentOperatorNode(Node):
 
     def stop(self) -> None:
         """Publish zero as the last command; then give the valves back."""
-        self._command.say(self._pace.stamp(), ZERO)
+        self._command.publish(self._node_clock.stamp(), ZERO)
         if self._takeover is not None:
             with _failing():
                 self._takeover.close()
@@ -130,6 +119,13 @@ def _failing() -> Iterator[None]:
         yield
     except NoAnswer as error:
         raise NodeFailure(str(error)) from error
+
+
+def _planned(machine: Machine, p: OperatorParameters) -> experiment_plan.Plan:
+    allowed = [known for known in experiment_plan.names(machine) if known != "calibration"]
+    if p.experiment not in allowed:
+        raise ParameterError(f"parameter 'experiment' is {p.experiment!r}; allowed: {', '.join(allowed)}")
+    return experiment_plan.plan(p.experiment, machine, p.seed, p.longest or math.inf)
 
 
 def main() -> None:

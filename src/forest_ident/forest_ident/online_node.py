@@ -13,15 +13,16 @@ from rclpy.node import Node
 from forest_description.machine import load_machine
 from forest_description.types import Vec3
 from forest_ident.online import online_estimator
-from forest_msgs_py.clock.node_clock import pace
+from forest_ident.online.online_parameters import OnlineParameters
+from forest_msgs_py.clock.node_clock import node_clock
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array
 from forest_msgs_py.interfaces.topics import Topic
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader
-from forest_msgs_py.types import PERIOD
 
 PORTS = tuple(tuple(f"{joint}_{port}_actuator" for joint in topics.JOINTS) for port in (1, 2))
 
@@ -31,26 +32,23 @@ class OnlineIdentificationNode(Node):
 
     def __init__(self) -> None:
         super().__init__("online_identification")
-        self._pace = pace(self)
-        self.run = self._pace.run
-        get = partial(declare, self)
-        machine = load_machine(get("machine", "c180", "shipped machine, or path of a machine file"))
-        memory = get("memory", 60.0, "after which a sample counts 1/e", "s", 1.0, 86400.0)
-        self._core = online_estimator.parameters(machine, memory)
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
+        machine = load_machine(declare(self, MachineParameter).machine)
+        p = declare(self, OnlineParameters)
+        self._core = online_estimator.parameters(machine, p.memory)
         self._state = online_estimator.initial(self._core)
-        self._period = StampedPeriod(get("period", PERIOD, "nominal period of the joints", "s", 1e-4, 0.1))
-        self._timeout = get("timeout", 0.1, "age at which pressures and voltages are lost", "s", 0.01, 2.0)
-        self._every = get("report_period", 1.0, "between two reports", "s", 0.1, 600.0)
+        self._period, self._timeout, self._every = StampedPeriod(p.period), p.timeout, p.report_period
         self._since = 0.0
         self._last: dict[Topic, tuple[bytes, float]] = {}  # message, when it was sent
         self._joints = JointReader(topics.JOINTS)
         self._ports = [ArrayReader(topics.PRESSURES, labels) for labels in PORTS]
         self._supply = ArrayReader(topics.SUPPLY, ("pressure",))
         self._voltages = ArrayReader(topics.VALVE_VOLTAGES)
-        self._estimates = self._pace.publisher(topics.IDENTIFICATION)
+        self._estimates = self._node_clock.publisher(topics.IDENTIFICATION)
         for topic in (topics.PRESSURES, topics.SUPPLY, topics.VALVE_VOLTAGES):
-            self._pace.on(topic, partial(self._keep, topic))
-        self._pace.on(topics.JOINT_STATES, self._on_joints)
+            self._node_clock.on(topic, partial(self._keep, topic))
+        self._node_clock.on(topics.JOINT_STATES, self._on_joints)
 
     def _keep(self, topic: Topic, data: bytes, sent: float) -> None:
         self._last[topic] = data, sent
@@ -82,7 +80,7 @@ class OnlineIdentificationNode(Node):
         """Return a topic's newest values; NaN if they are bad, too old or never came."""
         nothing = (math.nan,) * count
         data, sent = self._last.get(topic, (b"", -math.inf))
-        if not data or self._pace.now() - sent > self._timeout:
+        if not data or self._node_clock.now() - sent > self._timeout:
             return nothing
         reading = reader.read(data, 0)
         return nothing if reading.problem else tuple(reading.values)

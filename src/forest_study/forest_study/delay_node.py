@@ -6,15 +6,16 @@ with `topic_in:=joy topic_out:=joy_late`. Bytes pass unread, so stamps stay; the
 
 import sys
 import time
-from functools import partial
 
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
-from forest_msgs_py.interfaces.topics import TOPICS, find, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import TOPICS, find, message_class
 from forest_msgs_py.runtime.node import run_node, timer
-from forest_msgs_py.runtime.node_parameters import ParameterError, declare
-from forest_study.closed_loop.link_model import LONGEST, Link, Quality
+from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import ParameterError
+from forest_study.closed_loop.link_model import DelayParameters, Link, Quality
 
 PERIOD = 0.002  # [s] in which it looks what is due
 
@@ -24,14 +25,8 @@ class DelayNode(Node):
 
     def __init__(self) -> None:
         super().__init__("delay")
-        get = partial(declare, self)
-        source, target = get("topic_in", "joy", "heard"), get("topic_out", "joy_late", "said")
-        quality = Quality(
-            get("delay", 0.0, "of every message", "s", 0.0, LONGEST),
-            get("jitter", 0.0, "greatest extra delay, drawn evenly", "s", 0.0, LONGEST),
-            get("loss", 0.0, "probability of a message to be lost", "", 0.0, 1.0),
-        )
-        self._link: Link[bytes] = Link(quality, get("seed", 0, "of jitter and losses", low=0))
+        source, target, seed = declare(self, DelayParameters)
+        self._link: Link[bytes] = Link(declare(self, Quality), seed)
         row = find(self.resolve_topic_name(source))
         if row is None:
             known = ", ".join(topic.name for topic in TOPICS)

@@ -8,11 +8,15 @@ import pytest
 from forest_control.config.profile_file import KEYS, load_profile, shipped
 from forest_control.config.setting_file import SettingFileError
 from forest_control.config.settings import Settings, parameters
-from forest_control.config.tunables import TUNABLES, as_typed, settings_from
 from forest_control.operator.joystick_watch import WatchParameters
 from forest_control.operator.levers import Levers
 from forest_control.operator.operator_profile import shaped
 from forest_description.machine import load_machine
+from forest_msgs_py.runtime.parameter_table import table_of, typed_values
+
+
+def settings_with(profile):
+    return table_of(Settings, typed_values(Settings()) | profile)
 
 
 def test_every_shipped_profile_loads_into_settings():
@@ -20,21 +24,21 @@ def test_every_shipped_profile_loads_into_settings():
     for name in shipped():
         profile = load_profile(name)
         assert set(profile) == set(KEYS)
-        typed = {one.name: as_typed(one.name, Settings()) for one in TUNABLES} | profile
-        made = settings_from(typed)
-        assert {key: as_typed(key, made) for key in KEYS} == profile
+        made = typed_values(settings_with(profile))
+        assert {key: made[key] for key in KEYS} == profile
 
 
 def test_the_exact_profile_is_what_studies_assume_and_the_default_has_a_deadzone_besides():
-    exact = {key: as_typed(key, Settings()) for key in KEYS}
+    typed = typed_values(Settings())
+    exact = {key: typed[key] for key in KEYS}
     assert load_profile("exact") == exact
     assert exact["deadzone"] == (0.0, 0.0, 0.0)
     assert load_profile("default") == exact | {"deadzone": (0.05, 0.05, 0.05)}
 
 
 def shaped_by(name, *levers):
-    typed = {one.name: as_typed(one.name, Settings()) for one in TUNABLES} | load_profile(name)
-    return shaped(Levers(*levers), parameters(load_machine(), settings_from(typed)).hand)
+    settings = settings_with(load_profile(name))
+    return shaped(Levers(*levers), parameters(load_machine(), settings).hand)
 
 
 @pytest.mark.parametrize("name", ["default", "fine", "operator"])

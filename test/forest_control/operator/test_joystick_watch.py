@@ -79,7 +79,7 @@ def test_up_to_centre_and_no_further_each_lever_counts_as_centred(lever, side):
 
 
 def test_at_its_very_timeout_a_joystick_is_not_lost_yet_and_at_its_time_it_is_frozen():
-    p = P._replace(timeout=0.25)
+    p = P._replace(joy_timeout=0.25)
     watch = Hand().arm().watch._replace(fresh_since=4.0, moved=2.0, restless=10.0)
     assert judge(watch._replace(moved=4.0), 4.25, True, p)[0].joystick == Joystick.ALIVE
     assert judge(watch._replace(moved=4.0), 4.25 + 1e-9, True, p)[0].joystick == Joystick.LOST
@@ -116,7 +116,7 @@ def test_a_joystick_that_falls_silent_is_lost_after_the_timeout_and_must_be_cent
 
 def test_a_stamp_that_stands_still_is_a_lost_joystick():
     hand, wobble = Hand().arm(), itertools.count(1)
-    stamp, lost_after = hand.watch.stamp, hand.now + P.timeout
+    stamp, lost_after = hand.watch.stamp, hand.now + P.joy_timeout
     while hand.say(Levers(0.5, 0.001 * next(wobble), 0.0), stamp=stamp):
         assert hand.now <= lost_after + 1e-9
     assert hand.watch.joystick == Joystick.LOST
@@ -151,7 +151,7 @@ def test_a_heartbeat_lets_a_source_hold_still_and_one_that_stops_counting_is_los
         assert hand.say(PUSHED, heartbeat=next(count))
     stopped = hand.now
     while hand.say(PUSHED, heartbeat=499):
-        assert hand.now - stopped <= P.timeout + 1e-9
+        assert hand.now - stopped <= P.joy_timeout + 1e-9
     assert hand.watch.joystick == Joystick.LOST
 
 

@@ -244,11 +244,11 @@ def test_a_driver_that_speaks_only_on_change_is_named_when_a_still_hand_makes_it
     for k in range(100):
         assert device.say(0.001 + 0.004 * k)
     assert problem_of(device.watch) == problem_of(REST) == ""
-    assert not device.look(P.timeout + 0.01)
+    assert not device.look(P.joy_timeout + 0.01)
     assert "never repeats a sample" in problem_of(device.watch)
     for _ in range(2):
         device.say(HELD)
-    assert not device.look(P.timeout + 0.01)
+    assert not device.look(P.joy_timeout + 0.01)
     assert problem_of(device.watch) == "joystick: nothing new for longer than joy_timeout"
 
 

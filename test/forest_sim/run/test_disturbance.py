@@ -16,8 +16,8 @@ from forest_sim.run.disturbance import (
     disturbed,
     parse_stuck_spools,
 )
+from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_kernel import compiled_advance
 from forest_sim.solver.plant_parameters import plant_parameters
 
 C180 = load_machine("c180")

@@ -7,17 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from energies import kinetic_energy, potential_energy
 
 from forest_description.machine import load_machine
-from forest_sim.mechanics.manipulator import kinetic_energy, potential_energy
 from forest_sim.run import inputs
 from forest_sim.run.energy import Account, account, heat_in, settled, unaccounted
 from forest_sim.run.sensor_log import EXACT, Observer
 from forest_sim.run.simulation import Run, RunError, blocks, checked_angles, start_angles, substeps, whole
 from forest_sim.run.trajectory_files import Thinned
 from forest_sim.solver import state_recording
+from forest_sim.solver.compiled_plant import compiled_advance, compiled_record, fastest_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_kernel import compiled_advance, compiled_record, fastest_record
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE, restore

@@ -1,5 +1,6 @@
 """What a run leaves on disk: a bag that others read, a table with units; the same bytes for the same run."""
 
+import contextlib
 import csv
 import hashlib
 import subprocess
@@ -19,7 +20,7 @@ from forest_sim.run import inputs
 from forest_sim.run.energy import account
 from forest_sim.run.sensor_log import OBSERVED, Observer
 from forest_sim.run.simulation import Run, blocks, start_angles, whole
-from forest_sim.run.trajectory_files import Thinned, trajectory_files
+from forest_sim.run.trajectory_files import Thinned, TrajectoryFiles
 from forest_sim.solver.state_recording import STATE
 
 C180 = load_machine("c180")
@@ -31,7 +32,7 @@ ROWS = 321  # the start and 1.6 s at 200 Hz
 def write(directory):
     directory.mkdir()
     observer = Observer(C180, RUN.rate)
-    with trajectory_files(directory, C180, RUN.rate) as files:
+    with contextlib.closing(TrajectoryFiles(directory, C180, RUN.rate)) as files:
         for block in blocks(C180, VOLTAGES, START, RUN):
             files.write(block, observer.observe(block))
     return files
@@ -117,7 +118,7 @@ def test_files_are_finished_when_a_run_fails(tmp_path):
 
     def run(out):
         observer = Observer(C180, RUN.rate)
-        with trajectory_files(out, C180, RUN.rate) as files:
+        with contextlib.closing(TrajectoryFiles(out, C180, RUN.rate)) as files:
             for block in fail():
                 files.write(block, observer.observe(block))
 

@@ -4,15 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from energies import kinetic_energy, pendulum_kinetic_energy, pendulum_potential_energy, potential_energy
 
 from forest_description.components.load import Pendulum
 from forest_description.geometry.kinematics import inverse_kinematics, tip_velocity
 from forest_description.machine import Cushion, Friction, load_machine
-from forest_sim.mechanics.manipulator import kinetic_energy, potential_energy
-from forest_sim.mechanics.pendulum import pendulum_kinetic_energy, pendulum_potential_energy
+from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant import ports_at, state_derivative
-from forest_sim.solver.plant_kernel import compiled_advance
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power import power_flows
 

@@ -5,9 +5,9 @@ import pytest
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_sim.sensors.sensor_readings import at_rest, measure
+from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant import axis_draw, ports_at
-from forest_sim.solver.plant_kernel import compiled_advance
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power import power_flows
 

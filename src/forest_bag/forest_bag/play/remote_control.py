@@ -6,19 +6,15 @@ from collections.abc import Callable
 from typing import Any
 
 from forest_bag.play.playback import Player
+from forest_bag.play.player_parameters import HIGHEST_RATE
 from forest_msgs_py.types import NS_PER_S
 
 RATE_STEP = 1.1
 SEEK_STEP_S = 5.0
-HIGHEST_RATE = 1e6
 KEYS = "space: pause; right: next message; left: 5 s back; up, +: faster; down, -: slower"
-PARAMETERS = {
-    "rate": "Seconds of the bag per second; 0: as fast as possible",
-    "seek": "Setting it goes to that time since the bag's start [s]",
-}
 
 
-class Remote:
+class RemoteControl:
     """Commands to a player, each with the sentence that answers it.
 
     Args:
@@ -66,7 +62,7 @@ class Remote:
 
     def refuse(self, name: str, value: Any) -> str:
         """Say why a parameter may not have a value; "" if it may, or is none of these."""
-        if name not in PARAMETERS:
+        if name not in self.highest:
             return ""
         high = self.highest[name]
         number = isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -8,8 +8,8 @@ from typing import Any
 
 from forest_control.config.setting_file import SettingFileError, is_number, shipped_in, shown, tree_of
 from forest_control.config.settings import Settings
-from forest_control.config.tunables import TUNABLES, Tunable, as_typed
 from forest_description.types import AXES
+from forest_msgs_py.runtime.parameter_table import Parameter, table_rows
 
 KEYS = (
     "mode",
@@ -22,7 +22,7 @@ KEYS = (
     "position_span",
     "joint_span",
 )
-RULES = {tunable.name: tunable for tunable in TUNABLES if tunable.name in KEYS}
+RULES = {row.name: row for row in table_rows(Settings) if row.name in KEYS}
 
 
 def shipped() -> tuple[str, ...]:
@@ -39,7 +39,7 @@ def load_profile(name: str) -> dict[str, Any]:
     Raises:
         SettingFileError: no such profile, or something in it is not allowed.
     """
-    return _overlaid(_overlaid({key: as_typed(key, Settings()) for key in KEYS}, "default"), name)
+    return _overlaid(_overlaid({key: RULES[key].default for key in KEYS}, "default"), name)
 
 
 def _overlaid(found: dict[str, Any], name: str) -> dict[str, Any]:
@@ -58,7 +58,7 @@ def _overlaid(found: dict[str, Any], name: str) -> dict[str, Any]:
     return found
 
 
-def _checked(name: str, rule: Tunable, value: Any, triple: bool) -> Any:
+def _checked(name: str, rule: Parameter, value: Any, triple: bool) -> Any:
     """Return a value that follows its rule.
 
     Raises:
@@ -79,5 +79,5 @@ def _checked(name: str, rule: Tunable, value: Any, triple: bool) -> Any:
     return tuple(len(AXES) // len(floats) * floats) if triple else floats[0]
 
 
-def _fits(value: Any, rule: Tunable) -> bool:
+def _fits(value: Any, rule: Parameter) -> bool:
     return rule.low is not None and rule.high is not None and is_number(value, rule.low, rule.high)

@@ -1,7 +1,7 @@
 """What a user may set of the controller, and what its core makes of that and of the machine."""
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from forest_control.limits.actuator_speed_limits import Capacity, capacity
 from forest_control.limits.singularity import BENT
@@ -19,7 +19,8 @@ from forest_description.derived.limits import Interval, joint_limits
 from forest_description.geometry.kinematics import Links
 from forest_description.geometry.linkage import Linkage, cylinder_length
 from forest_description.machine import Machine
-from forest_description.types import Vec3
+from forest_description.types import ZERO, Vec3
+from forest_msgs_py.runtime.parameter_table import tunable
 
 SMOOTHING = 0.01  # [s] of the reference's acceleration
 INTEGRAL_LIMIT = 0.1  # [rad/s] more than any valve is wrong by
@@ -31,32 +32,71 @@ FLOW_RESERVE = 0.95  # of the pumps' flow: leakage and the loads' oil need the r
 
 
 class Settings(NamedTuple):
-    """What a user may set: the node's parameters and their defaults. Triples are swing, boom, stick."""
+    """The controller's settings: parameters of its node that may be set while it runs.
 
-    scheme: Scheme = Scheme.COORDINATED
-    mode: Mode = Mode.RATE
-    position_source: Source = Source.CYLINDERS  # of boom and stick
-    axis_frame: Frame = Frame.CARTESIAN
-    deadzone: Vec3 = (0.0, 0.0, 0.0)  # of the levers
-    expo: Vec3 = (0.0, 0.0, 0.0)
-    tip_speed: float = 0.5  # [m/s] wished at full deflection, tip schemes
-    axis_speed: Vec3 = (3.0, 3.0, 3.0)  # [m/s] largest wish of each lever, tip schemes
-    position_span: float = 0.5  # [m] of the tip about the clutch point at full deflection, position mode
-    joint_span: Vec3 = (0.1, 0.1, 0.1)  # [rad] of the joints, joint scheme in position mode
-    joint_rates: Vec3 = (0.8, 0.25, 0.25)  # [rad/s] largest wish; at full deflection in the joint scheme
-    velocity_gain: Vec3 = (0.313, 0.313, 0.313)  # K_v
-    position_gain: Vec3 = (2.5, 5.0, 5.0)  # K_p [1/s]
-    damping_gain: Vec3 = (0.0, 0.0, 0.0)  # K_d
-    jacobian_at_joints: bool = False  # scheme (d) takes J^-1 at the measured angles, as the thesis does
-    lead: float = 0.2  # [rad]
-    feedback_gain: Vec3 = (3.0, 5.0, 5.0)  # K_p of the coordinated scheme [1/s]
-    integral_gain: Vec3 = (3.0, 4.0, 4.0)  # K_i of the coordinated scheme [1/s^2]
-    rate_gain: Vec3 = (0.4, 0.0, 0.0)  # D of the coordinated scheme; only the swing rocks slowly
-    lead_time: Vec3 = (0.018, 0.013, 0.013)  # T [s]
-    load_bandwidth: float = 1.0  # [Hz] of the valve driver's
-    tip_acceleration: float = 4.0  # [m/s^2] of the coordinated scheme's reference: steps become ramps
-    joint_margin: float = 0.0175  # [rad] kept from every joint limit
-    approach: Vec3 = (1.0, 2.0, 2.0)  # [1/s] allowed speed per angle or stroke left to a limit
+    Three numbers are of swing, boom, stick. Symbols are those of `schemes`.
+    """
+
+    scheme: Annotated[Scheme, tunable("control scheme")] = Scheme.COORDINATED
+    mode: Annotated[Mode, tunable("what a deflection means")] = Mode.RATE
+    position_source: Annotated[
+        Source,
+        tunable("what tells boom and stick: resolvers, or these corrected by the cylinders; heeded at rest"),
+    ] = Source.CYLINDERS
+    axis_frame: Annotated[Frame, tunable("along what the tip's axes lie")] = Frame.CARTESIAN
+    deadzone: Annotated[Vec3, tunable("deflection of each lever that counts as none", "", 0.0, 0.5)] = ZERO
+    expo: Annotated[Vec3, tunable("how much of each lever's curve is cubic", "", 0.0, 1.0)] = ZERO
+    tip_speed: Annotated[float, tunable("tip speed at full deflection", "m/s", 0.01, 3.0)] = 0.5
+    axis_speed: Annotated[Vec3, tunable("largest tip speed of each lever", "m/s", 0.01, 3.0)] = (
+        3.0,
+        3.0,
+        3.0,
+    )
+    position_span: Annotated[
+        float, tunable("of the tip at full deflection in position mode", "m", 0.01, 3.0)
+    ] = 0.5
+    joint_span: Annotated[
+        Vec3, tunable("of the joints at full deflection in position mode", "rad", 0.001, 1.0)
+    ] = (0.1, 0.1, 0.1)
+    joint_rates: Annotated[Vec3, tunable("largest joint rates", "rad/s", 0.01, 3.0)] = (0.8, 0.25, 0.25)
+    velocity_gain: Annotated[Vec3, tunable("K_v of schemes (a) and (c)", "", 0.01, 10.0)] = (
+        0.313,
+        0.313,
+        0.313,
+    )
+    position_gain: Annotated[Vec3, tunable("K_p of schemes (b) and (d)", "1/s", 0.0, 50.0)] = (2.5, 5.0, 5.0)
+    damping_gain: Annotated[Vec3, tunable("K_d of schemes (b) and (d)", "", -0.9, 10.0)] = ZERO
+    jacobian_at_joints: Annotated[
+        bool, tunable("scheme (d) takes J^-1 at the measured angles, as the thesis does")
+    ] = False
+    lead: Annotated[float, tunable("how far the reference may run ahead of a joint", "rad", 0.001, 1.0)] = 0.2
+    feedback_gain: Annotated[Vec3, tunable("K_p of the coordinated scheme", "1/s", 0.0, 30.0)] = (
+        3.0,
+        5.0,
+        5.0,
+    )
+    integral_gain: Annotated[Vec3, tunable("K_i of the coordinated scheme", "1/s^2", 0.0, 50.0)] = (
+        3.0,
+        4.0,
+        4.0,
+    )
+    # Only the swing rocks slowly on its hoses: boom and stick need no damping.
+    rate_gain: Annotated[
+        Vec3, tunable("D of the coordinated scheme: damping by the measured rate", "", 0.0, 2.0)
+    ] = (0.4, 0.0, 0.0)
+    lead_time: Annotated[
+        Vec3, tunable("T of the coordinated scheme: what the machine lags behind", "s", 0.0, 0.5)
+    ] = (0.018, 0.013, 0.013)
+    load_bandwidth: Annotated[
+        float, tunable("of the valve driver's knowledge of the load", "Hz", 0.01, 50.0)
+    ] = 1.0
+    tip_acceleration: Annotated[
+        float, tunable("of the coordinated scheme's reference", "m/s^2", 0.1, 20.0)
+    ] = 4.0
+    joint_margin: Annotated[float, tunable("kept from joint limits", "rad", 0.0, 0.2)] = 0.0175  # 1 degree
+    approach: Annotated[
+        Vec3, tunable("speed per angle, of a cylinder per stroke, left to a limit", "1/s", 0.1, 20.0)
+    ] = (1.0, 2.0, 2.0)
 
 
 class Parameters(NamedTuple):

@@ -1,22 +1,25 @@
 """Joystick inputs as functions of time: the thesis' test input, and a person's recorded levers."""
 
-import csv
 import math
 from bisect import bisect_right
-from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from forest_control.operator.joystick_interpolation import LONGEST as LONGEST_LINE
 from forest_control.operator.joystick_interpolation import between
-from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
+from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, levers_for_tip_velocity
 from forest_description.types import Vec3
+from forest_msgs_py.interfaces.csv_text import Column, read_rows
+from forest_msgs_py.runtime.parameter_table import Parameter
 
 THESIS_DURATION = 10.0  # [s] of the figures
 LEAD_IN = 0.5  # [s] at rest, deadman held, before a source plays: recorders come late on a busy computer
 LEAD_OUT = 0.3  # [s] at rest with the deadman released, after it
 LONGEST = 86400.0  # [s]
-COLUMNS = ("time_s", "swing", "boom", "stick")
+COLUMNS = (
+    Column("time_s", 0.0, LONGEST),
+    *(Column(axis, -1.0, 1.0) for axis in ("swing", "boom", "stick")),
+)
 
 
 class LeverError(ValueError):
@@ -26,7 +29,7 @@ class LeverError(ValueError):
 def thesis_tip_velocity(time: float) -> Vec3:
     """Return the wished tip velocity [m/s] of the thesis' evaluation at a time [s]. Thesis section 5.2.
 
-    Steps in x and z at different times and a sinusoid in y; amplitudes as read in docs/equations.md.
+    Steps in x and z at different times and a sinusoid in y; amplitudes: docs/explanation/equations.md.
     """
     x = 0.30 if 1.0 <= time < 4.0 else 0.0
     z = 0.25 if 2.5 <= time < 5.5 else 0.0
@@ -36,6 +39,22 @@ def thesis_tip_velocity(time: float) -> Vec3:
 def thesis_levers(time: float, tip_speed: float) -> Levers:
     """Return the levers for the thesis' input; `tip_speed` [m/s] is what a full deflection wishes."""
     return levers_for_tip_velocity(thesis_tip_velocity(time), tip_speed)
+
+
+class JoystickParameters(NamedTuple):
+    """Of `joystick_node`."""
+
+    source: Annotated[
+        str, Parameter("thesis, or the path of a CSV of levers, or of a bag with a joystick")
+    ] = "thesis"
+    duration: Annotated[
+        float, Parameter("how long to play; 0: as long as the source is", "s", 0.0, LONGEST)
+    ] = 0.0
+    tip_speed: Annotated[float, Parameter("tip speed at full deflection", "m/s", 0.48, 3.0)] = 0.5
+    wait_for_subscribers: Annotated[int, Parameter("listeners to wait for", low=0, high=100)] = 1
+    deadman_button: Annotated[int, Parameter("button to hold", low=0, high=BUTTON_COUNT - 1)] = LEFT_SHOULDER
+    faults: Annotated[str, Parameter("e.g. lost from 3 s until 4 s; frozen from 6 s")] = ""
+    interpolate: Annotated[bool, Parameter("lines from row to row of a CSV; false: each row holds")] = True
 
 
 class LeverRecord(NamedTuple):
@@ -67,37 +86,5 @@ def read_levers(path: Path) -> LeverRecord:
     Raises:
         LeverError: the file cannot be read, or a line does not fit.
     """
-    try:
-        with path.open(
-            newline="", encoding="utf-8-sig"
-        ) as file:  # spreadsheets put a byte order mark in front
-            reader = csv.reader(file)
-            header, *rows = [(reader.line_num, row) for row in reader if row] or [(1, ["nothing"])]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise LeverError(f"{path}: cannot be read as CSV: {error}") from error
-    if tuple(cell.strip() for cell in header[1]) != COLUMNS:
-        found = ",".join(header[1])
-        raise LeverError(f"{path}:{header[0]}: the header must be {','.join(COLUMNS)}, found {found}")
-    if not rows:
-        raise LeverError(f"{path}:{header[0]}: no rows below the header; allowed: one or more")
-    numbers = [_numbers(path, line, row) for line, row in rows]
-    for (line, _), (before, after) in zip(rows[1:], pairwise(numbers), strict=True):
-        if after[0] <= before[0]:
-            raise LeverError(f"{path}:{line}: time_s is {after[0]:g} after {before[0]:g}; times must rise")
+    numbers = read_rows(path, COLUMNS, LeverError)
     return LeverRecord(tuple(n[0] for n in numbers), tuple(Levers(*n[1:]) for n in numbers))
-
-
-def _numbers(path: Path, line: int, row: list[str]) -> tuple[float, float, float, float]:
-    if len(row) != len(COLUMNS):
-        raise LeverError(f"{path}:{line}: {len(row)} columns; allowed are the {len(COLUMNS)} of the header")
-    values = []
-    for name, cell in zip(COLUMNS, row, strict=True):
-        low, high = (0.0, LONGEST) if name == "time_s" else (-1.0, 1.0)
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
-        if not (math.isfinite(value) and low <= value <= high):
-            raise LeverError(f"{path}:{line}: {name} is {cell!r}; allowed: {low:g} .. {high:g}")
-        values.append(value)
-    return values[0], values[1], values[2], values[3]

@@ -28,10 +28,11 @@ joystick that is lost may begin anew.
 
 import math
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from forest_control.operator.levers import REST as CENTRED
 from forest_control.operator.levers import Levers, levers_from_axes
+from forest_msgs_py.runtime.parameter_table import Parameter
 
 NO_HEARTBEAT = -1
 NO_STAMP = 0  # [ns]
@@ -53,11 +54,14 @@ class Joystick(IntEnum):
 
 
 class WatchParameters(NamedTuple):
-    """What a user may set."""
+    """Of `controller_node`: when a joystick is believed, and when its levers count as centred."""
 
-    timeout: float = 0.15  # [s]
-    frozen_timeout: float = 10.0  # [s] of a joystick not known to be restless; 0: all may for ever
-    centre: float = 0.05
+    joy_timeout: Annotated[float, Parameter("age at which the joystick is lost", "s", 0.01, 2.0)] = 0.15
+    # Of a joystick that is not known to be restless.
+    frozen_timeout: Annotated[float, Parameter("longest hold still, deflected; 0: any", "s", 0.0, 60.0)] = (
+        10.0
+    )
+    centre: Annotated[float, Parameter("deflection that counts as centred", "", 0.001, 0.5)] = 0.05
 
 
 class Sample(NamedTuple):
@@ -89,7 +93,17 @@ class Watch(NamedTuple):
 
 
 REST = Watch(
-    Joystick.SILENT, NO_STAMP, NO_HEARTBEAT, -math.inf, -math.inf, 0.0, False, CENTRED, False, False, 0
+    joystick=Joystick.SILENT,
+    stamp=NO_STAMP,
+    heartbeat=NO_HEARTBEAT,
+    fresh_since=-math.inf,
+    moved=-math.inf,
+    restless=0.0,
+    repeats=False,
+    levers=CENTRED,
+    held=False,
+    armed=False,
+    out_of_order=0,
 )
 
 
@@ -164,9 +178,9 @@ def is_released(watch: Watch, centre: float) -> bool:
 def _judged(watch: Watch, now: float, p: WatchParameters) -> Joystick:
     if watch.joystick == Joystick.SILENT:
         return Joystick.SILENT
-    if now - watch.fresh_since > p.timeout:
+    if now - watch.fresh_since > p.joy_timeout:
         return Joystick.LOST
-    if watch.joystick in (Joystick.BAD, Joystick.LOST):
+    if watch.joystick == Joystick.BAD or watch.joystick == Joystick.LOST:
         return watch.joystick
     if _is_still(watch, now, p) and not is_centred(watch.levers, p.centre):
         return Joystick.FROZEN
@@ -194,7 +208,11 @@ def _learnt(watch: Watch, now: float) -> float:
 
 def in_play(levers: Levers) -> bool:
     """Tell whether a lever is where its converter's noise shows: neither at zero nor at an end."""
-    return any(0.0 < abs(lever) < 1.0 for lever in levers)
+    return _in_play(levers.swing) or _in_play(levers.boom) or _in_play(levers.stick)
+
+
+def _in_play(lever: float) -> bool:
+    return 0.0 < abs(lever) < 1.0
 
 
 def problem_of(watch: Watch) -> str:
@@ -233,12 +251,28 @@ def sample_of(
     """
     axes, buttons = content
     levers, held = levers_from_axes(axes), buttons[deadman] == 1
-    return Sample(received, stamp, heartbeat_of(frame), content == before, True, levers, held)
+    return Sample(
+        received=received,
+        stamp=stamp,
+        heartbeat=heartbeat_of(frame),
+        same=content == before,
+        good=True,
+        levers=levers,
+        held=held,
+    )
 
 
 def bad_sample(received: float) -> Sample:
     """Return what stands for a message that cannot be read."""
-    return Sample(received, NO_STAMP, NO_HEARTBEAT, False, False, CENTRED, False)
+    return Sample(
+        received=received,
+        stamp=NO_STAMP,
+        heartbeat=NO_HEARTBEAT,
+        same=False,
+        good=False,
+        levers=CENTRED,
+        held=False,
+    )
 
 
 def heartbeat_of(frame: str) -> int:

@@ -1,12 +1,12 @@
 """Live changes that are not felt: another scheme, another mode, other gains, a stop that is taken back.
 
 All schemes remember the same: a reference pose and what was commanded last. A scheme that takes over starts
-from the pose at which it would command just that, where there is one; what remains of the difference is added
-to its command and fades (`HAND_OVER`).
+from the pose at which it would command just that, where there is one. What remains of the difference is added
+to its command and fades (`FADE_TIME`).
 """
 
 from forest_control.config.settings import Parameters
-from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, Inputs, State, minus
+from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, REST, Inputs, State, minus
 from forest_control.pipeline.stop_profile import NO_STOP
 from forest_control.servo import coordinated_servo
 from forest_control.servo.joint_angle_filter import Correction
@@ -14,13 +14,17 @@ from forest_control.servo.schemes import Scheme, closes_on_position, decayed, re
 from forest_description.geometry.kinematics import joint_rates, tip_velocity
 from forest_description.types import ZERO, Vec3
 
-HAND_OVER = 0.2  # [s] in which the difference between two schemes' commands fades
+FADE_TIME = 0.2  # [s] in which the difference between two schemes' commands fades
+
+
+def begun(state: State, s: Vec3) -> State:
+    """Return the state of a machine that begins to move from rest at measured angles [rad]."""
+    return REST._replace(reference=s, enabled=True, correction=state.correction, strains=state.strains)
 
 
 def resumed(state: State) -> State:
     """Return the state of a machine that was stopping, and shall not."""
-    r, m, u = state.reference, state.memory, state.rates
-    return State(r, True, m, state.scheme, u, state.offset, NO_MODE, state.clutch, True, NO_STOP)
+    return state._replace(enabled=True, mode=NO_MODE, changed=True, stop=NO_STOP)
 
 
 def clutched(state: State, s: Vec3, p: Parameters) -> State:
@@ -29,8 +33,7 @@ def clutched(state: State, s: Vec3, p: Parameters) -> State:
         return state
     clutch = state.reference if closes_on_position(p.scheme) else s
     changed = state.changed or state.mode != NO_MODE
-    r, m, u = state.reference, state.memory, state.rates
-    return State(r, True, m, state.scheme, u, state.offset, p.hand.mode, clutch, changed, NO_STOP)
+    return state._replace(mode=p.hand.mode, clutch=clutch, changed=changed)
 
 
 def taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
@@ -51,10 +54,7 @@ def taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
     r = within_lead(r, s, s, p)
     if state.scheme != Scheme.JOINT:
         a = joint_rates(r, velocity, p.links)  # else the lead would take the other pose's rates for a jerk
-    memory = coordinated_servo.in_motion(velocity, a, samples)
-    return State(
-        r, True, memory, state.scheme, u, state.offset, state.mode, state.clutch, state.changed, NO_STOP
-    )
+    return state._replace(reference=r, memory=coordinated_servo.in_motion(velocity, a, samples))
 
 
 def _is_rest(memory: coordinated_servo.Memory) -> bool:
@@ -82,9 +82,9 @@ def offset_to(u: Vec3, state: State, p: Parameters) -> Vec3:
 def faded(offset: Vec3, dt: float) -> Vec3:
     """Return an offset [rad/s] dt [s] later."""
     return (
-        decayed(offset[0], dt, HAND_OVER),
-        decayed(offset[1], dt, HAND_OVER),
-        decayed(offset[2], dt, HAND_OVER),
+        decayed(offset[0], dt, FADE_TIME),
+        decayed(offset[1], dt, FADE_TIME),
+        decayed(offset[2], dt, FADE_TIME),
     )
 
 

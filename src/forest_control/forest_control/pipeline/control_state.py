@@ -1,10 +1,12 @@
-"""What the controller's steps hand on: state, inputs, output, and the governed wish between its blocks."""
+"""What the stages of the controller hand on: state and inputs, command, reference, servo, output."""
 
+from enum import IntEnum
 from typing import NamedTuple
 
 from forest_control.limits.velocity_scaling import Governed
 from forest_control.operator.levers import Levers
 from forest_control.pipeline.stop_profile import NO_STOP, Stop
+from forest_control.safety.driver_response import DriverSample
 from forest_control.servo import coordinated_servo
 from forest_control.servo.joint_angle_filter import NONE as NO_CORRECTION
 from forest_control.servo.joint_angle_filter import UNREAD, Correction, Lengths
@@ -15,7 +17,7 @@ NO_SCHEME = NO_MODE = -1
 
 
 class State(NamedTuple):
-    """What the controller remembers."""
+    """What the controller remembers between steps."""
 
     reference: Vec3  # r [rad]
     enabled: bool
@@ -25,7 +27,7 @@ class State(NamedTuple):
     offset: Vec3 = ZERO  # [rad/s] added to the servo's, and fading
     mode: int = NO_MODE  # that was in force
     clutch: Vec3 = ZERO  # [rad] the pose that position mode moves about
-    changed: bool = False  # somebody changed a parameter: what it does to the command shall fade, too
+    changed: bool = False  # a parameter was changed: its effect on the command shall fade, too
     stop: Stop = NO_STOP  # along the path, under way or over
     correction: Correction = NO_CORRECTION  # of the angles
     strains: Strains = RELAXED  # joints that could not follow
@@ -37,22 +39,68 @@ class Inputs(NamedTuple):
     angles: Vec3  # s [rad], measured by the resolvers
     rates: Vec3  # v [rad/s], measured
     levers: Levers
-    enabled: bool  # a fresh, finite, held deadman
+    enabled: bool  # the levers may move the crane (`motion_permission`)
     cylinders: Lengths = UNREAD  # [m] boom, stick, of the same moment; NaN: no sample
     reach: Reach = FULL  # of the valves, as the driver has learnt it
     voltages: Vec3 = ZERO  # [V] of the valves, given last by the driver
+
+
+class ValveFeedback(NamedTuple):
+    """What the valve driver reports."""
+
+    reach: Reach = FULL
+    voltages: Vec3 = ZERO  # [V] that the valves have by now; zero of a driver that is silent
+    driver: DriverSample = DriverSample()  # its newest word
+
+
+class Phase(IntEnum):
+    """What the crane is about."""
+
+    STANDING = 0  # released, and the stop is over: zero spool
+    SETTLING = 1  # enabled, levers centred: the reference is the mean of what is measured
+    MOVING = 2  # by the levers
+    STOPPING = 3  # released: along the path, closed on the reference
+    BRAKING = 4  # released: along the path, open loop
+
+
+class MotionCommand(NamedTuple):
+    """What levers, or the stop under way, ask for."""
+
+    phase: int  # a `Phase`
+    pose: Vec3  # where J^-1 is taken [rad]
+    velocity: Vec3 = ZERO  # x' of the tip [m/s]
+    lagged: Vec3 = ZERO  # x' that the reference follows, as late as the machine answers [m/s]
+    rates: Vec3 = ZERO  # of the joints [rad/s], where no tip velocity asks for them
+
+
+class Reference(NamedTuple):
+    """What the limits leave of a command: what the servo follows."""
+
+    rates: Vec3  # a [rad/s]
+    velocity: Vec3  # x' [m/s]
+    governed: Governed
+
+
+class Servo(NamedTuple):
+    """What the servo answers."""
+
+    reference: Vec3  # r, a step on [rad]
+    memory: coordinated_servo.Memory
+    rates: Vec3 = ZERO  # u [rad/s]
+    offset: Vec3 = ZERO  # part of u that fades [rad/s]
+    velocity: Vec3 = ZERO  # x' that u aims at [m/s]
 
 
 class Output(NamedTuple):
     """What leaves in a step."""
 
     command: Vec3  # [V] of ideal valves, as applied
-    tip_wish: Vec3  # [m/s], governed
+    tip_wish: Vec3  # reference velocity of the tip [m/s]
     governed: Governed
 
 
-class Told(NamedTuple):
-    """What a step has to tell of itself and of the tip."""
+class Telemetry(NamedTuple):
+    """A step's output, and how the tip moves by the angles that count."""
 
     output: Output
     tip: Vec3  # [m]
@@ -60,22 +108,7 @@ class Told(NamedTuple):
     tip_velocity: Vec3  # [m/s]
 
 
-class Wish(NamedTuple):
-    """What the scheme is asked for, governed."""
-
-    rates: Vec3  # a [rad/s]
-    velocity: Vec3  # x' [m/s]
-    governed: Governed
-
-
 REST = State(ZERO, False)
-
-
-def begun(angles: Vec3, enabled: bool) -> State:
-    """Return the state of a machine at rest; a compiler knows no defaults."""
-    return State(
-        angles, enabled, coordinated_servo.REST, NO_SCHEME, ZERO, ZERO, NO_MODE, ZERO, False, NO_STOP
-    )
 
 
 def minus(x: Vec3, y: Vec3) -> Vec3:

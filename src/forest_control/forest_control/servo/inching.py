@@ -46,14 +46,16 @@ class Inching(NamedTuple):
     fed: bool  # the servo has had an open valve
 
 
-MOVING = Inching(0.0, 0.0, 0.0, LOOK, 0.0, 0.0, 0.0, 1.0, False)
+MOVING = Inching(
+    rested=0.0, looked=0.0, mean=0.0, look=LOOK, left=0.0, rate=0.0, before=0.0, strength=1.0, fed=False
+)
 
 
 def served(i: Inching, dt: float) -> Inching:
     """Return the state after dt [s] at rest with the servo in charge."""
     if i.rested < ARRIVED:
-        return Inching(i.rested + dt, 0.0, 0.0, LOOK, 0.0, 0.0, 0.0, 1.0, False)
-    return Inching(i.rested + dt, LOOK, 0.0, i.look, 0.0, 0.0, 0.0, i.strength, True)
+        return MOVING._replace(rested=i.rested + dt)
+    return MOVING._replace(rested=i.rested + dt, looked=LOOK, look=i.look, strength=i.strength, fed=True)
 
 
 def is_due(i: Inching, shut: bool) -> bool:
@@ -76,15 +78,17 @@ def inched(i: Inching, error: float, shut: bool, rate: float, dt: float) -> Inch
     if i.left != 0.0:
         most = i.strength * rate * dt
         step = max(-most, min(most, i.left))
-        return Inching(rested, 0.0, 0.0, i.look, i.left - step, step / dt, i.before, i.strength, i.fed)
+        return i._replace(rested=rested, looked=0.0, mean=0.0, left=i.left - step, rate=step / dt)
     looked = i.looked + dt
     mean = i.mean + dt / looked * (error - i.mean)
     if looked < i.look or not shut:
-        return Inching(rested, looked, mean, i.look, 0.0, 0.0, i.before, i.strength, i.fed)
+        return i._replace(rested=rested, looked=looked, mean=mean, left=0.0, rate=0.0)
     settled = rested > SETTLED
     if abs(mean) < (FAR if settled else NEAR):
-        return Inching(rested, 0.0, 0.0, max(LOOK, 0.5 * i.look), 0.0, 0.0, 0.0, i.strength, i.fed)
+        return MOVING._replace(rested=rested, look=max(LOOK, 0.5 * i.look), strength=i.strength, fed=i.fed)
     look = min(LONGEST, 2.0 * i.look) if settled else LOOK
     helped = abs(mean - i.before) > LITTLE * abs(i.before)
     strength = i.strength if helped else min(STRONGEST, 2.0 * i.strength)
-    return Inching(rested, 0.0, 0.0, look, SHARE * mean, 0.0, mean, strength, i.fed)
+    return MOVING._replace(
+        rested=rested, look=look, left=SHARE * mean, before=mean, strength=strength, fed=i.fed
+    )

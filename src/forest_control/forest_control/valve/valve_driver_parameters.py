@@ -4,7 +4,7 @@ Known once, from the machine's file, for swing, boom and stick; units as in `val
 """
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from forest_control.valve.valve_adaptation import AdaptationParameters
 from forest_control.valve.valve_flow import FlowParameters
@@ -12,6 +12,8 @@ from forest_description.components.valve_characteristic import ValveLaw
 from forest_description.derived.actuator_kinematics import displacements, rated_speeds
 from forest_description.machine import Machine
 from forest_description.types import Vec3
+from forest_msgs_py.runtime.parameter_table import Parameter, tunable
+from forest_msgs_py.types import PERIOD
 
 LEAST_FED = 0.001  # [V] lets the tip sink by under 1 mm/s
 MISJUDGED = 0.2  # [V] by which an overlap may be thought too wide, twice over
@@ -36,20 +38,37 @@ Axes = tuple[AxisDriver, AxisDriver, AxisDriver]
 
 
 class Settings(NamedTuple):
-    """What a user may set; the node's parameters have these names and defaults."""
+    """The valve driver's settings: parameters of its node that may be set while it runs."""
 
-    compensate: bool = True  # False: commands pass unchanged, for experiments
-    beyond_valve: bool = True  # allow for hoses, leakage, filling and the spool's lag, too
-    hold_zone: float = 0.02  # [V] commands up to this much leave the spool centred
-    load_bandwidth: float = 1.0  # [Hz] of the loads' low-pass
-    minimum_drop: float = 0.1  # share of the unloaded pressure force that is taken to remain under any load
-    slew_limit: float = 0.0  # [V/s] of every voltage; 0: none. Under 1000 V/s the overlap costs time
-    dither_amplitude: float = 0.0  # [V] added to every voltage that is not zero
-    dither_frequency: float = 50.0  # [Hz]
-    adapt: bool = False  # learn deadband and gain of every valve and direction
-    forgetting_time: float = 20.0  # [s] of motion after which a sample counts for a third
-    deadband_range: float = 0.4  # [V] that a learnt deadband may be off the machine's file
-    gain_range: float = 2.0  # that a learnt gain may be greater or smaller by, as a factor
+    compensate: Annotated[bool, tunable("false: commands pass, for experiments")] = True
+    beyond_valve: Annotated[bool, tunable("allow for hoses, leakage and the spool's lag")] = True
+    hold_zone: Annotated[float, tunable("commands that leave the spool centred", "V", 0.0, 1.0)] = 0.02
+    load_bandwidth: Annotated[float, tunable("low-pass of the loads", "Hz", 0.01, 50.0)] = 1.0
+    minimum_drop: Annotated[float, tunable("least share of pressure left", "", 0.01, 1.0)] = 0.1
+    # Under 1000 V/s the way through the overlap costs time.
+    slew_limit: Annotated[float, tunable("of every voltage; 0: none", "V/s", 0.0, 1e5)] = 0.0
+    dither_amplitude: Annotated[float, tunable("added to every voltage that is not zero", "V", 0.0, 1.0)] = (
+        0.0
+    )
+    dither_frequency: Annotated[float, tunable("of the dither", "Hz", 1.0, 100.0)] = 50.0
+    adapt: Annotated[bool, tunable("learn deadband and gain of every valve and direction")] = False
+    forgetting_time: Annotated[
+        float, tunable("after which a sample counts for a third", "s", 1.0, 3600.0)
+    ] = 20.0
+    deadband_range: Annotated[
+        float, tunable("that a learnt deadband may be off the machine's file", "V", 0.0, 2.0)
+    ] = 0.4
+    gain_range: Annotated[float, tunable("factor that a learnt gain may be off by", "", 1.0, 5.0)] = 2.0
+
+
+class DriverParameters(NamedTuple):
+    """Of `valve_driver_node`, beside its settings."""
+
+    period: Annotated[float, Parameter("nominal period of the commands", "s", 1e-4, 0.1)] = PERIOD
+    command_timeout: Annotated[float, Parameter("age at which a command is lost", "s", 0.01, 0.2)] = 0.1
+    pressure_timeout: Annotated[float, Parameter("age at which pressures are lost", "s", 0.01, 2.0)] = 0.1
+    shadow: Annotated[bool, Parameter("compute everything, publish no voltage")] = False
+    plain_arrays: Annotated[bool, Parameter("publish Float64MultiArray without stamp")] = False
 
 
 class Parameters(NamedTuple):

@@ -43,7 +43,7 @@ class Hold(NamedTuple):
     wide: float  # twice for every turn of a cycle
 
 
-SHUT = Hold(0.0, 0.0, 0.0, 0.0, SOON, SOON, CALM, 1.0)
+SHUT = Hold(slow=0.0, quick=0.0, way=0.0, last=0.0, turned_for=SOON, shut_for=SOON, calm_for=CALM, wide=1.0)
 
 
 def obeyed(
@@ -65,7 +65,16 @@ def obeyed(
     calmed = dt * CALM / BRIEF if held else dt  # [s]
     turned_for, shut_for, calm_for = hold.turned_for + dt, hold.shut_for + dt, hold.calm_for + calmed
     if c == 0.0:
-        return Hold(0.0, 0.0, 0.0, hold.last, turned_for, shut_for, calm_for, wide), 0.0
+        return Hold(
+            slow=0.0,
+            quick=0.0,
+            way=0.0,
+            last=hold.last,
+            turned_for=turned_for,
+            shut_for=shut_for,
+            calm_for=calm_for,
+            wide=wide,
+        ), 0.0
     stops = held and hold.calm_for < CALM  # what it moved at is past
     slow = c if stops else _passed(hold.slow, c, OPENING_LAG, dt)
     quick = _passed(hold.quick, c, SHUTTING_LAG, dt)
@@ -85,7 +94,16 @@ def obeyed(
         way = math.copysign(1.0, slow)
     if way == 0.0:
         shut_for = 0.0 if hold.way != 0.0 else shut_for
-        return Hold(slow, quick, 0.0, hold.last, turned_for, shut_for, calm_for, wide), 0.0
+        return Hold(
+            slow=slow,
+            quick=quick,
+            way=0.0,
+            last=hold.last,
+            turned_for=turned_for,
+            shut_for=shut_for,
+            calm_for=calm_for,
+            wide=wide,
+        ), 0.0
     turns = way * hold.last < 0.0
     # Opened the same way again, for a wish: slow motion, no cycle.
     again = hold.way == 0.0 and (turns or held) and BRIEF < shut_for < SOON
@@ -93,7 +111,16 @@ def obeyed(
         wide = min(WIDEST, 2.0 * wide)
     turned_for = 0.0 if turns else turned_for
     obey = c if c * way > 0.0 else way * BARELY
-    return Hold(slow, quick, way, way, turned_for, 0.0, calm_for, wide), obey
+    return Hold(
+        slow=slow,
+        quick=quick,
+        way=way,
+        last=way,
+        turned_for=turned_for,
+        shut_for=0.0,
+        calm_for=calm_for,
+        wide=wide,
+    ), obey
 
 
 def _passed(before: float, c: float, lag: float, dt: float) -> float:

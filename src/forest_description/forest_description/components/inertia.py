@@ -10,8 +10,6 @@ A mass distribution has S_xx, S_yy, S_zz >= 0 (no moment is above the other two 
 S_yy. A plane body, of no width across the crane's plane, has S_zz = 0, which is I_zz = I_xx + I_yy.
 """
 
-from __future__ import annotations
-
 import math
 
 from forest_description.config.parameter import MachineError

@@ -4,8 +4,6 @@ Both are optional sections of the manipulator. A log sits still in the head. Wit
 are rigid parts of the stick; with one, both hang from a passive joint with two axes at the tip.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from forest_description.config.parameter import ParameterSet, parameter

@@ -4,8 +4,6 @@ All but the ideal one deliver into a manifold between pump and valves, whose pre
 three axes draw and what the pump can give meet there, and nowhere is it said who gets how much.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

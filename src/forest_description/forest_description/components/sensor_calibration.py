@@ -10,8 +10,6 @@ A unit reads y = g x + b; a thermocouple y − 273.15 K = g (x − 273.15 K) + b
 calibrated: its error lies somewhere within the accuracy of its kind.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from forest_description.config.parameter import ParameterSet, component, parameter

@@ -11,8 +11,6 @@ A kind that is None is not on the machine. An accuracy or a noise that is None i
 zero.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from forest_description.components.sensor_calibration import Calibration

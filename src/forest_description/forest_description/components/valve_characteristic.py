@@ -13,8 +13,6 @@ its own overlap and gain. Figure 4.4, which shows the measured curve C_R(V), is 
 voltage beyond the overlap, u = s, is assumed unless the machine gives a polynomial or a table.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

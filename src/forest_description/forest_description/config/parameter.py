@@ -3,10 +3,9 @@
 Ranges are wide: they catch a slipped decimal point or a wrong unit, not an unusual crane.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
+from collections.abc import Iterator
 from typing import Any, NamedTuple, TypeVar
 
 
@@ -97,6 +96,15 @@ class ParameterSet:
                 object.__setattr__(self, field.name, numbers)
             else:
                 object.__setattr__(self, field.name, _checked(where, value, allowed))
+
+
+def fields_of(part: ParameterSet, prefix: str = "") -> Iterator[tuple[str, dataclasses.Field[Any], Any]]:
+    """Yield dotted key, field and value of everything that a machine, or a part of one, holds."""
+    for field in dataclasses.fields(part):
+        key, value = prefix + field.name, getattr(part, field.name)
+        yield key, field, value
+        if isinstance(value, ParameterSet):
+            yield from fields_of(value, f"{key}.")
 
 
 _Set = TypeVar("_Set", bound=ParameterSet)

@@ -11,8 +11,6 @@ each name ``unknown:7`` and mean one crane.
 What is drawn is written as a machine file, so that it is read, checked and shown as any other.
 """
 
-from __future__ import annotations
-
 import math
 import zlib
 from collections.abc import Iterator, Mapping

@@ -5,8 +5,6 @@ Every number of a file is written ``{value: 3000, unit: psi, source: "Thesis 3.1
 ``kind``. What is allowed, the dataclasses declare.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import re
@@ -244,6 +242,10 @@ def field_kinds(kind: type) -> dict[str, FieldKind]:
         inner = tuple(member for member in members if member is not type(None))
         row = any(typing.get_origin(member) is tuple for member in inner)
         kinds[field.name] = FieldKind(
-            inner, len(inner) < len(members), parameter_of(field), choice_of(field), row
+            kinds=inner,
+            optional=len(inner) < len(members),
+            allowed=parameter_of(field),
+            choice=choice_of(field),
+            row=row,
         )
     return kinds

@@ -5,8 +5,6 @@ component. The YAML is read as nodes, not as plain values, because every complai
 about. The file of an `unknown` machine is drawn.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Iterable
 from importlib import resources
@@ -48,7 +46,7 @@ class Branch(NamedTuple):
     """A mapping of the file. ``place`` is "file:line"."""
 
     place: str
-    children: dict[str, Branch | Leaf | Row]
+    children: "dict[str, Branch | Leaf | Row]"
 
 
 def shipped_machines() -> list[str]:

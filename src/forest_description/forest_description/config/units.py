@@ -6,8 +6,6 @@ are. A unit is a factor and nothing else: temperatures are in K, because degrees
 pressure; ``hp`` is the thesis' 745.7 W, ``gal`` the US gallon of its flow meters.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

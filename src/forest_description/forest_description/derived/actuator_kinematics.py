@@ -13,8 +13,6 @@ Actuator speeds are (swing [rad/s], boom cylinder [m/s], stick cylinder [m/s]). 
 joint, behind the gear train, not of the motor shaft. Extending is positive.
 """
 
-from __future__ import annotations
-
 import math
 
 from forest_description.components.pump import LoadSensingPump

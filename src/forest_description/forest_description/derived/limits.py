@@ -6,8 +6,6 @@ Symbols:
     z       height of the tip above the boom pivot [m]
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -16,8 +16,6 @@ In the parent's frame at the joint, x along the parent and z up: barrel's pivot 
 b (cos q, sin q).
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ For machines that are made by a program, as a test rig of a crane's parts, and s
 which knows machines by their files.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import json
 from collections.abc import Iterator

@@ -11,8 +11,6 @@ Signs: swing to the left, boom above the horizontal, stick unfolding are positiv
 Everything is a closed form on floats, tuples and NamedTuples of floats.
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -13,8 +13,6 @@ has φ = δ + si2; the stick's printed "+ 2 l1s l2s cos(q + si1)" is the same la
 Sign: for q + φ in (0, π) the cylinder extends when the joint angle grows (boom up, stick out).
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -16,8 +16,6 @@ stick; where they do not, they follow boom and stick about (mimic; the rod's eye
 joints of a hanging head (`HEAD_JOINTS`) need their positions told.
 """
 
-from __future__ import annotations
-
 import math
 from xml.etree import ElementTree
 

@@ -28,17 +28,19 @@ class Inputs:
         self._on_sample, self._joints = on_sample, JointReader(topics.JOINTS)
         self.ports = monitored_ports(plan)
         self._ports = ArrayReader(topics.PRESSURES, self.ports) if self.ports else None
-        self._inbox = pace.inbox(topics.PRESSURES) if self.ports and not plan.bench else None
+        self._inbox = pace.polled_subscription(topics.PRESSURES) if self.ports and not plan.bench else None
         labels = {topics.SUPPLY: "pressure", topics.AUXILIARY: "tank_temperature"}
         if pace.lockstep:  # the topics' table has no reader of it to wait for
             del labels[topics.AUXILIARY]
-        self._slow = [(pace.inbox(topic), ArrayReader(topic, (label,))) for topic, label in labels.items()]
+        self._slow = [
+            (pace.polled_subscription(topic), ArrayReader(topic, (label,))) for topic, label in labels.items()
+        ]
         self._values = [NOTHING, NOTHING]
         self._pressures: tuple[float, ...] = ()
         self._received = -math.inf
         self._crane: Any = None  # joints of the crane whose valve is on the rig
         if plan.bench:
-            self._crane = None if pace.lockstep else pace.inbox(topics.JOINT_STATES)
+            self._crane = None if pace.lockstep else pace.polled_subscription(topics.JOINT_STATES)
             pace.on(topics.PRESSURES, self._on_pressures)
         else:
             pace.on(topics.JOINT_STATES, self._on_joints)

@@ -21,8 +21,8 @@ from forest_ident.measurements.session import Session
 from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_suite import Suite, sensor_suite
+from forest_sim.solver.compiled_plant import FlatPlant
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.flat_state import Stepper
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power import power_flows
 from forest_sim.solver.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after
@@ -107,20 +107,22 @@ class _Trace:
         p = plant_parameters(machine)
         self._oil = None if bench else machine.oil
         self._temperature = machine.oil.reference_temperature if machine.oil else 313.15
-        self._stepper = Stepper(equilibrium(angles, p), p)
-        self._rows = [self._stepper.state.copy()]
+        self._flat = FlatPlant()
+        self._flat.lay_out(equilibrium(angles, p))
+        self._flat.set_parameters(p)
+        self._rows = [self._flat.state.copy()]
         self._plants = [(0, p, self._temperature)]  # first row, plant, temperature [K]
         self._losses: list[float] = []
 
     def angles(self) -> Vec3:
         """Return the joint angles [rad]."""
-        swing, boom, stick = self._stepper.state[ANGLES].tolist()
+        swing, boom, stick = self._flat.state[ANGLES].tolist()
         return swing, boom, stick
 
     def advance(self, volts: Vec3) -> None:
         """Move on by a period."""
-        self._stepper.advance(volts, PERIOD / SUBSTEPS, SUBSTEPS)
-        self._rows.append(self._stepper.state.copy())
+        self._flat.advance(volts, PERIOD / SUBSTEPS, SUBSTEPS)
+        self._rows.append(self._flat.state.copy())
         if self._oil is not None:
             self._warm()
 
@@ -129,14 +131,14 @@ class _Trace:
         per_update, count = round(UPDATE_PERIOD / PERIOD), len(self._rows) - 1
         if self._oil is None or count % (per_update // LOSS_SAMPLES) != 0:
             return
-        self._losses.append(heat(power_flows(self._stepper.simulation, self._plants[-1][1])))
+        self._losses.append(heat(power_flows(self._flat.simulation, self._plants[-1][1])))
         if count % per_update != 0:
             return
         mean = sum(self._losses) / len(self._losses)
         self._losses.clear()
         self._temperature = temperature_after(self._temperature, mean, self._oil, UPDATE_PERIOD)
         p = parameters_at(self._machine, self._temperature)
-        self._stepper = Stepper(self._stepper.simulation, p)
+        self._flat.set_parameters(p)
         self._plants.append((count + 1, p, self._temperature))
 
     def columns(self) -> Columns:

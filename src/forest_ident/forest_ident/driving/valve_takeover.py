@@ -30,7 +30,7 @@ class ValveTakeover:
         self._graph = graph
         self.found: dict[str, dict[str, Any]] = {}
         self._include(DRIVER)
-        if CONTROLLER in graph.speakers(topics.VALVE_COMMANDS):
+        if CONTROLLER in graph.publishers_of(topics.VALVE_COMMANDS):
             self._include(CONTROLLER)
 
     def _include(self, node: str) -> None:

@@ -20,6 +20,7 @@ from forest_description.types import AXES, Floats
 from forest_ident.experiments.experiment_metadata import FACTS, value
 from forest_ident.measurements.readings import speeds
 from forest_ident.measurements.session import Session, SessionError
+from forest_msgs_py.interfaces.topic_qos import offered_qos
 from forest_msgs_py.interfaces.topics import (
     ACTUATOR_STATES,
     AUXILIARY,
@@ -30,7 +31,6 @@ from forest_msgs_py.interfaces.topics import (
     VALVE_COMMANDS,
     VALVE_VOLTAGES,
     Topic,
-    offered_qos,
 )
 from forest_msgs_py.interfaces.yaml_text import parsed
 from forest_msgs_py.serialization.batch_encoder import Encoder

@@ -3,9 +3,8 @@
 import dataclasses
 import math
 from collections.abc import Iterator
-from typing import Any
 
-from forest_description.config.parameter import choice_of, parameter_of
+from forest_description.config.parameter import choice_of, fields_of, parameter_of
 from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.derived.limits import joint_limits, workspace_limits
 from forest_description.derived.line_bandwidth import one_lump_warnings
@@ -21,22 +20,20 @@ MPA = 1e6
 GRID = 8  # poses of boom and of stick, less one
 
 
-def components(machine: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Give every component that a machine could choose otherwise, and what it has: sort, word, or none."""
-    for field in dataclasses.fields(machine):
-        name, value = prefix + field.name, getattr(machine, field.name)
+def components(machine: Machine) -> Iterator[tuple[str, str]]:
+    """Yield every component that a machine could choose otherwise, and what it has: kind, word, or none."""
+    for key, field, value in fields_of(machine):
         parameter, optional = parameter_of(field), "None" in str(field.type)
+        if key.startswith("sensors.") and key.count(".") > 1:  # what a sensor is like is a table of its own
+            continue
         if choice_of(field) is not None:
-            yield name, str(value)
+            yield key, str(value)
         elif value is None:
-            yield name, "none"
+            yield key, "none"
         elif parameter is not None and optional:
-            yield name, f"{value:g} {parameter.unit}"
-        elif dataclasses.is_dataclass(value):
-            if optional or hasattr(value, "kind"):
-                yield name, str(getattr(value, "kind", "yes"))
-            if not prefix.startswith("sensors."):  # what a sensor is like is a table of its own
-                yield from components(value, f"{name}.")
+            yield key, f"{value:g} {parameter.unit}"
+        elif dataclasses.is_dataclass(value) and (optional or hasattr(value, "kind")):
+            yield key, str(getattr(value, "kind", "yes"))
 
 
 def full_speeds(machine: Machine, angles: Vec3) -> dict[str, tuple[float, float]]:
@@ -47,9 +44,9 @@ def full_speeds(machine: Machine, angles: Vec3) -> dict[str, tuple[float, float]
         rated = machine.valve_of(place).rated_voltage
         both = []
         for sign in (1.0, -1.0):
-            spools = tuple(sign * rated if i == place else 0.0 for i in range(3))
+            spools = tuple(sign * rated if i == place else 0.0 for i in range(len(AXES)))
             point = operating_point(angles, (spools[0], spools[1], spools[2]), p)
-            both.append(point.plant[place].rate)  # type: ignore[union-attr]
+            both.append(point.plant.axes[place].rate)
         speeds[axis] = (both[0], both[1])
     return speeds
 
@@ -126,7 +123,7 @@ def _holding_pressures(machine: Machine, place: int) -> Iterator[Vec3]:
     for q_2 in (boom[0] + (boom[1] - boom[0]) * k / GRID for k in range(GRID + 1)):
         for q_3 in (stick[0] + (stick[1] - stick[0]) * k / GRID for k in range(GRID + 1)):
             state = equilibrium((0.0, q_2, q_3), p).plant
-            axis = state.boom if place == 1 else state.stick
+            axis = state.axes[place]
             yield max(axis.pressure_1, axis.pressure_2), q_2, q_3
 
 

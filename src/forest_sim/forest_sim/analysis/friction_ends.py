@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from forest_description.types import AXES
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force
-from forest_sim.solver.plant_parameters import Axis, PlantParameters
+from forest_sim.solver.plant_parameters import PlantParameters
 
 SMALL = 0.5  # U/u_0 up to which c(U) is within 10 % of the slope at rest
 SAMPLES = 400  # of a quarter of the sine
@@ -60,21 +60,16 @@ def friction_ends(f: Friction, viscous: float) -> FrictionEnds:
 
 def rubbing_axes(p: PlantParameters) -> dict[str, FrictionEnds]:
     """Return the ends of each axis that has dry friction, by its name."""
-    axes = zip(AXES, (p.swing, p.boom, p.stick), strict=True)
     return {
         name: friction_ends(axis.friction, axis.actuator.damping)
-        for name, axis in axes
+        for name, axis in zip(AXES, p.axes, strict=True)
         if axis.friction.breakaway > 0.0
     }
 
 
 def without_dry_friction(p: PlantParameters) -> PlantParameters:
     """Return the parameters with every axis' dry friction left out."""
-
-    def slid(axis: Axis) -> Axis:
-        return axis._replace(friction=FRICTIONLESS)
-
-    return p._replace(swing=slid(p.swing), boom=slid(p.boom), stick=slid(p.stick))
+    return p.with_axes(friction=FRICTIONLESS)
 
 
 def small_heading(ends: dict[str, FrictionEnds]) -> str:

@@ -32,7 +32,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation, step
 from forest_sim.solver.multibody import HeadState
 from forest_sim.solver.plant import AxisState, PlantState, ports_at, state_derivative
-from forest_sim.solver.plant_parameters import NO_GUARD, Axis, PlantParameters
+from forest_sim.solver.plant_parameters import NO_GUARD, PlantParameters
 
 NO_STOP = EndStop(-math.inf, math.inf, 0.0, 0.0)
 DIFFERENCE = (1e-6, 1e-6, 10.0, 10.0, 1e-8, 1e-8)  # rad, rad/s, Pa, m^3/s: rounding and curvature both small
@@ -68,11 +68,7 @@ class Mode(NamedTuple):
 
 def unguarded(p: PlantParameters) -> PlantParameters:
     """Return the parameters without what works at the edges of the working range only."""
-
-    def free(axis: Axis) -> Axis:
-        return axis._replace(stop=NO_STOP, cushion=UNCUSHIONED)
-
-    return p._replace(guard=NO_GUARD, swing=free(p.swing), boom=free(p.boom), stick=free(p.stick))
+    return p._replace(guard=NO_GUARD).with_axes(stop=NO_STOP, cushion=UNCUSHIONED)
 
 
 def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulation:

@@ -13,7 +13,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.serialization.batch_encoder import columns
+from forest_msgs_py.serialization.packing import columns
 from forest_sim.analysis.mode_map import MapPoint
 from forest_sim.run.energy import Account
 from forest_sim.run.sensor_log import OBSERVED
@@ -63,7 +63,17 @@ def _bag(kept: Rows) -> Bag:
     """Return the kept rows as a session that `forest_bag.plots.standard_plots` can draw."""
     stamps = np.round(kept["time"] * 1e9).astype(np.int64)
     return bag_of(
-        {topic: Series(stamps, stamps, kept[topic], columns(topic), (), incomplete=0) for topic in OBSERVED}
+        {
+            topic: Series(
+                time_ns=stamps,
+                log_time_ns=stamps,
+                values=kept[topic],
+                labels=columns(topic),
+                units=(),
+                incomplete=0,
+            )
+            for topic in OBSERVED
+        }
     )
 
 

@@ -23,7 +23,7 @@ from forest_sim.run.energy import account
 from forest_sim.run.inputs import Voltages
 from forest_sim.run.sensor_log import EXACT, Observer, Sensing
 from forest_sim.run.simulation import Run, RunError, blocks, substeps
-from forest_sim.run.trajectory_files import Thinned, naming, trajectory_files
+from forest_sim.run.trajectory_files import Thinned, TrajectoryFiles, naming
 from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant_parameters import plant_parameters
@@ -94,7 +94,11 @@ def simulate(
     _tell_about_the_compiler()
     observer, kept, total = Observer(machine, run.rate, sensing), Thinned(), summary.Summary(machine)
     progress = Progress(run.duration)
-    with naming(out), _stops_noted() as stopped, trajectory_files(out, machine, run.rate) as files:
+    with (
+        naming(out),
+        _stops_noted() as stopped,
+        contextlib.closing(TrajectoryFiles(out, machine, run.rate)) as files,
+    ):
         for block in blocks(machine, voltages, angles, run, disturbance):
             observed = observer.observe(block)
             files.write(block, observed)
@@ -151,7 +155,7 @@ def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
     plant = rest.plant
     forces = [
         axis.actuator.displacement_1 * state.pressure_1 - axis.actuator.displacement_2 * state.pressure_2
-        for state, axis in zip(plant[:3], (p.swing, p.boom, p.stick), strict=True)
+        for state, axis in zip(plant.axes, p.axes, strict=True)
     ]
     tip = tip_position(angles, machine.manipulator.links)
     result: dict[str, Any] = {
@@ -159,7 +163,7 @@ def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
         "tip_m": list(tip),
         "supply_pressure_pa": plant.supply.pressure,
     }
-    for place, (axis, state) in enumerate(zip(AXES, plant[:3], strict=True)):
+    for place, (axis, state) in enumerate(zip(AXES, plant.axes, strict=True)):
         result[axis] = {
             "angle_rad": state.angle,
             "pressure_1_pa": state.pressure_1,
@@ -172,7 +176,7 @@ def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
         return 0
     print(f"  tip ({', '.join(f'{x:.3f}' for x in tip)}) m, supply {plant.supply.pressure / 1e6:.2f} MPa")
     print(f"  {'':<6} {'angle':>9} {'port 1':>10} {'port 2':>10} {'cylinder':>11} {'joint':>12}")
-    for place, (axis, state) in enumerate(zip(AXES, plant[:3], strict=True)):
+    for place, (axis, state) in enumerate(zip(AXES, plant.axes, strict=True)):
         force = "" if place == 0 else f"{forces[place] / 1e3:.1f} kN"
         print(
             f"  {axis:<6} {math.degrees(state.angle):5.1f} deg {state.pressure_1 / 1e6:6.2f} MPa "

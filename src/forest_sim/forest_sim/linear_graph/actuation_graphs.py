@@ -4,7 +4,7 @@ Port 1 is connected to the supply and port 2 to the tank, the thesis' only case.
 to the actuator, hose 2 from the actuator to the valve. Node names are those of the crane's places. What the
 graph leaves to the manipulator is a velocity source: its through variable is the torque or force on the load.
 
-`graph_page` draws them and writes what follows from them into docs/linear-graphs.md.
+`page` draws them and writes what follows from them into docs/explanation/linear-graphs.md.
 
 | symbol | name | unit |
 |---|---|---|
@@ -17,8 +17,6 @@ graph leaves to the manipulator is a velocity source: its through variable is th
 | B_sw, B | viscous damping | N m s/rad, N s/m |
 | qdot_sw, xdot | swing rate, piston speed, inputs | rad/s, m/s |
 """
-
-from __future__ import annotations
 
 from forest_sim.linear_graph.linear_graph import Branch, Domain, Kind, LinearGraph
 

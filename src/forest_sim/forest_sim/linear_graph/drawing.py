@@ -5,8 +5,6 @@ beside it. Branches of the normal tree are bold. Each domain has its colour, and
 on a panel of its own; a dashed line couples the two ports of a two-port.
 """
 
-from __future__ import annotations
-
 import math
 from html import escape
 

@@ -5,8 +5,6 @@ bend is how far [px] the middle of a branch stands off the straight line, upward
 its label stands on that side.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import NamedTuple

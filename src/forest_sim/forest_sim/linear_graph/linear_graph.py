@@ -22,8 +22,6 @@ Two-ports are pairs of branches 1, 2 that take in as much power as they give: a 
 a_1 = n a_2 and f_2 = -n f_1; a gyrator of ratio r, f_1 = r a_2 and f_2 = -r a_1.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -125,7 +123,7 @@ class LinearGraph:
             if branch.partner is not None and order[branch.name] < order[branch.partner]
         )
 
-    def changed(self, name: str, remove: Iterable[str] = (), add: Iterable[Branch] = ()) -> LinearGraph:
+    def changed(self, name: str, remove: Iterable[str] = (), add: Iterable[Branch] = ()) -> "LinearGraph":
         """Return another circuit: without some branches, with others in the place of the first of them.
 
         Raises:

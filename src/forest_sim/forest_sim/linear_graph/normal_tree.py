@@ -16,8 +16,6 @@ graph with several domains is one tree per domain.
 | s_lb | +1, -1: link l's loop runs along, against tree branch b |
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product

@@ -15,8 +15,6 @@ inertance, a hose in series with a piston), P of one in the links (an orifice be
 Parameters are positive symbols, all others are real.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -141,34 +141,6 @@ def hanging_angles(swing: float, body: Body) -> Pair:
     return math.atan2(-along, body.gravity_down), math.atan2(-across, math.hypot(along, body.gravity_down))
 
 
-def pendulum_kinetic_energy(
-    q: Vec3, rates: Vec3, angles: Pair, angle_rates: Pair, head: HangingHead, body: Body
-) -> float:
-    """Return the head's T = 1/2 m |p'|^2 + 1/2 I_t |d'|^2 [J]; arguments as `pendulum_dynamics`."""
-    radius, (x_2, z_2), (x_3, z_3) = _tip(q, body)
-    u_1, u_2, u_3 = rates
-    s_a, c_a = math.sin(angles[0]), math.cos(angles[0])
-    s_b, c_b = math.sin(angles[1]), math.cos(angles[1])
-    turning = (
-        c_a * c_b * angle_rates[0] - s_a * s_b * angle_rates[1] - u_1 * s_b,
-        c_b * angle_rates[1] + u_1 * s_a * c_b,
-        s_a * c_b * angle_rates[0] + c_a * s_b * angle_rates[1],
-    )
-    tip = (-z_2 * u_2 - z_3 * u_3, radius * u_1, x_2 * u_2 + x_3 * u_3)
-    centre = _sum(1.0, tip, head.length, turning)
-    return 0.5 * head.mass * _dot(centre, centre) + 0.5 * head.inertia * _dot(turning, turning)
-
-
-def pendulum_potential_energy(q: Vec3, angles: Pair, head: HangingHead, body: Body) -> float:
-    """Return the head's U [J]; zero is a mass at the boom's pivot. Arguments as `pendulum_dynamics`."""
-    radius, (_, z_2), _ = _tip(q, body)
-    out = radius + head.length * math.sin(angles[0]) * math.cos(angles[1])
-    left = head.length * math.sin(angles[1])
-    up = z_2 - head.length * math.cos(angles[0]) * math.cos(angles[1])
-    across = math.sin(q[0]) * out + math.cos(q[0]) * left
-    return head.mass * (body.gravity_across * across + body.gravity_down * up)
-
-
 def _tip(q: Vec3, body: Body) -> tuple[float, Pair, Pair]:
     """Return the tip's radius and its x, z [m] from the boom's pivot and from the stick's."""
     x_3, z_3 = body.stick_length * math.cos(q[1] + q[2]), body.stick_length * math.sin(q[1] + q[2])

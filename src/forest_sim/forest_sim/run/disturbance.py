@@ -43,6 +43,22 @@ def checked_tip_force(force: Sequence[float]) -> Vec3:
     return force[0], force[1], force[2]
 
 
+def parse_disturbance(stuck_spools: str, tip_force: Sequence[float]) -> Disturbance:
+    """Return the disturbance that two node parameters name.
+
+    Raises:
+        ValueError: one of them is not usable; the text begins with its name.
+    """
+    try:
+        stuck = parse_stuck_spools(stuck_spools)
+    except ValueError as error:
+        raise ValueError(f"'stuck_spools': {error}") from error
+    try:
+        return Disturbance(stuck, checked_tip_force(tip_force))
+    except ValueError as error:
+        raise ValueError(f"'tip_force' is {error}") from error
+
+
 def disturbed(p: PlantParameters, disturbance: Disturbance) -> PlantParameters:
     """Return the plant under a disturbance."""
     swing, boom, stick = (

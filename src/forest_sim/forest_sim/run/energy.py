@@ -104,7 +104,7 @@ def oil_energy(simulation: Simulation, p: PlantParameters) -> float:
     return supply + sum(
         _hose(axis.line_1, state.pressure_1, state.flow_1)
         + _hose(axis.line_2, state.pressure_2, state.flow_2)
-        for state, axis in zip(plant[:3], (p.swing, p.boom, p.stick), strict=True)
+        for state, axis in zip(plant.axes, p.axes, strict=True)
     )
 
 

@@ -10,22 +10,24 @@ A voltage acts from the first step of the integrator at or after its time, and i
 | FILE.csv | columns time, swing, boom, stick; each row holds until the next one's time, the last to the end |
 """
 
-import csv
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from itertools import pairwise
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from forest_description.types import Floats, Vec3
+from forest_description.types import AXES, ZERO, Floats
+from forest_msgs_py.interfaces.csv_text import Column, read_rows
 
 NAMES = ("step", "chirp", "thesis")
-COLUMNS = ("time", "swing", "boom", "stick")
 LONGEST = 86400.0  # [s] the latest time of a file
 GREATEST = 100.0  # [V] beyond any amplifier: a number in other units
+COLUMNS = (
+    Column("time", 0.0, LONGEST, "s"),
+    *(Column(axis, -GREATEST, GREATEST, "V") for axis in AXES),
+)
 LEAD_IN = 0.5  # [s] at rest before the built-in inputs
 HOLD, REST = 1.0, 0.5  # [s] of `step`
 ROUNDING = 1e-9  # [s] of a time that is a multiple of the step
@@ -44,59 +46,50 @@ class Voltages(NamedTuple):
     duration: float  # [s]
 
 
-@dataclass(frozen=True)
-class Held:
-    """Rows that hold from their time to the next one's; zero before the first."""
+def _held(times: Floats, levels: Floats, wanted: Floats) -> Floats:
+    """Return rows that hold from their time to the next one's; zero before the first.
 
-    times: Floats  # [N] s, rising
-    levels: Floats  # [N, 3] V
-
-    def __call__(self, wanted: Floats) -> Floats:
-        """Return the voltages at some times."""
-        # A step's time is a multiple of the step and carries its rounding.
-        row = np.searchsorted(self.times, wanted + ROUNDING, side="right") - 1
-        return np.where((row >= 0)[:, np.newaxis], self.levels[np.maximum(row, 0)], 0.0)
-
-
-@dataclass(frozen=True)
-class Ramps:
-    """Straight lines from row to row."""
-
-    times: Floats  # [N] s, rising
-    levels: Floats  # [N, 3] V
-
-    def __call__(self, wanted: Floats) -> Floats:
-        """Return the voltages at some times."""
-        return np.column_stack([np.interp(wanted, self.times, self.levels[:, axis]) for axis in range(3)])
+    Args:
+        times: of the rows [s], shape (N,), rising.
+        levels: voltages [V], shape (N, 3).
+        wanted: times [s], shape (M,).
+    """
+    # A step's time is a multiple of the step and carries its rounding.
+    row = np.searchsorted(times, wanted + ROUNDING, side="right") - 1
+    return np.where((row >= 0)[:, np.newaxis], levels[np.maximum(row, 0)], 0.0)
 
 
-@dataclass(frozen=True)
-class Sweep:
-    """The law of `chirp`."""
+def _ramps(times: Floats, levels: Floats, wanted: Floats) -> Floats:
+    """Return straight lines from row to row; arguments as `_held`."""
+    return np.column_stack([np.interp(wanted, times, column) for column in levels.T])
 
-    amplitude: float  # [V]
-    lowest: float  # [Hz]
-    growth: float  # ln k
-    turn: float  # T [s]
 
-    def __call__(self, wanted: Floats) -> Floats:
-        """Return the voltages at some times."""
-        axis = np.floor((wanted + ROUNDING) / self.turn)
-        local = wanted - axis * self.turn
-        whole = 2.0 * math.pi * self.lowest * self.turn / self.growth
-        wave = -self.amplitude * np.sin(whole * np.expm1(self.growth * local / self.turn))
-        return np.where(axis[:, np.newaxis] == np.arange(3), wave[:, np.newaxis], 0.0)
+def _sweep(amplitude: float, lowest: float, growth: float, turn: float, wanted: Floats) -> Floats:
+    """Return the law of `chirp`.
+
+    Args:
+        amplitude: A [V].
+        lowest: f_1 [Hz].
+        growth: ln k.
+        turn: T [s].
+        wanted: times [s], shape (M,).
+    """
+    axis = np.floor((wanted + ROUNDING) / turn)
+    local = wanted - axis * turn
+    whole = 2.0 * math.pi * lowest * turn / growth
+    wave = -amplitude * np.sin(whole * np.expm1(growth * local / turn))
+    return np.where(axis[:, np.newaxis] == np.arange(len(AXES)), wave[:, np.newaxis], 0.0)
 
 
 def steps(amplitude: float = 4.0) -> Voltages:
     """Return steps of one axis after the other [V], both directions, with rests for the crane to ring out."""
-    pattern = [(HOLD, amplitude), (REST, 0.0), (HOLD, -amplitude), (REST, 0.0)]
-    edges, levels = [0.0, LEAD_IN], [(0.0, 0.0, 0.0)]
-    for axis in range(3):
+    pattern = ((HOLD, amplitude), (REST, 0.0), (HOLD, -amplitude), (REST, 0.0))
+    edges, levels = [0.0, LEAD_IN], [list(ZERO)]
+    for axis in range(len(AXES)):
         for length, voltage in pattern:
             edges.append(edges[-1] + length)
             levels.append(_on_axis(axis, voltage))
-    return Voltages("step", Held(np.array(edges[:-1]), np.array(levels)), edges[-1])
+    return Voltages("step", partial(_held, np.array(edges[:-1]), np.array(levels)), edges[-1])
 
 
 def chirp(
@@ -119,7 +112,7 @@ def chirp(
     if not 0.0 < lowest < highest:
         raise InputError(f"chirp from {lowest:g} to {highest:g} Hz; allowed: 0 < from < to")
     growth = math.log(highest / lowest)
-    return Voltages("chirp", Sweep(amplitude, lowest, growth, duration / 3.0), duration)
+    return Voltages("chirp", partial(_sweep, amplitude, lowest, growth, duration / 3.0), duration)
 
 
 def thesis(amplitude: float = 5.0) -> Voltages:
@@ -128,21 +121,17 @@ def thesis(amplitude: float = 5.0) -> Voltages:
     Thesis section 4.4. Differs: its figures are lost; these are a person's pulls of a lever, A V high, with
     ramps that a hand makes. The boom, which the thesis does not show, stands still.
     """
-    corners = [(0.0, (0.0, 0.0, 0.0)), (LEAD_IN, (0.0, 0.0, 0.0))]
+    corners = [(0.0, list(ZERO)), (LEAD_IN, list(ZERO))]
     for axis in (0, 2):
         for voltage in (amplitude, -amplitude):
             for length, level in ((PULL, voltage), (HELD, voltage), (PULL, 0.0), (PAUSE, 0.0)):
                 corners.append((corners[-1][0] + length, _on_axis(axis, level)))
     times, levels = np.array([c[0] for c in corners]), np.array([c[1] for c in corners])
-    return Voltages("thesis", Ramps(times, levels), float(times[-1]))
+    return Voltages("thesis", partial(_ramps, times, levels), float(times[-1]))
 
 
-def _on_axis(axis: int, voltage: float) -> Vec3:
-    return (
-        voltage if axis == 0 else 0.0,
-        voltage if axis == 1 else 0.0,
-        voltage if axis == 2 else 0.0,
-    )
+def _on_axis(axis: int, voltage: float) -> list[float]:
+    return [voltage if place == axis else 0.0 for place in range(len(AXES))]
 
 
 def read_voltages(path: Path) -> Voltages:
@@ -153,37 +142,5 @@ def read_voltages(path: Path) -> Voltages:
     Raises:
         InputError: the file cannot be read, or a line does not fit.
     """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:  # spreadsheets put a byte order mark there
-            reader = csv.reader(file)
-            header, *rows = [(reader.line_num, row) for row in reader if row] or [(1, ["nothing"])]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as CSV: {error}") from error
-    if tuple(cell.strip() for cell in header[1]) != COLUMNS:
-        found = ",".join(header[1])
-        raise InputError(f"{path}:{header[0]}: the header must be {','.join(COLUMNS)}, found {found}")
-    if not rows:
-        raise InputError(f"{path}:{header[0]}: no rows below the header; allowed: one or more")
-    numbers = [_numbers(path, line, row) for line, row in rows]
-    for (line, _), (before, after) in zip(rows[1:], pairwise(numbers), strict=True):
-        if after[0] <= before[0]:
-            raise InputError(f"{path}:{line}: time is {after[0]:g} after {before[0]:g}; times must rise")
-    table = np.array(numbers)
-    return Voltages(path.name, Held(table[:, 0], table[:, 1:]), float(table[-1, 0]))
-
-
-def _numbers(path: Path, line: int, row: list[str]) -> list[float]:
-    if len(row) != len(COLUMNS):
-        raise InputError(f"{path}:{line}: {len(row)} columns; allowed are the {len(COLUMNS)} of the header")
-    values = []
-    for name, cell in zip(COLUMNS, row, strict=True):
-        low, high = (0.0, LONGEST) if name == "time" else (-GREATEST, GREATEST)
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
-        if not low <= value <= high:  # false for NaN as well
-            unit = "s" if name == "time" else "V"
-            raise InputError(f"{path}:{line}: {name} is {cell!r}; allowed: {low:g} .. {high:g} {unit}")
-        values.append(value)
-    return values
+    table = np.array(read_rows(path, COLUMNS, InputError))
+    return Voltages(path.name, partial(_held, table[:, 0], table[:, 1:]), float(table[-1, 0]))

@@ -1,7 +1,7 @@
 """What the graph's topics would have said during a run: the sensors' reports and the simulator's truth.
 
 The one place of offline runs that knows the sensors; columns as
-`forest_msgs_py.serialization.batch_encoder.columns` has them.
+`forest_msgs_py.serialization.packing.columns` has them.
 """
 
 import math
@@ -16,15 +16,17 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import Topic
 from forest_sim.run.simulation import Block
 from forest_sim.sensors import sensor_readings
+from forest_sim.sensors.sensor_readings import Report
 from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import Fault, sensor_suite
 from forest_sim.sensors.signal_processing import Motion
-from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.integrator import Events, Simulation
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import restore
 from forest_sim.solver.thermal import parameters_at
 
 Observed = dict[Topic, Floats]
+TopicValues = dict[Topic, tuple[float, ...]]
 
 OBSERVED = (
     topics.JOINT_STATES,
@@ -71,31 +73,36 @@ class Observer:
             if self._sensors is not None:
                 self._sensors.learn(self._plant, self._around)
         rows = [self._sample(restore(row)) for row in block.states]
-        observed = {
-            topic: np.array(column, dtype=np.float64)
-            for topic, column in zip(OBSERVED[:-1], zip(*rows, strict=True), strict=True)
-        }
-        observed[topics.VALVE_VOLTAGES] = block.voltages
-        return observed
+        observed = {topic: np.array([row[topic] for row in rows], dtype=np.float64) for topic in rows[0]}
+        return observed | {topics.VALVE_VOLTAGES: block.voltages}
 
-    def _sample(self, simulation: Simulation) -> tuple[tuple[float, ...], ...]:
+    def _sample(self, simulation: Simulation) -> TopicValues:
         """Return one row of every topic but the voltages."""
         if self._sensors is None:
             self._sensors = SensorRun(simulation, self._plant, self._links, self._suite, self._around)
         report = self._sensors.sample(simulation, self._period)
-        seen = report.seen
-        auxiliary = (*seen.spools, seen.case_drain_flow, *seen.temperatures, seen.engine_speed, *seen.tilt)
-        return (
-            _motion(seen.joints),
-            _motion(seen.actuators),
-            seen.pressures,
-            seen.flows,
-            (seen.supply_pressure, seen.supply_flow, seen.supply_saturation),
-            (*auxiliary, *map(float, simulation.events), 0.0),
-            _motion(report.joints),
-            (*report.tip, *tip_orientation(report.joints.position)),
-            report.tip_velocity,
-        )
+        return topic_values(report, simulation.events)
+
+
+def topic_values(report: Report, events: Events, missed_deadlines: int = 0) -> TopicValues:
+    """Return the numbers of every topic that the machine's sensors and the simulator's truth have.
+
+    In the order in which a node publishes them: the valve driver's inputs stand before /joint_states, which
+    makes the controller step.
+    """
+    seen = report.seen
+    auxiliary = (*seen.spools, seen.case_drain_flow, *seen.temperatures, seen.engine_speed, *seen.tilt)
+    return {
+        topics.PRESSURES: seen.pressures,
+        topics.SUPPLY: (seen.supply_pressure, seen.supply_flow, seen.supply_saturation),
+        topics.ACTUATOR_STATES: _motion(seen.actuators),
+        topics.JOINT_STATES: _motion(seen.joints),
+        topics.FLOWS: seen.flows,
+        topics.AUXILIARY: (*auxiliary, *map(float, events), float(missed_deadlines)),
+        topics.GROUND_TRUTH_JOINT_STATES: _motion(report.joints),
+        topics.GROUND_TRUTH_TIP_POSE: (*report.tip, *tip_orientation(report.joints.position)),
+        topics.GROUND_TRUTH_TIP_TWIST: report.tip_velocity,
+    }
 
 
 def _motion(motion: Motion) -> tuple[float, ...]:

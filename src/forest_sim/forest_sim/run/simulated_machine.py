@@ -10,9 +10,9 @@ from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_readings import Report
 from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import Suite
+from forest_sim.solver.compiled_plant import ready_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Events, advance
-from forest_sim.solver.plant_kernel import ready_advance
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power import power_flows
 from forest_sim.solver.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after

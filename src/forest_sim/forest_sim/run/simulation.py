@@ -18,12 +18,12 @@ from forest_sim.run.disturbance import UNDISTURBED, Disturbance, disturbed
 from forest_sim.run.energy import heat_in
 from forest_sim.run.inputs import Voltages
 from forest_sim.solver import step_schedule
+from forest_sim.solver.compiled_plant import fastest_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant_kernel import fastest_record
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE, store
-from forest_sim.solver.step_schedule import Pace
+from forest_sim.solver.step_schedule import StepSchedule
 from forest_sim.solver.thermal import UPDATE_PERIOD, parameters_at, temperature_after
 
 BLOCK = UPDATE_PERIOD  # [s]
@@ -40,7 +40,7 @@ class Run(NamedTuple):
     duration: float  # [s]
     rate: float = 200.0  # [Hz] of the rows
     step: float = 1e-3  # [s] of the integrator
-    paced: bool = False  # instead: long steps, and short ones after a command jumps (`pace`)
+    short_after_jumps: bool = False  # long steps, and short ones after a command jumps (`step_schedule`)
 
 
 class Block(NamedTuple):
@@ -127,7 +127,7 @@ def blocks(
     p, oil = disturbed(plant_parameters(machine), disturbance), machine.oil
     temperature = math.nan if oil is None else oil.reference_temperature
     rows = round(run.duration * run.rate)
-    commanded = _paced if run.paced else _stepped
+    commanded = _short_after_jumps if run.short_after_jumps else _even
     per_block = max(1, round(BLOCK * run.rate))
     simulation, advance = equilibrium(angles, p), fastest_record()
     # Compiled here, so that whoever times the rows times the simulation alone.
@@ -140,21 +140,27 @@ def blocks(
         states, energies = np.zeros((count, len(STATE))), np.zeros((count, len(ENERGY)))
         simulation = advance(simulation, volts, given, p, states, energies)
         after = np.arange(begin + 1, begin + count + 1) / run.rate
-        yield Block(after, voltages.at(after), states, energies, np.full(count, temperature))
+        yield Block(
+            time=after,
+            voltages=voltages.at(after),
+            states=states,
+            energies=energies,
+            temperature=np.full(count, temperature),
+        )
         if oil is not None:
             time = count / run.rate
             temperature = temperature_after(temperature, heat_in(energies) / time, oil, time)
             p = disturbed(parameters_at(machine, temperature), disturbance)
 
 
-def _stepped(voltages: Voltages, run: Run, begin: int, rows: int) -> tuple[Pace, Floats]:
+def _even(voltages: Voltages, run: Run, begin: int, rows: int) -> tuple[StepSchedule, Floats]:
     """Return even steps for some rows, and the voltages at their beginnings [V]."""
     per_row = substeps(run)
     times = np.arange(begin * per_row, (begin + rows) * per_row) / (per_row * run.rate)
     return step_schedule.even(run.step, rows, per_row), voltages.at(times)
 
 
-def _paced(voltages: Voltages, run: Run, begin: int, rows: int) -> tuple[Pace, Floats]:
+def _short_after_jumps(voltages: Voltages, run: Run, begin: int, rows: int) -> tuple[StepSchedule, Floats]:
     """Return long and short steps for some rows, and the voltages in their middles [V]."""
     period = 1.0 / run.rate
     early = min(begin, step_schedule.ringing_rows(period))  # rows before, whose jumps may still ring
@@ -164,7 +170,7 @@ def _paced(voltages: Voltages, run: Run, begin: int, rows: int) -> tuple[Pace, F
     before = voltages.at(np.array([(begin - early) * period - 0.5 * period / count]))[0]
     jumped = step_schedule.jumps(table, before if begin > early else np.zeros(3), early + rows)
     whole = step_schedule.after_jumps(jumped, period)
-    kept = Pace(whole.steps[early:], whole.counts[early:])
+    kept = StepSchedule(whole.steps[early:], whole.counts[early:])
     return kept, voltages.at(step_schedule.middles(kept, begin * period))
 
 
@@ -172,7 +178,13 @@ def _start(simulation: Simulation, voltages: Voltages, temperature: float) -> Bl
     states = np.zeros((1, len(STATE)))
     store(simulation, states[0])
     time = np.zeros(1)
-    return Block(time, voltages.at(time), states, np.zeros((1, len(ENERGY))), np.full(1, temperature))
+    return Block(
+        time=time,
+        voltages=voltages.at(time),
+        states=states,
+        energies=np.zeros((1, len(ENERGY))),
+        temperature=np.full(1, temperature),
+    )
 
 
 def whole(machine: Machine, voltages: Voltages, angles: Vec3, run: Run) -> Block:

@@ -14,13 +14,8 @@ from forest_bag.write.bag_writer import BagWriter, Layout
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_description.urdf.robot_description import robot_description
-from forest_msgs_py.interfaces.topics import (
-    GROUND_TRUTH_TIP_POSE,
-    ROBOT_DESCRIPTION,
-    Topic,
-    message_class,
-    offered_qos,
-)
+from forest_msgs_py.interfaces.topic_qos import offered_qos
+from forest_msgs_py.interfaces.topics import GROUND_TRUTH_TIP_POSE, ROBOT_DESCRIPTION, Topic, message_class
 from forest_msgs_py.serialization.batch_encoder import Encoder
 from forest_msgs_py.serialization.cdr import to_cdr
 from forest_sim.run.energy import Account, account
@@ -150,13 +145,3 @@ def naming(directory: Path) -> Iterator[None]:
         if error.filename is not None or error.errno is None:
             raise
         raise OSError(error.errno, error.strerror, str(directory)) from error
-
-
-@contextlib.contextmanager
-def trajectory_files(directory: Path, machine: Machine, rate: float) -> Iterator[TrajectoryFiles]:
-    """Open the files of a run, and finish them however it ends."""
-    files = TrajectoryFiles(directory, machine, rate)
-    try:
-        yield files
-    finally:
-        files.close()

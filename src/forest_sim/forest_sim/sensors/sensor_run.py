@@ -9,7 +9,7 @@ from functools import lru_cache
 from forest_compile import compiled_step
 from forest_compile.compiled_step import CompiledStep, Example
 from forest_compile.entry import Entry
-from forest_compile.kernel_cache import Kept
+from forest_compile.kernel_cache import CachedKernel
 from forest_description.geometry.kinematics import Links
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
@@ -48,7 +48,7 @@ class SensorRun:
         self._generator = noise_generator(suite, run) if by_chance else None
         self._state = sensor_readings.at_rest(simulation, plant, suite, around)
         self._known = Sensors(plant, suite.channels, suite.period, around), links
-        kernel = KEPT.ready()
+        kernel = KERNEL.ready()
         self._report = CompiledStep(kernel, _example()) if kernel else sensor_readings.report
 
     def learn(self, plant: PlantParameters, around: Surroundings) -> None:
@@ -78,8 +78,8 @@ def _example() -> Example:
 
 
 def _entry() -> Entry:
-    return compiled_step.entry(sensor_readings.report, _example(), plant_kernel.APART)
+    return compiled_step.entry(sensor_readings.report, _example(), plant_kernel.NOINLINE)
 
 
-KEPT = Kept("sensors", _entry)
+KERNEL = CachedKernel("sensors", _entry)
 """`sensors.report` as machine code."""

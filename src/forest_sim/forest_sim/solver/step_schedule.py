@@ -20,21 +20,21 @@ JUMP = 0.3  # [V] from one long step to the next: more than a lever's or a fast 
 ROUNDING = 1e-9
 
 
-class Pace(NamedTuple):
+class StepSchedule(NamedTuple):
     """How many steps of which length every row of a record has."""
 
     steps: Floats  # [N] s
     counts: Floats  # [N], whole numbers
 
 
-def even(step: float, rows: int, count: int) -> Pace:
+def even(step: float, rows: int, count: int) -> StepSchedule:
     """Return the same steps [s] for all rows."""
-    return Pace(np.full(rows, step), np.full(rows, float(count)))
+    return StepSchedule(np.full(rows, step), np.full(rows, float(count)))
 
 
-def given(pace: Pace | float, rows: int, steps: int) -> Pace:
-    """Return a pace, or from the length of all steps [s] the pace that has so many steps in so many rows."""
-    return pace if isinstance(pace, Pace) else even(pace, rows, steps // rows)
+def schedule_of(schedule: StepSchedule | float, rows: int, steps: int) -> StepSchedule:
+    """Return a schedule as it is, or the one of even steps [s] that has so many steps in so many rows."""
+    return schedule if isinstance(schedule, StepSchedule) else even(schedule, rows, steps // rows)
 
 
 def long_steps(period: float) -> int:
@@ -60,17 +60,17 @@ def jumps(table: Floats, before: Floats, rows: int) -> Bools:
     return found
 
 
-def after_jumps(jumped: Bools, period: float) -> Pace:
-    """Return the pace of rows of a period [s], given which of them begin or contain a jump."""
+def after_jumps(jumped: Bools, period: float) -> StepSchedule:
+    """Return the schedule of rows of a period [s], given which of them begin or contain a jump."""
     ringing = np.convolve(jumped, np.ones(ringing_rows(period)))[: len(jumped)] > 0.5
     counts = np.where(ringing, FINER, 1.0) * long_steps(period)
-    return Pace(period / counts, counts)
+    return StepSchedule(period / counts, counts)
 
 
-def middles(pace: Pace, start: float) -> Floats:
+def middles(schedule: StepSchedule, start: float) -> Floats:
     """Return the time [s] in the middle of every step; rows follow each other from `start` [s] on."""
-    counts = pace.counts.astype(np.int64)
-    begins = start + np.cumsum(pace.steps * pace.counts) - pace.steps * pace.counts
+    counts = schedule.counts.astype(np.int64)
+    begins = start + np.cumsum(schedule.steps * schedule.counts) - schedule.steps * schedule.counts
     within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    middle: Floats = np.repeat(begins, counts) + (within + 0.5) * np.repeat(pace.steps, counts)
+    middle: Floats = np.repeat(begins, counts) + (within + 0.5) * np.repeat(schedule.steps, counts)
     return middle

@@ -1,4 +1,4 @@
-"""A link between two nodes that delays, jitters and loses messages, repeatably.
+"""Transport between nodes: links that delay, jitter and lose messages, repeatably; reports in lockstep.
 
 | symbol | name | unit |
 |---|---|---|
@@ -11,9 +11,12 @@ A message that was overtaken arrives late all the same, as on a network: order i
 
 import heapq
 import math
-from typing import Generic, NamedTuple, TypeVar
+from typing import Annotated, Generic, NamedTuple, TypeVar
 
 import numpy as np
+
+from forest_control.valve.tracking_limit import FULL, SAID_EVERY, Reach
+from forest_msgs_py.runtime.parameter_table import Parameter, table_rows
 
 T = TypeVar("T")
 LONGEST = 60.0  # [s]
@@ -23,12 +26,20 @@ class LinkError(ValueError):
     """A link's quality is not allowed; the message says what is."""
 
 
+class DelayParameters(NamedTuple):
+    """Of `delay_node`, beside the link's quality."""
+
+    topic_in: Annotated[str, Parameter("heard")] = "joy"
+    topic_out: Annotated[str, Parameter("said")] = "joy_late"
+    seed: Annotated[int, Parameter("of jitter and losses", low=0)] = 0
+
+
 class Quality(NamedTuple):
     """How bad a link is."""
 
-    delay: float = 0.0  # [s]
-    jitter: float = 0.0  # [s]
-    loss: float = 0.0  # [1]
+    delay: Annotated[float, Parameter("of every message", "s", 0.0, LONGEST)] = 0.0
+    jitter: Annotated[float, Parameter("greatest extra delay, drawn evenly", "s", 0.0, LONGEST)] = 0.0
+    loss: Annotated[float, Parameter("probability of a message to be lost", "", 0.0, 1.0)] = 0.0
 
     def checked(self) -> "Quality":
         """Return itself.
@@ -36,9 +47,10 @@ class Quality(NamedTuple):
         Raises:
             LinkError: a delay or jitter is negative or longer than a minute, or the loss is not 0..1.
         """
-        for name, value, most in zip(self._fields, self, (LONGEST, LONGEST, 1.0), strict=True):
-            if not (math.isfinite(value) and 0.0 <= value <= most):
-                raise LinkError(f"{name} is {value!r}; allowed: 0 .. {most:g}")
+        for value, row in zip(self, table_rows(Quality), strict=True):
+            assert row.high is not None
+            if not (math.isfinite(value) and 0.0 <= value <= row.high):
+                raise LinkError(f"{row.name} is {value!r}; allowed: 0 .. {row.high:g}")
         return self
 
 
@@ -77,20 +89,21 @@ class Link(Generic[T]):
         return self._under_way[0][0] if self._under_way else math.inf
 
 
-class Reader(Generic[T]):
-    """The newest message that came over a link, until it is too old; what was overtaken is dropped."""
+class Reports(NamedTuple):
+    """What the driver has said of its valves' reach, as it comes to the controller of a graph in lockstep."""
 
-    def __init__(self, quality: Quality, seed: int, timeout: float) -> None:
-        self._link: Link[tuple[float, T]] = Link(quality, seed)
-        self._timeout, self._received, self._stamp = timeout, -math.inf, -math.inf
-        self._newest: T | None = None
+    reach: Reach = FULL  # that the controller has
+    older: Reach = FULL  # said, on the way
+    newer: Reach = FULL
+    step: int = 0  # of the driver
 
-    def passed(self, now: float, message: T | None) -> tuple[T | None, bool]:
-        """Send a message, if there is one; return the newest that is there, and whether it has just come."""
-        if message is not None:
-            self._link.send(now, (now, message))
-        is_new = False
-        for stamp, arrived in self._link.arrived(now):
-            if stamp > self._stamp:
-                self._stamp, self._received, self._newest, is_new = stamp, now, arrived, True
-        return (self._newest if now - self._received <= self._timeout else None), is_new
+
+def reported(r: Reports, now: Reach) -> Reports:
+    """Return the reports after another step of the driver, by which it knows its reach.
+
+    It says it every `SAID_EVERY` steps, and in lockstep two such spans later that is heard.
+    """
+    step = (r.step + 1) % SAID_EVERY
+    if step == 1:
+        return Reports(r.reach, r.older, now, step)
+    return Reports(r.older, r.newer, r.newer, step) if step == 0 else Reports(r.reach, r.older, r.newer, step)

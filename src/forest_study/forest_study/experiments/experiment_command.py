@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
 
     Raises:
         SessionError: no such experiment, or no directory for it.
-        Failure: the graph could not start, or had to end.
+        GraphError: the graph could not start, or had to end.
         KeyboardInterrupt: the user stopped it.
     """
     if options.name == "list":
@@ -120,7 +120,14 @@ def _simulated(options: argparse.Namespace) -> int:
 
 def conditions_of(options: argparse.Namespace, machine: str) -> Conditions:
     """Return how the experiments are made, with a machine's name or file."""
-    return Conditions(machine, options.seed, options.exact, options.trial, options.timeout, options.namespace)
+    return Conditions(
+        machine=machine,
+        seed=options.seed,
+        exact=options.exact,
+        longest=options.trial,
+        timeout=options.timeout,
+        namespace=options.namespace,
+    )
 
 
 def wanted(options: argparse.Namespace, machine: Machine) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from forest_bag.read.timeseries import read_bag
 from forest_bringup import graph as nodes
-from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_lock import GraphError
 from forest_bringup.supervisor import NodeSpec, Supervisor
 from forest_bringup.terminal import ask
 from forest_description.machine import load_machine
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
 
     Raises:
         SessionError: no such experiment, no directory for it, or nobody said that it is prepared.
-        Failure: there is no such graph, it refuses, or the experiment had to be stopped.
+        GraphError: there is no such graph, it refuses, or the experiment had to be stopped.
         Stopped: the user asked to stop.
     """
     if options.exact:
@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
     try:
         return _run(options, graph)
     except NoAnswer as error:
-        raise Failure(str(error)) from error
+        raise GraphError(str(error)) from error
     finally:
         graph.close()
 
@@ -110,7 +110,7 @@ def _refuse_emergency_stop(graph: LiveGraph) -> None:
 
 
 def _demand(graph: LiveGraph, topic: topics.Topic) -> None:
-    if not graph.hears(topic):
+    if not graph.has_message(topic):
         raise NoAnswer(f"nobody publishes {topic.name} in {graph.place}: no machine is behind the graph")
 
 
@@ -166,7 +166,7 @@ def _warn_of_pauses(bag: Path, timeout: float) -> None:
 
 def _joining(specs: list[NodeSpec], namespace: str, logs: Path, echo: Callable[[str], None]) -> Supervisor:
     """Return the supervisor of nodes that join a graph; its driver says zero, not we."""
-    return Supervisor(specs, namespace, logs, may_publish=False, echo=echo, alone=False)
+    return Supervisor(specs, namespace, logs, may_publish=False, on_log_line=echo, exclusive=False)
 
 
 def _recorder(bag: Path) -> NodeSpec:

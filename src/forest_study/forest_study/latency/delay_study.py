@@ -9,14 +9,13 @@ it lets the deadman go. By sight it also wishes K times what the tip was off, as
 """
 
 import argparse
-import json
 import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from forest_control.config import settings as control_settings
 from forest_control.operator.levers import REST, levers_for_tip_velocity
-from forest_control.pipeline import controller
 from forest_control.valve import valve_driver
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.geometry.kinematics import tip_position
@@ -26,7 +25,7 @@ from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Links, Operator, Trajectory
 from forest_study.closed_loop.closed_loop import run as run_loop
 from forest_study.closed_loop.link_model import Quality
-from forest_study.results import new_directory
+from forest_study.results import new_directory, write_json
 
 DELAYS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6)  # [s]
 THRESHOLD = (0.15, 0.2)  # [s] what the literature on teleoperation names
@@ -90,7 +89,7 @@ def session(way: str, quality: Quality, machine: Machine, seed: int = 0) -> Traj
     tip = start_tip(machine)
     hand = Hand(tip, machine, GAIN if way == "by sight" else 0.0)
     links = Links(state=quality, seed=seed) if way == "state" else Links(joystick=quality, seed=seed)
-    settings = controller.Settings(tip_speed=SPEED)
+    settings = control_settings.Settings(tip_speed=SPEED)
     drive = valve_driver.Settings()
     start = pose_at(tip, machine)
     return run_loop(machine, hand.act, END, start, settings, drive, ways=links, watch=hand.watch)
@@ -138,7 +137,7 @@ def run(options: argparse.Namespace) -> int:
     for way in WAYS:
         qualities = [Quality(delay, options.jitter, options.loss) for delay in DELAYS]
         report[way] = [score(session(way, q, machine, options.seed))._asdict() for q in qualities]
-    (options.out / "delay.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    write_json(options.out / "delay.json", report)
     draw(report, options.out / "delay.png")
     print(table(report))
     print(f"  {options.out / 'delay.json'}")

@@ -13,7 +13,6 @@ they were: no quiet computer is needed to see what lateness does. `drawn` gives 
 """
 
 import argparse
-import json
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -22,18 +21,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from forest_bag.read.timeseries import Bag, NotInBag, read_bag
-from forest_bringup.graph_lock import Failure
-from forest_control.operator import joystick_interpolation
-from forest_control.operator.levers import REST, Levers, levers_from_axes
-from forest_control.pipeline import controller
+from forest_bringup.graph_lock import GraphError
+from forest_control.config import settings as control_settings
+from forest_control.operator.joystick_watch import NO_STAMP, Sample
+from forest_control.operator.levers import Levers, levers_from_axes
 from forest_control.valve import valve_driver
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.types import PERIOD
-from forest_study.closed_loop.closed_loop import Operator, Trajectory
+from forest_study.closed_loop.closed_loop import Joystick, Lateness, Operator, Trajectory
 from forest_study.closed_loop.closed_loop import run as run_loop
 from forest_study.latency import lever_delay
+from forest_study.results import write_json
 
 LATEST = 20  # periods: what answers older states was said at an end
 STALLS, GOES_ON = 0.06, 0.45  # a driver is held up in so many periods; and for another one
@@ -74,24 +74,33 @@ def replayed(session: Session, timing: Timing, machine: Machine) -> Trajectory:
 
     Without times of the joystick the levers are those of the very moment.
     """
-    hold = joystick_interpolation.CENTRED
+    heard = 0  # samples of the joystick
 
-    def operator(time: float) -> Operator:
-        nonlocal hold
+    def joystick(time: float) -> Joystick:
+        nonlocal heard
         k = round(time / PERIOD)
-        if not session.armed[k]:
-            hold = joystick_interpolation.CENTRED
-            return Operator(REST, False)
         if not timing.said:
-            return Operator(session.hand(time))
+            return Operator(session.hand(time), session.armed[k])
         sent = time + (timing.late[k] if k < len(timing.late) else 0.0)
-        said = timing.said[max(0, bisect_right(timing.said, sent) - 1)]
-        hold = joystick_interpolation.advanced(hold, session.hand(said), said, sent, PERIOD)
-        return Operator(hold.levers)
+        before, heard = heard, max(heard, bisect_right(timing.said, sent))
+        return [_sample(session, timing.said[n], n, session.armed[k]) for n in range(before, heard)]
 
-    settings, drive = controller.Settings(), valve_driver.Settings()
-    duration = len(session.armed) * PERIOD
-    return run_loop(machine, operator, duration, session.start, settings, drive, behind=timing.behind)
+    settings, drive = control_settings.Settings(), valve_driver.Settings()
+    duration, late = len(session.armed) * PERIOD, Lateness(timing.behind, timing.late)
+    return run_loop(machine, joystick, duration, session.start, settings, drive, late=late)
+
+
+def _sample(session: Session, said: float, number: int, held: bool) -> Sample:
+    """Return what the joystick said at a time [s]."""
+    return Sample(
+        received=said,
+        stamp=NO_STAMP,
+        heartbeat=number + 1,
+        same=False,
+        good=True,
+        levers=session.hand(said),
+        held=held,
+    )
 
 
 def measured(bag: Bag, machine: Machine) -> tuple[Session, Timing]:
@@ -158,7 +167,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code.
 
     Raises:
-        Failure: there is no bag, or not what tells the times.
+        GraphError: there is no bag, or not what tells the times.
         MachineError: the machine's file cannot be read.
     """
     machine = load_machine(options.machine)
@@ -167,10 +176,10 @@ def run(options: argparse.Namespace) -> int:
         session, timing = measured(bag, machine)
         felt = lever_delay.lever_to_valve_ms(bag)
     except (FileNotFoundError, NotInBag) as error:
-        raise Failure(f"timing: {error}") from error
+        raise GraphError(f"timing: {error}") from error
     report = {"lever_to_valve_ms": felt, **compared(session, timing, machine)}
     options.out.mkdir(parents=True, exist_ok=True)
-    (options.out / "timing.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    write_json(options.out / "timing.json", report)
     print(table(report))
     print(f"  {options.out / 'timing.json'}")
     return 0

@@ -1,0 +1,27 @@
+"""Parameters of the nodes that play a bag."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from forest_msgs_py.runtime.parameter_table import Parameter, tunable
+
+HIGHEST_RATE = 1e6  # [1] seconds of the bag per second; chosen: no computer comes near it
+
+
+class PlayerParameters(NamedTuple):
+    """Of the node of `forest-bag play`, which acts on them when they are set."""
+
+    rate: Annotated[
+        float, tunable("Seconds of the bag per second; 0: as fast as possible", low=0.0, high=HIGHEST_RATE)
+    ] = 1.0
+    seek: Annotated[float, tunable("Setting it goes to that time since the bag's start", "s", 0.0)] = 0.0
+
+
+class StepPlayerParameters(NamedTuple):
+    """Of `step_player_node`."""
+
+    bag: Annotated[str, Parameter("recorded in lockstep")] = ""
+    answers: Annotated[tuple[str, ...], Parameter("topics, without slash, that the nodes under test say")] = (
+        "",
+    )

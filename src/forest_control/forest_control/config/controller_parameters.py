@@ -1,0 +1,36 @@
+"""Parameters of the controller's node, beside its `Settings` and those of the joystick watch."""
+
+from typing import Annotated, NamedTuple
+
+from forest_control.config import profile_file, workspace_file
+from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER
+from forest_msgs_py.runtime.parameter_table import Parameter, tunable
+from forest_msgs_py.types import PERIOD
+
+
+class ProfileParameter(NamedTuple):
+    """The operator's profile, which gives the defaults of some settings."""
+
+    profile: Annotated[
+        str,
+        tunable(
+            f"operator's profile: {', '.join(profile_file.shipped())}, or path of a file;"
+            " what is also given wins"
+        ),
+    ] = "default"
+
+
+class ControllerParameters(NamedTuple):
+    """Of `controller_node`."""
+
+    workspace: Annotated[
+        str, Parameter(f"walls: {', '.join(workspace_file.shipped())}, or path of a file; empty: none")
+    ] = ""
+    period: Annotated[float, Parameter("nominal period of the state", "s", 1e-4, 0.1)] = PERIOD
+    state_timeout: Annotated[float, Parameter("age at which the state is lost", "s", 0.01, 0.2)] = 0.1
+    deadman_button: Annotated[int, Parameter("button to hold", low=0, high=BUTTON_COUNT - 1)] = LEFT_SHOULDER
+    plain_arrays: Annotated[bool, Parameter("publish Float64MultiArray without stamp")] = False
+    hands_off: Annotated[bool, tunable("disarmed, no valve commands: somebody else has the valves")] = False
+    publish_description: Annotated[bool, Parameter("publish robot_description; where no simulator does")] = (
+        False
+    )

@@ -1,0 +1,106 @@
+"""The command stage: what the operator's levers ask of tip and joints, or the stop that goes on without them.
+
+While the levers may move the crane, they ask for a tip velocity, or in the joint scheme for joint rates. Once
+they may not, the stop along the path (`stop_profile`) asks in their place, until nothing is left of it.
+"""
+
+from forest_control.config.settings import Parameters
+from forest_control.operator.levers import joint_rate_wish
+from forest_control.operator.operator_profile import (
+    JOINT_ACCELERATION,
+    Mode,
+    joint_following,
+    shaped,
+    tip_following,
+    tip_rate,
+)
+from forest_control.pipeline import stop_profile
+from forest_control.pipeline.bumpless_transfer import begun, clutched, resumed, taken_over
+from forest_control.pipeline.control_state import (
+    NO_SCHEME,
+    Inputs,
+    MotionCommand,
+    Phase,
+    State,
+    minus,
+    scaled,
+)
+from forest_control.pipeline.stop_profile import NO_STOP, Stop
+from forest_control.servo.coordinated_servo import MOST_SAMPLES, ramped
+from forest_control.servo.schemes import Scheme, closes_on_position, jacobian_pose
+from forest_description.types import ZERO, Vec3
+
+
+def motion_command(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, MotionCommand]:
+    """Return what is asked for in a step of dt [s], and the state from which it goes on."""
+    if inputs.enabled:
+        return lever_command(state, inputs, p, dt)
+    return stop_command(state, inputs.angles, p, dt)
+
+
+def lever_command(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, MotionCommand]:
+    """Return what the levers ask for; the state takes over from a stop, a scheme, a mode without a bump."""
+    if not state.enabled and not stop_profile.is_over(state.stop):
+        state = resumed(state)
+    elif not state.enabled:
+        state = begun(state, inputs.angles)
+    if state.scheme != NO_SCHEME and state.scheme != p.scheme:
+        state = taken_over(state, inputs, p)
+    state = clutched(state, inputs.angles, p)
+    pose = jacobian_pose(p.scheme, state.reference, inputs.angles, p.jacobian_at_joints)
+    velocity = tip_velocity_command(state, pose, inputs, p, dt)
+    rates = joint_rate_command(state, inputs, p, dt) if p.scheme == Scheme.JOINT else ZERO
+    settles = p.scheme == Scheme.COORDINATED and velocity == ZERO and state.memory.samples < MOST_SAMPLES
+    phase = Phase.SETTLING if settles else Phase.MOVING
+    return state, MotionCommand(phase=phase, pose=pose, velocity=velocity, lagged=velocity, rates=rates)
+
+
+def tip_velocity_command(state: State, pose: Vec3, inputs: Inputs, p: Parameters, dt: float) -> Vec3:
+    """Return the tip velocity [m/s] that the levers ask for; a ramp in position mode or coordinated."""
+    if p.scheme == Scheme.JOINT:
+        return ZERO
+    levers = shaped(inputs.levers, p.hand)
+    if p.hand.mode == Mode.POSITION:
+        here = state.reference if closes_on_position(p.scheme) else inputs.angles
+        asked = tip_following(levers, state.clutch, here, p.hand, p.links)
+    else:
+        asked = tip_rate(levers, pose, p.hand)
+        if p.scheme != Scheme.COORDINATED:
+            return asked
+    return ramped(state.memory.velocity, asked, p.coordinated.acceleration, dt)
+
+
+def joint_rate_command(state: State, inputs: Inputs, p: Parameters, dt: float) -> Vec3:
+    """Return the joint rates [rad/s] that the levers ask for in the joint scheme; a ramp in position mode."""
+    levers = shaped(inputs.levers, p.hand)
+    if p.hand.mode == Mode.RATE:
+        return joint_rate_wish(levers, p.governor.rates)
+    asked = joint_following(levers, state.clutch, inputs.angles, p.hand, p.governor.rates)
+    before = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
+    return ramped(before, asked, JOINT_ACCELERATION, dt)
+
+
+def stop_command(state: State, s: Vec3, p: Parameters, dt: float) -> tuple[State, MotionCommand]:
+    """Return what the stop along the path asks for at measured angles [rad]; once it is over, nothing."""
+    stop = stop_profile.advanced(_stop_from(state, s, p) if state.enabled else state.stop, dt)
+    if stop_profile.is_over(stop) or state.scheme != p.scheme:
+        return state, MotionCommand(phase=Phase.STANDING, pose=s)
+    r = s if state.enabled else state.reference
+    state = state._replace(stop=stop, reference=r)
+    if stop.duration != stop_profile.CLOSED_LOOP:
+        rates, velocity = stop_profile.commanded(stop, s, p.links)
+        return state, MotionCommand(phase=Phase.BRAKING, pose=s, velocity=velocity, rates=rates)
+    velocity = scaled(stop.wish, stop_profile.share(stop))
+    lagged = scaled(stop.wish, stop_profile.share_late(stop))
+    return state, MotionCommand(phase=Phase.STOPPING, pose=r, velocity=velocity, lagged=lagged)
+
+
+def _stop_from(state: State, s: Vec3, p: Parameters) -> Stop:
+    """Return the stop of a scheme at measured angles [rad]; none when nothing was commanded."""
+    if state.rates == ZERO and state.memory.velocity == ZERO:
+        return NO_STOP
+    away = minus(state.reference, s)
+    near = max(abs(away[0]), abs(away[1]), abs(away[2])) < stop_profile.ASTRAY
+    closed = p.scheme == Scheme.COORDINATED and near
+    duration = stop_profile.CLOSED_LOOP if closed else stop_profile.OPEN_LOOP
+    return stop_profile.begin(duration, state.rates, state.memory.velocity, s, p.links)

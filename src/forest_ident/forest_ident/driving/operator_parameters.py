@@ -1,0 +1,19 @@
+"""Parameters of the scripted operator's node."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+from forest_msgs_py.runtime.parameter_table import Parameter
+
+
+class OperatorParameters(NamedTuple):
+    """Of `experiment_operator_node`."""
+
+    experiment: Annotated[str, Parameter("as `forest-ident experiment list` tells them")] = "validation"
+    seed: Annotated[int, Parameter("of levels drawn by lot", low=0)] = 0
+    longest: Annotated[
+        float, Parameter("cut the programme off there, for a trial; 0: never", "s", 0.0, 1e6)
+    ] = 0.0
+    timeout: Annotated[float, Parameter("age at which the state is lost", "s", 0.01, 1.0)] = 0.1
+    listeners: Annotated[int, Parameter("of the commands, to be there first", low=0, high=9)] = 1
