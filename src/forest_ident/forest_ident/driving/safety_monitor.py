@@ -66,11 +66,11 @@ def bounds(plan: Plan, programme: Programme) -> Bounds:
     relief = m.port_valves.relief_pressure if m.port_valves is not None else 0.0
     idle = m.pump.margin if isinstance(m.pump, LoadSensingPump) else m.pump.supply_pressure
     return Bounds(
-        (joints[0], joints[1], joints[2]),
-        (ranges[0][0], ranges[1][0], ranges[2][0]),
-        (ranges[0][1], ranges[1][1], ranges[2][1]),
-        OVERLOAD * max(m.pump.supply_pressure, relief),
-        STARVED * idle,
+        driven=(joints[0], joints[1], joints[2]),
+        low=(ranges[0][0], ranges[1][0], ranges[2][0]),
+        high=(ranges[0][1], ranges[1][1], ranges[2][1]),
+        pressure=OVERLOAD * max(m.pump.supply_pressure, relief),
+        supply=STARVED * idle,
     )
 
 

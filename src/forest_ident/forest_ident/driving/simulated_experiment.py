@@ -90,7 +90,13 @@ def run(plan: Plan, suite: Suite) -> Session:
     metadata = dict(plan.metadata)
     if not plan.bench and "case_drain" in true:
         metadata["case_drain_volume"] = float(np.sum(true["case_drain"]) * PERIOD)
-    return Session(plan.name, PERIOD * np.arange(count, dtype=np.float64), voltages, readings, metadata)
+    return Session(
+        name=plan.name,
+        time=PERIOD * np.arange(count, dtype=np.float64),
+        voltages=voltages,
+        readings=readings,
+        metadata=metadata,
+    )
 
 
 class _Trace:
