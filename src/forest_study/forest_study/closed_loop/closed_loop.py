@@ -43,7 +43,7 @@ from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_kernel import compiled_advance
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop.link_model import Link, Quality, Reports, reported
-from forest_study.closed_loop.loop_core import PERIOD_NS, SUBSTEPS, Happened, Seen, driver_inputs
+from forest_study.closed_loop.loop_core import PERIOD_NS, SUBSTEPS, Happened, Seen, driver_inputs, sample
 
 COMMAND_TIMEOUT = 0.1  # [s] as the valve driver's default
 
@@ -213,23 +213,11 @@ class ClosedLoop:
     def _hear(self, joystick: Joystick, now: float) -> None:
         """Have the controller hear what has come of the joystick."""
         if isinstance(joystick, Operator):
-            number = self._count + 1
-            self._joystick.send(
-                now,
-                Sample(
-                    received=now,
-                    stamp=number * PERIOD_NS,
-                    heartbeat=number,
-                    same=False,
-                    good=True,
-                    levers=joystick.levers,
-                    held=joystick.enabled,
-                ),
-            )
+            self._joystick.send(now, sample(joystick.levers, joystick.enabled, self._count))
             joystick = None
-        arrived = [sample._replace(received=now) for sample in self._joystick.arrived(now)]
-        for sample in (*arrived, *(joystick or ())):
-            self.controller.permission.hear(sample)
+        arrived = [one._replace(received=now) for one in self._joystick.arrived(now)]
+        for one in (*arrived, *(joystick or ())):
+            self.controller.permission.hear(one)
 
     def _control(self, now: float) -> None:
         """Have the controller answer the states that have arrived, or their absence."""
