@@ -27,7 +27,6 @@ AT_ONCE = 1.5  # controller periods: a joystick of this period or less may speak
 AVERAGED = 0.2  # share of a new period in T
 FOLLOWING = 0.2  # [s] in which t comes back to where it should be
 ASTRAY = 0.3  # [s] off: the clock was set, or the controller stood still
-KNOTS = 6  # samples that are kept
 
 
 class Knot(NamedTuple):
@@ -37,16 +36,20 @@ class Knot(NamedTuple):
     levers: Levers
 
 
+Knots = tuple[Knot, Knot, Knot, Knot, Knot, Knot]
+
+
 class LeverHold(NamedTuple):
     """Where the levers are between samples."""
 
     levers: Levers
-    knots: tuple[Knot, ...] = ()  # oldest first
+    knots: Knots  # oldest first; of fewer samples the oldest stands several times
     period: float = 0.0  # T [s]
     at: float = -math.inf  # t [s]
 
 
-CENTRED = LeverHold(REST)
+NO_KNOT = Knot(-math.inf, REST)
+CENTRED = LeverHold(REST, (NO_KNOT, NO_KNOT, NO_KNOT, NO_KNOT, NO_KNOT, NO_KNOT))
 
 
 def advanced(hold: LeverHold, newest: Levers, said: float, now: float, dt: float) -> LeverHold:
@@ -59,13 +62,22 @@ def advanced(hold: LeverHold, newest: Levers, said: float, now: float, dt: float
         now: when the machine's state was sent, by the same clock [s].
         dt: of the controller, by the machine's time [s].
     """
-    knots, period = hold.knots, hold.period
-    if not knots:
-        knots = (Knot(said, newest),)
-    elif said > knots[-1].time:
-        knots, period = _with(Knot(said, newest), knots, period)
-    elif newest != knots[-1].levers:  # it is not believed any more
-        knots = (*knots[:-1], Knot(knots[-1].time, newest))
+    knots, period, last = hold.knots, hold.period, hold.knots[5]
+    if last.time == -math.inf:
+        knots = _filled(Knot(said, newest))
+    elif said > last.time:
+        period = _averaged(period, said - last.time)
+        knots = _with(Knot(said, newest), knots)
+    elif newest != last.levers:  # it is not believed any more
+        one, two, three, four, five, six = knots
+        knots = (
+            _corrected(one, last, newest),
+            _corrected(two, last, newest),
+            _corrected(three, last, newest),
+            _corrected(four, last, newest),
+            _corrected(five, last, newest),
+            _corrected(six, last, newest),
+        )
     if said == now and period <= AT_ONCE * dt:
         return LeverHold(newest, knots, period, now)
     aim = now - DELAY * period
@@ -75,20 +87,33 @@ def advanced(hold: LeverHold, newest: Levers, said: float, now: float, dt: float
     return LeverHold(_read(knots, at), knots, period, at)
 
 
-def _with(knot: Knot, knots: tuple[Knot, ...], period: float) -> tuple[tuple[Knot, ...], float]:
-    """Return the knots with a new one, and the joystick's period [s]."""
-    gap = knot.time - knots[-1].time
+def _averaged(period: float, gap: float) -> float:
+    """Return the joystick's period [s] after a gap [s] between two samples."""
     lasted = min(gap, LONGEST)
-    if gap > LONGEST:  # what was said last held until shortly before
-        knots = (Knot(knot.time - LONGEST, knots[-1].levers),)
-    period = lasted if period == 0.0 else period + AVERAGED * (lasted - period)
-    return (*knots[1 - KNOTS :], knot), period
+    return lasted if period == 0.0 else period + AVERAGED * (lasted - period)
 
 
-def _read(knots: tuple[Knot, ...], time: float) -> Levers:
+def _with(knot: Knot, knots: Knots) -> Knots:
+    """Return the knots with a new one."""
+    if knot.time - knots[5].time > LONGEST:  # what was said last held until shortly before
+        knots = _filled(Knot(knot.time - LONGEST, knots[5].levers))
+    return knots[1], knots[2], knots[3], knots[4], knots[5], knot
+
+
+def _filled(knot: Knot) -> Knots:
+    return knot, knot, knot, knot, knot, knot
+
+
+def _corrected(knot: Knot, last: Knot, newest: Levers) -> Knot:
+    """Return a knot, with other levers if it is the last one."""
+    return Knot(knot.time, newest) if knot.time == last.time else knot
+
+
+def _read(knots: Knots, time: float) -> Levers:
     """Return the levers at a time [s]; before the first sample and after the last one they stand still."""
     before = knots[0]
-    for after in knots:
+    for i in range(6):
+        after = knots[i]
         if after.time >= time:
             span = after.time - before.time
             share = (time - before.time) / span if span > 0.0 else 0.0
