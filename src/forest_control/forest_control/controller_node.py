@@ -14,7 +14,7 @@ from rclpy.node import Node
 
 from forest_control import compiled
 from forest_control.config.controller_parameters import ControllerParameters, ProfileParameter
-from forest_control.config.parameter_update import Retuning
+from forest_control.config.parameter_update import ParameterUpdate
 from forest_control.config.profile_file import load_profile
 from forest_control.config.settings import Settings
 from forest_control.config.workspace_file import load_workspace
@@ -23,16 +23,16 @@ from forest_control.operator.joystick_watch import (
     Joystick,
     Operator,
     WatchParameters,
-    bad_sample,
     is_released,
-    problem_of,
-    sample_of,
+    joystick_sample,
+    problem_text,
+    unreadable_sample,
 )
 from forest_control.operator.levers import RIGHT_Y
 from forest_control.pipeline import controller
-from forest_control.safety.state_checks import implausible
 from forest_control.pipeline.valve_feedback import ValveReports
 from forest_control.safety import frozen_sensor
+from forest_control.safety.state_checks import implausible
 from forest_control.servo.joint_angle_filter import UNREAD, Lengths, Source
 from forest_control.servo.schemes import Scheme
 from forest_description.machine import Machine, load_machine
@@ -74,7 +74,7 @@ class ControllerNode(Node):
         settings = tunables.declare(Settings, profile)
         p, self._watch_settings = declare(self, ControllerParameters), declare(self, WatchParameters)
         self._machine, self._tunables, self._workspace = machine, tunables, load_workspace(p.workspace)
-        self._tuning = Retuning(controller.parameters(machine, settings, self._workspace))
+        self._tuning = ParameterUpdate(controller.parameters(machine, settings, self._workspace))
         self._period, self._state_timeout = StampedPeriod(p.period), p.state_timeout
         self._deadman, self._plain = p.deadman_button, p.plain_arrays
         self.add_on_set_parameters_callback(self._may_take_hands_off)
@@ -139,19 +139,23 @@ class ControllerNode(Node):
 
     def _tune(self, values: dict[str, Any]) -> None:
         """Follow parameters that were set while the machine may be moving."""
-        self._tuning.want(controller.parameters(self._machine, table_of(Settings, values), self._workspace))
+        self._tuning.request(
+            controller.parameters(self._machine, table_of(Settings, values), self._workspace)
+        )
 
     def _read_joy(self) -> None:
         """Take in every joystick sample that waits, oldest first."""
         for data, received in self._joy.arrivals():
             reading, frame = read_joy_data(data, RIGHT_Y + 1, self._deadman + 1)
-            sample = bad_sample(received)
+            sample = unreadable_sample(received)
             if not reading.problem:
                 before = self._joy_content
-                sample = sample_of(reading.stamp_ns, frame, received, reading.values, before, self._deadman)
+                sample = joystick_sample(
+                    reading.stamp_ns, frame, received, reading.values, before, self._deadman
+                )
                 self._joy_content = reading.values
             dropped = self._joystick.out_of_order
-            self._joystick = joystick_watch.heed(self._joystick, sample)
+            self._joystick = joystick_watch.update(self._joystick, sample)
             in_order = self._joystick.out_of_order == dropped
             self._joy_problem = reading.problem or ("" if in_order else GOES_BACK)
 
@@ -174,7 +178,7 @@ class ControllerNode(Node):
         dt = self._period.step(reading.stamp_ns, sent)
         if dt == 0.0:
             return
-        if self._tuning.changes(self._asked == ZERO, dt):
+        if self._tuning.apply_if_due(self._asked == ZERO, dt):
             self._state = self._state._replace(changed=True)
         lengths, valves = self._cylinders(reading.stamp_ns), self._valves.read()
         self._still = frozen_sensor.watched(self._still, angles, self._asked, self._tuning.core, dt)
@@ -211,17 +215,17 @@ class ControllerNode(Node):
         self._read_joy()
         allowed = machine_known and not self._stop.pressed and not self._hands_off()
         p = self._watch_settings
-        self._joystick, operator = joystick_watch.judge(self._joystick, self._pace.now(), allowed, p)
+        self._joystick, operator = joystick_watch.assess(self._joystick, self._pace.now(), allowed, p)
         # A joystick that goes after the deadman was released is not missed.
         gone = self._is_nobody_there()
-        problem = self._joy_problem or ("" if gone else problem_of(self._joystick))
+        problem = self._joy_problem or ("" if gone else problem_text(self._joystick))
         self._health.note("joystick", problem)
         self._health.note("emergency stop", "emergency stop pressed" if self._stop.pressed else "")
         if not operator.enabled:
             self._hold = joystick_interpolation.CENTRED
             return operator
         said = self._joystick.fresh_since
-        self._hold = joystick_interpolation.advanced(self._hold, operator.levers, said, sent, dt)
+        self._hold = joystick_interpolation.interpolated(self._hold, operator.levers, said, sent, dt)
         return Operator(self._hold.levers, True)
 
     def _against_reset(self) -> str:
@@ -229,7 +233,7 @@ class ControllerNode(Node):
             return ""
         return "the levers must be centred and the deadman released"
 
-    def _publish(self, stamp: int, told: controller.Told) -> None:
+    def _publish(self, stamp: int, told: Any) -> None:
         output = told.output
         self._asked = output.command
         if not self._hands_off():
@@ -238,7 +242,7 @@ class ControllerNode(Node):
         self._twist.say(stamp, told.tip_velocity)
         if self._tuning.core.scheme != Scheme.JOINT:
             self._wish.say(stamp, output.tip_wish)
-        watch, held_back = self._joystick, output.governed
+        watch, held_back = self._joystick, output.scaling
         codes = held_back.factor, held_back.limit, watch.armed, watch.joystick, self._stop.pressed
         self._status.say(stamp, codes)
         self._health.publish(stamp)

@@ -1,7 +1,7 @@
 """A joystick without hands: the thesis' test input, a person's recorded levers, or a bag's joystick on /joy.
 
-It waits until somebody listens, rests for a moment, plays with the deadman held, lets it go, and ends. A
-bag's messages are said again as they are, under new stamps. `faults` go wrong at set times.
+It waits until somebody listens, rests for a moment, plays with the deadman held, lets it go, and
+ends. A bag's messages are said again as they are, under new stamps. `faults` go wrong at set times.
 """
 
 import math

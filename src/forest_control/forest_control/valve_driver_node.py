@@ -1,7 +1,7 @@
 """The valve driver as a node: /valve_commands of ideal valves in, /valve_voltages of the real ones out.
 
-It steps when a command arrives. When none arrives, or a bad one, or after an emergency stop, the voltage is
-zero, whatever the controller does.
+It steps when a command arrives. When none arrives, or a bad one, or after an emergency stop, the
+voltage is zero, whatever the controller does.
 """
 
 import math
@@ -13,7 +13,7 @@ from rclpy.node import Node
 
 from forest_control import compiled
 from forest_control.valve import valve_driver
-from forest_control.valve.tracking_limit import SAID_EVERY
+from forest_control.valve.tracking_limit import STATUS_EVERY
 from forest_control.valve.valve_driver_parameters import DriverParameters
 from forest_control.valve.valve_driver_topics import Measurements, status
 from forest_description.machine import Machine, load_machine
@@ -95,7 +95,7 @@ class ValveDriverNode(Node):
         now = self._pace.stamp()
         reading = self._commands.read(data, now)
         problem = reading.problem
-        if not problem and reading.values != ZERO:  # zero is obeyed in any order
+        if not problem and reading.values != ZERO:  # zero counts in any order
             disorder = self._order.problem("valve_commands", reading.stamp_ns, sent)
             if disorder:
                 self._health.note("commands", disorder)
@@ -117,7 +117,7 @@ class ValveDriverNode(Node):
         pressures, motion = self._measured.pressures(), self._measured.motion()
         self._state, voltages = self._step(self._state, reading.values, pressures, motion, self._core, dt)
         self._publish(reading.stamp_ns, voltages)
-        if self._count % SAID_EVERY == 0:
+        if self._count % STATUS_EVERY == 0:
             self._status.say(reading.stamp_ns, status(self._state, self._core))
         self._count += 1
         self._tell(reading.stamp_ns)

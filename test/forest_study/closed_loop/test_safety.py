@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from forest_control.config.parameter_update import Retuning
+from forest_control.config.parameter_update import ParameterUpdate
 from forest_control.operator import joystick_watch
 from forest_control.operator.joystick_watch import NO_HEARTBEAT, Sample, WatchParameters
 from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
@@ -49,9 +49,9 @@ class Stick:
             if sample is not None:
                 same = (sample.levers, sample.held) == self.before
                 self.before = sample.levers, sample.held
-                self.watch = joystick_watch.heed(self.watch, sample._replace(same=same))
+                self.watch = joystick_watch.update(self.watch, sample._replace(same=same))
         self.step += 1
-        self.watch, operator = joystick_watch.judge(self.watch, time, True, self.p)
+        self.watch, operator = joystick_watch.assess(self.watch, time, True, self.p)
         return Operator(*operator)
 
 
@@ -240,14 +240,14 @@ def mad_settings(rng):
 def test_settings_that_change_100_times_a_second_do_not_make_the_tip_run():
     rng = np.random.default_rng(0)
     pool = [controller.parameters(C180, mad_settings(rng)) for _ in range(40)]
-    tuning = Retuning(pool[0])
+    tuning = ParameterUpdate(pool[0])
     drive = valve_driver.parameters(C180, valve_driver.Settings())
     loop = _Loop(plant_parameters(C180), tuning.core, drive, START, sensor_suite(C180))
     tips, command = [], ZERO
     for k in range(1000):
         if k % 2 == 0:
-            tuning.want(pool[int(rng.integers(40))])
-        if tuning.changes(command == ZERO, PERIOD):
+            tuning.request(pool[int(rng.integers(40))])
+        if tuning.apply_if_due(command == ZERO, PERIOD):
             loop._control, loop._controller = tuning.core, loop._controller._replace(changed=True)
         levers = REST if k < 60 else (THERE, BACK)[k // 200 % 2]
         angles, _, command, *_ = loop.period(Operator(levers))

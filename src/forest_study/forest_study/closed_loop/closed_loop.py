@@ -158,7 +158,7 @@ class _Loop:
         angles = sensor_readings.true_joints(self._simulation, self._plant).position
         wish, command = self._answer(seen, operator)
         volts = self._in_force(command, seen)
-        self._reports = reported(self._reports, learnt_reach(self._driver.learners, self._drive.axes))
+        self._reports = reported(self._reports, learnt_reach(self._driver.estimates, self._drive.axes))
         self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
         return angles, wish, command, volts, seen.pressures
 

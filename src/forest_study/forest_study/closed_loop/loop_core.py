@@ -104,14 +104,14 @@ def period(
         control, output = controller.step(loop.control, inputs, k.control, PERIOD)
         wish, command = output.tip_wish, output.command
     pressures, motion = driven_by(read, k.drive.idle_pressure)
-    drive, volts = valve_driver.step_seen(loop.drive, command, pressures, motion, k.drive, PERIOD)
+    drive, volts = valve_driver.step_measured(loop.drive, command, pressures, motion, k.drive, PERIOD)
     simulation = loop.simulation
     for _ in range(SUBSTEPS):
         simulation = integrator.step(simulation, volts, PERIOD / SUBSTEPS, k.plant)
     happened = Happened(
         angles, tip_position(angles, k.links), wish, command, volts, tuple([read[5 + i] for i in range(12)])
     )
-    reports = reported(loop.reports, learnt_reach(drive.learners, k.drive.axes))
+    reports = reported(loop.reports, learnt_reach(drive.estimates, k.drive.axes))
     return Loop(simulation, senses, control, drive, reports), happened
 
 

@@ -86,7 +86,7 @@ def replayed(session: Session, timing: Timing, machine: Machine) -> Trajectory:
             return Operator(session.hand(time))
         sent = time + (timing.late[k] if k < len(timing.late) else 0.0)
         said = timing.said[max(0, bisect_right(timing.said, sent) - 1)]
-        hold = joystick_interpolation.advanced(hold, session.hand(said), said, sent, PERIOD)
+        hold = joystick_interpolation.interpolated(hold, session.hand(said), said, sent, PERIOD)
         return Operator(hold.levers)
 
     settings, drive = controller.Settings(), valve_driver.Settings()
