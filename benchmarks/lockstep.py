@@ -19,11 +19,11 @@ import time
 from pathlib import Path
 
 from forest_bringup import graph, lockstep_run
+from forest_msgs_py.types import PERIOD
 
 FEW = 20  # steps
 LOOK = 0.05  # [s]
 TICK = os.sysconf("SC_CLK_TCK")  # [1/s]
-STEP = lockstep_run.STEP
 
 
 class Watch(threading.Thread):
@@ -77,7 +77,7 @@ def measured(steps: int, out: Path) -> tuple[dict[str, float], float]:
 def table(few: dict[str, float], many: dict[str, float], steps: int, factor: float) -> str:
     """The table; `steps` are those between the two runs."""
     each = {node: 1e3 * (many[node] - few.get(node, 0.0)) / steps for node in many}
-    wall = f"{1e3 * STEP / factor:.2f} ms on the wall, {factor:.2f} x real time" if factor else "-"
+    wall = f"{1e3 * PERIOD / factor:.2f} ms on the wall, {factor:.2f} x real time" if factor else "-"
     rows = [f"| {node} | {cost:.2f} |" for node, cost in (each | {"together": sum(each.values())}).items()]
     return "\n".join(("| node | CPU ms per step |", "|---|---|", *rows, "", f"A step: {wall}."))
 

@@ -19,6 +19,8 @@ setup(
     entry_points={
         "console_scripts": [
             "forest-bag = forest_bag.cli.main:main",
+            "recorder_node = forest_bag.recorder_node:main",
+            "step_player_node = forest_bag.step_player_node:main",
         ]
     },
 )

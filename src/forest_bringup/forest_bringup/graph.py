@@ -119,7 +119,8 @@ def recorder(bag: Path) -> NodeSpec:
     return NodeSpec("recorder", "forest_bag.recorder_node", output, needed=False)
 
 
-def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
+    """Return the options of the live graph."""
     parser = argparse.ArgumentParser(prog="scripts/graph.sh", description="Run the live graph until Ctrl-C.")
     add_graph_options(parser)
     parser.add_argument("--no-simulator", action="store_true", help="iron is behind the topics")
@@ -134,9 +135,8 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the graph; return 0 after a stop on request, 1 after a failure."""
-    options = _parse(arguments)
+def graph_nodes(options: argparse.Namespace) -> list[NodeSpec]:
+    """Return the nodes of the live graph, in the order in which they are to be stopped."""
     profile = profile_for(options.joystick, options.profile)
     nodes = [*control(options.machine, options.scheme, options.shadow, options.no_simulator, profile)]
     if options.joystick:
@@ -145,6 +145,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         nodes.append(simulator(options.machine))
     if options.record:
         nodes.append(recorder(options.record))
+    return nodes
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the graph; return 0 after a stop on request, 1 after a failure."""
+    options = parse_options(arguments)
+    nodes = graph_nodes(options)
     logs = Path(tempfile.mkdtemp(prefix="forest-graph-"))
     print(f"starting {', '.join(node.name for node in nodes)}; logs in {logs}; Ctrl-C stops", flush=True)
     try:

@@ -155,7 +155,7 @@ class ControllerNode(Node):
                 )
                 self._joy_content = reading.values
             dropped = self._joystick.out_of_order
-            self._joystick = joystick_watch.update(self._joystick, sample)
+            self._joystick = joystick_watch.updated_watch(self._joystick, sample)
             in_order = self._joystick.out_of_order == dropped
             self._joy_problem = reading.problem or ("" if in_order else GOES_BACK)
 
@@ -215,7 +215,7 @@ class ControllerNode(Node):
         self._read_joy()
         allowed = machine_known and not self._stop.pressed and not self._hands_off()
         p = self._watch_settings
-        self._joystick, operator = joystick_watch.assess(self._joystick, self._pace.now(), allowed, p)
+        self._joystick, operator = joystick_watch.assessed_watch(self._joystick, self._pace.now(), allowed, p)
         # A joystick that goes after the deadman was released is not missed.
         gone = self._is_nobody_there()
         problem = self._joy_problem or ("" if gone else problem_text(self._joystick))

@@ -11,12 +11,12 @@ from forest_control.operator.joystick_watch import (
     Joystick,
     Sample,
     WatchParameters,
-    assess,
+    assessed_watch,
     heartbeat_of,
     is_released,
     joystick_sample,
     unreadable_sample,
-    update,
+    updated_watch,
 )
 from forest_control.operator.levers import REST as CENTRED
 from forest_control.operator.levers import Levers
@@ -41,12 +41,12 @@ class OperatorProfile:
             self.now, round(self.now * 1e9), NO_HEARTBEAT, content == self.before, True, levers, held
         )
         self.before = content
-        self.watch = update(self.watch, sample._replace(**changes))
+        self.watch = updated_watch(self.watch, sample._replace(**changes))
         return self.look()
 
     def look(self, wait=0.0, allowed=True):
         self.now += wait
-        self.watch, self.operator = assess(self.watch, self.now, allowed, self.p)
+        self.watch, self.operator = assessed_watch(self.watch, self.now, allowed, self.p)
         return self.operator.enabled
 
     def arm(self):
@@ -81,10 +81,10 @@ def test_up_to_centre_and_no_further_each_lever_counts_as_centred(lever, side):
 def test_at_its_very_timeout_a_joystick_is_not_lost_yet_and_at_its_time_it_is_frozen():
     p = P._replace(joy_timeout=0.25)
     watch = OperatorProfile().arm().watch._replace(fresh_since=4.0, moved=2.0, restless=10.0)
-    assert assess(watch._replace(moved=4.0), 4.25, True, p)[0].joystick == Joystick.ALIVE
-    assert assess(watch._replace(moved=4.0), 4.25 + 1e-9, True, p)[0].joystick == Joystick.LOST
-    assert assess(watch, 4.0, True, p)[0].joystick == Joystick.FROZEN
-    assert assess(watch, 4.0 - 1e-9, True, p)[0].joystick == Joystick.ALIVE
+    assert assessed_watch(watch._replace(moved=4.0), 4.25, True, p)[0].joystick == Joystick.ALIVE
+    assert assessed_watch(watch._replace(moved=4.0), 4.25 + 1e-9, True, p)[0].joystick == Joystick.LOST
+    assert assessed_watch(watch, 4.0, True, p)[0].joystick == Joystick.FROZEN
+    assert assessed_watch(watch, 4.0 - 1e-9, True, p)[0].joystick == Joystick.ALIVE
 
 
 def test_enabling_with_a_deflected_stick_moves_nothing_until_it_is_centred():
@@ -219,7 +219,7 @@ def test_what_disarms_counts_though_the_next_sample_comes_before_anybody_judges(
     hand = OperatorProfile().arm()
     usual = Sample(hand.now, hand.watch.stamp + 1, NO_HEARTBEAT, False, True, PUSHED, True)
     between = usual._replace(**({"stamp": hand.watch.stamp} if same_stamp else {}) | what)
-    hand.watch = update(update(hand.watch, between), usual._replace(stamp=hand.watch.stamp + 2))
+    hand.watch = updated_watch(updated_watch(hand.watch, between), usual._replace(stamp=hand.watch.stamp + 2))
     assert not hand.look()
     hand.arm()
 

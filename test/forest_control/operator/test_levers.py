@@ -27,7 +27,9 @@ MACHINE = load_machine()
 
 def wish(levers, speed):
     """The tip velocity that levers wish at a full deflection's speed."""
-    return rate_mode_velocity(levers, (0.0, 0.4, -1.5), parameters(MACHINE, Settings(tip_speed=speed)).profile)
+    return rate_mode_velocity(
+        levers, (0.0, 0.4, -1.5), parameters(MACHINE, Settings(tip_speed=speed)).profile
+    )
 
 
 def random_levers(count=200):

@@ -29,11 +29,12 @@ ROWS = 240
 
 
 def hand(seed=0, rows=ROWS):
-    """Return levers that jump, with the deadman let go now and then."""
+    """Return levers that jump, with the deadman let go now and then, and pressed with centred levers."""
     rng = np.random.default_rng(seed)
     held = np.clip(rng.normal(0.0, 0.6, (rows // 40, 3)), -1.0, 1.0)
     enabled = (np.arange(rows) // 60 % 3 != 1) & (np.arange(rows) > 9)
-    return np.column_stack([np.repeat(held, 40, axis=0), enabled])
+    pressed = np.diff(enabled, prepend=False) & enabled
+    return np.column_stack([np.repeat(held, 40, axis=0) * ~pressed[:, None], enabled])
 
 
 def interpreted(table, machine, settings, drive, model, suite):
@@ -87,8 +88,7 @@ def test_the_core_interpreted_is_the_core_compiled():
     k = loop_kernel.knowledge(C180, C180, settings, drive, suite)
     loop, normals = loop_kernel.begin(k, START, suite), loop_kernel.draws(suite, len(table)).ravel().tolist()
     for row, (*levers, enabled) in enumerate(table.tolist()):
-        first = row * loop_core.CHANNEL_COUNT
-        loop, happened = loop_core.period(loop, Levers(*levers), enabled > 0.5, k, normals, first)
+        loop, happened = loop_core.period(loop, Levers(*levers), enabled > 0.5, k, normals, row)
         assert happened.command == tuple(fast.commands[row])
         assert happened.tip == tuple(fast.tip[row])
         assert happened.pressures == tuple(fast.pressures[row])

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from forest_control.config.parameter_update import ParameterUpdate
 from forest_control.operator import joystick_watch
 from forest_control.operator.joystick_watch import NO_HEARTBEAT, Sample, WatchParameters
 from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
@@ -14,11 +13,10 @@ from forest_control.valve import valve_driver
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
-from forest_description.types import ZERO
 from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.solver.plant_parameters import plant_parameters
-from forest_study.closed_loop.closed_loop import Operator, _Loop
+from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 from forest_study.closed_loop.loop_kernel import by_heart as run
 
 C180 = load_machine("c180")
@@ -49,9 +47,9 @@ class Stick:
             if sample is not None:
                 same = (sample.levers, sample.held) == self.before
                 self.before = sample.levers, sample.held
-                self.watch = joystick_watch.update(self.watch, sample._replace(same=same))
+                self.watch = joystick_watch.updated_watch(self.watch, sample._replace(same=same))
         self.step += 1
-        self.watch, operator = joystick_watch.assess(self.watch, time, True, self.p)
+        self.watch, operator = joystick_watch.assessed_watch(self.watch, time, True, self.p)
         return Operator(*operator)
 
 
@@ -240,17 +238,13 @@ def mad_settings(rng):
 def test_settings_that_change_100_times_a_second_do_not_make_the_tip_run():
     rng = np.random.default_rng(0)
     pool = [controller.parameters(C180, mad_settings(rng)) for _ in range(40)]
-    tuning = ParameterUpdate(pool[0])
     drive = valve_driver.parameters(C180, valve_driver.Settings())
-    loop = _Loop(plant_parameters(C180), tuning.core, drive, START, sensor_suite(C180))
-    tips, command = [], ZERO
+    loop = ClosedLoop(plant_parameters(C180), pool[0], drive, START, sensor_suite(C180))
+    tips = []
     for k in range(1000):
         if k % 2 == 0:
-            tuning.request(pool[int(rng.integers(40))])
-        if tuning.apply_if_due(command == ZERO, PERIOD):
-            loop._control, loop._controller = tuning.core, loop._controller._replace(changed=True)
+            loop.controller.tune(pool[int(rng.integers(40))])
         levers = REST if k < 60 else (THERE, BACK)[k // 200 % 2]
-        angles, _, command, *_ = loop.period(Operator(levers))
-        tips.append(tip_position(angles, C180.manipulator.links))
+        tips.append(tip_position(loop.period(Operator(levers)).angles, C180.manipulator.links))
     speeds = np.linalg.norm(np.gradient(np.array(tips), PERIOD, axis=0), axis=1)
     assert speeds.max() < 1.6 * SPEED  # 1.3 m/s if every change were heeded at once

@@ -108,7 +108,7 @@ class Operator(NamedTuple):
     enabled: bool
 
 
-def update(watch: Watch, sample: Sample) -> Watch:
+def updated_watch(watch: Watch, sample: Sample) -> Watch:
     """Take in one sample, oldest first."""
     if not sample.good:
         return watch._replace(
@@ -136,7 +136,7 @@ def update(watch: Watch, sample: Sample) -> Watch:
     )
 
 
-def assess(watch: Watch, now: float, allowed: bool, p: WatchParameters) -> tuple[Watch, Operator]:
+def assessed_watch(watch: Watch, now: float, allowed: bool, p: WatchParameters) -> tuple[Watch, Operator]:
     """Return the watch at a time [s], and what the controller may act on.
 
     Args:
@@ -175,7 +175,7 @@ def _judged(watch: Watch, now: float, p: WatchParameters) -> Joystick:
         return Joystick.SILENT
     if now - watch.fresh_since > p.joy_timeout:
         return Joystick.LOST
-    if watch.joystick in (Joystick.BAD, Joystick.LOST):
+    if watch.joystick == Joystick.BAD or watch.joystick == Joystick.LOST:
         return watch.joystick
     if _is_still(watch, now, p) and not is_centred(watch.levers, p.centre):
         return Joystick.FROZEN
@@ -203,7 +203,11 @@ def _learnt(watch: Watch, now: float) -> float:
 
 def in_play(levers: Levers) -> bool:
     """Tell whether a lever is where its converter's noise shows: neither at zero nor at an end."""
-    return any(0.0 < abs(lever) < 1.0 for lever in levers)
+    return _in_play(levers.swing) or _in_play(levers.boom) or _in_play(levers.stick)
+
+
+def _in_play(lever: float) -> bool:
+    return 0.0 < abs(lever) < 1.0
 
 
 def problem_text(watch: Watch) -> str:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 from forest_control.limits.velocity_scaling import VelocityScaling
 from forest_control.operator.levers import Levers
 from forest_control.pipeline.stop_profile import NO_STOP, Stop
+from forest_control.safety.driver_response import DriverSample
 from forest_control.servo import coordinated_servo
 from forest_control.servo.joint_angle_filter import NONE as NO_CORRECTION
 from forest_control.servo.joint_angle_filter import UNREAD, AngleCorrection, Lengths
@@ -42,6 +43,14 @@ class Inputs(NamedTuple):
     cylinders: Lengths = UNREAD  # [m] boom, stick, of the same moment; NaN: no sample
     reach: Reach = FULL  # of the valves, as the driver has learnt it
     voltages: Vec3 = ZERO  # [V] of the valves, given last by the driver
+
+
+class ValveFeedback(NamedTuple):
+    """What the valve driver reports."""
+
+    reach: Reach = FULL
+    voltages: Vec3 = ZERO  # [V] that the valves have by now; zero of a driver that is silent
+    driver: DriverSample = DriverSample()  # its newest word
 
 
 class Phase(IntEnum):

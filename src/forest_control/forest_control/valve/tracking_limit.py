@@ -69,17 +69,7 @@ class Valves(NamedTuple):
     tracking_limits: TrackingLimits
 
 
-class Reports(NamedTuple):
-    """What the driver has said of R, as it comes to the controller of a graph in lockstep."""
-
-    reach: Reach  # that the controller has
-    older: Reach  # said, on the way
-    newer: Reach
-    step: int  # of the driver
-
-
 FULL = Reach((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
-UNREPORTED = Reports(FULL, FULL, FULL, 0)
 NO_TRACKING_LIMIT = TrackingLimits()
 AS_FILED = Valves(FULL, NO_TRACKING_LIMIT)
 
@@ -114,17 +104,6 @@ def _back(learner: ValveEstimate, axis: AxisDriver) -> float:
 
 def _reached(way: DirectionEstimate, edge: Direction) -> float:
     return reached(edge.deadband_voltage + way.deadband, gain(way), edge)
-
-
-def reported(r: Reports, now: Reach) -> Reports:
-    """Return the reports after another step of the driver, by which it knows R.
-
-    It says R every `STATUS_EVERY` steps, and in lockstep two such spans later that is heard.
-    """
-    step = (r.step + 1) % STATUS_EVERY
-    if step == 1:
-        return Reports(r.reach, r.older, now, step)
-    return Reports(r.older, r.newer, r.newer, step) if step == 0 else Reports(r.reach, r.older, r.newer, step)
 
 
 def open_wide(spools: Vec3, rated: Vec3) -> Flags:

@@ -16,7 +16,7 @@ from forest_compile.kernel_cache import Kept, can_compile
 from forest_control import compiled as control_compiled
 from forest_control.operator import levers
 from forest_control.pipeline import controller
-from forest_control.valve import tracking_limit, valve_driver
+from forest_control.valve import valve_driver
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
@@ -26,8 +26,17 @@ from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop import closed_loop, loop_core
-from forest_study.closed_loop.closed_loop import Operator, Trajectory
-from forest_study.closed_loop.loop_core import CHANNEL_COUNT, Happened, Knowledge, Loop, Senses, Sensing
+from forest_study.closed_loop.closed_loop import Joystick, Operator, Trajectory
+from forest_study.closed_loop.link_model import Reports
+from forest_study.closed_loop.loop_core import (
+    CHANNEL_COUNT,
+    Guarded,
+    Happened,
+    Knowledge,
+    Loop,
+    Senses,
+    Sensing,
+)
 
 # What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
 APART = (*plant_kernel.APART, *control_compiled.APART)
@@ -61,7 +70,7 @@ def run(*arguments: Any, **named: Any) -> Trajectory:
 
 def by_heart(
     machine: Machine,
-    operator: Callable[[float], Operator],
+    operator: Callable[[float], Joystick],
     duration: float,
     start: Vec3,
     control: controller.Settings,
@@ -73,7 +82,7 @@ def by_heart(
 
     Args:
         machine: what is simulated.
-        operator: time [s] to levers and deadman.
+        operator: time [s] to what comes of the joystick; compiled if it speaks in each period.
         duration: [s].
         start: joint angles [rad], at rest.
         control: the controller's settings.
@@ -81,10 +90,12 @@ def by_heart(
         model: what controller and driver believe; default: the machine itself.
         suite: sensors; those with faults are interpreted; default: the machine's, exact.
     """
-    if not can_compile() or (suite is not None and suite.faults):
-        return closed_loop.run(machine, operator, duration, start, control, drive, model, suite)
     done = [operator(k * PERIOD) for k in range(round(duration / PERIOD))]
-    table = np.array([[*levers, enabled] for levers, enabled in done], dtype=np.float64)
+    spoken = [[*one.levers, one.enabled] for one in done if isinstance(one, Operator)]
+    if len(spoken) < len(done) or not can_compile() or (suite is not None and suite.faults):
+        said = iter(done)
+        return closed_loop.run(machine, lambda _: next(said), duration, start, control, drive, model, suite)
+    table = np.array(spoken, dtype=np.float64)
     return run(machine, table, start, control, drive, model, suite)
 
 
@@ -147,7 +158,7 @@ def begin(k: Knowledge, start: Vec3, suite: Suite) -> Loop:
     one, two, three, *_ = seen.estimates
     senses = Senses(seen.channels[:CHANNEL_COUNT], (one, two, three), seen.time, seen.next_sample)
     simulation = closed_loop.until_first_report(simulation, k.plant)
-    return Loop(simulation, senses, controller.REST, valve_driver.REST, tracking_limit.UNREPORTED)
+    return Loop(simulation, senses, Guarded(), valve_driver.REST, Reports())
 
 
 def draws(suite: Suite, rows: int) -> Floats:
@@ -185,7 +196,7 @@ def entry() -> Entry:
         f"        before = {flat_layout.construction(loop, 'state', names)}",
         "        lever = Levers(levers[4 * row], levers[4 * row + 1], levers[4 * row + 2])",
         "        held = levers[4 * row + 3] > 0.5",
-        f"        after, happened = period(before, lever, held, k, normals, {CHANNEL_COUNT} * row)",
+        "        after, happened = period(before, lever, held, k, normals, row)",
         *(f"        state[{i}] = {path}" for i, path in enumerate(after)),
         *(f"        recorded[{RECORDED} * row + {i}] = {path}" for i, path in enumerate(out)),
     ]

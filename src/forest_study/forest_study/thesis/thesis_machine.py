@@ -30,13 +30,13 @@ from forest_control.valve import valve_driver
 from forest_description.derived.limits import THESIS_START
 from forest_description.geometry.kinematics import inverse_kinematics, joint_rates
 from forest_description.machine import Machine, load_machine
-from forest_description.types import AXES, Vec3
+from forest_description.types import Vec3
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop import loop_kernel
 from forest_study.closed_loop.closed_loop import Operator
 from forest_study.thesis.thesis_plant import DRIVE, Motion
 from forest_study.thesis.thesis_schemes import INTEGRAL_SHARE
-from forest_study.thesis.thesis_study import MISMATCHES, POLES, SINUSOID, Case, metrics
+from forest_study.thesis.thesis_study import COORDINATES, MISMATCHES, POLES, SINUSOID, Case, metrics
 from forest_study.thesis.thesis_study import gains as thesis_gains
 
 MACHINE = "c180"
@@ -138,7 +138,7 @@ def found(trial: Trial) -> dict[str, float]:
     """Return a trial's metrics as on the linear plant, and the largest on any axis and the RMS [m]."""
     moved = motion(trial)
     numbers = metrics(moved)
-    numbers["position_error"] = max(numbers[f"position_error_{axis}"] for axis in AXES)
+    numbers["position_error"] = max(numbers[f"position_error_{axis}"] for axis in COORDINATES)
     numbers["position_rms"] = float(np.sqrt(np.mean(np.sum(moved.position_error**2, axis=1))))
     return numbers
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from forest_bag.plots.standard_plots import finish_axes, new_figure
 from forest_control.servo.schemes import LABELS, Scheme
-from forest_description.types import AXES
 from forest_study.thesis.thesis_machine import PLANTS, Trial, motion, study
+from forest_study.thesis.thesis_study import COORDINATES
 
 HEIGHT = 8.0  # [in]
 COLOURS = {scheme: f"C{scheme}" for scheme in Scheme}
@@ -50,15 +50,15 @@ def draw_plant(name: str, file: Path) -> Path:
     figure, panels = new_figure(3, 2, HEIGHT, f"The thesis' input on the full machine, spools {name}")
     for scheme in Scheme:
         run = motion(Trial(scheme, name))
-        for i in range(len(AXES)):
+        for i in range(len(COORDINATES)):
             style: dict[str, Any] = {"color": COLOURS[scheme], "label": scheme.label, "linewidth": 1.0}
             panels[2 * i].plot(run.time, run.position[:, i] - run.position[0, i], **style)
             panels[2 * i + 1].plot(run.time, 1e3 * run.position_error[:, i], **style)
             if scheme == Scheme.COORDINATED:
                 wished = run.wished_position[:, i] - run.wished_position[0, i]
                 panels[2 * i].plot(run.time, wished, "k--", linewidth=1.0, label="wished")
-    for i, axis in enumerate(AXES):
-        under = "time [s]" if axis == AXES[-1] else ""
+    for i, axis in enumerate(COORDINATES):
+        under = "time [s]" if axis == COORDINATES[-1] else ""
         finish_axes(panels[2 * i], f"{axis} [m]", under, legend=False)
         finish_axes(panels[2 * i + 1], f"error in {axis} [mm]", under, legend=False)
     panels[0].legend(loc="lower center", bbox_to_anchor=(1.1, 1.0), fontsize="small", ncols=4, frameon=False)

@@ -26,6 +26,7 @@ from forest_study.thesis.thesis_plant import STEP, Motion, at_rest, simulate
 from forest_study.thesis.thesis_schemes import SCHEMES, Servo, poles, servo
 
 MACHINE = "c180_thesis"
+COORDINATES = "xyz"  # of the tip
 SINUSOID = 1.18  # of the wish in y [Hz]
 MISMATCHES = tuple(round(-0.5 + 0.1 * k, 1) for k in range(11))
 BREAK_EVEN_TOLERANCE = 5e-4  # of a mismatch
@@ -100,11 +101,13 @@ def metrics(run: Motion) -> Metrics:
     drift = run.position_error[-round(1.0 / (SINUSOID * STEP)) :].mean(axis=0)
     named = {"velocity_error": velocity, "position_error": position, "drift": drift}
     return {
-        f"{name}_{axis}": float(values[i]) for name, values in named.items() for i, axis in enumerate("xyz")
+        f"{name}_{axis}": float(values[i])
+        for name, values in named.items()
+        for i, axis in enumerate(COORDINATES)
     }
 
 
-def largest_position_error(scheme: str, case: Case, axes: str = "xyz") -> float:
+def largest_position_error(scheme: str, case: Case, axes: str = COORDINATES) -> float:
     """Return the largest position error [m] on any of some axes."""
     found = metrics(motion(scheme, case))
     return max(found[f"position_error_{axis}"] for axis in axes)
@@ -130,7 +133,7 @@ def figure(number: str) -> dict[str, Any]:
     return result
 
 
-def break_even(axes: str = "xyz") -> list[float]:
+def break_even(axes: str = COORDINATES) -> list[float]:
     """Return the mismatches of the 2 Hz plant at which (c) and (d) have one largest position error.
 
     By Brent's method between the sweep's neighbours where the difference changes its sign. Beyond them scheme
@@ -168,7 +171,7 @@ def sweep() -> list[dict[str, Any]]:
         for name in SCHEMES:
             found = metrics(motion(name, Case(2.0, mismatch)))
             row[name] = {quantity: found[quantity] for quantity in kept}
-            row[name]["position_error"] = max(found[f"position_error_{axis}"] for axis in "xyz")
+            row[name]["position_error"] = max(found[f"position_error_{axis}"] for axis in COORDINATES)
         rows.append(row)
     return rows
 
