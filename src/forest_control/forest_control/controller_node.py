@@ -50,9 +50,9 @@ from forest_msgs_py.safety.diagnostics import Health
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import JointReader, read_joy_data
+from forest_msgs_py.types import WATCHDOG_PERIOD
 
 FRAME = "base_link"
-WATCHDOG_PERIOD = 0.02  # [s]
 # Settings that limit the motion, as /diagnostics tells them.
 TOLD = {"scheme": "", "tip_speed": " [m/s]", "joint_rates": " [rad/s]", "joint_margin": " [rad]"}
 GOES_BACK = "joy: a stamp goes back; allowed: rising stamps, or none"

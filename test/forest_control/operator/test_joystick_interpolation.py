@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from forest_control.operator.joystick_interpolation import CENTRED, DELAY, LONGEST, interpolated
+from forest_control.operator.joystick_interpolation import CENTRED, DELAY, LONGEST_LINE, interpolated
 from forest_control.operator.levers import REST, Levers
 
 DT = 0.005
@@ -61,7 +61,7 @@ def test_a_sample_that_is_late_by_a_period_does_not_halt_the_levers():
 
 def test_after_a_pause_a_lever_does_not_creep():
     hand = lambda time: Levers(1.0, 0.0, 0.0) if time > 0.0 else REST  # noqa: E731
-    swing = followed(hand, [0.0, 3.0], 3.0 + DELAY * LONGEST + 2.0 * DT)
+    swing = followed(hand, [0.0, 3.0], 3.0 + DELAY * LONGEST_LINE + 2.0 * DT)
     assert swing[round(3.0 / DT)] < 0.1
     assert swing[-1] == 1.0
 

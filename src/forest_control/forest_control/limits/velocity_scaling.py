@@ -20,13 +20,13 @@ import math
 from enum import IntEnum
 from typing import NamedTuple
 
+from forest_control.limits.workspace import NEGLIGIBLE_SPEED
 from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.geometry.kinematics import Links
 from forest_description.geometry.linkage import Linkage, length_and_arm, lever_arm
 from forest_description.types import Vec3
 
 NEGLIGIBLE_RATE = 1e-6  # [rad/s] up to this a joint does not count as moving: rounding must not stop others
-NEGLIGIBLE_SPEED = 1e-6  # [m/s] the same for the tip towards the swing axis
 LEAST_ARM = 1e-3  # [m] of a cylinder's lever: beyond its dead point a linkage turns the other way
 CREEP = 2e-3  # [rad/s] no slower towards a limit: the joint arrives, and its valve can shut
 FAR_OFF = 2.5  # [1] times the command: a joint limit that allows more has no effect; chosen

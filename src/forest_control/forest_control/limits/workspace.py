@@ -25,7 +25,7 @@ BOX = 2  # [1] kind of a `Wall`: upright, parallel to the base frame
 CYLINDER = 3  # [1] kind of a `Wall`: upright
 MOST = 12  # [1] walls: machine code needs a fixed number; twice the sides of `stay_inside`
 PASSES = 20  # [1] over all walls before the tip is stopped, as in a corner; chosen, not measured
-NEGLIGIBLE_SPEED = 1e-6  # [m/s] excess towards a wall that counts as none: rounding
+NEGLIGIBLE_SPEED = 1e-6  # [m/s] of the tip towards a limit that counts as none: rounding
 FAR = 1e9  # [m] distance of no wall: no crane comes near it
 
 

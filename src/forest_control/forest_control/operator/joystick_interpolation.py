@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from forest_control.operator.levers import REST, Levers
 
-LONGEST = 0.1  # [s] longest line between two samples: a lever that moves after a pause must not creep
+LONGEST_LINE = 0.1  # [s] longest line between two samples: a lever that moves after a pause must not creep
 DELAY = 2.0  # [1] periods T that t is behind: a sample may be late by one
 AT_ONCE = 1.5  # [1] controller periods: a joystick of at most this period may be one in lockstep
 PERIOD_WEIGHT = 0.2  # [1] weight of a new period in the average T: chosen; not measured
@@ -78,9 +78,9 @@ def interpolated(
 def _with(knot: Knot, knots: tuple[Knot, ...], period: float) -> tuple[tuple[Knot, ...], float]:
     """Return the knots with a new one, and the joystick's period [s]."""
     gap = knot.time - knots[-1].time
-    lasted = min(gap, LONGEST)
-    if gap > LONGEST:  # the last sample held until shortly before this one
-        knots = (Knot(knot.time - LONGEST, knots[-1].levers),)
+    lasted = min(gap, LONGEST_LINE)
+    if gap > LONGEST_LINE:  # the last sample held until shortly before this one
+        knots = (Knot(knot.time - LONGEST_LINE, knots[-1].levers),)
     period = lasted if period == 0.0 else period + PERIOD_WEIGHT * (lasted - period)
     return (*knots[1 - KNOTS :], knot), period
 

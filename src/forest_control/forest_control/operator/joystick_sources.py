@@ -7,8 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
-from forest_control.operator.joystick_interpolation import LONGEST as LONGEST_LINE
-from forest_control.operator.joystick_interpolation import between
+from forest_control.operator.joystick_interpolation import LONGEST_LINE, between
 from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, levers_for_tip_velocity
 from forest_description.types import Vec3
 from forest_msgs_py.runtime.parameter_table import Parameter

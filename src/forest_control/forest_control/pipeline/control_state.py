@@ -13,7 +13,7 @@ from forest_control.servo.joint_angle_filter import UNREAD, AngleCorrection, Len
 from forest_control.valve.tracking_limit import FULL, NO_TRACKING_LIMIT, Reach, TrackingLimits
 from forest_description.types import ZERO, Vec3
 
-NO_SCHEME = NO_MODE = -1
+NO_SCHEME = NO_MODE = -1  # [1] of an enumeration, before the first step: no member's number
 
 
 class State(NamedTuple):

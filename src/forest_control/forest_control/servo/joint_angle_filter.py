@@ -42,7 +42,7 @@ class AngleCorrection(NamedTuple):
     used: bool = False
 
 
-UNREAD: Lengths = (math.nan, math.nan)
+UNREAD: Lengths = (math.nan, math.nan)  # [m] of cylinders that were not measured
 NONE = AngleCorrection()
 
 

@@ -115,7 +115,7 @@ class AxisMemory(NamedTuple):
 
 
 REST = State((0.0, 0.0, 0.0), False)
-_NOTHING: Vec3 = (math.nan, math.nan, math.nan)
+_NOTHING: Vec3 = (math.nan, math.nan, math.nan)  # [Pa; rad, m, m] of what was not measured
 UNSEEN, STILL = Pressures(_NOTHING, _NOTHING, math.nan), Motion(_NOTHING, _NOTHING, _NOTHING)
 
 

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from forest_control.valve import valve_adaptation as adaptation
+from forest_control.valve.tracking_limit import STATUS_EVERY
 from forest_control.valve.valve_driver import STILL, UNSEEN, Motion, Parameters, Pressures, State
 from forest_description.types import Vec3
 from forest_msgs_py.interfaces import topics
@@ -17,6 +18,29 @@ def _labels(place: str, port: int) -> tuple[str, ...]:
 
 
 PORTS, VALVES = [[_labels(place, port) for port in (1, 2)] for place in ("actuator", "valve")]
+
+
+class Outputs:
+    """The driver's topics.
+
+    Args:
+        voltages: publishes them; None: a driver in shadow has none.
+        status: publishes the driver's.
+    """
+
+    def __init__(self, voltages: Any, status: Any) -> None:
+        self._voltages, self._status, self._steps = voltages, status, 0
+
+    def say(self, stamp: int, voltages: Vec3) -> None:
+        """Publish the voltages [V] under a stamp [ns]."""
+        if self._voltages is not None:
+            self._voltages.say(stamp, voltages)
+
+    def report(self, stamp: int, state: State, p: Parameters) -> None:
+        """Publish the status of every `STATUS_EVERY` th step."""
+        if self._steps % STATUS_EVERY == 0:
+            self._status.say(stamp, status(state, p))
+        self._steps += 1
 
 
 class Measurements:
