@@ -22,6 +22,7 @@ from forest_compile.compiled_step import CompiledStep
 from forest_compile.llvm_text import NotTranslatedError
 from forest_compile.translate import Library
 from forest_control import compiled as control_compiled
+from forest_control.config import settings as control_settings
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import controller
 from forest_control.valve import valve_driver
@@ -213,7 +214,10 @@ def test_a_step_at_random_states_is_pythons_to_the_last_bit(kept, step, example)
 
 def test_the_loop_at_random_states_is_pythons_to_the_last_bit():
     machine, rng = load_machine("c180"), random.Random(6)
-    suite, settings = sensor_suite(machine, noise=True), (controller.Settings(), valve_driver.Settings())
+    suite, settings = (
+        sensor_suite(machine, noise=True),
+        (control_settings.Settings(), valve_driver.Settings()),
+    )
     k = loop_kernel.knowledge(machine, machine, *settings, suite)
     start = loop_kernel.begin(k, (0.0, 0.5, -1.5), suite)
 

@@ -5,9 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from forest_control.config import settings as control_settings
+from forest_control.config.settings import Settings
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import controller
-from forest_control.pipeline.controller import REST, Inputs, Settings
+from forest_control.pipeline.control_state import REST, Inputs
 from forest_control.servo.joint_angle_filter import (
     NONE,
     UNREAD,
@@ -47,7 +49,7 @@ def settled(count, rng=None):
 
 
 def parameters(scheme=Scheme.COORDINATED, source=Source.CYLINDERS):
-    return controller.parameters(MACHINE, Settings(scheme=scheme, position_source=source))
+    return control_settings.parameters(MACHINE, Settings(scheme=scheme, position_source=source))
 
 
 class Crane:

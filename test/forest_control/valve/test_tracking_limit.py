@@ -8,14 +8,12 @@ from forest_control.limits.actuator_speed_limits import RESERVE, joint_rate_limi
 from forest_control.valve.tracking_limit import (
     FULL,
     NO_TRACKING_LIMIT,
-    UNREPORTED,
     Reach,
     TrackingLimit,
     bounded,
     ceiling,
     learnt_reach,
     open_wide,
-    reported,
     updated_limits,
 )
 from forest_control.valve.valve_adaptation import NO_ESTIMATE, DirectionEstimate
@@ -122,16 +120,6 @@ def test_what_is_learnt_of_one_way_of_one_valve_is_no_other_s(joint, way):
     expected[way][joint] = left
     assert reach.forward == pytest.approx(tuple(expected["forward"]))
     assert reach.backward == pytest.approx(tuple(expected["backward"]))
-
-
-def test_in_lockstep_a_reach_is_said_every_twentieth_step_and_heard_two_such_spans_later():
-    reports, steps = UNREPORTED, 200
-    for step in range(1, steps + 1):
-        by_now = Reach((step / steps,) * 3, (0.0,) * 3)
-        reports = reported(reports, by_now)
-        said = 20 * (step // 20 - 2) + 1
-        heard = Reach((said / steps,) * 3, (0.0,) * 3) if said > 0 else FULL
-        assert reports.reach == heard, step
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])

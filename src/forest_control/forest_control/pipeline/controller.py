@@ -4,7 +4,7 @@
 
 | stage | question | file |
 |---|---|---|
-| estimate | where are the joints, and which of them cannot follow? | here, `joint_angle_filter`, `tracking_limit` |
+| estimate | where are the joints, which of them cannot follow? | `joint_angle_filter`, `tracking_limit` |
 | command | what do the levers ask for, or the stop without them? | `motion_command` |
 | limit | what may the machine do of it? | `motion_limits` |
 | servo | which joint rates bring it there? | `joint_servo` |
@@ -15,9 +15,7 @@ valve gives at no load (`rated_speeds`); the driver makes the real valve behave 
 may change while the crane moves (`bumpless_transfer`).
 """
 
-from forest_control.config.settings import Parameters as Parameters
-from forest_control.config.settings import Settings as Settings
-from forest_control.config.settings import parameters as parameters
+from forest_control.config.settings import Parameters
 from forest_control.pipeline import stop_profile
 from forest_control.pipeline.bumpless_transfer import begun, faded, relearnt
 from forest_control.pipeline.control_state import (
@@ -32,7 +30,6 @@ from forest_control.pipeline.control_state import (
     Telemetry,
     minus,
 )
-from forest_control.pipeline.control_state import REST as REST
 from forest_control.pipeline.joint_servo import joint_servo
 from forest_control.pipeline.motion_command import motion_command
 from forest_control.pipeline.motion_limits import limited

@@ -1,7 +1,6 @@
 """The controller behind its guard: what node and offline loop run when a state of the machine arrives.
 
-joystick samples, state -> may the crane move? -> controller -> command, telemetry
-                           `motion_permission`   `controller.step`
+joystick, state -> may the crane move? (`motion_permission`) -> `controller` -> command, telemetry
 """
 
 from collections.abc import Callable
@@ -11,6 +10,7 @@ from forest_control.config.settings import Parameters
 from forest_control.pipeline.control_state import REST, Inputs, State, Telemetry, ValveFeedback
 from forest_control.pipeline.controller import step_with_telemetry
 from forest_control.safety.motion_permission import (
+    NOBODY,
     Decision,
     MachineState,
     MotionPermission,
@@ -51,8 +51,8 @@ class GuardedController:
         self._state, self.command = REST, ZERO
         self.permission.forget()
 
-    def stops_without_state(self, now: float, override: Override = Override()) -> bool:  # noqa: B008
-        """Stop if the machine's state has not come for too long at a time [s], and tell whether that is so."""
+    def stops_without_state(self, now: float, override: Override = NOBODY) -> bool:
+        """Stop if the machine's state has not come for too long by a time [s]; tell whether that is so."""
         lost = self.permission.is_lost(now, override)
         if lost:
             self.stop()
@@ -64,7 +64,7 @@ class GuardedController:
         valves: ValveFeedback,
         now: float,
         cylinders: Lengths = UNREAD,
-        override: Override = Override(),  # noqa: B008
+        override: Override = NOBODY,
     ) -> tuple[Decision, Telemetry | None]:
         """Return what follows from a state of the machine; of one that is not believed, no telemetry.
 
@@ -75,6 +75,7 @@ class GuardedController:
             cylinders: lengths [m] of boom and stick, of the same moment; NaN: no sample.
             override: who else forbids motion.
         """
+        self.stops_without_state(now, override)  # after a stall of ours, before the watchdog tells
         p, command = self.parameters, self.command
         decision = self.permission.decide(machine, valves.driver, command, p, now, override)
         if decision.dt > 0.0 and self._tuning.apply_if_due(command == ZERO, decision.dt):

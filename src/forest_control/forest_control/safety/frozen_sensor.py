@@ -68,10 +68,12 @@ def _stood(before: Stillness, s: Vec3, u: Vec3, i: int, dt: float) -> tuple[floa
 
 def is_frozen(still: Stillness) -> bool:
     """Tell whether a joint's sensor does not follow its joint; `frozen` says which."""
-    for i in range(3):
-        if still.ways[i] > WAY and still.times[i] > LONG:
-            return True
-    return False
+    ways, times = still.ways, still.times
+    return (
+        (ways[0] > WAY and times[0] > LONG)
+        or (ways[1] > WAY and times[1] > LONG)
+        or (ways[2] > WAY and times[2] > LONG)
+    )
 
 
 def frozen(still: Stillness) -> str:

@@ -5,7 +5,8 @@ Samples come in with the time at which they were received [s, local clock]; a ve
 | what happens | found by | verdict |
 |---|---|---|
 | a state of the machine is older than `state_timeout` when it is read | here | SKIP |
-| its stamp stands still or goes back, or it comes too soon for a step | `StampOrder`, `StampedPeriod` | SKIP |
+| its stamp stands still or goes back | `StampOrder` | SKIP |
+| it comes too soon for a step | `StampedPeriod` | SKIP |
 | no state for `state_timeout` | here, `is_lost` | STOP |
 | a state cannot be read, or cannot be true | `state_checks` | STOP |
 | a sensor gives the same number while its joint is told to move | `frozen_sensor` | STOP |
@@ -21,7 +22,7 @@ they move it again. Lone refusals do not, or one bad sample of many would throw 
 
 import math
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from forest_control.config.settings import Parameters
 from forest_control.operator import joystick_interpolation, joystick_watch
@@ -84,6 +85,9 @@ class Override(NamedTuple):
 
     emergency_stop: bool = False
     hands_off: bool = False  # somebody else has the valves
+
+
+NOBODY = Override()
 
 
 class PermissionParameters(NamedTuple):
@@ -157,12 +161,12 @@ class MotionPermission:
         self._unreadable = problem or ("" if in_order else GOES_BACK)
 
     def is_lost(self, now: float, override: Override) -> bool:
-        """Tell whether the machine's state has not come for too long [s], which disarms the levers."""
-        if not self._period.started or now - self._state_received <= self.p.state_timeout:
+        """Tell whether the machine's state came, and then not for too long, which disarms the levers."""
+        if not self.has_begun() or now - self._state_received <= self.p.state_timeout:
             return False
+        self.disarm(now, override)
         when, why = self._refused  # the cause, rather than what follows from it
         self.causes["machine"] = why if now - when <= self.p.state_timeout else LOST_STATE
-        self.disarm(now, override)
         return True
 
     def decide(
@@ -172,7 +176,7 @@ class MotionPermission:
         command: Vec3,
         p: Parameters,
         now: float,
-        override: Override = Override(),  # noqa: B008  a constant
+        override: Override,
     ) -> Decision:
         """Return what follows from a state of the machine.
 
@@ -221,6 +225,19 @@ class MotionPermission:
         released = is_released(self.joystick, self.p.joystick.centre)
         return "" if released else "the levers must be centred and the deadman released"
 
+    def joystick_values(self) -> dict[str, Any]:
+        """Return what is known of the joystick, by names with units, for /diagnostics."""
+        watch, p = self.joystick, self.p.joystick
+        return {
+            "state": Joystick(watch.joystick).name.lower(),
+            "deadman held": watch.held,
+            "armed": watch.armed,
+            "joy_timeout [s]": p.joy_timeout,
+            "frozen_timeout [s]": p.frozen_timeout,
+            "centre [1]": p.centre,
+            "out of order since start": watch.out_of_order,
+        }
+
     def has_begun(self) -> bool:
         """Tell whether a state has ever been used."""
         return self._period.started
@@ -257,7 +274,7 @@ class MotionPermission:
 
 
 def armed_watch() -> Watch:
-    """Return the watch over a joystick whose deadman is held with centred levers, for a loop that begins so."""
+    """Return the watch over a joystick whose deadman is held with centred levers: a loop begins so."""
     heard = Sample(
         received=-PERIOD,
         stamp=joystick_watch.NO_STAMP,

@@ -16,9 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from forest_control.config import settings as control_settings
 from forest_control.operator.joystick_watch import Sample
 from forest_control.operator.levers import Levers
-from forest_control.pipeline import controller
 from forest_control.pipeline.control_state import ValveFeedback
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
@@ -43,7 +43,7 @@ from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_kernel import compiled_advance
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop.link_model import Link, Quality, Reports, reported
-from forest_study.closed_loop.loop_core import PERIOD_NS, SUBSTEPS, Happened, Seen, driver_inputs
+from forest_study.closed_loop.loop_core import PERIOD_NS, SUBSTEPS, Happened, Seen, driver_inputs, sample
 
 COMMAND_TIMEOUT = 0.1  # [s] as the valve driver's default
 
@@ -75,6 +75,9 @@ class Lateness(NamedTuple):
     states: Sequence[float] = ()  # [s] after its stamp that the machine's state is there
 
 
+PERFECT, IN_TIME = Links(), Lateness()
+
+
 class Trajectory(NamedTuple):
     """A session, one row per period."""
 
@@ -98,14 +101,14 @@ def run(
     operator: Callable[[float], Joystick],
     duration: float,
     start: Vec3,
-    control: controller.Settings,
+    control: control_settings.Settings,
     drive: valve_driver.Settings,
     model: Machine | None = None,
     sensor_suite: Suite | None = None,
-    ways: Links | None = None,
+    ways: Links = PERFECT,
     watch: Callable[[float, Vec3], None] = lambda _time, _angles: None,
     plant: PlantParameters | None = None,
-    late: Lateness | None = None,
+    late: Lateness = IN_TIME,
 ) -> Trajectory:
     """Run a session.
 
@@ -126,8 +129,8 @@ def run(
     p = plant_parameters(machine) if plant is None else plant
     believed = machine if model is None else model
     suite = suite_of(machine) if sensor_suite is None else sensor_suite
-    cores = controller.parameters(believed, control), valve_driver.parameters(believed, drive)
-    loop = ClosedLoop(p, *cores, start, suite, ways or Links(), late or Lateness())
+    cores = control_settings.parameters(believed, control), valve_driver.parameters(believed, drive)
+    loop = ClosedLoop(p, *cores, start, suite, ways, late)
     rows = []
     for k in range(round(duration / PERIOD)):
         happened = loop.period(operator(k * PERIOD))
@@ -158,12 +161,12 @@ class ClosedLoop:
     def __init__(
         self,
         p: PlantParameters,
-        control: controller.Parameters,
+        control: control_settings.Parameters,
         drive: valve_driver.Parameters,
         start: Vec3,
         suite: Suite,
-        ways: Links = Links(),  # noqa: B008
-        late: Lateness = Lateness(),  # noqa: B008
+        ways: Links = PERFECT,
+        late: Lateness = IN_TIME,
     ) -> None:
         self._plant, self._drive = p, drive
         rest = equilibrium(start, p)
@@ -176,10 +179,7 @@ class ClosedLoop:
         self._joystick: Link[Sample] = Link(ways.joystick, 3 * ways.seed)
         self._states: Link[tuple[int, Measurement]] = Link(ways.state, 3 * ways.seed + 1)
         self._commands: Link[tuple[float, Vec3]] = Link(ways.commands, 3 * ways.seed + 2)
-        self._newest: tuple[float, Vec3] = (
-            -math.inf,
-            ZERO,
-        )  # command that the driver has, and when it was sent
+        self._newest: tuple[float, Vec3] = (-math.inf, ZERO)  # command at the driver, after when it was sent
         self._command_received = -math.inf
         self._behind, self._late = iter(late.commands), iter(late.states)
         self._waiting: list[Vec3] = []  # commands that a driver which is held up has not answered
@@ -213,23 +213,11 @@ class ClosedLoop:
     def _hear(self, joystick: Joystick, now: float) -> None:
         """Have the controller hear what has come of the joystick."""
         if isinstance(joystick, Operator):
-            number = self._count + 1
-            self._joystick.send(
-                now,
-                Sample(
-                    received=now,
-                    stamp=number * PERIOD_NS,
-                    heartbeat=number,
-                    same=False,
-                    good=True,
-                    levers=joystick.levers,
-                    held=joystick.enabled,
-                ),
-            )
+            self._joystick.send(now, sample(joystick.levers, joystick.enabled, self._count))
             joystick = None
-        arrived = [sample._replace(received=now) for sample in self._joystick.arrived(now)]
-        for sample in (*arrived, *(joystick or ())):
-            self.controller.permission.hear(sample)
+        arrived = [one._replace(received=now) for one in self._joystick.arrived(now)]
+        for one in (*arrived, *(joystick or ())):
+            self.controller.permission.hear(one)
 
     def _control(self, now: float) -> None:
         """Have the controller answer the states that have arrived, or their absence."""

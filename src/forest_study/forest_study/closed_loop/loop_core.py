@@ -3,10 +3,9 @@
     loop, levers -> sensors -> may the crane move? -> controller -> driver -> plant -> loop, what happened
 
 It does what a `closed_loop` period does without links, number by number, with those of the sensors that
-control reads. The checks are those of `motion_permission`: joystick watch, plausible state, frozen sensor,
-driver that does not respond. Two of its stations are left out. Stamps are in order and states fresh, for here
-nothing is late. And the levers need no interpolation, for the joystick speaks in each period; it would need a
-number of samples that varies, which machine code of fixed shape has not.
+control reads. The guard is that of `motion_permission`, with two stations left out. The order of stamps is
+not watched, for here nothing is late. And the levers are not interpolated, for the joystick speaks in each
+period; the number of samples that it takes varies, and machine code has a fixed shape.
 
 Everything here stays in the subset of Python that `forest_compile` translates; `loop_kernel` makes the
 machine code.
@@ -16,23 +15,19 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from forest_control.operator.joystick_watch import (
-    Sample,
-    Watch,
-    WatchParameters,
-    assessed_watch,
-    updated_watch,
-)
+from forest_control.config import settings as control_settings
+from forest_control.operator.joystick_watch import Sample, Watch, assessed_watch, updated_watch
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import control_state, controller
 from forest_control.safety.driver_response import DriverSample
-from forest_control.safety.motion_permission import Checks, armed_watch, checked, passes
+from forest_control.safety.motion_permission import Checks, PermissionParameters, armed_watch, checked, passes
 from forest_control.safety.state_checks import plausible
 from forest_control.servo.joint_angle_filter import Lengths
 from forest_control.valve import valve_driver
 from forest_control.valve.tracking_limit import learnt_reach
 from forest_description.geometry.kinematics import Links, tip_position
 from forest_description.types import ZERO, Vec3
+from forest_msgs_py.runtime.stamped_period import LONGEST
 from forest_msgs_py.types import NS_PER_S, PERIOD
 from forest_sim.sensors.sensor_model import ABSENT, Channel, ChannelState, sample_if
 from forest_sim.sensors.sensor_readings import axis_pressures
@@ -47,7 +42,7 @@ from forest_study.closed_loop.link_model import Reports, reported
 CHANNEL_COUNT = PLACES["pressure"].stop  # resolvers, transducers, pressures: the suite's first channels
 SUBSTEPS = 5  # of 1 ms
 PERIOD_NS = round(PERIOD * NS_PER_S)
-WATCH = WatchParameters()
+GUARD = PermissionParameters()
 
 
 class Sensing(NamedTuple):
@@ -69,10 +64,13 @@ class Senses(NamedTuple):
 class Guarded(NamedTuple):
     """What the controller and its guard remember."""
 
-    state: controller.State = controller.REST
+    state: control_state.State = control_state.REST
     command: Vec3 = ZERO  # [V] the last one
     joystick: Watch = armed_watch()
     checks: Checks = Checks()
+    stamp: int = 0  # [ns] of the state that was believed last; 0: none
+    received: float = math.inf  # [s] when that was
+    credit: float = LONGEST  # [s] by which the controller's time may still run, as in `StampedPeriod`
 
 
 class Loop(NamedTuple):
@@ -91,7 +89,7 @@ class Knowledge(NamedTuple):
     plant: PlantParameters
     links: Links  # of the machine
     sensing: Sensing
-    control: controller.Parameters
+    control: control_settings.Parameters
     drive: valve_driver.Parameters
 
 
@@ -158,25 +156,25 @@ def guarded(
 
     It does what `GuardedController` does when nothing is late.
     """
-    now = row * PERIOD
-    sample = Sample(
-        received=now,
-        stamp=(row + 1) * PERIOD_NS,
-        heartbeat=row + 1,
-        same=False,
-        good=True,
-        levers=levers,
-        held=held,
-    )
-    joystick = updated_watch(before.joystick, sample)
+    now, stamp = row * PERIOD, (row + 1) * PERIOD_NS
+    joystick = updated_watch(before.joystick, sample(levers, held, row))
+    if now - before.received > GUARD.state_timeout:
+        joystick, _ = assessed_watch(joystick, now, False, GUARD.joystick)
+    after = before._replace(state=control_state.REST, command=ZERO, joystick=joystick, checks=Checks())
     if not plausible(seen.angles, seen.rates, k.control):
-        return Guarded(joystick=joystick, checks=Checks(driver=before.checks.driver)), ZERO
+        return after._replace(checks=Checks(driver=before.checks.driver)), ZERO
+    credit, elapsed = LONGEST, PERIOD
+    if before.stamp > 0:
+        credit = min(LONGEST, before.credit + (now - before.received))
+        elapsed = (stamp - before.stamp) * 1e-9
+    dt = min(LONGEST, elapsed, credit)
     driver = DriverSample(loop.drive.voltages, now)
-    checks = checked(before.checks, seen.angles, driver, before.command, k.control, now, PERIOD)
+    checks = checked(before.checks, seen.angles, driver, before.command, k.control, now, dt)
     sound = passes(checks, now)
-    joystick, operator = assessed_watch(joystick, now, sound, WATCH)
+    joystick, operator = assessed_watch(joystick, now, sound, GUARD.joystick)
+    after = after._replace(joystick=joystick, stamp=stamp, received=now, credit=credit - dt)
     if not sound:
-        return Guarded(joystick=joystick, checks=Checks(driver=checks.driver)), ZERO
+        return after._replace(checks=Checks(driver=checks.driver)), ZERO
     inputs = control_state.Inputs(
         angles=seen.angles,
         rates=seen.rates,
@@ -186,8 +184,21 @@ def guarded(
         reach=loop.reports.reach,
         voltages=loop.drive.voltages,
     )
-    state, output = controller.step(before.state, inputs, k.control, PERIOD)
-    return Guarded(state, output.command, joystick, checks), output.tip_wish
+    state, output = controller.step(before.state, inputs, k.control, dt)
+    return after._replace(state=state, command=output.command, checks=checks), output.tip_wish
+
+
+def sample(levers: Levers, held: bool, row: int) -> Sample:
+    """Return what a joystick says in a period that it speaks in: it counts, so that it is known to live."""
+    return Sample(
+        received=row * PERIOD,
+        stamp=(row + 1) * PERIOD_NS,
+        heartbeat=row + 1,
+        same=False,
+        good=True,
+        levers=levers,
+        held=held,
+    )
 
 
 def sensed(

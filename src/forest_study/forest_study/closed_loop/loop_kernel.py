@@ -14,8 +14,8 @@ from forest_compile import flat_layout
 from forest_compile.entry import Entry
 from forest_compile.kernel_cache import Kept, can_compile
 from forest_control import compiled as control_compiled
+from forest_control.config import settings as control_settings
 from forest_control.operator import levers
-from forest_control.pipeline import controller
 from forest_control.valve import valve_driver
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
@@ -73,7 +73,7 @@ def by_heart(
     operator: Callable[[float], Joystick],
     duration: float,
     start: Vec3,
-    control: controller.Settings,
+    control: control_settings.Settings,
     drive: valve_driver.Settings,
     model: Machine | None = None,
     suite: Suite | None = None,
@@ -103,7 +103,7 @@ def prepared(
     machine: Machine,
     levers: Floats,
     start: Vec3,
-    control: controller.Settings,
+    control: control_settings.Settings,
     drive: valve_driver.Settings,
     model: Machine | None = None,
     suite: Suite | None = None,
@@ -139,14 +139,18 @@ def prepared(
 
 
 def knowledge(
-    machine: Machine, model: Machine, control: controller.Settings, drive: valve_driver.Settings, suite: Suite
+    machine: Machine,
+    model: Machine,
+    control: control_settings.Settings,
+    drive: valve_driver.Settings,
+    suite: Suite,
 ) -> Knowledge:
     """Return all that stays in a run."""
     return Knowledge(
         plant_parameters(machine),
         machine.manipulator.links,
         Sensing(suite.channels[:CHANNEL_COUNT], suite.period),
-        controller.parameters(model, control),
+        control_settings.parameters(model, control),
         valve_driver.parameters(model, drive),
     )
 
@@ -209,7 +213,7 @@ def _example() -> tuple[Knowledge, Loop]:
     """Return values of the types that all runs share."""
     machine = load_machine("c180")
     suite = sensor_suite.sensor_suite(machine)
-    k = knowledge(machine, machine, controller.Settings(), valve_driver.Settings(), suite)
+    k = knowledge(machine, machine, control_settings.Settings(), valve_driver.Settings(), suite)
     return k, begin(k, (0.0, 0.5, -1.5), suite)
 
 
