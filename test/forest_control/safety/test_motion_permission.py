@@ -5,7 +5,7 @@ import math
 import pytest
 
 from forest_control.config.settings import Settings, parameters
-from forest_control.operator.joystick_watch import NO_HEARTBEAT, NO_STAMP, Sample, bad_sample
+from forest_control.operator.joystick_watch import NO_HEARTBEAT, NO_STAMP, Sample, unreadable_sample
 from forest_control.operator.levers import REST, Levers
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import (
@@ -83,7 +83,7 @@ def rig():
 
 
 def nonsense(rig):
-    rig.speak = lambda: bad_sample(rig.now)
+    rig.speak = lambda: unreadable_sample(rig.now)
 
 
 def hangs(rig):

@@ -198,7 +198,7 @@ class ClosedLoop:
         self._control(heard)
         command = self._command(heard)
         volts = self._in_force(command, _seen(seen))
-        self._reports = reported(self._reports, learnt_reach(self._driver.learners, self._drive.axes))
+        self._reports = reported(self._reports, learnt_reach(self._driver.estimates, self._drive.axes))
         self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, p)
         self._count += 1
         return Happened(
@@ -249,7 +249,7 @@ class ClosedLoop:
         while len(self._waiting) > behind:
             pressures, motion = driver_inputs(seen, self._drive.idle_pressure)
             command, dt = self._waiting.pop(0), self._held * PERIOD
-            self._driver, self._volts = valve_driver.step_seen(
+            self._driver, self._volts = valve_driver.step_measured(
                 self._driver, command, pressures, motion, self._drive, dt
             )
             self._held = 0

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from forest_control.config import settings as control_settings
-from forest_control.operator.joystick_interpolation import CENTRED, LeverHold, advanced
-from forest_control.operator.joystick_watch import Sample, Watch, heed, judge
+from forest_control.operator.joystick_interpolation import CENTRED, InterpolatedLevers, interpolated
+from forest_control.operator.joystick_watch import Sample, Watch, assessed_watch, updated_watch
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import control_state, controller
 from forest_control.safety.driver_response import DriverSample
@@ -67,7 +67,7 @@ class Guarded(NamedTuple):
     state: control_state.State = control_state.REST
     command: Vec3 = ZERO  # [V] the last one
     joystick: Watch = armed_watch()
-    hold: LeverHold = CENTRED
+    hold: InterpolatedLevers = CENTRED
     checks: Checks = Checks()
     stamp: int = 0  # [ns] of the state that was believed last; 0: none
     received: float = math.inf  # [s] when that was
@@ -134,7 +134,7 @@ def period(
     seen = _seen(senses, k.sensing)
     control, velocity = guarded(loop, levers, held, seen, k, row)
     pressures, motion = driver_inputs(seen, k.drive.idle_pressure)
-    drive, volts = valve_driver.step_seen(loop.drive, control.command, pressures, motion, k.drive, PERIOD)
+    drive, volts = valve_driver.step_measured(loop.drive, control.command, pressures, motion, k.drive, PERIOD)
     simulation = loop.simulation
     for _ in range(SUBSTEPS):
         simulation = integrator.step(simulation, volts, PERIOD / SUBSTEPS, k.plant)
@@ -146,7 +146,7 @@ def period(
         voltages=volts,
         pressures=seen.pressures,
     )
-    reports = reported(loop.reports, learnt_reach(drive.learners, k.drive.axes))
+    reports = reported(loop.reports, learnt_reach(drive.estimates, k.drive.axes))
     return Loop(simulation, senses, control, drive, reports), happened
 
 
@@ -158,9 +158,9 @@ def guarded(
     It does what `GuardedController` does when nothing is late.
     """
     before, now, stamp = loop.control, row * PERIOD, (row + 1) * PERIOD_NS
-    joystick, hold = heed(before.joystick, sample(levers, held, row)), before.hold
+    joystick, hold = updated_watch(before.joystick, sample(levers, held, row)), before.hold
     if now - before.received > GUARD.state_timeout:
-        joystick, _ = judge(joystick, now, False, GUARD.joystick)
+        joystick, _ = assessed_watch(joystick, now, False, GUARD.joystick)
         hold = CENTRED
     after = before._replace(state=control_state.REST, command=ZERO, joystick=joystick, hold=hold)
     if not plausible(seen.angles, seen.rates, k.control):
@@ -173,8 +173,8 @@ def guarded(
     driver = DriverSample(loop.drive.voltages, now)
     checks = checked(before.checks, seen.angles, driver, before.command, k.control, now, dt)
     sound = passes(checks, now)
-    joystick, operator = judge(joystick, now, sound, GUARD.joystick)
-    hold = advanced(hold, operator.levers, now, now, dt) if operator.enabled else CENTRED
+    joystick, operator = assessed_watch(joystick, now, sound, GUARD.joystick)
+    hold = interpolated(hold, operator.levers, now, now, dt) if operator.enabled else CENTRED
     after = after._replace(joystick=joystick, hold=hold, stamp=stamp, received=now, credit=credit - dt)
     if not sound:
         return after._replace(checks=Checks(driver=checks.driver)), ZERO
