@@ -67,10 +67,12 @@ def _estimate(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[S
         correction = latched_correction(correction, p.position_source)
     inputs = inputs._replace(angles=corrected_angles(inputs.angles, correction))
     state = relearnt(state, correction)
-    return state._replace(correction=correction, tracking_limits=_strains(state, inputs, p, dt)), inputs
+    return state._replace(
+        correction=correction, tracking_limits=_tracking_limits(state, inputs, p, dt)
+    ), inputs
 
 
-def _strains(state: State, inputs: Inputs, p: Parameters, dt: float) -> TrackingLimits:
+def _tracking_limits(state: State, inputs: Inputs, p: Parameters, dt: float) -> TrackingLimits:
     """Return which joints cannot follow the reference; none of a scheme that does not hold one."""
     if state.scheme != Scheme.COORDINATED or p.scheme != Scheme.COORDINATED:
         return NO_TRACKING_LIMIT
