@@ -185,7 +185,7 @@ def test_no_levers_drive_a_joint_over_its_limits(scheme):
 
 
 def test_beyond_a_limit_the_reference_does_not_pull_the_joint_in():
-    upper = parameters().governor.upper[1]
+    upper = parameters().velocity_limits.upper[1]
     state, output = controller.step(REST, inputs(angles=(0.0, upper + 0.01, -1.5)), parameters(), PERIOD)
     assert state.reference[1] == upper + 0.01
     assert output.command == ZERO
