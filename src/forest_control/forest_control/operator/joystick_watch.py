@@ -72,33 +72,31 @@ class Sample(NamedTuple):
     """One sample of a joystick."""
 
     received: float  # [s] when it was sent, by the local clock
-    stamp: int  # [ns]; `NO_STAMP`: it carries none
-    heartbeat: int
-    same: bool  # all axes and buttons as in the sample before, to the last bit
-    good: bool  # it could be read
-    levers: Levers
-    held: bool  # the deadman
+    stamp: int = NO_STAMP  # [ns]
+    heartbeat: int = NO_HEARTBEAT
+    same: bool = False  # all axes and buttons as in the sample before, to the last bit
+    good: bool = False  # it could be read
+    levers: Levers = CENTRED
+    held: bool = False  # the deadman
 
 
 class Watch(NamedTuple):
     """What is remembered between samples."""
 
-    joystick: Joystick
-    stamp: int  # [ns] of the newest sample
-    heartbeat: int
-    fresh_since: float  # [s] when the newest new sample was sent
-    moved: float  # [s] when axes or buttons last changed, or the heartbeat showed life
-    restless: float  # [s] in play without a hold, or `MAY_HOLD_STILL`
-    repeats: bool  # it has said the same twice: its driver has a clock of its own
-    levers: Levers
-    held: bool
-    armed: bool
-    out_of_order: int  # samples dropped so far
+    joystick: Joystick = Joystick.SILENT
+    stamp: int = NO_STAMP  # [ns] of the newest sample
+    heartbeat: int = NO_HEARTBEAT
+    fresh_since: float = -math.inf  # [s] when the newest new sample was sent
+    moved: float = -math.inf  # [s] when axes or buttons last changed, or the heartbeat showed life
+    restless: float = 0.0  # [s] in play without a hold, or `MAY_HOLD_STILL`
+    repeats: bool = False  # it has sent the same twice: its driver has a clock of its own
+    levers: Levers = CENTRED
+    held: bool = False
+    armed: bool = False
+    out_of_order: int = 0  # samples dropped so far
 
 
-REST = Watch(
-    Joystick.SILENT, NO_STAMP, NO_HEARTBEAT, -math.inf, -math.inf, 0.0, False, CENTRED, False, False, 0
-)
+REST = Watch()
 
 
 class Operator(NamedTuple):
@@ -246,12 +244,20 @@ def joystick_sample(
     """
     axes, buttons = content
     levers, held = levers_from_axes(axes), buttons[deadman] == 1
-    return Sample(received, stamp, heartbeat_of(frame), content == before, True, levers, held)
+    return Sample(
+        received=received,
+        stamp=stamp,
+        heartbeat=heartbeat_of(frame),
+        same=content == before,
+        good=True,
+        levers=levers,
+        held=held,
+    )
 
 
 def unreadable_sample(received: float) -> Sample:
     """Return what stands for a message that cannot be read."""
-    return Sample(received, NO_STAMP, NO_HEARTBEAT, False, False, CENTRED, False)
+    return Sample(received)
 
 
 def heartbeat_of(frame: str) -> int:

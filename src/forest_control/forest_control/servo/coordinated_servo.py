@@ -86,16 +86,13 @@ REST = Memory(ZERO)
 
 def in_motion(velocity: Vec3, a: Vec3, samples: int) -> Memory:
     """Return the memory of a scheme that takes over at a tip velocity [m/s] and joint rates [rad/s]."""
-    return Memory(velocity, _going(a[0]), _going(a[1]), _going(a[2]), 0.0, samples)
-
-
-def _going(a: float) -> Joint:
-    return Joint(a, 0.0, 0.0, 0.0, True, 1.0, 0.0, 0.0, MOVING)
+    swing, boom, stick = Joint(a=a[0]), Joint(a=a[1]), Joint(a=a[2])
+    return Memory(velocity=velocity, swing=swing, boom=boom, stick=stick, samples=samples)
 
 
 def going(memory: Memory, velocity: Vec3) -> Memory:
     """Return the memory with the tip's reference velocity [m/s], which ends the averaging of the pose."""
-    return Memory(velocity, memory.swing, memory.boom, memory.stick, memory.torque, MOST_SAMPLES)
+    return memory._replace(velocity=velocity, samples=MOST_SAMPLES)
 
 
 def settle(reference: Vec3, s: Vec3, memory: Memory) -> tuple[Vec3, Memory]:
@@ -103,7 +100,7 @@ def settle(reference: Vec3, s: Vec3, memory: Memory) -> tuple[Vec3, Memory]:
     count = memory.samples + 1
     (r_1, r_2, r_3), (s_1, s_2, s_3) = reference, s
     q = r_1 + (s_1 - r_1) / count, r_2 + (s_2 - r_2) / count, r_3 + (s_3 - r_3) / count
-    return q, Memory(memory.velocity, memory.swing, memory.boom, memory.stick, memory.torque, count)
+    return q, memory._replace(samples=count)
 
 
 def ramped(velocity: Vec3, target: Vec3, acceleration: float, dt: float) -> Vec3:
@@ -145,16 +142,14 @@ def servo(
     b_3, _ = _smooth_acceleration(m_3, a[2], p, dt)
     inch = actuator_speeds_to_joint_rates(s, p.inches, p.linkages)
     torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, inertia(r, p.swing), p, dt)
-    swing, u_1 = _joint_servo(
-        m_1, Signals(a[0], b_1, r[0], s[0], v[0], extra), volts[0] == 0.0, still, inch[0], 0, p, dt
-    )
-    boom, u_2 = _joint_servo(
-        m_2, Signals(a[1], b_2, r[1], s[1], v[1], 0.0), volts[1] == 0.0, still, inch[1], 1, p, dt
-    )
-    stick, u_3 = _joint_servo(
-        m_3, Signals(a[2], b_3, r[2], s[2], v[2], 0.0), volts[2] == 0.0, still, inch[2], 2, p, dt
-    )
-    return Memory(memory.velocity, swing, boom, stick, torque, memory.samples), (u_1, u_2, u_3)
+    x_1 = Signals(a=a[0], b=b_1, r=r[0], s=s[0], v=v[0], w=extra)
+    x_2 = Signals(a=a[1], b=b_2, r=r[1], s=s[1], v=v[1], w=0.0)
+    x_3 = Signals(a=a[2], b=b_3, r=r[2], s=s[2], v=v[2], w=0.0)
+    swing, u_1 = _joint_servo(m_1, x_1, volts[0] == 0.0, still, inch[0], 0, p, dt)
+    boom, u_2 = _joint_servo(m_2, x_2, volts[1] == 0.0, still, inch[1], 1, p, dt)
+    stick, u_3 = _joint_servo(m_3, x_3, volts[2] == 0.0, still, inch[2], 2, p, dt)
+    memory = memory._replace(swing=swing, boom=boom, stick=stick, torque=torque)
+    return memory, (u_1, u_2, u_3)
 
 
 def inches(memory: Memory) -> Vec3:
@@ -212,7 +207,9 @@ def _joint_servo(
     if all_rest and is_due(memory.inching, shut):
         kept = 0.0 if shut else memory.gathered
         w, inching = memory.w - memory.gathered + kept, inched(memory.inching, error, shut, abs(inch), dt)
-        return Joint(x.a, x.b, w, seen, True, wide, side, kept, inching), HELD
+        return Joint(
+            a=x.a, b=x.b, w=w, error=seen, holding=True, wide=wide, side=side, gathered=kept, inching=inching
+        ), HELD
     gathered = _gathered(memory, dt * p.integral[i] * error, still, holds, shut)
     # What the integral has learnt of the valve at speed is kept while the joint holds.
     grown = memory.w - memory.gathered + gathered if still else memory.w + dt * p.integral[i] * error
@@ -221,9 +218,11 @@ def _joint_servo(
     quick = 1.0 if i == 0 else min(1.0, part * part)
     # At rest there is time for less noise.
     fed_back = seen if still and shut else seen + quick * (error - seen)
-    u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.r - fed_back, x.v, x.w + w), p.gains[i])
+    u = HELD if holds else coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
     inching = served(memory.inching, dt) if all_rest else MOVING
-    return Joint(x.a, x.b, w, seen, holds, wide, side, gathered, inching), u
+    return Joint(
+        a=x.a, b=x.b, w=w, error=seen, holding=holds, wide=wide, side=side, gathered=gathered, inching=inching
+    ), u
 
 
 def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) -> float:

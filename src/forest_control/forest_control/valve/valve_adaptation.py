@@ -115,7 +115,7 @@ def updated_estimate(
             forward = _update(forward, low, law.forward, law, flow, a, dt)
         else:
             backward = _update(backward, low, law.backward, law, flow, a, dt)
-    return ValveEstimate(forward, backward, low, seen, True)
+    return ValveEstimate(forward=forward, backward=backward, low=low, last=seen, primed=True)
 
 
 def underlapped(law: ValveLaw) -> bool:
@@ -195,11 +195,11 @@ def _least_squares(
     total = variance + f_d * g_d + f_k * g_k
     forget = math.exp(dt / a.forgetting_time)
     return DirectionEstimate(
-        way.deadband + DEADBAND_SPREAD * g_d / total * error,
-        way.stretch + STRETCH_SPREAD * g_k / total * error,
-        forget * (way.p_dd - g_d * g_d / total),
-        forget * (way.p_dk - g_d * g_k / total),
-        forget * (way.p_kk - g_k * g_k / total),
+        deadband=way.deadband + DEADBAND_SPREAD * g_d / total * error,
+        stretch=way.stretch + STRETCH_SPREAD * g_k / total * error,
+        p_dd=forget * (way.p_dd - g_d * g_d / total),
+        p_dk=forget * (way.p_dk - g_d * g_k / total),
+        p_kk=forget * (way.p_kk - g_k * g_k / total),
     )
 
 
@@ -208,11 +208,11 @@ def _bounded(way: DirectionEstimate, edge: Direction, a: AdaptationParameters) -
     lowest = -min(a.deadband_range, max(0.0, edge.deadband_voltage))
     s_d, s_k = 1.0 / math.sqrt(max(1.0, way.p_dd)), 1.0 / math.sqrt(max(1.0, way.p_kk))
     return DirectionEstimate(
-        max(lowest, min(a.deadband_range, way.deadband)),
-        max(1.0 / a.gain_range - 1.0, min(a.gain_range - 1.0, way.stretch)),
-        way.p_dd * s_d * s_d,
-        way.p_dk * s_d * s_k,
-        way.p_kk * s_k * s_k,
+        deadband=max(lowest, min(a.deadband_range, way.deadband)),
+        stretch=max(1.0 / a.gain_range - 1.0, min(a.gain_range - 1.0, way.stretch)),
+        p_dd=way.p_dd * s_d * s_d,
+        p_dk=way.p_dk * s_d * s_k,
+        p_kk=way.p_kk * s_k * s_k,
     )
 
 

@@ -309,13 +309,13 @@ def _learn_axis(
     i: int, state: State, pressures: Pressures, motion: Motion, p: Parameters, dt: float
 ) -> ValveEstimate:
     seen = AxisMeasurement(
-        motion.positions[i],
-        motion.valve_1[i],
-        motion.valve_2[i],
-        pressures.port_1[i],
-        pressures.port_2[i],
-        pressures.supply,
-        state.strokes[i],
+        position=motion.positions[i],
+        valve_1=motion.valve_1[i],
+        valve_2=motion.valve_2[i],
+        port_1=pressures.port_1[i],
+        port_2=pressures.port_2[i],
+        supply=pressures.supply,
+        spool=state.strokes[i],
     )
     if not math.isfinite(seen.position + seen.valve_1 + seen.valve_2):
         return unmeasured(state.estimates[i])

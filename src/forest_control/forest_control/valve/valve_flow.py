@@ -71,7 +71,9 @@ class LowPassed(NamedTuple):
     gradient_2: float = 0.0
 
 
-NO_MEASUREMENT = AxisMeasurement(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NO_MEASUREMENT = AxisMeasurement(
+    position=0.0, valve_1=0.0, valve_2=0.0, port_1=0.0, port_2=0.0, supply=0.0, spool=0.0
+)
 
 
 def low_passed(
@@ -97,16 +99,16 @@ def low_passed(
     opened = old.open_1 + share * ((1.0 if is_open else 0.0) - old.open_1)
     gradient = old.gradient_1 + share * (flow.gradient - old.gradient_1)
     return LowPassed(
-        opening,
-        old.opening_2 + share * (opening - old.opening_2),
-        beyond,
-        old.excess_2 + share * (beyond - old.excess_2),
-        marked,
-        old.mark_2 + share * (marked - old.mark_2),
-        opened,
-        old.open_2 + share * (opened - old.open_2),
-        gradient,
-        old.gradient_2 + share * (gradient - old.gradient_2),
+        opening_1=opening,
+        opening_2=old.opening_2 + share * (opening - old.opening_2),
+        excess_1=beyond,
+        excess_2=old.excess_2 + share * (beyond - old.excess_2),
+        mark_1=marked,
+        mark_2=old.mark_2 + share * (marked - old.mark_2),
+        open_1=opened,
+        open_2=old.open_2 + share * (opened - old.open_2),
+        gradient_1=gradient,
+        gradient_2=old.gradient_2 + share * (gradient - old.gradient_2),
     )
 
 
