@@ -12,9 +12,9 @@ from scipy.integrate import quad
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
 from forest_sim.analysis.friction_ends import (
+    amplitude_limits,
+    axes_with_friction,
     equivalent_damping,
-    friction_ends,
-    rubbing_axes,
     without_dry_friction,
 )
 from forest_sim.analysis.mode_map import map_csv, mode_map
@@ -49,26 +49,26 @@ def test_the_ends_are_the_slope_at_rest_and_coulombs_describing_function():
 
 
 def test_below_the_small_end_the_slope_holds_and_at_the_large_one_viscous_friction_is_as_strong():
-    ends = friction_ends(SEALS, 5000.0)
+    ends = amplitude_limits(SEALS, 5000.0)
     slope = friction_slope(0.0, SEALS)
     assert 0.89 * slope < equivalent_damping(ends.small, SEALS) < 0.93 * slope
     assert equivalent_damping(2.0 * ends.small, SEALS) < 0.8 * slope
     assert equivalent_damping(ends.large, SEALS) == pytest.approx(5000.0, rel=1e-6)
-    assert friction_ends(SEALS, 0.0).large == math.inf
+    assert amplitude_limits(SEALS, 0.0).large == math.inf
 
 
 def test_only_axes_with_dry_friction_have_ends_each_of_its_own_friction():
-    ends = rubbing_axes(P)
+    ends = axes_with_friction(P)
     assert list(ends) == ["boom", "stick"]
     assert ends["boom"].small == pytest.approx(0.5 * 0.002)
     assert ends["stick"].small == pytest.approx(0.5 * 0.0025)
     assert equivalent_damping(ends["stick"].large, P.stick.friction) == pytest.approx(7000.0, rel=1e-6)
-    assert rubbing_axes(plant_parameters(load_machine("c180"))) == {}
+    assert axes_with_friction(plant_parameters(load_machine("c180"))) == {}
 
 
 def test_a_small_kick_of_the_stick_dies_without_an_oscillation_as_the_small_end_says():
     assert stick(P) is None
-    kick = 0.2 * rubbing_axes(P)["stick"].small / ARM
+    kick = 0.2 * axes_with_friction(P)["stick"].small / ARM
     rates = rates_after(LOADER, "stick", kick, 0.1)
     assert rates[0] > 0.1 * kick
     assert np.abs(rates[40:]).max() < 0.15 * kick  # the boom, which does ring, takes the stick along
@@ -76,7 +76,7 @@ def test_a_small_kick_of_the_stick_dies_without_an_oscillation_as_the_small_end_
 
 def test_a_large_kick_of_the_stick_rings_as_the_large_end_says():
     mode = stick(without_dry_friction(P))
-    h, rates = 2.5e-4, rates_after(LOADER, "stick", 3.0 * rubbing_axes(P)["stick"].large / ARM, 0.15)
+    h, rates = 2.5e-4, rates_after(LOADER, "stick", 3.0 * axes_with_friction(P)["stick"].large / ARM, 0.15)
     shares = np.abs(np.fft.rfft(rates * np.hanning(len(rates)), 1 << 15))
     frequencies = np.fft.rfftfreq(1 << 15, h)
     above_boom = np.where(frequencies > 25.0, shares, 0.0)

@@ -4,7 +4,7 @@ import copy
 
 import pytest
 
-from forest_sim.analysis.summary import doubts
+from forest_sim.analysis.summary import run_warnings
 from forest_sim.run.energy import Account
 from forest_sim.solver.integrator import Events
 
@@ -22,7 +22,7 @@ SOUND = {
 
 
 def test_a_sound_run_leaves_no_doubt():
-    assert doubts(SOUND) == []
+    assert run_warnings(SOUND) == []
 
 
 @pytest.mark.parametrize(
@@ -36,5 +36,5 @@ def test_a_sound_run_leaves_no_doubt():
 def test_what_cannot_be_believed_is_told(part, key, value, said):
     result = copy.deepcopy(SOUND)
     result[part][key] = value
-    (sentence,) = doubts(result)
+    (sentence,) = run_warnings(result)
     assert said in sentence

@@ -11,10 +11,18 @@ from energies import kinetic_energy, potential_energy
 
 from forest_description.machine import load_machine
 from forest_sim.run import inputs
-from forest_sim.run.energy import Account, account, heat_in, settled, unaccounted
-from forest_sim.run.sensor_log import EXACT, Observer
-from forest_sim.run.simulation import Run, RunError, blocks, checked_angles, start_angles, substeps, whole
-from forest_sim.run.trajectory_files import Thinned
+from forest_sim.run.energy import Account, account, dissipated_energy, unaccounted, with_stored_energy
+from forest_sim.run.sensor_log import EXACT, SensorLog
+from forest_sim.run.simulation import (
+    Run,
+    RunError,
+    blocks,
+    require_within_limits,
+    start_angles,
+    substeps,
+    whole,
+)
+from forest_sim.run.trajectory_files import DecimatedRows
 from forest_sim.solver import state_recording
 from forest_sim.solver.compiled_plant import compiled_advance, compiled_record, fastest_record
 from forest_sim.solver.equilibrium import equilibrium
@@ -30,7 +38,7 @@ START = start_angles(C180)
 def account_of(run, machine):
     """The account of a whole run, the oil's energy told by the states at both ends."""
     first, last = restore(run.states[0]), restore(run.states[-1])
-    return settled(account(run.energies.sum(axis=0)), first, last, plant_parameters(machine))
+    return with_stored_energy(account(run.energies.sum(axis=0)), first, last, plant_parameters(machine))
 
 
 def links_energy(row, p):
@@ -71,7 +79,7 @@ def test_the_oil_warms_by_what_the_machine_loses_and_the_run_goes_on_with_it():
     small = replace(C180, oil=replace(oil, volume=0.005))
     run = whole(small, voltages, START, Run(20.0))
     warmed = run.temperature[-1] - run.temperature[0]
-    heat = heat_in(run.energies[:3801])  # the last block warms nothing that is seen
+    heat = dissipated_energy(run.energies[:3801])  # the last block warms nothing that is seen
     within = 0.5 * (run.temperature[:-200] + run.temperature[200:])
     lost = oil.heat_loss_coefficient * np.mean(within - oil.ambient_temperature) * 19.0
     assert warmed == pytest.approx((heat - lost) / small.oil.heat_capacity, rel=0.01)
@@ -83,7 +91,7 @@ def test_the_oil_warms_by_what_the_machine_loses_and_the_run_goes_on_with_it():
 
 def test_what_a_run_holds_in_memory_does_not_grow_with_its_length():
     """A day has 86 400 blocks; the bag's part of the claim is test_bag_splits'."""
-    held, observer, kept = [], Observer(C180, 10.0, EXACT), Thinned()
+    held, observer, kept = [], SensorLog(C180, 10.0, EXACT), DecimatedRows()
     kept.LIMIT = 20
     for second, block in enumerate(blocks(C180, inputs.steps(), START, Run(40.0, 10.0))):
         kept.add({"time": block.time, **observer.observe(block)})
@@ -164,7 +172,7 @@ def test_a_wrong_power_that_closes_at_every_instant_opens_the_account(part, term
         state_recording.record(start, volts, 1e-3, p, states, energies)
         total = account(energies[0])
         assert abs(unaccounted(total)) < 1e-9 * total.engine
-        return abs(unaccounted(settled(total, start, restore(states[0]), p))) / float(total.engine)
+        return abs(unaccounted(with_stored_energy(total, start, restore(states[0]), p))) / float(total.engine)
 
     sound = left_open()
     monkeypatch.setattr(state_recording, "power_flows", wrong)
@@ -200,4 +208,4 @@ def test_a_tip_out_of_reach_is_told_with_the_reach():
 
 def test_an_angle_beyond_a_limit_is_told_with_the_limits():
     with pytest.raises(RunError, match=r"boom at 80.0 deg, allowed there: -36.7 .. 72.0 deg"):
-        checked_angles(C180, (0.0, math.radians(80.0), math.radians(-90.0)))
+        require_within_limits(C180, (0.0, math.radians(80.0), math.radians(-90.0)))

@@ -18,9 +18,9 @@ from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
 from forest_sim.run import inputs
 from forest_sim.run.energy import account
-from forest_sim.run.sensor_log import OBSERVED, Observer
+from forest_sim.run.sensor_log import LOGGED_TOPICS, SensorLog
 from forest_sim.run.simulation import Run, blocks, start_angles, whole
-from forest_sim.run.trajectory_files import Thinned, TrajectoryFiles
+from forest_sim.run.trajectory_files import DecimatedRows, TrajectoryFiles
 from forest_sim.solver.state_recording import STATE
 
 C180 = load_machine("c180")
@@ -31,7 +31,7 @@ ROWS = 321  # the start and 1.6 s at 200 Hz
 
 def write(directory):
     directory.mkdir()
-    observer = Observer(C180, RUN.rate)
+    observer = SensorLog(C180, RUN.rate)
     with contextlib.closing(TrajectoryFiles(directory, C180, RUN.rate)) as files:
         for block in blocks(C180, VOLTAGES, START, RUN):
             files.write(block, observer.observe(block))
@@ -61,7 +61,7 @@ def test_rosbags_reads_the_bag(files):
             for connection, _, data in reader.messages()
             if connection.topic == "/joint_states"
         )
-    assert counts == {"/robot_description": 1, **{f"/{topic.name}": ROWS for topic in OBSERVED}}
+    assert counts == {"/robot_description": 1, **{f"/{topic.name}": ROWS for topic in LOGGED_TOPICS}}
     assert list(first.name) == ["swing", "boom", "stick"]
     np.testing.assert_allclose(first.position, START)
 
@@ -117,7 +117,7 @@ def test_files_are_finished_when_a_run_fails(tmp_path):
                 raise OSError("no space")
 
     def run(out):
-        observer = Observer(C180, RUN.rate)
+        observer = SensorLog(C180, RUN.rate)
         with contextlib.closing(TrajectoryFiles(out, C180, RUN.rate)) as files:
             for block in fail():
                 files.write(block, observer.observe(block))
@@ -129,8 +129,8 @@ def test_files_are_finished_when_a_run_fails(tmp_path):
 
 
 def test_a_long_run_is_thinned_evenly_and_stays_small(monkeypatch):
-    monkeypatch.setattr(Thinned, "LIMIT", 100)
-    thinned, count = Thinned(), 0
+    monkeypatch.setattr(DecimatedRows, "LIMIT", 100)
+    thinned, count = DecimatedRows(), 0
     for length in (1, 30, 30, 30, 30, 30, 7, 100, 300, 1):
         thinned.add({"a": np.arange(count, count + length, dtype=float)})
         count += length
@@ -153,8 +153,8 @@ def test_memory_does_not_grow_with_the_length_of_a_run(tmp_path):
         from forest_sim.analysis import plots
         from forest_sim.cli.commands import simulate
         from forest_sim.run.simulation import Run, start_angles
-        from forest_sim.run.trajectory_files import Thinned
-        Thinned.LIMIT = 1000
+        from forest_sim.run.trajectory_files import DecimatedRows
+        DecimatedRows.LIMIT = 1000
         plots.draw_run = lambda *_: []
         machine, seconds = load_machine("c180"), float(sys.argv[1])
         run = Run(seconds)

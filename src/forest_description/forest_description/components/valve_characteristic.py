@@ -80,22 +80,22 @@ def symmetric_valve(deadband_voltage: float, rated_voltage: float, minimum_resis
         rated_voltage: V_r [V].
         minimum_resistance: C_Rmin [Pa·s²/m⁶].
     """
-    way = Direction(deadband_voltage, rated_voltage, minimum_resistance, minimum_resistance)
-    return ValveLaw(way, way, LINEAR_AREA, 0.0)
+    direction = Direction(deadband_voltage, rated_voltage, minimum_resistance, minimum_resistance)
+    return ValveLaw(direction, direction, LINEAR_AREA, 0.0)
 
 
-def stroke(voltage: float, way: Direction) -> float:
+def stroke(voltage: float, direction: Direction) -> float:
     """Return s = (V − V_d)/(V_r − V_d), clipped to 0..1. A voltage that is not a number closes the valve.
 
     Args:
         voltage: Spool position, counted along the direction [V].
-        way: The direction.
+        direction: The direction.
     """
-    if not voltage > way.deadband_voltage:  # written so that NaN, too, ends here
+    if not voltage > direction.deadband_voltage:  # written so that NaN, too, ends here
         return 0.0
-    if voltage >= way.rated_voltage:
+    if voltage >= direction.rated_voltage:
         return 1.0
-    return (voltage - way.deadband_voltage) / (way.rated_voltage - way.deadband_voltage)
+    return (voltage - direction.deadband_voltage) / (direction.rated_voltage - direction.deadband_voltage)
 
 
 def opening_at(s: float, curve: Curve) -> float:
@@ -168,12 +168,12 @@ def voltage_for_opening(opening: float, law: ValveLaw) -> float:
     magnitude = min(abs(opening), 1.0)
     if not magnitude > 0.0:
         return 0.0
-    way = law.forward if opening > 0.0 else law.backward
+    direction = law.forward if opening > 0.0 else law.backward
     if law.forward.deadband_voltage + law.backward.deadband_voltage < 0.0:
         return _underlapped_voltage(math.copysign(magnitude, opening), law)
     s = _stroke_for(magnitude, law.curve)
     return math.copysign(1.0, opening) * (
-        way.deadband_voltage + s * (way.rated_voltage - way.deadband_voltage)
+        direction.deadband_voltage + s * (direction.rated_voltage - direction.deadband_voltage)
     )
 
 

@@ -172,7 +172,7 @@ def inverse_kinematics(position: Vec3, links: Links) -> Vec3:
     return (math.atan2(position[1], position[0]), boom, stick)
 
 
-def nearest_pose(position: Vec3, like: Vec3, links: Links) -> Vec3:
+def nearest_pose(position: Vec3, near: Vec3, links: Links) -> Vec3:
     """Return the joint angles q that put the tip at a position, on the branch of a pose [rad].
 
     The branch is the elbow's side, the tip's side of the swing axis and the swing's and boom's whole turns. A
@@ -181,20 +181,20 @@ def nearest_pose(position: Vec3, like: Vec3, links: Links) -> Vec3:
 
     Args:
         position: Tip position (x, y, z) [m].
-        like: Joint angles near the wanted [rad].
+        near: Joint angles near the wanted [rad].
         links: Link lengths.
     """
     l1, l2, l3 = links.base_offset, links.boom, links.stick
-    side = 1.0 if l1 + l2 * math.cos(like[1]) + l3 * math.cos(like[1] + like[2]) >= 0.0 else -1.0
+    side = 1.0 if l1 + l2 * math.cos(near[1]) + l3 * math.cos(near[1] + near[2]) >= 0.0 else -1.0
     outward = side * math.sqrt(position[0] * position[0] + position[1] * position[1]) - l1
     distance = math.sqrt(outward * outward + position[2] * position[2])
     cosine = (distance * distance - l2 * l2 - l3 * l3) / (2.0 * l2 * l3)
-    stick = math.copysign(math.acos(min(1.0, max(-1.0, cosine))), math.sin(like[2]))
+    stick = math.copysign(math.acos(min(1.0, max(-1.0, cosine))), math.sin(near[2]))
     boom = math.atan2(position[2], outward) - math.atan2(l3 * math.sin(stick), l2 + l3 * math.cos(stick))
     swing = math.atan2(side * position[1], side * position[0])
-    return (_same_turn(swing, like[0]), _same_turn(boom, like[1]), _same_turn(stick, like[2]))
+    return (_same_turn(swing, near[0]), _same_turn(boom, near[1]), _same_turn(stick, near[2]))
 
 
-def _same_turn(angle: float, like: float) -> float:
+def _same_turn(angle: float, near: float) -> float:
     """Return an angle plus the whole turns that bring it nearest to another one [rad]."""
-    return angle + 2.0 * math.pi * math.floor((like - angle) / (2.0 * math.pi) + 0.5)
+    return angle + 2.0 * math.pi * math.floor((near - angle) / (2.0 * math.pi) + 0.5)

@@ -10,7 +10,12 @@ from forest_description.derived.limits import joint_limits, workspace_limits
 from forest_description.derived.line_bandwidth import one_lump_warnings
 from forest_description.machine import Machine
 from forest_description.types import AXES, Vec3
-from forest_sim.analysis.friction_ends import large_heading, rubbing_axes, small_heading, without_dry_friction
+from forest_sim.analysis.friction_ends import (
+    axes_with_friction,
+    large_heading,
+    small_heading,
+    without_dry_friction,
+)
 from forest_sim.analysis.modes import SHUT, Mode, modes, operating_point, slow_modes, unguarded
 from forest_sim.run.simulation import start_angles
 from forest_sim.solver.equilibrium import equilibrium
@@ -147,7 +152,7 @@ def report(machine: Machine) -> str:
     p = plant_parameters(machine)
     small = slow_modes(modes(angles, SHUT, p))
     large = slow_modes(modes(angles, SHUT, without_dry_friction(p)))
-    rubbing = rubbing_axes(p)
+    rubbing = axes_with_friction(p)
     speeds, rated = full_speeds(machine, angles), rated_speeds(machine)
     lines = [f"{machine.name}: {machine.description}", "components"]
     lines += [f"  {name:<24} {what}" for name, what in components(machine)]

@@ -26,7 +26,7 @@ SAMPLES = 400  # of a quarter of the sine
 FASTEST = 100.0  # [m/s] no piston is
 
 
-class FrictionEnds(NamedTuple):
+class AmplitudeLimits(NamedTuple):
     """Amplitudes of a piston's speed between which neither linear model holds [m/s]."""
 
     small: float  # below: the friction is a damper of the slope at rest
@@ -41,7 +41,7 @@ def equivalent_damping(amplitude: float, f: Friction) -> float:
     return 2.0 * sum(friction_force(amplitude * s, f) * s for s in sines) / (SAMPLES * amplitude)
 
 
-def friction_ends(f: Friction, viscous: float) -> FrictionEnds:
+def amplitude_limits(f: Friction, viscous: float) -> AmplitudeLimits:
     """Return where the two linear models of a cylinder end.
 
     Args:
@@ -50,18 +50,18 @@ def friction_ends(f: Friction, viscous: float) -> FrictionEnds:
     """
     small = SMALL * f.smoothing_speed
     if equivalent_damping(FASTEST, f) > viscous:
-        return FrictionEnds(small, math.inf)
+        return AmplitudeLimits(small, math.inf)
     low, high = small, FASTEST
     for _ in range(60):
         middle = math.sqrt(low * high)
         low, high = (middle, high) if equivalent_damping(middle, f) > viscous else (low, middle)
-    return FrictionEnds(small, high)
+    return AmplitudeLimits(small, high)
 
 
-def rubbing_axes(p: PlantParameters) -> dict[str, FrictionEnds]:
+def axes_with_friction(p: PlantParameters) -> dict[str, AmplitudeLimits]:
     """Return the ends of each axis that has dry friction, by its name."""
     return {
-        name: friction_ends(axis.friction, axis.actuator.damping)
+        name: amplitude_limits(axis.friction, axis.actuator.damping)
         for name, axis in zip(AXES, p.axes, strict=True)
         if axis.friction.breakaway > 0.0
     }
@@ -72,13 +72,13 @@ def without_dry_friction(p: PlantParameters) -> PlantParameters:
     return p.with_axes(friction=FRICTIONLESS)
 
 
-def small_heading(ends: dict[str, FrictionEnds]) -> str:
+def small_heading(ends: dict[str, AmplitudeLimits]) -> str:
     """Return in words what a table of small oscillations is for."""
     told = ", ".join(f"{name} {1e3 * end.small:.3g} mm/s" for name, end in ends.items())
     return f"small oscillations: dry friction as the damper that its slope is; piston speeds below {told}"
 
 
-def large_heading(ends: dict[str, FrictionEnds]) -> str:
+def large_heading(ends: dict[str, AmplitudeLimits]) -> str:
     """Return in words what a table of large oscillations is for."""
     told = ", ".join(
         f"{name} {1e3 * end.large:.3g} mm/s" if math.isfinite(end.large) else f"{name} never"

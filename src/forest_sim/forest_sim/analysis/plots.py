@@ -16,7 +16,7 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.serialization.batch_encoder import columns
 from forest_sim.analysis.mode_map import MapPoint
 from forest_sim.run.energy import Account
-from forest_sim.run.sensor_log import OBSERVED
+from forest_sim.run.sensor_log import LOGGED_TOPICS
 from forest_sim.run.trajectory_files import Rows
 
 L_MIN_PER_M3_S = 60_000.0
@@ -63,7 +63,10 @@ def _bag(kept: Rows) -> Bag:
     """Return the kept rows as a session that `forest_bag.plots.standard_plots` can draw."""
     stamps = np.round(kept["time"] * 1e9).astype(np.int64)
     return bag_of(
-        {topic: Series(stamps, stamps, kept[topic], columns(topic), (), incomplete=0) for topic in OBSERVED}
+        {
+            topic: Series(stamps, stamps, kept[topic], columns(topic), (), incomplete=0)
+            for topic in LOGGED_TOPICS
+        }
     )
 
 

@@ -10,13 +10,13 @@ from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats, Vec3
-from forest_sim.run.energy import Account, account, settled, unaccounted
+from forest_sim.run.energy import Account, account, unaccounted, with_stored_energy
 from forest_sim.run.simulation import Block, Run
 from forest_sim.solver.integrator import Events
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE, restore
 
-ENERGY_GAP = 0.005  # of the energy that passed through, above which an account is in doubt
+ENERGY_GAP = 0.005  # of the energy that passed through, above which a run is warned of
 BEYOND_LIMIT = 3.0  # [deg]
 _EVENTS = [STATE.index(name) for name in Events._fields]
 _ANGLES = [STATE.index(f"{axis}_angle") for axis in AXES]
@@ -68,7 +68,7 @@ class Summary:
         total = account(self._energies)
         if self._first is not None:
             p = plant_parameters(self._machine)
-            total = settled(total, restore(self._first), restore(self._last), p)
+            total = with_stored_energy(total, restore(self._first), restore(self._last), p)
         parts = {name: float(value) for name, value in total._asdict().items()}
         return parts | {"unaccounted": unaccounted(total)}
 
@@ -131,7 +131,7 @@ def table(result: dict[str, Any]) -> str:
     return "\n".join(f"  {name:<18} {value}" for name, value in rows)
 
 
-def doubts(result: dict[str, Any]) -> list[str]:
+def run_warnings(result: dict[str, Any]) -> list[str]:
     """Return, a sentence each, why a run should not be believed; none for a sound one."""
     energy, unconverged = result["energy_j"], result["events"]["unconverged_stages"]
     passed = max(energy["engine"], sum(abs(energy[name]) for name in Account._fields[1:]) / 2.0)

@@ -19,7 +19,7 @@ from forest_msgs_py.runtime import command_line
 from forest_msgs_py.runtime.command_line import number, whole
 from forest_sim.run import inputs
 from forest_sim.run.inputs import InputError, Voltages
-from forest_sim.run.simulation import Run, RunError, checked_angles, start_angles
+from forest_sim.run.simulation import Run, RunError, require_within_limits, start_angles
 
 PROGRAM = "forest-sim"
 ZERO_CELSIUS = 273.15  # [K]
@@ -34,12 +34,12 @@ START = "5.5 0 1, or the middle of its range for a crane that does not reach the
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one subcommand; return its exit code."""
     options = _parser().parse_args(arguments)
-    with _stopped_alike():
+    with _sigterm_stops():
         return command_line.run(PROGRAM, options, (InputError, MachineError, RunError))
 
 
 @contextlib.contextmanager
-def _stopped_alike() -> Iterator[None]:
+def _sigterm_stops() -> Iterator[None]:
     """Let SIGTERM (`timeout`, a batch system) stop a run as Ctrl-C does, so that its bag is closed, too."""
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
@@ -279,7 +279,7 @@ def _tip(given: Sequence[float] | None) -> Vec3 | None:
 def _pose(options: argparse.Namespace, machine: Machine) -> Vec3:
     if options.angles is not None:
         a, b, c = (math.radians(angle) for angle in options.angles)
-        return checked_angles(machine, (a, b, c))
+        return require_within_limits(machine, (a, b, c))
     return start_angles(machine, _tip(options.tip))
 
 

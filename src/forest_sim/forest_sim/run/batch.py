@@ -15,7 +15,7 @@ from forest_compile.kernel_cache import can_compile
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 from forest_sim.run.inputs import Voltages
-from forest_sim.run.simulation import Block, Run, checked_angles, start_angles, whole
+from forest_sim.run.simulation import Block, Run, require_within_limits, start_angles, whole
 
 T = TypeVar("T")
 
@@ -36,7 +36,7 @@ def everything(run: Block) -> Block:
 def simulate_one(job: Job, run: Run, keep: Callable[[Block], T]) -> T:
     """Return what `keep` makes of one run."""
     m, angles = job.machine, job.angles
-    start = start_angles(m) if angles is None else checked_angles(m, angles)
+    start = start_angles(m) if angles is None else require_within_limits(m, angles)
     return keep(whole(m, job.voltages, start, run))
 
 

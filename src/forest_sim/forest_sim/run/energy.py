@@ -14,8 +14,8 @@
 | stored | in the pressure and the motion of the oil, less what was there at the start |
 
 The recorded flows of `power` close at every instant, so their integrals close whatever the states do: their
-sum tests nothing of a run. `settled` therefore tells `stored` from the oil's states at both ends. What the
-account then leaves open, `unaccounted`, is the error of the integration.
+sum tests nothing of a run. `with_stored_energy` therefore computes `stored` from the oil's states at both
+ends. What the account then leaves open, `unaccounted`, is the error of the integration.
 """
 
 from typing import NamedTuple
@@ -58,7 +58,7 @@ _PARTS = {
 }
 
 
-def heat_in(energies: Floats) -> float:
+def dissipated_energy(energies: Floats) -> float:
     """Return what rows of energies turned into heat [J]: all but work on the links and what is stored."""
     total = account(np.sum(energies, axis=0))
     return float(total.engine - total.mechanical - total.stops - total.stored)
@@ -80,7 +80,7 @@ def _places(name: str) -> list[int]:
     return [ENERGY.index(f"{axis}_{name}") for axis in AXES]
 
 
-def settled(total: Account, first: Simulation, last: Simulation, p: PlantParameters) -> Account:
+def with_stored_energy(total: Account, first: Simulation, last: Simulation, p: PlantParameters) -> Account:
     """Return a run's account with `stored` told by the states at both ends instead of by integrated power.
 
     Args:

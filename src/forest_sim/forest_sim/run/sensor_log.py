@@ -25,10 +25,10 @@ from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import restore
 from forest_sim.solver.thermal import parameters_at
 
-Observed = dict[Topic, Floats]
+TopicTables = dict[Topic, Floats]
 TopicValues = dict[Topic, tuple[float, ...]]
 
-OBSERVED = (
+LOGGED_TOPICS = (
     topics.JOINT_STATES,
     topics.ACTUATOR_STATES,
     topics.PRESSURES,
@@ -53,7 +53,7 @@ class Sensing(NamedTuple):
 EXACT = Sensing()
 
 
-class Observer:
+class SensorLog:
     """Sensors along a run; they remember, so blocks come in order. NaN: there is no reading."""
 
     def __init__(self, machine: Machine, rate: float, sensing: Sensing = EXACT) -> None:
@@ -64,14 +64,14 @@ class Observer:
         self._around = sensor_readings.surroundings(machine)
         self._sensors: SensorRun | None = None
 
-    def observe(self, block: Block) -> Observed:
+    def observe(self, block: Block) -> TopicTables:
         """Return the numbers of every topic, one row per row of the block."""
         temperature = float(block.temperature[0])
         if math.isfinite(temperature):
             self._plant = parameters_at(self._machine, temperature)
             self._around = self._around._replace(temperatures=(temperature,) * 3)
             if self._sensors is not None:
-                self._sensors.learn(self._plant, self._around)
+                self._sensors.set_plant(self._plant, self._around)
         rows = [self._sample(restore(row)) for row in block.states]
         observed = {topic: np.array([row[topic] for row in rows], dtype=np.float64) for topic in rows[0]}
         return observed | {topics.VALVE_VOLTAGES: block.voltages}

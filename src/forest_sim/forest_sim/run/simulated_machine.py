@@ -69,7 +69,7 @@ class SimulatedMachine:
         """Let spools be stuck and a force act on the tip, from now on."""
         self._disturbance = disturbance
         self._plant = disturbed(self._undisturbed, disturbance)
-        self._sensors.learn(self._plant, self._around)
+        self._sensors.set_plant(self._plant, self._around)
 
     def step(self, voltages: Vec3) -> Report:
         """Move on by a period under held voltages [V]; return what the sensors say then, and the truth."""

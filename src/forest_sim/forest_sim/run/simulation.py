@@ -15,7 +15,7 @@ from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats, Vec3
 from forest_sim.run.disturbance import UNDISTURBED, Disturbance, disturbed
-from forest_sim.run.energy import heat_in
+from forest_sim.run.energy import dissipated_energy
 from forest_sim.run.inputs import Voltages
 from forest_sim.solver import step_schedule
 from forest_sim.solver.compiled_plant import fastest_record
@@ -72,12 +72,12 @@ def start_angles(machine: Machine, tip: Vec3 | None = None) -> Vec3:
     except ValueError as error:
         raise RunError(f"{given} is out of reach; {reach}") from error
     try:
-        return checked_angles(machine, angles)
+        return require_within_limits(machine, angles)
     except RunError as error:
         raise RunError(f"{given} is out of reach: it needs the {error}") from error
 
 
-def checked_angles(machine: Machine, angles: Vec3) -> Vec3:
+def require_within_limits(machine: Machine, angles: Vec3) -> Vec3:
     """Return joint angles [rad] if they lie within the joints' limits.
 
     Raises:
@@ -143,7 +143,7 @@ def blocks(
         yield Block(after, voltages.at(after), states, energies, np.full(count, temperature))
         if oil is not None:
             time = count / run.rate
-            temperature = temperature_after(temperature, heat_in(energies) / time, oil, time)
+            temperature = temperature_after(temperature, dissipated_energy(energies) / time, oil, time)
             p = disturbed(parameters_at(machine, temperature), disturbance)
 
 

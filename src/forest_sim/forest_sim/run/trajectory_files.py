@@ -24,7 +24,7 @@ from forest_msgs_py.interfaces.topics import (
 from forest_msgs_py.serialization.batch_encoder import Encoder
 from forest_msgs_py.serialization.cdr import to_cdr
 from forest_sim.run.energy import Account, account
-from forest_sim.run.sensor_log import OBSERVED, Observed
+from forest_sim.run.sensor_log import LOGGED_TOPICS, TopicTables
 from forest_sim.run.simulation import Block
 from forest_sim.solver.integrator import Events
 from forest_sim.solver.state_recording import STATE
@@ -72,13 +72,13 @@ class TrajectoryFiles:
         self._csv = self.csv.open("w", encoding="utf-8", newline="\n")
         self._csv.write(csv_header() + "\n")
         self._writer = BagWriter(self.bag, Layout(chunk_bytes=CHUNK_BYTES))
-        self._encoders = {topic: Encoder(topic, FRAME) for topic in OBSERVED}
-        for topic in (ROBOT_DESCRIPTION, *OBSERVED):
+        self._encoders = {topic: Encoder(topic, FRAME) for topic in LOGGED_TOPICS}
+        for topic in (ROBOT_DESCRIPTION, *LOGGED_TOPICS):
             self._writer.add_topic(_resolved(topic), topic.type, [offered_qos(topic)], "")
         text = to_cdr(message_class(ROBOT_DESCRIPTION)(data=robot_description(machine)))
         self._writer.write(_resolved(ROBOT_DESCRIPTION), text, 0, 0, 1)
 
-    def write(self, block: Block, observed: Observed) -> None:
+    def write(self, block: Block, observed: TopicTables) -> None:
         """Append a block.
 
         Raises:
@@ -86,7 +86,7 @@ class TrajectoryFiles:
         """
         self._write_csv(block, observed[GROUND_TRUTH_TIP_POSE][:, :3])
         stamps = np.round(block.time * 1e9).astype(np.int64)
-        encoded = [(_resolved(t), self._encoders[t].encode(stamps, observed[t])) for t in OBSERVED]
+        encoded = [(_resolved(t), self._encoders[t].encode(stamps, observed[t])) for t in LOGGED_TOPICS]
         for row, stamp in enumerate(stamps.tolist()):
             self._sequence += 1
             for name, messages in encoded:
@@ -105,7 +105,7 @@ class TrajectoryFiles:
             self._writer.close()
 
 
-class Thinned:
+class DecimatedRows:
     """A run small enough for pictures: all rows of a short one, every 2nd, 4th, 8th … of a long one."""
 
     LIMIT = 20_000  # rows
@@ -142,7 +142,7 @@ def _resolved(topic: Topic) -> str:
 
 
 @contextlib.contextmanager
-def naming(directory: Path) -> Iterator[None]:
+def path_in_errors(directory: Path) -> Iterator[None]:
     """Have errors say where something could not be written; that of a full disk does not by itself."""
     try:
         yield

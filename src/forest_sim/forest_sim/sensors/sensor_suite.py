@@ -93,18 +93,18 @@ def sensor_suite(
 
     Thesis section 4.2.2: the rate of the data acquisition.
     """
-    luck = iter(np.random.default_rng([seed, 0]).uniform(-1.0, 1.0, len(CHANNELS)).tolist())
+    shares = iter(np.random.default_rng([seed, 0]).uniform(-1.0, 1.0, len(CHANNELS)).tolist())
     channels = []
     for kind in KINDS:
-        there = getattr(machine.sensors, kind.name) is not None
+        fitted = getattr(machine.sensors, kind.name) is not None
         for name in kind.channels:
-            share = next(luck)
+            share = next(shares)
             made = (
                 _calibrated(_channel(kind.name, name, machine, share), name, machine)
-                if there and noise
+                if fitted and noise
                 else EXACT
             )
-            channels.append(made if there else made._replace(mode=ABSENT))
+            channels.append(made if fitted else made._replace(mode=ABSENT))
     return Suite(tuple(channels), 1.0 / machine.sensors.sample_rate if noise else 0.0, faults, seed)
 
 

@@ -35,7 +35,7 @@ class SupplyError(NamedTuple):
     slope: float  # by P_s [m^3/Pa]
     by_rate: Vec3  # by the joint rates [m^3 s], which is also -d(residual of the joints)/dP_s
     feeds: tuple[Pair, Pair, Pair]  # d(flow into hose 1, 2)/dP_s of swing, boom, stick [m^3/(s Pa)]
-    state: SupplyState  # P_s [Pa] of the guess, and the P_r that follows from it
+    state: SupplyState  # P_s [Pa] of the iterate, and the P_r that follows from it
 
 
 def supply_error(
@@ -47,7 +47,7 @@ def supply_error(
     h: float,
     p: PlantParameters,
 ) -> SupplyError:
-    """Return the manifold's equation, C (P_s - base) = h (delivered - drawn), at a guess."""
+    """Return the manifold's equation, C (P_s - base) = h (delivered - drawn), at an iterate."""
     one = _axis_draw(axes[0], ports[0], supply, p.swing, h)
     two = _axis_draw(axes[1], ports[1], supply, p.boom, h)
     three = _axis_draw(axes[2], ports[2], supply, p.stick, h)
