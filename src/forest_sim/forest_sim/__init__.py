@@ -6,7 +6,7 @@ In the order in which data passes:
 - `mechanics`: Laws of the rigid links, the hanging head, dry friction and end stops.
 - `solver`: The equations of motion together, and their steps in time, interpreted or compiled.
 - `sensors`: What the machine's sensors report of its true state.
-- `run`: Runs without a graph: inputs, disturbances, energy account, records on disk, many runs at once.
+- `simulation`: Machines under way, with or without a graph: inputs, disturbances, energy, records, batches.
 - `compiled`: The simulator's kernels, plant and sensors, made beforehand.
 - `simulator_node`: The machine as a node: takes /valve_voltages, keeps the graph's time, publishes what its
   sensors report.

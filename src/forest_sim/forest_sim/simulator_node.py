@@ -31,11 +31,11 @@ from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_msgs_py.safety.diagnostics import Health, beyond, rating_values
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
-from forest_sim.run.deadlines import Deadlines
-from forest_sim.run.disturbance import parse_disturbance
-from forest_sim.run.sensor_log import topic_values
-from forest_sim.run.simulator_parameters import SimulatorParameters, simulated_machine
-from forest_sim.run.voltage_input import VoltageInput
+from forest_sim.simulation.deadlines import Deadlines
+from forest_sim.simulation.disturbance import parse_disturbance
+from forest_sim.simulation.sensor_log import topic_values
+from forest_sim.simulation.simulator_parameters import SimulatorParameters, simulated_machine
+from forest_sim.simulation.voltage_command import VoltageInput
 
 FRAME = "base_link"
 FRAMED = (topics.POSE, topics.TWIST)  # types

@@ -3,7 +3,7 @@
 It is what the graph in lockstep does, much faster: row k is step k + 1, and with exact sensors voltages and
 states are the same to the last bit, what is derived of them to rounding. With noise they are not: the
 operator sees the true angles here, and the sensors draw in another order. The oil warms as it does in
-`forest_sim.run.simulation`; a bench's is kept at one temperature by its cooler.
+`forest_sim.simulation.open_loop`; a bench's is kept at one temperature by its cooler.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_suite import Suite
 from forest_sim.solver.compiled_plant import FlatPlant
 from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.oil_temperature import UPDATE_PERIOD, heat, parameters_at, temperature_after
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
-from forest_sim.solver.power import power_flows
-from forest_sim.solver.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after
+from forest_sim.solver.power_flows import power_flows
 
 SUBSTEPS = 5
 STANDING: Vec3 = (0.0, 0.0, 0.0)  # [V]

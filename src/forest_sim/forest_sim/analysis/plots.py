@@ -15,9 +15,9 @@ from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.serialization.batch_encoder import columns
 from forest_sim.analysis.mode_map import MapPoint
-from forest_sim.run.energy import Account
-from forest_sim.run.sensor_log import LOGGED_TOPICS
-from forest_sim.run.trajectory_files import Rows
+from forest_sim.simulation.energy_account import Account
+from forest_sim.simulation.sensor_log import LOGGED_TOPICS
+from forest_sim.simulation.trajectory_files import Rows
 
 L_MIN_PER_M3_S = 60_000.0
 # Each entry of the account keeps its colour in every picture.

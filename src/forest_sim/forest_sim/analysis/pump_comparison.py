@@ -20,10 +20,10 @@ from forest_description.components.pump import (
 )
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
-from forest_sim.analysis.summary import Summary
-from forest_sim.run.energy import Account, account
-from forest_sim.run.inputs import Voltages
-from forest_sim.run.simulation import Run, blocks
+from forest_sim.analysis.run_summary import Summary
+from forest_sim.simulation.energy_account import Account, account
+from forest_sim.simulation.open_loop import Run, blocks
+from forest_sim.simulation.voltage_profiles import Voltages
 
 FILES = Path(__file__).resolve().parents[1] / "pumps"
 SORTS: dict[type[Any], str] = {

@@ -16,20 +16,20 @@ from forest_compile.kernel_cache import can_compile
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_description.types import AXES, Vec3
-from forest_sim.analysis import check, mode_map, modes, pump_comparison, summary
-from forest_sim.analysis.friction_ends import (
+from forest_sim.analysis import machine_check, mode_map, modes, pump_comparison, run_summary
+from forest_sim.analysis.friction_linearisation import (
     axes_with_friction,
     large_heading,
     small_heading,
     without_dry_friction,
 )
-from forest_sim.run.disturbance import UNDISTURBED, Disturbance
-from forest_sim.run.energy import account
-from forest_sim.run.inputs import Voltages
-from forest_sim.run.sensor_log import EXACT, Sensing, SensorLog
-from forest_sim.run.simulation import Run, RunError, blocks, substeps
-from forest_sim.run.trajectory_files import DecimatedRows, TrajectoryFiles, path_in_errors
 from forest_sim.sensors.sensor_readings import true_joints
+from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
+from forest_sim.simulation.energy_account import account
+from forest_sim.simulation.open_loop import Run, RunError, blocks, substeps
+from forest_sim.simulation.sensor_log import EXACT, Sensing, SensorLog
+from forest_sim.simulation.trajectory_files import DecimatedRows, TrajectoryFiles, path_in_errors
+from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant_parameters import plant_parameters
 
@@ -97,7 +97,8 @@ def simulate(
     substeps(run)
     new_directory(out)
     _warn_if_interpreted()
-    observer, kept, total = SensorLog(machine, run.rate, sensing), DecimatedRows(), summary.Summary(machine)
+    log, kept = SensorLog(machine, run.rate, sensing), DecimatedRows()
+    summary = run_summary.Summary(machine)
     progress = Progress(run.duration)
     with (
         path_in_errors(out),
@@ -105,15 +106,15 @@ def simulate(
         contextlib.closing(TrajectoryFiles(out, machine, run.rate)) as files,
     ):
         for block in blocks(machine, voltages, angles, run, disturbance):
-            observed = observer.observe(block)
+            observed = log.observe(block)
             files.write(block, observed)
             power = np.column_stack(account(block.energies)) * run.rate
             kept.add({"time": block.time, "power": power, **observed})
-            total.add(block)
+            summary.add(block)
             progress(float(block.time[-1]))
             if stopped:
                 raise KeyboardInterrupt
-    result = total.result(run, voltages.name, angles)
+    result = summary.result(run, voltages.name, angles)
     from forest_sim.analysis.plots import (
         draw_run,  # matplotlib takes half a second: no bad argument waits for it
     )
@@ -121,8 +122,8 @@ def simulate(
     with path_in_errors(out):
         (out / "summary.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
         drawn = draw_run(kept.columns(), machine, out)
-    print(summary.table(result))
-    for warning in summary.run_warnings(result):
+    print(run_summary.table(result))
+    for warning in run_summary.run_warnings(result):
         print(f"forest-sim: {warning}", file=sys.stderr)
     print("\n".join(f"  {path}" for path in (files.bag, files.csv, out / "summary.json", *drawn)))
     return 0
@@ -244,7 +245,7 @@ def map_modes(machine: Machine, spacing: float, out: Path) -> int:
 
 def show_check(machine: Machine) -> int:
     """Print what a machine file amounts to."""
-    print(check.report(machine))
+    print(machine_check.report(machine))
     return 0
 
 

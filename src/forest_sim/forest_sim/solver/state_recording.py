@@ -21,7 +21,7 @@ from forest_sim.solver.integrator import Events, Simulation, step
 from forest_sim.solver.multibody import HANGING_STILL, HeadState
 from forest_sim.solver.plant import AxisState, PlantState
 from forest_sim.solver.plant_parameters import PlantParameters
-from forest_sim.solver.power import AxisPower, SupplyPower, power_flows
+from forest_sim.solver.power_flows import AxisPower, SupplyPower, power_flows
 from forest_sim.solver.step_schedule import StepSchedule, schedule_of
 
 STATE = (

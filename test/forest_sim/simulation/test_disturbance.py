@@ -9,7 +9,7 @@ from forest_description.derived.limits import pose_at, start_tip
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
 from forest_description.types import AXES
-from forest_sim.run.disturbance import (
+from forest_sim.simulation.disturbance import (
     GREATEST_FORCE,
     Disturbance,
     checked_tip_force,

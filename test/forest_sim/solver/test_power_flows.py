@@ -13,7 +13,7 @@ from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant import ports_at, state_derivative
 from forest_sim.solver.plant_parameters import plant_parameters
-from forest_sim.solver.power import power_flows
+from forest_sim.solver.power_flows import power_flows
 
 THESIS, C180 = load_machine("c180_thesis"), load_machine("c180")
 LEAKY = replace(C180.valve, deadband_voltage=-0.3, leakage_conductance=1e-13, port_2_area=0.7)

@@ -10,14 +10,14 @@ from forest_description.derived.limits import joint_limits, workspace_limits
 from forest_description.derived.line_bandwidth import one_lump_warnings
 from forest_description.machine import Machine
 from forest_description.types import AXES, Vec3
-from forest_sim.analysis.friction_ends import (
+from forest_sim.analysis.friction_linearisation import (
     axes_with_friction,
     large_heading,
     small_heading,
     without_dry_friction,
 )
 from forest_sim.analysis.modes import SHUT, Mode, modes, operating_point, slow_modes, unguarded
-from forest_sim.run.simulation import start_angles
+from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant_parameters import plant_parameters
 

@@ -6,10 +6,10 @@ from forest_description.derived.limits import pose_at
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 from forest_msgs_py.runtime.parameter_table import Parameter, ParameterError, tunable
-from forest_sim.run.disturbance import parse_disturbance
-from forest_sim.run.simulated_machine import SimulatedMachine
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_suite import calibrated, sensor_suite
+from forest_sim.simulation.disturbance import parse_disturbance
+from forest_sim.simulation.simulated_machine import SimulatedMachine
 
 
 class SimulatorParameters(NamedTuple):

@@ -23,9 +23,9 @@ from forest_msgs_py.interfaces.topics import (
 )
 from forest_msgs_py.serialization.batch_encoder import Encoder
 from forest_msgs_py.serialization.cdr import to_cdr
-from forest_sim.run.energy import Account, account
-from forest_sim.run.sensor_log import LOGGED_TOPICS, TopicTables
-from forest_sim.run.simulation import Block
+from forest_sim.simulation.energy_account import Account, account
+from forest_sim.simulation.open_loop import Block
+from forest_sim.simulation.sensor_log import LOGGED_TOPICS, TopicTables
 from forest_sim.solver.integrator import Events
 from forest_sim.solver.state_recording import STATE
 

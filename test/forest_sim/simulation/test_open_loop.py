@@ -10,10 +10,15 @@ import pytest
 from energies import kinetic_energy, potential_energy
 
 from forest_description.machine import load_machine
-from forest_sim.run import inputs
-from forest_sim.run.energy import Account, account, dissipated_energy, unaccounted, with_stored_energy
-from forest_sim.run.sensor_log import EXACT, SensorLog
-from forest_sim.run.simulation import (
+from forest_sim.simulation import voltage_profiles
+from forest_sim.simulation.energy_account import (
+    Account,
+    account,
+    dissipated_energy,
+    unaccounted,
+    with_stored_energy,
+)
+from forest_sim.simulation.open_loop import (
     Run,
     RunError,
     blocks,
@@ -22,12 +27,13 @@ from forest_sim.run.simulation import (
     substeps,
     whole,
 )
-from forest_sim.run.trajectory_files import DecimatedRows
+from forest_sim.simulation.sensor_log import EXACT, SensorLog
+from forest_sim.simulation.trajectory_files import DecimatedRows
 from forest_sim.solver import state_recording
 from forest_sim.solver.compiled_plant import compiled_advance, compiled_record, fastest_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant_parameters import plant_parameters
-from forest_sim.solver.power import power_flows
+from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE, restore
 from forest_sim.solver.step_schedule import even
 
@@ -50,7 +56,7 @@ def links_energy(row, p):
 
 def test_rows_are_the_integrators_states_under_the_voltages_of_each_step():
     dry = replace(C180, oil=None)
-    voltages, p = inputs.chirp(6.0, 1.0, 5.0, 3.0), plant_parameters(dry)
+    voltages, p = voltage_profiles.chirp(6.0, 1.0, 5.0, 3.0), plant_parameters(dry)
     run = whole(dry, voltages, START, Run(2.5))
     now, advance = equilibrium(START, p), compiled_advance()
     assert restore(run.states[0]) == now
@@ -67,7 +73,7 @@ def test_rows_are_the_integrators_states_under_the_voltages_of_each_step():
 def test_a_critical_centre_and_a_lagging_spool_hold_and_keep_account_after_the_voltage_is_gone():
     """Without overlap the spool's opening went on to fall, until nothing finite was left of a shut valve."""
     critical = replace(C180, valve=replace(C180.valve, deadband_voltage=0.0))
-    run = whole(critical, inputs.steps(8.0), START, Run(15.0))
+    run = whole(critical, voltage_profiles.steps(8.0), START, Run(15.0))
     assert np.all(np.isfinite(run.states))
     assert np.all(run.states[-1, STATE.index("swing_spool_position")] < 1e-170)
     total = account_of(run, critical)
@@ -75,7 +81,7 @@ def test_a_critical_centre_and_a_lagging_spool_hold_and_keep_account_after_the_v
 
 
 def test_the_oil_warms_by_what_the_machine_loses_and_the_run_goes_on_with_it():
-    voltages, oil = inputs.chirp(9.0, 0.2, 0.4, 20.0), C180.oil
+    voltages, oil = voltage_profiles.chirp(9.0, 0.2, 0.4, 20.0), C180.oil
     small = replace(C180, oil=replace(oil, volume=0.005))
     run = whole(small, voltages, START, Run(20.0))
     warmed = run.temperature[-1] - run.temperature[0]
@@ -93,7 +99,7 @@ def test_what_a_run_holds_in_memory_does_not_grow_with_its_length():
     """A day has 86 400 blocks; the bag's part of the claim is test_bag_splits'."""
     held, observer, kept = [], SensorLog(C180, 10.0, EXACT), DecimatedRows()
     kept.LIMIT = 20
-    for second, block in enumerate(blocks(C180, inputs.steps(), START, Run(40.0, 10.0))):
+    for second, block in enumerate(blocks(C180, voltage_profiles.steps(), START, Run(40.0, 10.0))):
         kept.add({"time": block.time, **observer.observe(block)})
         if second in (15, 40):
             gc.collect()
@@ -102,16 +108,16 @@ def test_what_a_run_holds_in_memory_does_not_grow_with_its_length():
 
 
 def test_blocks_hold_the_same_rows_whatever_the_length_of_the_run():
-    long = whole(C180, inputs.steps(), START, Run(2.37))
-    parts = list(blocks(C180, inputs.steps(), START, Run(2.37)))
+    long = whole(C180, voltage_profiles.steps(), START, Run(2.37))
+    parts = list(blocks(C180, voltage_profiles.steps(), START, Run(2.37)))
     assert [len(part.time) for part in parts] == [1, 200, 200, 74]
     np.testing.assert_array_equal(np.concatenate([part.states for part in parts]), long.states)
-    short = whole(C180, inputs.steps(), START, Run(1.0))
+    short = whole(C180, voltage_profiles.steps(), START, Run(1.0))
     np.testing.assert_array_equal(short.states, long.states[:201])
 
 
 def test_a_block_without_llvm_is_the_same_one():
-    p, volts = plant_parameters(C180), inputs.steps().at(0.5 + np.arange(100) * 1e-3)
+    p, volts = plant_parameters(C180), voltage_profiles.steps().at(0.5 + np.arange(100) * 1e-3)
     one, other = (np.zeros((20, len(STATE))) for _ in range(2))
     energy, other_energy = (np.zeros((20, len(ENERGY))) for _ in range(2))
     state_recording.record(equilibrium(START, p), volts, even(1e-3, 20, 5), p, one, energy)
@@ -122,7 +128,7 @@ def test_a_block_without_llvm_is_the_same_one():
 
 @pytest.mark.parametrize("record", [state_recording.record, fastest_record()], ids=["interpreted", "fastest"])
 def test_states_are_the_same_with_and_without_energies(record):
-    p, volts = plant_parameters(C180), inputs.steps().at(0.5 + np.arange(20) * 1e-3)
+    p, volts = plant_parameters(C180), voltage_profiles.steps().at(0.5 + np.arange(20) * 1e-3)
     one, other = (np.zeros((4, len(STATE))) for _ in range(2))
     record(equilibrium(START, p), volts, even(1e-3, 4, 5), p, one, np.zeros((4, len(ENERGY))))
     record(equilibrium(START, p), volts, 1e-3, p, other, None)  # a length stands for even steps
@@ -130,7 +136,9 @@ def test_states_are_the_same_with_and_without_energies(record):
 
 
 @pytest.mark.parametrize("machine", [THESIS, C180], ids=["thesis", "c180"])
-@pytest.mark.parametrize("voltages", [inputs.steps(10.0), inputs.chirp(), inputs.thesis()])
+@pytest.mark.parametrize(
+    "voltages", [voltage_profiles.steps(10.0), voltage_profiles.chirp(), voltage_profiles.thesis()]
+)
 def test_the_energy_account_closes_within_half_a_percent_of_the_input(machine, voltages):
     """Against what oil and links hold at the end, and at a finer step."""
     p = plant_parameters(machine)
@@ -146,7 +154,7 @@ def test_the_energy_account_closes_within_half_a_percent_of_the_input(machine, v
 
 
 def test_steps_too_long_for_what_happens_are_seen_in_the_account():
-    run = whole(C180, inputs.steps(10.0), START, Run(20.0, 20.0, 5e-2))
+    run = whole(C180, voltage_profiles.steps(10.0), START, Run(20.0, 20.0, 5e-2))
     total = account_of(run, C180)
     assert abs(unaccounted(total)) > 0.005 * total.engine
 
@@ -181,7 +189,9 @@ def test_a_wrong_power_that_closes_at_every_instant_opens_the_account(part, term
 
 
 def test_a_resting_crane_takes_nothing_from_an_ideal_pump():
-    run = whole(THESIS, inputs.Voltages("rest", lambda t: np.zeros((len(t), 3)), 1.0), START, Run(1.0))
+    run = whole(
+        THESIS, voltage_profiles.Voltages("rest", lambda t: np.zeros((len(t), 3)), 1.0), START, Run(1.0)
+    )
     assert np.abs(account(run.energies.sum(axis=0))).max() < 1e-3
     np.testing.assert_allclose(run.states[-1, :18], run.states[0, :18], atol=1e-6)
 

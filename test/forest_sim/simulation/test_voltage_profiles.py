@@ -5,8 +5,8 @@ import pickle
 import numpy as np
 import pytest
 
-from forest_sim.run import inputs
-from forest_sim.run.inputs import InputError, read_voltages
+from forest_sim.simulation import voltage_profiles
+from forest_sim.simulation.voltage_profiles import InputError, read_voltages
 
 
 def volts(voltages, *times):
@@ -24,7 +24,7 @@ def table(tmp_path):
 
 
 def test_steps_drive_one_axis_at_a_time_to_both_sides():
-    step = inputs.steps(4.0)
+    step = voltage_profiles.steps(4.0)
     assert step.duration == 9.5
     assert volts(step, 0.0, 0.5, 1.499, 1.5) == [[0, 0, 0], [4, 0, 0], [4, 0, 0], [0, 0, 0]]
     assert volts(step, 2.5, 4.0, 5.5, 7.0, 8.5) == [[-4, 0, 0], [0, 4, 0], [0, -4, 0], [0, 0, 4], [0, 0, -4]]
@@ -33,7 +33,7 @@ def test_steps_drive_one_axis_at_a_time_to_both_sides():
 
 def test_the_chirp_sweeps_each_axis_from_the_first_to_the_last_frequency():
     h = 1e-4
-    chirp = inputs.chirp(3.0, 0.5, 5.0, 60.0)
+    chirp = voltage_profiles.chirp(3.0, 0.5, 5.0, 60.0)
     for axis in range(3):
         time = np.arange(0.0, 20.0, h)
         wave = chirp.at(20.0 * axis + time)
@@ -47,11 +47,11 @@ def test_the_chirp_sweeps_each_axis_from_the_first_to_the_last_frequency():
 
 def test_a_chirp_whose_frequencies_fall_is_refused():
     with pytest.raises(InputError, match="from 5 to 1 Hz; allowed: 0 < from < to"):
-        inputs.chirp(3.0, 5.0, 1.0)
+        voltage_profiles.chirp(3.0, 5.0, 1.0)
 
 
 def test_the_thesis_input_pulls_swing_and_stick_both_ways_without_jumps():
-    thesis = inputs.thesis(5.0)
+    thesis = voltage_profiles.thesis(5.0)
     wave = thesis.at(np.arange(0.0, thesis.duration, 1e-3))
     assert wave.max(axis=0).tolist() == [5.0, 0.0, 5.0]
     assert wave.min(axis=0).tolist() == [-5.0, 0.0, -5.0]
@@ -98,7 +98,9 @@ def test_a_file_that_is_not_there_is_one_sentence(tmp_path):
         read_voltages(tmp_path / "nowhere.csv")
 
 
-@pytest.mark.parametrize("voltages", [inputs.steps(), inputs.chirp(), inputs.thesis()])
+@pytest.mark.parametrize(
+    "voltages", [voltage_profiles.steps(), voltage_profiles.chirp(), voltage_profiles.thesis()]
+)
 def test_inputs_go_to_other_processes(voltages):
     times = np.linspace(0.0, 60.0, 1001)
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(voltages)).at(times), voltages.at(times))

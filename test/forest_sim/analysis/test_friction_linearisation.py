@@ -11,7 +11,7 @@ from scipy.integrate import quad
 
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
-from forest_sim.analysis.friction_ends import (
+from forest_sim.analysis.friction_linearisation import (
     amplitude_limits,
     axes_with_friction,
     equivalent_damping,
@@ -21,7 +21,7 @@ from forest_sim.analysis.mode_map import map_csv, mode_map
 from forest_sim.analysis.modes import modes, slow_modes
 from forest_sim.cli.main import main
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force, friction_slope
-from forest_sim.run.simulation import start_angles
+from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.plant_parameters import plant_parameters
 
 LOADER = load_machine("loader")

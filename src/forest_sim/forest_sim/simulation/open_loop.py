@@ -14,17 +14,17 @@ from forest_description.derived.limits import joint_limits, start_tip, workspace
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats, Vec3
-from forest_sim.run.disturbance import UNDISTURBED, Disturbance, disturbed
-from forest_sim.run.energy import dissipated_energy
-from forest_sim.run.inputs import Voltages
+from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance, disturbed
+from forest_sim.simulation.energy_account import dissipated_energy
+from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver import step_schedule
 from forest_sim.solver.compiled_plant import fastest_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.oil_temperature import UPDATE_PERIOD, parameters_at, temperature_after
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE, store
 from forest_sim.solver.step_schedule import StepSchedule
-from forest_sim.solver.thermal import UPDATE_PERIOD, parameters_at, temperature_after
 
 BLOCK = UPDATE_PERIOD  # [s]
 LIMIT_TOLERANCE = 1e-9  # [rad]

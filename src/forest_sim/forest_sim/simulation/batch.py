@@ -14,8 +14,8 @@ from typing import NamedTuple, TypeVar
 from forest_compile.kernel_cache import can_compile
 from forest_description.machine import Machine
 from forest_description.types import Vec3
-from forest_sim.run.inputs import Voltages
-from forest_sim.run.simulation import Block, Run, require_within_limits, start_angles, whole
+from forest_sim.simulation.open_loop import Block, Run, require_within_limits, start_angles, whole
+from forest_sim.simulation.voltage_profiles import Voltages
 
 T = TypeVar("T")
 

@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim.analysis.check import warnings
+from forest_sim.analysis.machine_check import warnings
 
 C180 = load_machine("c180")
 

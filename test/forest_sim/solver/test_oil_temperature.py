@@ -9,9 +9,15 @@ from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.oil_temperature import (
+    UPDATE_PERIOD,
+    heat,
+    parameters_at,
+    temperature_after,
+    temperature_rate,
+)
 from forest_sim.solver.plant_parameters import plant_parameters
-from forest_sim.solver.power import power_flows
-from forest_sim.solver.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after, temperature_rate
+from forest_sim.solver.power_flows import power_flows
 
 MACHINE = load_machine("c180")
 OIL = MACHINE.oil

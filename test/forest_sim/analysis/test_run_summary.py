@@ -4,8 +4,8 @@ import copy
 
 import pytest
 
-from forest_sim.analysis.summary import run_warnings
-from forest_sim.run.energy import Account
+from forest_sim.analysis.run_summary import run_warnings
+from forest_sim.simulation.energy_account import Account
 from forest_sim.solver.integrator import Events
 
 SOUND = {

@@ -16,16 +16,16 @@ from forest_bag.read.timeseries import read_bag
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
-from forest_sim.run import inputs
-from forest_sim.run.energy import account
-from forest_sim.run.sensor_log import LOGGED_TOPICS, SensorLog
-from forest_sim.run.simulation import Run, blocks, start_angles, whole
-from forest_sim.run.trajectory_files import DecimatedRows, TrajectoryFiles
+from forest_sim.simulation import voltage_profiles
+from forest_sim.simulation.energy_account import account
+from forest_sim.simulation.open_loop import Run, blocks, start_angles, whole
+from forest_sim.simulation.sensor_log import LOGGED_TOPICS, SensorLog
+from forest_sim.simulation.trajectory_files import DecimatedRows, TrajectoryFiles
 from forest_sim.solver.state_recording import STATE
 
 C180 = load_machine("c180")
 START = start_angles(C180)
-VOLTAGES, RUN = inputs.steps(), Run(1.6)
+VOLTAGES, RUN = voltage_profiles.steps(), Run(1.6)
 ROWS = 321  # the start and 1.6 s at 200 Hz
 
 
@@ -149,16 +149,16 @@ def test_memory_does_not_grow_with_the_length_of_a_run(tmp_path):
         import resource, sys
         from pathlib import Path
         from forest_description.machine import load_machine
-        from forest_sim.run import inputs
+        from forest_sim.simulation import voltage_profiles
         from forest_sim.analysis import plots
         from forest_sim.cli.commands import simulate
-        from forest_sim.run.simulation import Run, start_angles
-        from forest_sim.run.trajectory_files import DecimatedRows
+        from forest_sim.simulation.open_loop import Run, start_angles
+        from forest_sim.simulation.trajectory_files import DecimatedRows
         DecimatedRows.LIMIT = 1000
         plots.draw_run = lambda *_: []
         machine, seconds = load_machine("c180"), float(sys.argv[1])
         run = Run(seconds)
-        simulate(machine, inputs.steps(), start_angles(machine), run, Path(sys.argv[2]))
+        simulate(machine, voltage_profiles.steps(), start_angles(machine), run, Path(sys.argv[2]))
         print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
     """
     peaks = []

@@ -5,17 +5,17 @@ What the simulator node wraps. Faults and the force on the tip may change betwee
 
 from forest_description.machine import Machine
 from forest_description.types import Vec3
-from forest_sim.run.disturbance import UNDISTURBED, Disturbance, disturbed
 from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_readings import Report
 from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import Suite
+from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance, disturbed
 from forest_sim.solver.compiled_plant import ready_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Events, advance
+from forest_sim.solver.oil_temperature import UPDATE_PERIOD, heat, parameters_at, temperature_after
 from forest_sim.solver.plant_parameters import plant_parameters
-from forest_sim.solver.power import power_flows
-from forest_sim.solver.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after
+from forest_sim.solver.power_flows import power_flows
 
 STEP = 1e-3  # [s] of the integrator
 LOSS_SAMPLES = 10  # in an update of the oil's temperature

@@ -21,7 +21,7 @@ from forest_description.components.oil import COLDEST, HOTTEST, Oil
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine
 from forest_sim.solver.plant_parameters import PlantParameters, parameters_of
-from forest_sim.solver.power import PowerFlows
+from forest_sim.solver.power_flows import PowerFlows
 
 UPDATE_PERIOD = 1.0  # [s] of simulated time, in which a machine at full loss warms by a quarter of a degree
 

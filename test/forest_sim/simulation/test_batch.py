@@ -7,9 +7,9 @@ import pytest
 
 from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
-from forest_sim.run import inputs
-from forest_sim.run.batch import Job, simulate_many, simulate_one
-from forest_sim.run.simulation import Run, RunError
+from forest_sim.simulation import voltage_profiles
+from forest_sim.simulation.batch import Job, simulate_many, simulate_one
+from forest_sim.simulation.open_loop import Run, RunError
 from forest_sim.solver.state_recording import STATE
 
 C180 = load_machine("c180")
@@ -28,7 +28,7 @@ def jobs(count):
         replace(C180, manipulator=replace(manipulator, head_mass=manipulator.head_mass * draw))
         for draw in draws
     ]
-    return [Job(machine, inputs.chirp(8.0, 1.0, 4.0, 3.0)) for machine in machines]
+    return [Job(machine, voltage_profiles.chirp(8.0, 1.0, 4.0, 3.0)) for machine in machines]
 
 
 def test_parallel_runs_are_the_serial_ones_in_order():
