@@ -20,7 +20,7 @@ from forest_sim.simulation.voltage_profiles import InputError, read_voltages
 
 
 class CommanderNode(Node):
-    """Shell around `inputs`."""
+    """Shell around `voltage_profiles`."""
 
     def __init__(self) -> None:
         super().__init__("commander")

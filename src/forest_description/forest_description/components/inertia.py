@@ -6,8 +6,9 @@
 | I_xy | product about it, the integral of x y dm; the body is symmetric about the plane of x and y | kg m^2 |
 | S_xx, S_yy | integrals of x^2 dm, y^2 dm: (I_yy + I_zz - I_xx)/2, (I_xx + I_zz - I_yy)/2 | kg m^2 |
 
-A mass distribution has S_xx, S_yy, S_zz >= 0 (no moment is above the other two together) and I_xy^2 <= S_xx
-S_yy. A plane body, of no width across the crane's plane, has S_zz = 0, which is I_zz = I_xx + I_yy.
+A mass distribution has S_xx, S_yy, S_zz >= 0 (no moment is above the other two together) and I_xy^2
+<= S_xx S_yy. A plane body, of no width across the crane's plane, has S_zz = 0, which is I_zz = I_xx
++ I_yy.
 """
 
 import math

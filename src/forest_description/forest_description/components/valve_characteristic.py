@@ -8,9 +8,10 @@ Symbols:
     s       stroke of the spool beyond the overlap, (V − V_d)/(V_r − V_d), clipped to 0..1
     u       opening 0..1, in proportion to the orifice area: u = sqrt(C_Rmin / C_R)
 
-Sign: V > V_d connects port 1 to the supply and port 2 to the tank; V < −V_d the reverse. Each direction has
-its own overlap and gain. Figure 4.4, which shows the measured curve C_R(V), is lost; an area linear in the
-voltage beyond the overlap, u = s, is assumed unless the machine gives a polynomial or a table.
+Sign: V > V_d connects port 1 to the supply and port 2 to the tank; V < −V_d the reverse. Each
+direction has its own overlap and gain. Figure 4.4, which shows the measured curve C_R(V), is lost;
+an area linear in the voltage beyond the overlap, u = s, is assumed unless the machine gives a
+polynomial or a table.
 """
 
 import math
@@ -36,8 +37,8 @@ Knots = tuple[float, float, float, float, float, float, float, float, float, flo
 class Curve(NamedTuple):
     """u(s): linear; C_R/C_Rmin a polynomial of s; or a table, straight in between.
 
-    A table has its s in ``knots`` and its u in ``values``; a polynomial its coefficients in ``values``,
-    lowest power first. Unused places repeat a table's end and are zero in a polynomial.
+    A table has its s in ``knots`` and its u in ``values``; a polynomial its coefficients in
+    ``values``, lowest power first. Unused places repeat a table's end and are zero in a polynomial.
     """
 
     sort: int
@@ -127,8 +128,9 @@ def _curved_opening(s: float, curve: Curve) -> float:
 def resistance_at(opening: float, minimum_resistance: float) -> float:
     """Return C_R = C_Rmin / u² [Pa·s²/m⁶]; infinite when shut. Thesis eq. 3.1, 3.2, 4.1, 4.2.
 
-    An opening below ``SHUT`` is shut. A lagging spool that is centred without overlap comes ever nearer to
-    shut and never there: u² would vanish in rounding, and C_R Q|Q| be made of what is left of a flow.
+    An opening below ``SHUT`` is shut. A lagging spool that is centred without overlap comes ever
+    nearer to shut and never there: u² would vanish in rounding, and C_R Q|Q| be made of what is
+    left of a flow.
     """
     if opening < SHUT:
         return math.inf
@@ -138,8 +140,8 @@ def resistance_at(opening: float, minimum_resistance: float) -> float:
 def edges(spool_voltage: float, law: ValveLaw) -> Edges:
     """Return the four orifices at a spool position; all shut inside the overlap.
 
-    Thesis eq. 3.1, 3.2, 4.1, 4.2, fig. 2.5. Differs: the curve C_R(V) of fig. 4.4 is lost; this one is
-    assumed.
+    Thesis eq. 3.1, 3.2, 4.1, 4.2, fig. 2.5. Differs: the curve C_R(V) of fig. 4.4 is lost; this one
+    is assumed.
 
     Args:
         spool_voltage: Voltage that the spool's position stands for, either sign [V].
@@ -158,8 +160,8 @@ def edges(spool_voltage: float, law: ValveLaw) -> Edges:
 def voltage_for_opening(opening: float, law: ValveLaw) -> float:
     """Return the spool voltage that gives an opening with a direction [V].
 
-    No opening is 0 V, the middle of the overlap. On an underlapped valve, where both directions are open at
-    the centre, an opening is what one direction has more than the other.
+    No opening is 0 V, the middle of the overlap. On an underlapped valve, where both directions are
+    open at the centre, an opening is what one direction has more than the other.
 
     Args:
         opening: Wished opening, −1..1 (beyond is clipped); its sign is the direction.

@@ -1,12 +1,12 @@
 """A machine that nobody knows: ``unknown``, ``unknown:SEED`` or ``unknown:SEED:BASE`` in place of a name.
 
-What identification is there to find is drawn within 40 % of what the base (c180) says, each number on its
-own, evenly; a valve that the base tells once gets two unlike directions. What a person reads off a gauge, a
-plate or a drawing stays: pump, geometry, masses, sensors. An overlap stays below the voltages at which a
-valve's curve was measured.
+What identification is there to find is drawn within 40 % of what the base (c180) says, each number
+on its own, evenly; a valve that the base tells once gets two unlike directions. What a person reads
+off a gauge, a plate or a drawing stays: pump, geometry, masses, sensors. An overlap stays below the
+voltages at which a valve's curve was measured.
 
-Equal seeds (0, if none is told) give equal machines, everywhere: a record, a fit and a run along a path may
-each name ``unknown:7`` and mean one crane.
+Equal seeds (0, if none is told) give equal machines, everywhere: a record, a fit and a run along a
+path may each name ``unknown:7`` and mean one crane.
 
 What is drawn is written as a machine file, so that it is read, checked and shown as any other.
 """

@@ -9,9 +9,9 @@
 
     c(U) = 1/(pi U) integral over a period of F(U sin t) sin t dt        (describing function)
 
-c falls from the slope dF/du at rest towards zero. A linearisation about rest has the slope: it is for small
-oscillations, in which the seals stick. Large oscillations hardly feel the dry friction. About a steady motion
-the slope is that at its speed, and the same amplitudes hold.
+c falls from the slope dF/du at rest towards zero. A linearisation about rest has the slope: it is
+for small oscillations, in which the seals stick. Large oscillations hardly feel the dry friction.
+About a steady motion the slope is that at its speed, and the same amplitudes hold.
 """
 
 import math

@@ -105,8 +105,8 @@ def _sensor_warnings(machine: Machine) -> list[str]:
 def _inertia_warnings(machine: Machine) -> list[str]:
     """Return a sentence for each link whose mass would have to reach beyond its two ends.
 
-    Between joint and end, l apart, the integral of (x - x_c)^2 dm is at most m x_c (l - x_c). Moments about
-    the joint, taken for those about the centre of mass, exceed that.
+    Between joint and end, l apart, the integral of (x - x_c)^2 dm is at most m x_c (l - x_c).
+    Moments about the joint, taken for those about the centre of mass, exceed that.
     """
     m, found = machine.manipulator, []
     for link, mass, x, length, (xx, yy, zz) in (

@@ -45,7 +45,8 @@ def draw_run(kept: Rows, machine: Machine, out: Path) -> list[Path]:
     """Draw all pictures of a run.
 
     Args:
-        kept: "time" [N] s, "power" [N, 10] W in the order of `Account`, and each observed topic's columns.
+        kept: "time" [N] s, "power" [N, 10] W in the order of `Account`, and each observed topic's
+            columns.
         machine: what was simulated.
         out: directory for the files.
     """

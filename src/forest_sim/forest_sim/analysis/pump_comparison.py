@@ -1,8 +1,9 @@
 """The same machine with each of the four sorts of pump. Thesis section 2.2, fig. 2.3.
 
-What a sort needs and the machine's own pump does not say comes from the default machine and from the files in
-`pumps/`, where every number has its source. The voltages are the same, the motion is not: a load-sensing pump
-leaves the valve no more than its margin, and less goes through at the same opening. Hence the tip's path.
+What a sort needs and the machine's own pump does not say comes from the default machine and from
+the files in `pumps/`, where every number has its source. The voltages are the same, the motion is
+not: a load-sensing pump leaves the valve no more than its margin, and less goes through at the same
+opening. Hence the tip's path.
 """
 
 import dataclasses

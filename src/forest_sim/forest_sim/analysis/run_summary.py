@@ -62,8 +62,9 @@ class Summary:
     def energy(self) -> dict[str, float]:
         """Return the account [J]; `unaccounted` is what it leaves open.
 
-        What is stored is told by the oil's state at both ends. A valve that shuts at once stops a hose's flow
-        at once: its kinetic energy is then among the unaccounted, with the error of the integration.
+        What is stored is told by the oil's state at both ends. A valve that shuts at once stops a
+        hose's flow at once: its kinetic energy is then among the unaccounted, with the error of the
+        integration.
         """
         total = account(self._energies)
         if self._first is not None:

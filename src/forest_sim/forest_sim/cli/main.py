@@ -1,6 +1,7 @@
 """`forest-sim`: the simulator without a graph, from the command line.
 
-Every error is one sentence on standard error. Exit codes: 0 well, 1 failed, 2 wrong arguments, 130 stopped.
+Every error is one sentence on standard error. Exit codes: 0 well, 1 failed, 2 wrong arguments, 130
+stopped.
 """
 
 import argparse

@@ -1,8 +1,9 @@
 """What the machine's sensors report of its true state.
 
-The true values go through one law per channel (`channel`), with the errors, the noise and the faults of a
-suite (`sensor_suite`, `sensor_faults`); the default suite is exact. What no sensor measures is derived from
-their readings (`measurement`). NaN stands for what there is no reading of.
+The true values go through one law per channel (`sensor_model`), with the errors, the noise and the
+faults of a suite (`sensor_suite`, `sensor_faults`); the default suite is exact. What no sensor
+measures is derived from their readings (`signal_processing`). NaN stands for what there is no
+reading of.
 
 The pump's own flow passes unmeasured: table 4.2 has no meter there.
 """

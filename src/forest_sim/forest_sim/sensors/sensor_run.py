@@ -1,7 +1,7 @@
 """The sensors of one machine along a run: their suite, the draws of chance, and what they remember.
 
-`sensors.report` runs as machine code where that has been made (`python -m forest_sim.compiled`), and
-interpreted otherwise, with the same readings to the last bit.
+`sensor_readings.report` runs as machine code where that has been made (`python -m
+forest_sim.compiled`), and interpreted otherwise, with the same readings to the last bit.
 """
 
 from functools import lru_cache
@@ -82,4 +82,4 @@ def _entry() -> Entry:
 
 
 KERNEL = CachedKernel("sensors", _entry)
-"""`sensors.report` as machine code."""
+"""`sensor_readings.report` as machine code."""

@@ -1,10 +1,12 @@
 """Which sensors the machine has, in one fixed order, and what each unit of them is worth.
 
-A suite is made once, from the machine's file, a seed and faults. The seed gives every unit its static error,
-uniform within its accuracy unless the file tells what the unit's calibration found, and starts the generator
-of the samples' noise. Every channel has its own place in both, so that taking one away changes no other.
+A suite is made once, from the machine's file, a seed and faults. The seed gives every unit its
+static error, uniform within its accuracy unless the file tells what the unit's calibration found,
+and starts the generator of the samples' noise. Every channel has its own place in both, so that
+taking one away changes no other.
 
-Without noise a suite is exact: no error, lag, floor, resolution, range or sampling; absences and faults hold.
+Without noise a suite is exact: no error, lag, floor, resolution, range or sampling; absences and
+faults hold.
 """
 
 import math

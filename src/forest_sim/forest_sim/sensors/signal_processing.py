@@ -1,7 +1,8 @@
 """From the channels' readings to quantities, and to what is derived from them as on a real machine.
 
-- Speeds: backward difference of the positions read, behind a first-order low-pass (`SPEED_BANDWIDTH`);
-  causal, so it lags. Over the time since the last sample, so that a lost one does not look like a jump.
+- Speeds: backward difference of the positions read, behind a first-order low-pass
+  (`SPEED_BANDWIDTH`); causal, so it lags. Over the time since the last sample, so that a lost one
+  does not look like a jump.
 - Forces and torques: from the pressures read at the actuators and, for torques, the angles read.
 
 NaN stands for what there is no reading of, and for what would be derived from it.

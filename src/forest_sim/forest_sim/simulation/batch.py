@@ -1,7 +1,8 @@
 """Many runs at once, over all cores: draws of parameters, inputs, poses.
 
-Each run is one thread's work in a process of its own; results come in the order of the jobs and are those of
-a serial loop. A worker hands back what `keep` makes of a run, so that thousands of runs fit into memory.
+Each run is one thread's work in a process of its own; results come in the order of the jobs and are
+those of a serial loop. A worker hands back what `keep` makes of a run, so that thousands of runs
+fit into memory.
 """
 
 import os
@@ -48,8 +49,8 @@ def simulate_many(
 ) -> list[T]:
     """Return what `keep` makes of each job's run, in the jobs' order.
 
-    Worker processes are spawned, so jobs and `keep` must be picklable (a function of a module, no lambda),
-    and a script that calls this guards itself with `if __name__ == "__main__":`.
+    Worker processes are spawned, so jobs and `keep` must be picklable (a function of a module, no
+    lambda), and a script that calls this guards itself with `if __name__ == "__main__":`.
 
     Args:
         jobs: what to simulate.

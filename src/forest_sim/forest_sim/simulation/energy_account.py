@@ -13,9 +13,10 @@
 | mechanical | handed to the links, less what they gave back on their way down |
 | stored | in the pressure and the motion of the oil, less what was there at the start |
 
-The recorded flows of `power` close at every instant, so their integrals close whatever the states do: their
-sum tests nothing of a run. `with_stored_energy` therefore computes `stored` from the oil's states at both
-ends. What the account then leaves open, `unaccounted`, is the error of the integration.
+The recorded flows of `power_flows` close at every instant, so their integrals close whatever the
+states do: their sum tests nothing of a run. `with_stored_energy` therefore computes `stored` from
+the oil's states at both ends. What the account then leaves open, `unaccounted`, is the error of the
+integration.
 """
 
 from typing import NamedTuple
@@ -65,7 +66,7 @@ def dissipated_energy(energies: Floats) -> float:
 
 
 def account(energies: Floats) -> Account:
-    """Return the account of recorded energies [..., 42], `recording.ENERGY`."""
+    """Return the account of recorded energies [..., 42], `state_recording.ENERGY`."""
     parts = {
         entry: sum(energies[..., place] for name in names for place in _places(name))
         for entry, names in _PARTS.items()

@@ -1,7 +1,7 @@
 """A machine driven by given voltages, without a graph: in blocks, so that a day of it fits into memory.
 
-One row per sampling period, at its end, and one for the start. Times are multiples of the period. The oil
-warms from block to block by what the machine loses.
+One row per sampling period, at its end, and one for the start. Times are multiples of the period.
+The oil warms from block to block by what the machine loses.
 """
 
 import math
@@ -44,7 +44,7 @@ class Run(NamedTuple):
 
 
 class Block(NamedTuple):
-    """Some rows of a run; `recording` names the columns of states and energies."""
+    """Some rows of a run; `state_recording` names the columns of states and energies."""
 
     time: Floats  # [N] s
     voltages: Floats  # [N, 3] V, that act from the row's time on

@@ -87,8 +87,8 @@ class SensorLog:
 def topic_values(report: Report, events: Events, missed_deadlines: int = 0) -> TopicValues:
     """Return the numbers of every topic that the machine's sensors and the simulator's truth have.
 
-    In the order in which a node publishes them: the valve driver's inputs stand before /joint_states, which
-    makes the controller step.
+    In the order in which a node publishes them: the valve driver's inputs stand before
+    /joint_states, which makes the controller step.
     """
     seen = report.seen
     auxiliary = (*seen.spools, seen.case_drain_flow, *seen.temperatures, seen.engine_speed, *seen.tilt)

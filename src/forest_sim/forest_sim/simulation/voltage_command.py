@@ -9,8 +9,8 @@ from forest_msgs_py.runtime.stamp_order import StampOrder
 class VoltageInput:
     """The voltages commanded to the valves.
 
-    They are zero when the newest command is bad, or older than the command timeout. A command that overtook
-    a newer one is bad, unless it is zero.
+    They are zero when the newest command is bad, or older than the command timeout. A command that
+    overtook a newer one is bad, unless it is zero.
 
     Args:
         timeout: age [s] at which a command counts as zero.

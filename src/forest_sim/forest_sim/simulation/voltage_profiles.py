@@ -1,6 +1,7 @@
 """Valve voltages as functions of time: for runs of the machine alone, without a driver in front of it.
 
-A voltage acts from the first step of the integrator at or after its time, and is held over the step.
+A voltage acts from the first step of the integrator at or after its time, and is held over the
+step.
 
 | name | what it does |
 |---|---|
@@ -95,8 +96,9 @@ def chirp(
 ) -> Voltages:
     """Return a swept sinusoid for each axis in turn.
 
-    -A sin(2 pi f_1 T/ln k (k^(t/T) - 1)) with k = f_2/f_1 over T = duration/3: f grows geometrically. The
-    first and longest wave goes to the negative side, where the usual start has more room.
+    -A sin(2 pi f_1 T/ln k (k^(t/T) - 1)) with k = f_2/f_1 over T = duration/3: f grows
+    geometrically. The first and longest wave goes to the negative side, where the usual start has
+    more room.
 
     Args:
         amplitude: A [V].
@@ -116,8 +118,8 @@ def chirp(
 def thesis(amplitude: float = 5.0) -> Voltages:
     """Return the input of the model validation: the swing, then the stick, each to one side and the other.
 
-    Thesis section 4.4. Differs: its figures are lost; these are a person's pulls of a lever, A V high, with
-    ramps that a hand makes. The boom, which the thesis does not show, stands still.
+    Thesis section 4.4. Differs: its figures are lost; these are a person's pulls of a lever, A V
+    high, with ramps that a hand makes. The boom, which the thesis does not show, stands still.
     """
     corners = [(0.0, list(ZERO)), (LEAD_IN, list(ZERO))]
     for axis in (0, 2):

@@ -1,8 +1,8 @@
 """One implicit stage of the plant, Y = base + h f(Y): hoses solved exactly, joint rates by Newton.
 
-The stiffness comes from the orifices (C_R = inf inside the overlap) and the hoses, so a stage eliminates
-flows and pressures exactly (`line.solve_line`) and is left with three joint rates, a real pump's pressure and
-a hanging head's two rates.
+The stiffness comes from the orifices (C_R = inf inside the overlap) and the hoses, so a stage
+eliminates flows and pressures exactly (`hydraulic_line.solve_line`) and is left with three joint
+rates, a real pump's pressure and a hanging head's two rates.
 """
 
 import math
@@ -61,10 +61,11 @@ def solve_stage(
 ) -> tuple[PlantState, int]:
     """Return Y with Y = base + h f(Y), and 1 if Newton did not converge. The hoses are solved inside.
 
-    Newton starts from the joint rates given and from all else of `start`. Its matrix leaves out what the
-    configuration's change contributes (of order h), so that it converges by about three decimal places an
-    iteration at 1 ms. From rates that follow the last accelerations, off by order h^2, the first correction
-    is mostly the last: the next would be of order h^3, as the step's own error is.
+    Newton starts from the joint rates given and from all else of `start`. Its matrix leaves out
+    what the configuration's change contributes (of order h), so that it converges by about three
+    decimal places an iteration at 1 ms. From rates that follow the last accelerations, off by order
+    h^2, the first correction is mostly the last: the next would be of order h^3, as the step's own
+    error is.
     """
     iterate = Iterate(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply)
     equations = _equations_at(base, iterate, ports, h, p)

@@ -9,10 +9,11 @@
 
     m c dT/dt = W - h (T - T_a)
 
-Its time constant m c/h is minutes, the plant's are milliseconds: they are stepped in turn. A simulation runs
-the plant for UPDATE_PERIOD with what `parameters_at` gives, takes the mean of `heat` over it, and asks
-`temperature_after` for the next temperature. Pressures and flows are carried over as they are. The metal's
-heat is not counted: a machine warms slower than its oil alone. The thesis has no temperature.
+Its time constant m c/h is minutes, the plant's are milliseconds: they are stepped in turn. A
+simulation runs the plant for UPDATE_PERIOD with what `parameters_at` gives, takes the mean of
+`heat` over it, and asks `temperature_after` for the next temperature. Pressures and flows are
+carried over as they are. The metal's heat is not counted: a machine warms slower than its oil
+alone. The thesis has no temperature.
 """
 
 import math
@@ -65,7 +66,7 @@ def temperature_after(temperature: float, loss_power: float, oil: Oil, time: flo
 def parameters_at(machine: Machine, temperature: float) -> PlantParameters:
     """Return the kernel's parameters of a machine with its oil at a temperature [K].
 
-    Beyond the temperatures for which there are laws of the oil, they are those at the nearest one: a run does
-    not end because a machine boils. They are not kept: none comes twice.
+    Beyond the temperatures for which there are laws of the oil, they are those at the nearest one:
+    a run does not end because a machine boils. They are not kept: none comes twice.
     """
     return parameters_of(at_temperature(machine, min(HOTTEST, max(COLDEST, temperature))))

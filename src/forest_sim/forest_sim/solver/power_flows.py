@@ -1,8 +1,9 @@
 """Where the power goes: from the engine's shaft through pump, valves and hoses to the links.
 
-Every entry is a power at one state [W], positive in the direction that its name says. The entries of a part
-close: what flows in equals what is lost, stored and handed on. That they do is a test of the laws' signs, and
-their integrals over a run are its energy account.
+Every entry is a power at one state [W], positive in the direction that its name says. The entries
+of a part
+close: what flows in equals what is lost, stored and handed on. That they do is a test of the laws'
+signs, and their integrals over a run are its energy account.
 
 | part | flows in | lost | stored | handed on |
 |---|---|---|---|---|

@@ -79,8 +79,9 @@ def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, a: Axis, h: floa
 def tightened_bounds(bounds: Pair, pressure: float, change: float) -> Pair:
     """Return the bounds of the supply's pressure after Newton has pointed up or down from one [Pa].
 
-    Its equation rises with the pressure, but with the kinks of a pump's characteristic, across which Newton
-    alone may jump to and fro. The rates move meanwhile: bounds that have closed on nothing are dropped.
+    Its equation rises with the pressure, but with the kinks of a pump's characteristic, across
+    which Newton alone may jump to and fro. The rates move meanwhile: bounds that have closed on
+    nothing are dropped.
     """
     low, high = (pressure, bounds[1]) if change > 0.0 else (bounds[0], pressure)
     return (low, high) if high - low > SUPPLY_TOLERANCE else UNBOUNDED
