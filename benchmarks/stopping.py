@@ -25,8 +25,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from forest_control.config import settings as control_settings
 from forest_control.operator.levers import levers_for_tip_velocity
-from forest_control.pipeline import controller
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver
 from forest_description.derived.limits import joint_limits
@@ -125,7 +125,7 @@ def motion(machine: Machine, number: int, speed: float) -> Motion:
 
 def run(machine: Machine, model: Machine, number: int, row: Row) -> tuple[Trajectory, int]:
     """Return a motion's session, and the row in which the deadman is let go."""
-    done, settings = motion(model, number, row.speed), controller.Settings(tip_speed=row.speed)
+    done, settings = motion(model, number, row.speed), control_settings.Settings(tip_speed=row.speed)
     given = machine, done.levers, done.start, settings._replace(scheme=row.scheme), valve_driver.Settings()
     return loop_kernel.run(*given, model=model, suite=noisy(machine, number)), done.released
 

@@ -23,6 +23,7 @@ from forest_compile.entry import Entry
 from forest_compile.frontend import translate
 from forest_compile.ir.values import NotTranslatedError
 from forest_control import compiled as control_compiled
+from forest_control.config import settings as control_settings
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import controller
 from forest_control.valve import valve_driver
@@ -190,7 +191,7 @@ def test_the_plant_at_random_states_is_pythons_to_the_last_bit(name):
     ("kept", "step", "example"),
     [
         (control_compiled.CONTROLLER, controller.step_with_telemetry, control_compiled._control),
-        (control_compiled.DRIVER, valve_driver.step_seen, control_compiled._drive),
+        (control_compiled.DRIVER, valve_driver.step_measured, control_compiled._drive),
         (sensor_run.KERNEL, sensor_readings.report, sensor_run._example),
     ],
     ids=["controller", "driver", "sensors"],
@@ -212,7 +213,10 @@ def test_a_step_at_random_states_is_pythons_to_the_last_bit(kept, step, example)
 
 def test_the_loop_at_random_states_is_pythons_to_the_last_bit():
     machine, rng = load_machine("c180"), random.Random(6)
-    suite, settings = sensor_suite(machine, noise=True), (controller.Settings(), valve_driver.Settings())
+    suite, settings = (
+        sensor_suite(machine, noise=True),
+        (control_settings.Settings(), valve_driver.Settings()),
+    )
     k = loop_kernel.knowledge(machine, machine, *settings, suite)
     start = loop_kernel.begin(k, (0.0, 0.5, -1.5), suite)
 

@@ -7,8 +7,9 @@ pytest.importorskip("llvmlite")
 
 from forest_compile.kernel_cache import CachedKernel
 from forest_control import compiled
+from forest_control.config import settings as control_settings
 from forest_control.operator.levers import Levers
-from forest_control.pipeline import controller
+from forest_control.pipeline import control_state, controller
 from forest_control.servo.joint_angle_filter import UNREAD
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver
@@ -29,14 +30,14 @@ def control_inputs(seed, count=150):
     rows = walk(seed, count, [-1, 0, -2, -1, -1, -1, -1, -1, -1], [1, 1, -0.5, 1, 1, 1, 1, 1, 1])
     for k, row in enumerate(rows):
         lengths = UNREAD if k % 7 == 3 else (1.9, 1.7)
-        yield controller.Inputs(tuple(row[:3]), tuple(row[3:6]), Levers(*row[6:]), k % 50 < 40, lengths)
+        yield control_state.Inputs(tuple(row[:3]), tuple(row[3:6]), Levers(*row[6:]), k % 50 < 40, lengths)
 
 
 def run(step, state, p, arguments):
     """The outputs of a session; what the operator changes half way is told as the node tells it."""
     told = []
     for k, inputs in enumerate(arguments):
-        if k == 75 and isinstance(p, controller.Parameters):
+        if k == 75 and isinstance(p, control_settings.Parameters):
             p, state = p._replace(lead=0.5 * p.lead), state._replace(changed=True)
         state, output = step(state, *inputs, p, DT)
         told.append(output)
@@ -47,10 +48,10 @@ def run(step, state, p, arguments):
 @pytest.mark.parametrize("scheme", list(Scheme))
 def test_the_controllers_step_is_the_interpreted_one(machine, scheme):
     compiled.CONTROLLER.kernel()
-    p = controller.parameters(load_machine(machine), controller.Settings(scheme=scheme))
+    p = control_settings.parameters(load_machine(machine), control_settings.Settings(scheme=scheme))
     inputs = [(one,) for one in control_inputs(int(scheme))]
-    fast = run(compiled.controller_step(), controller.REST, p, inputs)
-    assert fast == run(controller.step_with_telemetry, controller.REST, p, inputs)
+    fast = run(compiled.controller_step(), control_state.REST, p, inputs)
+    assert fast == run(controller.step_with_telemetry, control_state.REST, p, inputs)
     assert len({told.output.command for told in fast[0]}) > 50
 
 
@@ -68,7 +69,7 @@ def test_the_drivers_step_is_the_interpreted_one(machine, adapt):
         pressures = valve_driver.UNSEEN if unseen else seen
         inputs.append((tuple(row[:3]), pressures, valve_driver.STILL if unseen else motion))
     fast = run(compiled.driver_step(), valve_driver.REST, p, inputs)
-    assert fast == run(valve_driver.step_seen, valve_driver.REST, p, inputs)
+    assert fast == run(valve_driver.step_measured, valve_driver.REST, p, inputs)
     assert len(set(fast[0])) > 100
 
 
@@ -89,4 +90,4 @@ def test_without_the_code_the_interpreted_steps_run(monkeypatch, tmp_path):
         known = getattr(compiled, name).entry
         monkeypatch.setattr(compiled, name, CachedKernel(name, lambda known=known: known))
     assert compiled.controller_step() is controller.step_with_telemetry
-    assert compiled.driver_step() is valve_driver.step_seen
+    assert compiled.driver_step() is valve_driver.step_measured

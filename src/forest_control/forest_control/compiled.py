@@ -13,9 +13,10 @@ from typing import Any
 from forest_compile import compiled_step, kernel_cache
 from forest_compile.compiled_step import CompiledStep, Example
 from forest_compile.kernel_cache import CachedKernel
+from forest_control.config import settings as control_settings
 from forest_control.limits import workspace
 from forest_control.operator import levers, operator_profile
-from forest_control.pipeline import bumpless_transfer, controller, motion_command, stop_profile
+from forest_control.pipeline import bumpless_transfer, control_state, controller, motion_command, stop_profile
 from forest_control.valve import valve_driver
 from forest_description.geometry import kinematics
 from forest_description.machine import load_machine
@@ -25,8 +26,9 @@ Step = Callable[..., tuple[Any, Any]]
 
 # What is seldom called stays a function; all else is written out.
 NOINLINE = (
-    *(motion_command.stop_command, bumpless_transfer.taken_over, kinematics.nearest_pose, stop_profile.share),
-    *(workspace.share, workspace.slid, operator_profile.tip_following),
+    *(motion_command.stop_command, bumpless_transfer.taken_over, kinematics.nearest_pose),
+    *(stop_profile.share,),
+    *(workspace.wall_scaling, workspace.slide, operator_profile.position_mode_velocity),
 )
 
 
@@ -37,17 +39,17 @@ def controller_step() -> Step:
 
 
 def driver_step() -> Step:
-    """Return `valve_driver.step_seen`, compiled if its code is there."""
+    """Return `valve_driver.step_measured`, compiled if its code is there."""
     kernel = DRIVER.ready()
-    return CompiledStep(kernel, _drive()) if kernel else valve_driver.step_seen
+    return CompiledStep(kernel, _drive()) if kernel else valve_driver.step_measured
 
 
 @lru_cache(maxsize=1)
 def _control() -> Example:
     """Return values of the types that all machines share."""
-    p = controller.parameters(load_machine("c180"), controller.Settings())
-    inputs = controller.Inputs((0.0, 0.5, -1.5), (0.0, 0.0, 0.0), levers.REST, False)
-    state, telemetry = controller.step_with_telemetry(controller.REST, inputs, p, PERIOD)
+    p = control_settings.parameters(load_machine("c180"), control_settings.Settings())
+    inputs = control_state.Inputs((0.0, 0.5, -1.5), (0.0, 0.0, 0.0), levers.REST, False)
+    state, telemetry = controller.step_with_telemetry(control_state.REST, inputs, p, PERIOD)
     return Example(state, (inputs,), p, telemetry)
 
 
@@ -55,14 +57,16 @@ def _control() -> Example:
 def _drive() -> Example:
     p = valve_driver.parameters(load_machine("c180"), valve_driver.Settings())
     inputs = (0.0, 0.0, 0.0), valve_driver.UNSEEN, valve_driver.STILL
-    state, voltages = valve_driver.step_seen(valve_driver.REST, *inputs, p, PERIOD)
+    state, voltages = valve_driver.step_measured(valve_driver.REST, *inputs, p, PERIOD)
     return Example(state, inputs, p, voltages)
 
 
 CONTROLLER = CachedKernel(
     "controller", lambda: compiled_step.entry(controller.step_with_telemetry, _control(), NOINLINE)
 )
-DRIVER = CachedKernel("valve-driver", lambda: compiled_step.entry(valve_driver.step_seen, _drive(), NOINLINE))
+DRIVER = CachedKernel(
+    "valve-driver", lambda: compiled_step.entry(valve_driver.step_measured, _drive(), NOINLINE)
+)
 
 
 def main() -> None:

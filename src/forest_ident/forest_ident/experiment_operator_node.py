@@ -29,9 +29,8 @@ from forest_msgs_py.runtime.parameter_table import MachineParameter, ParameterEr
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.serialization.unpacking import JointReader
-from forest_msgs_py.types import PERIOD
+from forest_msgs_py.types import PERIOD, WATCHDOG_PERIOD
 
-WATCHDOG_PERIOD = 0.02  # [s]
 START_LIMIT = 15.0  # [s] for everybody to be there
 STANDS = 0.02  # [rad] by which a joint of the crane may move while its valve is on a rig
 PROGRESS = "operator at"  # begins a line on standard output for each second: of so many

@@ -5,9 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from forest_control.config import settings as control_settings
+from forest_control.config.settings import Settings
 from forest_control.operator.levers import Levers
-from forest_control.pipeline import controller
-from forest_control.pipeline.controller import Inputs, Settings
+from forest_control.pipeline import control_state, controller
+from forest_control.pipeline.control_state import Inputs
 from forest_control.safety.state_checks import implausible
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver
@@ -20,9 +22,9 @@ RATED = 10.0  # [V]
 
 @pytest.mark.parametrize("scheme", list(Scheme))
 def test_the_controller_commands_finite_voltages_within_the_rating(scheme):
-    p = controller.parameters(MACHINE, Settings(scheme=scheme))
-    rng, state = np.random.default_rng(int(scheme)), controller.REST
-    low, high = np.array(p.governor.lower) - 0.1, np.array(p.governor.upper) + 0.1
+    p = control_settings.parameters(MACHINE, Settings(scheme=scheme))
+    rng, state = np.random.default_rng(int(scheme)), control_state.REST
+    low, high = np.array(p.velocity_limits.lower) - 0.1, np.array(p.velocity_limits.upper) + 0.1
     for _ in range(1500):
         angles, rates = tuple(rng.uniform(low, high).tolist()), tuple(rng.uniform(-5.0, 5.0, 3).tolist())
         assert implausible(angles, rates, p) == ""
@@ -31,7 +33,7 @@ def test_the_controller_commands_finite_voltages_within_the_rating(scheme):
         state, output = controller.step(state, inputs, p, float(rng.uniform(0.0025, 0.05)))
         assert all(abs(volts) <= RATED for volts in output.command)  # false for NaN as well
         assert all(map(math.isfinite, output.tip_wish))
-        assert 0.0 <= output.governed.factor <= 1.0
+        assert 0.0 <= output.scaling.factor <= 1.0
 
 
 def test_the_driver_answers_any_finite_command_and_pressure_with_voltages_within_the_rating():

@@ -4,9 +4,11 @@ import math
 
 import pytest
 
+from forest_control.config.settings import Settings, parameters
 from forest_control.operator.levers import REST, Levers
-from forest_control.pipeline import controller
-from forest_control.pipeline.controller import Inputs, Settings, parameters, step
+from forest_control.pipeline import control_state
+from forest_control.pipeline.control_state import Inputs
+from forest_control.pipeline.controller import step
 from forest_control.servo import coordinated_servo
 from forest_control.servo.schemes import Gains, Scheme, Signals, coordinated
 from forest_description.geometry.kinematics import inverse_kinematics, tip_position
@@ -39,7 +41,7 @@ def test_a_step_of_the_wish_becomes_a_ramp():
 
 
 def test_the_reference_is_the_integral_of_the_governed_wish_without_drift():
-    state, place = controller.REST, list(tip_position(START, LINKS))
+    state, place = control_state.REST, list(tip_position(START, LINKS))
     for k in range(1500):
         levers = Levers(math.sin(0.01 * k), 0.3 * math.cos(0.02 * k), 0.5 * math.sin(0.015 * k))
         # A machine that follows exactly.
@@ -89,7 +91,7 @@ def test_the_integral_of_a_resting_joint_winds_up_only_while_its_valve_is_open()
 
 
 def test_the_reference_starts_from_the_mean_of_what_was_measured_at_rest():
-    state = controller.REST
+    state = control_state.REST
     for k in range(40):
         noisy = tuple(q + (2e-4 if k % 2 else -2e-4) for q in START)
         state, output = step(state, Inputs(noisy, ZERO, REST, True), P, PERIOD)

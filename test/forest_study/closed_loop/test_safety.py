@@ -3,22 +3,20 @@
 import numpy as np
 import pytest
 
-from forest_control.config.parameter_update import Retuning
+from forest_control.config import settings as control_settings
 from forest_control.operator import joystick_watch
 from forest_control.operator.joystick_watch import NO_HEARTBEAT, Sample, WatchParameters
 from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
 from forest_control.operator.operator_profile import Mode
-from forest_control.pipeline import controller
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
-from forest_description.types import ZERO
 from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.solver.plant_parameters import plant_parameters
-from forest_study.closed_loop.closed_loop import Operator, _Loop
+from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 from forest_study.closed_loop.loop_kernel import by_heart as run
 
 C180 = load_machine("c180")
@@ -49,14 +47,14 @@ class Stick:
             if sample is not None:
                 same = (sample.levers, sample.held) == self.before
                 self.before = sample.levers, sample.held
-                self.watch = joystick_watch.heed(self.watch, sample._replace(same=same))
+                self.watch = joystick_watch.updated_watch(self.watch, sample._replace(same=same))
         self.step += 1
-        self.watch, operator = joystick_watch.judge(self.watch, time, True, self.p)
+        self.watch, operator = joystick_watch.assessed_watch(self.watch, time, True, self.p)
         return Operator(*operator)
 
 
 def session(stick, duration, scheme=Scheme.COORDINATED):
-    settings = controller.Settings(scheme=scheme, tip_speed=SPEED)
+    settings = control_settings.Settings(scheme=scheme, tip_speed=SPEED)
     return run(C180, stick, duration, START, settings, valve_driver.Settings())
 
 
@@ -136,7 +134,7 @@ def test_let_go_in_the_midst_of_a_wild_motion_it_stops_as_soon(motion):
     name, start, wishes = motion
     held = [Operator(Levers(*levers)) for time, levers in wishes for _ in range(round(time / PERIOD))]
     rows = [Operator(REST)] * 20 + held + [Operator(REST, False)] * 120
-    settings = controller.Settings(tip_speed=SPEED), valve_driver.Settings()
+    settings = control_settings.Settings(tip_speed=SPEED), valve_driver.Settings()
 
     def operator(time):
         return rows[round(time / PERIOD)]
@@ -204,7 +202,7 @@ def test_at_full_speed_into_a_limit_the_tip_keeps_its_line_stops_just_before_it_
     def operator(time):
         return Operator(forth if time < pushed else REST if time < pushed + 0.3 else back)
 
-    settings = controller.Settings(tip_speed=1.0)
+    settings = control_settings.Settings(tip_speed=1.0)
     moved = run(C180, operator, pushed + 1.3, START, settings, valve_driver.Settings())
     arrived = round(pushed / PERIOD)
     way = moved.tip - moved.tip[0]
@@ -221,7 +219,7 @@ def test_from_outside_its_limits_the_crane_comes_back_and_goes_no_further_out():
     low = np.array(joint_limits(C180))[:, 0]
     start = (0.3, 0.4, float(low[2]) + np.radians(0.2))  # within the margin that is kept
     for push, inwards in ((Levers(0.0, 0.0, -1.0), False), (Levers(0.0, 0.0, 1.0), True)):
-        settings = controller.Settings(scheme=Scheme.COORDINATED)
+        settings = control_settings.Settings(scheme=Scheme.COORDINATED)
         moved = run(C180, lambda _, p=push: Operator(p), 1.5, start, settings, valve_driver.Settings())
         gone = np.degrees(moved.angles[-1][2] - start[2])
         assert gone > 1.0 if inwards else abs(gone) < 0.15
@@ -234,23 +232,19 @@ BACK = Levers(-THERE.swing, -THERE.boom, -THERE.stick)
 def mad_settings(rng):
     """Scheme, mode and speed by chance."""
     scheme, mode = Scheme(int(rng.integers(1, 6))), Mode(int(rng.integers(2)))
-    return controller.Settings(scheme=scheme, mode=mode, tip_speed=float(rng.choice([0.05, SPEED])))
+    return control_settings.Settings(scheme=scheme, mode=mode, tip_speed=float(rng.choice([0.05, SPEED])))
 
 
 def test_settings_that_change_100_times_a_second_do_not_make_the_tip_run():
     rng = np.random.default_rng(0)
-    pool = [controller.parameters(C180, mad_settings(rng)) for _ in range(40)]
-    tuning = Retuning(pool[0])
+    pool = [control_settings.parameters(C180, mad_settings(rng)) for _ in range(40)]
     drive = valve_driver.parameters(C180, valve_driver.Settings())
-    loop = _Loop(plant_parameters(C180), tuning.core, drive, START, sensor_suite(C180))
-    tips, command = [], ZERO
+    loop = ClosedLoop(plant_parameters(C180), pool[0], drive, START, sensor_suite(C180))
+    tips = []
     for k in range(1000):
         if k % 2 == 0:
-            tuning.want(pool[int(rng.integers(40))])
-        if tuning.changes(command == ZERO, PERIOD):
-            loop._control, loop._controller = tuning.core, loop._controller._replace(changed=True)
+            loop.controller.tune(pool[int(rng.integers(40))])
         levers = REST if k < 60 else (THERE, BACK)[k // 200 % 2]
-        angles, _, command, *_ = loop.period(Operator(levers))
-        tips.append(tip_position(angles, C180.manipulator.links))
+        tips.append(tip_position(loop.period(Operator(levers)).angles, C180.manipulator.links))
     speeds = np.linalg.norm(np.gradient(np.array(tips), PERIOD, axis=0), axis=1)
     assert speeds.max() < 1.6 * SPEED  # 1.3 m/s if every change were heeded at once

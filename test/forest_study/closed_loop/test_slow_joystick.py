@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
+from forest_control.config import settings as control_settings
 from forest_control.operator import joystick_interpolation
 from forest_control.operator.joystick_sources import thesis_levers
 from forest_control.operator.levers import REST
-from forest_control.pipeline import controller
 from forest_control.valve import valve_driver
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
@@ -24,11 +24,11 @@ def greatest_error(period, held):
         nonlocal heard, said, hold
         if round(time / PERIOD) % every == 0:
             heard, said = thesis_levers(time - 0.2, SPEED) if time > 0.2 else REST, time
-        hold = joystick_interpolation.advanced(hold, heard, said, time, PERIOD)
+        hold = joystick_interpolation.interpolated(hold, heard, said, time, PERIOD)
         return Operator(hold.levers if held else heard, enabled=True)
 
     start = pose_at(start_tip(C180), C180)
-    moved = run(C180, operator, SECONDS, start, controller.Settings(), valve_driver.Settings())
+    moved = run(C180, operator, SECONDS, start, control_settings.Settings(), valve_driver.Settings())
     return np.linalg.norm(moved.tip_error(), axis=1).max()
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from forest_bag.read.timeseries import Series, bag_of
+from forest_control.config import settings as control_settings
 from forest_control.operator import joystick_interpolation
 from forest_control.operator.levers import REST, Levers, axes_from_levers
-from forest_control.pipeline import controller
 from forest_control.valve import valve_driver
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
@@ -39,11 +39,11 @@ def driven(hand, period, interpolated=True):
         nonlocal heard, said, hold
         if round(time / PERIOD) % every == 0:
             heard, said = hand(time), time
-        hold = joystick_interpolation.advanced(hold, heard, said, time, PERIOD)
+        hold = joystick_interpolation.interpolated(hold, heard, said, time, PERIOD)
         return Operator(hold.levers if interpolated else heard)
 
     start = pose_at(start_tip(C180), C180)
-    return run(C180, operator, SECONDS, start, controller.Settings(), valve_driver.Settings())
+    return run(C180, operator, SECONDS, start, control_settings.Settings(), valve_driver.Settings())
 
 
 def series(topic, values, stamps, later=0):

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.pipeline import controller
+from forest_control.config import settings as control_settings
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Scheme
 from forest_description.machine import load_machine
@@ -84,7 +84,7 @@ def test_a_reversed_path_ends_where_the_path_starts(name):
 
 @pytest.mark.parametrize("name", ["radial", "circle_h"])
 def test_a_plan_takes_at_most_1_1_of_the_least_time_and_the_governor_leaves_it_alone(name):
-    p = controller.parameters(C180, controller.Settings(scheme=Scheme.COORDINATED, tip_speed=1.0))
+    p = control_settings.parameters(C180, control_settings.Settings(scheme=Scheme.COORDINATED, tip_speed=1.0))
     path = path_named(name)
     planned = plan(path, 1.0, p, 1)[0].profile.duration
     least = fastest(path, 1.0, RAMP, lambda place, along: _limit(place, along, path, p)).duration

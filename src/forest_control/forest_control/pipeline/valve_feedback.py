@@ -1,15 +1,13 @@
-"""What the valve driver reports, as the controller takes it: the valves' reach, and the last voltages.
-
-From the voltages the controller also knows whether the driver is there, and does what it is told. While it is
-not, the crane stands, but a reference would run ahead, and the crane after it, once the driver is back.
-"""
+"""What the valve driver reports, as the controller takes it: the valves' reach, and the last voltages."""
 
 import math
 from typing import Any
 
+from forest_control.pipeline.control_state import ValveFeedback
+from forest_control.safety.driver_response import DriverSample
 from forest_control.valve.tracking_limit import FULL, Reach, reached
 from forest_description.machine import Machine
-from forest_description.types import ZERO, Vec3
+from forest_description.types import ZERO
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.serialization.unpacking import ArrayReader
 
@@ -18,10 +16,7 @@ LEARNT = tuple(
     f"{joint}_{way}_{what}" for way in WAYS for joint in topics.JOINTS for what in ("deadband", "gain")
 )
 STATUS_TIMEOUT = 1.0  # [s] at which what was learnt is forgotten; it comes at 10 Hz
-VOLTAGE_TIMEOUT = 0.1  # [s]
-SILENT = 0.2  # [s] at which the driver is missed: by then the valves are shut, and the reference is ahead
-DEAF = 1.5  # [s] of shut valves at which it counts as not obeying: links may be 0.6 s late, either way
-HEARD = 0.5  # [V] of an ideal valve: what is commanded beyond is more than any hold zone, and opens the valve
+VOLTAGE_TIMEOUT = 0.1  # [s] at which voltages count as none: as the driver's command_timeout
 
 
 class ValveReports:
@@ -41,11 +36,10 @@ class ValveReports:
         laws = [machine.valve_of(axis).law for axis in range(3)]
         self._edges = [law.forward for law in laws] + [law.backward for law in laws]
         self._reach, self._reach_received = FULL, -math.inf
-        self._voltages, self._voltages_received = ZERO, -math.inf
-        self._obeyed = -math.inf
+        self._driver = DriverSample()
 
-    def read(self) -> tuple[Reach, Vec3]:
-        """Return the valves' reach, and the voltages [V]."""
+    def read(self) -> ValveFeedback:
+        """Return the reports by now."""
         now = self._pace.now()
         if status := self.status.newest():
             reading = self._status_reader.read(status.message, 0)
@@ -54,24 +48,10 @@ class ValveReports:
         if volts := self.volts.newest():
             reading = self._volts_reader.read(volts.message, 0)
             if not reading.problem:
-                self._voltages, self._voltages_received = reading.values, volts.time
-        fresh = now - self._voltages_received <= VOLTAGE_TIMEOUT
+                self._driver = DriverSample(reading.values, volts.time)
+        fresh = now - self._driver.received <= VOLTAGE_TIMEOUT
         reach = self._reach if now - self._reach_received <= STATUS_TIMEOUT else FULL
-        return reach, self._voltages if fresh else ZERO
-
-    def objection(self, command: Vec3) -> str:
-        """Return why a command [V] does not reach the valves, or "".
-
-        Of a driver that has never spoken nothing is expected: it may be in shadow, or somebody else's.
-        """
-        now = self._pace.now()
-        if self._voltages_received == -math.inf:
-            return ""
-        if now - self._voltages_received > SILENT:
-            return "valve driver: no voltages"
-        if self._voltages != ZERO or max(map(abs, command)) <= HEARD:
-            self._obeyed = now
-        return "valve driver: keeps the valves shut" if now - self._obeyed > DEAF else ""
+        return ValveFeedback(reach, self._driver.voltages if fresh else ZERO, self._driver)
 
     def _reach_of(self, learnt: tuple[float, ...]) -> Reach:
         """Return the reach for deadbands [V] and gains by `LEARNT`."""

@@ -44,16 +44,36 @@ def watched(before: Stillness, s: Vec3, command: Vec3, p: Parameters, dt: float)
         p: the controller's parameters.
         dt: since the last sample [s].
     """
-    same = s[0] == before.angles[0], s[1] == before.angles[1], s[2] == before.angles[2]
-    ways, times = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
-    if any(same):
-        told = zip(command, p.rated_speeds, p.rated_voltages, strict=True)
-        one, two, three = (volts * speed / rated for volts, speed, rated in told)
-        u = actuator_speeds_to_joint_rates(s, (one, two, three), p.linkages)
-        for i in range(3):
-            if same[i]:
-                ways[i], times[i] = before.ways[i] + abs(u[i]) * dt, before.times[i] + dt
-    return Stillness(s, (ways[0], ways[1], ways[2]), (times[0], times[1], times[2]))
+    u = actuator_speeds_to_joint_rates(
+        s,
+        (
+            command[0] * p.rated_speeds[0] / p.rated_voltages[0],
+            command[1] * p.rated_speeds[1] / p.rated_voltages[1],
+            command[2] * p.rated_speeds[2] / p.rated_voltages[2],
+        ),
+        p.linkages,
+    )
+    way_1, time_1 = _stood(before, s, u, 0, dt)
+    way_2, time_2 = _stood(before, s, u, 1, dt)
+    way_3, time_3 = _stood(before, s, u, 2, dt)
+    return Stillness(s, (way_1, way_2, way_3), (time_1, time_2, time_3))
+
+
+def _stood(before: Stillness, s: Vec3, u: Vec3, i: int, dt: float) -> tuple[float, float]:
+    """Return way [rad] and time [s] for which one joint has stood still."""
+    if s[i] != before.angles[i]:
+        return 0.0, 0.0
+    return before.ways[i] + abs(u[i]) * dt, before.times[i] + dt
+
+
+def is_frozen(still: Stillness) -> bool:
+    """Tell whether a joint's sensor does not follow its joint; `frozen` says which."""
+    ways, times = still.ways, still.times
+    return (
+        (ways[0] > WAY and times[0] > LONG)
+        or (ways[1] > WAY and times[1] > LONG)
+        or (ways[2] > WAY and times[2] > LONG)
+    )
 
 
 def frozen(still: Stillness) -> str:

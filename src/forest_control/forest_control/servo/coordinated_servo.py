@@ -1,4 +1,4 @@
-"""What the coordinated scheme remembers between steps: a smooth reference, the integral, who holds still.
+"""The servo of the coordinated scheme: a smooth reference, feedforward, integral, and joints that hold still.
 
 | symbol | name | unit |
 |---|---|---|
@@ -7,14 +7,15 @@
 | r, s | reference and measured joint angle | rad |
 | w | integral of K_i (r - s) | rad/s |
 
-The reference is the operator's wish with its steps turned into ramps, so that b is finite. While a joint's
-reference rests, be it that others move, a joint that is near it holds: its valve stays shut until the error
-has grown, or noise would open it back and forth through the overlap for ever. Where all references rest the
-joints are soon inched to their places instead (`inching`).
+The reference is the operator's command with its steps turned into ramps, so that b is finite. While
+a joint's reference rests, even if others move, a joint that is near it holds: its valve stays shut
+until the error has grown. Otherwise noise would move the valve through its overlap for ever. Where
+all references rest, the joints are soon inched to their places (`inching`).
 
-Boom and stick rock on their oil at some 8 Hz, and a valve that is open a little hardly damps that: a position
-error that is heard at once feeds it, and slow motion swings up. Through the low-pass of `ERROR_LAG` it comes
-late by more than a quarter of a turn and damps. Faster, up to `FULL_RATE`, the valve damps and all is heard.
+Boom and stick oscillate on their oil at some 8 Hz, which a valve that is open a little hardly
+damps. An unfiltered position error feeds that oscillation in slow motion. Behind the low-pass of
+`ERROR_LAG` the error lags by more than a quarter of a period, and damps. From `FULL_RATE` on the
+valve itself damps, and the error acts unfiltered.
 """
 
 import math
@@ -22,16 +23,18 @@ from typing import NamedTuple
 
 from forest_control.servo.inching import MOVING, Inching, inched, is_due, served
 from forest_control.servo.schemes import FULL_RATE, Gains, Signals, coordinated
-from forest_control.servo.swing_feedforward import SwingLoad, inertia
+from forest_control.servo.swing_feedforward import SwingModel, inertia
 from forest_description.derived.actuator_kinematics import Linkages, actuator_speeds_to_joint_rates
 from forest_description.types import ZERO, Vec3
 
-REST_RATE = 1e-4  # [rad/s] a reference slower than this rests
-ERROR_LAG = 0.05  # [s] of the low-pass through which an error decides about holding, or, slow, is heard
-HELD = 1e-9  # [rad/s] commanded to a joint that holds: no motion, but the valve driver may feed what leaks
-MOST_GATHERED = 2e-3  # [rad/s] of the integral at rest, while the valve is shut
-WIDEST, FORGOTTEN = 16.0, 20.0  # how far holding may widen; [s] in which that fades
-HIGHEST_ACCELERATION = 2.0  # [rad/s^2] a jump of the governor's must not kick the valves
+REST_RATE = 1e-4  # [rad/s] a reference slower than this rests: 0.6 mm/s of the tip; chosen
+ERROR_LAG = 0.05  # [s] time constant of the error's low-pass: over a quarter of a period at 8 Hz
+HELD = 1e-9  # [rad/s] command to a joint that holds: no motion, but the driver may feed its leakage
+MOST_GATHERED = 2e-3  # [rad/s] of the integral at rest, while the valve is shut; chosen, not measured
+WIDEST = 16.0  # [1] factor that holding may widen by: four turns of a cycle; chosen
+FORGOTTEN = 20.0  # [s] time constant with which the widening fades; chosen, not measured
+HIGHEST_ACCELERATION = 2.0  # [rad/s^2] of b: a jump of the velocity scaling must not kick the valves; chosen
+MOST_SAMPLES = 50  # [1] in the mean pose that the reference starts from: 0.25 s at rest
 
 
 class CoordinationParameters(NamedTuple):
@@ -39,7 +42,7 @@ class CoordinationParameters(NamedTuple):
 
     gains: tuple[Gains, Gains, Gains]
     integral: Vec3  # K_i [1/s^2]
-    swing: SwingLoad  # what is fed forward to it
+    swing: SwingModel  # what is fed forward to it
     load_bandwidth: float  # [rad/s] at which the valve driver learns a load
     smoothing: float  # [s] of b
     acceleration: float  # [m/s^2] of the tip's reference
@@ -70,16 +73,15 @@ AT_REST = Joint()
 class Memory(NamedTuple):
     """State between steps."""
 
-    velocity: Vec3  # x' [m/s], governed
+    velocity: Vec3  # x' [m/s]
     swing: Joint = AT_REST
     boom: Joint = AT_REST
     stick: Joint = AT_REST
-    torque: float = 0.0  # [N m] of the swing that the driver knows by now
+    torque: float = 0.0  # [N m] of the swing, as far as the driver has learnt it
     samples: int = 0  # in the mean pose that the reference starts from
 
 
 REST = Memory(ZERO)
-MOST_SAMPLES = 50
 
 
 def in_motion(velocity: Vec3, a: Vec3, samples: int) -> Memory:
@@ -92,24 +94,24 @@ def _going(a: float) -> Joint:
 
 
 def going(memory: Memory, velocity: Vec3) -> Memory:
-    """Return the memory with the tip's governed velocity [m/s]: from now on the reference is not a mean."""
+    """Return the memory with the tip's reference velocity [m/s], which ends the averaging of the pose."""
     return Memory(velocity, memory.swing, memory.boom, memory.stick, memory.torque, MOST_SAMPLES)
 
 
 def settle(reference: Vec3, s: Vec3, memory: Memory) -> tuple[Vec3, Memory]:
-    """Return the pose [rad] to start from: the mean of what was measured at rest; one sample is too noisy."""
+    """Return the pose [rad] to start from: the mean of what was measured at rest, as one sample is noisy."""
     count = memory.samples + 1
     (r_1, r_2, r_3), (s_1, s_2, s_3) = reference, s
     q = r_1 + (s_1 - r_1) / count, r_2 + (s_2 - r_2) / count, r_3 + (s_3 - r_3) / count
     return q, Memory(memory.velocity, memory.swing, memory.boom, memory.stick, memory.torque, count)
 
 
-def ramped(velocity: Vec3, wish: Vec3, acceleration: float, dt: float) -> Vec3:
-    """Return the reference velocity [m/s] after dt [s] on the way to a wish, at most so accelerated."""
-    x, y, z = wish[0] - velocity[0], wish[1] - velocity[1], wish[2] - velocity[2]
+def ramped(velocity: Vec3, target: Vec3, acceleration: float, dt: float) -> Vec3:
+    """Return the reference velocity [m/s] after dt [s] on the way to a target, at most so accelerated."""
+    x, y, z = target[0] - velocity[0], target[1] - velocity[1], target[2] - velocity[2]
     size, most = math.sqrt(x * x + y * y + z * z), acceleration * dt
     if size <= most:
-        return wish
+        return target
     part = most / size
     return velocity[0] + part * x, velocity[1] + part * y, velocity[2] + part * z
 
@@ -128,7 +130,7 @@ def servo(
 
     Args:
         memory: before.
-        a: governed rates wished [rad/s].
+        a: reference rates [rad/s].
         r: reference angles [rad].
         s: measured angles [rad].
         v: measured rates [rad/s].
@@ -161,13 +163,13 @@ def inches(memory: Memory) -> Vec3:
 
 
 def rests(memory: Memory, a: Vec3) -> bool:
-    """Tell whether the reference rests: neither now nor a step ago any joint was wished to move [rad/s]."""
+    """Tell whether all joints' reference rates [rad/s] are zero, in this step and in the last one."""
     m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
     return max(abs(a[0]), abs(a[1]), abs(a[2]), abs(m_1.a), abs(m_2.a), abs(m_3.a)) < REST_RATE
 
 
 def _rests(memory: Joint, a: float) -> bool:
-    """Tell whether one joint's reference rests, be it that others move [rad/s]."""
+    """Tell whether one joint's reference rests, even if others move [rad/s]."""
     return max(abs(a), abs(memory.a)) < REST_RATE
 
 
@@ -217,9 +219,9 @@ def _joint_servo(
     w = max(-p.integral_limit, min(p.integral_limit, grown))
     part = x.a / FULL_RATE
     quick = 1.0 if i == 0 else min(1.0, part * part)
-    # At rest there is time to hear less noise.
-    heard = seen if still and shut else seen + quick * (error - seen)
-    u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.r - heard, x.v, x.w + w), p.gains[i])
+    # At rest there is time for less noise.
+    fed_back = seen if still and shut else seen + quick * (error - seen)
+    u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.r - fed_back, x.v, x.w + w), p.gains[i])
     inching = served(memory.inching, dt) if all_rest else MOVING
     return Joint(x.a, x.b, w, seen, holds, wide, side, gathered, inching), u
 
@@ -227,8 +229,8 @@ def _joint_servo(
 def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) -> float:
     """Return what the integral has gathered at rest [rad/s].
 
-    Of a valve that is open to feed what leaks, all. One that is shut it only helps to open: more would open
-    it wide, and the other way once the joint has moved.
+    It counts in full while the valve is open to feed leakage. A valve that is shut it only helps to
+    open: more would open it wide, and the other way once the joint has moved.
     """
     before = memory.gathered
     if not still or (holds and shut):
@@ -243,8 +245,9 @@ def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) 
 def _widened(memory: Joint, seen: float, still: bool, holds: bool, dt: float) -> tuple[float, float]:
     """Return how much wider a joint holds than set, and the side that it was moved from last, at rest.
 
-    A valve whose deadband is thought too wide jumps open; what then overshoots would be sent back for ever.
-    So every time that a joint at rest is moved the other way than before, it holds twice as wide.
+    A valve whose deadband is estimated too wide jumps open, and the joint would overshoot to and
+    fro for ever. So every time that a joint at rest is moved the other way than before, it holds
+    twice as wide.
     """
     if not still:
         return 1.0, 0.0
@@ -267,10 +270,11 @@ def _smooth_acceleration(
 def _swing_forward(
     known: float, a: float, b: float, jerk: float, m_11: float, p: CoordinationParameters, dt: float
 ) -> tuple[float, float]:
-    """Return the torque [N m] that the driver knows of by now, and the rate [rad/s] to add to the swing's.
+    """Return the torque [N m] that the driver has learnt, and the rate [rad/s] to add to the swing's.
 
-    The hoses yield under the torque M_11 b + B a, and take up oil as it grows. And the driver learns the load
-    slowly: what it does not know yet makes the valve slower by half its share of the valve's drop.
+    The hoses yield under the torque M_11 b + B a, and take up oil as it grows. The driver learns
+    the load slowly: what it has not learnt makes the valve slower by half its share of the valve's
+    drop.
     """
     torque = m_11 * b + p.swing.damping * a
     known += (1.0 - math.exp(-p.load_bandwidth * dt)) * (torque - known)

@@ -1,12 +1,13 @@
-"""The cores of machine, controller and driver in one loop without ROS: the graph in simulated time.
+"""The cores of machine, guarded controller and driver in one loop without ROS: the graph in simulated time.
 
 Each period goes round as it does live: the machine reports, controller and driver answer within the period,
-the voltages act over the next one; before the first report a period passes under shut valves. Sensors are
-exact unless a suite is given. As live, the controller stands still while a joint has no reading, and the
-driver takes the nominal load while a pressure has none.
+the voltages act over the next one. Before the first report a period passes under shut valves. The controller
+is the node's, guard included: joystick watch and interpolation, order and age of states, sensor checks. A
+session begins with the deadman held and the levers centred, so that the first deflection counts.
 
-Links between the cores may delay, jitter and lose what passes. A reader takes the newest that has arrived; a
-joystick, a state or a command that is older than its timeout, by arrival, means zero.
+Sensors are exact unless a suite is given. The driver takes the nominal load while a pressure has no reading.
+Links between the cores (`link_model`) may delay, jitter and lose what passes. A joystick, a state or a
+command that is older than its timeout, by arrival, means zero.
 """
 
 import math
@@ -15,11 +16,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_control.operator.levers import REST, Levers
-from forest_control.pipeline import controller
-from forest_control.safety.state_checks import implausible
+from forest_control.config import settings as control_settings
+from forest_control.operator.joystick_watch import Sample
+from forest_control.operator.levers import Levers
+from forest_control.pipeline.control_state import ValveFeedback
+from forest_control.pipeline.guarded_controller import GuardedController
+from forest_control.safety.driver_response import DriverSample
+from forest_control.safety.motion_permission import (
+    MachineState,
+    PermissionParameters,
+    Verdict,
+    armed_watch,
+)
 from forest_control.valve import valve_driver
-from forest_control.valve.tracking_limit import UNREPORTED, learnt_reach, reported
+from forest_control.valve.tracking_limit import learnt_reach
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_description.types import ZERO, Floats, Vec3
@@ -32,9 +42,10 @@ from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
-from forest_study.closed_loop.link_model import Quality, Reader
+from forest_study.closed_loop.link_model import Link, Quality, Reports, reported
+from forest_study.closed_loop.loop_core import PERIOD_NS, SUBSTEPS, Happened, Seen, driver_inputs, sample
 
-SUBSTEPS = 5  # of 1 ms
+COMMAND_TIMEOUT = 0.1  # [s] as the valve driver's default
 
 
 class Operator(NamedTuple):
@@ -42,6 +53,10 @@ class Operator(NamedTuple):
 
     levers: Levers
     enabled: bool = True
+
+
+# What comes of the joystick in a period: what the operator does, nothing, or samples as they came.
+Joystick = Operator | Sequence[Sample] | None
 
 
 class Links(NamedTuple):
@@ -53,8 +68,14 @@ class Links(NamedTuple):
     seed: int = 0
 
 
-JOY_TIMEOUT, STATE_TIMEOUT, COMMAND_TIMEOUT = 0.15, 0.1, 0.1  # [s] as the nodes' defaults
-RELEASED = Operator(REST, False)
+class Lateness(NamedTuple):
+    """How late each period's answers are."""
+
+    commands: Sequence[int] = ()  # that a driver which is held up leaves unanswered
+    states: Sequence[float] = ()  # [s] after its stamp that the machine's state is there
+
+
+PERFECT, IN_TIME = Links(), Lateness()
 
 
 class Trajectory(NamedTuple):
@@ -63,13 +84,13 @@ class Trajectory(NamedTuple):
     time: Floats  # [N] s
     angles: Floats  # [N, 3] rad, true
     tip: Floats  # [N, 3] m, true
-    tip_wish: Floats  # [N, 3] m/s, governed
+    tip_wish: Floats  # [N, 3] m/s, the tip's reference velocity
     commands: Floats  # [N, 3] V of ideal valves
     voltages: Floats  # [N, 3] V
     pressures: Floats  # [N, 12] Pa
 
     def tip_error(self) -> Floats:
-        """Return true tip minus integrated wish [N, 3] m, from the first row on."""
+        """Return true tip minus integrated reference [N, 3] m, from the first row on."""
         wished = np.vstack([np.zeros(3), np.cumsum(self.tip_wish[:-1], axis=0) * PERIOD])
         error: Floats = self.tip - self.tip[0] - wished
         return error
@@ -77,23 +98,23 @@ class Trajectory(NamedTuple):
 
 def run(
     machine: Machine,
-    operator: Callable[[float], Operator],
+    operator: Callable[[float], Joystick],
     duration: float,
     start: Vec3,
-    control: controller.Settings,
+    control: control_settings.Settings,
     drive: valve_driver.Settings,
     model: Machine | None = None,
     sensor_suite: Suite | None = None,
-    ways: Links | None = None,
+    ways: Links = PERFECT,
     watch: Callable[[float, Vec3], None] = lambda _time, _angles: None,
     plant: PlantParameters | None = None,
-    behind: Sequence[int] = (),
+    late: Lateness = IN_TIME,
 ) -> Trajectory:
     """Run a session.
 
     Args:
         machine: what is simulated.
-        operator: time [s] to levers and deadman.
+        operator: time [s] to what comes of the joystick.
         duration: [s].
         start: joint angles [rad], at rest.
         control: the controller's settings.
@@ -103,22 +124,20 @@ def run(
         ways: bad links between the cores; default: perfect ones.
         watch: is told time [s] and true joint angles [rad] after each period: an operator's eyes.
         plant: what is simulated instead of the machine's own parameters.
-        behind: of each period, how many commands a driver that is held up leaves unanswered.
+        late: answers that do not come within their period; default: none.
     """
     p = plant_parameters(machine) if plant is None else plant
     believed = machine if model is None else model
     suite = suite_of(machine) if sensor_suite is None else sensor_suite
-    cores = controller.parameters(believed, control), valve_driver.parameters(believed, drive)
-    begun = p, *cores, start, suite, behind
-    loop = _Loop(*begun) if ways is None else _LateLoop(*begun, ways)
+    cores = control_settings.parameters(believed, control), valve_driver.parameters(believed, drive)
+    loop = ClosedLoop(p, *cores, start, suite, ways, late)
     rows = []
     for k in range(round(duration / PERIOD)):
-        rows.append(loop.period(operator(k * PERIOD)))
-        watch(k * PERIOD, rows[-1][0])
+        happened = loop.period(operator(k * PERIOD))
+        rows.append(happened._replace(tip=tip_position(happened.angles, machine.manipulator.links)))
+        watch(k * PERIOD, happened.angles)
     columns = [np.array(column) for column in zip(*rows, strict=True)]
-    links = machine.manipulator.links
-    tip = np.array([tip_position(tuple(q), links) for q in columns[0].tolist()])
-    return Trajectory(PERIOD * np.arange(len(rows), dtype=np.float64), columns[0], tip, *columns[1:])
+    return Trajectory(PERIOD * np.arange(len(rows), dtype=np.float64), *columns)
 
 
 def until_first_report(simulation: Simulation, p: PlantParameters) -> Simulation:
@@ -126,125 +145,118 @@ def until_first_report(simulation: Simulation, p: PlantParameters) -> Simulation
     return compiled_advance()(simulation, ZERO, PERIOD / SUBSTEPS, SUBSTEPS, p)
 
 
-class _Loop:
-    """State of the three cores between periods."""
+class ClosedLoop:
+    """Machine, links, controller and driver between periods.
+
+    Args:
+        p: of the machine.
+        control: the controller's parameters.
+        drive: the valve driver's.
+        start: joint angles [rad], at rest.
+        suite: sensors.
+        ways: quality of the links.
+        late: answers that do not come within their period.
+    """
 
     def __init__(
         self,
         p: PlantParameters,
-        control: controller.Parameters,
+        control: control_settings.Parameters,
         drive: valve_driver.Parameters,
         start: Vec3,
         suite: Suite,
-        behind: Sequence[int] = (),
+        ways: Links = PERFECT,
+        late: Lateness = IN_TIME,
     ) -> None:
-        self._plant, self._control, self._drive = p, control, drive
+        self._plant, self._drive = p, drive
         rest = equilibrium(start, p)
         self._suite, self._generator = suite, noise_generator(suite)
         self._sensors = sensor_readings.at_rest(rest, p, suite)
-        self._simulation = until_first_report(rest, p)
-        self._controller, self._driver = controller.REST, valve_driver.REST
-        self._reports = UNREPORTED
-        self._behind = iter(behind)
-        self._waiting: list[Vec3] = []  # commands
-        self._volts, self._held = ZERO, 0  # given last, in force for so many periods
-        self._advance = compiled_advance()
+        self._simulation, self._advance = until_first_report(rest, p), compiled_advance()
+        self.controller = GuardedController(control, PermissionParameters())
+        self.controller.permission.joystick = armed_watch()
+        self._driver, self._reports, self._reference = valve_driver.REST, Reports(), ZERO
+        self._joystick: Link[Sample] = Link(ways.joystick, 3 * ways.seed)
+        self._states: Link[tuple[int, Measurement]] = Link(ways.state, 3 * ways.seed + 1)
+        self._commands: Link[tuple[float, Vec3]] = Link(ways.commands, 3 * ways.seed + 2)
+        self._newest: tuple[float, Vec3] = (-math.inf, ZERO)  # command at the driver, after when it was sent
+        self._command_received = -math.inf
+        self._behind, self._late = iter(late.commands), iter(late.states)
+        self._waiting: list[Vec3] = []  # commands that a driver which is held up has not answered
+        self._volts, self._held, self._count = ZERO, 0, 0  # given last, in force for so many periods
 
-    def period(self, operator: Operator) -> tuple[Vec3, Vec3, Vec3, Vec3, tuple[float, ...]]:
-        """Return a period's angles, tip wish, commands, voltages, pressures, and move the machine over it."""
+    def period(self, joystick: Joystick) -> Happened:
+        """Return what happened in a period, and move the machine over it; the tip is left out."""
+        now, p = self._count * PERIOD, self._plant
+        heard = now + next(self._late, 0.0)
         self._sensors, seen = sensor_readings.measure(
-            self._simulation, self._sensors, self._plant, PERIOD, self._suite, draw(self._generator)
+            self._simulation, self._sensors, p, PERIOD, self._suite, draw(self._generator)
         )
-        angles = sensor_readings.true_joints(self._simulation, self._plant).position
-        wish, command = self._answer(seen, operator)
-        volts = self._in_force(command, seen)
-        self._reports = reported(self._reports, learnt_reach(self._driver.learners, self._drive.axes))
-        self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, self._plant)
-        return angles, wish, command, volts, seen.pressures
+        angles = sensor_readings.true_joints(self._simulation, p).position
+        self._hear(joystick, heard)
+        self._states.send(heard, ((self._count + 1) * PERIOD_NS, seen))
+        self._control(heard)
+        command = self._command(heard)
+        volts = self._in_force(command, _seen(seen))
+        self._reports = reported(self._reports, learnt_reach(self._driver.estimates, self._drive.axes))
+        self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, p)
+        self._count += 1
+        return Happened(
+            angles=angles,
+            tip=ZERO,
+            tip_wish=self._reference,
+            command=command,
+            voltages=volts,
+            pressures=seen.pressures,
+        )
 
-    def _answer(self, seen: Measurement, operator: Operator) -> tuple[Vec3, Vec3]:
-        """Return the tip's wish, and the command that reaches the driver."""
-        return self._control_step(seen, operator)
+    def _hear(self, joystick: Joystick, now: float) -> None:
+        """Have the controller hear what has come of the joystick."""
+        if isinstance(joystick, Operator):
+            self._joystick.send(now, sample(joystick.levers, joystick.enabled, self._count))
+            joystick = None
+        arrived = [one._replace(received=now) for one in self._joystick.arrived(now)]
+        for one in (*arrived, *(joystick or ())):
+            self.controller.permission.hear(one)
 
-    def _in_force(self, command: Vec3, seen: Measurement) -> Vec3:
+    def _control(self, now: float) -> None:
+        """Have the controller answer the states that have arrived, or their absence."""
+        driver = DriverSample(self._driver.voltages, now)
+        valves = ValveFeedback(self._reports.reach, self._driver.voltages, driver)
+        for stamp, seen in self._states.arrived(now):
+            machine = MachineState(seen.joints.position, seen.joints.speed, stamp, now)
+            cylinders = seen.actuators.position[1], seen.actuators.position[2]
+            decision, telemetry = self.controller.advance(machine, valves, now, cylinders)
+            if decision.verdict != Verdict.SKIP:
+                self._commands.send(now, (now, self.controller.command))
+                self._reference = telemetry.output.tip_wish if telemetry else ZERO
+        if self.controller.stops_without_state(now):
+            self._commands.send(now, (now, ZERO))
+            self._reference = ZERO
+
+    def _command(self, now: float) -> Vec3:
+        """Return the command that the driver goes by: the newest, until it is too old."""
+        for command in self._commands.arrived(now):
+            if command[0] >= self._newest[0]:
+                self._newest, self._command_received = command, now
+        return self._newest[1] if now - self._command_received <= COMMAND_TIMEOUT else ZERO
+
+    def _in_force(self, command: Vec3, seen: Seen) -> Vec3:
         """Return the voltages under which the machine moves over this period; a held-up driver's last."""
         self._waiting.append(command)
         self._held += 1
         behind = next(self._behind, 0)
         while len(self._waiting) > behind:
-            self._driver, self._volts = valve_driver.step(
-                self._driver,
-                self._waiting.pop(0),
-                _pressures(seen, self._drive.idle_pressure),
-                self._drive,
-                self._held * PERIOD,
-                _motion(seen),
+            pressures, motion = driver_inputs(seen, self._drive.idle_pressure)
+            command, dt = self._waiting.pop(0), self._held * PERIOD
+            self._driver, self._volts = valve_driver.step_measured(
+                self._driver, command, pressures, motion, self._drive, dt
             )
             self._held = 0
         return self._volts
 
-    def _control_step(self, seen: Measurement, operator: Operator) -> tuple[Vec3, Vec3]:
-        """Return the tip's wish and the command; both zero while the joints' state cannot be believed."""
-        if implausible(seen.joints.position, seen.joints.speed, self._control):
-            self._controller = controller.REST
-            return ZERO, ZERO
-        lengths = seen.actuators.position[1], seen.actuators.position[2]
-        reach, volts = self._reports.reach, self._driver.voltages
-        inputs = controller.Inputs(seen.joints.position, seen.joints.speed, *operator, lengths, reach, volts)
-        self._controller, output = controller.step(self._controller, inputs, self._control, PERIOD)
-        return output.tip_wish, output.command
 
-
-class _LateLoop(_Loop):
-    """The same with links between operator, machine, controller and driver."""
-
-    def __init__(
-        self,
-        p: PlantParameters,
-        control: controller.Parameters,
-        drive: valve_driver.Parameters,
-        start: Vec3,
-        suite: Suite,
-        behind: Sequence[int],
-        ways: Links,
-    ) -> None:
-        super().__init__(p, control, drive, start, suite, behind)
-        self._joystick: Reader[Operator] = Reader(ways.joystick, 3 * ways.seed, JOY_TIMEOUT)
-        self._states: Reader[Measurement] = Reader(ways.state, 3 * ways.seed + 1, STATE_TIMEOUT)
-        self._commands: Reader[Vec3] = Reader(ways.commands, 3 * ways.seed + 2, COMMAND_TIMEOUT)
-        self._now, self._wish = 0.0, ZERO
-
-    def _answer(self, seen: Measurement, operator: Operator) -> tuple[Vec3, Vec3]:
-        self._now += PERIOD
-        hand, _ = self._joystick.passed(self._now, operator)
-        state, is_new = self._states.passed(self._now, seen)
-        if state is None:
-            self._controller, self._wish = controller.REST, ZERO
-            command, _ = self._commands.passed(self._now, ZERO)
-        elif is_new:  # the controller steps when a state arrives
-            self._wish, wanted = self._control_step(state, RELEASED if hand is None else hand)
-            command, _ = self._commands.passed(self._now, wanted)
-        else:
-            command, _ = self._commands.passed(self._now, None)
-        return self._wish, ZERO if command is None else command
-
-
-def _pressures(seen: Measurement, supply: float) -> valve_driver.Pressures | None:
-    """Return what the driver may believe: all ports or none; the idle supply [Pa] where it is not read."""
-    ports = _at_port(seen, 1), _at_port(seen, 2)
-    if any(map(math.isnan, (*ports[0], *ports[1]))):
-        return None
-    return valve_driver.Pressures(
-        *ports, supply if math.isnan(seen.supply_pressure) else seen.supply_pressure
-    )
-
-
-def _motion(seen: Measurement) -> valve_driver.Motion:
-    """Return what the driver learns from; what is not read is NaN, from which it learns nothing."""
-    return valve_driver.Motion(seen.actuators.position, _at_port(seen, 1, 0), _at_port(seen, 2, 0))
-
-
-def _at_port(seen: Measurement, port: int, place: int = 1) -> Vec3:
-    """Return the pressures [Pa] of one port, swing, boom, stick; place: 0 at the valve, 1 at the actuator."""
-    first = place if port == 1 else 2 + place
-    return seen.pressures[first], seen.pressures[first + 4], seen.pressures[first + 8]
+def _seen(m: Measurement) -> Seen:
+    """Return what the driver hears of a measurement."""
+    cylinders = m.actuators.position[1], m.actuators.position[2]
+    return Seen(m.joints.position, m.joints.speed, cylinders, m.pressures, m.supply_pressure)

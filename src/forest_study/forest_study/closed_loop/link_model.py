@@ -1,4 +1,4 @@
-"""A link between two nodes that delays, jitters and loses messages, repeatably.
+"""Transport between nodes: links that delay, jitter and lose messages, repeatably; reports in lockstep.
 
 | symbol | name | unit |
 |---|---|---|
@@ -15,6 +15,7 @@ from typing import Annotated, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
+from forest_control.valve.tracking_limit import FULL, STATUS_EVERY, Reach
 from forest_msgs_py.runtime.parameter_table import Parameter, table_rows
 
 T = TypeVar("T")
@@ -88,20 +89,21 @@ class Link(Generic[T]):
         return self._under_way[0][0] if self._under_way else math.inf
 
 
-class Reader(Generic[T]):
-    """The newest message that came over a link, until it is too old; what was overtaken is dropped."""
+class Reports(NamedTuple):
+    """What the driver has said of its valves' reach, as it comes to the controller of a graph in lockstep."""
 
-    def __init__(self, quality: Quality, seed: int, timeout: float) -> None:
-        self._link: Link[tuple[float, T]] = Link(quality, seed)
-        self._timeout, self._received, self._stamp = timeout, -math.inf, -math.inf
-        self._newest: T | None = None
+    reach: Reach = FULL  # that the controller has
+    older: Reach = FULL  # said, on the way
+    newer: Reach = FULL
+    step: int = 0  # of the driver
 
-    def passed(self, now: float, message: T | None) -> tuple[T | None, bool]:
-        """Send a message, if there is one; return the newest that is there, and whether it has just come."""
-        if message is not None:
-            self._link.send(now, (now, message))
-        is_new = False
-        for stamp, arrived in self._link.arrived(now):
-            if stamp > self._stamp:
-                self._stamp, self._received, self._newest, is_new = stamp, now, arrived, True
-        return (self._newest if now - self._received <= self._timeout else None), is_new
+
+def reported(r: Reports, now: Reach) -> Reports:
+    """Return the reports after another step of the driver, by which it knows its reach.
+
+    It says it every `STATUS_EVERY` steps, and in lockstep two such spans later that is heard.
+    """
+    step = (r.step + 1) % STATUS_EVERY
+    if step == 1:
+        return Reports(r.reach, r.older, now, step)
+    return Reports(r.older, r.newer, r.newer, step) if step == 0 else Reports(r.reach, r.older, r.newer, step)

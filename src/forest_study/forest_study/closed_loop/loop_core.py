@@ -1,24 +1,34 @@
-"""One period of machine, sensors, controller and driver: a function of numbers, for machine code.
+"""One period of machine, sensors, guarded controller and driver: a function of numbers, for machine code.
 
-    loop, levers -> sensors -> controller -> driver -> plant -> loop, what happened
+    loop, levers -> sensors -> may the crane move? -> controller -> driver -> plant -> loop, what happened
 
-It does what a `closed_loop` period does, number by number, with those of the sensors that control reads.
-Everything here is pure and stays in the subset of Python that `forest_compile.translate` takes; `loop_kernel`
-makes the machine code.
+It does what a `closed_loop` period does without links, number by number, with those of the sensors that
+control reads. The guard is that of `motion_permission`, but for the order of stamps and the silence of the
+driver: here nothing is late.
+
+Everything here stays in the subset of Python that `forest_compile` translates; `loop_kernel` makes the
+machine code.
 """
 
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from forest_control.config import settings as control_settings
+from forest_control.operator.joystick_interpolation import CENTRED, InterpolatedLevers, interpolated
+from forest_control.operator.joystick_watch import Sample, Watch, assessed_watch, updated_watch
 from forest_control.operator.levers import Levers
-from forest_control.pipeline import controller
+from forest_control.pipeline import control_state, controller
+from forest_control.safety.driver_response import DriverSample
+from forest_control.safety.motion_permission import Checks, PermissionParameters, armed_watch, checked, passes
 from forest_control.safety.state_checks import plausible
+from forest_control.servo.joint_angle_filter import Lengths
 from forest_control.valve import valve_driver
-from forest_control.valve.tracking_limit import Reports, learnt_reach, reported
+from forest_control.valve.tracking_limit import learnt_reach
 from forest_description.geometry.kinematics import Links, tip_position
 from forest_description.types import ZERO, Vec3
-from forest_msgs_py.types import PERIOD
+from forest_msgs_py.runtime.stamped_period import LONGEST
+from forest_msgs_py.types import NS_PER_S, PERIOD
 from forest_sim.sensors.sensor_model import ABSENT, Channel, ChannelState, sample_if
 from forest_sim.sensors.sensor_readings import axis_pressures
 from forest_sim.sensors.sensor_suite import PLACES, TIME_TOLERANCE
@@ -27,9 +37,12 @@ from forest_sim.solver import integrator
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant import ports_at, transmissions
 from forest_sim.solver.plant_parameters import PlantParameters
-from forest_study.closed_loop.closed_loop import SUBSTEPS
+from forest_study.closed_loop.link_model import Reports, reported
 
 CHANNEL_COUNT = PLACES["pressure"].stop  # resolvers, transducers, pressures: the suite's first channels
+SUBSTEPS = 5  # of 1 ms
+PERIOD_NS = round(PERIOD * NS_PER_S)
+GUARD = PermissionParameters()
 
 
 class Sensing(NamedTuple):
@@ -48,12 +61,25 @@ class Senses(NamedTuple):
     next_sample: float  # [s]
 
 
+class Guarded(NamedTuple):
+    """What the controller and its guard remember."""
+
+    state: control_state.State = control_state.REST
+    command: Vec3 = ZERO  # [V] the last one
+    joystick: Watch = armed_watch()
+    hold: InterpolatedLevers = CENTRED
+    checks: Checks = Checks()
+    stamp: int = 0  # [ns] of the state that was believed last; 0: none
+    received: float = math.inf  # [s] when that was
+    credit: float = LONGEST  # [s] by which the controller's time may still run, as in `StampedPeriod`
+
+
 class Loop(NamedTuple):
     """All that is remembered between two periods."""
 
     simulation: Simulation
     senses: Senses
-    control: controller.State
+    control: Guarded
     drive: valve_driver.State
     reports: Reports
 
@@ -64,7 +90,7 @@ class Knowledge(NamedTuple):
     plant: PlantParameters
     links: Links  # of the machine
     sensing: Sensing
-    control: controller.Parameters
+    control: control_settings.Parameters
     drive: valve_driver.Parameters
 
 
@@ -79,40 +105,103 @@ class Happened(NamedTuple):
     pressures: tuple[float, ...]  # [Pa] read, 12
 
 
+class Seen(NamedTuple):
+    """What controller and driver hear of the machine; NaN where there is no sensor."""
+
+    angles: Vec3  # [rad]
+    rates: Vec3  # [rad/s]
+    cylinders: Lengths  # [m] boom, stick
+    pressures: tuple[float, ...]  # [Pa] 12
+    supply: float  # [Pa]
+
+
 def period(
-    loop: Loop, levers: Levers, enabled: bool, k: Knowledge, normals: Sequence[float], first: int
+    loop: Loop, levers: Levers, held: bool, k: Knowledge, normals: Sequence[float], row: int
 ) -> tuple[Loop, Happened]:
     """Return the loop a period later, and what happened.
 
     Args:
         loop: as it was.
         levers: deflections, -1..1.
-        enabled: whether the deadman is held.
+        held: whether the deadman is.
         k: what stays.
-        normals: draws from the standard normal distribution.
-        first: where in `normals` this period's begin, one for each channel.
+        normals: draws from the standard normal distribution, `CHANNEL_COUNT` for each period.
+        row: number of the period, from 0.
     """
     plant = loop.simulation.plant
     angles = plant.swing.angle, plant.boom.angle, plant.stick.angle
-    senses = sensed(loop.simulation, loop.senses, k, normals, first)
-    read, seen = readings(senses, k.sensing), (senses.estimates[0], senses.estimates[1], senses.estimates[2])
-    position, speed = (read[0], read[1], read[2]), (seen[0].speed, seen[1].speed, seen[2].speed)
-    control, wish, command = controller.REST, ZERO, ZERO
-    if plausible(position, speed, k.control):
-        reach, volts = loop.reports.reach, loop.drive.voltages
-        inputs = controller.Inputs(position, speed, levers, enabled, (read[3], read[4]), reach, volts)
-        control, output = controller.step(loop.control, inputs, k.control, PERIOD)
-        wish, command = output.tip_wish, output.command
-    pressures, motion = driven_by(read, k.drive.idle_pressure)
-    drive, volts = valve_driver.step_seen(loop.drive, command, pressures, motion, k.drive, PERIOD)
+    senses = sensed(loop.simulation, loop.senses, k, normals, CHANNEL_COUNT * row)
+    seen = _seen(senses, k.sensing)
+    control, velocity = guarded(loop, levers, held, seen, k, row)
+    pressures, motion = driver_inputs(seen, k.drive.idle_pressure)
+    drive, volts = valve_driver.step_measured(loop.drive, control.command, pressures, motion, k.drive, PERIOD)
     simulation = loop.simulation
     for _ in range(SUBSTEPS):
         simulation = integrator.step(simulation, volts, PERIOD / SUBSTEPS, k.plant)
     happened = Happened(
-        angles, tip_position(angles, k.links), wish, command, volts, tuple([read[5 + i] for i in range(12)])
+        angles=angles,
+        tip=tip_position(angles, k.links),
+        tip_wish=velocity,
+        command=control.command,
+        voltages=volts,
+        pressures=seen.pressures,
     )
-    reports = reported(loop.reports, learnt_reach(drive.learners, k.drive.axes))
+    reports = reported(loop.reports, learnt_reach(drive.estimates, k.drive.axes))
     return Loop(simulation, senses, control, drive, reports), happened
+
+
+def guarded(
+    loop: Loop, levers: Levers, held: bool, seen: Seen, k: Knowledge, row: int
+) -> tuple[Guarded, Vec3]:
+    """Return the guarded controller a step on, and the tip's reference velocity [m/s].
+
+    It does what `GuardedController` does when nothing is late.
+    """
+    before, now, stamp = loop.control, row * PERIOD, (row + 1) * PERIOD_NS
+    joystick, hold = updated_watch(before.joystick, sample(levers, held, row)), before.hold
+    if now - before.received > GUARD.state_timeout:
+        joystick, _ = assessed_watch(joystick, now, False, GUARD.joystick)
+        hold = CENTRED
+    after = before._replace(state=control_state.REST, command=ZERO, joystick=joystick, hold=hold)
+    if not plausible(seen.angles, seen.rates, k.control):
+        return after._replace(checks=Checks(driver=before.checks.driver)), ZERO
+    credit, elapsed = LONGEST, PERIOD
+    if before.stamp > 0:
+        credit = min(LONGEST, before.credit + (now - before.received))
+        elapsed = (stamp - before.stamp) * 1e-9
+    dt = min(LONGEST, elapsed, credit)
+    driver = DriverSample(loop.drive.voltages, now)
+    checks = checked(before.checks, seen.angles, driver, before.command, k.control, now, dt)
+    sound = passes(checks, now)
+    joystick, operator = assessed_watch(joystick, now, sound, GUARD.joystick)
+    hold = interpolated(hold, operator.levers, now, now, dt) if operator.enabled else CENTRED
+    after = after._replace(joystick=joystick, hold=hold, stamp=stamp, received=now, credit=credit - dt)
+    if not sound:
+        return after._replace(checks=Checks(driver=checks.driver)), ZERO
+    inputs = control_state.Inputs(
+        angles=seen.angles,
+        rates=seen.rates,
+        levers=hold.levers,
+        enabled=operator.enabled,
+        cylinders=seen.cylinders,
+        reach=loop.reports.reach,
+        voltages=loop.drive.voltages,
+    )
+    state, output = controller.step(before.state, inputs, k.control, dt)
+    return after._replace(state=state, command=output.command, checks=checks), output.tip_wish
+
+
+def sample(levers: Levers, held: bool, row: int) -> Sample:
+    """Return what a joystick says in a period that it speaks in: it counts, so that it is known to live."""
+    return Sample(
+        received=row * PERIOD,
+        stamp=(row + 1) * PERIOD_NS,
+        heartbeat=row + 1,
+        same=False,
+        good=True,
+        levers=levers,
+        held=held,
+    )
 
 
 def sensed(
@@ -129,7 +218,7 @@ def sensed(
             for i in range(CHANNEL_COUNT)
         ]
     )
-    read = readings(Senses(channels, senses.estimates, time, 0.0), k.sensing)
+    read = _readings(channels, k.sensing)
     e = senses.estimates
     estimates = (
         estimate_speed(e[0], read[0], PERIOD, due),
@@ -140,9 +229,21 @@ def sensed(
     return Senses(channels, estimates, time, next_sample)
 
 
-def readings(senses: Senses, sensing: Sensing) -> tuple[float, ...]:
+def _seen(senses: Senses, sensing: Sensing) -> Seen:
+    """Return what controller and driver hear in a period."""
+    read, e = _readings(senses.channels, sensing), senses.estimates
+    return Seen(
+        angles=(read[0], read[1], read[2]),
+        rates=(e[0].speed, e[1].speed, e[2].speed),
+        cylinders=(read[3], read[4]),
+        pressures=tuple([read[5 + i] for i in range(12)]),
+        supply=read[17],
+    )
+
+
+def _readings(channels: tuple[ChannelState, ...], sensing: Sensing) -> tuple[float, ...]:
     """Return what the channels say now; NaN where there is no sensor."""
-    return tuple([_reading(sensing.channels[i], senses.channels[i]) for i in range(CHANNEL_COUNT)])
+    return tuple([_reading(sensing.channels[i], channels[i]) for i in range(CHANNEL_COUNT)])
 
 
 def _reading(c: Channel, s: ChannelState) -> float:
@@ -164,13 +265,13 @@ def _true_values(simulation: Simulation, p: PlantParameters) -> tuple[float, ...
     )
 
 
-def driven_by(
-    read: tuple[float, ...], idle_pressure: float
-) -> tuple[valve_driver.Pressures, valve_driver.Motion]:
+def driver_inputs(seen: Seen, idle_pressure: float) -> tuple[valve_driver.Pressures, valve_driver.Motion]:
     """Return what the driver gets; the idle supply [Pa] where the supply is not read."""
-    supply = idle_pressure if math.isnan(read[17]) else read[17]
-    pressures = valve_driver.Pressures((read[6], read[10], read[14]), (read[8], read[12], read[16]), supply)
+    at, supply = seen.pressures, idle_pressure if math.isnan(seen.supply) else seen.supply
+    pressures = valve_driver.Pressures((at[1], at[5], at[9]), (at[3], at[7], at[11]), supply)
     motion = valve_driver.Motion(
-        (read[0], read[3], read[4]), (read[5], read[9], read[13]), (read[7], read[11], read[15])
+        positions=(seen.angles[0], seen.cylinders[0], seen.cylinders[1]),
+        valve_1=(at[0], at[4], at[8]),
+        valve_2=(at[2], at[6], at[10]),
     )
     return pressures, motion

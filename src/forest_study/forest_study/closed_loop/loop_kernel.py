@@ -14,9 +14,9 @@ from forest_compile import flat_layout
 from forest_compile.entry import Entry
 from forest_compile.kernel_cache import CachedKernel, can_compile
 from forest_control import compiled as control_compiled
+from forest_control.config import settings as control_settings
 from forest_control.operator import levers
-from forest_control.pipeline import controller
-from forest_control.valve import tracking_limit, valve_driver
+from forest_control.valve import valve_driver
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
@@ -26,8 +26,17 @@ from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop import closed_loop, loop_core
-from forest_study.closed_loop.closed_loop import Operator, Trajectory
-from forest_study.closed_loop.loop_core import CHANNEL_COUNT, Happened, Knowledge, Loop, Senses, Sensing
+from forest_study.closed_loop.closed_loop import Joystick, Operator, Trajectory
+from forest_study.closed_loop.link_model import Reports
+from forest_study.closed_loop.loop_core import (
+    CHANNEL_COUNT,
+    Guarded,
+    Happened,
+    Knowledge,
+    Loop,
+    Senses,
+    Sensing,
+)
 
 # What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
 NOINLINE = (*plant_kernel.NOINLINE, *control_compiled.NOINLINE)
@@ -61,10 +70,10 @@ def run(*arguments: Any, **named: Any) -> Trajectory:
 
 def by_heart(
     machine: Machine,
-    operator: Callable[[float], Operator],
+    operator: Callable[[float], Joystick],
     duration: float,
     start: Vec3,
-    control: controller.Settings,
+    control: control_settings.Settings,
     drive: valve_driver.Settings,
     model: Machine | None = None,
     suite: Suite | None = None,
@@ -73,7 +82,7 @@ def by_heart(
 
     Args:
         machine: what is simulated.
-        operator: time [s] to levers and deadman.
+        operator: time [s] to what comes of the joystick; compiled if it speaks in each period.
         duration: [s].
         start: joint angles [rad], at rest.
         control: the controller's settings.
@@ -81,10 +90,12 @@ def by_heart(
         model: what controller and driver believe; default: the machine itself.
         suite: sensors; those with faults are interpreted; default: the machine's, exact.
     """
-    if not can_compile() or (suite is not None and suite.faults):
-        return closed_loop.run(machine, operator, duration, start, control, drive, model, suite)
     done = [operator(k * PERIOD) for k in range(round(duration / PERIOD))]
-    table = np.array([[*levers, enabled] for levers, enabled in done], dtype=np.float64)
+    spoken = [[*one.levers, one.enabled] for one in done if isinstance(one, Operator)]
+    if len(spoken) < len(done) or not can_compile() or (suite is not None and suite.faults):
+        said = iter(done)
+        return closed_loop.run(machine, lambda _: next(said), duration, start, control, drive, model, suite)
+    table = np.array(spoken, dtype=np.float64)
     return run(machine, table, start, control, drive, model, suite)
 
 
@@ -92,7 +103,7 @@ def prepared(
     machine: Machine,
     levers: Floats,
     start: Vec3,
-    control: controller.Settings,
+    control: control_settings.Settings,
     drive: valve_driver.Settings,
     model: Machine | None = None,
     suite: Suite | None = None,
@@ -128,14 +139,18 @@ def prepared(
 
 
 def knowledge(
-    machine: Machine, model: Machine, control: controller.Settings, drive: valve_driver.Settings, suite: Suite
+    machine: Machine,
+    model: Machine,
+    control: control_settings.Settings,
+    drive: valve_driver.Settings,
+    suite: Suite,
 ) -> Knowledge:
     """Return all that stays in a run."""
     return Knowledge(
         plant_parameters(machine),
         machine.manipulator.links,
         Sensing(suite.channels[:CHANNEL_COUNT], suite.period),
-        controller.parameters(model, control),
+        control_settings.parameters(model, control),
         valve_driver.parameters(model, drive),
     )
 
@@ -147,7 +162,7 @@ def begin(k: Knowledge, start: Vec3, suite: Suite) -> Loop:
     one, two, three, *_ = seen.estimates
     senses = Senses(seen.channels[:CHANNEL_COUNT], (one, two, three), seen.time, seen.next_sample)
     simulation = closed_loop.until_first_report(simulation, k.plant)
-    return Loop(simulation, senses, controller.REST, valve_driver.REST, tracking_limit.UNREPORTED)
+    return Loop(simulation, senses, Guarded(), valve_driver.REST, Reports())
 
 
 def draws(suite: Suite, rows: int) -> Floats:
@@ -185,7 +200,7 @@ def entry() -> Entry:
         f"        before = {flat_layout.construction(loop, 'state', names)}",
         "        lever = Levers(levers[4 * row], levers[4 * row + 1], levers[4 * row + 2])",
         "        held = levers[4 * row + 3] > 0.5",
-        f"        after, happened = period(before, lever, held, k, normals, {CHANNEL_COUNT} * row)",
+        "        after, happened = period(before, lever, held, k, normals, row)",
         *(f"        state[{i}] = {path}" for i, path in enumerate(after)),
         *(f"        recorded[{RECORDED} * row + {i}] = {path}" for i, path in enumerate(out)),
     ]
@@ -197,7 +212,7 @@ def _example() -> tuple[Knowledge, Loop]:
     """Return values of the types that all runs share."""
     machine = load_machine("c180")
     suite = sensor_suite.sensor_suite(machine)
-    k = knowledge(machine, machine, controller.Settings(), valve_driver.Settings(), suite)
+    k = knowledge(machine, machine, control_settings.Settings(), valve_driver.Settings(), suite)
     return k, begin(k, (0.0, 0.5, -1.5), suite)
 
 

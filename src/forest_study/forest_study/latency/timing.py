@@ -23,15 +23,15 @@ import numpy as np
 
 from forest_bag.read.timeseries import Bag, NotInBag, read_bag
 from forest_bringup.graph_lock import Failure
-from forest_control.operator import joystick_interpolation
-from forest_control.operator.levers import REST, Levers, levers_from_axes
-from forest_control.pipeline import controller
+from forest_control.config import settings as control_settings
+from forest_control.operator.joystick_watch import NO_STAMP, Sample
+from forest_control.operator.levers import Levers, levers_from_axes
 from forest_control.valve import valve_driver
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.types import PERIOD
-from forest_study.closed_loop.closed_loop import Operator, Trajectory
+from forest_study.closed_loop.closed_loop import Joystick, Lateness, Operator, Trajectory
 from forest_study.closed_loop.closed_loop import run as run_loop
 from forest_study.latency import lever_delay
 
@@ -74,24 +74,33 @@ def replayed(session: Session, timing: Timing, machine: Machine) -> Trajectory:
 
     Without times of the joystick the levers are those of the very moment.
     """
-    hold = joystick_interpolation.CENTRED
+    heard = 0  # samples of the joystick
 
-    def operator(time: float) -> Operator:
-        nonlocal hold
+    def joystick(time: float) -> Joystick:
+        nonlocal heard
         k = round(time / PERIOD)
-        if not session.armed[k]:
-            hold = joystick_interpolation.CENTRED
-            return Operator(REST, False)
         if not timing.said:
-            return Operator(session.hand(time))
+            return Operator(session.hand(time), session.armed[k])
         sent = time + (timing.late[k] if k < len(timing.late) else 0.0)
-        said = timing.said[max(0, bisect_right(timing.said, sent) - 1)]
-        hold = joystick_interpolation.advanced(hold, session.hand(said), said, sent, PERIOD)
-        return Operator(hold.levers)
+        before, heard = heard, max(heard, bisect_right(timing.said, sent))
+        return [_sample(session, timing.said[n], n, session.armed[k]) for n in range(before, heard)]
 
-    settings, drive = controller.Settings(), valve_driver.Settings()
-    duration = len(session.armed) * PERIOD
-    return run_loop(machine, operator, duration, session.start, settings, drive, behind=timing.behind)
+    settings, drive = control_settings.Settings(), valve_driver.Settings()
+    duration, late = len(session.armed) * PERIOD, Lateness(timing.behind, timing.late)
+    return run_loop(machine, joystick, duration, session.start, settings, drive, late=late)
+
+
+def _sample(session: Session, said: float, number: int, held: bool) -> Sample:
+    """Return what the joystick said at a time [s]."""
+    return Sample(
+        received=said,
+        stamp=NO_STAMP,
+        heartbeat=number + 1,
+        same=False,
+        good=True,
+        levers=session.hand(said),
+        held=held,
+    )
 
 
 def measured(bag: Bag, machine: Machine) -> tuple[Session, Timing]:

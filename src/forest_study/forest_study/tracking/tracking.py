@@ -13,10 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_control.limits.velocity_scaling import govern
+from forest_control.config import settings as control_settings
+from forest_control.limits.velocity_scaling import velocity_scaling
 from forest_control.operator.levers import levers_for_tip_velocity
-from forest_control.pipeline import controller
-from forest_control.pipeline.motion_limits import governor_at
+from forest_control.pipeline.motion_limits import velocity_limits_at
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver
@@ -59,7 +59,7 @@ class Course(NamedTuple):
     """What all runs along a path have in common."""
 
     laps: tuple[Lap, ...]
-    settings: controller.Settings
+    settings: control_settings.Settings
     model: Machine  # that controller and driver believe
     levers: Floats  # [N, 4] of `loop_kernel`
 
@@ -117,8 +117,8 @@ def prepare(
     Raises:
         PathError: as `track`.
     """
-    settings = controller.Settings(scheme=scheme, tip_speed=speed, position_source=source)
-    runs = plan(path, speed, controller.parameters(model, settings), laps)
+    settings = control_settings.Settings(scheme=scheme, tip_speed=speed, position_source=source)
+    runs = plan(path, speed, control_settings.parameters(model, settings), laps)
     end = runs[-1].start + runs[-1].profile.duration + REST
     times = [k * PERIOD for k in range(round(end / PERIOD))]
     levers = [(*levers_for_tip_velocity(_wish(time, runs), speed), 1.0) for time in times]
@@ -150,7 +150,7 @@ def scored(runs: tuple[Lap, ...], moved: Trajectory, machine: Machine) -> Sessio
     return Session(runs, moved, scores, total)
 
 
-def plan(path: TipPath, speed: float, p: controller.Parameters, laps: int) -> tuple[Lap, ...]:
+def plan(path: TipPath, speed: float, p: control_settings.Parameters, laps: int) -> tuple[Lap, ...]:
     """Return laps one after the other, as fast as speed, ramps and the governor's limits allow."""
     runs: list[Lap] = []
     start = REST
@@ -162,7 +162,7 @@ def plan(path: TipPath, speed: float, p: controller.Parameters, laps: int) -> tu
     return tuple(runs)
 
 
-def _limit(place: Vec3, along: Vec3, path: TipPath, p: controller.Parameters) -> float:
+def _limit(place: Vec3, along: Vec3, path: TipPath, p: control_settings.Parameters) -> float:
     """Return the speed [m/s] that the governor allows at a place in a direction."""
     try:
         angles = inverse_kinematics(place, p.links)
@@ -174,10 +174,10 @@ def _limit(place: Vec3, along: Vec3, path: TipPath, p: controller.Parameters) ->
     return factor
 
 
-def _allowed(angles: Vec3, along: Vec3, p: controller.Parameters) -> float:
+def _allowed(angles: Vec3, along: Vec3, p: control_settings.Parameters) -> float:
     fast = 100.0  # [m/s] more than any limit: what the governor leaves of it is the limit
     rates = joint_rates(angles, (fast * along[0], fast * along[1], fast * along[2]), p.links)
-    return fast * govern(angles, rates, governor_at(angles, rates, p)).factor
+    return fast * velocity_scaling(angles, rates, velocity_limits_at(angles, rates, p)).factor
 
 
 def _angles(place: Vec3, path: TipPath, machine: Machine) -> Vec3:

@@ -1,0 +1,107 @@
+"""The controller's inputs from topics and its output to topics: conversions only, which decide nothing."""
+
+from typing import Any
+
+from forest_control.config.settings import Parameters
+from forest_control.operator.joystick_watch import joystick_sample, unreadable_sample
+from forest_control.operator.levers import RIGHT_Y
+from forest_control.pipeline.control_state import Telemetry
+from forest_control.pipeline.guarded_controller import GuardedController
+from forest_control.pipeline.valve_feedback import ValveReports
+from forest_control.safety.motion_permission import MachineState, MotionPermission, Override
+from forest_control.servo.joint_angle_filter import UNREAD, Lengths, Source
+from forest_control.servo.schemes import Scheme
+from forest_description.machine import Machine
+from forest_description.types import Vec3
+from forest_msgs_py.clock.node_clock import speaker
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.topics import message_class
+from forest_msgs_py.serialization.unpacking import JointReader, read_joy_data
+
+FRAME = "base_link"
+
+
+class ControllerInputs:
+    """What the controller hears beside the joints.
+
+    Args:
+        pace: of the node, whose inboxes are used.
+        machine: whose valves and joints they are.
+        deadman: button to hold.
+    """
+
+    def __init__(self, pace: Any, machine: Machine, deadman: int) -> None:
+        self.joy, self.valves = pace.inbox(topics.JOY), ValveReports(pace, machine)
+        self.actuators = pace.inbox(topics.ACTUATOR_STATES)
+        self._joints, self._lengths = JointReader(topics.JOINTS), JointReader(topics.ACTUATORS)
+        self._deadman, self._before = deadman, None  # axes and buttons of the sample before
+
+    def read_joystick(self, permission: MotionPermission) -> None:
+        """Have the guard hear every joystick sample that waits, oldest first."""
+        for data, received in self.joy.arrivals():
+            reading, frame = read_joy_data(data, RIGHT_Y + 1, self._deadman + 1)
+            if reading.problem:
+                permission.hear(unreadable_sample(received), reading.problem)
+                continue
+            content, before = reading.values, self._before
+            self._before = content
+            permission.hear(
+                joystick_sample(reading.stamp_ns, frame, received, content, before, self._deadman)
+            )
+
+    def machine_state(self, data: bytes, received: float) -> MachineState:
+        """Return what a message of the joints says."""
+        reading = self._joints.read(data)
+        angles, rates = reading.values.position, reading.values.velocity
+        return MachineState(angles, rates, reading.stamp_ns, received, reading.problem)
+
+    def cylinders(self, stamp: int, p: Parameters) -> Lengths:
+        """Return the lengths [m] of boom and stick at a stamp [ns]; NaN where there are none to be used."""
+        if p.position_source == Source.JOINTS or not (arrival := self.actuators.newest()):
+            return UNREAD
+        reading = self._lengths.read(arrival.message)
+        if reading.problem or reading.stamp_ns != stamp:
+            return UNREAD
+        _, boom, stick = reading.values.position
+        return boom, stick
+
+
+class ControllerOutputs:
+    """What the controller says.
+
+    Args:
+        pace: of the node, whose publishers are used.
+        plain: arrays carry no stamp.
+    """
+
+    def __init__(self, pace: Any, plain: bool) -> None:
+        self._command = speaker(pace, topics.VALVE_COMMANDS, plain=plain)
+        self._pose = speaker(pace, topics.TIP_POSE, FRAME)
+        self._twist = speaker(pace, topics.TIP_TWIST, FRAME)
+        self._reference = speaker(pace, topics.TIP_TWIST_COMMAND, FRAME)
+        self._status = speaker(pace, topics.CONTROLLER_STATUS, plain=plain)
+        self._pace = pace
+
+    def say_description(self, text: str) -> None:
+        """Say what the crane looks like (URDF), for those who come later, too."""
+        self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
+        self._description.publish(message_class(topics.ROBOT_DESCRIPTION)(data=text))
+
+    def say_command(self, stamp: int, command: Vec3, override: Override) -> None:
+        """Say the ideal valves' voltages [V], unless somebody else has the valves."""
+        if not override.hands_off:
+            self._command.say(stamp, command)
+
+    def say(
+        self, stamp: int, telemetry: Telemetry, controller: GuardedController, override: Override
+    ) -> None:
+        """Say a step's command, where the tip is, how it moves and shall, and what holds it back."""
+        output, watch = telemetry.output, controller.permission.joystick
+        self.say_command(stamp, output.command, override)
+        self._pose.say(stamp, (*telemetry.tip, *telemetry.tip_orientation))
+        self._twist.say(stamp, telemetry.tip_velocity)
+        if controller.parameters.scheme != Scheme.JOINT:
+            self._reference.say(stamp, output.tip_wish)
+        scaling = output.scaling
+        codes = scaling.factor, scaling.limit, watch.armed, watch.joystick, override.emergency_stop
+        self._status.say(stamp, codes)

@@ -1,0 +1,100 @@
+"""The controller behind its guard: what node and offline loop run when a state of the machine arrives.
+
+joystick, state -> may the crane move? (`motion_permission`) -> `controller` -> command, telemetry
+"""
+
+from collections.abc import Callable
+
+from forest_control.config.parameter_update import ParameterUpdate
+from forest_control.config.settings import Parameters
+from forest_control.pipeline.control_state import REST, Inputs, State, Telemetry, ValveFeedback
+from forest_control.pipeline.controller import step_with_telemetry
+from forest_control.safety.motion_permission import (
+    NOBODY,
+    Decision,
+    MachineState,
+    MotionPermission,
+    Override,
+    PermissionParameters,
+    Verdict,
+)
+from forest_control.servo.joint_angle_filter import UNREAD, Lengths
+from forest_description.types import ZERO
+
+Step = Callable[[State, Inputs, Parameters, float], tuple[State, Telemetry]]
+
+
+class GuardedController:
+    """State of one controller and of its guard.
+
+    Args:
+        p: the controller's parameters.
+        guard: what a user may set of the guard.
+        step: of the controller, interpreted or compiled.
+    """
+
+    def __init__(self, p: Parameters, guard: PermissionParameters, step: Step = step_with_telemetry) -> None:
+        self.permission, self.command = MotionPermission(guard), ZERO  # [V] of ideal valves, the last one
+        self._tuning, self._state, self._step = ParameterUpdate(p), REST, step
+
+    @property
+    def parameters(self) -> Parameters:
+        """The controller's parameters that are in force."""
+        return self._tuning.core
+
+    def tune(self, p: Parameters) -> None:
+        """Follow parameters that were set while the machine may be moving."""
+        self._tuning.request(p)
+
+    def stop(self) -> None:
+        """Forget all motion: the command is zero."""
+        self._state, self.command = REST, ZERO
+        self.permission.forget()
+
+    def stops_without_state(self, now: float, override: Override = NOBODY) -> bool:
+        """Stop if the machine's state has not come for too long by a time [s]; tell whether that is so."""
+        lost = self.permission.is_lost(now, override)
+        if lost:
+            self.stop()
+        return lost
+
+    def advance(
+        self,
+        machine: MachineState,
+        valves: ValveFeedback,
+        now: float,
+        cylinders: Lengths = UNREAD,
+        override: Override = NOBODY,
+    ) -> tuple[Decision, Telemetry | None]:
+        """Return what follows from a state of the machine; of one that is not believed, no telemetry.
+
+        Args:
+            machine: its state, just come.
+            valves: what the driver reports.
+            now: local time [s].
+            cylinders: lengths [m] of boom and stick, of the same moment; NaN: no sample.
+            override: who else forbids motion.
+        """
+        self.stops_without_state(now, override)  # after a stall of ours, before the watchdog tells
+        p, command = self.parameters, self.command
+        decision = self.permission.decide(machine, valves.driver, command, p, now, override)
+        if decision.dt > 0.0 and self._tuning.apply_if_due(command == ZERO, decision.dt):
+            self._state = self._state._replace(changed=True)
+        if not decision.believed:
+            if decision.verdict == Verdict.STOP:
+                self.stop()
+            return decision, None
+        if decision.verdict == Verdict.STOP:
+            self._state = REST  # from which there is no ramp: zero at once
+        inputs = Inputs(
+            angles=machine.angles,
+            rates=machine.rates,
+            levers=decision.levers,
+            enabled=decision.verdict == Verdict.MOVE,
+            cylinders=cylinders,
+            reach=valves.reach,
+            voltages=valves.voltages,
+        )
+        self._state, telemetry = self._step(self._state, inputs, self.parameters, decision.dt)
+        self.command = telemetry.output.command
+        return decision, telemetry
