@@ -14,7 +14,7 @@ pytest.importorskip("llvmlite")
 
 from forest_compile import kernel_files, machine_code
 from forest_compile.entry import Entry
-from forest_compile.kernel_cache import Kept
+from forest_compile.kernel_cache import CachedKernel
 
 
 class Point(NamedTuple):
@@ -32,8 +32,8 @@ def other_law(p):
 
 def kept(function=law, name="law"):
     """Return a kernel of a law, as another process would see it."""
-    text, views = "def kernel(given, results):\n    results[0] = law(p)", {"p": ("given", Point(1.0, 2.0))}
-    return Kept(name, lambda: Entry(text, {"law": function}, "pp", views, copies={}))
+    text, tuples = "def kernel(given, results):\n    results[0] = law(p)", {"p": ("given", Point(1.0, 2.0))}
+    return CachedKernel(name, lambda: Entry(text, {"law": function}, "pp", tuples))
 
 
 def result(kernel, x=0.7, y=-0.4):
@@ -199,7 +199,7 @@ import sys
 from forest_control import compiled as control
 from forest_sim.sensors import sensor_run
 from forest_sim.solver import plant_kernel
-kernels = control.CONTROLLER, control.DRIVER, plant_kernel.KEPT, sensor_run.KEPT
+kernels = control.CONTROLLER, control.DRIVER, plant_kernel.KERNEL, sensor_run.KERNEL
 print([kept.ready() is not None for kept in kernels], [kept.file.suffix for kept in kernels])
 print("llvmlite" in sys.modules, "forest_compile.translate" in sys.modules)
 """

@@ -5,7 +5,7 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_compile.kernel_cache import Kept
+from forest_compile.kernel_cache import CachedKernel
 from forest_control import compiled
 from forest_control.config import settings as control_settings
 from forest_control.operator.levers import Levers
@@ -88,6 +88,6 @@ def test_without_the_code_the_interpreted_steps_run(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     for name in ("CONTROLLER", "DRIVER"):
         known = getattr(compiled, name).entry
-        monkeypatch.setattr(compiled, name, Kept(name, lambda known=known: known))
+        monkeypatch.setattr(compiled, name, CachedKernel(name, lambda known=known: known))
     assert compiled.controller_step() is controller.step_with_telemetry
     assert compiled.driver_step() is valve_driver.step_measured

@@ -26,13 +26,13 @@ class Example(NamedTuple):
     output: Any
 
 
-def entry(step: Callable[..., Any], example: Example, apart: tuple[Callable[..., Any], ...]) -> Entry:
+def entry(step: Callable[..., Any], example: Example, noinline: tuple[Callable[..., Any], ...]) -> Entry:
     """Return what a step's kernel is made of.
 
     Args:
         step: of the laws.
         example: of what it takes and gives.
-        apart: functions that stay functions; see `translate`.
+        noinline: functions whose calls stay calls.
     """
     given = ", ".join(f"given[{i}]" for i in range(len(example.inputs)))
     lines = [
@@ -49,9 +49,12 @@ def entry(step: Callable[..., Any], example: Example, apart: tuple[Callable[...,
     ]
     return Entry(
         *("\n".join(lines), {"step": step}, ARGUMENTS),
-        views={"p": ("parameters", example.p), "given": ("inputs", example.inputs)},
-        copies={"before": ("state", example.state)},
-        apart=apart,
+        {
+            "before": ("state", example.state),
+            "given": ("inputs", example.inputs),
+            "p": ("parameters", example.p),
+        },
+        noinline,
     )
 
 

@@ -61,15 +61,11 @@ def _marked(entry: Entry) -> "_Fingerprint":
     for name, value in sorted(entry.names.items()):
         mark.tell(name)
         mark.value(value, names)
-    for tuples in (entry.views, entry.copies):
-        mark.tell(len(tuples))
-        for name, (argument, example) in tuples.items():
-            mark.tell(name, argument)
-            mark.layout(example)
-    mark.tell([mark.known.get(function) for function in entry.apart if function in mark.known])
-    for place, number in sorted(entry.fixed.items()):
-        mark.tell(place)
-        mark.value(number)
+    mark.tell(len(entry.tuples))
+    for name, (argument, example) in entry.tuples.items():
+        mark.tell(name, argument)
+        mark.layout(example)
+    mark.tell([mark.known.get(function) for function in entry.noinline if function in mark.known])
     return mark
 
 

@@ -21,7 +21,7 @@ from forest_compile.entry import Entry
 _log = logging.getLogger(__name__)
 
 
-class Kept:
+class CachedKernel:
     """One kernel.
 
     Args:
@@ -64,7 +64,7 @@ class Kept:
     @cached_property
     def _shared(self) -> Path:
         mark = hashlib.sha256(f"{sys.version} {machine_code.bound_to()}".encode())
-        for source in sorted(Path(__file__).parent.glob("*.py")):
+        for source in sorted(Path(__file__).parent.rglob("*.py")):
             mark.update(source.read_bytes())
         mark.update(fingerprint.digest(self.entry).encode())
         return kernel_files.directory() / f"{self.name}-{mark.hexdigest()[:24]}.so"
@@ -89,9 +89,9 @@ class Kept:
         return None
 
     def _made(self) -> machine_code.Kernel:
-        from forest_compile import translate
+        from forest_compile.frontend import translate
 
-        code = machine_code.optimised(translate.text(self.entry))
+        code = machine_code.optimised(translate.llvm_ir(self.entry))
         try:
             file, made = self._shared, machine_code.linked(code)
             kernel = machine_code.load_shared(made, self.entry.arguments)
@@ -110,7 +110,7 @@ def can_compile() -> bool:
     return importlib.util.find_spec("llvmlite") is not None
 
 
-def make(*kernels: Kept) -> int:
+def make(*kernels: CachedKernel) -> int:
     """Make kernels that are not there, and print where they are.
 
     Returns:

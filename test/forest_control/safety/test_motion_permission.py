@@ -176,6 +176,19 @@ def test_the_deadman_pressed_with_deflected_levers_moves_nothing():
     assert {rig.once().verdict for _ in range(100)} == {Verdict.HOLD}
 
 
+def test_with_the_deadman_released_centred_levers_arm_nothing():
+    rig = Rig()
+    rig.held = False
+    assert {rig.once().verdict for _ in range(10)} == {Verdict.HOLD}
+    assert not rig.permission.joystick.armed
+
+
+def test_a_joystick_that_cannot_be_read_is_known_as_such(rig):
+    nonsense(rig)
+    rig.once()
+    assert rig.permission.joystick_values()["state"] == "bad"
+
+
 def test_only_a_state_that_is_believed_is_handed_on(rig):
     assert rig.once().believed
     rig.override = Override(emergency_stop=True)

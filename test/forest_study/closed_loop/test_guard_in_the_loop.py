@@ -101,7 +101,7 @@ def test_the_kernels_guard_decides_as_the_nodes_does(seed):
     for row, (levers, held, seen, volts) in enumerate(wild(np.random.default_rng(seed), 2000)):
         now = row * PERIOD
         loop = Loop(None, None, kernel, valve_driver.REST._replace(voltages=volts), Reports())
-        kernel, velocity = loop_core.guarded(kernel, levers, held, seen, loop, k, row)
+        kernel, velocity = loop_core.guarded(loop, levers, held, seen, k, row)
         node.permission.hear(loop_core.sample(levers, held, row))
         machine = MachineState(seen.angles, seen.rates, (row + 1) * PERIOD_NS, now)
         valves = ValveFeedback(voltages=volts, driver=DriverSample(volts, now))

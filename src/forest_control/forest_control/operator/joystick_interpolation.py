@@ -25,7 +25,6 @@ AT_ONCE = 1.5  # [1] controller periods: a joystick of at most this period may b
 PERIOD_WEIGHT = 0.2  # [1] weight of a new period in the average T: chosen; not measured
 CLOCK_LAG = 0.2  # [s] time constant with which t follows the clock: chosen; not measured
 ASTRAY = 0.3  # [s] error of t from which it is set anew: the clock was set, or the controller stalled
-KNOTS = 6  # [1] samples that are kept: more than `DELAY` periods hold
 
 
 class Knot(NamedTuple):
@@ -35,16 +34,21 @@ class Knot(NamedTuple):
     levers: Levers
 
 
+# Samples that are kept: more than `DELAY` periods hold.
+Knots = tuple[Knot, Knot, Knot, Knot, Knot, Knot]
+
+
 class InterpolatedLevers(NamedTuple):
     """The levers between samples, and what they are read from."""
 
     levers: Levers
-    knots: tuple[Knot, ...] = ()  # oldest first
+    knots: Knots  # oldest first; of fewer samples the oldest stands several times
     period: float = 0.0  # T [s]
     at: float = -math.inf  # t [s]
 
 
-CENTRED = InterpolatedLevers(REST)
+NO_KNOT = Knot(-math.inf, REST)
+CENTRED = InterpolatedLevers(REST, (NO_KNOT, NO_KNOT, NO_KNOT, NO_KNOT, NO_KNOT, NO_KNOT))
 
 
 def interpolated(
@@ -59,13 +63,22 @@ def interpolated(
         now: when the machine's state was sent, by the same clock [s].
         dt: of the controller, by the machine's time [s].
     """
-    knots, period = before.knots, before.period
-    if not knots:
-        knots = (Knot(sent, newest),)
-    elif sent > knots[-1].time:
-        knots, period = _with(Knot(sent, newest), knots, period)
-    elif newest != knots[-1].levers:  # the watch does not believe the newest sample
-        knots = (*knots[:-1], Knot(knots[-1].time, newest))
+    knots, period, last = before.knots, before.period, before.knots[5]
+    if last.time == -math.inf:
+        knots = _filled(Knot(sent, newest))
+    elif sent > last.time:
+        period = _averaged(period, sent - last.time)
+        knots = _with(Knot(sent, newest), knots)
+    elif newest != last.levers:  # the watch does not believe the newest sample
+        one, two, three, four, five, six = knots
+        knots = (
+            _corrected(one, last, newest),
+            _corrected(two, last, newest),
+            _corrected(three, last, newest),
+            _corrected(four, last, newest),
+            _corrected(five, last, newest),
+            _corrected(six, last, newest),
+        )
     if sent == now and period <= AT_ONCE * dt:
         return InterpolatedLevers(newest, knots, period, now)
     aim = now - DELAY * period
@@ -75,20 +88,33 @@ def interpolated(
     return InterpolatedLevers(_read(knots, at), knots, period, at)
 
 
-def _with(knot: Knot, knots: tuple[Knot, ...], period: float) -> tuple[tuple[Knot, ...], float]:
-    """Return the knots with a new one, and the joystick's period [s]."""
-    gap = knot.time - knots[-1].time
+def _averaged(period: float, gap: float) -> float:
+    """Return the joystick's period [s] after a gap [s] between two samples."""
     lasted = min(gap, LONGEST_LINE)
-    if gap > LONGEST_LINE:  # the last sample held until shortly before this one
-        knots = (Knot(knot.time - LONGEST_LINE, knots[-1].levers),)
-    period = lasted if period == 0.0 else period + PERIOD_WEIGHT * (lasted - period)
-    return (*knots[1 - KNOTS :], knot), period
+    return lasted if period == 0.0 else period + PERIOD_WEIGHT * (lasted - period)
 
 
-def _read(knots: tuple[Knot, ...], time: float) -> Levers:
+def _with(knot: Knot, knots: Knots) -> Knots:
+    """Return the knots with a new one."""
+    if knot.time - knots[5].time > LONGEST_LINE:  # the last sample held until shortly before this one
+        knots = _filled(Knot(knot.time - LONGEST_LINE, knots[5].levers))
+    return knots[1], knots[2], knots[3], knots[4], knots[5], knot
+
+
+def _filled(knot: Knot) -> Knots:
+    return knot, knot, knot, knot, knot, knot
+
+
+def _corrected(knot: Knot, last: Knot, newest: Levers) -> Knot:
+    """Return a knot, with other levers if it is the last one."""
+    return Knot(knot.time, newest) if knot.time == last.time else knot
+
+
+def _read(knots: Knots, time: float) -> Levers:
     """Return the levers at a time [s]; before the first sample and after the last one they stand still."""
     before = knots[0]
-    for after in knots:
+    for i in range(6):
+        after = knots[i]
         if after.time >= time:
             span = after.time - before.time
             share = (time - before.time) / span if span > 0.0 else 0.0

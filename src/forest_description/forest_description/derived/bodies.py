@@ -1,7 +1,7 @@
 """Rigid bodies of boom and stick with what the stick carries: one source for the dynamics and for the URDF.
 
-Every body is symmetric about the crane's plane. Frames as in Appendix B: x along the link from its joint, y
-across, upwards when the link points forward, z the joint axis.
+Every body is symmetric about the crane's plane. Frames as in Appendix B: x along the link from its
+joint, y across, upwards when the link points forward, z the joint axis.
 
 | symbol | name | unit |
 |---|---|---|
@@ -10,8 +10,6 @@ across, upwards when the link points forward, z the joint axis.
 | I_xx, I_yy, I_zz | moments of inertia about the centre of mass | kg m^2 |
 | I_xy | product of inertia about it, the integral of x y dm (the inertia tensor holds -I_xy) | kg m^2 |
 """
-
-from __future__ import annotations
 
 from typing import NamedTuple
 
@@ -71,8 +69,8 @@ def boom_body(m: Manipulator) -> PlanarBody:
 def stick_body(m: Manipulator) -> PlanarBody:
     """Return the stick with all that is rigidly part of it: head and log, unless they hang. Thesis App. B.
 
-    Differs: Appendix B leaves I_xx and I_xy at zero when it folds the head's point mass into the stick
-    (`head_folding: thesis`); `full` gives the stick the shares that a point off its axis has.
+    Differs: Appendix B leaves I_xx and I_xy at zero when it folds the head's point mass into the
+    stick (`head_folding: thesis`); `full` gives the stick the shares that a point off its axis has.
     """
     stick = PlanarBody(m.stick_mass, m.stick_x, m.stick_y, m.stick_xx, m.stick_yy, m.stick_zz, m.stick_xy)
     if m.pendulum is not None:

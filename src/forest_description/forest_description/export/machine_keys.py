@@ -1,7 +1,5 @@
 """What a machine file may say, as Markdown: docs/machine-file.md, made from the dataclasses that read it."""
 
-from __future__ import annotations
-
 import dataclasses
 
 from forest_description.config.schema import FieldKind, field_kinds

@@ -1,10 +1,6 @@
 """The table of every number of the shipped machines and its origin, as Markdown: docs/machine.md."""
 
-from __future__ import annotations
-
-import dataclasses
-
-from forest_description.config.parameter import Parameter, ParameterSet, choice_of, parameter_of
+from forest_description.config.parameter import Parameter, ParameterSet, choice_of, fields_of, parameter_of
 from forest_description.config.schema import Quantity
 from forest_description.machine import Machine, load_machine, sources
 
@@ -29,31 +25,22 @@ def origin(source: str) -> str:
     return "other"
 
 
-def declared(part: ParameterSet, prefix: str = "") -> dict[str, Parameter]:
+def declared(part: ParameterSet) -> dict[str, Parameter]:
     """Return the parameters that a machine, or a part of one, declares, by dotted key."""
-    found: dict[str, Parameter] = {}
-    for field in dataclasses.fields(part):
-        value, allowed = getattr(part, field.name), parameter_of(field)
-        if allowed is not None:
-            found[prefix + field.name] = allowed
-        elif isinstance(value, ParameterSet):
-            found.update(declared(value, f"{prefix}{field.name}."))
-    return found
+    found = {key: parameter_of(field) for key, field, _ in fields_of(part)}
+    return {key: allowed for key, allowed in found.items() if allowed is not None}
 
 
-def choices(part: ParameterSet, prefix: str = "") -> dict[str, str]:
+def choices(part: ParameterSet) -> dict[str, str]:
     """Return what a machine, or a part of one, chooses, by dotted key; "none" for what it has not."""
     found: dict[str, str] = {}
-    for field in dataclasses.fields(part):
-        key, value = prefix + field.name, getattr(part, field.name)
+    for key, field, value in fields_of(part):
         if value is None:
             found[key] = "none"
         elif choice_of(field) is not None:
             found[key] = str(value)
-        elif isinstance(value, ParameterSet):
-            if hasattr(value, "kind"):
-                found[key] = str(value.kind)
-            found.update(choices(value, f"{key}."))
+        elif hasattr(value, "kind"):
+            found[key] = str(value.kind)
     return found
 
 

@@ -3,7 +3,7 @@
 It is what the graph in lockstep does, much faster: row k is step k + 1, and with exact sensors voltages and
 states are the same to the last bit, what is derived of them to rounding. With noise they are not: the
 operator sees the true angles here, and the sensors draw in another order. The oil warms as it does in
-`forest_sim.run.simulation`; a bench's is kept at one temperature by its cooler.
+`forest_sim.simulation.open_loop`; a bench's is kept at one temperature by its cooler.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from forest_ident.measurements.session import Session
 from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_suite import Suite
+from forest_sim.solver.compiled_plant import FlatPlant
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.flat_state import Stepper
+from forest_sim.solver.oil_temperature import UPDATE_PERIOD, heat, parameters_at, temperature_after
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
-from forest_sim.solver.power import power_flows
-from forest_sim.solver.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after
+from forest_sim.solver.power_flows import power_flows
 
 SUBSTEPS = 5
 STANDING: Vec3 = (0.0, 0.0, 0.0)  # [V]
@@ -77,20 +77,22 @@ class _Trace:
         p = plant_parameters(machine)
         self._oil = None if bench else machine.oil
         self._temperature = machine.oil.reference_temperature if machine.oil else 313.15
-        self._stepper = Stepper(equilibrium(angles, p), p)
-        self._rows = [self._stepper.state.copy()]
+        self._flat = FlatPlant()
+        self._flat.lay_out(equilibrium(angles, p))
+        self._flat.set_parameters(p)
+        self._rows = [self._flat.state.copy()]
         self._plants: list[tuple[int, PlantParameters, float]] = [(0, p, self._temperature)]
         self._losses: list[float] = []
 
     def angles(self) -> Vec3:
         """Return the joint angles [rad]."""
-        s = self._stepper.state
+        s = self._flat.state
         return float(s[0]), float(s[6]), float(s[12])
 
     def advance(self, volts: Vec3) -> None:
         """Move on by a period."""
-        self._stepper.advance(volts, PERIOD / SUBSTEPS, SUBSTEPS)
-        self._rows.append(self._stepper.state.copy())
+        self._flat.advance(volts, PERIOD / SUBSTEPS, SUBSTEPS)
+        self._rows.append(self._flat.state.copy())
         if self._oil is not None:
             self._warm()
 
@@ -99,14 +101,14 @@ class _Trace:
         if self._oil is None or count % (per_update // LOSS_SAMPLES) != 0:
             return
         p = self._plants[-1][1]
-        self._losses.append(heat(power_flows(self._stepper.simulation, p)))
+        self._losses.append(heat(power_flows(self._flat.simulation, p)))
         if count % per_update != 0:
             return
         mean = sum(self._losses) / len(self._losses)
         self._losses.clear()
         self._temperature = temperature_after(self._temperature, mean, self._oil, UPDATE_PERIOD)
         p = parameters_at(self._machine, self._temperature)
-        self._stepper = Stepper(self._stepper.simulation, p)
+        self._flat.set_parameters(p)
         self._plants.append((count + 1, p, self._temperature))
 
     def columns(self, machine: Machine) -> Columns:

@@ -19,9 +19,9 @@ from forest_ident.measurements.readings import Columns, lagged, true_columns
 from forest_ident.measurements.session import THERMOCOUPLES, Session
 from forest_ident.output_error.temperature_interpolation import plants_at
 from forest_sim.sensors.sensor_readings import surroundings
+from forest_sim.solver.compiled_plant import fastest_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant_kernel import fastest_record
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.solver.state_recording import STATE, store
 from forest_sim.solver.step_schedule import even

@@ -16,8 +16,8 @@ import numpy as np
 from forest_compile import flat_layout
 from forest_description.machine import Machine
 from forest_description.types import Floats
+from forest_sim.solver.oil_temperature import parameters_at
 from forest_sim.solver.plant_parameters import PlantParameters
-from forest_sim.solver.thermal import parameters_at
 
 GRID = 0.1  # [K]
 

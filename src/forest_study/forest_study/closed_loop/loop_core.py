@@ -3,9 +3,8 @@
     loop, levers -> sensors -> may the crane move? -> controller -> driver -> plant -> loop, what happened
 
 It does what a `closed_loop` period does without links, number by number, with those of the sensors that
-control reads. The guard is that of `motion_permission`, with two stations left out. The order of stamps is
-not watched, for here nothing is late. And the levers are not interpolated, for the joystick speaks in each
-period; the number of samples that it takes varies, and machine code has a fixed shape.
+control reads. The guard is that of `motion_permission`, but for the order of stamps and the silence of the
+driver: here nothing is late.
 
 Everything here stays in the subset of Python that `forest_compile` translates; `loop_kernel` makes the
 machine code.
@@ -16,6 +15,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from forest_control.config import settings as control_settings
+from forest_control.operator.joystick_interpolation import CENTRED, InterpolatedLevers, interpolated
 from forest_control.operator.joystick_watch import Sample, Watch, assessed_watch, updated_watch
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import control_state, controller
@@ -67,6 +67,7 @@ class Guarded(NamedTuple):
     state: control_state.State = control_state.REST
     command: Vec3 = ZERO  # [V] the last one
     joystick: Watch = armed_watch()
+    hold: InterpolatedLevers = CENTRED
     checks: Checks = Checks()
     stamp: int = 0  # [ns] of the state that was believed last; 0: none
     received: float = math.inf  # [s] when that was
@@ -131,7 +132,7 @@ def period(
     angles = plant.swing.angle, plant.boom.angle, plant.stick.angle
     senses = sensed(loop.simulation, loop.senses, k, normals, CHANNEL_COUNT * row)
     seen = _seen(senses, k.sensing)
-    control, velocity = guarded(loop.control, levers, held, seen, loop, k, row)
+    control, velocity = guarded(loop, levers, held, seen, k, row)
     pressures, motion = driver_inputs(seen, k.drive.idle_pressure)
     drive, volts = valve_driver.step_measured(loop.drive, control.command, pressures, motion, k.drive, PERIOD)
     simulation = loop.simulation
@@ -150,17 +151,18 @@ def period(
 
 
 def guarded(
-    before: Guarded, levers: Levers, held: bool, seen: Seen, loop: Loop, k: Knowledge, row: int
+    loop: Loop, levers: Levers, held: bool, seen: Seen, k: Knowledge, row: int
 ) -> tuple[Guarded, Vec3]:
     """Return the guarded controller a step on, and the tip's reference velocity [m/s].
 
     It does what `GuardedController` does when nothing is late.
     """
-    now, stamp = row * PERIOD, (row + 1) * PERIOD_NS
-    joystick = updated_watch(before.joystick, sample(levers, held, row))
+    before, now, stamp = loop.control, row * PERIOD, (row + 1) * PERIOD_NS
+    joystick, hold = updated_watch(before.joystick, sample(levers, held, row)), before.hold
     if now - before.received > GUARD.state_timeout:
         joystick, _ = assessed_watch(joystick, now, False, GUARD.joystick)
-    after = before._replace(state=control_state.REST, command=ZERO, joystick=joystick, checks=Checks())
+        hold = CENTRED
+    after = before._replace(state=control_state.REST, command=ZERO, joystick=joystick, hold=hold)
     if not plausible(seen.angles, seen.rates, k.control):
         return after._replace(checks=Checks(driver=before.checks.driver)), ZERO
     credit, elapsed = LONGEST, PERIOD
@@ -172,13 +174,14 @@ def guarded(
     checks = checked(before.checks, seen.angles, driver, before.command, k.control, now, dt)
     sound = passes(checks, now)
     joystick, operator = assessed_watch(joystick, now, sound, GUARD.joystick)
-    after = after._replace(joystick=joystick, stamp=stamp, received=now, credit=credit - dt)
+    hold = interpolated(hold, operator.levers, now, now, dt) if operator.enabled else CENTRED
+    after = after._replace(joystick=joystick, hold=hold, stamp=stamp, received=now, credit=credit - dt)
     if not sound:
         return after._replace(checks=Checks(driver=checks.driver)), ZERO
     inputs = control_state.Inputs(
         angles=seen.angles,
         rates=seen.rates,
-        levers=operator.levers,
+        levers=hold.levers,
         enabled=operator.enabled,
         cylinders=seen.cylinders,
         reach=loop.reports.reach,
