@@ -7,7 +7,7 @@
     margin: 0.1                                    # kept from all of them
     approach: 4                                    # 1/s, allowed speed per distance
 
-Every key may be absent; a file says beside each number where it comes from.
+Every key may be absent. Beside each number stands its source.
 """
 
 from typing import Any

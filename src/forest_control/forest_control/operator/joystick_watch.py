@@ -189,7 +189,7 @@ def _is_still(watch: Watch, now: float, p: WatchParameters) -> bool:
 
 
 def _learnt(watch: Watch, now: float) -> float:
-    """Return the restless play [s], now that axes or buttons have changed."""
+    """Return the restless play [s], after axes or buttons have changed."""
     if not in_play(watch.levers):
         return watch.restless
     if watch.joystick == Joystick.FROZEN:  # what hung may hang again: it has not shown that it may hold still
@@ -216,7 +216,7 @@ def problem_text(watch: Watch) -> str:
 
 NEVER_REPEATS = "; its driver never repeats a sample: let it (of joy: autorepeat_rate, 20 Hz or more)"
 PROBLEMS = {
-    Joystick.SILENT: "",  # before the first sample, and with the deadman released, nobody is missed
+    Joystick.SILENT: "",  # before the first sample, and with the deadman released, none is missed
     Joystick.ALIVE: "",
     Joystick.LOST: "joystick: nothing new for longer than joy_timeout",
     Joystick.FROZEN: "joystick: held still to the last bit for too long; a heartbeat in frame_id may",

@@ -153,7 +153,7 @@ def servo(
 
 
 def inches(memory: Memory) -> Vec3:
-    """Return the rates [rad/s] at which joints at rest are inched now."""
+    """Return the rates [rad/s] at which joints at rest are inched."""
     return memory.swing.inching.rate, memory.boom.inching.rate, memory.stick.inching.rate
 
 
@@ -171,12 +171,12 @@ def _rests(memory: Joint, a: float) -> bool:
 def held(
     memory: Joint, error: float, still: bool, p: CoordinationParameters, dt: float
 ) -> tuple[float, bool, float, float]:
-    """Return the low-passed error r - s [rad], whether the valve may stay shut, and what `_widened` says."""
-    seen = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
-    near = abs(seen) < memory.wide * (p.release_error if memory.holding else p.hold_error)
-    holds = still and (near or (not memory.holding and seen * memory.error < 0.0))
-    wide, side = _widened(memory, seen, still, holds, dt)
-    return seen, holds, wide, side
+    """Return the filtered error r - s [rad], whether the valve may stay shut, and `_widened`."""
+    filtered = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
+    near = abs(filtered) < memory.wide * (p.release_error if memory.holding else p.hold_error)
+    holds = still and (near or (not memory.holding and filtered * memory.error < 0.0))
+    wide, side = _widened(memory, filtered, still, holds, dt)
+    return filtered, holds, wide, side
 
 
 def _joint_servo(
@@ -203,12 +203,20 @@ def _joint_servo(
     """
     # A valve that is open, to feed what leaks, is better served by the servo than by holding.
     error, still = x.r - x.s, all_rest or (shut and _rests(memory, x.a))
-    seen, holds, wide, side = held(memory, error, still, p, dt)
+    filtered, holds, wide, side = held(memory, error, still, p, dt)
     if all_rest and is_due(memory.inching, shut):
         kept = 0.0 if shut else memory.gathered
         w, inching = memory.w - memory.gathered + kept, inched(memory.inching, error, shut, abs(inch), dt)
         return Joint(
-            a=x.a, b=x.b, w=w, error=seen, holding=True, wide=wide, side=side, gathered=kept, inching=inching
+            a=x.a,
+            b=x.b,
+            w=w,
+            error=filtered,
+            holding=True,
+            wide=wide,
+            side=side,
+            gathered=kept,
+            inching=inching,
         ), HELD
     gathered = _gathered(memory, dt * p.integral[i] * error, still, holds, shut)
     # What the integral has learnt of the valve at speed is kept while the joint holds.
@@ -217,11 +225,19 @@ def _joint_servo(
     part = x.a / FULL_RATE
     quick = 1.0 if i == 0 else min(1.0, part * part)
     # At rest there is time for less noise.
-    fed_back = seen if still and shut else seen + quick * (error - seen)
+    fed_back = filtered if still and shut else filtered + quick * (error - filtered)
     u = HELD if holds else coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
     inching = served(memory.inching, dt) if all_rest else MOVING
     return Joint(
-        a=x.a, b=x.b, w=w, error=seen, holding=holds, wide=wide, side=side, gathered=gathered, inching=inching
+        a=x.a,
+        b=x.b,
+        w=w,
+        error=filtered,
+        holding=holds,
+        wide=wide,
+        side=side,
+        gathered=gathered,
+        inching=inching,
     ), u
 
 
@@ -241,7 +257,7 @@ def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) 
     return max(min(before, -MOST_GATHERED), min(max(before, MOST_GATHERED), before + step))
 
 
-def _widened(memory: Joint, seen: float, still: bool, holds: bool, dt: float) -> tuple[float, float]:
+def _widened(memory: Joint, filtered: float, still: bool, holds: bool, dt: float) -> tuple[float, float]:
     """Return how much wider a joint holds than set, and the side that it was moved from last, at rest.
 
     A valve whose deadband is estimated too wide jumps open, and the joint would overshoot to and
@@ -253,7 +269,7 @@ def _widened(memory: Joint, seen: float, still: bool, holds: bool, dt: float) ->
     wide = 1.0 + (memory.wide - 1.0) * math.exp(-dt / FORGOTTEN)
     if not memory.holding or holds:
         return wide, memory.side
-    side = math.copysign(1.0, seen)
+    side = math.copysign(1.0, filtered)
     return (min(WIDEST, 2.0 * wide) if side * memory.side < 0.0 else wide), side
 
 

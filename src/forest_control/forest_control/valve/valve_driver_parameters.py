@@ -1,4 +1,4 @@
-"""The valve driver's parameters: what it knows of a machine, and what a user may set.
+"""The valve driver's parameters: the machine, as far as it matters here, and what a user may set.
 
 Known once, from the machine's file, for swing, boom and stick; units as in `valve_driver`,
 cylinder; motor.
@@ -77,7 +77,7 @@ class Parameters(NamedTuple):
 
     axes: Axes
     supply_pressure: float  # [Pa], the highest that the pump keeps
-    idle_pressure: float  # [Pa], the least, while nobody draws; taken where it is not measured
+    idle_pressure: float  # [Pa], without flow; taken where it is not measured
     compensate: bool
     beyond_valve: bool
     hold_zone: float  # [V]
