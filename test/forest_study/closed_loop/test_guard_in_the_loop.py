@@ -107,7 +107,7 @@ def test_the_kernels_guard_decides_as_the_nodes_does(seed):
         valves = ValveFeedback(voltages=volts, driver=DriverSample(volts, now))
         _, telemetry = node.advance(machine, valves, now, seen.cylinders)
         assert kernel.command == node.command
-        assert velocity == (telemetry.output.tip_wish if telemetry else ZERO)
+        assert velocity == (telemetry.output.tip_reference if telemetry else ZERO)
         assert kernel.joystick.armed == node.permission.joystick.armed
         stopped, moved = stopped + (telemetry is None), moved + any(node.command)
     assert stopped > 100

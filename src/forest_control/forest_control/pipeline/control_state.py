@@ -95,7 +95,7 @@ class Output(NamedTuple):
     """What leaves in a step."""
 
     command: Vec3  # [V] of ideal valves, as applied
-    tip_wish: Vec3  # reference velocity of the tip [m/s]
+    tip_reference: Vec3  # velocity of the tip that is aimed at [m/s]
     scaling: VelocityScaling
 
 

@@ -101,7 +101,7 @@ class ControllerOutputs:
         self._pose.say(stamp, (*telemetry.tip, *telemetry.tip_orientation))
         self._twist.say(stamp, telemetry.tip_velocity)
         if controller.parameters.scheme != Scheme.JOINT:
-            self._reference.say(stamp, output.tip_wish)
+            self._reference.say(stamp, output.tip_reference)
         scaling = output.scaling
         codes = scaling.factor, scaling.limit, watch.armed, watch.joystick, override.emergency_stop
         self._status.say(stamp, codes)

@@ -63,20 +63,20 @@ def scaled_reference(
     """
     angles = inputs.angles
     place = pose if closes_on_position(p.scheme) else angles
-    governed = velocity_scaling(place, rates, velocity_limits_at(place, rates, p, valves))
+    scaling = velocity_scaling(place, rates, velocity_limits_at(place, rates, p, valves))
     if p.scheme == Scheme.JOINT:
         left = workspace.wall_scaling(
             tip_position(angles, p.links), tip_velocity(angles, rates, p.links), p.workspace
         )
-        if left < governed.factor:
-            governed = VelocityScaling(left, Limit.WALL)
-    a = scaled(rates, governed.factor)
+        if left < scaling.factor:
+            scaling = VelocityScaling(left, Limit.WALL)
+    a = scaled(rates, scaling.factor)
     if p.scheme != Scheme.JOINT and is_singular(pose, p.links):
         # Out of it the tip goes where the joints take it.
         return Reference(
-            a, tip_velocity(pose, a, p.links), VelocityScaling(governed.factor, Limit.SINGULARITY)
+            a, tip_velocity(pose, a, p.links), VelocityScaling(scaling.factor, Limit.SINGULARITY)
         )
-    return Reference(a, scaled(velocity, governed.factor), governed)
+    return Reference(a, scaled(velocity, scaling.factor), scaling)
 
 
 def velocity_limits_at(angles: Vec3, rates: Vec3, p: Parameters, valves: Valves = AS_FILED) -> VelocityLimits:

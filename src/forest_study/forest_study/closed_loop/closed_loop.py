@@ -229,7 +229,7 @@ class ClosedLoop:
             decision, telemetry = self.controller.advance(machine, valves, now, cylinders)
             if decision.verdict != Verdict.SKIP:
                 self._commands.send(now, (now, self.controller.command))
-                self._reference = telemetry.output.tip_wish if telemetry else ZERO
+                self._reference = telemetry.output.tip_reference if telemetry else ZERO
         if self.controller.stops_without_state(now):
             self._commands.send(now, (now, ZERO))
             self._reference = ZERO

@@ -188,7 +188,7 @@ def guarded(
         voltages=loop.drive.voltages,
     )
     state, output = controller.step(before.state, inputs, k.control, dt)
-    return after._replace(state=state, command=output.command, checks=checks), output.tip_wish
+    return after._replace(state=state, command=output.command, checks=checks), output.tip_reference
 
 
 def sample(levers: Levers, held: bool, row: int) -> Sample:
