@@ -13,7 +13,7 @@ from forest_msgs_py.runtime.parameter_table import Parameter
 
 THESIS_DURATION = 10.0  # [s] of the test input: the time axis of Thesis fig. 5.4 to 5.9
 LEAD_IN = 0.5  # [s] at rest, deadman held, before a source plays: a recorder may subscribe late
-LEAD_OUT = 0.3  # [s] at rest, deadman released, after it: longer than a stop takes
+LEAD_OUT = 0.3  # [s] at rest, deadman released, after it; chosen, not measured
 LONGEST = 86400.0  # [s] of a source: a day; a longer one has other units
 COLUMNS = (CsvColumn("time_s", 0.0, LONGEST), *(CsvColumn(axis, -1.0, 1.0) for axis in AXES))
 

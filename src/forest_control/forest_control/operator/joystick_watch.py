@@ -1,7 +1,7 @@
 """The watch over a joystick: silent, frozen or alive; and when its levers may move something.
 
 A sample counts as new when its stamp is later than the last one's (a stamp of zero is none) and,
-where its source counts a heartbeat, when the count has changed. No new sample for `timeout`: the
+where its source counts a heartbeat, when the count has changed. No new sample for `joy_timeout`: the
 joystick is lost.
 
 A joystick without heartbeat that repeats one sample to the last bit is held still, or it hangs. Its
@@ -52,7 +52,7 @@ class Joystick(IntEnum):
 
     SILENT = 0  # nothing has come yet
     ALIVE = 1
-    LOST = 2  # nothing new for `timeout`
+    LOST = 2  # nothing new for `joy_timeout`
     FROZEN = 3  # deflected, and still for too long
     BAD = 4  # the last sample cannot be read
 

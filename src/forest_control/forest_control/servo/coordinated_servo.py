@@ -1,4 +1,4 @@
-"""The servo of the coordinated scheme: a smooth reference, feedforward, integral, and joints that hold still.
+"""The servo of the coordinated scheme: smooth reference, feedforward, integral, joints that hold.
 
 | symbol | name | unit |
 |---|---|---|
@@ -96,7 +96,7 @@ def going(memory: Memory, velocity: Vec3) -> Memory:
 
 
 def settle(reference: Vec3, s: Vec3, memory: Memory) -> tuple[Vec3, Memory]:
-    """Return the pose [rad] to start from: the mean of what was measured at rest, as one sample is noisy."""
+    """Return the pose [rad] to start from, the mean of noisy samples at rest, and the memory."""
     count = memory.samples + 1
     (r_1, r_2, r_3), (s_1, s_2, s_3) = reference, s
     q = r_1 + (s_1 - r_1) / count, r_2 + (s_2 - r_2) / count, r_3 + (s_3 - r_3) / count

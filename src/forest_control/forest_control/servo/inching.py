@@ -1,4 +1,4 @@
-"""Inching: a joint at rest is brought to its reference in short motions, between which its valve is shut.
+"""Inching: a joint at rest is brought to its reference in short motions, its valve shut in between.
 
 A servo on a valve whose overlap is estimated too wide is a relay: its least command makes the
 actuator jump, and the loop cycles. Inching does what a person does: measure the error with the

@@ -1,4 +1,4 @@
-"""Adaptation of a valve's deadband and gain to the motion that its voltage makes: recursive least squares.
+"""Adaptation of a valve's deadband and gain to its measured motion, by recursive least squares.
 
 The opening that lets a measured flow through at the measured pressure drop is known (`valve_flow`).
 So is the voltage that the valve of the machine's file would need for it. The true valve needs, in

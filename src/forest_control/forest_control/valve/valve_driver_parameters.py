@@ -17,7 +17,7 @@ from forest_msgs_py.runtime.parameter_table import Parameter, tunable
 from forest_msgs_py.types import PERIOD
 
 LEAST_FED = 0.001  # [V] leakage that is not fed: it lets the tip sink by under 1 mm/s
-MISJUDGED = 0.2  # [V] error of an overlap that feeding must bear: more than the file's 0.15 V
+MISJUDGED = 0.2  # [V] twice the error of an overlap that feeding must bear; chosen, not measured
 NOISY_SERVO = 35.0  # [1/s] seven standard deviations of the position through a servo's gain of 5 1/s
 
 

@@ -16,8 +16,10 @@ from typing import NamedTuple
 
 from forest_description.components.valve_characteristic import ValveLaw
 
-BANDWIDTH = 2.0 * math.pi * 10.0  # [rad/s] of both stages of the low-pass, 10 Hz: a jump lasts 30 ms
-CUBED_BANDWIDTH = BANDWIDTH**3  # [rad^3/s^3] for `opening_variance`: a compiled law has no powers
+BANDWIDTH = (
+    2.0 * math.pi * 10.0
+)  # [rad/s] of both stages of the low-pass, 10 Hz; chosen: a jump must be learnt in time
+CUBED_BANDWIDTH = BANDWIDTH**3  # [rad^3/s^3] of the low-pass' noise (`opening_variance`), computed once
 EMPTY = 1e5  # [Pa] port pressure below which anti-cavitation checks may feed it past the valve
 ABOVE_SUPPLY = 1.1  # [1] of the supply pressure: above, a port's relief valve may open
 LEAST_DROP = 0.02  # [1] of the supply pressure: a smaller drop at an orifice is the transducers' noise
