@@ -1,5 +1,7 @@
 """The offline loop runs the node's guard: what stops the crane live stops it here, compiled or not."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from forest_control.pipeline.control_state import ValveFeedback
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import MachineState, PermissionParameters, armed_watch
-from forest_control.servo.joint_angle_filter import UNREAD
+from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
@@ -17,10 +19,12 @@ from forest_description.types import ZERO
 from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.sensors.signal_processing import Measurement, Motion
 from forest_study.closed_loop import loop_core
 from forest_study.closed_loop.closed_loop import Links, Operator, run
 from forest_study.closed_loop.link_model import Quality, Reports
-from forest_study.closed_loop.loop_core import PERIOD_NS, Guarded, Knowledge, Loop, Seen
+from forest_study.closed_loop.loop_core import PERIOD_NS, Guarded, Knowledge, Loop
+from forest_study.thesis.thesis_machine import machine_of, settings_of
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
@@ -55,9 +59,16 @@ def test_a_link_over_which_no_state_comes_any_more_stops_at_once_after_the_timeo
 
 def test_a_sensor_that_freezes_stops_the_crane():
     moved = session(
-        pushed, sensor_suite=sensor_suite(C180, faults=parse_faults("boom_resolver: frozen from 1 s"))
+        pushed,
+        sensor_suite=sensor_suite(C180, noise=True, faults=parse_faults("boom_resolver: frozen from 1 s")),
     )
     assert FAULT < shut_from(moved) < FAULT + 1.0
+
+
+def test_exact_sensors_of_a_joint_that_has_not_begun_to_move_are_not_taken_for_frozen():
+    settings = settings_of(Scheme.COORDINATED, "0.2 Hz"), SETTINGS[1]
+    moved = run(machine_of("0.2 Hz"), pushed, 2.0, START, *settings)
+    assert moved.commands[round(0.2 / PERIOD) :].any(axis=1).all()
 
 
 def test_a_joint_without_a_reading_stops_the_crane():
@@ -70,6 +81,9 @@ def test_a_joint_without_a_reading_stops_the_crane():
 def test_the_deadman_pressed_with_deflected_levers_moves_nothing():
     moved = session(lambda time: Operator(PUSHED, enabled=time > 0.1))
     assert not moved.voltages.any()
+
+
+SEEN = Measurement(*(None,) * len(Measurement._fields))
 
 
 def wild(rng, rows):
@@ -88,13 +102,19 @@ def wild(rng, rows):
         nonsense = "blind" in broken or ("nonsense" in broken and row % 7 == 0)
         angles = (9.0, 0.4, -1.5) if nonsense else tuple(seen.tolist())
         volts = np.zeros(3) if "deaf" in broken else rng.uniform(-5.0, 5.0, 3)
-        yield levers, bool(row % 130 > 3), Seen(angles, ZERO, UNREAD, (1e7,) * 12, 2e7), tuple(volts.tolist())
+        joints, actuators = Motion(angles, ZERO, ZERO), Motion((math.nan,) * 3, ZERO, ZERO)
+        yield (
+            levers,
+            bool(row % 130 > 3),
+            SEEN._replace(joints=joints, actuators=actuators),
+            tuple(volts.tolist()),
+        )
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_kernels_guard_decides_as_the_nodes_does(seed):
     """The kernel's is made of numbers alone; here both hear the same, faults and all."""
-    k = Knowledge(None, None, None, parameters(C180, Settings()), None)
+    k = Knowledge(None, None, parameters(C180, Settings()), None, PermissionParameters())
     node = GuardedController(k.control, PermissionParameters())
     node.permission.joystick = armed_watch()
     kernel, stopped, moved = Guarded(), 0, 0
@@ -103,9 +123,9 @@ def test_the_kernels_guard_decides_as_the_nodes_does(seed):
         loop = Loop(None, None, kernel, valve_driver.REST._replace(voltages=volts), Reports())
         kernel, velocity = loop_core.guarded(loop, levers, held, seen, k, row)
         node.permission.hear(loop_core.sample(levers, held, row))
-        machine = MachineState(seen.angles, seen.rates, (row + 1) * PERIOD_NS, now)
+        machine = MachineState(seen.joints.position, seen.joints.speed, (row + 1) * PERIOD_NS, now)
         valves = ValveFeedback(voltages=volts, driver=DriverSample(volts, now))
-        _, telemetry = node.advance(machine, valves, now, seen.cylinders)
+        _, telemetry = node.advance(machine, valves, now)
         assert kernel.command == node.command
         assert velocity == (telemetry.output.tip_reference if telemetry else ZERO)
         assert kernel.joystick.armed == node.permission.joystick.armed
