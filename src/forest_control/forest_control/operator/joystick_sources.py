@@ -5,17 +5,17 @@ from bisect import bisect_right
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
-from forest_bag.convert.csv_rows import CsvColumn, read_rows
 from forest_control.operator.joystick_interpolation import LONGEST_LINE, between
 from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, levers_for_tip_velocity
 from forest_description.types import AXES, Vec3
+from forest_msgs_py.interfaces.csv_text import Column, read_rows
 from forest_msgs_py.runtime.parameter_table import Parameter
 
 THESIS_DURATION = 10.0  # [s] of the test input: the time axis of Thesis fig. 5.4 to 5.9
 LEAD_IN = 0.5  # [s] at rest, deadman held, before a source plays: a recorder may subscribe late
 LEAD_OUT = 0.3  # [s] at rest, deadman released, after it; chosen, not measured
 LONGEST = 86400.0  # [s] of a source: a day; a longer one has other units
-COLUMNS = (CsvColumn("time_s", 0.0, LONGEST), *(CsvColumn(axis, -1.0, 1.0) for axis in AXES))
+COLUMNS = (Column("time_s", 0.0, LONGEST), *(Column(axis, -1.0, 1.0) for axis in AXES))
 
 
 class LeverError(ValueError):
@@ -26,7 +26,7 @@ def thesis_tip_velocity(time: float) -> Vec3:
     """Return the tip velocity command [m/s] of the thesis' evaluation at a time [s]. Thesis section 5.2.
 
     Steps in x and z at different times and a sinusoid in y; amplitudes as read in
-    docs/equations.md.
+    docs/explanation/equations.md.
     """
     x = 0.30 if 1.0 <= time < 4.0 else 0.0
     z = 0.25 if 2.5 <= time < 5.5 else 0.0

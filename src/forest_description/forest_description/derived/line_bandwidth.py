@@ -8,7 +8,7 @@ Symbols:
 
 A soft wall, or an inertance measured with its fittings, makes the wave slower than C_0.
 
-docs/equations.md ("One lump") has the shipped machine's oscillations beside the limits of its
+docs/explanation/equations.md ("One lump") has the shipped machine's oscillations beside the limits of its
 hoses.
 """
 

@@ -19,15 +19,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_bag.convert.csv_rows import CsvColumn, read_rows
 from forest_description.types import AXES, ZERO, Floats
+from forest_msgs_py.interfaces.csv_text import Column, read_rows
 
 NAMES = ("step", "chirp", "thesis")
 LONGEST = 86400.0  # [s] the latest time of a file
 GREATEST = 100.0  # [V] beyond any amplifier: a number in other units
 COLUMNS = (
-    CsvColumn("time", 0.0, LONGEST, "s"),
-    *(CsvColumn(axis, -GREATEST, GREATEST, "V") for axis in AXES),
+    Column("time", 0.0, LONGEST, "s"),
+    *(Column(axis, -GREATEST, GREATEST, "V") for axis in AXES),
 )
 LEAD_IN = 0.5  # [s] at rest before the built-in inputs
 HOLD, REST = 1.0, 0.5  # [s] of `step`
