@@ -117,7 +117,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=0, metavar="N", help="drawn machines over all cores, too")
     parser.add_argument("--json", type=Path, metavar="FILE")
     options = parser.parse_args()
-    loop_kernel.KEPT.kernel()
+    loop_kernel.KERNEL.kernel()
     print(HEAD)
     rows = []
     for name in options.paths:

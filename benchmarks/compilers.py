@@ -23,8 +23,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from forest_compile import fingerprint, flat_layout, machine_code, translate
+from forest_compile import fingerprint, flat_layout, machine_code
 from forest_compile.entry import Entry
+from forest_compile.frontend import translate
 from forest_control import compiled as control
 from forest_control.pipeline import controller
 from forest_control.valve import valve_driver
@@ -92,9 +93,9 @@ def by_ours(law: Law) -> Run:
     paths = [path for path, _ in flat_layout.leaves(law.state, "state")]
     lines = ["def kernel(row, given, parameters, dt, count):", "    for _ in range(count):"]
     lines += [f"        {law.call}", *(f"    row[{i}] = {path}" for i, path in enumerate(paths))]
-    views = {"inputs": ("given", law.inputs), "p": ("parameters", law.p)}
-    entry = Entry("\n".join(lines), {"step": law.step}, "pppdi", views, {"state": ("row", law.state)})
-    code = machine_code.optimised(translate.text(entry))
+    tuples = {"state": ("row", law.state), "inputs": ("given", law.inputs), "p": ("parameters", law.p)}
+    entry = Entry("\n".join(lines), {"step": law.step}, "pppdi", tuples)
+    code = machine_code.optimised(translate.llvm_ir(entry))
     try:
         kernel = machine_code.load_shared(machine_code.linked(code), entry.arguments)
     except OSError:

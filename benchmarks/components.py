@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import work as benchmark
-from forest_compile import flat_layout, machine_code, translate
+from forest_compile import flat_layout, machine_code
+from forest_compile.frontend import translate
 from forest_description.machine import load_machine
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
@@ -50,9 +51,29 @@ class Runner(NamedTuple):
 
 def kernel_without(parts: Iterable[str]) -> machine_code.Kernel:
     """Return the kernel with the parameters of some components taken for granted."""
-    names = tuple(parts)
-    entry = plant_kernel.entry(lambda path: any(name in f"{path}." for name in names))
-    return machine_code.load(machine_code.optimised(translate.text(entry)), entry.arguments)
+    entry = plant_kernel.entry()
+    _, p = entry.tuples["p"]
+    names = dict(entry.names)
+    constant = _with_constants(p, "p", tuple(parts), names)
+    head, *body = entry.text.splitlines()
+    entry = entry._replace(text="\n".join([head, f"    p = {constant}", *body]), names=names)
+    return machine_code.load(machine_code.optimised(translate.llvm_ir(entry)), entry.arguments)
+
+
+def _with_constants(value: Any, path: str, parts: tuple[str, ...], names: dict[str, Any]) -> str:
+    """Return an expression for parameters some of which are constants; `names` is given what it needs."""
+    if not isinstance(value, tuple):
+        if not any(part in f"{path}." for part in parts):
+            return path
+        names[name := f"CONSTANT_{len(names)}"] = value
+        return name
+    fields = getattr(value, "_fields", None)
+    paths = [f"{path}.{fields[i]}" if fields else f"{path}[{i}]" for i in range(len(value))]
+    pieces = [_with_constants(item, inner, parts, names) for item, inner in zip(value, paths, strict=True)]
+    if not fields:
+        return f"({', '.join(pieces)},)"
+    names[name := type(value).__name__] = type(value)
+    return f"{name}({', '.join(pieces)})"
 
 
 def measure(seconds: float, repeats: int) -> list[Row]:

@@ -12,8 +12,8 @@ import numpy as np
 import work as benchmark
 from forest_description.machine import load_machine
 from forest_sim.solver import step_schedule
+from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_kernel import compiled_record
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import STATE
 from peers import Run
@@ -36,7 +36,7 @@ def prepare(work: Work, start: Floats, tolerance: float) -> Callable[[], Run]:  
     return integrate
 
 
-def _paced(work: Work) -> tuple[step_schedule.Pace, Floats]:
+def _paced(work: Work) -> tuple[step_schedule.StepSchedule, Floats]:
     long = step_schedule.long_steps(SAMPLE)
     tables = {
         n: benchmark.step_voltages(work, n).reshape(work.samples, n, 3)

@@ -9,8 +9,9 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_compile import fingerprint, translate
+from forest_compile import fingerprint
 from forest_compile.entry import Entry
+from forest_compile.frontend import translate
 
 KINDS = """
 from enum import IntEnum
@@ -86,7 +87,7 @@ def entry(tmp_path, monkeypatch):
         lengths, steps = values(kinds)
         line = kinds.Line(kinds.Oil(1.0), lengths, steps)
         law = modules["top"].law
-        return Entry(ENTRY, {"law": law}, "pp", {"line": ("given", line)}, {}, (modules["deep"].limited,))
+        return Entry(ENTRY, {"law": law}, "pp", {"line": ("given", line)}, (modules["deep"].limited,))
 
     yield make
     for names in made:
@@ -160,11 +161,10 @@ def test_so_do_all_parts_of_an_entry(entry):
         {"text": whole.text + "\n"},
         {"arguments": "pd"},
         {"names": {**whole.names, "more": 1.0}},
-        {"views": {"line": ("results", whole.views["line"][1])}},
-        {"copies": whole.views},
-        {"apart": ()},
-        {"fixed": {("given", 1): 2.0}},
-        {"fixed": {("given", 1): 2.5}},
+        {"tuples": {"line": ("results", whole.tuples["line"][1])}},
+        {"tuples": {"pipe": whole.tuples["line"]}},
+        {"tuples": {}},
+        {"noinline": ()},
     ]
     digests = {fingerprint.digest(whole._replace(**part)) for part in parts}
     assert len(digests | {fingerprint.digest(whole)}) == len(parts) + 1
@@ -173,12 +173,12 @@ def test_so_do_all_parts_of_an_entry(entry):
 def test_a_law_whose_file_was_changed_since_it_was_imported_is_refused(entry):
     """Or the new source's kernel would be kept under the old one's digest."""
     whole = entry()
-    assert "@forest_kernel(" in translate.text(whole)
+    assert "@forest_kernel(" in translate.llvm_ir(whole)
     path = Path(sys.modules[f"deep_{next(numbers) - 2}"].__file__)
     path.write_text(f"{DEEP}\n\ndef added(x):\n    return x\n")
-    assert translate.text(whole)  # nothing that is translated
+    assert translate.llvm_ir(whole)  # nothing that is translated
     path.write_text(DEEP.replace("slope * x", "slope - x"))
     with pytest.raises(
         translate.NotTranslatedError, match=r"deep.curve: .* was changed after it was imported"
     ):
-        translate.text(whole)
+        translate.llvm_ir(whole)

@@ -19,8 +19,9 @@ import numpy as np
 
 from forest_compile import flat_layout, machine_code
 from forest_compile.compiled_step import CompiledStep
-from forest_compile.llvm_text import NotTranslatedError
-from forest_compile.translate import Library
+from forest_compile.entry import Entry
+from forest_compile.frontend import translate
+from forest_compile.ir.values import NotTranslatedError
 from forest_control import compiled as control_compiled
 from forest_control.config import settings as control_settings
 from forest_control.operator.levers import Levers
@@ -68,14 +69,12 @@ def arguments(module, rng):
     return module.Given(one, others[0], *whole, rng.random() < 0.5, (*others[1:],), tuple(rows))
 
 
-def kernel_of(law, example, count, apart):
+def kernel_of(law, example, count, noinline):
     """A law as machine code."""
     lines = ["def kernel(given, results):", "    result = law(p)"]
     lines += [f"    results[{i}] = {path}" for i, path in enumerate(count)]
-    library = Library(apart)
-    names, views = {"law": law}, {"p": ("given", example)}
-    library.entry(machine_code.ENTRY, "\n".join(lines), names, "pp", views, {})
-    return machine_code.load(machine_code.optimised("\n".join(library.text())), "pp")
+    entry = Entry("\n".join(lines), {"law": law}, "pp", {"p": ("given", example)}, noinline)
+    return machine_code.load(machine_code.optimised(translate.llvm_ir(entry)), "pp")
 
 
 def has_complex(value):
@@ -193,7 +192,7 @@ def test_the_plant_at_random_states_is_pythons_to_the_last_bit(name):
     [
         (control_compiled.CONTROLLER, controller.step_with_telemetry, control_compiled._control),
         (control_compiled.DRIVER, valve_driver.step_measured, control_compiled._drive),
-        (sensor_run.KEPT, sensor_readings.report, sensor_run._example),
+        (sensor_run.KERNEL, sensor_readings.report, sensor_run._example),
     ],
     ids=["controller", "driver", "sensors"],
 )
@@ -207,7 +206,7 @@ def test_a_step_at_random_states_is_pythons_to_the_last_bit(kept, step, example)
 
     def machine_law(given):
         state, output = machine_step(*given)
-        return state.built(), output
+        return state.built, output
 
     assert counted(lambda given: step(*given), machine_law, draws()) > 2 * STATES
 

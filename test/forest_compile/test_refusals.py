@@ -15,8 +15,9 @@ import pytest
 pytest.importorskip("llvmlite")
 
 from forest_compile import machine_code
-from forest_compile.llvm_text import NotTranslatedError
-from forest_compile.translate import Library
+from forest_compile.entry import Entry
+from forest_compile.frontend import translate
+from forest_compile.ir.values import NotTranslatedError
 
 
 class P(NamedTuple):
@@ -38,12 +39,11 @@ class Named(IntEnum):
     ONE = 1
 
 
-def kernel_of(law, apart=()):
+def kernel_of(law, noinline=()):
     """A law of a `P` that gives one number, as machine code."""
-    library = Library(apart)
     text = "def kernel(given, result):\n    result[0] = law(p)"
-    library.entry(machine_code.ENTRY, text, {"law": law}, "pp", {"p": ("given", P())}, {})
-    kernel = machine_code.load(machine_code.optimised("\n".join(library.text())), "pp")
+    entry = Entry(text, {"law": law}, "pp", {"p": ("given", P())}, noinline)
+    kernel = machine_code.load(machine_code.optimised(translate.llvm_ir(entry)), "pp")
 
     def run(p):
         given, result = np.array(p, dtype=float), np.empty(1)
@@ -139,9 +139,9 @@ RIGHT = [
 
 
 @pytest.mark.parametrize("law", RIGHT, ids=lambda law: law.__name__)
-@pytest.mark.parametrize("apart", [False, True], ids=["written out", "apart"])
-def test_it_means_what_python_means(law, apart):
-    run, rng = kernel_of(law, (law,) if apart else ()), np.random.default_rng(3)
+@pytest.mark.parametrize("noinline", [False, True], ids=["inlined", "called"])
+def test_it_means_what_python_means(law, noinline):
+    run, rng = kernel_of(law, (law,) if noinline else ()), np.random.default_rng(3)
     points = [
         P(*xy, n, on)
         for n in range(-4, 7)
@@ -718,10 +718,10 @@ FAULTS = [
 ]
 
 
-@pytest.mark.parametrize("apart", [False, True], ids=["written out", "apart"])
+@pytest.mark.parametrize("noinline", [False, True], ids=["inlined", "called"])
 @pytest.mark.parametrize(("law", "p", "fault"), FAULTS)
-def test_what_does_not_fit_is_an_error_that_tells_its_place(law, p, fault, apart):
-    run, line = kernel_of(law, (law,) if apart else ()), law.__code__.co_firstlineno
+def test_what_does_not_fit_is_an_error_that_tells_its_place(law, p, fault, noinline):
+    run, line = kernel_of(law, (law,) if noinline else ()), law.__code__.co_firstlineno
     harmless, place = P(n=0 if law is summed else 1), rf"{law.__name__} \(test_refusals.py, line \d+\): "
     with pytest.raises(ArithmeticError, match=place + f".*{fault}") as caught:
         run(p)
@@ -737,11 +737,10 @@ def test_what_lies_in_a_row_for_a_whole_number_must_be_one(p):
 
 def test_a_negative_index_of_a_row_is_an_error():
     def read(index, at):
-        library = Library(())
         text = f"def kernel(given, result, at):\n    result[0] = given[{index}]"
-        library.entry(machine_code.ENTRY, text, {}, "ppi", {}, {})
+        entry = Entry(text, {}, "ppi", {})
         numbers = np.array([2.5, 0.0, 7.5])
-        kernel = machine_code.load(machine_code.optimised("\n".join(library.text())), "ppi")
+        kernel = machine_code.load(machine_code.optimised(translate.llvm_ir(entry)), "ppi")
         kernel(numbers.ctypes.data, numbers.ctypes.data + 8, at)
         return numbers[1]
 

@@ -10,8 +10,9 @@ import pytest
 pytest.importorskip("llvmlite")
 
 from forest_compile import flat_layout, machine_code
-from forest_compile.llvm_text import NotTranslatedError
-from forest_compile.translate import Library
+from forest_compile.entry import Entry
+from forest_compile.frontend import translate
+from forest_compile.ir.values import NotTranslatedError
 
 LIMITS = (-1.0, 2.0)
 POWERS = (1.0, 0.5, 0.25, 0.125)
@@ -33,15 +34,15 @@ class Marked(NamedTuple):
     side: int = Side.LEFT
 
 
-def translated(function, example, apart=()):
+def translated(function, example, noinline=()):
     """Return a function of a flat tuple as machine code; it returns a flat row."""
     result = function(example)
-    library, paths = Library(apart), [path for path, _ in flat_layout.leaves(result, "result")]
+    paths = [path for path, _ in flat_layout.leaves(result, "result")]
     lines = ["def kernel(given, results):", "    result = function(value)"]
     lines += [f"    results[{i}] = {path}" for i, path in enumerate(paths)]
-    views = {"value": ("given", example)}
-    library.entry(machine_code.ENTRY, "\n".join(lines), {"function": function}, "pp", views, {})
-    kernel = machine_code.load(machine_code.optimised("\n".join(library.text())), "pp")
+    tuples = {"value": ("given", example)}
+    entry = Entry("\n".join(lines), {"function": function}, "pp", tuples, noinline)
+    kernel = machine_code.load(machine_code.optimised(translate.llvm_ir(entry)), "pp")
 
     def run(value):
         given, results = np.array(flat_layout.packer(example)(value), dtype=float), np.empty(len(paths))
@@ -51,8 +52,8 @@ def translated(function, example, apart=()):
     return run
 
 
-def assert_translated(function, values, apart=()):
-    run = translated(function, values[0], apart)
+def assert_translated(function, values, noinline=()):
+    run = translated(function, values[0], noinline)
     for value in values:
         result = function(value)
         np.testing.assert_array_equal(run(value), [number for _, number in flat_layout.leaves(result, "")])
@@ -216,7 +217,7 @@ def test_so_does_a_stored_row_of_tuples():
     assert_translated(third_of_many, [Many(n, tuple(points(3))) for n in (1, 2, 3)])
 
 
-def test_a_function_kept_apart_is_the_same():
+def test_a_function_that_is_not_inlined_is_the_same():
     assert_translated(tuples, points(), (swapped, len_of_powers))
     assert_translated(nested, points(), (choices, loops))
 
@@ -251,10 +252,10 @@ def misspelt(p):
     ],
 )
 def test_what_is_outside_the_subset_is_refused_by_name(law, complaint):
-    library = Library(())
     text = "def kernel(given):\n    result = law(value)"
+    entry = Entry(text, {"law": law}, "p", {"value": ("given", points(1)[0])})
     with pytest.raises(NotTranslatedError, match=complaint):
-        library.entry("kernel", text, {"law": law}, "p", {"value": ("given", points(1)[0])}, {})
+        translate.llvm_ir(entry)
 
 
 def growing(p):

@@ -5,7 +5,7 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_compile.kernel_cache import Kept
+from forest_compile.kernel_cache import CachedKernel
 from forest_control import compiled
 from forest_control.config import settings as control_settings
 from forest_control.operator.levers import Levers
@@ -41,7 +41,7 @@ def run(step, state, p, arguments):
             p, state = p._replace(lead=0.5 * p.lead), state._replace(changed=True)
         state, output = step(state, *inputs, p, DT)
         told.append(output)
-    return told, state.built() if hasattr(state, "built") else state
+    return told, state.built if hasattr(state, "built") else state
 
 
 @pytest.mark.parametrize("machine", MACHINES)
@@ -81,13 +81,13 @@ def test_a_state_stays_what_it_was_when_the_step_moves_on():
     second, volts = step(first, (2.0, 0.0, 0.0), *unseen, p, DT)
     assert first.voltages != second.voltages
     again, repeated = step(first, (2.0, 0.0, 0.0), *unseen, p, DT)
-    assert (again.built(), repeated) == (second.built(), volts)
+    assert (again.built, repeated) == (second.built, volts)
 
 
 def test_without_the_code_the_interpreted_steps_run(monkeypatch, tmp_path):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     for name in ("CONTROLLER", "DRIVER"):
         known = getattr(compiled, name).entry
-        monkeypatch.setattr(compiled, name, Kept(name, lambda known=known: known))
+        monkeypatch.setattr(compiled, name, CachedKernel(name, lambda known=known: known))
     assert compiled.controller_step() is controller.step_with_telemetry
     assert compiled.driver_step() is valve_driver.step_measured

@@ -18,9 +18,9 @@ from forest_description.components.valve_parameters import BackwardValve, TableC
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import Cushion, Friction, Machine, load_machine
 from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.multibody import HeadState
 from forest_sim.solver.plant import AxisState, PlantState, ports_at, state_derivative
-from forest_sim.solver.plant_kernel import compiled_advance
 from forest_sim.solver.plant_parameters import PlantParameters
 
 C180 = load_machine("c180")

@@ -1,6 +1,6 @@
-"""Machine code that is kept: made once for a state of the laws, loaded within milliseconds ever after.
+"""The kernel cache: machine code is made once for a state of the sources, then loaded within milliseconds.
 
-The code lies in a cache under a digest of the kernel's entry and of all that its laws mean
+The code lies in a file under a digest of the kernel's entry and of all that its source means
 (`fingerprint`), of the translator's sources, the interpreter, LLVM's release and the processor. Only who
 asks for a `kernel` makes it. A node, which must start at once, asks for what is `ready`, and runs
 interpreted otherwise.
@@ -21,7 +21,7 @@ from forest_compile.entry import Entry
 _log = logging.getLogger(__name__)
 
 
-class Kept:
+class CachedKernel:
     """One kernel.
 
     Args:
@@ -64,7 +64,7 @@ class Kept:
     @cached_property
     def _shared(self) -> Path:
         mark = hashlib.sha256(f"{sys.version} {machine_code.bound_to()}".encode())
-        for source in sorted(Path(__file__).parent.glob("*.py")):
+        for source in sorted(Path(__file__).parent.rglob("*.py")):
             mark.update(source.read_bytes())
         mark.update(fingerprint.digest(self.entry).encode())
         return kernel_files.directory() / f"{self.name}-{mark.hexdigest()[:24]}.so"
@@ -89,9 +89,9 @@ class Kept:
         return None
 
     def _made(self) -> machine_code.Kernel:
-        from forest_compile import translate
+        from forest_compile.frontend import translate
 
-        code = machine_code.optimised(translate.text(self.entry))
+        code = machine_code.optimised(translate.llvm_ir(self.entry))
         try:
             file, made = self._shared, machine_code.linked(code)
             kernel = machine_code.load_shared(made, self.entry.arguments)
@@ -110,7 +110,7 @@ def can_compile() -> bool:
     return importlib.util.find_spec("llvmlite") is not None
 
 
-def make(*kernels: Kept) -> int:
+def make(*kernels: CachedKernel) -> int:
     """Make kernels that are not there, and print where they are.
 
     Returns:
@@ -119,9 +119,9 @@ def make(*kernels: Kept) -> int:
     if not can_compile():
         print("llvmlite is not installed")
         return 1
-    for kept in kernels:
-        kept.kernel()
-        if kept.file is None:
+    for kernel in kernels:
+        kernel.kernel()
+        if kernel.file is None:
             return 1  # the log says why
-        print(kept.file)
+        print(kernel.file)
     return 0

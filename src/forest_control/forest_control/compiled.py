@@ -12,7 +12,7 @@ from typing import Any
 
 from forest_compile import compiled_step, kernel_cache
 from forest_compile.compiled_step import CompiledStep, Example
-from forest_compile.kernel_cache import Kept
+from forest_compile.kernel_cache import CachedKernel
 from forest_control.config import settings as control_settings
 from forest_control.limits import workspace
 from forest_control.operator import levers, operator_profile
@@ -25,7 +25,7 @@ from forest_msgs_py.types import PERIOD
 Step = Callable[..., tuple[Any, Any]]
 
 # What is seldom called stays a function; all else is written out.
-APART = (
+NOINLINE = (
     *(motion_command.stop_command, bumpless_transfer.taken_over, kinematics.nearest_pose),
     *(stop_profile.share,),
     *(workspace.wall_scaling, workspace.slide, operator_profile.position_mode_velocity),
@@ -61,10 +61,12 @@ def _drive() -> Example:
     return Example(state, inputs, p, voltages)
 
 
-CONTROLLER = Kept(
-    "controller", lambda: compiled_step.entry(controller.step_with_telemetry, _control(), APART)
+CONTROLLER = CachedKernel(
+    "controller", lambda: compiled_step.entry(controller.step_with_telemetry, _control(), NOINLINE)
 )
-DRIVER = Kept("valve-driver", lambda: compiled_step.entry(valve_driver.step_measured, _drive(), APART))
+DRIVER = CachedKernel(
+    "valve-driver", lambda: compiled_step.entry(valve_driver.step_measured, _drive(), NOINLINE)
+)
 
 
 def main() -> None:

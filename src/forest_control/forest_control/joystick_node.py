@@ -13,7 +13,7 @@ from rclpy.serialization import deserialize_message
 
 from forest_control.operator.joystick_sources import JoystickParameters
 from forest_control.operator.scripted_joystick import JoyMessage, ScriptedJoystick
-from forest_msgs_py.clock.node_clock import pace, publishes_bytes
+from forest_msgs_py.clock.node_clock import node_clock, publishes_bytes
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import JoyValues
 from forest_msgs_py.interfaces.topics import JOY_RATE_HZ, message_class
@@ -27,32 +27,36 @@ class JoystickNode(Node):
 
     def __init__(self) -> None:
         super().__init__("joystick")
-        self._pace = pace(self)
-        self.run = self._pace.run
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
         p = declare(self, JoystickParameters)
         self._joystick, self._listeners = ScriptedJoystick(p, _decoded), p.wait_for_subscribers
-        self._publisher = self._pace.publisher(topics.JOY)
+        self._publisher = self._node_clock.publisher(topics.JOY)
         self._publish = publishes_bytes(self._publisher)
         self._begun: float | None = None
         # In lockstep it answers every step.
-        self._pace.every(0.0 if self._pace.lockstep else 1.0 / JOY_RATE_HZ, self._on_timer)
+        self._node_clock.every(0.0 if self._node_clock.lockstep else 1.0 / JOY_RATE_HZ, self._on_timer)
 
     def _on_timer(self) -> None:
         if self._begun is None:
-            if not self._pace.lockstep and self._publisher.get_subscription_count() < self._listeners:
+            if not self._node_clock.lockstep and self._publisher.get_subscription_count() < self._listeners:
                 return
             # Before the beginning: a process' first line takes a tenth of a second on a busy computer.
             self.get_logger().info(f"playing for {self._joystick.length:g} s")
-            self._begun = self._pace.now()
-        elapsed = self._pace.now() - self._begun
-        if self._joystick.is_over(elapsed) and not self._pace.lockstep:  # there, the machine ends the run
+            self._begun = self._node_clock.now()
+        elapsed = self._node_clock.now() - self._begun
+        if (
+            self._joystick.is_over(elapsed) and not self._node_clock.lockstep
+        ):  # there, the machine ends the run
             raise Finished
         message = self._joystick.message(elapsed)
         if message is not None:
             self._send(message)
 
     def _send(self, message: JoyMessage) -> None:
-        self._publish(pack_joy(self._pace.stamp(), message.frame, JoyValues(message.axes, message.buttons)))
+        self._publish(
+            pack_joy(self._node_clock.stamp(), message.frame, JoyValues(message.axes, message.buttons))
+        )
 
     def stop(self) -> None:
         """Last words: deadman released."""

@@ -17,13 +17,13 @@ from forest_control.valve.valve_driver_parameters import DriverParameters
 from forest_control.valve.valve_driver_topics import Measurements, Outputs
 from forest_description.machine import Machine, load_machine
 from forest_description.types import ZERO
-from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import Tunables, declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_msgs_py.runtime.stamped_period import TimeInForce
-from forest_msgs_py.safety.diagnostics import Health, beyond, rating_values
+from forest_msgs_py.safety.diagnostics import Diagnostics, beyond, rating_values
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
@@ -35,26 +35,28 @@ class ValveDriverNode(Node):
 
     def __init__(self) -> None:
         super().__init__("valve_driver")
-        self._pace = pace(self)
-        self.run = self._pace.run
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
         machine, self._tunables = load_machine(declare(self, MachineParameter).machine), Tunables(self)
         self._use(machine, self._tunables.declare(valve_driver.Settings)._asdict())
         self._tunables.watch(partial(self._use, machine))
         p = declare(self, DriverParameters)
-        self._gate, self._period = CommandGate(p.command_timeout, self._pace.now), TimeInForce(p.period)
+        self._gate, self._period = CommandGate(p.command_timeout, self._node_clock.now), TimeInForce(p.period)
         self._state, self._step, self._shadow = valve_driver.REST, compiled.driver_step(), p.shadow
-        told = self._pace.publisher(topics.DIAGNOSTICS)
-        self._health = Health(self, ("commands", "pressures", "emergency stop"), "valves centred", told)
-        stopped = self._pace.publisher(topics.EMERGENCY_STOPPED)
+        told = self._node_clock.publisher(topics.DIAGNOSTICS)
+        self._diagnostics = Diagnostics(
+            self, ("commands", "pressures", "emergency stop"), "valves centred", told
+        )
+        stopped = self._node_clock.publisher(topics.EMERGENCY_STOPPED)
         self._stop = EmergencyStop(self, "~/", self._gate.against_reset, self._stand_still, stopped)
-        published = partial(speaker, self._pace, plain=p.plain_arrays)
+        published = partial(number_publisher, self._node_clock, plain=p.plain_arrays)
         voltages = None if p.shadow else published(topics.VALVE_VOLTAGES)
         self._out = Outputs(voltages, published(topics.VALVE_DRIVER_STATUS))
         self._commands = ArrayReader(topics.VALVE_COMMANDS)
-        commands = self._pace.on(topics.VALVE_COMMANDS, self._on_command)
-        self._measured = Measurements(self._pace, p.pressure_timeout, self._core.idle_pressure)
+        commands = self._node_clock.on(topics.VALVE_COMMANDS, self._on_command)
+        self._measured = Measurements(self._node_clock, p.pressure_timeout, self._core.idle_pressure)
         self._watch_inputs(commands, machine)
-        self._pace.every(WATCHDOG_PERIOD, self._on_watchdog)
+        self._node_clock.every(WATCHDOG_PERIOD, self._on_watchdog)
 
     def _use(self, machine: Machine, values: dict[str, Any]) -> None:
         self._core = valve_driver.parameters(machine, valve_driver.Settings(**values))
@@ -62,12 +64,14 @@ class ValveDriverNode(Node):
     def _watch_inputs(self, commands: Any, machine: Machine) -> None:
         """Have /diagnostics tell of the driver's inputs."""
         self._ratings, self._clipped = [machine.valve_of(axis).rated_voltage for axis in range(3)], 0
-        heard, (pressures, *others) = partial(InputStatus, self, self._pace), self._measured.boxes
+        heard, (pressures, *others) = partial(InputStatus, self, self._node_clock), self._measured.boxes
         missed = heard(pressures, "pressures (the nominal load is taken)", self._lacks_pressures)
         limits = {"command_timeout [s]": self._gate.timeout, **rating_values(self._ratings)}
-        self._health.watch("commands", heard(commands, "commands"), values=lambda: limits | self._counts())
-        self._health.watch("pressures", missed, *map(heard, others), values=self._pressure_values)
-        self._health.watch("emergency stop", self._stop)
+        self._diagnostics.watch(
+            "commands", heard(commands, "commands"), values=lambda: limits | self._counts()
+        )
+        self._diagnostics.watch("pressures", missed, *map(heard, others), values=self._pressure_values)
+        self._diagnostics.watch("emergency stop", self._stop)
 
     def _counts(self) -> dict[str, Any]:
         return {"clipped since start": self._clipped, "shadow": self._shadow}
@@ -80,15 +84,15 @@ class ValveDriverNode(Node):
         return not self._gate.is_lost() and self._measured.are_missing()
 
     def _on_command(self, data: bytes, sent: float) -> None:
-        reading = self._commands.read(data, self._pace.stamp())
+        reading = self._commands.read(data, self._node_clock.stamp())
         command = Command(reading.values, reading.stamp_ns, sent, reading.problem)
         verdict = self._gate.decide(command, self._stop.pressed)
         if verdict == Verdict.SKIP:
             return
-        self._health.note("commands", self._gate.problem)
+        self._diagnostics.note("commands", self._gate.problem)
         if not self._gate.problem:
             clipped = beyond(topics.VALVE_COMMANDS, command.values, self._ratings)
-            self._health.warn("commands", clipped)
+            self._diagnostics.warn("commands", clipped)
             self._clipped += bool(clipped)
         if verdict == Verdict.CENTRE:
             self._stand_still()
@@ -97,7 +101,7 @@ class ValveDriverNode(Node):
 
     def _advance(self, command: Command) -> None:
         problem = self._measured.read(self._core.adapt)
-        self._health.note("pressures", problem and f"{problem}; the nominal load is taken")
+        self._diagnostics.note("pressures", problem and f"{problem}; the nominal load is taken")
         dt = self._period.since(self._measured.machine_time(command.stamp))
         pressures, motion = self._measured.pressures(), self._measured.motion()
         self._state, voltages = self._step(self._state, command.values, pressures, motion, self._core, dt)
@@ -106,24 +110,24 @@ class ValveDriverNode(Node):
         self._tell(command.stamp)
 
     def _stand_still(self) -> None:
-        self._state, stamp = valve_driver.at_rest(self._state), self._pace.stamp()
+        self._state, stamp = valve_driver.at_rest(self._state), self._node_clock.stamp()
         self._out.say(stamp, ZERO)
         self._tell(stamp)
 
     def _tell(self, stamp: int) -> None:
-        self._health.note("emergency stop", PRESSED if self._stop.pressed else "")
-        self._health.publish(stamp)
+        self._diagnostics.note("emergency stop", PRESSED if self._stop.pressed else "")
+        self._diagnostics.publish(stamp)
 
     def _on_watchdog(self) -> None:
         """Centre the valves while no command comes; before the first one too: a machine sees who is there."""
         if self._gate.is_lost():
             if self._period.started:
-                self._health.note("commands", "no command")
+                self._diagnostics.note("commands", "no command")
             self._stand_still()
 
     def stop(self) -> None:
         """Last words: zero."""
-        self._out.say(self._pace.stamp(), ZERO)
+        self._out.say(self._node_clock.stamp(), ZERO)
 
 
 def main() -> None:

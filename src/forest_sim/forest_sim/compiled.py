@@ -3,8 +3,8 @@
 import sys
 
 from forest_compile import kernel_cache
-from forest_sim.sensors.sensor_run import KEPT as SENSORS
-from forest_sim.solver.plant_kernel import KEPT as PLANT
+from forest_sim.sensors.sensor_run import KERNEL as SENSORS
+from forest_sim.solver.plant_kernel import KERNEL as PLANT
 
 
 def main() -> None:

@@ -22,6 +22,7 @@ from forest_control.limits.velocity_scaling import (
     flow_demand,
     velocity_scaling,
 )
+from forest_control.operator.joystick_watch import Joystick
 from forest_description.derived.actuator_kinematics import displacements, joint_rates_to_actuator_speeds
 from forest_description.geometry.kinematics import Links, joint_rates, tip_position, tip_velocity
 from forest_description.geometry.linkage import cylinder_length, lever_arm
@@ -29,7 +30,7 @@ from forest_description.machine import load_machine
 
 LINKS = Links(0.41, 4.1, 2.9)
 CREEP, FAR_OFF, NEGLIGIBLE = 2e-3, 2.5, 1e-6  # [rad/s], times the wish, [rad/s; m/s]
-SAFETY = Path(__file__).resolve().parents[3] / "docs" / "safety.md"
+SAFETY = Path(__file__).resolve().parents[3] / "docs" / "explanation" / "safety.md"
 P = VelocityLimits(
     lower=(-2.0, -0.6, -2.1),
     upper=(2.0, 1.2, -0.8),
@@ -268,8 +269,8 @@ def test_each_actuator_takes_the_oil_of_its_own_inlet(joint, sign):
     assert taken == pytest.approx(speed * areas[joint][0 if sign > 0.0 else 1])
 
 
-def test_the_limits_are_numbered_as_the_docs_tell_who_reads_the_topic():
-    (told,) = re.findall(r"limit (0 none, .*?);", SAFETY.read_text("utf-8"))
+def test_limits_and_joystick_are_numbered_as_the_docs_tell_who_reads_the_topic():
+    told = re.findall(r"^\| (\d) \| ([a-z ]+) \| ([a-z]*) *\|$", SAFETY.read_text("utf-8"), re.MULTILINE)
     words = (
         "none",
         "joint rate",
@@ -280,4 +281,7 @@ def test_the_limits_are_numbered_as_the_docs_tell_who_reads_the_topic():
         "released or stopping",
     )
     names = "NONE", "RATE", "JOINT", "SINGULARITY", "FLOW", "WALL", "RELEASED"
-    assert told == ", ".join(f"{Limit[name].value} {word}" for name, word in zip(names, words, strict=True))
+    codes = {str(Limit[name].value): word for name, word in zip(names, words, strict=True)}
+    assert {code: word for code, word, _ in told} == codes
+    states = {str(state.value): state.name.lower() for state in Joystick}
+    assert {code: state for code, _, state in told if state} == states

@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 import pytest
+from energies import kinetic_energy, potential_energy
 
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import load_machine
@@ -24,7 +25,7 @@ from forest_ident.estimators import (
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.online.recursive_least_squares import Estimator, start, step
 from forest_ident.output_error import noise_model
-from forest_sim.mechanics.manipulator import fold_head, kinetic_energy, potential_energy
+from forest_sim.mechanics.manipulator import fold_head
 
 C180, LOADER = load_machine("c180"), load_machine("loader")
 BODY = fold_head(C180.manipulator)

@@ -18,7 +18,7 @@ from forest_msgs_py.interfaces import topics
 from forest_sim.cli import commands
 from forest_sim.cli import main as cli
 from forest_sim.cli.main import main
-from forest_sim.solver.plant_kernel import fastest_record
+from forest_sim.solver.compiled_plant import fastest_record
 
 PICTURES = {"tip_path.png", "joints.png", "voltages.png", "hydraulics.png", "spools.png", "power.png"}
 
@@ -240,7 +240,7 @@ def test_a_bad_voltage_file_is_told_by_line(forest_sim, tmp_path):
 
 
 def test_without_llvm_it_runs_and_says_once_how_to_be_faster(forest_sim, tmp_path, monkeypatch):
-    for module in ("solver.plant_kernel", "cli.commands"):
+    for module in ("solver.compiled_plant", "cli.commands"):
         monkeypatch.setattr(f"forest_sim.{module}.can_compile", lambda: False)
     assert fastest_record().__module__ == "forest_sim.solver.state_recording"
     code, _, err = forest_sim("simulate", "--duration", "0.2", "--out", tmp_path / "run")
@@ -253,7 +253,7 @@ def test_a_full_disk_is_told_with_the_place(forest_sim, tmp_path, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("forest_sim.run.trajectory_files.TrajectoryFiles.write", full)
+    monkeypatch.setattr("forest_sim.simulation.trajectory_files.TrajectoryFiles.write", full)
     code, _, err = forest_sim("simulate", "--duration", "0.2", "--out", tmp_path / "run")
     assert code == 1
     assert err == f"forest-sim: {tmp_path}/run: No space left on device\n"

@@ -8,11 +8,11 @@ import pytest
 from forest_description.machine import load_machine
 from forest_sim.hydraulics.hydraulic_line import (
     PortGuard,
-    drained,
     flow_rate,
     guard_flow,
     pressure_rate,
     solve_line,
+    with_outflow,
 )
 from forest_sim.hydraulics.port import Port
 from forest_sim.solver.plant_parameters import NO_GUARD
@@ -110,7 +110,7 @@ def test_a_hose_that_gives_a_little_more_is_the_solved_one_to_first_order(guard)
         )
         if np.sign(guard_flow(here.pressure, guard)) != np.sign(guard_flow(more.pressure, guard)):
             continue
-        told = drained(here, h)
+        told = with_outflow(here, h)
         assert told.pressure - here.pressure == pytest.approx(more.pressure - here.pressure, rel=1e-2)
         assert told.flow - here.flow == pytest.approx(more.flow - here.flow, rel=1e-2, abs=1e-3 * h)
         moved = more.port_pressure - here.port_pressure

@@ -13,7 +13,7 @@ from forest_sim.hydraulics.hydraulic_line import (
     solve_line,
     supply_coupling,
 )
-from forest_sim.hydraulics.port import Port, edge_flow, edge_flows, meet, port_flow
+from forest_sim.hydraulics.port import Port, edge_flow, edge_flows, port_flow, solve_port
 from forest_sim.solver.plant_parameters import NO_GUARD
 
 LINE = load_machine("c180").line(2, 1)
@@ -41,7 +41,7 @@ def test_where_port_and_hose_meet_the_same_flows_through_both(opened, admittance
     """The flow left over is nothing to what a millionth of the pressures at play would drive."""
     for port, rng in ports(opened, 1, 150):
         intercept = rng.normal(0.0, 2e-3) * rng.choice([1.0, 1e-3, 1e-8, 0.0])
-        p, follows = meet(intercept, admittance, port, supply)
+        p, flow_gain = solve_port(intercept, admittance, port, supply)
         at_play = abs(p) + supply + 1.0
         low, high = (
             port_flow(p + s * 1e-12 * at_play, port, supply)
@@ -51,7 +51,7 @@ def test_where_port_and_hose_meet_the_same_flows_through_both(opened, admittance
         )
         assert low <= 1e-18
         assert high >= -1e-18
-        assert 0.0 <= follows <= 1.0
+        assert 0.0 <= flow_gain <= 1.0
 
 
 @each_connection
@@ -59,9 +59,11 @@ def test_where_port_and_hose_meet_the_same_flows_through_both(opened, admittance
 def test_follows_is_the_flows_slope_by_the_intercept(opened, admittance):
     for port, rng in ports(opened, 2, 100):
         intercept, h = rng.normal(0.0, 2e-3), 1e-8
-        low, high = (meet(intercept + d, admittance, port, SUPPLY).pressure for d in (-h, h))
+        low, high = (solve_port(intercept + d, admittance, port, SUPPLY).pressure for d in (-h, h))
         slope = 1.0 + admittance * (high - low) / (2.0 * h)
-        assert meet(intercept, admittance, port, SUPPLY).follows == pytest.approx(slope, rel=1e-3, abs=1e-5)
+        assert solve_port(intercept, admittance, port, SUPPLY).flow_gain == pytest.approx(
+            slope, rel=1e-3, abs=1e-5
+        )
 
 
 def test_a_root_beside_an_edge_without_drop_is_found_to_the_last_digits():
@@ -73,7 +75,7 @@ def test_a_root_beside_an_edge_without_drop_is_found_to_the_last_digits():
         wall = float(rng.choice([0.0, SUPPLY]))
         wished = wall + gap * rng.choice([-1.0, 1.0])
         intercept = port_flow(wished, port, SUPPLY) - admittance * wished
-        p = meet(intercept, admittance, port, SUPPLY).pressure
+        p = solve_port(intercept, admittance, port, SUPPLY).pressure
         assert p == pytest.approx(wished, abs=3e-6 + 1e-4 * gap * 1e-3)
 
 
@@ -82,24 +84,28 @@ def test_no_drop_and_no_flow_give_neither_nan_nor_a_step():
         for supply in (0.0, SUPPLY):
             source = supply if port.to_supply < math.inf else 0.0
             intercept = -1e-10 * source if port.to_supply == math.inf or port.to_tank == math.inf else 0.0
-            p, follows = meet(intercept, 1e-10, port, supply)
+            p, flow_gain = solve_port(intercept, 1e-10, port, supply)
             assert math.isfinite(p)
-            assert 0.0 <= follows <= 1.0
-    assert meet(0.0, 1e-10, Port(math.inf, 1e12, 0.0), SUPPLY) == (0.0, 1.0)
+            assert 0.0 <= flow_gain <= 1.0
+    assert solve_port(0.0, 1e-10, Port(math.inf, 1e12, 0.0), SUPPLY) == (0.0, 1.0)
 
 
 def test_an_underlapped_port_without_flow_stands_between_supply_and_tank():
-    assert meet(0.0, 0.0, Port(1e13, 1e13, 0.0), SUPPLY).pressure == pytest.approx(0.5 * SUPPLY, rel=1e-12)
-    assert meet(0.0, 0.0, Port(1e13, 3e13, 0.0), SUPPLY).pressure == pytest.approx(0.75 * SUPPLY, rel=1e-12)
+    assert solve_port(0.0, 0.0, Port(1e13, 1e13, 0.0), SUPPLY).pressure == pytest.approx(
+        0.5 * SUPPLY, rel=1e-12
+    )
+    assert solve_port(0.0, 0.0, Port(1e13, 3e13, 0.0), SUPPLY).pressure == pytest.approx(
+        0.75 * SUPPLY, rel=1e-12
+    )
     leaking = Port(math.inf, math.inf, 1e-13)
-    assert meet(0.0, 0.0, leaking, SUPPLY).pressure == pytest.approx(0.5 * SUPPLY, rel=1e-12)
+    assert solve_port(0.0, 0.0, leaking, SUPPLY).pressure == pytest.approx(0.5 * SUPPLY, rel=1e-12)
 
 
 @each_connection
 def test_what_comes_from_the_supply_less_what_goes_to_the_tank_is_the_flow(opened):
     for port, rng in ports(opened, 4, 100):
         intercept, admittance = rng.normal(0.0, 2e-3), 1e-11
-        p = meet(intercept, admittance, port, SUPPLY).pressure
+        p = solve_port(intercept, admittance, port, SUPPLY).pressure
         flow = intercept + admittance * p
         from_supply, to_tank = edge_flows(flow, p, port, SUPPLY)
         assert from_supply - to_tank == pytest.approx(flow, rel=1e-9, abs=1e-12)

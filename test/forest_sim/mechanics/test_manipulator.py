@@ -5,19 +5,13 @@ import math
 
 import numpy as np
 import pytest
+from energies import kinetic_energy, potential_energy
 
 from forest_description.components.load import Log
 from forest_description.config.parameter import derived
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
-from forest_sim.mechanics import manipulator
-from forest_sim.mechanics.manipulator import (
-    dynamics,
-    fold_head,
-    kinetic_energy,
-    potential_energy,
-    tip_load_torques,
-)
+from forest_sim.mechanics.manipulator import dynamics, fold_head, tip_load_torques
 
 MANIPULATOR, THESIS = load_machine("c180").manipulator, load_machine("c180_thesis").manipulator
 BODY = fold_head(MANIPULATOR)
@@ -202,6 +196,5 @@ def test_laws_compile_and_agree_with_themselves_in_python():
     compiled = numba.njit(dynamics)(q, u, GENERAL)
     np.testing.assert_allclose(compiled[:4], dynamics(q, u, GENERAL)[:4], rtol=1e-14)
     np.testing.assert_allclose(compiled.bias, dynamics(q, u, GENERAL).bias, rtol=1e-12)
-    for name, arguments in (("tip_load_torques", (q, force, GENERAL)), ("potential_energy", (q, GENERAL))):
-        function = getattr(manipulator, name)
+    for function, arguments in ((tip_load_torques, (q, force, GENERAL)), (potential_energy, (q, GENERAL))):
         np.testing.assert_allclose(numba.njit(function)(*arguments), function(*arguments), rtol=1e-12)

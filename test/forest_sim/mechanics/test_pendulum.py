@@ -5,20 +5,19 @@ import math
 
 import numpy as np
 import pytest
+from energies import kinetic_energy, pendulum_kinetic_energy, pendulum_potential_energy, potential_energy
 from scipy.integrate import solve_ivp
 
 from forest_description.components.load import Pendulum
 from forest_description.machine import load_machine
 from forest_sim.mechanics import pendulum
-from forest_sim.mechanics.manipulator import dynamics, fold_head, kinetic_energy, potential_energy
+from forest_sim.mechanics.manipulator import dynamics, fold_head
 from forest_sim.mechanics.pendulum import (
     HangingHead,
     hanging_angles,
     hanging_head,
     pendulum_damping,
     pendulum_dynamics,
-    pendulum_kinetic_energy,
-    pendulum_potential_energy,
 )
 
 C180 = load_machine().manipulator

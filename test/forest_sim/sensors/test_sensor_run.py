@@ -4,15 +4,15 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_compile.kernel_cache import Kept
+from forest_compile.kernel_cache import CachedKernel
 from forest_description.machine import load_machine
 from forest_sim.sensors import sensor_run
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_kernel import compiled_advance
 from forest_sim.solver.plant_parameters import plant_parameters
 
 DT = 0.005
@@ -27,7 +27,7 @@ def reports(machine, noise, faults=""):
     for k in range(80):
         if k == 40:
             around = around._replace(temperatures=(320.0, 321.0, 322.0))
-            run.learn(plant._replace(tip_force=(0.0, 0.0, -500.0)), around)
+            run.set_plant(plant._replace(tip_force=(0.0, 0.0, -500.0)), around)
         simulation = compiled_advance()(simulation, (3.0, -2.0, 2.5), 1e-3, 5, plant)
         said.append(run.sample(simulation, DT))
     return said
@@ -39,9 +39,10 @@ def reports(machine, noise, faults=""):
 )
 def test_machine_code_reads_what_the_interpreted_sensors_read(monkeypatch, tmp_path, name, noise, faults):
     machine = load_machine(name)
-    sensor_run.KEPT.kernel()
+    sensor_run.KERNEL.kernel()
     fast = reports(machine, noise, faults)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))  # where no code is
-    monkeypatch.setattr(sensor_run, "KEPT", Kept("sensors", lambda entry=sensor_run.KEPT.entry: entry))
+    entry = sensor_run.KERNEL.entry
+    monkeypatch.setattr(sensor_run, "KERNEL", CachedKernel("sensors", lambda: entry))
     assert repr(fast) == repr(reports(machine, noise, faults))  # NaN is no equal of itself
     assert fast[-1].joints.position != fast[0].joints.position

@@ -10,6 +10,7 @@ from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
 from forest_sim.hydraulics.port import is_shut
 from forest_sim.hydraulics.spool_dynamics import Spool
+from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.integrator import GAMMA, Simulation, spools_after, step
@@ -20,7 +21,6 @@ from forest_sim.solver.plant import (
     to_array,
     valve_ports,
 )
-from forest_sim.solver.plant_kernel import compiled_advance
 from forest_sim.solver.plant_parameters import plant_parameters
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim.run import inputs
-from forest_sim.run.simulation import Run, start_angles, whole
+from forest_sim.simulation import voltage_profiles
+from forest_sim.simulation.open_loop import Run, start_angles, whole
 from forest_sim.solver import step_schedule
 from forest_sim.solver.state_recording import STATE
 
@@ -41,7 +41,7 @@ def test_a_jump_is_found_and_a_fast_sinusoid_is_none():
 
 
 def test_middles_lie_in_the_middle_of_the_steps():
-    given = step_schedule.Pace(np.array([0.5, 1.0]), np.array([2.0, 1.0]))
+    given = step_schedule.StepSchedule(np.array([0.5, 1.0]), np.array([2.0, 1.0]))
     np.testing.assert_allclose(step_schedule.middles(given, 3.0), [3.25, 3.75, 4.5])
 
 
@@ -53,12 +53,11 @@ def error(run, reference):
     return deviation[:, STATE.index("swing_angle")].max(), deviation[:, pressures].max()
 
 
-def test_a_paced_run_is_nearer_to_the_truth_than_even_steps_of_a_millisecond():
+def test_short_steps_after_jumps_are_nearer_to_the_truth_than_even_steps_of_a_millisecond():
     """Two seconds hold a jump up, its end, and, at a block's border, the ring of one before."""
-    voltages = inputs.steps()
+    voltages = voltage_profiles.steps()
     reference = whole(THESIS, voltages, START, Run(2.0, step=5e-5))
-    even, paced = (
-        error(whole(THESIS, voltages, START, r), reference) for r in (Run(2.0), Run(2.0, paced=True))
-    )
-    assert paced[0] < even[0]
-    assert paced[1] < even[1]
+    runs = Run(2.0), Run(2.0, short_after_jumps=True)
+    even, short = (error(whole(THESIS, voltages, START, run), reference) for run in runs)
+    assert short[0] < even[0]
+    assert short[1] < even[1]

@@ -11,7 +11,8 @@ import pytest
 pytest.importorskip("llvmlite")
 
 import forest_description
-from forest_compile import fingerprint, translate, translate_statements
+from forest_compile import fingerprint
+from forest_compile.frontend import frame, translate
 from forest_control import compiled as control
 from forest_control.pipeline import stop_profile
 from forest_ident.actuator import kernel, steps
@@ -22,18 +23,18 @@ from forest_sim.solver import integrator, plant_kernel
 from forest_study.closed_loop import loop_kernel
 
 KERNELS = {
-    "plant": plant_kernel.KEPT,
-    "sensors": sensor_run.KEPT,
+    "plant": plant_kernel.KERNEL,
+    "sensors": sensor_run.KERNEL,
     "controller": control.CONTROLLER,
     "driver": control.DRIVER,
-    "loop": loop_kernel.KEPT,
-    "actuator": kernel.KEPT,
+    "loop": loop_kernel.KERNEL,
+    "actuator": kernel.KERNEL,
 }
 LOOK = """
 from forest_control import compiled as control
 from forest_sim.sensors import sensor_run
 from forest_sim.solver import plant_kernel
-for kept in (plant_kernel.KEPT, sensor_run.KEPT, control.CONTROLLER, control.DRIVER):
+for kept in (plant_kernel.KERNEL, sensor_run.KERNEL, control.CONTROLLER, control.DRIVER):
     print(kept.ready() is not None)
 """
 
@@ -41,14 +42,14 @@ for kept in (plant_kernel.KEPT, sensor_run.KEPT, control.CONTROLLER, control.DRI
 @pytest.mark.parametrize("name", KERNELS)
 def test_the_digest_covers_every_function_that_is_translated(monkeypatch, name):
     entry = KERNELS[name].entry
-    used, read = set(), translate_statements.source
+    used, read = set(), frame.syntax_tree
 
     def recorded(function):
         used.add(function)
         return read(function)
 
-    monkeypatch.setattr(translate_statements, "source", recorded)
-    translate.text(entry)
+    monkeypatch.setattr(translate, "syntax_tree", recorded)
+    translate.llvm_ir(entry)
     covered = set(fingerprint.functions(entry))
     assert used <= covered
     assert len(used) >= 0.9 * len(covered) > 2  # and little else

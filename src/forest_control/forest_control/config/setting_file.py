@@ -27,7 +27,7 @@ def shipped_in(folder: str) -> tuple[str, ...]:
 
 
 def tree_of(kind: str, name: str, folder: str) -> Any:
-    """Return what stands in a shipped file, by its name, or in one of somebody's, by its path.
+    """Return the content of a shipped file, by its name, or of another, by its path.
 
     Args:
         kind: of file, as messages call it.

@@ -7,7 +7,7 @@
     margin: 0.1                                    # kept from all of them
     approach: 4                                    # 1/s, allowed speed per distance
 
-Every key may be absent; a file says beside each number where it comes from.
+Every key may be absent. Beside each number stands its source.
 """
 
 from typing import Any
@@ -19,8 +19,8 @@ KEYS = ("ground", "stay_inside", "boxes", "cylinders", "margin", "approach", "de
 FARTHEST = 1000.0  # [m] of a coordinate: a number beyond has another unit
 WIDEST_MARGIN = 10.0  # [m] of the margin: a number beyond has another unit
 APPROACH = 4.0  # [1/s] allowed speed per distance to a wall where a file names none; chosen
-LEAST_APPROACH = 0.1  # [1/s] as of the setting `approach`: slower, the tip never arrives
-MOST_APPROACH = 20.0  # [1/s] as of the setting `approach`: faster, the valves are too slow
+LEAST_APPROACH = 0.1  # [1/s] smallest of a file, as of the setting `approach`; chosen
+MOST_APPROACH = 20.0  # [1/s] greatest of a file, as of the setting `approach`; chosen
 LEAST_RADIUS = 0.001  # [m] of a cylinder: a smaller one is no obstacle
 
 

@@ -95,7 +95,7 @@ class VelocityScaling(NamedTuple):
 
 
 def velocity_scaling(angles: Vec3, rates: Vec3, p: VelocityLimits) -> VelocityScaling:
-    """Return the factor 0..1 that all joint rates [rad/s] need at joint angles [rad], and what sets it."""
+    """Return the factor 0..1 for all joint rates [rad/s] at joint angles [rad], and what sets it."""
     scaling = VelocityScaling(1.0, Limit.NONE)
     for joint in range(3):
         rate = rates[joint]

@@ -1,22 +1,21 @@
 """Levers as functions of time: the thesis' test input, and a person's recorded levers."""
 
-import csv
 import math
 from bisect import bisect_right
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
 from forest_control.operator.joystick_interpolation import LONGEST_LINE, between
 from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, levers_for_tip_velocity
-from forest_description.types import Vec3
+from forest_description.types import AXES, Vec3
+from forest_msgs_py.interfaces.csv_text import Column, read_rows
 from forest_msgs_py.runtime.parameter_table import Parameter
 
 THESIS_DURATION = 10.0  # [s] of the test input: the time axis of Thesis fig. 5.4 to 5.9
 LEAD_IN = 0.5  # [s] at rest, deadman held, before a source plays: a recorder may subscribe late
-LEAD_OUT = 0.3  # [s] at rest, deadman released, after it: longer than a stop takes
+LEAD_OUT = 0.3  # [s] at rest, deadman released, after it; chosen, not measured
 LONGEST = 86400.0  # [s] of a source: a day; a longer one has other units
-COLUMNS = ("time_s", "swing", "boom", "stick")
+COLUMNS = (Column("time_s", 0.0, LONGEST), *(Column(axis, -1.0, 1.0) for axis in AXES))
 
 
 class LeverError(ValueError):
@@ -27,7 +26,7 @@ def thesis_tip_velocity(time: float) -> Vec3:
     """Return the tip velocity command [m/s] of the thesis' evaluation at a time [s]. Thesis section 5.2.
 
     Steps in x and z at different times and a sinusoid in y; amplitudes as read in
-    docs/equations.md.
+    docs/explanation/equations.md.
     """
     x = 0.30 if 1.0 <= time < 4.0 else 0.0
     z = 0.25 if 2.5 <= time < 5.5 else 0.0
@@ -84,37 +83,5 @@ def read_levers(path: Path) -> LeverRecord:
     Raises:
         LeverError: the file cannot be read, or a line does not fit.
     """
-    try:
-        with path.open(
-            newline="", encoding="utf-8-sig"
-        ) as file:  # spreadsheets put a byte order mark in front
-            reader = csv.reader(file)
-            header, *rows = [(reader.line_num, row) for row in reader if row] or [(1, ["nothing"])]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise LeverError(f"{path}: cannot be read as CSV: {error}") from error
-    if tuple(cell.strip() for cell in header[1]) != COLUMNS:
-        found = ",".join(header[1])
-        raise LeverError(f"{path}:{header[0]}: the header must be {','.join(COLUMNS)}, found {found}")
-    if not rows:
-        raise LeverError(f"{path}:{header[0]}: no rows below the header; allowed: one or more")
-    numbers = [_numbers(path, line, row) for line, row in rows]
-    for (line, _), (before, after) in zip(rows[1:], pairwise(numbers), strict=True):
-        if after[0] <= before[0]:
-            raise LeverError(f"{path}:{line}: time_s is {after[0]:g} after {before[0]:g}; times must rise")
-    return LeverRecord(tuple(n[0] for n in numbers), tuple(Levers(*n[1:]) for n in numbers))
-
-
-def _numbers(path: Path, line: int, row: list[str]) -> tuple[float, float, float, float]:
-    if len(row) != len(COLUMNS):
-        raise LeverError(f"{path}:{line}: {len(row)} columns; allowed are the {len(COLUMNS)} of the header")
-    values = []
-    for name, cell in zip(COLUMNS, row, strict=True):
-        low, high = (0.0, LONGEST) if name == "time_s" else (-1.0, 1.0)
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
-        if not (math.isfinite(value) and low <= value <= high):
-            raise LeverError(f"{path}:{line}: {name} is {cell!r}; allowed: {low:g} .. {high:g}")
-        values.append(value)
-    return values[0], values[1], values[2], values[3]
+    rows = read_rows(path, COLUMNS, LeverError)
+    return LeverRecord(tuple(n[0] for n in rows), tuple(Levers(*n[1:]) for n in rows))

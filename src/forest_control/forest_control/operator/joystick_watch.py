@@ -1,7 +1,7 @@
 """The watch over a joystick: silent, frozen or alive; and when its levers may move something.
 
 A sample counts as new when its stamp is later than the last one's (a stamp of zero is none) and,
-where its source counts a heartbeat, when the count has changed. No new sample for `timeout`: the
+where its source counts a heartbeat, when the count has changed. No new sample for `joy_timeout`: the
 joystick is lost.
 
 A joystick without heartbeat that repeats one sample to the last bit is held still, or it hangs. Its
@@ -52,7 +52,7 @@ class Joystick(IntEnum):
 
     SILENT = 0  # nothing has come yet
     ALIVE = 1
-    LOST = 2  # nothing new for `timeout`
+    LOST = 2  # nothing new for `joy_timeout`
     FROZEN = 3  # deflected, and still for too long
     BAD = 4  # the last sample cannot be read
 
@@ -72,33 +72,31 @@ class Sample(NamedTuple):
     """One sample of a joystick."""
 
     received: float  # [s] when it was sent, by the local clock
-    stamp: int  # [ns]; `NO_STAMP`: it carries none
-    heartbeat: int
-    same: bool  # all axes and buttons as in the sample before, to the last bit
-    good: bool  # it could be read
-    levers: Levers
-    held: bool  # the deadman
+    stamp: int = NO_STAMP  # [ns]
+    heartbeat: int = NO_HEARTBEAT
+    same: bool = False  # all axes and buttons as in the sample before, to the last bit
+    good: bool = False  # it could be read
+    levers: Levers = CENTRED
+    held: bool = False  # the deadman
 
 
 class Watch(NamedTuple):
     """What is remembered between samples."""
 
-    joystick: Joystick
-    stamp: int  # [ns] of the newest sample
-    heartbeat: int
-    fresh_since: float  # [s] when the newest new sample was sent
-    moved: float  # [s] when axes or buttons last changed, or the heartbeat showed life
-    restless: float  # [s] in play without a hold, or `MAY_HOLD_STILL`
-    repeats: bool  # it has said the same twice: its driver has a clock of its own
-    levers: Levers
-    held: bool
-    armed: bool
-    out_of_order: int  # samples dropped so far
+    joystick: Joystick = Joystick.SILENT
+    stamp: int = NO_STAMP  # [ns] of the newest sample
+    heartbeat: int = NO_HEARTBEAT
+    fresh_since: float = -math.inf  # [s] when the newest new sample was sent
+    moved: float = -math.inf  # [s] when axes or buttons last changed, or the heartbeat showed life
+    restless: float = 0.0  # [s] in play without a hold, or `MAY_HOLD_STILL`
+    repeats: bool = False  # it has sent the same twice: its driver has a clock of its own
+    levers: Levers = CENTRED
+    held: bool = False
+    armed: bool = False
+    out_of_order: int = 0  # samples dropped so far
 
 
-REST = Watch(
-    Joystick.SILENT, NO_STAMP, NO_HEARTBEAT, -math.inf, -math.inf, 0.0, False, CENTRED, False, False, 0
-)
+REST = Watch()
 
 
 class Operator(NamedTuple):
@@ -191,7 +189,7 @@ def _is_still(watch: Watch, now: float, p: WatchParameters) -> bool:
 
 
 def _learnt(watch: Watch, now: float) -> float:
-    """Return the restless play [s], now that axes or buttons have changed."""
+    """Return the restless play [s], after axes or buttons have changed."""
     if not in_play(watch.levers):
         return watch.restless
     if watch.joystick == Joystick.FROZEN:  # what hung may hang again: it has not shown that it may hold still
@@ -218,7 +216,7 @@ def problem_text(watch: Watch) -> str:
 
 NEVER_REPEATS = "; its driver never repeats a sample: let it (of joy: autorepeat_rate, 20 Hz or more)"
 PROBLEMS = {
-    Joystick.SILENT: "",  # before the first sample, and with the deadman released, nobody is missed
+    Joystick.SILENT: "",  # before the first sample, and with the deadman released, none is missed
     Joystick.ALIVE: "",
     Joystick.LOST: "joystick: nothing new for longer than joy_timeout",
     Joystick.FROZEN: "joystick: held still to the last bit for too long; a heartbeat in frame_id may",
@@ -246,12 +244,20 @@ def joystick_sample(
     """
     axes, buttons = content
     levers, held = levers_from_axes(axes), buttons[deadman] == 1
-    return Sample(received, stamp, heartbeat_of(frame), content == before, True, levers, held)
+    return Sample(
+        received=received,
+        stamp=stamp,
+        heartbeat=heartbeat_of(frame),
+        same=content == before,
+        good=True,
+        levers=levers,
+        held=held,
+    )
 
 
 def unreadable_sample(received: float) -> Sample:
     """Return what stands for a message that cannot be read."""
-    return Sample(received, NO_STAMP, NO_HEARTBEAT, False, False, CENTRED, False)
+    return Sample(received)
 
 
 def heartbeat_of(frame: str) -> int:

@@ -19,7 +19,7 @@ LEFT_Y = 1  # [1] index in Joy.axes: order of ROS's game_controller_node
 RIGHT_Y = 3  # [1] index in Joy.axes: order of ROS's game_controller_node
 AXIS_COUNT = 6  # [1] axes of a Joy message: those of ROS's game_controller_node
 BUTTON_COUNT = 21  # [1] buttons of a Joy message: those of ROS's game_controller_node
-LEFT_SHOULDER = 9  # [1] index in Joy.buttons: where ROS's game_controller_node has the shoulder button
+LEFT_SHOULDER = 9  # [1] index in Joy.buttons: order of ROS's game_controller_node
 
 
 class Levers(NamedTuple):

@@ -85,7 +85,7 @@ def curve(deflection: float, deadzone: float, expo: float) -> float:
 
 
 def along(swing: float, boom: float, stick: float, angle: float, frame: int) -> Vec3:
-    """Return the vector (x, y, z) of components along the levers' directions, the crane swung to an angle."""
+    """Return (x, y, z) of components along the levers' directions, the crane swung to an angle [rad]."""
     if frame == Frame.CARTESIAN:
         return stick, swing, boom
     c, s = math.cos(angle), math.sin(angle)

@@ -1,4 +1,4 @@
-"""The servo of the coordinated scheme: a smooth reference, feedforward, integral, and joints that hold still.
+"""The servo of the coordinated scheme: smooth reference, feedforward, integral, joints that hold.
 
 | symbol | name | unit |
 |---|---|---|
@@ -86,24 +86,21 @@ REST = Memory(ZERO)
 
 def in_motion(velocity: Vec3, a: Vec3, samples: int) -> Memory:
     """Return the memory of a scheme that takes over at a tip velocity [m/s] and joint rates [rad/s]."""
-    return Memory(velocity, _going(a[0]), _going(a[1]), _going(a[2]), 0.0, samples)
-
-
-def _going(a: float) -> Joint:
-    return Joint(a, 0.0, 0.0, 0.0, True, 1.0, 0.0, 0.0, MOVING)
+    swing, boom, stick = Joint(a=a[0]), Joint(a=a[1]), Joint(a=a[2])
+    return Memory(velocity=velocity, swing=swing, boom=boom, stick=stick, samples=samples)
 
 
 def going(memory: Memory, velocity: Vec3) -> Memory:
     """Return the memory with the tip's reference velocity [m/s], which ends the averaging of the pose."""
-    return Memory(velocity, memory.swing, memory.boom, memory.stick, memory.torque, MOST_SAMPLES)
+    return memory._replace(velocity=velocity, samples=MOST_SAMPLES)
 
 
 def settle(reference: Vec3, s: Vec3, memory: Memory) -> tuple[Vec3, Memory]:
-    """Return the pose [rad] to start from: the mean of what was measured at rest, as one sample is noisy."""
+    """Return the pose [rad] to start from, the mean of noisy samples at rest, and the memory."""
     count = memory.samples + 1
     (r_1, r_2, r_3), (s_1, s_2, s_3) = reference, s
     q = r_1 + (s_1 - r_1) / count, r_2 + (s_2 - r_2) / count, r_3 + (s_3 - r_3) / count
-    return q, Memory(memory.velocity, memory.swing, memory.boom, memory.stick, memory.torque, count)
+    return q, memory._replace(samples=count)
 
 
 def ramped(velocity: Vec3, target: Vec3, acceleration: float, dt: float) -> Vec3:
@@ -145,20 +142,18 @@ def servo(
     b_3, _ = _smooth_acceleration(m_3, a[2], p, dt)
     inch = actuator_speeds_to_joint_rates(s, p.inches, p.linkages)
     torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, inertia(r, p.swing), p, dt)
-    swing, u_1 = _joint_servo(
-        m_1, Signals(a[0], b_1, r[0], s[0], v[0], extra), volts[0] == 0.0, still, inch[0], 0, p, dt
-    )
-    boom, u_2 = _joint_servo(
-        m_2, Signals(a[1], b_2, r[1], s[1], v[1], 0.0), volts[1] == 0.0, still, inch[1], 1, p, dt
-    )
-    stick, u_3 = _joint_servo(
-        m_3, Signals(a[2], b_3, r[2], s[2], v[2], 0.0), volts[2] == 0.0, still, inch[2], 2, p, dt
-    )
-    return Memory(memory.velocity, swing, boom, stick, torque, memory.samples), (u_1, u_2, u_3)
+    x_1 = Signals(a=a[0], b=b_1, r=r[0], s=s[0], v=v[0], w=extra)
+    x_2 = Signals(a=a[1], b=b_2, r=r[1], s=s[1], v=v[1], w=0.0)
+    x_3 = Signals(a=a[2], b=b_3, r=r[2], s=s[2], v=v[2], w=0.0)
+    swing, u_1 = _joint_servo(m_1, x_1, volts[0] == 0.0, still, inch[0], 0, p, dt)
+    boom, u_2 = _joint_servo(m_2, x_2, volts[1] == 0.0, still, inch[1], 1, p, dt)
+    stick, u_3 = _joint_servo(m_3, x_3, volts[2] == 0.0, still, inch[2], 2, p, dt)
+    memory = memory._replace(swing=swing, boom=boom, stick=stick, torque=torque)
+    return memory, (u_1, u_2, u_3)
 
 
 def inches(memory: Memory) -> Vec3:
-    """Return the rates [rad/s] at which joints at rest are inched now."""
+    """Return the rates [rad/s] at which joints at rest are inched."""
     return memory.swing.inching.rate, memory.boom.inching.rate, memory.stick.inching.rate
 
 
@@ -176,12 +171,12 @@ def _rests(memory: Joint, a: float) -> bool:
 def held(
     memory: Joint, error: float, still: bool, p: CoordinationParameters, dt: float
 ) -> tuple[float, bool, float, float]:
-    """Return the low-passed error r - s [rad], whether the valve may stay shut, and what `_widened` says."""
-    seen = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
-    near = abs(seen) < memory.wide * (p.release_error if memory.holding else p.hold_error)
-    holds = still and (near or (not memory.holding and seen * memory.error < 0.0))
-    wide, side = _widened(memory, seen, still, holds, dt)
-    return seen, holds, wide, side
+    """Return the filtered error r - s [rad], whether the valve may stay shut, and `_widened`."""
+    filtered = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
+    near = abs(filtered) < memory.wide * (p.release_error if memory.holding else p.hold_error)
+    holds = still and (near or (not memory.holding and filtered * memory.error < 0.0))
+    wide, side = _widened(memory, filtered, still, holds, dt)
+    return filtered, holds, wide, side
 
 
 def _joint_servo(
@@ -208,11 +203,21 @@ def _joint_servo(
     """
     # A valve that is open, to feed what leaks, is better served by the servo than by holding.
     error, still = x.r - x.s, all_rest or (shut and _rests(memory, x.a))
-    seen, holds, wide, side = held(memory, error, still, p, dt)
+    filtered, holds, wide, side = held(memory, error, still, p, dt)
     if all_rest and is_due(memory.inching, shut):
         kept = 0.0 if shut else memory.gathered
         w, inching = memory.w - memory.gathered + kept, inched(memory.inching, error, shut, abs(inch), dt)
-        return Joint(x.a, x.b, w, seen, True, wide, side, kept, inching), HELD
+        return Joint(
+            a=x.a,
+            b=x.b,
+            w=w,
+            error=filtered,
+            holding=True,
+            wide=wide,
+            side=side,
+            gathered=kept,
+            inching=inching,
+        ), HELD
     gathered = _gathered(memory, dt * p.integral[i] * error, still, holds, shut)
     # What the integral has learnt of the valve at speed is kept while the joint holds.
     grown = memory.w - memory.gathered + gathered if still else memory.w + dt * p.integral[i] * error
@@ -220,10 +225,20 @@ def _joint_servo(
     part = x.a / FULL_RATE
     quick = 1.0 if i == 0 else min(1.0, part * part)
     # At rest there is time for less noise.
-    fed_back = seen if still and shut else seen + quick * (error - seen)
-    u = HELD if holds else coordinated(Signals(x.a, x.b, x.r, x.r - fed_back, x.v, x.w + w), p.gains[i])
+    fed_back = filtered if still and shut else filtered + quick * (error - filtered)
+    u = HELD if holds else coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
     inching = served(memory.inching, dt) if all_rest else MOVING
-    return Joint(x.a, x.b, w, seen, holds, wide, side, gathered, inching), u
+    return Joint(
+        a=x.a,
+        b=x.b,
+        w=w,
+        error=filtered,
+        holding=holds,
+        wide=wide,
+        side=side,
+        gathered=gathered,
+        inching=inching,
+    ), u
 
 
 def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) -> float:
@@ -242,7 +257,7 @@ def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) 
     return max(min(before, -MOST_GATHERED), min(max(before, MOST_GATHERED), before + step))
 
 
-def _widened(memory: Joint, seen: float, still: bool, holds: bool, dt: float) -> tuple[float, float]:
+def _widened(memory: Joint, filtered: float, still: bool, holds: bool, dt: float) -> tuple[float, float]:
     """Return how much wider a joint holds than set, and the side that it was moved from last, at rest.
 
     A valve whose deadband is estimated too wide jumps open, and the joint would overshoot to and
@@ -254,7 +269,7 @@ def _widened(memory: Joint, seen: float, still: bool, holds: bool, dt: float) ->
     wide = 1.0 + (memory.wide - 1.0) * math.exp(-dt / FORGOTTEN)
     if not memory.holding or holds:
         return wide, memory.side
-    side = math.copysign(1.0, seen)
+    side = math.copysign(1.0, filtered)
     return (min(WIDEST, 2.0 * wide) if side * memory.side < 0.0 else wide), side
 
 

@@ -1,4 +1,4 @@
-"""Inching: a joint at rest is brought to its reference in short motions, between which its valve is shut.
+"""Inching: a joint at rest is brought to its reference in short motions, its valve shut in between.
 
 A servo on a valve whose overlap is estimated too wide is a relay: its least command makes the
 actuator jump, and the loop cycles. Inching does what a person does: measure the error with the
@@ -38,31 +38,31 @@ LONGEST = 30.0  # [s] to look: crossings of the overlap are then under 0.5 V/s, 
 class Inching(NamedTuple):
     """State of one joint."""
 
-    rested: float  # [s] since the reference came to rest
-    looked: float  # [s] since the valve was shut
-    mean: float  # e [rad]
-    look: float  # [s] until e is judged
-    left: float  # of the inch under way [rad]
-    rate: float  # that it asks for now [rad/s]
-    before: float  # e of the last inch [rad]; 0: none since all was well
-    strength: float  # by which U is greater than set
-    fed: bool  # the servo has had an open valve
+    rested: float = 0.0  # [s] since the reference came to rest
+    looked: float = 0.0  # [s] since the valve was shut
+    mean: float = 0.0  # e [rad]
+    look: float = LOOK  # [s] for which e is averaged
+    left: float = 0.0  # of the inch under way [rad]
+    rate: float = 0.0  # that it asks for [rad/s]
+    before: float = 0.0  # e of the last inch [rad]; 0: none since all was well
+    strength: float = 1.0  # by which U is greater than set
+    fed: bool = False  # the servo has had an open valve
 
 
-MOVING = Inching(0.0, 0.0, 0.0, LOOK, 0.0, 0.0, 0.0, 1.0, False)
+MOVING = Inching()
 
 
 def served(i: Inching, dt: float) -> Inching:
     """Return the state after dt [s] at rest with the servo in charge."""
     if i.rested < ARRIVED:
-        return Inching(i.rested + dt, 0.0, 0.0, LOOK, 0.0, 0.0, 0.0, 1.0, False)
-    return Inching(i.rested + dt, LOOK, 0.0, i.look, 0.0, 0.0, 0.0, i.strength, True)
+        return Inching(rested=i.rested + dt)
+    return Inching(rested=i.rested + dt, looked=LOOK, look=i.look, strength=i.strength, fed=True)
 
 
 def is_due(i: Inching, shut: bool) -> bool:
     """Tell whether a joint at rest is inched: its servo has had its time, and its valve is shut."""
-    patience = LOOK if i.fed else SHUT
-    return i.rested >= ARRIVED and (shut or i.left != 0.0 or i.looked < patience)
+    timeout = LOOK if i.fed else SHUT
+    return i.rested >= ARRIVED and (shut or i.left != 0.0 or i.looked < timeout)
 
 
 def inched(i: Inching, error: float, shut: bool, rate: float, dt: float) -> Inching:
@@ -79,15 +79,16 @@ def inched(i: Inching, error: float, shut: bool, rate: float, dt: float) -> Inch
     if i.left != 0.0:
         most = i.strength * rate * dt
         step = max(-most, min(most, i.left))
-        return Inching(rested, 0.0, 0.0, i.look, i.left - step, step / dt, i.before, i.strength, i.fed)
+        return i._replace(rested=rested, looked=0.0, mean=0.0, left=i.left - step, rate=step / dt)
     looked = i.looked + dt
     mean = i.mean + dt / looked * (error - i.mean)
     if looked < i.look or not shut:
-        return Inching(rested, looked, mean, i.look, 0.0, 0.0, i.before, i.strength, i.fed)
+        return i._replace(rested=rested, looked=looked, mean=mean, rate=0.0)
+    i = i._replace(rested=rested, looked=0.0, mean=0.0, rate=0.0)
     settled = rested > SETTLED
     if abs(mean) < (FAR if settled else NEAR):
-        return Inching(rested, 0.0, 0.0, max(LOOK, 0.5 * i.look), 0.0, 0.0, 0.0, i.strength, i.fed)
+        return i._replace(look=max(LOOK, 0.5 * i.look), before=0.0)
     look = min(LONGEST, 2.0 * i.look) if settled else LOOK
     helped = abs(mean - i.before) > LITTLE * abs(i.before)
     strength = i.strength if helped else min(STRONGEST, 2.0 * i.strength)
-    return Inching(rested, 0.0, 0.0, look, SHARE * mean, 0.0, mean, strength, i.fed)
+    return i._replace(look=look, left=SHARE * mean, before=mean, strength=strength)

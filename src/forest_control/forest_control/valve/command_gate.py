@@ -26,7 +26,7 @@ class Verdict(IntEnum):
     """What the driver does."""
 
     SKIP = 0  # the command counts for nothing
-    REFUSE = 1  # nor does it, but its problem is told
+    REFUSE = 1  # nor does it, but /diagnostics tells why
     CENTRE = 2  # zero voltage at once
     STEP = 3  # the driver steps with the command
 

@@ -1,4 +1,4 @@
-"""Tracking limits: the opening that each valve reaches, and joints that cannot follow their reference.
+"""Tracking limits: the opening that each valve reaches, and joints that cannot follow.
 
 | symbol | name | unit |
 |---|---|---|
@@ -33,7 +33,7 @@ CATCH_UP = 4.0  # [1/s] h, near the position gain of the coordinated scheme; cho
 FALL = 0.03  # [s] time constant with which a ceiling comes down; chosen, not measured
 RISE = 0.5  # [s] in which a ceiling grows by the factor e; chosen, not measured
 LOWEST = 0.01  # [rad/s] of a ceiling: a joint that is stuck is still asked to move
-SPENT = 2.0  # [rad/s] of a ceiling that has no effect: faster than any joint is asked to go
+SPENT = 2.0  # [rad/s] of a ceiling that has risen so far that it counts as none; chosen
 FAR = 1e-3  # [rad] of e, 6 mm of the tip at 6 m: nearer, the joint follows
 STATUS_EVERY = 20  # [1] steps between two reports of the driver: 10 Hz
 WIDE = 0.95  # [1] of the rated voltage, from which a valve is fully open: noise and the lag keep it below 1

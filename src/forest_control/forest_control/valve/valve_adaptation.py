@@ -1,4 +1,4 @@
-"""Adaptation of a valve's deadband and gain to the motion that its voltage makes: recursive least squares.
+"""Adaptation of a valve's deadband and gain to its measured motion, by recursive least squares.
 
 The opening that lets a measured flow through at the measured pressure drop is known (`valve_flow`).
 So is the voltage that the valve of the machine's file would need for it. The true valve needs, in
@@ -19,7 +19,7 @@ All parts pass the same low-pass, so that transients are no error: behind it E =
 The regressor holds x as expected from the voltage: the measured x is noisy, which would bias k
 downwards.
 
-A spool beyond the known deadband that moves nothing tells that the overlap is wider, but not how
+A spool beyond the known deadband that moves nothing shows that the overlap is wider, but not how
 wide. So while the deadband is unsure, d is raised until something moves.
 """
 
@@ -50,7 +50,7 @@ LEAST_SHARE = 0.3  # [1] of the low-pass' memory in which the spool must have be
 PURITY = 0.95  # [1] of that, in this one direction and measurable: directions must not mix
 MODEL_VOLTS = 0.005  # [V] standard deviation of the valve's law itself; chosen, not measured
 MODEL_SHARE = 0.02  # [1] the same as a share of x; chosen, not measured
-UNSURE = 0.25  # [1] of the deadband's first variance: above it, d is searched as told above; chosen
+UNSURE = 0.25  # [1] of the deadband's first variance: above it, d is searched, as above; chosen
 CLEAR = 4.0  # [1] standard deviations that a flow, or its absence, must show: one in 16 000 by chance
 FINE = 0.35  # [1] of DEADBAND_SPREAD: a noisier flow cannot tell its absence; chosen
 LAG_SPREAD = 0.006  # [s] by which a spool may be slower or quicker than its file says; chosen
@@ -82,40 +82,40 @@ class ValveEstimate(NamedTuple):
     backward: DirectionEstimate = DirectionEstimate()
     low: LowPassed = LowPassed()
     last: AxisMeasurement = NO_MEASUREMENT
-    primed: bool = False  # the last period was seen
+    primed: bool = False  # the last period was measured
 
 
 NO_ESTIMATE = ValveEstimate()
 
 
-def unmeasured(learner: ValveEstimate) -> ValveEstimate:
+def unmeasured(estimate: ValveEstimate) -> ValveEstimate:
     """Return the state after a period without measurements: what is learnt stays."""
-    return ValveEstimate(forward=learner.forward, backward=learner.backward)
+    return ValveEstimate(forward=estimate.forward, backward=estimate.backward)
 
 
 def updated_estimate(
-    learner: ValveEstimate,
-    seen: AxisMeasurement,
+    estimate: ValveEstimate,
+    sample: AxisMeasurement,
     law: ValveLaw,
     flow: FlowParameters,
     a: AdaptationParameters,
     dt: float,
 ) -> ValveEstimate:
     """Return the state after a period of dt [s]; law: the valve as in the machine's file."""
-    if not learner.primed or underlapped(law):
-        return unmeasured(learner)._replace(last=seen, primed=True)
-    forward, backward = learner.forward, learner.backward
-    edge, known = (law.forward, forward) if seen.spool > 0.0 else (law.backward, backward)
-    told = opening_from_flow(learner.last, seen, law, flow, dt)
-    excess = abs(seen.spool) - edge.deadband_voltage
-    low = low_passed(learner.low, told, seen.spool, excess, known.deadband, dt)
+    if not estimate.primed or underlapped(law):
+        return unmeasured(estimate)._replace(last=sample, primed=True)
+    forward, backward = estimate.forward, estimate.backward
+    edge, known = (law.forward, forward) if sample.spool > 0.0 else (law.backward, backward)
+    flowing = opening_from_flow(estimate.last, sample, law, flow, dt)
+    excess = abs(sample.spool) - edge.deadband_voltage
+    low = low_passed(estimate.low, flowing, sample.spool, excess, known.deadband, dt)
     share = abs(low.mark_2)
     if share > LEAST_SHARE and share > PURITY * low.open_2:
         if low.mark_2 > 0.0:
             forward = _update(forward, low, law.forward, law, flow, a, dt)
         else:
             backward = _update(backward, low, law.backward, law, flow, a, dt)
-    return ValveEstimate(forward, backward, low, seen, True)
+    return ValveEstimate(forward=forward, backward=backward, low=low, last=sample, primed=True)
 
 
 def underlapped(law: ValveLaw) -> bool:
@@ -123,10 +123,10 @@ def underlapped(law: ValveLaw) -> bool:
     return law.forward.deadband_voltage + law.backward.deadband_voltage < 0.0
 
 
-def estimated_law(law: ValveLaw, learner: ValveEstimate) -> ValveLaw:
+def estimated_law(law: ValveLaw, estimate: ValveEstimate) -> ValveLaw:
     """Return the valve with the learnt deadbands and gains; its rated voltages may exceed the amplifier's."""
     return law._replace(
-        forward=_learnt(law.forward, learner.forward), backward=_learnt(law.backward, learner.backward)
+        forward=_learnt(law.forward, estimate.forward), backward=_learnt(law.backward, estimate.backward)
     )
 
 
@@ -137,7 +137,7 @@ def _learnt(edge: Direction, way: DirectionEstimate) -> Direction:
 
 
 def gain(way: DirectionEstimate) -> float:
-    """Return how much faster than told by its file a valve is beyond its deadband."""
+    """Return how much faster than by its file a valve is beyond its deadband."""
     return 1.0 / (1.0 + way.stretch)
 
 
@@ -195,11 +195,11 @@ def _least_squares(
     total = variance + f_d * g_d + f_k * g_k
     forget = math.exp(dt / a.forgetting_time)
     return DirectionEstimate(
-        way.deadband + DEADBAND_SPREAD * g_d / total * error,
-        way.stretch + STRETCH_SPREAD * g_k / total * error,
-        forget * (way.p_dd - g_d * g_d / total),
-        forget * (way.p_dk - g_d * g_k / total),
-        forget * (way.p_kk - g_k * g_k / total),
+        deadband=way.deadband + DEADBAND_SPREAD * g_d / total * error,
+        stretch=way.stretch + STRETCH_SPREAD * g_k / total * error,
+        p_dd=forget * (way.p_dd - g_d * g_d / total),
+        p_dk=forget * (way.p_dk - g_d * g_k / total),
+        p_kk=forget * (way.p_kk - g_k * g_k / total),
     )
 
 
@@ -208,11 +208,11 @@ def _bounded(way: DirectionEstimate, edge: Direction, a: AdaptationParameters) -
     lowest = -min(a.deadband_range, max(0.0, edge.deadband_voltage))
     s_d, s_k = 1.0 / math.sqrt(max(1.0, way.p_dd)), 1.0 / math.sqrt(max(1.0, way.p_kk))
     return DirectionEstimate(
-        max(lowest, min(a.deadband_range, way.deadband)),
-        max(1.0 / a.gain_range - 1.0, min(a.gain_range - 1.0, way.stretch)),
-        way.p_dd * s_d * s_d,
-        way.p_dk * s_d * s_k,
-        way.p_kk * s_k * s_k,
+        deadband=max(lowest, min(a.deadband_range, way.deadband)),
+        stretch=max(1.0 / a.gain_range - 1.0, min(a.gain_range - 1.0, way.stretch)),
+        p_dd=way.p_dd * s_d * s_d,
+        p_dk=way.p_dk * s_d * s_k,
+        p_kk=way.p_kk * s_k * s_k,
     )
 
 

@@ -83,7 +83,7 @@ class State(NamedTuple):
     strokes: Vec3 = (0.0, 0.0, 0.0)  # [V] where they were on average since the last step
     holds: Holds = (SHUT, SHUT, SHUT)
     voltages: Vec3 = (0.0, 0.0, 0.0)  # [V] given last, without dither
-    saturated: tuple[bool, bool, bool] = (False, False, False)  # a valve could not open as far as wished
+    saturated: tuple[bool, bool, bool] = (False, False, False)  # a valve could not open as far as commanded
     phase: float = 0.0  # of the dither, in turns
     estimates: ValveEstimates = (NO_ESTIMATE, NO_ESTIMATE, NO_ESTIMATE)
     ahead: float = 0.0  # [s] for how long a voltage may stay in force
@@ -140,27 +140,27 @@ def step(
         command: actuator speeds, swing, boom, stick, as voltages of ideal valves [V].
         pressures: None when no fresh measurement is there: the nominal drop is assumed, as it is
             for pressures that cannot be true.
-        p: what the driver knows of the machine.
+        p: machine and settings.
         dt: for how long the last voltages were in force [s], by the machine's time; 0 where these
             commands come so close behind others that those never took effect.
         motion: None when no fresh measurement is there: nothing is adapted.
     """
-    seen = UNSEEN if pressures is None else pressures
-    return step_measured(state, command, seen, STILL if motion is None else motion, p, dt)
+    measured = UNSEEN if pressures is None else pressures
+    return step_measured(state, command, measured, STILL if motion is None else motion, p, dt)
 
 
 def step_measured(
     state: State, command: Vec3, pressures: Pressures, motion: Motion, p: Parameters, dt: float
 ) -> tuple[State, Vec3]:
     """Do as `step`; what is not measured is NaN (`UNSEEN`, `STILL`), for a compiler knows no None."""
-    seen = plausible(pressures, p)
-    state = _filter_loads(state, pressures, seen, p, dt)
+    measured = plausible(pressures, p)
+    state = _filter_loads(state, pressures, measured, p, dt)
     if dt > 0.0:
         state = _moved_on(state, p, dt)
     if p.adapt and dt > 0.0:
-        state = state._replace(estimates=_learn(state, pressures, motion, seen, p, dt))
+        state = state._replace(estimates=_learn(state, pressures, motion, measured, p, dt))
     supply, mean = p.idle_pressure, -1.0
-    if seen:
+    if measured:
         supply = pressures.supply
         mean = max(0.0, state.means[0]) if p.beyond_valve else -1.0
     swing = _axis(0, command[0], mean, supply, state, p, dt)
@@ -262,8 +262,8 @@ def plausible(pressures: Pressures, p: Parameters) -> bool:
     return True
 
 
-def _filter_loads(state: State, pressures: Pressures, seen: bool, p: Parameters, dt: float) -> State:
-    if not seen:
+def _filter_loads(state: State, pressures: Pressures, measured: bool, p: Parameters, dt: float) -> State:
+    if not measured:
         return state._replace(loads=REST.loads, primed=False, means=REST.means, borne=REST.borne)
     weight = 1.0 - math.exp(-p.load_bandwidth * dt) if state.primed else 1.0
     fast = 1.0 - math.exp(-FILLING * dt) if state.primed else 1.0
@@ -292,10 +292,10 @@ def _filtered(
 
 
 def _learn(
-    state: State, pressures: Pressures, motion: Motion, seen: bool, p: Parameters, dt: float
+    state: State, pressures: Pressures, motion: Motion, measured: bool, p: Parameters, dt: float
 ) -> ValveEstimates:
     """Return the estimates after another period's measurements."""
-    if not seen:
+    if not measured:
         one, two, three = state.estimates
         return unmeasured(one), unmeasured(two), unmeasured(three)
     return (
@@ -308,15 +308,15 @@ def _learn(
 def _learn_axis(
     i: int, state: State, pressures: Pressures, motion: Motion, p: Parameters, dt: float
 ) -> ValveEstimate:
-    seen = AxisMeasurement(
-        motion.positions[i],
-        motion.valve_1[i],
-        motion.valve_2[i],
-        pressures.port_1[i],
-        pressures.port_2[i],
-        pressures.supply,
-        state.strokes[i],
+    sample = AxisMeasurement(
+        position=motion.positions[i],
+        valve_1=motion.valve_1[i],
+        valve_2=motion.valve_2[i],
+        port_1=pressures.port_1[i],
+        port_2=pressures.port_2[i],
+        supply=pressures.supply,
+        spool=state.strokes[i],
     )
-    if not math.isfinite(seen.position + seen.valve_1 + seen.valve_2):
+    if not math.isfinite(sample.position + sample.valve_1 + sample.valve_2):
         return unmeasured(state.estimates[i])
-    return updated_estimate(state.estimates[i], seen, p.axes[i].valve, p.flows[i], p.adaptation, dt)
+    return updated_estimate(state.estimates[i], sample, p.axes[i].valve, p.flows[i], p.adaptation, dt)

@@ -1,4 +1,4 @@
-"""The valve driver's parameters: what it knows of a machine, and what a user may set.
+"""The valve driver's parameters: the machine, as far as it matters here, and what a user may set.
 
 Known once, from the machine's file, for swing, boom and stick; units as in `valve_driver`,
 cylinder; motor.
@@ -17,7 +17,7 @@ from forest_msgs_py.runtime.parameter_table import Parameter, tunable
 from forest_msgs_py.types import PERIOD
 
 LEAST_FED = 0.001  # [V] leakage that is not fed: it lets the tip sink by under 1 mm/s
-MISJUDGED = 0.2  # [V] error of an overlap that feeding must bear: more than the file's 0.15 V
+MISJUDGED = 0.2  # [V] twice the error of an overlap that feeding must bear; chosen, not measured
 NOISY_SERVO = 35.0  # [1/s] seven standard deviations of the position through a servo's gain of 5 1/s
 
 
@@ -77,7 +77,7 @@ class Parameters(NamedTuple):
 
     axes: Axes
     supply_pressure: float  # [Pa], the highest that the pump keeps
-    idle_pressure: float  # [Pa], the least, while nobody draws; taken where it is not measured
+    idle_pressure: float  # [Pa], without flow; taken where it is not measured
     compensate: bool
     beyond_valve: bool
     hold_zone: float  # [V]

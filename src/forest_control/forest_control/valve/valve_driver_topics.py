@@ -34,12 +34,12 @@ class Outputs:
     def say(self, stamp: int, voltages: Vec3) -> None:
         """Publish the voltages [V] under a stamp [ns]."""
         if self._voltages is not None:
-            self._voltages.say(stamp, voltages)
+            self._voltages.publish(stamp, voltages)
 
     def report(self, stamp: int, state: State, p: Parameters) -> None:
         """Publish the status of every `STATUS_EVERY` th step."""
         if self._steps % STATUS_EVERY == 0:
-            self._status.say(stamp, status(state, p))
+            self._status.publish(stamp, status(state, p))
         self._steps += 1
 
 
@@ -47,14 +47,16 @@ class Measurements:
     """The newest samples; what is older than `timeout` [s], or bad, counts as none.
 
     Args:
-        pace: of the node, whose inboxes and clock are used.
+        clock: of the node, whose subscriptions and clock are used.
         timeout: [s].
         idle_pressure: of the supply [Pa], taken where it is not measured.
     """
 
-    def __init__(self, pace: Any, timeout: float, idle_pressure: float) -> None:
-        self._pace, self.timeout, self._idle = pace, timeout, idle_pressure
-        self.boxes = [pace.inbox(t) for t in (topics.PRESSURES, topics.SUPPLY, topics.ACTUATOR_STATES)]
+    def __init__(self, clock: Any, timeout: float, idle_pressure: float) -> None:
+        self._node_clock, self.timeout, self._idle = clock, timeout, idle_pressure
+        self.boxes = [
+            clock.polled_subscription(t) for t in (topics.PRESSURES, topics.SUPPLY, topics.ACTUATOR_STATES)
+        ]
         self._port_readers, self._valve_readers = (
             [ArrayReader(topics.PRESSURES, labels) for labels in group] for group in (PORTS, VALVES)
         )
@@ -120,7 +122,7 @@ class Measurements:
         return Motion((swing, boom, stick), self._valves[0], self._valves[1])
 
     def _fresh(self, what: str) -> bool:
-        return bool(self._pace.now() - self._received[what] <= self.timeout)
+        return bool(self._node_clock.now() - self._received[what] <= self.timeout)
 
 
 def _arrays(data: bytes, readers: list[ArrayReader]) -> tuple[list[Vec3], str, int]:

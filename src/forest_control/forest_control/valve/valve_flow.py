@@ -16,8 +16,10 @@ from typing import NamedTuple
 
 from forest_description.components.valve_characteristic import ValveLaw
 
-BANDWIDTH = 2.0 * math.pi * 10.0  # [rad/s] of both stages of the low-pass, 10 Hz: a jump lasts 30 ms
-CUBED_BANDWIDTH = BANDWIDTH**3  # [rad^3/s^3] for `opening_variance`: a compiled law has no powers
+BANDWIDTH = (
+    2.0 * math.pi * 10.0
+)  # [rad/s] of both stages of the low-pass, 10 Hz; chosen: a jump must be learnt in time
+CUBED_BANDWIDTH = BANDWIDTH**3  # [rad^3/s^3] of the low-pass' noise (`opening_variance`), computed once
 EMPTY = 1e5  # [Pa] port pressure below which anti-cavitation checks may feed it past the valve
 ABOVE_SUPPLY = 1.1  # [1] of the supply pressure: above, a port's relief valve may open
 LEAST_DROP = 0.02  # [1] of the supply pressure: a smaller drop at an orifice is the transducers' noise
@@ -63,7 +65,7 @@ class LowPassed(NamedTuple):
     opening_2: float = 0.0
     excess_1: float = 0.0  # V - V_d of an open spool [V]
     excess_2: float = 0.0
-    mark_1: float = 0.0  # +1, -1 while it is open and the flow can be told
+    mark_1: float = 0.0  # +1, -1 while it is open and the flow is known
     mark_2: float = 0.0
     open_1: float = 0.0  # 1 while it is open
     open_2: float = 0.0
@@ -71,7 +73,9 @@ class LowPassed(NamedTuple):
     gradient_2: float = 0.0
 
 
-NO_MEASUREMENT = AxisMeasurement(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NO_MEASUREMENT = AxisMeasurement(
+    position=0.0, valve_1=0.0, valve_2=0.0, port_1=0.0, port_2=0.0, supply=0.0, spool=0.0
+)
 
 
 def low_passed(
@@ -97,43 +101,43 @@ def low_passed(
     opened = old.open_1 + share * ((1.0 if is_open else 0.0) - old.open_1)
     gradient = old.gradient_1 + share * (flow.gradient - old.gradient_1)
     return LowPassed(
-        opening,
-        old.opening_2 + share * (opening - old.opening_2),
-        beyond,
-        old.excess_2 + share * (beyond - old.excess_2),
-        marked,
-        old.mark_2 + share * (marked - old.mark_2),
-        opened,
-        old.open_2 + share * (opened - old.open_2),
-        gradient,
-        old.gradient_2 + share * (gradient - old.gradient_2),
+        opening_1=opening,
+        opening_2=old.opening_2 + share * (opening - old.opening_2),
+        excess_1=beyond,
+        excess_2=old.excess_2 + share * (beyond - old.excess_2),
+        mark_1=marked,
+        mark_2=old.mark_2 + share * (marked - old.mark_2),
+        open_1=opened,
+        open_2=old.open_2 + share * (opened - old.open_2),
+        gradient_1=gradient,
+        gradient_2=old.gradient_2 + share * (gradient - old.gradient_2),
     )
 
 
 def opening_from_flow(
-    last: AxisMeasurement, seen: AxisMeasurement, law: ValveLaw, a: FlowParameters, dt: float
+    last: AxisMeasurement, sample: AxisMeasurement, law: ValveLaw, a: FlowParameters, dt: float
 ) -> FlowOpening:
     """Return the opening that lets the measured flow through at the measured drops.
 
     Thesis eq. 3.1, 3.7, 3.14, 4.8. Differs: both orifices are taken at once.
     """
-    speed = (seen.position - last.position) / dt
-    between = a.internal_leakage * (seen.port_1 - seen.port_2)
-    flow_1 = a.displacement_1 * speed + between + a.external_leakage * seen.port_1
-    flow_1 += a.capacitance_1 * (seen.port_1 - last.port_1) / dt
-    flow_2 = a.displacement_2 * speed + between - a.external_leakage * seen.port_2
-    flow_2 -= a.capacitance_2 * (seen.port_2 - last.port_2) / dt
-    forward = seen.spool > 0.0
+    speed = (sample.position - last.position) / dt
+    between = a.internal_leakage * (sample.port_1 - sample.port_2)
+    flow_1 = a.displacement_1 * speed + between + a.external_leakage * sample.port_1
+    flow_1 += a.capacitance_1 * (sample.port_1 - last.port_1) / dt
+    flow_2 = a.displacement_2 * speed + between - a.external_leakage * sample.port_2
+    flow_2 -= a.capacitance_2 * (sample.port_2 - last.port_2) / dt
+    forward = sample.spool > 0.0
     way = law.forward if forward else law.backward
-    drop_1 = seen.supply - seen.valve_1 if forward else seen.valve_1
-    drop_2 = seen.valve_2 if forward else seen.supply - seen.valve_2
-    tells_1, tells_2 = _tells(seen.port_1, drop_1, a), _tells(seen.port_2, drop_2, a)
-    if seen.port_1 <= EMPTY and seen.port_2 <= EMPTY:
+    drop_1 = sample.supply - sample.valve_1 if forward else sample.valve_1
+    drop_2 = sample.valve_2 if forward else sample.supply - sample.valve_2
+    known_1, known_2 = _is_known(sample.port_1, drop_1, a), _is_known(sample.port_2, drop_2, a)
+    if sample.port_1 <= EMPTY and sample.port_2 <= EMPTY:
         # Both empty after a rest: nothing moves yet that a check valve might feed.
-        tells_1, tells_2 = forward, not forward
-    s_1 = way.resistance_1 * a.displacement_1**3 if tells_1 else 0.0
-    s_2 = way.resistance_2 * a.displacement_2**3 if tells_2 else 0.0
-    force = (a.displacement_1 * drop_1 if tells_1 else 0.0) + (a.displacement_2 * drop_2 if tells_2 else 0.0)
+        known_1, known_2 = forward, not forward
+    s_1 = way.resistance_1 * a.displacement_1**3 if known_1 else 0.0
+    s_2 = way.resistance_2 * a.displacement_2**3 if known_2 else 0.0
+    force = (a.displacement_1 * drop_1 if known_1 else 0.0) + (a.displacement_2 * drop_2 if known_2 else 0.0)
     if s_1 + s_2 == 0.0 or force <= 0.0:
         return FlowOpening(0.0, 0.0, False)
     y = (s_1 * flow_1 / a.displacement_1 + s_2 * flow_2 / a.displacement_2) / (s_1 + s_2)
@@ -141,7 +145,7 @@ def opening_from_flow(
     return FlowOpening(y * gradient, gradient, True)
 
 
-def _tells(port: float, drop: float, a: FlowParameters) -> bool:
+def _is_known(port: float, drop: float, a: FlowParameters) -> bool:
     """Tell whether pressures [Pa] tell a port's flow: nothing else feeds it, and the drop is not noise."""
     return EMPTY < port < ABOVE_SUPPLY * a.supply_pressure and drop > LEAST_DROP * a.supply_pressure
 

@@ -40,17 +40,17 @@ BARELY = 1e-9  # [V] command of an open valve whose noise has turned round: it s
 class HoldState(NamedTuple):
     """One valve's state."""
 
-    slow: float  # c behind either low-pass [V]
-    quick: float
-    way: float  # 1, -1 open; 0 shut
-    last: float  # way that it was open last
-    turned_for: float  # [s] since it opened the other way than before
-    shut_for: float  # [s]
-    calm_for: float  # [s] since c was more than noise
-    wide: float  # twice for every turn of a cycle
+    slow: float = 0.0  # c behind either low-pass [V]
+    quick: float = 0.0
+    way: float = 0.0  # 1, -1 open; 0 shut
+    last: float = 0.0  # way that it was open last
+    turned_for: float = SOON  # [s] since it opened the other way than before
+    shut_for: float = SOON  # [s]
+    calm_for: float = CALM  # [s] since c was more than noise
+    wide: float = 1.0  # twice for every turn of a cycle
 
 
-SHUT = HoldState(0.0, 0.0, 0.0, 0.0, SOON, SOON, CALM, 1.0)
+SHUT = HoldState()
 
 
 def held_command(
@@ -72,7 +72,16 @@ def held_command(
     calmed = dt * CALM / BRIEF if held else dt  # [s]
     turned_for, shut_for, calm_for = hold.turned_for + dt, hold.shut_for + dt, hold.calm_for + calmed
     if c == 0.0:
-        return HoldState(0.0, 0.0, 0.0, hold.last, turned_for, shut_for, calm_for, wide), 0.0
+        return HoldState(
+            slow=0.0,
+            quick=0.0,
+            way=0.0,
+            last=hold.last,
+            turned_for=turned_for,
+            shut_for=shut_for,
+            calm_for=calm_for,
+            wide=wide,
+        ), 0.0
     stops = held and hold.calm_for < CALM  # what it moved at is past
     slow = c if stops else _passed(hold.slow, c, OPENING_LAG, dt)
     quick = _passed(hold.quick, c, SHUTTING_LAG, dt)
@@ -92,7 +101,16 @@ def held_command(
         way = math.copysign(1.0, slow)
     if way == 0.0:
         shut_for = 0.0 if hold.way != 0.0 else shut_for
-        return HoldState(slow, quick, 0.0, hold.last, turned_for, shut_for, calm_for, wide), 0.0
+        return HoldState(
+            slow=slow,
+            quick=quick,
+            way=0.0,
+            last=hold.last,
+            turned_for=turned_for,
+            shut_for=shut_for,
+            calm_for=calm_for,
+            wide=wide,
+        ), 0.0
     turns = way * hold.last < 0.0
     # Opened the same way again by a command: slow motion, no cycle.
     again = hold.way == 0.0 and (turns or held) and BRIEF < shut_for < SOON
@@ -100,7 +118,16 @@ def held_command(
         wide = min(WIDEST, 2.0 * wide)
     turned_for = 0.0 if turns else turned_for
     passed = c if c * way > 0.0 else way * BARELY
-    return HoldState(slow, quick, way, way, turned_for, 0.0, calm_for, wide), passed
+    return HoldState(
+        slow=slow,
+        quick=quick,
+        way=way,
+        last=way,
+        turned_for=turned_for,
+        shut_for=0.0,
+        calm_for=calm_for,
+        wide=wide,
+    ), passed
 
 
 def _passed(before: float, c: float, lag: float, dt: float) -> float:

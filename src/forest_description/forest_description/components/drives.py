@@ -1,7 +1,5 @@
 """The actuators of a crane: swing motor with its gear train, boom and stick cylinders with their linkages."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from forest_description.components.hose import Hose

@@ -6,11 +6,9 @@ Symbols:
     β       bulk modulus [Pa]
     ν, μ    kinematic [m²/s] and absolute viscosity μ = ρ ν [Pa·s]
 
-Every number of a machine holds at the oil's reference temperature; ``temperature.at_temperature`` gives the
-machine at another one. Pressure has no influence on the oil here.
+Every number of a machine holds at the oil's reference temperature; ``temperature.at_temperature``
+gives the machine at another one. Pressure has no influence on the oil here.
 """
-
-from __future__ import annotations
 
 import dataclasses
 import math
@@ -79,7 +77,7 @@ class Oil(ParameterSet):
         """Return μ = ρ ν [Pa·s] at a temperature [K]."""
         return self.density_at(temperature) * self.kinematic_viscosity(temperature)
 
-    def at(self, temperature: float) -> Oil:
+    def at(self, temperature: float) -> "Oil":
         """Return the same oil described at another reference temperature [K]; its mass stays.
 
         Raises:

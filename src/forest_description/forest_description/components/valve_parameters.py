@@ -1,7 +1,5 @@
 """The parameters of the valves that the axes of a machine share: the spool valve, and the port valves."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any, ClassVar, cast

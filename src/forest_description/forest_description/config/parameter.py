@@ -3,10 +3,9 @@
 Ranges are wide: they catch a slipped decimal point or a wrong unit, not an unusual crane.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
+from collections.abc import Iterator
 from typing import Any, NamedTuple, TypeVar
 
 
@@ -78,7 +77,8 @@ def choice_of(field: dataclasses.Field[Any]) -> Choice | None:
 class ParameterSet:
     """Base of the machine dataclasses: every parameter becomes a float and is checked against its range.
 
-    This also guards ``dataclasses.replace``, with which identification and studies make their variants.
+    This also guards ``dataclasses.replace``, with which identification and studies make their
+    variants.
     """
 
     def __post_init__(self) -> None:
@@ -99,14 +99,23 @@ class ParameterSet:
                 object.__setattr__(self, field.name, _checked(where, value, allowed))
 
 
+def fields_of(part: ParameterSet, prefix: str = "") -> Iterator[tuple[str, dataclasses.Field[Any], Any]]:
+    """Yield dotted key, field and value of everything that a machine, or a part of one, holds."""
+    for field in dataclasses.fields(part):
+        key, value = prefix + field.name, getattr(part, field.name)
+        yield key, field, value
+        if isinstance(value, ParameterSet):
+            yield from fields_of(value, f"{key}.")
+
+
 _Set = TypeVar("_Set", bound=ParameterSet)
 
 
 def derived(base: _Set, **changes: Any) -> _Set:
     """Return a copy with numbers that physics makes of checked ones; they may lie beyond the ranges.
 
-    The ranges are for what somebody writes down. A machine at the edge of one must not stop because its oil
-    warms.
+    The ranges are for what somebody writes down. A machine at the edge of one must not stop because
+    its oil warms.
     """
     copy = object.__new__(type(base))
     for field in dataclasses.fields(base):

@@ -1,7 +1,7 @@
 """Rigid bodies of boom and stick with what the stick carries: one source for the dynamics and for the URDF.
 
-Every body is symmetric about the crane's plane. Frames as in Appendix B: x along the link from its joint, y
-across, upwards when the link points forward, z the joint axis.
+Every body is symmetric about the crane's plane. Frames as in Appendix B: x along the link from its
+joint, y across, upwards when the link points forward, z the joint axis.
 
 | symbol | name | unit |
 |---|---|---|
@@ -10,8 +10,6 @@ across, upwards when the link points forward, z the joint axis.
 | I_xx, I_yy, I_zz | moments of inertia about the centre of mass | kg m^2 |
 | I_xy | product of inertia about it, the integral of x y dm (the inertia tensor holds -I_xy) | kg m^2 |
 """
-
-from __future__ import annotations
 
 from typing import NamedTuple
 
@@ -40,7 +38,7 @@ class HangingBody(NamedTuple):
 
 def point_mass(mass: float, x: float, y: float) -> PlanarBody:
     """Return a body without extent."""
-    return PlanarBody(mass, x, y, 0.0, 0.0, 0.0, 0.0)
+    return PlanarBody(mass=mass, x=x, y=y, xx=0.0, yy=0.0, zz=0.0, xy=0.0)
 
 
 def combined(a: PlanarBody, b: PlanarBody) -> PlanarBody:
@@ -65,16 +63,26 @@ def combined(a: PlanarBody, b: PlanarBody) -> PlanarBody:
 
 def boom_body(m: Manipulator) -> PlanarBody:
     """Return the boom. Thesis App. B."""
-    return PlanarBody(m.boom_mass, m.boom_x, m.boom_y, m.boom_xx, m.boom_yy, m.boom_zz, m.boom_xy)
+    return PlanarBody(
+        mass=m.boom_mass, x=m.boom_x, y=m.boom_y, xx=m.boom_xx, yy=m.boom_yy, zz=m.boom_zz, xy=m.boom_xy
+    )
 
 
 def stick_body(m: Manipulator) -> PlanarBody:
     """Return the stick with all that is rigidly part of it: head and log, unless they hang. Thesis App. B.
 
-    Differs: Appendix B leaves I_xx and I_xy at zero when it folds the head's point mass into the stick
-    (`head_folding: thesis`); `full` gives the stick the shares that a point off its axis has.
+    Differs: Appendix B leaves I_xx and I_xy at zero when it folds the head's point mass into the
+    stick (`head_folding: thesis`); `full` gives the stick the shares that a point off its axis has.
     """
-    stick = PlanarBody(m.stick_mass, m.stick_x, m.stick_y, m.stick_xx, m.stick_yy, m.stick_zz, m.stick_xy)
+    stick = PlanarBody(
+        mass=m.stick_mass,
+        x=m.stick_x,
+        y=m.stick_y,
+        xx=m.stick_xx,
+        yy=m.stick_yy,
+        zz=m.stick_zz,
+        xy=m.stick_xy,
+    )
     if m.pendulum is not None:
         return stick
     loaded = combined(stick, point_mass(m.head_mass, m.stick_length, 0.0))

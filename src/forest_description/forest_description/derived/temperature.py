@@ -19,8 +19,6 @@ machine calls turbulent stays so in cold oil, where it would be laminar and lose
 gal/min has Re = 4600 at 40 °C, 1600 at 20 °C.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from forest_description.components.hose import Hose, MeasuredHose

@@ -1,23 +1,21 @@
-"""The table of every number of the shipped machines and its origin, as Markdown: docs/machine.md."""
+"""docs/reference/machine.md: every number of the shipped machines and where it comes from."""
 
-from __future__ import annotations
-
-import dataclasses
-
-from forest_description.config.parameter import Parameter, ParameterSet, choice_of, parameter_of
+from forest_description.config.parameter import Parameter, ParameterSet, choice_of, fields_of, parameter_of
 from forest_description.config.schema import Quantity
 from forest_description.machine import Machine, load_machine, sources
 
 INTRODUCTION = """# The machine in numbers
 
 Made by `python -m forest_description.export.machine_numbers` from the files in
-`forest_description/machines/`; do not
-edit by hand. A number is from the **thesis** (with its place) or **assumed** (with the reason).
+`forest_description/machines/`. Do not edit it by hand.
+A number is from the **thesis** (with its place) or **assumed** (with the reason).
 
 - `c180_thesis` is the crane with the choices of the thesis, a known slip included.
-- `c180`, the default, is based on it: the slip corrected, and with what a teleoperated machine needs.
-- `loader` is a machine of another class, a small trailer loader crane; nothing of it is from the thesis. It
-  shows what a machine file can say: load-sensing pump, valves by axis and direction, friction, hanging head.
+- `c180`, the default, is based on it: the slip corrected, and with what a teleoperated machine
+  needs.
+- `loader` is a machine of another class, a small trailer loader crane. All of it is assumed.
+  It shows what a machine file can say: load-sensing pump, valves by axis and direction, friction,
+  hanging head.
 """
 
 
@@ -29,31 +27,22 @@ def origin(source: str) -> str:
     return "other"
 
 
-def declared(part: ParameterSet, prefix: str = "") -> dict[str, Parameter]:
+def declared(part: ParameterSet) -> dict[str, Parameter]:
     """Return the parameters that a machine, or a part of one, declares, by dotted key."""
-    found: dict[str, Parameter] = {}
-    for field in dataclasses.fields(part):
-        value, allowed = getattr(part, field.name), parameter_of(field)
-        if allowed is not None:
-            found[prefix + field.name] = allowed
-        elif isinstance(value, ParameterSet):
-            found.update(declared(value, f"{prefix}{field.name}."))
-    return found
+    found = {key: parameter_of(field) for key, field, _ in fields_of(part)}
+    return {key: allowed for key, allowed in found.items() if allowed is not None}
 
 
-def choices(part: ParameterSet, prefix: str = "") -> dict[str, str]:
+def choices(part: ParameterSet) -> dict[str, str]:
     """Return what a machine, or a part of one, chooses, by dotted key; "none" for what it has not."""
     found: dict[str, str] = {}
-    for field in dataclasses.fields(part):
-        key, value = prefix + field.name, getattr(part, field.name)
+    for key, field, value in fields_of(part):
         if value is None:
             found[key] = "none"
         elif choice_of(field) is not None:
             found[key] = str(value)
-        elif isinstance(value, ParameterSet):
-            if hasattr(value, "kind"):
-                found[key] = str(value.kind)
-            found.update(choices(value, f"{key}."))
+        elif hasattr(value, "kind"):
+            found[key] = str(value.kind)
     return found
 
 
@@ -86,22 +75,8 @@ def table(rows: list[Quantity], machine: Machine) -> str:
     return "\n".join(lines)
 
 
-def assumptions() -> str:
-    """Return Markdown for the default machine's assumed numbers, one line each: key, value, unit, why."""
-    lines = ["| assumed | value | why |", "|---|---|---|"]
-    for row in sources("c180"):
-        if origin(row.source) == "assumed":
-            cells = (
-                f"`{row.key}`",
-                f"{number(row.value, 6)} {row.unit}",
-                row.source.removeprefix("assumed: "),
-            )
-            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
-    return "\n".join(lines)
-
-
 def document() -> str:
-    """Return the whole docs/machine.md."""
+    """Return the whole docs/reference/machine.md."""
     thesis, c180, loader = (load_machine(name) for name in ("c180_thesis", "c180", "loader"))
     printed, chosen = sources("c180_thesis"), choices(thesis)
     numbers = [row for row in sources("c180") if row not in printed]

@@ -1,7 +1,5 @@
 """What a URDF is made of: links with mass and shape, joints with limits; numbers with all their digits."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 from xml.etree import ElementTree
 

@@ -4,8 +4,6 @@ Two minutes of fitting are some hundred thousand simulations: compiled, one take
 a third of a second.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 
@@ -13,13 +11,13 @@ import numpy as np
 
 from forest_compile import flat_layout
 from forest_compile.entry import Entry
-from forest_compile.kernel_cache import Kept, can_compile
+from forest_compile.kernel_cache import CachedKernel, can_compile
 from forest_description.types import Floats
 from forest_ident.actuator import model, steps
 from forest_ident.actuator.model import Parameters
 from forest_ident.actuator.steps import SUBSTEPS
 
-BEYOND = 100.0  # what a simulation that ran away is said to have given
+BEYOND = 100.0  # pressure and position of a simulation that diverged
 _TEXT = """
 def kernel(signal, rows, substeps, parameters, pressures, positions, filled):
     filled[0] = run(signal, rows, substeps, p, pressures, positions)
@@ -64,7 +62,7 @@ def _interpreted(signal: Floats, count: int, p: Parameters, pressures: Floats, p
 
 
 def _compiled() -> Callable[[Floats, int, Parameters, Floats, Floats], None]:
-    kernel, pack = KEPT.kernel(), flat_layout.packer(_EXAMPLE)
+    kernel, pack = KERNEL.kernel(), flat_layout.packer(_EXAMPLE)
 
     def run(signal: Floats, count: int, p: Parameters, pressures: Floats, positions: Floats) -> None:
         row, filled = np.array(pack(p)), np.empty(1)
@@ -78,9 +76,8 @@ def _compiled() -> Callable[[Floats, int, Parameters, Floats, Floats], None]:
 _EXAMPLE = Parameters(*(1.0 for _ in Parameters._fields))
 _ENTRY = Entry(
     *(_TEXT, {"run": steps.run}, _LETTERS),
-    views={"p": ("parameters", _EXAMPLE)},
-    copies={},
-    apart=(model.rate, model.sensed_pressure),
+    {"p": ("parameters", _EXAMPLE)},
+    (model.rate, model.sensed_pressure),
 )
-KEPT = Kept("actuator", lambda: _ENTRY)
+KERNEL = CachedKernel("actuator", lambda: _ENTRY)
 """The actuator's simulation as machine code."""

@@ -13,11 +13,11 @@ from forest_description.derived.limits import joint_limits
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.serialization.batch_encoder import columns
+from forest_msgs_py.serialization.packing import columns
 from forest_sim.analysis.mode_map import MapPoint
-from forest_sim.run.energy import Account
-from forest_sim.run.sensor_log import OBSERVED
-from forest_sim.run.trajectory_files import Rows
+from forest_sim.simulation.energy_account import Account
+from forest_sim.simulation.sensor_log import LOGGED_TOPICS
+from forest_sim.simulation.trajectory_files import Rows
 
 L_MIN_PER_M3_S = 60_000.0
 # Each entry of the account keeps its colour in every picture.
@@ -45,7 +45,8 @@ def draw_run(kept: Rows, machine: Machine, out: Path) -> list[Path]:
     """Draw all pictures of a run.
 
     Args:
-        kept: "time" [N] s, "power" [N, 10] W in the order of `Account`, and each observed topic's columns.
+        kept: "time" [N] s, "power" [N, 10] W in the order of `Account`, and each observed topic's
+            columns.
         machine: what was simulated.
         out: directory for the files.
     """
@@ -63,7 +64,17 @@ def _bag(kept: Rows) -> Bag:
     """Return the kept rows as a session that `forest_bag.plots.standard_plots` can draw."""
     stamps = np.round(kept["time"] * 1e9).astype(np.int64)
     return bag_of(
-        {topic: Series(stamps, stamps, kept[topic], columns(topic), (), incomplete=0) for topic in OBSERVED}
+        {
+            topic: Series(
+                time_ns=stamps,
+                log_time_ns=stamps,
+                values=kept[topic],
+                labels=columns(topic),
+                units=(),
+                incomplete=0,
+            )
+            for topic in LOGGED_TOPICS
+        }
     )
 
 

@@ -1,8 +1,9 @@
 """A hose between a valve's port (`port`) and an actuator, and the port valves that protect it.
 
-'T' line of Thesis fig. 3.5: the inertance I on the valve's side, the capacitance C in the middle, the
-resistance on the actuator's side (it belongs to the actuator's law, see `actuator`). Relief and
-anti-cavitation valves sit at the capacitance, where a shut valve would otherwise trap an impossible pressure.
+'T' line of Thesis fig. 3.5: the inertance I on the valve's side, the capacitance C in the middle,
+the resistance on the actuator's side (it belongs to the actuator's law, see `actuator`). Relief and
+anti-cavitation valves sit at the capacitance, where a shut valve would otherwise trap an impossible
+pressure.
 
 | symbol | name | unit |
 |---|---|---|
@@ -13,8 +14,8 @@ anti-cavitation valves sit at the capacitance, where a shut valve would otherwis
 | P_s | supply pressure; the tank is at zero | Pa |
 | I, C | inertance; capacitance | Pa s^2/m^3; m^3/Pa |
 
-Flows count from the valve towards the actuator here, for both hoses. The thesis counts hose 2 the other way:
-its callers pass -Q_2 and -q_2.
+Flows count from the valve towards the actuator here, for both hoses. The thesis counts hose 2 the
+other way: its callers pass -Q_2 and -q_2.
 """
 
 import math
@@ -23,14 +24,14 @@ from typing import NamedTuple
 from forest_description.machine import Line
 from forest_sim.hydraulics.port import (
     Port,
-    checked,
+    apply_load_check,
     edge_conductance,
     edge_flows,
     is_shut,
-    meet,
     port_conductance,
     port_pressure,
-    unfed,
+    solve_port,
+    without_supply,
 )
 
 
@@ -49,7 +50,7 @@ class LineSolution(NamedTuple):
     pressure: float  # [Pa]
     flow: float  # [m^3/s]
     stiffness: float  # -dP/dq [Pa s/m^3], how the pressure answers the actuator's flow
-    follows: float  # dQ/dq, how much of that flow comes through the valve
+    flow_gain: float  # dQ/dq, how much of that flow comes through the valve
     port_pressure: float  # p [Pa]
     port_stiffness: float  # -dp/dq [Pa s/m^3]
     slope: float  # dP/dQ [Pa s/m^3], how the oil between valve and actuator yields
@@ -81,11 +82,11 @@ def pressure_rate(pressure: float, flow: float, actuator_flow: float, line: Line
 def flow_rate(pressure: float, flow: float, port: Port, supply: float, line: Line) -> float:
     """Return dQ/dt [m^3/s^2] = (p - P)/I; behind one edge p = P_v - C_R Q|Q|.
 
-    Thesis eq. 3.1, 3.7, 3.13, 4.5a. Behind shut edges the flow is zero and stays zero; any other would have
-    to stop at once (an infinite rate). Differs: 3.7 prints P_i for P_s, and 3.7 and 3.13 C_R for C_R' on the
-    return line.
+    Thesis eq. 3.1, 3.7, 3.13, 4.5a. Behind shut edges the flow is zero and stays zero; any other
+    would have to stop at once (an infinite rate). Differs: 3.7 prints P_i for P_s, and 3.7 and 3.13
+    C_R for C_R' on the return line.
     """
-    if is_shut(checked(flow, port, supply)):
+    if is_shut(apply_load_check(flow, port, supply)):
         return 0.0 if flow == 0.0 else -math.copysign(math.inf, flow)
     return (port_pressure(pressure, flow, port, supply) - pressure) / line.inertance
 
@@ -103,9 +104,10 @@ def solve_line(
 ) -> LineSolution:
     """Solve one implicit stage of a hose exactly, for any opening.
 
-    P = pressure + step dP/dt and Q = flow + step dQ/dt, with q = actuator_flow + leakage P. Given which port
-    valve is open, P is linear in Q and the hose takes Q = a + y p. P falls monotonically with what the port
-    valves let out, so trying shut first and then the one valve that it calls for is exact.
+    P = pressure + step dP/dt and Q = flow + step dQ/dt, with q = actuator_flow + leakage P. Given
+    which port valve is open, P is linear in Q and the hose takes Q = a + y p. P falls monotonically
+    with what the port valves let out, so trying shut first and then the one valve that it calls for
+    is exact.
 
     Args:
         pressure: the stage's known part of P [Pa].
@@ -142,34 +144,42 @@ def _solve_with_port_valve(
     """Solve the stage with all outflow linear: outflow + leakage P."""
     # Of step and constants alone come all quotients here: compiled, they are taken once for many steps.
     yielding = line.capacitance + step * leakage
-    slope, kept = step / yielding, line.capacitance / yielding  # dP/dQ; dP/d(pressure)
-    offset = kept * pressure - slope * outflow  # P at Q = 0
+    slope, retained = step / yielding, line.capacitance / yielding  # dP/dQ; dP/d(pressure)
+    offset = retained * pressure - slope * outflow  # P at Q = 0
     if is_shut(port):
-        return LineSolution(offset, 0.0, slope, 0.0, offset, slope, slope)
+        return LineSolution(
+            pressure=offset,
+            flow=0.0,
+            stiffness=slope,
+            flow_gain=0.0,
+            port_pressure=offset,
+            port_stiffness=slope,
+            slope=slope,
+        )
     gain = step / line.inertance
     share = 1.0 / (1.0 + gain * slope)
     intercept, admittance = share * (flow - gain * offset), share * gain
-    seen = checked(intercept + admittance * supply, port, supply)
-    if is_shut(seen):
+    checked = apply_load_check(intercept + admittance * supply, port, supply)
+    if is_shut(checked):
         return LineSolution(offset, 0.0, slope, 0.0, offset, slope, slope)
-    p, passed = meet(intercept, admittance, seen, supply)
+    p, passed = solve_port(intercept, admittance, checked, supply)
     q = intercept + admittance * p
-    follows = passed * admittance * slope
+    flow_gain = passed * admittance * slope
     return LineSolution(
-        offset + slope * q, q, slope * (1.0 - follows), follows, p, slope * (1.0 - passed), slope
+        offset + slope * q, q, slope * (1.0 - flow_gain), flow_gain, p, slope * (1.0 - passed), slope
     )
 
 
-def drained(line: LineSolution, flow: float) -> LineSolution:
+def with_outflow(line: LineSolution, flow: float) -> LineSolution:
     """Return a hose from which the actuator takes more by a small flow [m^3/s], to first order.
 
     What the pressure yields is what the valve does not deliver, so that no oil is lost or made.
     """
     return LineSolution(
         line.pressure - line.stiffness * flow,
-        line.flow + line.follows * flow,
+        line.flow + line.flow_gain * flow,
         line.stiffness,
-        line.follows,
+        line.flow_gain,
         line.port_pressure - line.port_stiffness * flow,
         line.port_stiffness,
         line.slope,
@@ -188,7 +198,7 @@ def supply_coupling(solution: LineSolution, port: Port, supply: float, line: Lin
     """
     p = solution.port_pressure
     if port.load_check != 0 and p > supply:
-        port = unfed(port)
+        port = without_supply(port)
     if is_shut(port):
         return Coupling(0.0, 0.0, 0.0, 0.0)
     to_supply = edge_conductance(supply - p, port.to_supply) + port.leakage

@@ -8,9 +8,9 @@
 | P_s | supply pressure; the tank is at zero | Pa |
 | C_R | an edge's resistance, inf when shut | Pa s^2/m^6 |
 
-A load check sits between supply and spool. Without it, oil goes back into the manifold whenever the pumps
-cannot keep its pressure above the load's: a heavy axis sinks while a light one moves. Where the spool is
-underlapped, each port has a check of its own here.
+A load check sits between supply and spool. Without it, oil goes back into the manifold whenever the
+pumps cannot keep its pressure above the load's: a heavy axis sinks while a light one moves. Where
+the spool is underlapped, each port has a check of its own here.
 """
 
 import math
@@ -31,10 +31,10 @@ class Port(NamedTuple):
 
 
 class PortSolution(NamedTuple):
-    """Where a port's flow meets its hose's."""
+    """A port whose flow is that of its hose."""
 
     pressure: float  # p [Pa]
-    follows: float  # dQ/d(intercept), 0 behind a shut port .. 1 behind a wide one
+    flow_gain: float  # dQ/d(intercept), 0 behind a shut port .. 1 behind a wide one
 
 
 def is_shut(port: Port) -> bool:
@@ -47,18 +47,18 @@ def port_pressure(pressure: float, flow: float, port: Port, supply: float) -> fl
 
     A load check opens when the supply is above the hose, and not before.
     """
-    seen = checked(flow, port, supply)
-    waiting = seen.load_check != 0 and flow == 0.0 and seen.to_tank == math.inf and pressure >= supply
-    if is_shut(seen) or (waiting and seen.leakage == 0.0):
+    checked = apply_load_check(flow, port, supply)
+    waiting = checked.load_check != 0 and flow == 0.0 and checked.to_tank == math.inf and pressure >= supply
+    if is_shut(checked) or (waiting and checked.leakage == 0.0):
         return pressure
-    return meet(flow, 0.0, seen, supply).pressure
+    return solve_port(flow, 0.0, checked, supply).pressure
 
 
-def checked(flow: float, port: Port, supply: float) -> Port:
+def apply_load_check(flow: float, port: Port, supply: float) -> Port:
     """Return a port as its load check leaves it: shut towards the supply where oil would go back.
 
-    Oil goes back where p would have to be above P_s; at p = P_s the port passes what the other ways take.
-    What leaks past the lands leaks past the check.
+    Oil goes back where p would have to be above P_s; at p = P_s the port passes what the other ways
+    take. What leaks past the lands leaks past the check.
 
     Args:
         flow: what the hose takes at p = P_s [m^3/s].
@@ -67,10 +67,10 @@ def checked(flow: float, port: Port, supply: float) -> Port:
     """
     if port.load_check == 0 or flow >= port_flow(supply, port, supply):
         return port
-    return unfed(port)
+    return without_supply(port)
 
 
-def unfed(port: Port) -> Port:
+def without_supply(port: Port) -> Port:
     """Return a port without its edge to the supply."""
     return Port(math.inf, port.to_tank, port.leakage, port.load_check)
 
@@ -87,7 +87,8 @@ def port_flow(p: float, port: Port, supply: float) -> float:
 def edge_flows(flow: float, p: float, port: Port, supply: float) -> tuple[float, float]:
     """Return what comes from the supply and what goes to the tank [m^3/s]; their difference is the flow.
 
-    The one that has to pass an open edge alone is taken from the flow, which is exact where the drop is tiny.
+    The one that has to pass an open edge alone is taken from the flow, which is exact where the
+    drop is tiny.
 
     Args:
         flow: Q [m^3/s].
@@ -97,7 +98,7 @@ def edge_flows(flow: float, p: float, port: Port, supply: float) -> tuple[float,
     """
     from_supply, to_tank = port.leakage * (supply - p), port.leakage * p
     if port.load_check != 0 and p > supply:
-        port = unfed(port)
+        port = without_supply(port)
     if port.to_tank == math.inf:
         return flow + to_tank, to_tank
     if port.to_supply == math.inf:
@@ -110,12 +111,12 @@ def edge_flow(drop: float, resistance: float) -> float:
     return math.copysign(math.sqrt(abs(drop) / resistance), drop)
 
 
-def meet(intercept: float, admittance: float, port: Port, supply: float) -> PortSolution:
-    """Return where the port's flow meets that of the hose, intercept + admittance p.
+def solve_port(intercept: float, admittance: float, port: Port, supply: float) -> PortSolution:
+    """Return the pressure at which the port passes the flow of the hose, intercept + admittance p.
 
-    With one edge open, o through it obeys o + (2 g + y) C_R o|o| = Y, whose root 2 Y/(1 + sqrt(1 + 4 (2 g +
-    y) C_R |Y|)) holds at zero flow too (g: leakage, y: admittance). With both edges open p is found by Newton
-    within a bracket.
+    With one edge open, o through it obeys o + (2 g + y) C_R o|o| = Y, whose root 2 Y/(1 + sqrt(1 +
+    4 (2 g + y) C_R |Y|)) holds at zero flow too (g: leakage, y: admittance). With both edges open p
+    is found by Newton within a bracket.
 
     Args:
         intercept: the hose's flow at p = 0 [m^3/s].
@@ -136,7 +137,7 @@ def meet(intercept: float, admittance: float, port: Port, supply: float) -> Port
 def _one_edge(
     intercept: float, admittance: float, resistance: float, source: float, leakage: float, supply: float
 ) -> PortSolution:
-    """Return `meet` with one edge open, from the pressure `source`; what leaks is linear and goes along."""
+    """Solve a port with one edge open, from the pressure `source`; leakage is linear and goes along."""
     yielding = 2.0 * leakage + admittance
     y = intercept - leakage * supply + yielding * source
     root = math.sqrt(1.0 + 4.0 * yielding * resistance * abs(y))  # = 1 + yielding d(drop)/do
@@ -146,7 +147,7 @@ def _one_edge(
 
 
 def _two_edges(intercept: float, admittance: float, port: Port, supply: float) -> PortSolution:
-    """Return `meet` with both edges open, as an underlapped valve has them near its centre."""
+    """Solve a port with both edges open, as an underlapped valve has them near its centre."""
     reach = max(port.to_supply, port.to_tank) * intercept * intercept
     low, high = min(0.0, supply) - reach, max(0.0, supply) + reach
     p = 0.5 * (low + high)

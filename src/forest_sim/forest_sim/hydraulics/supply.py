@@ -10,8 +10,9 @@
 
     C dP_s/dt = Q_d - P_s/R_leak - relief(P_s) - S
 
-Displacement and engine limit the flow, min(Q_max, W/P_s); a compensator takes it back to zero within a narrow
-band under P_r. Thesis section 2.2, 3.2.1, fig. 2.3, 3.4. An ideal pump has none of this: P_s stands still.
+Displacement and engine limit the flow, min(Q_max, W/P_s); a compensator takes it back to zero
+within a narrow band under P_r. Thesis section 2.2, 3.2.1, fig. 2.3, 3.4. An ideal pump has none of
+this: P_s stands still.
 """
 
 import math
@@ -62,7 +63,18 @@ def supply(pump: Pump) -> Supply:
     """Return the kernel's constants of a machine's pump."""
     if isinstance(pump, IdealPump):
         return Supply(
-            1, pump.supply_pressure, math.inf, math.inf, 1.0, 0.0, 0.0, 1.0, math.inf, 0.0, 0.0, 0.0
+            ideal=1,
+            set_pressure=pump.supply_pressure,
+            flow_limit=math.inf,
+            power_limit=math.inf,
+            efficiency=1.0,
+            compensation=0.0,
+            leakage=0.0,
+            capacitance=1.0,
+            relief_pressure=math.inf,
+            relief_conductance=0.0,
+            margin=0.0,
+            rate=0.0,
         )
     band = pump.compensator_band if isinstance(pump, PressureCompensatedPump | LoadSensingPump) else math.inf
     margin, lag = (pump.margin, pump.response_time) if isinstance(pump, LoadSensingPump) else (0.0, math.inf)

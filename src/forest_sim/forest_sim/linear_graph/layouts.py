@@ -1,10 +1,8 @@
-"""Where the nodes of the drawn circuits stand, in pixels; `graph_geometry` tells how they are read.
+"""Where the nodes of the drawn circuits stand, in pixels; `drawing_geometry` tells how they are read.
 
-All circuits run from left to right: supply, valve edge, hose 1, actuator, hose 2, valve edge, with the tank
-below; the actuator's mechanical side stands on a panel in the middle.
+All circuits run from left to right: supply, valve edge, hose 1, actuator, hose 2, valve edge, with
+the tank below; the actuator's mechanical side stands on a panel in the middle.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -24,7 +22,7 @@ BOTTOM = 350.0
 
 
 class Circuit(NamedTuple):
-    """A circuit that docs/linear-graphs.md tells of."""
+    """A circuit that docs/explanation/linear-graphs.md tells of."""
 
     file: str
     title: str

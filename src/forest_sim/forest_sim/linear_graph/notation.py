@@ -1,7 +1,5 @@
 """Linear graphs in LaTeX: symbols as the thesis sets them, and the elements' laws."""
 
-from __future__ import annotations
-
 from sympy import Symbol
 
 from forest_sim.linear_graph.drawing_geometry import notation

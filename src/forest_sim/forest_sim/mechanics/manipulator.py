@@ -10,12 +10,12 @@
 | I_xx, I_yy, I_zz | moments of inertia about the centre of mass | kg m^2 |
 | I_xy | product of inertia about it, the integral of x y dm | kg m^2 |
 
-In these words Appendix B's long sums are short: M_11 = m_3 r_s^2 + m_2 r_b^2 + ..., and V follows from its
-derivatives. The swing axis is inertially decoupled (M_12 = M_13 = 0), because every body is symmetric about
-the crane's plane.
+In these words Appendix B's long sums are short: M_11 = m_3 r_s^2 + m_2 r_b^2 + ..., and V follows
+from its derivatives. The swing axis is inertially decoupled (M_12 = M_13 = 0), because every body
+is symmetric about the crane's plane.
 
-The base frame has x forward, y left, z up, origin on the swing axis at the height of the boom's pivot; a tilt
-of the platform turns it about its x axis, so that gravity pulls along -z and -y.
+The base frame has x forward, y left, z up, origin on the swing axis at the height of the boom's
+pivot; a tilt of the platform turns it about its x axis, so that gravity pulls along -z and -y.
 """
 
 import math
@@ -139,26 +139,6 @@ def dynamics(q: Vec3, rates: Vec3, body: Body) -> Dynamics:
             - g_y * s_1 * b.stick_mass * k_s,
         ),
     )
-
-
-def kinetic_energy(q: Vec3, rates: Vec3, body: Body) -> float:
-    """Return T = 1/2 q'^T M(q) q' [J]; q [rad], rates [rad/s]."""
-    d = dynamics(q, (0.0, 0.0, 0.0), body)
-    u_1, u_2, u_3 = rates
-    return 0.5 * (d.m_11 * u_1**2 + d.m_22 * u_2**2 + d.m_33 * u_3**2) + d.m_23 * u_2 * u_3
-
-
-def potential_energy(q: Vec3, body: Body) -> float:
-    """Return U(q) [J], of which G is the gradient; zero is a mass at the boom's pivot. q [rad]."""
-    b = body
-    c_2, s_2 = math.cos(q[1]), math.sin(q[1])
-    c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])
-    r_b = b.base_offset + b.boom_x * c_2 - b.boom_y * s_2
-    r_s = b.base_offset + b.boom_length * c_2 + b.stick_x * c_23 - b.stick_y * s_23
-    h_b = b.boom_x * s_2 + b.boom_y * c_2
-    h_s = b.boom_length * s_2 + b.stick_x * s_23 + b.stick_y * c_23
-    left = (b.stick_mass * r_s + b.boom_mass * r_b + b.base_moment) * math.sin(q[0])
-    return b.gravity_across * left + b.gravity_down * (b.stick_mass * h_s + b.boom_mass * h_b)
 
 
 def tip_load_torques(q: Vec3, force: Vec3, body: Body) -> Vec3:

@@ -1,7 +1,7 @@
 """The head as a passive pendulum with two axes at the tip: what it adds to the crane's equations of motion.
 
-Thesis section 4.4: such a head hung on its machine, and its model had none. Coordinates are q_1, q_2, q_3 of
-swing, boom and stick, and
+Thesis section 4.4: such a head hung on its machine, and its model had none. Coordinates are q_1,
+q_2, q_3 of swing, boom and stick, and
 
 | symbol | name | unit |
 |---|---|---|
@@ -11,17 +11,17 @@ swing, boom and stick, and
 | m, L | mass of head and log; distance of their centre from the joint | kg; m |
 | I_t | their inertia about that centre, across the head's axis | kg m^2 |
 
-All vectors stand in the frame that turns with the swing: x away from the swing axis, y left, z up. The head
-is a body of revolution that does not spin: T = 1/2 m |p'|^2 + 1/2 I_t |d'|^2 with p = tip + L d. With t_i and
-d_i, the columns of the tip's and of d's Jacobian,
+All vectors stand in the frame that turns with the swing: x away from the swing axis, y left, z up.
+The head is a body of revolution that does not spin: T = 1/2 m |p'|^2 + 1/2 I_t |d'|^2 with p = tip
++ L d. With t_i and d_i, the columns of the tip's and of d's Jacobian,
 
     M_ij = m t_i·t_j + m L (t_i·d_j + d_i·t_j) + (m L^2 + I_t) d_i·d_j
 
-and the bias is the same sum with t_j, d_j replaced by the accelerations that are there when no joint
-accelerates, less gravity. At β = ±π/2 the angles are singular: α has no inertia there.
+and the bias is the same sum with t_j, d_j replaced by the accelerations that are there when no
+joint accelerates, less gravity. At β = ±π/2 the angles are singular: α has no inertia there.
 
-Everything in this module but `hanging_head` is in the subset of Python that Numba compiles, and what the
-plant needs in that of `translate`.
+Everything in this module but `hanging_head` is in the subset of Python that Numba compiles, and
+what the plant needs in that of `translate`.
 """
 
 import math
@@ -64,8 +64,8 @@ class PendulumDynamics(NamedTuple):
 class PendulumDamping(NamedTuple):
     """Torques of the joint's viscous damping on swing, boom, stick and on α, β [N m].
 
-    Their derivative by (q_1', q_2', q_3', α', β') is -damping (n n^T + e e^T), n = (0, -1, -1, 1, 0) and
-    e = (0, 0, 0, 0, 1).
+    Their derivative by (q_1', q_2', q_3', α', β') is -damping (n n^T + e e^T), n = (0, -1, -1, 1,
+    0) and e = (0, 0, 0, 0, 1).
     """
 
     crane: Vec3
@@ -139,34 +139,6 @@ def hanging_angles(swing: float, body: Body) -> Pair:
     """Return α, β [rad] of a head at rest at a swing angle [rad]; both are zero on a level platform."""
     along, across = body.gravity_across * math.sin(swing), body.gravity_across * math.cos(swing)
     return math.atan2(-along, body.gravity_down), math.atan2(-across, math.hypot(along, body.gravity_down))
-
-
-def pendulum_kinetic_energy(
-    q: Vec3, rates: Vec3, angles: Pair, angle_rates: Pair, head: HangingHead, body: Body
-) -> float:
-    """Return the head's T = 1/2 m |p'|^2 + 1/2 I_t |d'|^2 [J]; arguments as `pendulum_dynamics`."""
-    radius, (x_2, z_2), (x_3, z_3) = _tip(q, body)
-    u_1, u_2, u_3 = rates
-    s_a, c_a = math.sin(angles[0]), math.cos(angles[0])
-    s_b, c_b = math.sin(angles[1]), math.cos(angles[1])
-    turning = (
-        c_a * c_b * angle_rates[0] - s_a * s_b * angle_rates[1] - u_1 * s_b,
-        c_b * angle_rates[1] + u_1 * s_a * c_b,
-        s_a * c_b * angle_rates[0] + c_a * s_b * angle_rates[1],
-    )
-    tip = (-z_2 * u_2 - z_3 * u_3, radius * u_1, x_2 * u_2 + x_3 * u_3)
-    centre = _sum(1.0, tip, head.length, turning)
-    return 0.5 * head.mass * _dot(centre, centre) + 0.5 * head.inertia * _dot(turning, turning)
-
-
-def pendulum_potential_energy(q: Vec3, angles: Pair, head: HangingHead, body: Body) -> float:
-    """Return the head's U [J]; zero is a mass at the boom's pivot. Arguments as `pendulum_dynamics`."""
-    radius, (_, z_2), _ = _tip(q, body)
-    out = radius + head.length * math.sin(angles[0]) * math.cos(angles[1])
-    left = head.length * math.sin(angles[1])
-    up = z_2 - head.length * math.cos(angles[0]) * math.cos(angles[1])
-    across = math.sin(q[0]) * out + math.cos(q[0]) * left
-    return head.mass * (body.gravity_across * across + body.gravity_down * up)
 
 
 def _tip(q: Vec3, body: Body) -> tuple[float, Pair, Pair]:

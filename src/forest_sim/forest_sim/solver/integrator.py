@@ -1,10 +1,12 @@
 """One time step of the plant, through shut valves and water hammer alike.
 
-An L-stable, stiffly accurate, two-stage SDIRK of order 2 (gamma = 1 - 1/sqrt 2): each stage solves Y = y +
-step f(Y) for the f of `plant.state_derivative` (`stage.solve_stage`). A stage's derivative is read off its
-increment, (Y - y)/step, never from f: f has no value when an orifice shuts on a flow.
+An L-stable, stiffly accurate, two-stage SDIRK of order 2 (gamma = 1 - 1/sqrt 2): each stage solves
+Y = y + step f(Y) for the f of `plant.state_derivative` (`implicit_stage.solve_stage`). A stage's
+derivative is read off its increment, (Y - y)/step, never from f: f has no value when an orifice
+shuts on a flow.
 
-The step assumes that commands stand still over it. The spools' lags are linear and are advanced exactly.
+The step assumes that commands stand still over it. The spools' lags are linear and are advanced
+exactly.
 """
 
 import math
@@ -131,14 +133,14 @@ def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
     """Return start + weight (stage - start)."""
     a, b = start.supply, stage.supply
     return PlantState(
-        _blend_axis(start.swing, stage.swing, weight),
-        _blend_axis(start.boom, stage.boom, weight),
-        _blend_axis(start.stick, stage.stick, weight),
-        SupplyState(
+        swing=_blend_axis(start.swing, stage.swing, weight),
+        boom=_blend_axis(start.boom, stage.boom, weight),
+        stick=_blend_axis(start.stick, stage.stick, weight),
+        supply=SupplyState(
             a.pressure + weight * (b.pressure - a.pressure),
             a.reference + weight * (b.reference - a.reference),
         ),
-        _blend_head(start.head, stage.head, weight),
+        head=_blend_head(start.head, stage.head, weight),
     )
 
 
@@ -153,10 +155,10 @@ def _blend_head(a: HeadState, b: HeadState, w: float) -> HeadState:
 
 def _blend_axis(a: AxisState, b: AxisState, w: float) -> AxisState:
     return AxisState(
-        a.angle + w * (b.angle - a.angle),
-        a.rate + w * (b.rate - a.rate),
-        a.pressure_1 + w * (b.pressure_1 - a.pressure_1),
-        a.pressure_2 + w * (b.pressure_2 - a.pressure_2),
-        a.flow_1 + w * (b.flow_1 - a.flow_1),
-        a.flow_2 + w * (b.flow_2 - a.flow_2),
+        angle=a.angle + w * (b.angle - a.angle),
+        rate=a.rate + w * (b.rate - a.rate),
+        pressure_1=a.pressure_1 + w * (b.pressure_1 - a.pressure_1),
+        pressure_2=a.pressure_2 + w * (b.pressure_2 - a.pressure_2),
+        flow_1=a.flow_1 + w * (b.flow_1 - a.flow_1),
+        flow_2=a.flow_2 + w * (b.flow_2 - a.flow_2),
     )

@@ -1,16 +1,17 @@
 """The machine's equations of motion, Thesis eq. 3.20 and App. B, for both directions of every valve.
 
-State, in Appendix B's order, for swing, boom and stick in turn: joint angle [rad], joint rate [rad/s],
-pressure in hose 1 and in hose 2 [Pa], flow through hose 1 from the valve and through hose 2 to the valve
-[m^3/s]. A real pump adds the pressure in its manifold, a hanging head its two angles and their rates.
+State, in Appendix B's order, for swing, boom and stick in turn: joint angle [rad], joint rate
+[rad/s], pressure in hose 1 and in hose 2 [Pa], flow through hose 1 from the valve and through hose
+2 to the valve [m^3/s]. A real pump adds the pressure in its manifold, a hanging head its two angles
+and their rates.
 
-A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only case); a
-negative one the reverse. Tank is zero pressure. Actuator coordinates are the swing angle and the two
-cylinders' lengths.
+A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only
+case); a negative one the reverse. Tank is zero pressure. Actuator coordinates are the swing angle
+and the two cylinders' lengths.
 
-The laws of the parts live in `line`, `actuator`, `supply`, `mechanics`, `friction` and `end_stop`; here they
-are put together. Everything in this module is pure and stays in the subset of Python that `translate` makes
-machine code of.
+The laws of the parts live in `hydraulic_line`, `actuator`, `supply`, `multibody`, `friction` and
+`end_stop`; here they are put together. Everything in this module is pure and stays in the subset of
+Python that `translate` makes machine code of.
 """
 
 import math
@@ -54,6 +55,11 @@ class PlantState(NamedTuple):
     stick: AxisState
     supply: SupplyState
     head: HeadState
+
+    @property
+    def axes(self) -> tuple[AxisState, AxisState, AxisState]:
+        """The axes in the order of `AXES`."""
+        return (self.swing, self.boom, self.stick)
 
 
 class Ports(NamedTuple):
@@ -143,11 +149,11 @@ def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: Pl
     )
     (a_1, a_2, a_3), (a_alpha, a_beta) = accelerations(mechanics(angles, rates, state.head, p), torques)
     return PlantState(
-        _axis_derivative(swing, a_1, t_1.arm, ports[0], state.supply.pressure, p.swing, p),
-        _axis_derivative(boom, a_2, t_2.arm, ports[1], state.supply.pressure, p.boom, p),
-        _axis_derivative(stick, a_3, t_3.arm, ports[2], state.supply.pressure, p.stick, p),
-        _supply_derivative(state, ports, p),
-        HeadState(state.head.alpha_rate, state.head.beta_rate, a_alpha, a_beta),
+        swing=_axis_derivative(swing, a_1, t_1.arm, ports[0], state.supply.pressure, p.swing, p),
+        boom=_axis_derivative(boom, a_2, t_2.arm, ports[1], state.supply.pressure, p.boom, p),
+        stick=_axis_derivative(stick, a_3, t_3.arm, ports[2], state.supply.pressure, p.stick, p),
+        supply=_supply_derivative(state, ports, p),
+        head=HeadState(state.head.alpha_rate, state.head.beta_rate, a_alpha, a_beta),
     )
 
 
@@ -226,13 +232,19 @@ def from_array(x: ArrayLike, supply_pressure: float) -> PlantState:
         )
     v = values.tolist()
     supply = SupplyState(supply_pressure, supply_pressure)
-    return PlantState(AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]), supply, HANGING_STILL)
+    return PlantState(
+        swing=AxisState(*v[0:6]),
+        boom=AxisState(*v[6:12]),
+        stick=AxisState(*v[12:18]),
+        supply=supply,
+        head=HANGING_STILL,
+    )
 
 
 def thesis_state_derivative(x: ArrayLike, c_r: ArrayLike, p_s: float, machine: Machine) -> Floats:
     """Return xdot of Appendix B, corrected, for given orifice resistances.
 
-    Thesis eq. 3.20, App. B. Differs: docs/equations.md lists the corrections.
+    Thesis eq. 3.20, App. B. Differs: docs/explanation/equations.md lists the corrections.
     Port 1 of every valve is connected to the supply, port 2 to the tank.
 
     Args:
@@ -245,7 +257,8 @@ def thesis_state_derivative(x: ArrayLike, c_r: ArrayLike, p_s: float, machine: M
         xdot, shape (18,), in x's units per second.
 
     Raises:
-        ValueError: wrong shape, or a value that is not finite (c_r may be inf where the flow is zero).
+        ValueError: wrong shape, or a value that is not finite (c_r may be inf where the flow is
+            zero).
     """
     resistances = np.asarray(c_r, dtype=np.float64)
     if resistances.shape != (6,) or not np.all(resistances >= 0.0):

@@ -2,7 +2,7 @@
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from forest_description.components.valve_characteristic import ValveLaw
 from forest_description.derived.limits import joint_limits
@@ -53,6 +53,16 @@ class PlantParameters(NamedTuple):
     guard: PortGuard
     supply: Supply
     tip_force: Vec3  # [N] on the tip from outside, in the base frame
+
+    @property
+    def axes(self) -> tuple[Axis, Axis, Axis]:
+        """The axes in the order of `AXES`."""
+        return (self.swing, self.boom, self.stick)
+
+    def with_axes(self, **changes: Any) -> "PlantParameters":
+        """Return the parameters with the same changes to the fields of every axis."""
+        swing, boom, stick = (axis._replace(**changes) for axis in self.axes)
+        return self._replace(swing=swing, boom=boom, stick=stick)
 
 
 @lru_cache(maxsize=64)

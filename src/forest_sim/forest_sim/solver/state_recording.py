@@ -1,12 +1,12 @@
 """Steps with a record: the state after every period, and the energy that passed through every part within it.
 
-`compiled` has the same as machine code; where that is not to be had, `record` is interpreted. The power flows
-of `power` are integrated over the integrator's own steps with the trapezoidal rule.
+`compiled_plant` has the same as machine code; without llvmlite `record` is interpreted. The power
+flows of `power_flows` are integrated over the integrator's own steps with the trapezoidal rule.
 
 | array | shape | holds |
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
-| pace | N | how many steps of which length [s] each period has, M in all; or the length of all |
+| schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
 | states | N, 36 | what `STATE` names, one row per period |
 | energies | N, 42 | J over the period through what `ENERGY` names |
 """
@@ -21,8 +21,8 @@ from forest_sim.solver.integrator import Events, Simulation, step
 from forest_sim.solver.multibody import HANGING_STILL, HeadState
 from forest_sim.solver.plant import AxisState, PlantState
 from forest_sim.solver.plant_parameters import PlantParameters
-from forest_sim.solver.power import AxisPower, SupplyPower, power_flows
-from forest_sim.solver.step_schedule import Pace, given
+from forest_sim.solver.power_flows import AxisPower, SupplyPower, power_flows
+from forest_sim.solver.step_schedule import StepSchedule, schedule_of
 
 STATE = (
     *(f"{axis}_{field}" for axis in AXES for field in AxisState._fields),
@@ -41,20 +41,21 @@ ENERGY = (
 def record(
     simulation: Simulation,
     voltages: Floats,
-    pace: Pace | float,
+    schedule: StepSchedule | float,
     p: PlantParameters,
     states: Floats,
     energies: Floats | None,
 ) -> Simulation:
     """Advance the machine by one step for each row of voltages; fill `states` and `energies`.
 
-    Without an array for them the energies, which take as long as the steps themselves, are left out.
+    Without an array for them the energies, which take as long as the steps themselves, are left
+    out.
     """
-    pace = given(pace, len(states), len(voltages))
-    after_row = np.cumsum(pace.counts).astype(int).tolist()
+    schedule = schedule_of(schedule, len(states), len(voltages))
+    after_row = np.cumsum(schedule.counts).astype(int).tolist()
     before = power_flows(simulation, p)
     pack_flows = flat_layout.packer(before)
-    for row, (h, count, end) in enumerate(zip(*map(np.ndarray.tolist, pace), after_row, strict=True)):
+    for row, (h, count, end) in enumerate(zip(*map(np.ndarray.tolist, schedule), after_row, strict=True)):
         for volts in voltages[end - round(count) : end].tolist():
             simulation = step(simulation, (volts[0], volts[1], volts[2]), h, p)
             if energies is not None:
@@ -76,9 +77,9 @@ def restore(row: Floats) -> Simulation:
     return simulation
 
 
-_REST = AxisState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+_REST = AxisState(angle=0.0, rate=0.0, pressure_1=0.0, pressure_2=0.0, flow_1=0.0, flow_2=0.0)
 _EXAMPLE = Simulation(
-    PlantState(_REST, _REST, _REST, SupplyState(0.0, 0.0), HANGING_STILL),
+    PlantState(swing=_REST, boom=_REST, stick=_REST, supply=SupplyState(0.0, 0.0), head=HANGING_STILL),
     (CENTRED, CENTRED, CENTRED),
     Events(0, 0, 0),
     (0.0, 0.0, 0.0),

@@ -1,9 +1,10 @@
 """How finely a machine is stepped: long steps mostly, short ones after a command has jumped.
 
-What an even step of 1 ms gets wrong is the ring of the hoses (91 Hz) after a jump of a spool; elsewhere the
-motion is slow, and steps of 1.67 ms do as well. On the work of `benchmarks/`, 12 400 steps so spent leave
-3.3e-6 rad and 0.028 MPa, 20 000 even ones 7.2e-6 rad and 0.036 MPa. The jumps are those of the commands: what
-else makes hoses ring, a piston on its stop or a relief valve that opens, meets the long steps.
+What an even step of 1 ms gets wrong is the ring of the hoses (91 Hz) after a jump of a spool;
+elsewhere the motion is slow, and steps of 1.67 ms do as well. On the work of `benchmarks/`, 12 400
+steps so spent leave 3.3e-6 rad and 0.028 MPa, 20 000 even ones 7.2e-6 rad and 0.036 MPa. The jumps
+are those of the commands: what else makes hoses ring, a piston on its stop or a relief valve that
+opens, meets the long steps.
 """
 
 import math
@@ -20,21 +21,21 @@ JUMP = 0.3  # [V] from one long step to the next: more than a lever's or a fast 
 ROUNDING = 1e-9
 
 
-class Pace(NamedTuple):
+class StepSchedule(NamedTuple):
     """How many steps of which length every row of a record has."""
 
     steps: Floats  # [N] s
     counts: Floats  # [N], whole numbers
 
 
-def even(step: float, rows: int, count: int) -> Pace:
+def even(step: float, rows: int, count: int) -> StepSchedule:
     """Return the same steps [s] for all rows."""
-    return Pace(np.full(rows, step), np.full(rows, float(count)))
+    return StepSchedule(np.full(rows, step), np.full(rows, float(count)))
 
 
-def given(pace: Pace | float, rows: int, steps: int) -> Pace:
-    """Return a pace, or from the length of all steps [s] the pace that has so many steps in so many rows."""
-    return pace if isinstance(pace, Pace) else even(pace, rows, steps // rows)
+def schedule_of(schedule: StepSchedule | float, rows: int, steps: int) -> StepSchedule:
+    """Return a schedule as it is, or the one of even steps [s] that has so many steps in so many rows."""
+    return schedule if isinstance(schedule, StepSchedule) else even(schedule, rows, steps // rows)
 
 
 def long_steps(period: float) -> int:
@@ -60,17 +61,17 @@ def jumps(table: Floats, before: Floats, rows: int) -> Bools:
     return found
 
 
-def after_jumps(jumped: Bools, period: float) -> Pace:
-    """Return the pace of rows of a period [s], given which of them begin or contain a jump."""
+def after_jumps(jumped: Bools, period: float) -> StepSchedule:
+    """Return the schedule of rows of a period [s], given which of them begin or contain a jump."""
     ringing = np.convolve(jumped, np.ones(ringing_rows(period)))[: len(jumped)] > 0.5
     counts = np.where(ringing, FINER, 1.0) * long_steps(period)
-    return Pace(period / counts, counts)
+    return StepSchedule(period / counts, counts)
 
 
-def middles(pace: Pace, start: float) -> Floats:
+def middles(schedule: StepSchedule, start: float) -> Floats:
     """Return the time [s] in the middle of every step; rows follow each other from `start` [s] on."""
-    counts = pace.counts.astype(np.int64)
-    begins = start + np.cumsum(pace.steps * pace.counts) - pace.steps * pace.counts
+    counts = schedule.counts.astype(np.int64)
+    begins = start + np.cumsum(schedule.steps * schedule.counts) - schedule.steps * schedule.counts
     within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    middle: Floats = np.repeat(begins, counts) + (within + 0.5) * np.repeat(pace.steps, counts)
+    middle: Floats = np.repeat(begins, counts) + (within + 0.5) * np.repeat(schedule.steps, counts)
     return middle

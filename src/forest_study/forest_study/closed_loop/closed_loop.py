@@ -38,9 +38,9 @@ from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_suite import Suite, draw, noise_generator
 from forest_sim.sensors.sensor_suite import sensor_suite as suite_of
 from forest_sim.sensors.signal_processing import Measurement
+from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant_kernel import compiled_advance
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop.link_model import Link, Quality, Reports, reported
 from forest_study.closed_loop.loop_core import PERIOD_NS, SUBSTEPS, Happened, driver_inputs, guard_of, sample

@@ -12,7 +12,7 @@ import numpy as np
 
 from forest_compile import flat_layout
 from forest_compile.entry import Entry
-from forest_compile.kernel_cache import Kept, can_compile
+from forest_compile.kernel_cache import CachedKernel, can_compile
 from forest_control import compiled as control_compiled
 from forest_control.config import settings as control_settings
 from forest_control.operator import levers
@@ -32,7 +32,7 @@ from forest_study.closed_loop.link_model import Reports
 from forest_study.closed_loop.loop_core import Guarded, Happened, Knowledge, Loop
 
 # What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
-APART = (*plant_kernel.APART, *control_compiled.APART)
+NOINLINE = (*plant_kernel.NOINLINE, *control_compiled.NOINLINE)
 # state, knowledge, levers (4 a row: swing, boom, stick, enabled), normals, recorded, rows
 ARGUMENTS = "pppppi"
 RECORDED = 27
@@ -51,7 +51,7 @@ class Prepared(NamedTuple):
         rows, state = len(self.levers), self.state.copy()
         recorded = np.empty((rows, RECORDED))
         arrays = state, self.knowledge, self.levers, self.normals, recorded
-        KEPT.kernel()(*(array.ctypes.data for array in arrays), rows)
+        KERNEL.kernel()(*(array.ctypes.data for array in arrays), rows)
         columns = np.split(recorded, (3, 6, 9, 12, 15), axis=1)  # of `Happened`
         return Trajectory(PERIOD * np.arange(rows, dtype=np.float64), *columns)
 
@@ -195,8 +195,7 @@ def entry() -> Entry:
         *(f"        state[{i}] = {path}" for i, path in enumerate(after)),
         *(f"        recorded[{RECORDED} * row + {i}] = {path}" for i, path in enumerate(out)),
     ]
-    views = {"k": ("knowledge", k)}
-    return Entry("\n".join(lines), names, ARGUMENTS, views, copies={}, apart=APART)
+    return Entry("\n".join(lines), names, ARGUMENTS, {"k": ("knowledge", k)}, NOINLINE)
 
 
 @lru_cache(maxsize=1)
@@ -208,5 +207,5 @@ def _example() -> tuple[Knowledge, Loop]:
     return k, begin(k, (0.0, 0.5, -1.5), suite)
 
 
-KEPT = Kept("loop", entry)
+KERNEL = CachedKernel("loop", entry)
 """The compiled loop."""

@@ -60,7 +60,7 @@ def run_many(
         adapt: the driver learns its valves.
         workers: threads; default: one for each core that this process may use.
     """
-    loop_kernel.KEPT.kernel()  # made or loaded once, here
+    loop_kernel.KERNEL.kernel()  # made or loaded once, here
 
     def one(seed: int) -> tuple[Run, Session]:
         suite, drawn = varied(seed)

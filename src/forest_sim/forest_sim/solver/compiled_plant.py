@@ -1,0 +1,160 @@
+"""The plant's steps, compiled: for studies that take millions of them, for control loops and for the node.
+
+Compiled and interpreted steps agree to the last bit. `compiled_advance` and `compiled_record` take
+and give a `Simulation`, as the interpreted functions do. Packing one costs more than some steps: a
+control loop that looks at few of its numbers keeps a `FlatPlant` instead.
+"""
+
+import ctypes
+import threading
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+
+from forest_compile import flat_layout
+from forest_compile.kernel_cache import can_compile
+from forest_description.types import Floats, Vec3
+from forest_sim.solver import state_recording
+from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.plant_kernel import KERNEL, example
+from forest_sim.solver.plant_parameters import PlantParameters
+from forest_sim.solver.state_recording import STATE, restore, store
+from forest_sim.solver.step_schedule import StepSchedule, schedule_of
+
+Advance = Callable[[Simulation, Vec3, float, int, PlantParameters], Simulation]
+Record = Callable[
+    [Simulation, Floats, StepSchedule | float, PlantParameters, Floats, Floats | None], Simulation
+]
+DOUBLE = ctypes.sizeof(ctypes.c_double)
+NOTHING, STATES, ENERGIES = 0, 1, 2
+"""What the kernel records."""
+
+
+class FlatPlant:
+    """A machine that lies flat in an array, where the machine code moves it in place.
+
+    Raises:
+        ModuleNotFoundError: llvmlite is not installed.
+    """
+
+    def __init__(self) -> None:
+        self._kernel = KERNEL.kernel()
+        self.state: Floats = np.zeros(len(STATE))
+        """What `state_recording.STATE` names; it may be read and written between calls."""
+        self._state_at = self.state.ctypes.data
+        self._held = (ctypes.c_double * 5)()  # three voltages, length and count of the steps
+        self._held_at = ctypes.addressof(self._held)
+        self._parameters: PlantParameters | None = None
+
+    def lay_out(self, simulation: Simulation) -> None:
+        """Take over a machine's state."""
+        store(simulation, self.state)
+
+    def set_parameters(self, p: PlantParameters) -> None:
+        """Take over a machine's parameters; they seldom change."""
+        if self._parameters is not p:
+            self._parameters, self._row = p, np.array(_packer()(p), dtype=np.float64)
+            self._row_at = self._row.ctypes.data
+
+    def advance(self, voltages: Vec3, h: float, count: int) -> None:
+        """Advance by `count` steps of h [s] with the valve voltages [V] held."""
+        self._held[:] = [*voltages, h, count]
+        at, steps = self._held_at, self._held_at + 3 * DOUBLE
+        into = self._row_at, self._state_at, self._state_at
+        self._kernel(self._state_at, at, 0, steps, steps + DOUBLE, 0, 1, NOTHING, *into)
+
+    def record(
+        self, voltages: Floats, schedule: StepSchedule | float, states: Floats, energies: Floats | None
+    ) -> None:
+        """Do as `state_recording.record`."""
+        table, rows = np.ascontiguousarray(voltages, dtype=np.float64), len(states)
+        columns = schedule_of(schedule, rows, len(table))
+        steps, counts = (np.ascontiguousarray(column, dtype=np.float64) for column in columns)
+        recorded, filled = (STATES, states) if energies is None else (ENERGIES, energies)
+        into = self._row_at, states.ctypes.data, filled.ctypes.data
+        taken = table.ctypes.data, 3, steps.ctypes.data, counts.ctypes.data, 1, rows, recorded
+        self._kernel(self._state_at, *taken, *into)
+
+    @property
+    def simulation(self) -> Simulation:
+        """The machine as the laws take it."""
+        return restore(self.state)
+
+
+class _LastCall(threading.local):
+    """What one thread has lying flat, and what it was given: a loop hands it back."""
+
+    def __init__(self) -> None:
+        self._flat = FlatPlant()
+        self._result: Simulation | None = None
+
+    def moved(
+        self, simulation: Simulation, p: PlantParameters, move: Callable[[FlatPlant], None]
+    ) -> Simulation:
+        """Return what a call moves a machine to."""
+        self._flat.set_parameters(p)
+        if self._result is not simulation:
+            self._flat.lay_out(simulation)
+        self._result = None  # the kernel overwrites it
+        move(self._flat)
+        self._result = self._flat.simulation
+        return self._result
+
+
+@lru_cache(maxsize=1)
+def _packer() -> Callable[[PlantParameters], flat_layout.Row]:
+    """Return what lays parameters out flat; all machines' are of one shape."""
+    return flat_layout.packer(example()[1])
+
+
+@lru_cache(maxsize=1)
+def _last_call() -> _LastCall:
+    return _LastCall()
+
+
+def compiled_advance() -> Advance:
+    """Return `integrator.advance`, compiled.
+
+    Raises:
+        ModuleNotFoundError: llvmlite is not installed.
+    """
+    last = _last_call()
+
+    def advance(
+        simulation: Simulation, voltages: Vec3, h: float, count: int, p: PlantParameters
+    ) -> Simulation:
+        return last.moved(simulation, p, lambda flat: flat.advance(voltages, h, count))
+
+    return advance
+
+
+def compiled_record() -> Record:
+    """Return `state_recording.record`, compiled.
+
+    Raises:
+        ModuleNotFoundError: as `compiled_advance`.
+    """
+    last = _last_call()
+
+    def record(
+        simulation: Simulation,
+        voltages: Floats,
+        schedule: StepSchedule | float,
+        p: PlantParameters,
+        states: Floats,
+        energies: Floats | None,
+    ) -> Simulation:
+        return last.moved(simulation, p, lambda flat: flat.record(voltages, schedule, states, energies))
+
+    return record
+
+
+def ready_advance() -> Advance | None:
+    """Return the compiled `integrator.advance` if its code is there; None if it would have to be made."""
+    return compiled_advance() if KERNEL.ready() else None
+
+
+def fastest_record() -> Record:
+    """Return `state_recording.record`, compiled where llvmlite is installed: some hundred times faster."""
+    return compiled_record() if can_compile() else state_recording.record

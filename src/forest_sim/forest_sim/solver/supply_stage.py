@@ -1,0 +1,87 @@
+"""The manifold within an implicit stage: its equation, slopes and bounds.
+
+C (P_s - base) = h (delivered - drawn)
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_description.types import Vec3
+from forest_sim.hydraulics.hydraulic_line import supply_coupling
+from forest_sim.hydraulics.supply import SupplyState, pump_flow, reference_after
+from forest_sim.mechanics.manipulator import Pair
+from forest_sim.solver.axis_stage import AxisSolution
+from forest_sim.solver.plant import Ports, sensed_load
+from forest_sim.solver.plant_parameters import Axis, PlantParameters
+
+SUPPLY_TOLERANCE = 1e3  # [Pa] of Newton's last correction of P_s
+UNBOUNDED = (-math.inf, math.inf)
+
+
+class AxisDraw(NamedTuple):
+    """What one axis asks of the supply within a stage."""
+
+    flow: float  # [m^3/s]
+    conductance: float  # d(flow)/dP_s [m^3/(s Pa)]
+    gain: float  # d(flow)/d(actuator speed) [m^2; m^3/rad]
+    load: float  # that it shows [Pa]
+    feeds: Pair  # d(flow into hose 1, 2)/dP_s [m^3/(s Pa)]
+
+
+class SupplyError(NamedTuple):
+    """The manifold's equation of a stage and its slopes."""
+
+    residual: float  # [m^3]
+    slope: float  # by P_s [m^3/Pa]
+    by_rate: Vec3  # by the joint rates [m^3 s], which is also -d(residual of the joints)/dP_s
+    feeds: tuple[Pair, Pair, Pair]  # d(flow into hose 1, 2)/dP_s of swing, boom, stick [m^3/(s Pa)]
+    state: SupplyState  # P_s [Pa] of the iterate, and the P_r that follows from it
+
+
+def supply_error(
+    base: SupplyState,
+    supply: float,
+    axes: tuple[AxisSolution, AxisSolution, AxisSolution],
+    ports: tuple[Ports, Ports, Ports],
+    arms: Vec3,
+    h: float,
+    p: PlantParameters,
+) -> SupplyError:
+    """Return the manifold's equation, C (P_s - base) = h (delivered - drawn), at an iterate."""
+    one = _axis_draw(axes[0], ports[0], supply, p.swing, h)
+    two = _axis_draw(axes[1], ports[1], supply, p.boom, h)
+    three = _axis_draw(axes[2], ports[2], supply, p.stick, h)
+    reference = reference_after(base.reference, max(one.load, two.load, three.load), p.supply, h)
+    pump = pump_flow(supply, reference, p.supply)
+    drawn = one.flow + two.flow + three.flow
+    conductance = one.conductance + two.conductance + three.conductance
+    return SupplyError(
+        residual=p.supply.capacitance * (supply - base.pressure) + h * (drawn - pump.delivered),
+        slope=p.supply.capacitance + h * (conductance - pump.slope),
+        by_rate=(h * arms[0] * one.gain, h * arms[1] * two.gain, h * arms[2] * three.gain),
+        feeds=(one.feeds, two.feeds, three.feeds),
+        state=SupplyState(supply, reference),
+    )
+
+
+def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, a: Axis, h: float) -> AxisDraw:
+    """Return what an axis asks of the supply within a stage."""
+    one = supply_coupling(axis.one, ports.port_1, supply, a.line_1, h)
+    two = supply_coupling(axis.two, ports.port_2, supply, a.line_2, h)
+    gain = a.actuator.displacement_1 * one.gain - a.actuator.displacement_2 * two.gain
+    load = max(
+        sensed_load(axis.one.port_pressure, ports.port_1), sensed_load(axis.two.port_pressure, ports.port_2)
+    )
+    feeds = one.feed, two.feed
+    return AxisDraw(one.draw + two.draw, one.conductance + two.conductance, gain, load, feeds)
+
+
+def tightened_bounds(bounds: Pair, pressure: float, change: float) -> Pair:
+    """Return the bounds of the supply's pressure after Newton has pointed up or down from one [Pa].
+
+    Its equation rises with the pressure, but with the kinks of a pump's characteristic, across
+    which Newton alone may jump to and fro. The rates move meanwhile: bounds that have closed on
+    nothing are dropped.
+    """
+    low, high = (pressure, bounds[1]) if change > 0.0 else (bounds[0], pressure)
+    return (low, high) if high - low > SUPPLY_TOLERANCE else UNBOUNDED
