@@ -1,13 +1,13 @@
 """The machine as a node: takes /valve_voltages, keeps the graph's time, publishes what its sensors report.
 
-Physics at 1 kHz inside, topics at 200 Hz, in a thread that sleeps from deadline to deadline: an executor
-would spend more on waking up than the machine costs. Deadlines stand on the monotonic clock; a late wake-up
-is caught up with correctly stamped samples, and counted. Voltages older than the machine's command timeout
-count as zero.
+Physics at 1 kHz inside, topics at 200 Hz, in a thread that sleeps from deadline to deadline: an
+executor would spend more on waking up than the machine costs. Deadlines stand on the monotonic
+clock; a late wake-up is caught up with correctly stamped samples, and counted. Voltages older than
+the machine's command timeout count as zero.
 
-Sensors are exact unless `sensor_noise` is set; `sensor_faults` hold either way. A sensor that is absent, or
-drops its sample, is missing from its message; a message of which nothing is left is not sent. `stuck_spools`
-and `tip_force` may be set while the node runs.
+Sensors are exact unless `sensor_noise` is set; `sensor_faults` hold either way. A sensor that is
+absent, or drops its sample, is missing from its message; a message of which nothing is left is not
+sent. `stuck_spools` and `tip_force` may be set while the node runs.
 """
 
 import sys
@@ -31,11 +31,11 @@ from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_msgs_py.safety.diagnostics import Diagnostics, beyond, rating_values
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
-from forest_sim.run.deadlines import Deadlines
-from forest_sim.run.disturbance import parse_disturbance
-from forest_sim.run.sensor_log import topic_values
-from forest_sim.run.simulator_parameters import SimulatorParameters, simulated_machine
-from forest_sim.run.voltage_input import VoltageInput
+from forest_sim.simulation.deadlines import Deadlines
+from forest_sim.simulation.disturbance import parse_disturbance
+from forest_sim.simulation.sensor_log import topic_values
+from forest_sim.simulation.simulator_parameters import SimulatorParameters, simulated_machine
+from forest_sim.simulation.voltage_command import VoltageInput
 
 FRAME = "base_link"
 FRAMED = (topics.POSE, topics.TWIST)  # types

@@ -18,7 +18,7 @@ from forest_ident.driving.operator_parameters import OperatorParameters
 from forest_ident.online.online_parameters import OnlineParameters
 from forest_msgs_py.clock.clock_parameters import ClockParameters, LeaderParameters, ListenerParameters
 from forest_msgs_py.runtime.parameter_table import MachineParameter, Parameter, table_rows
-from forest_sim.run.simulator_parameters import CommanderParameters, SimulatorParameters
+from forest_sim.simulation.simulator_parameters import CommanderParameters, SimulatorParameters
 from forest_study.closed_loop.link_model import DelayParameters, Quality
 
 # Node's name: how it is started, its tables.

@@ -6,8 +6,8 @@ Symbols:
     β       bulk modulus [Pa]
     ν, μ    kinematic [m²/s] and absolute viscosity μ = ρ ν [Pa·s]
 
-Every number of a machine holds at the oil's reference temperature; ``temperature.at_temperature`` gives the
-machine at another one. Pressure has no influence on the oil here.
+Every number of a machine holds at the oil's reference temperature; ``temperature.at_temperature``
+gives the machine at another one. Pressure has no influence on the oil here.
 """
 
 import dataclasses

@@ -6,7 +6,8 @@
 | g | gain, told as ``gain`` | 1 |
 | b | told as ``offset``: reading at no pressure, no flow, melting ice, less the true value | the sensor's |
 
-A unit reads y = g x + b; a thermocouple y − 273.15 K = g (x − 273.15 K) + b. A unit that is None was not
+A unit reads y = g x + b; a thermocouple y − 273.15 K = g (x − 273.15 K) + b. A unit that is None
+was not
 calibrated: its error lies somewhere within the accuracy of its kind.
 """
 

@@ -25,10 +25,10 @@ from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.solver.compiled_plant import fastest_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.oil_temperature import parameters_at
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.solver.state_recording import STATE, store
 from forest_sim.solver.step_schedule import even
-from forest_sim.solver.thermal import parameters_at
 
 BLOCK = 1.0  # [s] over which the oil has one temperature
 STEP = 1e-3  # [s] of the integrator

@@ -15,9 +15,9 @@ from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.serialization.packing import columns
 from forest_sim.analysis.mode_map import MapPoint
-from forest_sim.run.energy import Account
-from forest_sim.run.sensor_log import OBSERVED
-from forest_sim.run.trajectory_files import Rows
+from forest_sim.simulation.energy_account import Account
+from forest_sim.simulation.sensor_log import LOGGED_TOPICS
+from forest_sim.simulation.trajectory_files import Rows
 
 L_MIN_PER_M3_S = 60_000.0
 # Each entry of the account keeps its colour in every picture.
@@ -45,7 +45,8 @@ def draw_run(kept: Rows, machine: Machine, out: Path) -> list[Path]:
     """Draw all pictures of a run.
 
     Args:
-        kept: "time" [N] s, "power" [N, 10] W in the order of `Account`, and each observed topic's columns.
+        kept: "time" [N] s, "power" [N, 10] W in the order of `Account`, and each observed topic's
+            columns.
         machine: what was simulated.
         out: directory for the files.
     """
@@ -72,7 +73,7 @@ def _bag(kept: Rows) -> Bag:
                 units=(),
                 incomplete=0,
             )
-            for topic in OBSERVED
+            for topic in LOGGED_TOPICS
         }
     )
 

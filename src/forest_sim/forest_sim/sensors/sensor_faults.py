@@ -1,6 +1,7 @@
 """What is wrong with which sensor, as people write it: `boom_resolver: frozen from 2 s; swing_flow: absent`.
 
-Faults stand one after the other, separated by `;` or a line's end. Each names a channel, a colon and
+Faults stand one after the other, separated by `;` or a line's end. Each names a channel, a colon
+and
 
 | words | the channel |
 |---|---|
@@ -9,8 +10,8 @@ Faults stand one after the other, separated by `;` or a line's end. Each names a
 | `bias NUMBER UNIT` | reads too much by that |
 | `drop`, `drop NUMBER %` | loses every sample, or that share of them |
 
-and may end in `from NUMBER s`, `until NUMBER s`, or both: time since the machine started. Units are those of
-machine files. A channel may have several faults.
+and may end in `from NUMBER s`, `until NUMBER s`, or both: time since the machine started. Units are
+those of machine files. A channel may have several faults.
 """
 
 import math
@@ -37,7 +38,8 @@ def parse_faults(text: str) -> tuple[Fault, ...]:
     """Return the faults that a text names; an empty text names none.
 
     Raises:
-        ValueError: unknown channel, fault or unit, a number that does not fit; the text says what is allowed.
+        ValueError: unknown channel, fault or unit, a number that does not fit; the text says what
+            is allowed.
     """
     entries = (entry.strip() for entry in re.split(r"[;\n]", text))
     return tuple(_fault(entry) for entry in entries if entry)

@@ -7,11 +7,11 @@
 | g, b | gain and static bias of this unit | 1; the channel's |
 | sigma, n | standard deviation of a sample; a draw from the standard normal distribution | the channel's; 1 |
 
-A reading is g x + b + sigma n, at least as large as the floor, in whole steps of the resolution, between the
-ends of the range. No reading is told as NaN: sensors.py leaves the quantity out of what the machine says.
+A reading is g x + b + sigma n, at least as large as the floor, in whole steps of the resolution,
+between the ends of the range. NaN stands for a missing reading.
 
-A turbine's blades do not tell which way the oil goes. The floor keeps the sign of the true flow, as a data
-acquisition that knows the spool's side would; oil at rest reads plus the floor.
+A turbine's blades do not tell which way the oil goes. The floor keeps the sign of the true flow, as
+a data acquisition that knows the spool's side would; oil at rest reads plus the floor.
 
 Everything here is pure and stays in the subset of Python that `forest_compile.frontend` takes.
 """

@@ -1,10 +1,12 @@
 """Which sensors the machine has, in one fixed order, and what each unit of them is worth.
 
-A suite is made once, from the machine's file, a seed and faults. The seed gives every unit its static error,
-uniform within its accuracy unless the file tells what the unit's calibration found, and starts the generator
-of the samples' noise. Every channel has its own place in both, so that taking one away changes no other.
+A suite is made once, from the machine's file, a seed and faults. The seed gives every unit its
+static error, uniform within its accuracy unless the file tells what the unit's calibration found,
+and starts the generator of the samples' noise. Every channel has its own place in both, so that
+taking one away changes no other.
 
-Without noise a suite is exact: no error, lag, floor, resolution, range or sampling; absences and faults hold.
+Without noise a suite is exact: no error, lag, floor, resolution, range or sampling; absences and
+faults hold.
 """
 
 import math
@@ -93,18 +95,18 @@ def sensor_suite(
 
     Thesis section 4.2.2: the rate of the data acquisition.
     """
-    luck = iter(np.random.default_rng([seed, 0]).uniform(-1.0, 1.0, len(CHANNELS)).tolist())
+    shares = iter(np.random.default_rng([seed, 0]).uniform(-1.0, 1.0, len(CHANNELS)).tolist())
     channels = []
     for kind in KINDS:
-        there = getattr(machine.sensors, kind.name) is not None
+        fitted = getattr(machine.sensors, kind.name) is not None
         for name in kind.channels:
-            share = next(luck)
+            share = next(shares)
             made = (
                 _calibrated(_channel(kind.name, name, machine, share), name, machine)
-                if there and noise
+                if fitted and noise
                 else EXACT
             )
-            channels.append(made if there else made._replace(mode=ABSENT))
+            channels.append(made if fitted else made._replace(mode=ABSENT))
     return Suite(tuple(channels), 1.0 / machine.sensors.sample_rate if noise else 0.0, faults, seed)
 
 
