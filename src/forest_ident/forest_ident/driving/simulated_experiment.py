@@ -23,7 +23,7 @@ from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_suite import Suite, sensor_suite
 from forest_sim.solver.compiled_plant import FlatPlant
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.oil_temperature import UPDATE_PERIOD, heat, parameters_at, temperature_after
+from forest_sim.solver.oil_temperature import UPDATE_PERIOD, dissipated_power, parameters_at, temperature_after
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power_flows import power_flows
 
@@ -131,7 +131,7 @@ class _Trace:
         per_update, count = round(UPDATE_PERIOD / PERIOD), len(self._rows) - 1
         if self._oil is None or count % (per_update // LOSS_SAMPLES) != 0:
             return
-        self._losses.append(heat(power_flows(self._flat.simulation, self._plants[-1][1])))
+        self._losses.append(dissipated_power(power_flows(self._flat.simulation, self._plants[-1][1])))
         if count % per_update != 0:
             return
         mean = sum(self._losses) / len(self._losses)
