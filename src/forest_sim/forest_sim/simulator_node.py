@@ -67,8 +67,8 @@ class SimulatorNode(Node):
             for topic in topics.TOPICS
             if "simulator" in topic.publishers and topic not in (topics.DIAGNOSTICS, topics.ROBOT_DESCRIPTION)
         }
-        said = self._node_clock.publisher(topics.DIAGNOSTICS)
-        self._diagnostics = Diagnostics(self, ("voltages", "machine"), "valves centred", said)
+        publisher = self._node_clock.publisher(topics.DIAGNOSTICS)
+        self._diagnostics = Diagnostics(self, ("voltages", "machine"), "valves centred", publisher)
         self._description = self._node_clock.publisher(topics.ROBOT_DESCRIPTION)
         text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
         self._description.publish(text)
