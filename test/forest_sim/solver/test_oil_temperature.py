@@ -11,7 +11,7 @@ from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.oil_temperature import (
     UPDATE_PERIOD,
-    heat,
+    dissipated_power,
     parameters_at,
     temperature_after,
     temperature_rate,
@@ -71,7 +71,7 @@ def test_a_boiling_machine_keeps_the_oil_of_the_hottest_law():
 def test_at_rest_the_heat_is_what_the_pump_needs_for_itself():
     p = plant_parameters(MACHINE)
     flows = power_flows(equilibrium((0.0, 0.5, -1.5), p), p)
-    assert heat(flows) == pytest.approx(flows.pump.pump_friction + flows.pump.pump_leakage)
+    assert dissipated_power(flows) == pytest.approx(flows.pump.pump_friction + flows.pump.pump_leakage)
 
 
 def driven(temperature, seconds):
@@ -91,7 +91,7 @@ def test_the_heat_of_a_moving_machine_is_the_sum_of_its_losses():
         for a in (flows.swing, flows.boom, flows.stick):
             losses += a.throttling + a.port_valves + a.resistance + a.leakage + a.damping + a.dry_friction
             losses += a.cushion
-        assert heat(flows) == pytest.approx(losses, rel=1e-6)
+        assert dissipated_power(flows) == pytest.approx(losses, rel=1e-6)
 
 
 def test_cold_oil_swings_slower():
@@ -102,7 +102,7 @@ def test_cold_oil_swings_slower():
 def test_the_plant_goes_on_without_a_jump_when_its_oil_is_a_little_warmer():
     """Operator splitting: one second of plant, one step of temperature, new parameters."""
     *_, (simulation, p) = driven(313.15, 1.0)
-    temperature = temperature_after(313.15, heat(power_flows(simulation, p)), OIL, UPDATE_PERIOD)
+    temperature = temperature_after(313.15, dissipated_power(power_flows(simulation, p)), OIL, UPDATE_PERIOD)
     assert 0.0 < temperature - 313.15 < 0.3
     advance, warm = compiled_advance(), parameters_at(MACHINE, temperature)
     same, other = (advance(simulation, (10.0, 0.0, 0.0), 1e-3, 1, q).plant for q in (p, warm))

@@ -14,7 +14,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 
-from forest_description.config.parameter import ParameterSet, derived, parameter, require_order
+from forest_description.config.parameter import ParameterSet, parameter, replace_unchecked, require_order
 
 WALTHER_OFFSET = 0.7  # [mm²/s] added to the viscosity in ASTM D341, from 2 mm²/s upwards
 SQUARE_MILLIMETRES = 1e6  # in a square metre
@@ -85,7 +85,7 @@ class Oil(ParameterSet):
         """
         density = self.density_at(temperature)
         softer = self.bulk_modulus + self.bulk_modulus_slope * (temperature - self.reference_temperature)
-        return derived(
+        return replace_unchecked(
             dataclasses.replace(self, reference_temperature=temperature),
             density=density,
             bulk_modulus=max(SOFTEST, softer),  # a straight line ends somewhere: no oil has less than none

@@ -111,7 +111,7 @@ def fields_of(part: ParameterSet, prefix: str = "") -> Iterator[tuple[str, datac
 _Set = TypeVar("_Set", bound=ParameterSet)
 
 
-def derived(base: _Set, **changes: Any) -> _Set:
+def replace_unchecked(base: _Set, **changes: Any) -> _Set:
     """Return a copy with numbers that physics makes of checked ones; they may lie beyond the ranges.
 
     The ranges are for what somebody writes down. A machine at the edge of one must not stop because

@@ -1,5 +1,7 @@
 """From the tree of a machine file to the machine dataclasses; keys, numbers, units and sources are checked.
 
+Kept instead of a schema library, because every complaint names file, line, unit and source of a number.
+
 Every number of a file is written ``{value: 3000, unit: psi, source: "Thesis 3.1"}``, a row of them
 ``{values: [1, 2], unit: V, source: "..."}``. A component of which there are several sorts says
 which under ``kind``. What is allowed, the dataclasses declare.

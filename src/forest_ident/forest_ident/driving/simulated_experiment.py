@@ -20,7 +20,12 @@ from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_suite import Suite
 from forest_sim.solver.compiled_plant import FlatPlant
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.oil_temperature import UPDATE_PERIOD, heat, parameters_at, temperature_after
+from forest_sim.solver.oil_temperature import (
+    UPDATE_PERIOD,
+    dissipated_power,
+    parameters_at,
+    temperature_after,
+)
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.solver.power_flows import power_flows
 
@@ -101,7 +106,7 @@ class _Trace:
         if self._oil is None or count % (per_update // LOSS_SAMPLES) != 0:
             return
         p = self._plants[-1][1]
-        self._losses.append(heat(power_flows(self._flat.simulation, p)))
+        self._losses.append(dissipated_power(power_flows(self._flat.simulation, p)))
         if count % per_update != 0:
             return
         mean = sum(self._losses) / len(self._losses)

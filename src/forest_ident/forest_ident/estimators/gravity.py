@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_description.config.parameter import derived
+from forest_description.config.parameter import replace_unchecked
 from forest_description.machine import Machine, Manipulator
 from forest_description.types import AXES, Floats
 from forest_ident.estimators.least_squares import Line, solve
@@ -108,9 +108,11 @@ def masses(machine: Machine, session: Session, names: tuple[str, ...] = ("head_m
     """
     m = dataclasses.replace(machine.manipulator, pendulum=None)  # what hangs at rest pulls at the tip
     angles, torques = poses(machine, session)
-    empty = derived(m, **dict.fromkeys(names, 0.0))  # no link, but what is linear in the masses
+    empty = replace_unchecked(m, **dict.fromkeys(names, 0.0))  # no link, but what is linear in the masses
     without = _torques(empty, angles)
-    columns = [(_torques(derived(empty, **{name: 1.0}), angles) - without).ravel() for name in names]
+    columns = [
+        (_torques(replace_unchecked(empty, **{name: 1.0}), angles) - without).ravel() for name in names
+    ]
     return solve(columns, (torques - without).ravel(), block=2)
 
 

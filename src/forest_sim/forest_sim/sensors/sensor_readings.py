@@ -19,7 +19,7 @@ from forest_description.types import Vec3
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.port import port_pressure
 from forest_sim.hydraulics.supply import saturation
-from forest_sim.sensors.sensor_model import WORKS, Channel, ChannelState, sample, sample_if
+from forest_sim.sensors.sensor_model import WORKS, SensorMemory, SensorModel, sample, sample_if
 from forest_sim.sensors.sensor_suite import (
     CHANNELS,
     EXACT_SUITE,
@@ -59,7 +59,7 @@ CHANNEL_COUNT = len(CHANNELS)
 class SensorState(NamedTuple):
     """What the sensors and the estimators of the 6 speeds, joints then actuators, remember."""
 
-    channels: tuple[ChannelState, ...]
+    channels: tuple[SensorMemory, ...]
     estimates: tuple[SpeedEstimate, ...]
     time: float  # [s] since the start
     next_sample: float  # [s]
@@ -81,7 +81,7 @@ def at_rest(
 ) -> SensorState:
     """Return sensors and estimators that have seen the machine stand still at this state."""
     states = [
-        sample(c._replace(mode=WORKS), ChannelState(x, x), x, 0.0, 0.0)[0]
+        sample(c._replace(mode=WORKS), SensorMemory(x, x), x, 0.0, 0.0)[0]
         for c, x in zip(suite.channels, true_values(simulation, p, around), strict=True)
     ]
     seen = positions(tuple([state.reading for state in states]))
@@ -93,7 +93,7 @@ class Sensors(NamedTuple):
     """What stays from one sample to the next."""
 
     plant: PlantParameters
-    channels: tuple[Channel, ...]  # as they work now
+    channels: tuple[SensorModel, ...]  # as they work now
     period: float  # [s] between samples; 0: whenever asked
     around: Surroundings
 

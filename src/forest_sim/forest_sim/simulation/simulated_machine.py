@@ -13,7 +13,12 @@ from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance, disturbe
 from forest_sim.solver.compiled_plant import ready_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Events, advance
-from forest_sim.solver.oil_temperature import UPDATE_PERIOD, heat, parameters_at, temperature_after
+from forest_sim.solver.oil_temperature import (
+    UPDATE_PERIOD,
+    dissipated_power,
+    parameters_at,
+    temperature_after,
+)
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power_flows import power_flows
 
@@ -85,7 +90,7 @@ class SimulatedMachine:
         oil, periods = self.machine.oil, round(UPDATE_PERIOD / self._period)
         if oil is None or self._periods % (periods // LOSS_SAMPLES) != 0:
             return
-        self._losses.append(heat(power_flows(self._simulation, self._plant)))
+        self._losses.append(dissipated_power(power_flows(self._simulation, self._plant)))
         if self._periods % periods == 0:
             mean = sum(self._losses) / len(self._losses)
             self._losses.clear()

@@ -11,7 +11,7 @@
 
 Its time constant m c/h is minutes, the plant's are milliseconds: they are stepped in turn. A
 simulation runs the plant for UPDATE_PERIOD with what `parameters_at` gives, takes the mean of
-`heat` over it, and asks `temperature_after` for the next temperature. Pressures and flows are
+`dissipated_power` over it, and asks `temperature_after` for the next temperature. Pressures and flows are
 carried over as they are. The metal's heat is not counted: a machine warms slower than its oil
 alone. The thesis has no temperature.
 """
@@ -27,7 +27,7 @@ from forest_sim.solver.power_flows import PowerFlows
 UPDATE_PERIOD = 1.0  # [s] of simulated time, in which a machine at full loss warms by a quarter of a degree
 
 
-def heat(flows: PowerFlows) -> float:
+def dissipated_power(flows: PowerFlows) -> float:
     """Return W [W]: what the engine gives, less what is stored and less the work on links and end stops.
 
     All of it is taken to warm the oil: friction of seals, gears and pump too.

@@ -29,7 +29,7 @@ from forest_description.geometry.kinematics import Links, tip_position
 from forest_description.types import ZERO, Vec3
 from forest_msgs_py.runtime.stamped_period import LONGEST
 from forest_msgs_py.types import NS_PER_S, PERIOD
-from forest_sim.sensors.sensor_model import ABSENT, Channel, ChannelState, sample_if
+from forest_sim.sensors.sensor_model import ABSENT, SensorMemory, SensorModel, sample_if
 from forest_sim.sensors.sensor_readings import axis_pressures
 from forest_sim.sensors.sensor_suite import PLACES, TIME_TOLERANCE
 from forest_sim.sensors.signal_processing import SpeedEstimate, estimate_speed
@@ -48,14 +48,14 @@ GUARD = PermissionParameters()
 class Sensing(NamedTuple):
     """The sensors that control reads, and their sampling period [s]."""
 
-    channels: tuple[Channel, ...]
+    channels: tuple[SensorModel, ...]
     period: float
 
 
 class Senses(NamedTuple):
     """What sensors and estimators of the joints' rates remember."""
 
-    channels: tuple[ChannelState, ...]
+    channels: tuple[SensorMemory, ...]
     estimates: tuple[SpeedEstimate, SpeedEstimate, SpeedEstimate]
     time: float  # [s]
     next_sample: float  # [s]
@@ -241,12 +241,12 @@ def _seen(senses: Senses, sensing: Sensing) -> Seen:
     )
 
 
-def _readings(channels: tuple[ChannelState, ...], sensing: Sensing) -> tuple[float, ...]:
+def _readings(channels: tuple[SensorMemory, ...], sensing: Sensing) -> tuple[float, ...]:
     """Return what the channels say now; NaN where there is no sensor."""
     return tuple([_reading(sensing.channels[i], channels[i]) for i in range(CHANNEL_COUNT)])
 
 
-def _reading(c: Channel, s: ChannelState) -> float:
+def _reading(c: SensorModel, s: SensorMemory) -> float:
     return math.nan if c.mode == ABSENT else s.reading
 
 
