@@ -65,8 +65,8 @@ class SimulatorNode(Node):
             for topic in topics.TOPICS
             if "simulator" in topic.publishers and topic not in (topics.DIAGNOSTICS, topics.ROBOT_DESCRIPTION)
         }
-        said = self._pace.publisher(topics.DIAGNOSTICS)
-        self._health = Health(self, ("voltages", "machine"), "valves centred", said)
+        diagnostics = self._pace.publisher(topics.DIAGNOSTICS)
+        self._health = Health(self, ("voltages", "machine"), "valves centred", diagnostics)
         self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
         text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
         self._description.publish(text)

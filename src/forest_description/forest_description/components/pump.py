@@ -1,8 +1,7 @@
 """The sorts of pump that a machine may have; their laws are in ``forest_sim.hydraulics.supply``.
 
-All but the ideal one deliver into a manifold between pump and valves, whose pressure is a state:
-what the three axes draw and what the pump can give meet there, and nowhere is it said who gets how
-much.
+All but the ideal one deliver into a manifold between pump and valves. Its pressure is a state: it
+settles where what the three axes draw equals what the pump can give.
 """
 
 import math

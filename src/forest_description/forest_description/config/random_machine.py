@@ -5,7 +5,7 @@ on its own, evenly; a valve that the base tells once gets two unlike directions.
 off a gauge, a plate or a drawing stays: pump, geometry, masses, sensors. An overlap stays below the
 voltages at which a valve's curve was measured.
 
-Equal seeds (0, if none is told) give equal machines, everywhere: a record, a fit and a run along a
+Equal seeds (0, if none is given) give equal machines, everywhere: a record, a fit and a run along a
 path may each name ``unknown:7`` and mean one crane.
 
 What is drawn is written as a machine file, so that it is read, checked and shown as any other.

@@ -49,6 +49,6 @@ def _lines(part: Any, source: str, depth: int) -> Iterator[str]:
 def _number(value: Any, allowed: Parameter, source: str) -> str:
     """Return a number, or a row of them, with unit and source."""
     row = isinstance(value, tuple)
-    told = ", ".join(repr(float(one)) for one in value) if row else repr(float(value))
-    key, text = ("values", f"[{told}]") if row else ("value", told)
+    numbers = ", ".join(repr(float(one)) for one in value) if row else repr(float(value))
+    key, text = ("values", f"[{numbers}]") if row else ("value", numbers)
     return f'{{{key}: {text}, unit: "{allowed.unit}", source: {source}}}'

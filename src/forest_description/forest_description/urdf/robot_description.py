@@ -15,7 +15,7 @@ Cylinders are drawn, without mass. URDF has no closed loops: barrel and rod hang
 joints of their own (`passive_joints.CYLINDER_JOINTS`). Their positions may stand in the same
 message as swing, boom and stick; where they do not, they follow boom and stick about (mimic; the
 rod's eye is up to 0.17 m off). The two joints of a hanging head (`HEAD_JOINTS`) need their
-positions told.
+positions in the message.
 """
 
 import math
@@ -51,7 +51,7 @@ LOG_LENGTH, LOG_DENSITY = 4.0, 850.0
 WALL, EYE = 0.01, 0.1
 """Of a cylinder's barrel, and the length of its eye [m]."""
 PASSIVE_SPEED = 10.0
-"""Greatest speed told of joints that nothing drives [rad/s, m/s]."""
+"""Greatest speed of joints that nothing drives [rad/s, m/s]."""
 
 
 def robot_description(machine: Machine) -> str:

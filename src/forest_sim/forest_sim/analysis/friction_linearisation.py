@@ -74,17 +74,17 @@ def without_dry_friction(p: PlantParameters) -> PlantParameters:
 
 def small_heading(ends: dict[str, AmplitudeLimits]) -> str:
     """Return in words what a table of small oscillations is for."""
-    told = ", ".join(f"{name} {1e3 * end.small:.3g} mm/s" for name, end in ends.items())
-    return f"small oscillations: dry friction as the damper that its slope is; piston speeds below {told}"
+    speeds = ", ".join(f"{name} {1e3 * end.small:.3g} mm/s" for name, end in ends.items())
+    return f"small oscillations: dry friction as the damper that its slope is; piston speeds below {speeds}"
 
 
 def large_heading(ends: dict[str, AmplitudeLimits]) -> str:
     """Return in words what a table of large oscillations is for."""
-    told = ", ".join(
+    speeds = ", ".join(
         f"{name} {1e3 * end.large:.3g} mm/s" if math.isfinite(end.large) else f"{name} never"
         for name, end in ends.items()
     )
     return (
         "large oscillations: without dry friction, which takes less energy than viscous friction does "
-        f"at piston speeds above {told}"
+        f"at piston speeds above {speeds}"
     )

@@ -160,10 +160,12 @@ def report(machine: Machine) -> str:
     for place, axis in enumerate(AXES):
         low, high = (math.degrees(limit) for limit in limits[place])
         plus, minus = speeds[axis]
-        told = _oscillation(small[axis])
+        oscillation = _oscillation(small[axis])
         if axis in rubbing:
-            told = f"{_oscillation(large[axis])} (small: {told})"
-        lines.append(f"  {axis:<6} {low:7.1f} .. {high:6.1f} deg, {plus:+.2f}/{minus:+.2f} rad/s, {told}")
+            oscillation = f"{_oscillation(large[axis])} (small: {oscillation})"
+        lines.append(
+            f"  {axis:<6} {low:7.1f} .. {high:6.1f} deg, {plus:+.2f}/{minus:+.2f} rad/s, {oscillation}"
+        )
     lines.append(
         f"  speeds at full voltage, oscillations with shut valves; boom at {math.degrees(angles[1]):.1f}, "
         f"stick at {math.degrees(angles[2]):.1f} deg"

@@ -49,12 +49,12 @@ def map_csv(points: list[MapPoint]) -> str:
     ]
     lines = [",".join(("reach[m]", "height[m]", *names))]
     for point in points:
-        told = [
+        cells = [
             "," if mode is None else f"{mode.frequency:.6g},{mode.damping:.6g}"
             for found in (point.modes, point.sliding)
             for mode in (found[axis] for axis in AXES)
         ]
-        lines.append(",".join((f"{point.reach:.4f}", f"{point.height:.4f}", *told)))
+        lines.append(",".join((f"{point.reach:.4f}", f"{point.height:.4f}", *cells)))
     return "\n".join(lines) + "\n"
 
 

@@ -183,7 +183,7 @@ def _shaped(x: Floats) -> PlantState:
     return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]))
 
 
-def told(found: list[Mode]) -> list[dict[str, Any]]:
+def as_json(found: list[Mode]) -> list[dict[str, Any]]:
     """Return the modes for JSON."""
     return [
         {
@@ -203,7 +203,11 @@ def table(found: list[Mode]) -> str:
     lines = [f"  {'Hz':>8} {'damping':>8}  {'axis':<6} {'kind':<13} participation"]
     for mode in found:
         shares = {**dict(zip(AXES, mode.axes, strict=True)), **mode.parts}
-        told = ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares.items() if share >= 0.05)
+        participation = ", ".join(
+            f"{name} {100 * share:.0f} %" for name, share in shares.items() if share >= 0.05
+        )
         axis = mode.axis if max(mode.axes) > mode.parts["pump"] + mode.parts["head"] else "-"
-        lines.append(f"  {mode.frequency:8.2f} {mode.damping:8.3f}  {axis:<6} {mode.kind:<13} {told}")
+        lines.append(
+            f"  {mode.frequency:8.2f} {mode.damping:8.3f}  {axis:<6} {mode.kind:<13} {participation}"
+        )
     return "\n".join(lines)

@@ -152,8 +152,8 @@ def _bars(axes: Axes, energies: Mapping[str, Mapping[str, float]], paths: Mappin
         axes.barh(names, values, left=left, color=colour, label=label_of(entry), height=0.6)
         ends, starts = ends + np.maximum(values, 0.0), starts + np.minimum(values, 0.0)
     for row, name in enumerate(names):
-        told = f"  {energies[name]['engine'] / 1e3:.0f} kJ, tip {paths[name]:.1f} m"
-        axes.text(ends[row], row, told, va="center", fontsize="small")
+        label = f"  {energies[name]['engine'] / 1e3:.0f} kJ, tip {paths[name]:.1f} m"
+        axes.text(ends[row], row, label, va="center", fontsize="small")
     axes.axvline(0.0, color="k", linewidth=0.8)
     axes.invert_yaxis()
     axes.set_xlim(right=1.3 * float(np.max(ends)))

@@ -62,7 +62,7 @@ class Summary:
     def energy(self) -> dict[str, float]:
         """Return the account [J]; `unaccounted` is what it leaves open.
 
-        What is stored is told by the oil's state at both ends. A valve that shuts at once stops a
+        What is stored follows from the oil's state at both ends. A valve that shuts at once stops a
         hose's flow at once: its kinetic energy is then among the unaccounted, with the error of the
         integration.
         """

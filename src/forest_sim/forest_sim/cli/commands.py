@@ -198,7 +198,7 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
     small = modes.modes(angles, spools, p)
     large = modes.modes(angles, spools, without_dry_friction(p)) if ends else small
     if as_json:
-        told = {
+        result = {
             "machine": machine.name,
             "angles_rad": list(angles),
             "dry_friction_speeds_m_s": {
@@ -208,10 +208,10 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
                 }
                 for axis, end in ends.items()
             },
-            "modes": modes.told(small),
-            "modes_without_dry_friction": modes.told(large),
+            "modes": modes.as_json(small),
+            "modes_without_dry_friction": modes.as_json(large),
         }
-        print(json.dumps(told, indent=2))
+        print(json.dumps(result, indent=2))
         return 0
     pose = ", ".join(f"{axis} {math.degrees(q):.1f}" for axis, q in zip(AXES, angles, strict=True))
     volts = ", ".join(f"{v:g}" for v in spools)

@@ -123,14 +123,14 @@ def _dependent(graph: LinearGraph, tree: Iterable[Branch]) -> list[Branch]:
 
 
 def _refuse_dependent(tree: NormalTree) -> None:
-    told = []
+    dependent = []
     continuity = tree.continuity()
     for branch in _dependent(tree.graph, tree.tree):
         others = tree.loops if branch.kind is Kind.A_TYPE else continuity
-        told.append(f"{branch.name} (bound by {', '.join(others[branch.name])})")
-    if told:
+        dependent.append(f"{branch.name} (bound by {', '.join(others[branch.name])})")
+    if dependent:
         raise GraphError(
-            f"{tree.graph.name}: dependent energy storage {', '.join(told)}; merge it with "
+            f"{tree.graph.name}: dependent energy storage {', '.join(dependent)}; merge it with "
             "what binds it, or put a D-type between"
         )
 

@@ -46,12 +46,12 @@ def parse_faults(text: str) -> tuple[Fault, ...]:
 
 
 def _fault(entry: str) -> Fault:
-    name, _, said = (part.strip() for part in entry.partition(":"))
+    name, _, fault = (part.strip() for part in entry.partition(":"))
     if name not in CHANNELS:
         raise ValueError(f"'{entry}': there is no sensor '{name}'; there are {', '.join(CHANNELS)}")
-    form = FORM.fullmatch(said)
+    form = FORM.fullmatch(fault)
     if form is None or form["word"] not in MODES:
-        raise ValueError(f"'{entry}': '{said}' is no fault; allowed: {ALLOWED}")
+        raise ValueError(f"'{entry}': '{fault}' is no fault; allowed: {ALLOWED}")
     start = float(form["start"]) if form["start"] else 0.0
     end = float(form["end"]) if form["end"] else math.inf
     if not 0.0 <= start < end:

@@ -66,7 +66,7 @@ class SensorState(NamedTuple):
 
 
 def surroundings(machine: Machine) -> Surroundings:
-    """Return the nominal surroundings of a machine: engine at its governed speed, oil warm, tilt as told."""
+    """Return the surroundings of a machine at work: governed speed, warm oil, tilt as in its file."""
     pump, tilt, oil = machine.pump, (0.0, machine.manipulator.platform_tilt), machine.oil
     speed = NOMINAL.engine_speed if isinstance(pump, IdealPump) else pump.shaft_speed
     warm = NOMINAL.temperatures if oil is None else (oil.reference_temperature,) * 3

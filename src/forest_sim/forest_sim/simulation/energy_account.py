@@ -82,7 +82,7 @@ def _places(name: str) -> list[int]:
 
 
 def with_stored_energy(total: Account, first: Simulation, last: Simulation, p: PlantParameters) -> Account:
-    """Return a run's account with `stored` told by the states at both ends instead of by integrated power.
+    """Return a run's account with `stored` from the states at both ends instead of by integrated power.
 
     Args:
         total: the integrals over the run [J].
