@@ -26,7 +26,7 @@ import numpy as np
 
 import forest_ident
 from forest_description.machine import Machine, load_machine
-from forest_ident.driving.direct_run import experiment
+from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.measurements.parameter_path import value_of, with_values
 from forest_ident.refinement.identification import identify
 

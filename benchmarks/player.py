@@ -33,7 +33,8 @@ SHARES = (50, 99, 99.9, 100)  # of the messages [%]
 def write_bag(directory: Path, seconds: float) -> int:
     """Write the bag; return its number of messages."""
     from forest_bag.write.bag_writer import BagWriter
-    from forest_msgs_py.interfaces.topics import JOY, offered_qos
+    from forest_msgs_py.interfaces.topic_qos import offered_qos
+    from forest_msgs_py.interfaces.topics import JOY
 
     writer = BagWriter(directory)
     names = [f"/load_{number}" for number in range(TOPICS)]
@@ -55,11 +56,14 @@ def listen(count: int) -> None:
     from rclpy.qos import QoSProfile
     from std_msgs.msg import String
 
-    from forest_msgs_py.runtime.polled_subscription import Inbox
+    from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 
     rclpy.init()
     node = rclpy.create_node("listener")
-    inboxes = [Inbox(node, String, f"/load_{n}", QoSProfile(depth=count), raw=True) for n in range(TOPICS)]
+    inboxes = [
+        PolledSubscription(node, String, f"/load_{n}", QoSProfile(depth=count), raw=True)
+        for n in range(TOPICS)
+    ]
     stamps: list[list[int]] = [[] for _ in inboxes]
     print("ready", flush=True)
     end = None

@@ -68,7 +68,7 @@ def listen(polled: bool) -> None:
     from rclpy.qos import QoSProfile
     from sensor_msgs.msg import JointState
 
-    from forest_msgs_py.runtime.polled_subscription import Inbox
+    from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 
     rclpy.init()
     node = rclpy.create_node("listener")
@@ -80,7 +80,10 @@ def listen(polled: bool) -> None:
 
     try:
         if polled:
-            inboxes = [Inbox(node, JointState, topic, QoSProfile(depth=QUEUE), raw=True) for topic in TOPICS]
+            inboxes = [
+                PolledSubscription(node, JointState, topic, QoSProfile(depth=QUEUE), raw=True)
+                for topic in TOPICS
+            ]
             while rclpy.ok():
                 count += sum(1 for inbox in inboxes for _ in inbox.take())
                 time.sleep(0.01)

@@ -17,7 +17,8 @@ from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.mcap_chunk import COMPRESSIONS
 from forest_bag.write.bag_session import Session
 from forest_bag.write.bag_writer import FLUSH_PERIOD_S, Layout
-from forest_msgs_py.interfaces.topics import JOY, offered_qos
+from forest_msgs_py.interfaces.topic_qos import offered_qos
+from forest_msgs_py.interfaces.topics import JOY
 
 NS = 1_000_000_000
 HOUR_NS = 3600 * NS

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Regenerates the six lock files from pyproject.toml; arguments (such as --upgrade) go to `uv pip compile`.
+# Regenerates the seven lock files from pyproject.toml; arguments (such as --upgrade) go to `uv pip compile`.
 set -euo pipefail
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -48,6 +48,14 @@ types-pyyaml
 import-linter
 pre-commit
 colcon-common-extensions
+TOOLS
+
+# One .venv may hold both sorts of tools.
+compile --universal --python-version 3.10 --constraint requirements.lock --constraint requirements-test.lock \
+    --constraint requirements-dev.lock "$@" --output-file requirements-docs.lock - <<'TOOLS'
+mkdocs-material
+mkdocstrings[python]
+l2m4m
 TOOLS
 
 # What scripts/mutate.sh installs for itself, beside .venv's own packages. Yattag, for reports of HTML, is published

@@ -4,6 +4,7 @@
 #   scripts/setup.sh         what running needs
 #   scripts/setup.sh test    also what only the tests need (pytest, and the libraries that they compare with)
 #   scripts/setup.sh dev     what running needs, and the check tools (ruff, mypy, import-linter, pre-commit, colcon)
+#   scripts/setup.sh docs    what running needs, and the tools that build the pages (mkdocs-material, mkdocstrings)
 #
 # PYTHON names the interpreter (CPython 3.10 to 3.14 on x86-64 Linux; default: that of .venv, or python3).
 # A sourced ROS 2 Jazzy is used in place of the ROS wheels. A second run does nothing and starts no python.
@@ -104,7 +105,7 @@ clean_environment() {
 
 sums_of() { (cd "$root" && sha256sum -- "$@"); }
 
-compute_keys() { # -> run_key, test_key, dev_key
+compute_keys() { # -> run_key, test_key, dev_key, docs_key
     run_key="checkout $root
 python $(readlink -f -- "$python") ${PYENV_VERSION:-}
 ros $ros_path
@@ -113,9 +114,11 @@ $(sums_of pyproject.toml requirements.lock requirements-jazzy.lock)"
 $(sums_of requirements-test.lock requirements-jazzy-test.lock)"
     dev_key="$run_key
 $(sums_of requirements-dev.lock)"
+    docs_key="$run_key
+$(sums_of requirements-docs.lock)"
 }
 
-is_done() { # is_done run|test|dev
+is_done() { # is_done run|test|dev|docs
     local key=${1}_key
     [[ -x $venv/bin/python && -r $venv/.stamp-$1 && -r $venv/.mode && $(<"$venv/.stamp-$1") == "${!key}" ]]
 }
@@ -240,7 +243,14 @@ install_dev() {
     say "Done."
 }
 
-install() { # install run|test|dev
+install_docs() {
+    say "Installing the tools that build the pages …"
+    pip_install "installing requirements-docs.lock" --require-hashes --only-binary=:all: -r "$root/requirements-docs.lock"
+    printf '%s\n' "$docs_key" >"$venv/.stamp-docs"
+    say "Done."
+}
+
+install() { # install run|test|dev|docs
     local lock_fd
     check_platform
     # One setup at a time; the lock goes with the process that holds it, however that ends.
@@ -262,11 +272,11 @@ install() { # install run|test|dev
     exec {lock_fd}<&-
 }
 
-main() { # main [run|test|dev]
+main() { # main [run|test|dev|docs]
     case ${1:-run} in
-    run | test | dev) ;;
+    run | test | dev | docs) ;;
     -h | --help) sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "${BASH_SOURCE[0]}" && exit 0 ;;
-    *) die "unknown argument '$1'; allowed: test, dev (or nothing)." ;;
+    *) die "unknown argument '$1'; allowed: test, dev, docs (or nothing)." ;;
     esac
     check_distro
     find_python

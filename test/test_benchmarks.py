@@ -202,3 +202,11 @@ def test_both_compilers_get_the_same_laws_and_a_refusal_is_told(benchmark):
     assert "| Numba | refuses: TypingError" in lines[3]
     sentence = "sinks: after 100 steps no number differs by more than 0e+00 of itself"
     assert list(compilers.differences([ours, numba, taken, refused])) == [sentence]
+
+
+def test_every_codec_is_measured_on_the_same_bytes(benchmark):
+    pytest.importorskip("rclpy")
+    pytest.importorskip("mcap_ros2")
+    table = benchmark("serialization").measured(10)
+    assert list(table) == ["batch", "packing", "rosbags", "rclpy", "mcap-ros2-support"]
+    assert all(decode >= 0.0 for _, decode in table.values())

@@ -1,4 +1,4 @@
-"""docs/equations.md and the docstrings say the same: which equation of the thesis is computed where."""
+"""docs/explanation/equations.md and the docstrings agree: which thesis equation is computed where."""
 
 import ast
 import importlib
@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-DOCUMENT = (ROOT / "docs" / "equations.md").read_text("utf-8").partition("\n## ")[0]  # the table alone
+PAGE = ROOT / "docs" / "explanation" / "equations.md"
+DOCUMENT = PAGE.read_text("utf-8").partition("\n## ")[0]  # the table alone
 KINDS = ("eq.", "App.", "section", "table", "fig.")
 NUMBER = r"\d+(?:\.\d+)+[a-z]?|[AB]\b"
 ITEM = re.compile(rf"(?:({'|'.join(map(re.escape, KINDS))}) )?({NUMBER})(?:-({NUMBER}))?(?:, | and )?")

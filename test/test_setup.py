@@ -41,9 +41,32 @@ def test_what_only_tests_need_is_in_their_lock_alone(run, test):
     assert not locked(run) & locked(test)
 
 
+def versions(lock: str) -> dict[str, set[str]]:
+    """Versions that a lock holds of each distribution; several where Python decides."""
+    found: dict[str, set[str]] = {}
+    for name, version in re.findall(r"^([\w.-]+)==(\S+)", (ROOT / lock).read_text("utf-8"), re.MULTILINE):
+        found.setdefault(canonicalize_name(name), set()).add(version)
+    return found
+
+
+@pytest.mark.parametrize("part", ["", "-test", "-dev"])
+def test_the_tools_that_build_the_pages_go_beside_the_other_parts(part):
+    others, docs = versions(f"requirements{part}.lock"), versions("requirements-docs.lock")
+    assert {name: docs[name] for name in docs if name in others} == {
+        name: others[name] for name in others if name in docs
+    }
+
+
 @pytest.mark.parametrize(
     ("script", "part"),
-    [("demo", "run"), ("graph", "run"), ("bags", "run"), ("test", "test"), ("check", "dev")],
+    [
+        ("demo", "run"),
+        ("graph", "run"),
+        ("bags", "run"),
+        ("test", "test"),
+        ("check", "dev"),
+        ("docs", "docs"),
+    ],
 )
 def test_a_script_asks_for_its_part(script, part):
     text = (ROOT / "scripts" / f"{script}.sh").read_text("utf-8")
@@ -93,7 +116,7 @@ def checkout(tmp_path):
     (tmp_path / "scripts").mkdir()
     shutil.copy(ROOT / "scripts" / "setup.sh", tmp_path / "scripts")
     (tmp_path / "wheels").mkdir()
-    for part in ("", "-jazzy", "-test", "-jazzy-test", "-dev"):
+    for part in ("", "-jazzy", "-test", "-jazzy-test", "-dev", "-docs"):
         (tmp_path / f"requirements{part}.lock").write_text(
             wheel(tmp_path / "wheels", f"part{part.replace('-', '_')}")
         )
@@ -127,8 +150,10 @@ def test_each_part_is_installed_when_it_is_asked_for_and_once(checkout):
     assert setup("test") == setup() == ""
     setup("dev")
     assert there() == {"part", "part_test", "part_dev"}
+    setup("docs")
+    assert there() == {"part", "part_test", "part_dev", "part_docs"}
     assert (checkout / ".venv" / ".python").stat().st_ino == made
     (checkout / "requirements-test.lock").write_text(wheel(checkout / "wheels", "part_more"))
     assert setup() == setup("dev") == ""  # what the tests need is no business of the others
     setup("test")
-    assert there() == {"part", "part_test", "part_dev", "part_more"}
+    assert there() == {"part", "part_test", "part_dev", "part_docs", "part_more"}

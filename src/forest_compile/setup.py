@@ -7,7 +7,7 @@ package = "forest_compile"
 setup(
     name=package,
     version="0.1.0",
-    description="How laws become fast: ordinary Python translated to machine code, and kept",
+    description="How model functions become fast: ordinary Python compiled to machine code",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),
     package_data={package: ["py.typed"]},

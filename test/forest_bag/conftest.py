@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 
 from forest_bag.write.bag_writer import BagWriter
-from forest_msgs_py.interfaces.topics import Topic, offered_qos
+from forest_msgs_py.interfaces.topic_qos import offered_qos
+from forest_msgs_py.interfaces.topics import Topic
 
 Logged = Sequence[tuple[int, Any]]  # log time [ns], message or bytes
 

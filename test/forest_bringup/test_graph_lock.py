@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from forest_bringup.graph_lock import AlreadyRunning, Failure, only_graph
+from forest_bringup.graph_lock import AlreadyRunning, GraphError, only_graph
 
 
 @pytest.fixture(autouse=True)
@@ -63,7 +63,7 @@ def test_without_a_domain_it_is_zero(monkeypatch, domain):
 @pytest.mark.parametrize("domain", ["233", "-1", "1.0", "x", "²", "٣", " "])
 def test_what_is_no_domain_is_refused_with_what_is_allowed(monkeypatch, domain):
     monkeypatch.setenv("ROS_DOMAIN_ID", domain)
-    with pytest.raises(Failure) as refused, only_graph("/"):
+    with pytest.raises(GraphError) as refused, only_graph("/"):
         pytest.fail("entered")
     assert str(refused.value) == f"ROS_DOMAIN_ID is {domain!r}; allowed: 0 .. 232"
 
@@ -78,7 +78,7 @@ def test_the_first_and_the_last_domain_are_domains(monkeypatch, domain):
 def test_a_lock_that_cannot_be_written_is_named(monkeypatch, folder):
     monkeypatch.setattr("tempfile.tempdir", str(folder / "absent"))
     with (
-        pytest.raises(Failure, match=r"cannot write the lock file .*absent.*: No such file"),
+        pytest.raises(GraphError, match=r"cannot write the lock file .*absent.*: No such file"),
         only_graph("/"),
     ):
         pytest.fail("entered")

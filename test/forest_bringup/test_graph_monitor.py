@@ -1,4 +1,4 @@
-"""Claims about the graph monitor, on a real ROS graph: whom it counts, who is a rival, what it says."""
+"""Claims about the graph monitor, on a real ROS graph: whom it counts, what others publish, what it says."""
 
 import os
 
@@ -9,8 +9,8 @@ pytest.importorskip("rclpy")
 
 from rclpy.exceptions import InvalidHandle
 
-from forest_bringup.graph_lock import Failure
-from forest_bringup.graph_monitor import Guard
+from forest_bringup.graph_lock import GraphError
+from forest_bringup.graph_monitor import GraphMonitor
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import publisher
 
@@ -21,7 +21,7 @@ def guard_in(domain_id):
     made = []
 
     def make(namespace="/", may_publish=True):
-        made.append(Guard(namespace, may_publish))
+        made.append(GraphMonitor(namespace, may_publish))
         return made[-1]
 
     yield make
@@ -45,20 +45,20 @@ def test_one_more_than_our_own_is_a_rival(guard_in, make_node, wait_until, topic
     others = [publisher(node, topic) for _ in range(ours)]
     expected = ours + (topic is topics.VALVE_VOLTAGES)
     wait_until(lambda: guard._node.count_publishers(topic.name) == expected)
-    assert guard.rival() == ""
+    assert guard.other_publisher() == ""
     others.append(publisher(node, topic))
-    wait_until(guard.rival)
-    assert guard.rival() == topic.name
+    wait_until(guard.other_publisher)
+    assert guard.other_publisher() == topic.name
 
 
 def test_in_shadow_another_driver_is_no_rival_but_another_controller_is(guard_in, make_node, wait_until):
     guard, node = guard_in(may_publish=False), make_node("driver", start_parameter_services=False)
     drivers = [publisher(node, topics.VALVE_VOLTAGES) for _ in range(3)]
     wait_until(lambda: guard._node.count_publishers(topics.VALVE_VOLTAGES.name) == len(drivers))
-    assert guard.rival() == ""
+    assert guard.other_publisher() == ""
     controllers = [publisher(node, topics.VALVE_COMMANDS) for _ in range(2)]
-    wait_until(guard.rival)
-    assert guard.rival() == topics.VALVE_COMMANDS.name
+    wait_until(guard.other_publisher)
+    assert guard.other_publisher() == topics.VALVE_COMMANDS.name
     assert controllers
 
 
@@ -66,7 +66,7 @@ def test_the_guard_says_zero_for_every_joint_with_a_stamp_in_its_namespace(guard
     guard = guard_in("/crane")
     heard = peer.hear(topics.VALVE_VOLTAGES, "/crane/valve_voltages")
     before = peer.node.get_clock().now().nanoseconds
-    peer.until(lambda: guard.say_zero() or heard)
+    peer.until(lambda: guard.publish_zero() or heard)
     sec, nanosec, *volts = heard[0].data
     assert volts == [0.0, 0.0, 0.0]
     assert before <= sec * 1e9 + nanosec <= peer.node.get_clock().now().nanoseconds
@@ -74,7 +74,7 @@ def test_the_guard_says_zero_for_every_joint_with_a_stamp_in_its_namespace(guard
 
 def test_in_shadow_nothing_is_said(guard_in, make_node, wait_until):
     guard, seen = guard_in(may_publish=False), make_node("seen", start_parameter_services=False)
-    guard.say_zero()
+    guard.publish_zero()
     wait_until(lambda: guard.count("seen") == 1)
     assert seen.count_publishers("/valve_voltages") == 0
 
@@ -92,7 +92,7 @@ def test_a_guard_that_has_left_says_nothing_and_nothing_of_it_is_left(guard_in):
     guard = guard_in()
     node, context = guard._node, guard._context
     guard.close()
-    guard.say_zero()
+    guard.publish_zero()
     assert not context.ok()
     with pytest.raises(InvalidHandle), node.handle:
         pass
@@ -116,8 +116,10 @@ def test_a_guard_stays_on_this_machine(guard_in, monkeypatch):
 
 def test_what_ros_refuses_is_one_sentence_and_nothing_is_left(domain_id, monkeypatch):
     left = []
-    monkeypatch.setattr(Guard, "close", lambda guard, close=Guard.close: left.append(close(guard)))
-    with pytest.raises(Failure, match=r"^ROS does not start: ") as refused:
-        Guard("/1crane", may_publish=True)
+    monkeypatch.setattr(
+        GraphMonitor, "close", lambda self, close=GraphMonitor.close: left.append(close(self))
+    )
+    with pytest.raises(GraphError, match=r"^ROS does not start: ") as refused:
+        GraphMonitor("/1crane", may_publish=True)
     assert "\n" not in str(refused.value)
     assert left == [None]

@@ -6,7 +6,7 @@ import contextlib
 import pytest
 
 from forest_bringup import graph
-from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_lock import GraphError
 from forest_bringup.supervisor import Stopped
 
 
@@ -48,7 +48,7 @@ def test_without_options_machine_and_control_run_and_joy_is_the_users(started, c
     assert (started.namespace, started.may_publish, started.until) == ("/", True, [None])
     assert parameters(started.nodes["controller"]) == {
         "machine": '"c180"',
-        "scheme": "coordinated",
+        "scheme": '"coordinated"',
         "publish_description": "false",
     }
     assert parameters(started.nodes["valve_driver"]) == {"machine": '"c180"', "shadow": "false"}
@@ -86,7 +86,7 @@ def test_every_option_reaches_its_nodes(started, tmp_path, monkeypatch):
         "faults": '""',
         "interpolate": "true",
     }
-    assert parameters(nodes["controller"])["scheme"] == "joint"
+    assert parameters(nodes["controller"])["scheme"] == '"joint"'
     assert {parameters(nodes[name])["machine"] for name in ("controller", "valve_driver", "simulator")} == {
         '"loader"'
     }
@@ -149,7 +149,7 @@ def test_a_source_is_the_thesis_or_something_that_exists(tmp_path, monkeypatch):
         graph.source_path("absent")
 
 
-@pytest.mark.parametrize("error", [Failure("a node ended"), OSError("a node ended")])
+@pytest.mark.parametrize("error", [GraphError("a node ended"), OSError("a node ended")])
 def test_a_failure_is_one_sentence_and_code_one(started, capsys, error):
     started.ends = [error]
     assert graph.main([]) == 1

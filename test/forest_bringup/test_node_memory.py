@@ -47,7 +47,7 @@ def test_a_nodes_memory_is_its_own_and_the_most_that_was_seen(node, tmp_path):
     graph = Supervisor([], "/", tmp_path)
 
     def noted():
-        graph._note_memory(process)
+        graph._record_memory(process)
         return graph.peak_memory_mb["node"]
 
     idle = noted()

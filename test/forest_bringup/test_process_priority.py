@@ -8,7 +8,7 @@ import pytest
 
 from forest_bringup import graph
 from forest_bringup.lockstep_run import in_lockstep
-from forest_bringup.process_priority import NICE, hurry
+from forest_bringup.process_priority import NICE, raise_priority
 
 
 @pytest.fixture
@@ -27,7 +27,7 @@ def test_a_process_takes_precedence_where_it_may(process):
     else:
         allowed = NICE
         os.setpriority(os.PRIO_PROCESS, process, before)
-    hurry(process)
+    raise_priority(process)
     assert os.getpriority(os.PRIO_PROCESS, process) == allowed
 
 
@@ -38,7 +38,7 @@ def test_where_it_may_not_nothing_happens(process, monkeypatch):
     before = os.getpriority(os.PRIO_PROCESS, process)
     monkeypatch.setattr(os, "setpriority", refused)
     monkeypatch.setattr(Path, "write_text", refused)
-    hurry(process)
+    raise_priority(process)
     assert os.getpriority(os.PRIO_PROCESS, process) == before
 
 

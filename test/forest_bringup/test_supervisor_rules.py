@@ -10,7 +10,7 @@ import signal
 import pytest
 
 from forest_bringup import supervisor
-from forest_bringup.graph_lock import AlreadyRunning, Failure
+from forest_bringup.graph_lock import AlreadyRunning, GraphError
 from forest_bringup.supervisor import NodeSpec, Stopped, Supervisor
 
 # Started as `-m NAME --ros-args -r __ns:=... WORDS...`; tells what happens to it in a diary.
@@ -49,7 +49,7 @@ while True:
 ENDED_S = 20  # on however busy a machine; usually under 1 s
 
 
-class Guard:
+class GraphMonitor:
     """What the supervisor sees of the graph, and what it says, by hand."""
 
     def __init__(self):
@@ -59,10 +59,10 @@ class Guard:
     def count(self, name):
         return self.counts.get(name, 0)
 
-    def rival(self):
+    def other_publisher(self):
         return self.topic
 
-    def say_zero(self):
+    def publish_zero(self):
         assert self.there, "said by a guard that has left"
         self.zeros += 1
         self.on_zero()
@@ -120,7 +120,7 @@ def diary(tmp_path, monkeypatch):
 
 @pytest.fixture
 def guard(monkeypatch):
-    watch = Guard()
+    watch = GraphMonitor()
 
     def join(graph):
         watch.there = True
@@ -203,7 +203,7 @@ def test_a_needed_node_that_ends_ends_the_graph_at_zero_before_anything_else_is_
     graph = graph_of(controller=words, simulator="", recorder="unneeded")
     at_first_zero = []
     guard.on_zero = lambda: at_first_zero or at_first_zero.append(order(diary, "ended"))
-    with running(graph, told), pytest.raises(Failure, match="controller ended with exit code"):
+    with running(graph, told), pytest.raises(GraphError, match="controller ended with exit code"):
         graph.run()
     assert at_first_zero == [["controller"]]
     assert order(diary, "ended") == ["controller", "simulator", "recorder"]
@@ -213,14 +213,14 @@ def test_a_needed_node_that_ends_ends_the_graph_at_zero_before_anything_else_is_
 def test_zero_is_said_before_the_stop_and_again_when_all_have_ended(graph_of, guard, told, diary):
     graph, said = graph_of(valve_driver="ends=1", simulator=""), []
     guard.on_zero = lambda: said.append(len(order(diary, "ended")))
-    with running(graph, told), pytest.raises(Failure):
+    with running(graph, told), pytest.raises(GraphError):
         graph.run()
     assert set(said) == {1, 2}
 
 
 def test_zero_is_repeated_for_three_tenths_of_a_second(clock, guard, tmp_path):
     graph = Supervisor([], "/crane", tmp_path)
-    graph._say_zero = guard.say_zero
+    graph._publish_zero = guard.publish_zero
     graph._zero_voltage()
     assert 25 <= guard.zeros <= 35
     assert clock.now == pytest.approx(1000.3, abs=0.02)
@@ -228,7 +228,7 @@ def test_zero_is_repeated_for_three_tenths_of_a_second(clock, guard, tmp_path):
 
 def test_the_failure_names_the_node_its_end_and_its_last_word_that_is_no_information(graph_of, told):
     graph = graph_of(simulator="says=[WARN]_warm|[ERROR]_too_hot|[ERROR]_melted|[INFO]_bye ends=3")
-    with running(graph, told), pytest.raises(Failure) as failed:
+    with running(graph, told), pytest.raises(GraphError) as failed:
         graph.run()
     assert str(failed.value) == "simulator ended with exit code 3: [ERROR] melted"
 
@@ -238,7 +238,7 @@ def test_a_node_that_was_killed_is_named_with_the_signal(graph_of, told, number)
     graph = graph_of(simulator="")
     with running(graph, told):
         os.kill(graph._processes[0].popen.pid, number)
-        with pytest.raises(Failure) as failed:
+        with pytest.raises(GraphError) as failed:
             graph.run()
     assert str(failed.value) == f"simulator was killed by {number.name}"
     assert graph.exit_codes == {"simulator": -number}
@@ -258,7 +258,7 @@ def test_a_node_that_is_not_needed_ends_alone_and_is_told_once(graph_of, guard, 
 
 def test_what_could_not_even_start_ends_the_graph_needed_or_not(graph_of, guard, told):
     graph = graph_of(simulator="", recorder="unneeded ends=2")
-    with running(graph, told), pytest.raises(Failure, match="recorder ended with exit code 2"):
+    with running(graph, told), pytest.raises(GraphError, match="recorder ended with exit code 2"):
         graph.run()
     assert guard.zeros > 0
 
@@ -280,7 +280,7 @@ def test_the_node_that_is_waited_for_ends_the_run_well_and_only_with_code_zero(g
 )
 def test_any_other_end_of_a_needed_node_is_a_failure(graph_of, told, until, words):
     graph = graph_of(joystick=words, simulator="")
-    with running(graph, told), pytest.raises(Failure, match="joystick"):
+    with running(graph, told), pytest.raises(GraphError, match="joystick"):
         graph.run(until=until)
 
 
@@ -357,7 +357,7 @@ def test_a_rival_is_warned_of_once_by_who_is_alone(
 ):
     monkeypatch.setattr(supervisor, "LOOK_PERIOD", 0.0)
     guard.topic = "valve_voltages"
-    graph = graph_of({"alone": alone}, simulator="")
+    graph = graph_of({"exclusive": alone}, simulator="")
     with running(graph, told), pytest.raises(Stopped):
         graph.run(progress=stop_soon(graph, 4))
     assert capfd.readouterr().err == "warning: somebody else publishes valve_voltages, too\n" * warnings
@@ -366,7 +366,7 @@ def test_a_rival_is_warned_of_once_by_who_is_alone(
 
 def test_one_graph_alone_in_a_namespace_and_guests_beside_it(graph_of, told):
     first, second = graph_of(simulator=""), graph_of(simulator="")
-    guest = graph_of({"alone": False}, player="")
+    guest = graph_of({"exclusive": False}, player="")
     with running(first, told):
         with pytest.raises(AlreadyRunning, match=str(os.getpid())), second:
             pytest.fail("entered")
@@ -411,12 +411,12 @@ def test_a_graph_that_cannot_start_leaves_no_process_no_lock_and_no_signal_handl
     before = signal.getsignal(signal.SIGTERM)
 
     def no_ros(self):
-        raise Failure("ROS does not start")
+        raise GraphError("ROS does not start")
 
     with monkeypatch.context() as patch:
         patch.setattr(Supervisor, "_join_ros", no_ros)
         graph = graph_of(simulator="")
-        with pytest.raises(Failure, match="ROS does not start"), graph:
+        with pytest.raises(GraphError, match="ROS does not start"), graph:
             pytest.fail("entered")
     assert not graph._processes
     assert set(graph.exit_codes) == {"simulator"}
@@ -441,7 +441,7 @@ def test_a_node_is_told_its_namespace_its_arguments_its_supervisor_and_to_stay_o
 
 def test_what_nodes_log_is_passed_on_also_what_comes_last(graph_of, told):
     heard = []
-    graph = graph_of({"echo": heard.append}, simulator="says=one|two")
+    graph = graph_of({"on_log_line": heard.append}, simulator="says=one|two")
     with running(graph, told):
         with pytest.raises(Stopped):
             graph.run(progress=stop_soon(graph))
@@ -453,7 +453,7 @@ def test_what_nodes_log_is_passed_on_also_what_comes_last(graph_of, told):
 
 def test_only_urgent_nodes_are_hurried(graph_of, monkeypatch):
     hurried = []
-    monkeypatch.setattr(supervisor, "hurry", hurried.append)
+    monkeypatch.setattr(supervisor, "raise_priority", hurried.append)
     graph = graph_of(simulator="", recorder="")
     graph._specs = [graph._specs[0]._replace(urgent=True), graph._specs[1]]
     with graph:
@@ -473,7 +473,7 @@ def test_the_guard_joins_in_the_graphs_namespace_may_publish_or_not_and_leaves(
 ):
     told = []
 
-    class Joined(Guard):
+    class Joined(GraphMonitor):
         def __init__(self, *arguments):
             super().__init__()
             told.append(arguments)
@@ -481,7 +481,7 @@ def test_the_guard_joins_in_the_graphs_namespace_may_publish_or_not_and_leaves(
         def close(self):
             told.append("left")
 
-    monkeypatch.setattr("forest_bringup.graph_monitor.Guard", Joined)
+    monkeypatch.setattr("forest_bringup.graph_monitor.GraphMonitor", Joined)
     graph = Supervisor([], "/crane", tmp_path, may_publish)
     assert isinstance(graph._join_ros(), Joined)
     assert told == [("/crane", may_publish)]
@@ -496,7 +496,7 @@ def test_unless_it_is_told_otherwise_a_supervisor_may_publish_and_needs_its_node
 
 def test_others_are_looked_for_until_they_have_had_time_to_show_themselves(clock, tmp_path, guard):
     graph, looks = Supervisor([NodeSpec("simulator", "m")], "/crane", tmp_path), []
-    graph._guard = guard
+    graph._monitor = guard
     guard.count = lambda name: looks.append(clock.now) or 0
     graph._refuse_other_graph()
     assert looks[0] == 1000.0
@@ -508,10 +508,10 @@ def test_others_are_looked_for_until_they_have_had_time_to_show_themselves(clock
 
 def test_later_looks_are_a_second_apart(clock, tmp_path, guard):
     graph, looks = Supervisor([], "/crane", tmp_path), []
-    graph._guard = guard
-    guard.rival = lambda: looks.append(clock.now) or ""
+    graph._monitor = guard
+    guard.other_publisher = lambda: looks.append(clock.now) or ""
     for _ in range(25):
-        graph._look_around()
+        graph._check_graph()
         clock.sleep(0.1)
     assert looks == pytest.approx([1000.0, 1001.0, 1002.0], abs=0.11)
 
@@ -519,14 +519,14 @@ def test_later_looks_are_a_second_apart(clock, tmp_path, guard):
 def test_zero_is_said_when_the_nodes_that_command_have_been_told_to_be_silent(graph_of, guard, told):
     graph = graph_of(controller="", simulator="ends=1")
     guard.on_zero = lambda: graph._processes and graph._processes[0].popen.wait(20.0)
-    with running(graph, told), pytest.raises(Failure, match="simulator"):
+    with running(graph, told), pytest.raises(GraphError, match="simulator"):
         graph.run()
     assert guard.zeros > 0
 
 
 def test_between_two_looks_at_the_processes_the_supervisor_sleeps(clock, tmp_path, guard):
     graph = Supervisor([], "/crane", tmp_path)
-    graph._guard = guard
+    graph._monitor = guard
     with pytest.raises(Stopped):
         graph.run(progress=stop_soon(graph, 5))
     assert clock.now == pytest.approx(1000.05)
@@ -536,18 +536,18 @@ def test_memory_is_noted_while_nodes_run(graph_of, told):
     graph = graph_of(simulator="")
     with running(graph, told):
         assert not graph.peak_memory_mb
-        graph._look_around()
+        graph._check_graph()
         assert graph.peak_memory_mb["simulator"] > 1.0
 
 
 def test_a_node_that_hangs_is_killed_also_where_ros_does_not_start(graph_of, diary, monkeypatch, wait_until):
     def no_ros(_graph):
         wait_until(diary)
-        raise Failure("ROS does not start")
+        raise GraphError("ROS does not start")
 
     monkeypatch.setattr(supervisor, "GRACE", 0.2)
     monkeypatch.setattr(Supervisor, "_join_ros", no_ros)
     graph = graph_of(simulator="hangs")
-    with pytest.raises(Failure, match="ROS does not start"), graph:
+    with pytest.raises(GraphError, match="ROS does not start"), graph:
         pytest.fail("entered")
     assert graph.exit_codes == {"simulator": -9}

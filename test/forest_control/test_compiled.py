@@ -41,7 +41,7 @@ def run(step, state, p, arguments):
             p, state = p._replace(lead=0.5 * p.lead), state._replace(changed=True)
         state, output = step(state, *inputs, p, DT)
         told.append(output)
-    return told, state.built() if hasattr(state, "built") else state
+    return told, state.built if hasattr(state, "built") else state
 
 
 @pytest.mark.parametrize("machine", MACHINES)
@@ -69,7 +69,7 @@ def test_the_drivers_step_is_the_interpreted_one(machine, adapt):
         pressures = valve_driver.UNSEEN if unseen else seen
         inputs.append((tuple(row[:3]), pressures, valve_driver.STILL if unseen else motion))
     fast = run(compiled.driver_step(), valve_driver.REST, p, inputs)
-    assert fast == run(valve_driver.step_measured, valve_driver.REST, p, inputs)
+    assert fast == run(valve_driver.step_seen, valve_driver.REST, p, inputs)
     assert len(set(fast[0])) > 100
 
 
@@ -81,7 +81,7 @@ def test_a_state_stays_what_it_was_when_the_step_moves_on():
     second, volts = step(first, (2.0, 0.0, 0.0), *unseen, p, DT)
     assert first.voltages != second.voltages
     again, repeated = step(first, (2.0, 0.0, 0.0), *unseen, p, DT)
-    assert (again.built(), repeated) == (second.built(), volts)
+    assert (again.built, repeated) == (second.built, volts)
 
 
 def test_without_the_code_the_interpreted_steps_run(monkeypatch, tmp_path):
@@ -90,4 +90,4 @@ def test_without_the_code_the_interpreted_steps_run(monkeypatch, tmp_path):
         known = getattr(compiled, name).entry
         monkeypatch.setattr(compiled, name, CachedKernel(name, lambda known=known: known))
     assert compiled.controller_step() is controller.step_with_telemetry
-    assert compiled.driver_step() is valve_driver.step_measured
+    assert compiled.driver_step() is valve_driver.step_seen

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident.driving.direct_run import experiment
+from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.measurements.parameter_path import value_of, with_values
 
 LONGEST = {"motor_internal": 60.0, "motor_external": 40.0, "validation": 25.0, "damping_swing": 40.0}  # [s]

@@ -5,24 +5,25 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_description.machine import load_machine
-from forest_ident.online import estimator
+from forest_ident.online import online_estimator
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array, joint_state, read_float_array
+from forest_msgs_py.interfaces.topic_qos import qos
 
 
 def test_labels_are_those_of_the_topic():
-    p = estimator.parameters(load_machine("c180"))
-    assert len(estimator.report(estimator.initial(p))) == len(topics.IDENTIFICATION.labels)
+    p = online_estimator.parameters(load_machine("c180"))
+    assert len(online_estimator.report(online_estimator.initial(p))) == len(topics.IDENTIFICATION.labels)
 
 
 def test_it_tells_what_it_believes_while_the_joints_come(peer, start_node):
     heard = peer.hear(topics.IDENTIFICATION)
     process = start_node("online_node", "-p", "report_period:=0.1")
     joints = peer.node.create_publisher(
-        topics.message_class(topics.JOINT_STATES), topics.JOINT_STATES.name, topics.qos(topics.JOINT_STATES)
+        topics.message_class(topics.JOINT_STATES), topics.JOINT_STATES.name, qos(topics.JOINT_STATES)
     )
     volts = peer.node.create_publisher(
-        topics.message_class(topics.VALVE_VOLTAGES), "valve_voltages", topics.qos(topics.VALVE_VOLTAGES)
+        topics.message_class(topics.VALVE_VOLTAGES), "valve_voltages", qos(topics.VALVE_VOLTAGES)
     )
     stamps = iter(range(10**9, 10**12, 5_000_000))
 

@@ -8,7 +8,8 @@ from typing import Any
 
 from stall import Stall
 
-from forest_msgs_py.interfaces.topics import Topic, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import Topic, message_class
 
 
 class Peer:

@@ -18,7 +18,7 @@ from forest_bag.play.play_options import PlayOptions, plan, select
 from forest_bag.play.playback import Player
 from forest_bag.play.player_parameters import PlayerParameters
 from forest_bag.play.read_ahead import BagSource
-from forest_bag.play.remote_control import KEYS, Remote
+from forest_bag.play.remote_control import KEYS, RemoteControl
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage
@@ -57,7 +57,7 @@ class PlayerNode(Node):
         for topic in self._out.redefined(chosen.hashes):
             self.get_logger().warning(f"{topic}: {chosen.types[topic]} was recorded with another definition")
         self._player = Player(source, self, whole)
-        self._remote = Remote(self._player, self._reader.span, self._set_rate, self.get_logger().info)
+        self._remote = RemoteControl(self._player, self._reader.span, self._set_rate, self.get_logger().info)
         offer_triggers(self, self._remote.services)
         values = {"rate": options.rate, "seek": 0.0}
         texts = {row.name: row.description for row in table_rows(PlayerParameters)}
@@ -111,9 +111,9 @@ class PlayerNode(Node):
         """Let those who are there find the player; if asked, wait until every topic has a reader."""
         self._closing.wait(self._options.delay)
         polls = 0
-        while self._options.wait_for_subscribers and (lonely := self._out.lonely()):
+        while self._options.wait_for_subscribers and (without_subscribers := self._out.without_subscribers()):
             if polls % REMINDER_POLLS == 0:
-                self.get_logger().info(f"waiting for a subscriber of {', '.join(lonely)}")
+                self.get_logger().info(f"waiting for a subscriber of {', '.join(without_subscribers)}")
             polls += 1
             if self._closing.wait(POLL_S):
                 return

@@ -4,8 +4,9 @@ It watches the graph, subscribes to each topic with its publishers' QoS, and cop
 In a namespace it records that namespace, and the topics of the ROS graph (absolute in the topic table).
 
 A thread of its own copies and writes; the executor is left with looking for topics and with the services
-`~/start`, `~/stop`, `~/split`, `~/snapshot` and `~/mark`, which says the parameter `event` on /events. The
-thread that writes never waits for the disk: a third one syncs. In lockstep it ends with the run's last step.
+`~/start`, `~/stop`, `~/split`, `~/snapshot` and `~/mark`, which publishes the parameter `event` on /events.
+The thread that writes never waits for the disk: a third one syncs. In lockstep the node ends with the run's
+last step.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from forest_bag.write.bag_writer import Layout
 from forest_msgs_py.clock.step_listener import listener
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
-from forest_msgs_py.introspection.graph_listener import Offer
+from forest_msgs_py.introspection.graph_listener import DiscoveredTopic
 from forest_msgs_py.introspection.parameter_survey import ParameterSurvey
 from forest_msgs_py.runtime.node import NodeFailure, publisher, run_node, timer
 from forest_msgs_py.runtime.node_parameters import declare
@@ -100,7 +101,7 @@ class RecorderNode(Node):
         self._recording.guard(self._listener.look)
         self._survey.look()
 
-    def _offered(self, offer: Offer) -> None:
+    def _offered(self, offer: DiscoveredTopic) -> None:
         self._recording.session.add_topic(*offer)
 
     def _refused(self, name: str, reason: str) -> None:
@@ -114,7 +115,7 @@ class RecorderNode(Node):
         self._recording.guard(lambda: self._run_context.node(name, parameters, self._listener.context_ns()))
 
     def _mark(self) -> str:
-        """Say an event on /events, which is recorded as every topic is."""
+        """Publish an event on /events, which is recorded as every topic is."""
         self._recording.demand_take()
         if not self._events.get_subscription_count():
             raise Refusal("the recorder does not hear /events: not yet, or it is told to exclude it")

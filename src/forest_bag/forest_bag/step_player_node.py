@@ -1,9 +1,8 @@
-"""Plays a bag in lockstep: says what was said in step k, and waits for the answers to it.
+"""Plays a bag in lockstep: publishes the messages of step k, and waits for the answers to them.
 
-It takes the place of the nodes that are not there: of a bag recorded in lockstep it says every topic but
-those that the nodes under test answer, silences included, and /clock. So their answers are those of the
-recorded run, to the last bit, or the nodes are not the same. (`forest-bag play` plays by the clock on the
-wall.)
+It stands for the nodes that are absent. Of a bag that was recorded in lockstep it publishes /clock and every
+topic that the nodes under test do not publish; steps without a message stay so. The answers are those of the
+recorded run, to the last bit, or the nodes are not the same. (`forest-bag play` plays in real time.)
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from forest_bag.play.player_parameters import StepPlayerParameters
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage
-from forest_msgs_py.clock.node_clock import pace
+from forest_msgs_py.clock.node_clock import node_clock
 from forest_msgs_py.clock.step_topics import STEP_NS
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.stamps import STAMPED
@@ -28,7 +27,7 @@ from forest_msgs_py.runtime.node import NodeFailure, run_node
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import ParameterError
 
-# The leader's own, and what several nodes say, among them those under test.
+# /clock is this node's own; several nodes publish diagnostics, among them those under test.
 NOT_PLAYED = (topics.CLOCK, topics.DIAGNOSTICS)
 
 
@@ -37,18 +36,18 @@ class StepPlayerNode(Node):
 
     def __init__(self) -> None:
         super().__init__("step_player")
-        self._pace = pace(self, leads=True)
-        if not self._pace.lockstep:
+        self._node_clock = node_clock(self, leads=True)
+        if not self._node_clock.lockstep:
             raise ParameterError("parameter 'lockstep' is false; allowed: true; `forest-bag play` plays live")
-        self.run = self._pace.run
+        self.run = self._node_clock.run
         path, answers = declare(self, StepPlayerParameters)
         try:
             self._bag = BagReader(Path(path))
         except (BagError, OSError) as error:
             raise ParameterError(f"parameter 'bag': {error}") from error
         rows = {name: find(name) for name in self._bag.channels}
-        self._said = {
-            name: self._pace.publisher(row)
+        self._publishers_by_topic = {
+            name: self._node_clock.publisher(row)
             for name, row in rows.items()
             if row is not None and _is_played(row, answers)
         }
@@ -59,21 +58,21 @@ class StepPlayerNode(Node):
             )
         for row in rows.values():
             if row is not None and row.name in answers:
-                self._pace.inbox(row)
-        self._messages: Iterator[RawMessage] = self._bag.messages(list(self._said))
+                self._node_clock.polled_subscription(row)
+        self._messages: Iterator[RawMessage] = self._bag.messages(list(self._publishers_by_topic))
         self._next: RawMessage | None = next(self._messages, None)
-        self._say_until(0)
-        self._pace.every(0.0, lambda: self._say_until(self._pace.stamp()))
+        self._publish_until(0)
+        self._node_clock.every(0.0, lambda: self._publish_until(self._node_clock.stamp()))
 
-    def _say_until(self, stamp: int) -> None:
-        """Say what the bag holds up to a stamp [ns]."""
+    def _publish_until(self, stamp: int) -> None:
+        """Publish what the bag holds up to a stamp [ns]."""
         while self._next is not None and self._next.log_ns <= stamp:
             if self._next.log_ns % STEP_NS:
                 raise NodeFailure(
                     f"{self._bag.path} holds a message at {self._next.log_ns} ns; allowed: a bag that was "
                     f"recorded in lockstep, with log times that are multiples of {STEP_NS} ns"
                 )
-            self._said[self._next.channel.topic].publish(self._next.data)
+            self._publishers_by_topic[self._next.channel.topic].publish(self._next.data)
             self._next = next(self._messages, None)
 
     def destroy_node(self) -> Any:

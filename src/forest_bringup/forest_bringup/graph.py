@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_lock import GraphError
 from forest_bringup.profile_choice import add_profile_option, profile_for
 from forest_bringup.supervisor import NodeSpec, Stopped, Supervisor
 from forest_control.servo.schemes import LABELS, Scheme
@@ -72,13 +72,17 @@ def parameter(name: str, value: Any) -> tuple[str, str]:
     return "-p", f"{name}:={json.dumps(value)}"
 
 
+def parameters(values: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the ROS arguments for several parameters."""
+    return tuple(word for name, value in values.items() for word in parameter(name, value))
+
+
 def joystick(
     source: str, duration: float, listeners: int, faults: str = "", interpolate: bool = True
 ) -> NodeSpec:
     """Return the joystick source, with what goes wrong with it."""
-    told = {"source": source, "duration": duration, "wait_for_subscribers": listeners, "faults": faults}
-    told["interpolate"] = interpolate
-    arguments = tuple(word for name, value in told.items() for word in parameter(name, value))
+    values = {"source": source, "duration": duration, "wait_for_subscribers": listeners, "faults": faults}
+    arguments = parameters({**values, "interpolate": interpolate})
     return NodeSpec("joystick", "forest_control.joystick_node", arguments, urgent=True)
 
 
@@ -95,16 +99,11 @@ def control(
         profile: parameters of the controller that are its operator's.
     """
     known = machine_arguments(machine)
-    personal = tuple(word for name, value in (profile or {}).items() for word in parameter(name, value))
-    told = ("-p", f"scheme:={scheme}", "-p", f"publish_description:={str(describe).lower()}")
+    choices = parameters({"scheme": scheme, "publish_description": describe, **(profile or {})})
+    driver = (*known, *parameter("shadow", shadow))
     return (
-        NodeSpec("controller", "forest_control.controller_node", (*known, *told, *personal), urgent=True),
-        NodeSpec(
-            "valve_driver",
-            "forest_control.valve_driver_node",
-            (*known, "-p", f"shadow:={str(shadow).lower()}"),
-            urgent=True,
-        ),
+        NodeSpec("controller", "forest_control.controller_node", (*known, *choices), urgent=True),
+        NodeSpec("valve_driver", "forest_control.valve_driver_node", driver, urgent=True),
     )
 
 
@@ -164,7 +163,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             graph.run()
     except Stopped:
         print("stopped", flush=True)
-    except (Failure, OSError) as error:
+    except (GraphError, OSError) as error:
         print(f"graph: {error}", file=sys.stderr)
         return 1
     return int(any(graph.exit_codes.values()))

@@ -10,11 +10,11 @@ from pathlib import Path
 HIGHEST_DOMAIN = 232  # above, the middleware runs out of ports
 
 
-class Failure(Exception):
+class GraphError(Exception):
     """The graph could not start or had to end; the message is one sentence for the user."""
 
 
-class AlreadyRunning(Failure):
+class AlreadyRunning(GraphError):
     """Another graph is there; `sign` is what it was known by."""
 
     def __init__(self, namespace: str, sign: str) -> None:
@@ -31,17 +31,17 @@ def only_graph(namespace: str) -> Iterator[None]:
 
     Raises:
         AlreadyRunning: another supervisor holds it.
-        Failure: ROS_DOMAIN_ID is no domain, or the lock file cannot be written.
+        GraphError: ROS_DOMAIN_ID is no domain, or the lock file cannot be written.
     """
     domain = os.environ.get("ROS_DOMAIN_ID") or "0"
     if not (domain.isascii() and domain.isdigit() and int(domain) <= HIGHEST_DOMAIN):
-        raise Failure(f"ROS_DOMAIN_ID is {domain!r}; allowed: 0 .. {HIGHEST_DOMAIN}")
+        raise GraphError(f"ROS_DOMAIN_ID is {domain!r}; allowed: 0 .. {HIGHEST_DOMAIN}")
     key = f"{os.getuid()}-{domain}{namespace.replace('/', '.')}"
     path = Path(tempfile.gettempdir()) / f"forest-graph-{key}.lock"
     try:
         file = path.open("a+", encoding="ascii")
     except OSError as error:
-        raise Failure(f"cannot write the lock file {path}: {error.strerror}") from error
+        raise GraphError(f"cannot write the lock file {path}: {error.strerror}") from error
     with file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

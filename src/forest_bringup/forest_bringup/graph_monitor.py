@@ -1,4 +1,4 @@
-"""The supervisor's own presence in the ROS graph: it sees who is there, and can say zero to the valves."""
+"""The supervisor's own node in the ROS graph: it sees who is there, and publishes zero voltage."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
-from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_lock import GraphError
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array
 from forest_msgs_py.runtime.environment import prepare_environment
 from forest_msgs_py.runtime.node import publisher
 
 
-class Guard:
+class GraphMonitor:
     """A node named _supervisor: hidden, as ROS calls it, from those who ask every node for its parameters.
 
     Args:
@@ -23,7 +23,7 @@ class Guard:
         may_publish: False where no voltage may be published, not even zero (shadow).
 
     Raises:
-        Failure: ROS does not start.
+        GraphError: ROS does not start.
     """
 
     def __init__(self, namespace: str, may_publish: bool) -> None:
@@ -43,21 +43,21 @@ class Guard:
             self._valves = publisher(self._node, topics.VALVE_VOLTAGES) if may_publish else None
         except Exception as error:
             self.close()
-            raise Failure(f"ROS does not start: {' '.join(str(error).split())}") from error
+            raise GraphError(f"ROS does not start: {' '.join(str(error).split())}") from error
 
     def count(self, name: str) -> int:
         """Return how many nodes of this name the namespace holds."""
         return int(self._node.get_node_names_and_namespaces().count((name, self._namespace)))
 
-    def rival(self) -> str:
-        """Return the topic that somebody besides our controller, driver and this guard commands on, or ""."""
+    def other_publisher(self) -> str:
+        """Return a command topic with a publisher besides our controller, driver and this node, or ""."""
         voltages = 2 if self._valves is not None else math.inf  # in shadow, another driver is what we watch
         for topic, ours in ((topics.VALVE_COMMANDS, 1), (topics.VALVE_VOLTAGES, voltages)):
             if self._node.count_publishers(topic.name) > ours:
                 return topic.name
         return ""
 
-    def say_zero(self) -> None:
+    def publish_zero(self) -> None:
         """Publish zero voltage once."""
         if self._valves is not None:
             now = self._node.get_clock().now().nanoseconds

@@ -20,14 +20,14 @@ def in_lockstep(nodes: Sequence[NodeSpec], steps: int, guard: float = GUARD) -> 
         steps: of the run.
         guard: how long a node waits for a message [s, wall clock].
     """
-    told = graph.parameter("lockstep_guard", guard)
-    stepping: tuple[str, ...] = (*told, *graph.parameter("lockstep", True))
+    guarded = graph.parameter("lockstep_guard", guard)
+    stepping: tuple[str, ...] = (*guarded, *graph.parameter("lockstep", True))
     if any(node.name == PLAYER for node in nodes):  # it may wait for what no node reads
         stepping = (*stepping, *graph.parameter("lockstep_quiet", 1))
     recorded = any(node.name == RECORDER for node in nodes)
     leading = (*graph.parameter("steps", steps), *graph.parameter("wait_for_recorder", recorded))
     run = graph.parameter("lockstep_nodes", [node.name for node in nodes if node.name != RECORDER])
-    more = dict.fromkeys(graph.LEADERS, (*stepping, *leading)) | {RECORDER: (*told, *run)}
+    more = dict.fromkeys(graph.LEADERS, (*stepping, *leading)) | {RECORDER: (*guarded, *run)}
     return [  # not urgent, for they wait; all needed: a run without its record would wait for ever
         node._replace(arguments=(*node.arguments, *more.get(node.name, stepping)), urgent=False, needed=True)
         for node in nodes
@@ -40,7 +40,7 @@ def run(
     """Run nodes, one of them a recorder, until the last of so many steps is in the bag.
 
     Raises:
-        Failure: a node ended unasked, or did not answer; the text names it.
+        GraphError: a node ended unasked, or did not answer; the text names it.
         Stopped: the user asked to stop.
     """
     with Supervisor(in_lockstep(nodes, steps, guard), namespace, logs) as running:

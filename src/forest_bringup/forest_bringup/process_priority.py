@@ -12,7 +12,7 @@ from pathlib import Path
 NICE = -10  # about ten times the share of a program that asks for nothing
 
 
-def hurry(process: int) -> None:
+def raise_priority(process: int) -> None:
     """Give a process precedence, by its id, before it has threads; where that is not allowed, do nothing.
 
     Linux may share the processor between sessions first (autogroups), and each of our nodes has its own: then

@@ -2,15 +2,12 @@
 
 What it promises:
 
-- one graph per ROS domain and namespace;
-- when a node ends unasked, the valves go to zero (the guard itself says so, should the driver be the one
-  that died), the rest is stopped, and `Failure` names the node and the reason;
-- but a crane does not stop because nobody writes down what it does: the end of a node that is not needed is
-  told, and the others do not notice;
-- nodes are stopped from the operator towards the recorder, so that the last thing in the bag is a machine
-  at rest;
-- no orphans: a stopped node has 5 s before SIGKILL, and nodes end with their parent, even one that is
-  killed.
+- One graph per ROS domain and namespace.
+- A needed node ends unasked: the valves go to zero, the other nodes are stopped, and `GraphError` names the
+  node and the reason. The supervisor publishes that zero itself, since the driver may be the node that died.
+- A node that is not needed (the recorder) ends: a warning says so, and the graph goes on.
+- Nodes are stopped from the operator towards the recorder, so that a bag ends with a machine at rest.
+- No orphans: a stopped node has 5 s before SIGKILL, and nodes end with their parent, even one that is killed.
 """
 
 import contextlib
@@ -23,12 +20,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, NamedTuple
 
-from forest_bringup.graph_lock import AlreadyRunning, Failure, only_graph
-from forest_bringup.process_priority import hurry
+from forest_bringup.graph_lock import AlreadyRunning, GraphError, only_graph
+from forest_bringup.process_priority import raise_priority
 from forest_msgs_py.runtime.environment import PARENT_VARIABLE, prepare_environment
 
 if TYPE_CHECKING:
-    from forest_bringup.graph_monitor import Guard
+    from forest_bringup.graph_monitor import GraphMonitor
 
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 POLL = 0.01  # [s]
@@ -68,9 +65,9 @@ class Supervisor:
         nodes: in the order in which they are to be stopped.
         namespace: of the graph, "/" or "/name".
         log_directory: one log file per node goes there.
-        may_publish: say zero voltage when a node dies; False where nothing may be published (shadow).
-        echo: gets every line that a node logs.
-        alone: one graph per domain and namespace; False: these nodes join one that is running.
+        may_publish: publish zero voltage when a node dies; False where nothing may be published (shadow).
+        on_log_line: gets every line that a node logs.
+        exclusive: one graph per domain and namespace; False: these nodes join one that is running.
     """
 
     def __init__(
@@ -79,39 +76,39 @@ class Supervisor:
         namespace: str,
         log_directory: Path,
         may_publish: bool = True,
-        echo: Callable[[str], None] | None = None,
-        alone: bool = True,
+        on_log_line: Callable[[str], None] | None = None,
+        exclusive: bool = True,
     ) -> None:
         self.exit_codes: dict[str, int] = {}
         self.peak_memory_mb: dict[str, float] = {}
         self._specs, self._namespace, self._logs = nodes, namespace, log_directory
-        self._may_publish, self._echo, self._alone = may_publish, echo, alone
+        self._may_publish, self._on_log_line, self._exclusive = may_publish, on_log_line, exclusive
         self._processes: list[_Process] = []
         self._stop_requested = False
         self._next_look = 0.0
         self._finished: set[str] = set()  # nodes that ended by themselves, as they should
         self._stack = contextlib.ExitStack()
-        self._guard: Guard
-        self._say_zero: Callable[[], None] = lambda: None
+        self._monitor: GraphMonitor
+        self._publish_zero: Callable[[], None] = lambda: None
         self._warned: set[str] = set()
 
     def __enter__(self) -> "Supervisor":
         """Claim the domain and start every node.
 
         Raises:
-            Failure: another graph is running, or a node cannot be started.
+            GraphError: another graph is running, or a node cannot be started.
             Stopped: a signal arrived meanwhile.
         """
         with contextlib.ExitStack() as undo:
             undo.callback(self._stack.close)
             self._catch_signals()
-            if self._alone:
+            if self._exclusive:
                 self._stack.enter_context(only_graph(self._namespace))
             self._stack.callback(self.stop)
             for spec in self._specs:
                 self._start(spec)
-            self._guard = self._join_ros()
-            self._say_zero = self._guard.say_zero
+            self._monitor = self._join_ros()
+            self._publish_zero = self._monitor.publish_zero
             self._refuse_other_graph()
             self._release()
             undo.pop_all()
@@ -126,7 +123,7 @@ class Supervisor:
         """Watch the graph until the node `until` has finished by itself, or forever; called again, go on.
 
         Raises:
-            Failure: a node that is needed ended unasked.
+            GraphError: a node that is needed ended unasked.
             Stopped: the user asked to stop.
         """
         while not self._stop_requested:
@@ -137,9 +134,9 @@ class Supervisor:
                 if process.spec.name == until and code == 0:
                     self._finished.add(until)
                     return
-                self._bear(process, code)
-            self._look_around()
-            self._pass_on_logs()
+                self._handle_exit(process, code)
+            self._check_graph()
+            self._forward_logs()
             if progress is not None:
                 progress()
             time.sleep(POLL)
@@ -148,17 +145,17 @@ class Supervisor:
     def stop(self) -> None:
         """Stop every node, in order; after this nothing runs."""
         for process in self._processes:
-            self._note_memory(process)
-        self._interrupt_commanding()
+            self._record_memory(process)
+        self._stop_commanding_nodes()
         hung = False
         for process in self._processes:
             if process.spec.name not in COMMANDING and process.popen.poll() is None:
                 process.popen.send_signal(signal.SIGTERM)
-            hung = not _reap(process.popen) or hung
+            hung = not _wait_or_kill(process.popen) or hung
             self.exit_codes[process.spec.name] = process.popen.returncode
         if hung:
             self._zero_voltage()  # it may have been the driver, without last words
-        self._pass_on_logs()
+        self._forward_logs()
         for process in self._processes:
             process.tail.close()
             if process.popen.stdin is not None:
@@ -181,19 +178,19 @@ class Supervisor:
                 stdout=sink,
                 stderr=sink,
                 env={**os.environ, PARENT_VARIABLE: str(os.getpid())},
-                start_new_session=True,  # a Ctrl-C reaches the supervisor alone, which keeps the order
+                start_new_session=True,  # a Ctrl-C reaches the supervisor exclusive, which keeps the order
             )
         if spec.urgent:
-            hurry(popen.pid)
+            raise_priority(popen.pid)
         self._processes.append(_Process(spec, popen, log, log.open(encoding="utf-8", errors="replace")))
 
-    def _join_ros(self) -> "Guard":
+    def _join_ros(self) -> "GraphMonitor":
         """Join the ROS graph; imported here, so that the nodes load meanwhile."""
-        from forest_bringup.graph_monitor import Guard
+        from forest_bringup.graph_monitor import GraphMonitor
 
-        guard = Guard(self._namespace, self._may_publish)
-        self._stack.callback(guard.close)
-        return guard
+        monitor = GraphMonitor(self._namespace, self._may_publish)
+        self._stack.callback(monitor.close)
+        return monitor
 
     def _release(self) -> None:
         """Let the waiting nodes go on."""
@@ -203,41 +200,41 @@ class Supervisor:
                     process.popen.stdin.write(b"\n")
                     process.popen.stdin.flush()
 
-    def _bear(self, process: _Process, code: int) -> None:
+    def _handle_exit(self, process: _Process, code: int) -> None:
         """Go on without a node that is not needed, and say so once; end the graph without another.
 
         Raises:
-            Failure: the node is needed, or could not even start.
+            GraphError: the node is needed, or could not even start.
         """
         if process.spec.needed or code == COULD_NOT_START:
             self._end_at_zero()
-            raise Failure(_obituary(process, code))
+            raise GraphError(_exit_report(process, code))
         if process.spec.name not in self._warned:
             self._warned.add(process.spec.name)
-            text = f"warning: {_obituary(process, code)}; the graph goes on without it"
+            text = f"warning: {_exit_report(process, code)}; the graph goes on without it"
             print(text, file=sys.stderr, flush=True)
 
     def _end_at_zero(self) -> None:
         """Bring the valves to zero, then stop everything."""
-        self._interrupt_commanding()  # or a living driver would contradict the zero
+        self._stop_commanding_nodes()  # or a living driver would contradict the zero
         self._zero_voltage()
         self.stop()
-        self._zero_voltage()  # the last word, for a reader, too, that found this guard only meanwhile
+        self._zero_voltage()  # again, for a reader that discovered the monitor only meanwhile
 
-    def _interrupt_commanding(self) -> None:
-        """Have the commanding nodes say zero and stop, all at once: none shall miss another and complain."""
+    def _stop_commanding_nodes(self) -> None:
+        """Have the commanding nodes publish zero and stop, all at once: none shall miss another."""
         for process in self._processes:
             if process.spec.name in COMMANDING and process.popen.poll() is None:
                 process.popen.send_signal(signal.SIGTERM)
 
     def _zero_voltage(self) -> None:
-        """Say zero on /valve_voltages for a while: the driver may be the node that died."""
+        """Publish zero on /valve_voltages for a while: the driver may be the node that died."""
         end = time.monotonic() + ZERO_TIME
         while time.monotonic() < end:
-            self._say_zero()
+            self._publish_zero()
             time.sleep(POLL)
 
-    def _note_memory(self, process: _Process) -> None:
+    def _record_memory(self, process: _Process) -> None:
         """Keep the most that a look has found a node to hold of its own [MB].
 
         Pages of files, of libraries above all, are left out: the nodes share them, and how many of them a
@@ -250,11 +247,11 @@ class Supervisor:
             own_mb = round(int(own.split()[1]) / 1024, 1)
             self.peak_memory_mb[name] = max(own_mb, self.peak_memory_mb.get(name, 0.0))
 
-    def _pass_on_logs(self) -> None:
+    def _forward_logs(self) -> None:
         for process in self._processes:
             for line in process.tail:
-                if self._echo is not None:
-                    self._echo(line.rstrip("\n"))
+                if self._on_log_line is not None:
+                    self._on_log_line(line.rstrip("\n"))
 
     def _catch_signals(self) -> None:
         for number in STOP_SIGNALS:
@@ -265,16 +262,16 @@ class Supervisor:
         self._stop_requested = True
 
     def _refuse_other_graph(self) -> None:
-        """Raise Failure if a node of ours already runs in this domain and namespace."""
+        """Raise GraphError if a node of ours already runs in this domain and namespace."""
         end = time.monotonic() + DISCOVERY
         while time.monotonic() < end:
-            if others := self._present_more_often_than(0):
+            if others := self._present_more_than(0):
                 raise AlreadyRunning(self._namespace, f"node {others[0]}")
             if self._stop_requested:
                 raise Stopped
             time.sleep(POLL)
 
-    def _look_around(self) -> None:
+    def _check_graph(self) -> None:
         """Now and then: end the graph if somebody runs a node of ours, too; warn of rivals; note the memory.
 
         Raises:
@@ -283,22 +280,22 @@ class Supervisor:
         if time.monotonic() < self._next_look:
             return
         self._next_look = time.monotonic() + LOOK_PERIOD
-        if others := self._present_more_often_than(1):
+        if others := self._present_more_than(1):
             self._end_at_zero()
             raise AlreadyRunning(self._namespace, f"a second node {others[0]}")
-        if self._alone and (topic := self._guard.rival()) and topic not in self._warned:
+        if self._exclusive and (topic := self._monitor.other_publisher()) and topic not in self._warned:
             self._warned.add(topic)
             print(f"warning: somebody else publishes {topic}, too", file=sys.stderr, flush=True)
         for process in self._processes:
-            self._note_memory(process)
+            self._record_memory(process)
 
-    def _present_more_often_than(self, count: int) -> list[str]:
+    def _present_more_than(self, count: int) -> list[str]:
         """Return names of needed nodes that the namespace holds more often than this."""
         needed = [spec.name for spec in self._specs if spec.needed]
-        return [name for name in needed if self._guard.count(name) > count]
+        return [name for name in needed if self._monitor.count(name) > count]
 
 
-def _obituary(process: _Process, code: int) -> str:
+def _exit_report(process: _Process, code: int) -> str:
     """Which node ended, how, and what it said last."""
     reason = f"was killed by {signal.Signals(-code).name}" if code < 0 else f"ended with exit code {code}"
     log = process.log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
@@ -306,7 +303,7 @@ def _obituary(process: _Process, code: int) -> str:
     return f"{process.spec.name} {reason}" + (f": {last[0].strip()}" if last else "")
 
 
-def _reap(popen: "subprocess.Popen[bytes]") -> bool:
+def _wait_or_kill(popen: "subprocess.Popen[bytes]") -> bool:
     """Wait for a process that was told to stop; False if it hung and had to be killed."""
     try:
         popen.wait(GRACE)

@@ -1,13 +1,14 @@
 """A core's step as machine code, behind the same call: `step(state, *inputs, p, dt) -> (state, output)`.
 
-State, inputs, parameters and output are nested NamedTuples of numbers, each of one shape, and lie flat for
-the machine code (`flat`). Parameters seldom change, and a loop hands back the state that it was given: both
-are laid out again only if they are others. So a state is built for Python only when somebody looks at it.
+State, inputs, parameters and output are nested NamedTuples of numbers, each of one shape. They lie flat for
+the machine code (`flat_layout`). Parameters seldom change, and a loop hands back the state that it was given:
+both are laid out again only if they are others. A state is built for Python only when somebody looks at it.
 """
 
 import ctypes
 import struct
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any, NamedTuple
 
 from forest_compile import flat_layout, machine_code
@@ -30,7 +31,7 @@ def entry(step: Callable[..., Any], example: Example, noinline: tuple[Callable[.
     """Return what a step's kernel is made of.
 
     Args:
-        step: of the laws.
+        step: the function.
         example: of what it takes and gives.
         noinline: functions whose calls stay calls.
     """
@@ -58,47 +59,41 @@ def entry(step: Callable[..., Any], example: Example, noinline: tuple[Callable[.
     )
 
 
-class Row:
-    """A nested tuple that lies flat."""
+class FlatBuffer:
+    """Memory in which a nested tuple lies flat."""
 
     def __init__(self, example: Any) -> None:
         self._pack, self._unpack = flat_layout.packer(example), flat_layout.unpacker(example)
         self._numbers = struct.Struct(f"{sum(1 for _ in flat_layout.leaves(example, ''))}d")
-        self._row = ctypes.create_string_buffer(self._numbers.size)
-        self.at = ctypes.addressof(self._row)
+        self._memory = ctypes.create_string_buffer(self._numbers.size)
+        self.address = ctypes.addressof(self._memory)
 
     def store(self, value: Any) -> None:
         """Lay a tuple out."""
-        self._numbers.pack_into(self._row, 0, *self._pack(value))
-
-    def restore(self) -> Any:
-        """Build the tuple that lies here."""
-        return self.build(self.copy())
+        self._numbers.pack_into(self._memory, 0, *self._pack(value))
 
     def copy(self) -> bytes:
-        """Return the numbers that lie here, for `build`."""
-        return self._row.raw
+        """Return a copy of what lies here, for `build`."""
+        return self._memory.raw
 
     def build(self, numbers: bytes) -> Any:
         """Build a tuple."""
         return self._unpack(self._numbers.unpack(numbers))
 
 
-class Moved:
+class LazyState:
     """A state as a step left it; it is built when somebody looks at it."""
 
-    def __init__(self, row: Row) -> None:
-        self._numbers, self._build = row.copy(), row.build
-        self._built: Any = None
+    def __init__(self, buffer: FlatBuffer) -> None:
+        self._bytes, self._build = buffer.copy(), buffer.build
 
+    @cached_property
     def built(self) -> Any:
-        """Return the state."""
-        if self._built is None:
-            self._built = self._build(self._numbers)
-        return self._built
+        """The state."""
+        return self._build(self._bytes)
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self.built(), name)
+        return getattr(self.built, name)
 
 
 class CompiledStep:
@@ -110,22 +105,22 @@ class CompiledStep:
     """
 
     def __init__(self, kernel: machine_code.Kernel, example: Example) -> None:
-        self._kernel = kernel
-        self._state, self._inputs, self._p, self._output = map(Row, example)
-        self._at = tuple(row.at for row in (self._state, self._inputs, self._p, self._output))
-        self._known: Any = None  # parameters that lie flat
-        self._moved: Moved | None = None  # the state that does
+        self._kernel, self._buffers = kernel, [FlatBuffer(part) for part in example]
+        self._addresses = [buffer.address for buffer in self._buffers]
+        self._p: Any = None  # parameters that lie flat
+        self._after: LazyState | None = None  # the state that does
 
     def __call__(self, state: Any, *arguments: Any) -> tuple[Any, Any]:
         """Return the state a step later, and the output; arguments are the inputs, the parameters, dt [s]."""
         *inputs, p, dt = arguments
-        if p is not self._known:
-            self._known = p
-            self._p.store(p)
-        if state is not self._moved:
-            self._state.store(state.built() if isinstance(state, Moved) else state)
-        self._inputs.store(inputs)
-        self._moved = None  # the kernel overwrites it, if only in part where it ends with a fault
-        self._kernel(*self._at, dt)
-        self._moved = Moved(self._state)
-        return self._moved, self._output.restore()
+        states, given, parameters, output = self._buffers
+        if p is not self._p:
+            self._p = p
+            parameters.store(p)
+        if state is not self._after:
+            states.store(state.built if isinstance(state, LazyState) else state)
+        given.store(inputs)
+        self._after = None  # the kernel overwrites it, if only in part where it ends with a fault
+        self._kernel(*self._addresses, dt)
+        self._after = LazyState(states)
+        return self._after, output.build(output.copy())

@@ -11,15 +11,11 @@ from typing import Any, NamedTuple
 class Entry(NamedTuple):
     """The function that the world calls."""
 
-    text: str
-    """Its source in Python; it returns nothing."""
-    names: Mapping[str, Any]
-    """What names in the source mean: model functions, types, numbers and tuples of numbers."""
-    arguments: str
-    """A letter for each argument: p pointer to doubles, d double, i whole number."""
+    text: str  # its source in Python; it returns nothing
+    names: Mapping[str, Any]  # what names in it mean: model functions, types, numbers and tuples of numbers
+    arguments: str  # a letter for each: p pointer to doubles, d double, i integer
+    # Names of tuples that lie flat in an argument: the argument's name, and an example. If the source uses
+    # the argument itself, too, the tuple is what lay there at the beginning.
     tuples: Mapping[str, tuple[str, Any]]
-    """Names of tuples that lie flat in an argument: the argument's name, and an example.
-
-    If the source uses the argument itself, too, the tuple is what lay there at the beginning."""
+    # Functions whose calls stay calls: those that are seldom called, or large.
     noinline: tuple[Callable[..., Any], ...] = ()
-    """Functions whose calls stay calls: those that are seldom called, or large."""

@@ -1,14 +1,14 @@
-"""Whether a kernel on disk is still the one that its laws would give: a digest of all that decides it.
+"""Whether a kernel on disk is still what its model functions would give: a digest of all that decides it.
 
-The digest follows the names in the laws' bytecode through what is imported: functions, numbers, tuples and
-types. It reads no source, since a node computes it at every start; 120 functions take about a millisecond. A
-name counts even where the law means a field of the same name, so the digest covers a little too much, never
-too little. Strings do not count: no law can use them.
+The digest follows the names in the bytecode through what is imported: functions, numbers, tuples and types.
+It reads no source, since a node computes it at every start; 120 functions take about a millisecond. A name
+counts even where the bytecode means a field of the same name: the digest covers a little too much, never too
+little. Strings do not count: no model function can use them.
 """
 
 import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib.machinery import SourceFileLoader
 from types import CodeType, FunctionType
 from typing import Any
@@ -25,19 +25,19 @@ _PARTS = (
 
 def digest(entry: Entry) -> str:
     """Return what changes with the entry, or with a function, number or type that its names lead to."""
-    return hashlib.sha256(repr(_marked(entry).words).encode()).hexdigest()
+    return hashlib.sha256(repr(_Fingerprint(entry).words).encode()).hexdigest()
 
 
 def functions(entry: Entry) -> list[FunctionType]:
     """Return the functions that the entry's names lead to."""
-    return [one for one in _marked(entry).known if isinstance(one, FunctionType)]
+    return [one for one in _Fingerprint(entry).known if isinstance(one, FunctionType)]
 
 
 def changed(entry: Entry) -> Iterator[FunctionType]:
     """Yield functions whose file does not say what was imported, while it is the file that is translated."""
     files: dict[str, list[list[Any]]] = {}
     for one in functions(entry):
-        if one.__qualname__.isidentifier():  # no method: that is no law
+        if one.__qualname__.isidentifier():  # a method is no model function
             path = one.__code__.co_filename
             if path not in files:
                 files[path] = _written(path)
@@ -54,86 +54,77 @@ def _written(path: str) -> list[list[Any]]:
     return [_words(inner) for inner in _inner(code)] if code else []
 
 
-def _marked(entry: Entry) -> "_Fingerprint":
-    mark = _Fingerprint()
-    mark.tell(entry.text, entry.arguments)
-    names = frozenset(re.findall(r"\w+", entry.text))
-    for name, value in sorted(entry.names.items()):
-        mark.tell(name)
-        mark.value(value, names)
-    mark.tell(len(entry.tuples))
-    for name, (argument, example) in entry.tuples.items():
-        mark.tell(name, argument)
-        mark.layout(example)
-    mark.tell([mark.known.get(function) for function in entry.noinline if function in mark.known])
-    return mark
-
-
 class _Fingerprint:
-    def __init__(self) -> None:
-        self.words: list[Any] = []
+    """All that decides a kernel, as words."""
+
+    def __init__(self, entry: Entry) -> None:
+        self.words: list[Any] = [entry.text, entry.arguments, sorted(entry.tuples)]
         self.known: dict[type | FunctionType, int] = {}
+        names = frozenset(re.findall(r"\w+", entry.text))
+        for name, value in sorted(entry.names.items()):
+            self.words.append(name)
+            self._value(value, names)
+        for name, (argument, example) in entry.tuples.items():
+            self.words += [name, argument]
+            self._layout(example)
+        self.words.append([self.known[function] for function in entry.noinline if function in self.known])
 
-    def tell(self, *words: Any) -> None:
-        self.words += words
-
-    def value(self, value: Any, names: Names = frozenset(), within: tuple[Any, ...] = ()) -> None:
+    def _value(self, value: Any, names: Names = frozenset(), within: tuple[Any, ...] = ()) -> None:
         """Add what a name means; `names` are those by which its attributes may be called."""
         if isinstance(value, int | float):
-            self.tell(_kind(value)(value))
+            self.words.append(_kind(value)(value))
         elif isinstance(value, tuple):
-            self._sort(type(value))
-            self.tell(len(value))
-            for item in value:
-                self.value(item)
+            self._items(value, self._value)
         elif isinstance(value, FunctionType):
-            self.function(value)
-        else:  # a module, a type, a function of the C library; or something that no law can use
+            self._function(value)
+        else:  # a module, a type, a function of the C library; or something that no model function can use
             self._sort(value if isinstance(value, type) else type(value))
-            self.tell(getattr(value, "__module__", ""), getattr(value, "__qualname__", ""))
+            self.words += [getattr(value, "__module__", ""), getattr(value, "__qualname__", "")]
             if hasattr(value, "__dict__") and not any(value is outer for outer in within):
                 for name in sorted(names):
                     if hasattr(value, name):
-                        self.tell(name)
-                        self.value(getattr(value, name), names, (*within, value))
+                        self.words.append(name)
+                        self._value(getattr(value, name), names, (*within, value))
 
-    def layout(self, example: Any) -> None:
+    def _layout(self, example: Any) -> None:
         """Add a nested tuple's shape; its numbers do not count."""
-        if not isinstance(example, tuple):
-            self.tell(_kind(example).__name__)
-            return
-        self._sort(type(example))
-        self.tell(len(example))
-        for item in example:
-            self.layout(item)
+        if isinstance(example, tuple):
+            self._items(example, self._layout)
+        else:
+            self.words.append(_kind(example).__name__)
 
-    def function(self, function: FunctionType) -> None:
+    def _items(self, values: tuple[Any, ...], add: Callable[[Any], None]) -> None:
+        self._sort(type(values))
+        self.words.append(len(values))
+        for item in values:
+            add(item)
+
+    def _function(self, function: FunctionType) -> None:
         """Add a function, and all that its names lead to."""
         if self._is_known(function):
             return
-        self.value(function.__defaults__ or ())
-        self.value(tuple(sorted((function.__kwdefaults__ or {}).items())))
-        self.tell(_words(function.__code__))
+        self._value(function.__defaults__ or ())
+        self._value(tuple(sorted((function.__kwdefaults__ or {}).items())))
+        self.words.append(_words(function.__code__))
         names = frozenset(_names(function.__code__))
         for name in sorted(names & function.__globals__.keys()):
-            self.tell(name)
-            self.value(function.__globals__[name], names)
+            self.words.append(name)
+            self._value(function.__globals__[name], names)
 
     def _sort(self, sort: type) -> None:
-        if self._is_known(sort):
-            return
-        self.tell(getattr(sort, "_fields", ()))
-        for name, value in getattr(sort, "_field_defaults", {}).items():
-            self.tell(name)
-            self.value(value)
+        if not self._is_known(sort):
+            self.words.append(getattr(sort, "_fields", ()))
+            for name, value in getattr(sort, "_field_defaults", {}).items():
+                self.words.append(name)
+                self._value(value)
 
     def _is_known(self, one: type | FunctionType) -> bool:
         """Tell whether a function or type has been added already; add its name if not."""
         if one in self.known:
-            self.tell(self.known[one])
+            self.words.append(self.known[one])
             return True
         self.known[one] = len(self.known)
-        self.tell(one.__module__, one.__qualname__)
+        self.words += [one.__module__, one.__qualname__]
         return False
 
 

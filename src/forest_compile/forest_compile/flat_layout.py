@@ -1,6 +1,6 @@
 """Nested NamedTuples of numbers as flat rows of floats, and back: how the plant meets machine code.
 
-The order is that of the fields, depth first. Whole numbers are stored as floats too. Both directions are
+The order is that of the fields, depth first. Integers are stored as floats too. Both directions are
 generated as Python source from an example, once per type, because walking the tree each time would cost more
 than a step of the plant.
 """

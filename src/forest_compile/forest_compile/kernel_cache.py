@@ -1,6 +1,6 @@
-"""Machine code that is kept: made once for a state of the laws, loaded within milliseconds ever after.
+"""The kernel cache: machine code is made once for a state of the sources, then loaded within milliseconds.
 
-The code lies in a cache under a digest of the kernel's entry and of all that its laws mean
+The code lies in a file under a digest of the kernel's entry and of all that its source means
 (`fingerprint`), of the translator's sources, the interpreter, LLVM's release and the processor. Only who
 asks for a `kernel` makes it. A node, which must start at once, asks for what is `ready`, and runs
 interpreted otherwise.
@@ -119,9 +119,9 @@ def make(*kernels: CachedKernel) -> int:
     if not can_compile():
         print("llvmlite is not installed")
         return 1
-    for kept in kernels:
-        kept.kernel()
-        if kept.file is None:
+    for kernel in kernels:
+        kernel.kernel()
+        if kernel.file is None:
             return 1  # the log says why
-        print(kept.file)
+        print(kernel.file)
     return 0

@@ -19,7 +19,7 @@ class UntrustedError(OSError):
 
 
 def directory() -> Path:
-    """Return where machine code is kept."""
+    """Return the directory of the kernel cache."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "forest_sim"
 
 

@@ -86,11 +86,11 @@ def load(code: bytes, arguments: str) -> Kernel:
     """Return the function `ENTRY` of object code made on this processor.
 
     It releases Python's lock while it runs, so that threads run side by side. It raises ArithmeticError where
-    the laws end with a fault, see `translate_numbers`.
+    the model functions end with a fault, see `frontend.arithmetic`.
 
     Args:
         code: from `optimised`.
-        arguments: a letter for each: p pointer to doubles, d double, i whole number.
+        arguments: a letter for each: p pointer to doubles, d double, i integer.
 
     Raises:
         ModuleNotFoundError: llvmlite is not installed.
@@ -121,7 +121,7 @@ def _callable(at: Any, arguments: str, *keep: Any) -> Kernel:
 
 
 def bound_to() -> str:
-    """Return what machine code is bound to, but for its laws: LLVM's release and this processor.
+    """Return what machine code is bound to, but for its source: LLVM's release and this processor.
 
     It does not import llvmlite.
     """

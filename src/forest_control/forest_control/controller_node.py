@@ -16,10 +16,10 @@ from forest_control.pipeline.controller_topics import ControllerInputs, Controll
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.motion_permission import Override, PermissionParameters, Verdict
 from forest_description.urdf.robot_description import robot_description
-from forest_msgs_py.clock.node_clock import pace
+from forest_msgs_py.clock.node_clock import node_clock
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import run_node
-from forest_msgs_py.safety.diagnostics import Health
+from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
 
@@ -31,8 +31,8 @@ class ControllerNode(Node):
 
     def __init__(self) -> None:
         super().__init__("controller")
-        self._pace = pace(self)
-        self.run = self._pace.run
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
         self._configuration = configuration = ControllerConfiguration(self)
         p = configuration.node
         self.add_on_set_parameters_callback(self._may_take_hands_off)
@@ -40,46 +40,50 @@ class ControllerNode(Node):
         self._controller = GuardedController(configuration.parameters, guard, compiled.controller_step())
         self._permission = self._controller.permission
         configuration.watch(self._controller.tune)
-        said = self._pace.publisher(topics.DIAGNOSTICS)
-        self._health = Health(self, tuple(self._permission.causes), "standing still", said)
-        stopped = self._pace.publisher(topics.EMERGENCY_STOPPED)
+        said = self._node_clock.publisher(topics.DIAGNOSTICS)
+        self._diagnostics = Diagnostics(self, tuple(self._permission.causes), "standing still", said)
+        stopped = self._node_clock.publisher(topics.EMERGENCY_STOPPED)
         self._stop = EmergencyStop(self, "", self._permission.against_reset, self._stand_still, stopped)
-        self._outputs = ControllerOutputs(self._pace, p.plain_arrays)
+        self._outputs = ControllerOutputs(self._node_clock, p.plain_arrays)
         if p.publish_description:
             self._outputs.say_description(robot_description(configuration.machine))
-        self._inputs = ControllerInputs(self._pace, configuration.machine, p.deadman_button)
-        self._watch_inputs(self._pace.on(topics.JOINT_STATES, self._on_joint_states))
-        self._pace.every(WATCHDOG_PERIOD, self._on_watchdog)
+        self._inputs = ControllerInputs(self._node_clock, configuration.machine, p.deadman_button)
+        self._watch_inputs(self._node_clock.on(topics.JOINT_STATES, self._on_joint_states))
+        self._node_clock.every(WATCHDOG_PERIOD, self._on_watchdog)
 
     def _watch_inputs(self, joints: Any) -> None:
         """Have /diagnostics tell of what the controller hears."""
-        heard, permission, inputs = partial(InputStatus, self, self._pace), self._permission, self._inputs
+        heard, permission, inputs = (
+            partial(InputStatus, self, self._node_clock),
+            self._permission,
+            self._inputs,
+        )
 
         def limits() -> dict[str, Any]:
             return self._configuration.limits(self._override().hands_off)
 
         joystick = heard(inputs.joy, "a joystick", permission.is_nobody_there)
-        self._health.watch("joystick", joystick, values=permission.joystick_values)
+        self._diagnostics.watch("joystick", joystick, values=permission.joystick_values)
         others = map(heard, (inputs.actuators, inputs.valves.volts, inputs.valves.status))
-        self._health.watch("machine", heard(joints, "the machine's state"), *others, values=limits)
-        self._health.watch("emergency stop", self._stop)
+        self._diagnostics.watch("machine", heard(joints, "the machine's state"), *others, values=limits)
+        self._diagnostics.watch("emergency stop", self._stop)
 
     def _on_joint_states(self, data: bytes, sent: float) -> None:
         machine, override = self._inputs.machine_state(data, sent), self._override()
         self._inputs.read_joystick(self._permission)
         cylinders = self._inputs.cylinders(machine.stamp, self._controller.parameters)
-        valves, now = self._inputs.valves.read(), self._pace.now()
+        valves, now = self._inputs.valves.read(), self._node_clock.now()
         decision, telemetry = self._controller.advance(machine, valves, now, cylinders, override)
         self._note_causes()
         if telemetry is not None:
             self._outputs.say(machine.stamp, telemetry, self._controller, override)
-            self._health.publish(machine.stamp)
+            self._diagnostics.publish(machine.stamp)
         elif decision.verdict == Verdict.STOP:
             self._say_zero()
 
     def _on_watchdog(self) -> None:
         self._inputs.read_joystick(self._permission)
-        now, override = self._pace.now(), self._override()
+        now, override = self._node_clock.now(), self._override()
         lost = self._controller.stops_without_state(now, override)
         if not self._permission.has_begun():  # nobody else would tell
             self._permission.disarm(now, override)
@@ -87,20 +91,20 @@ class ControllerNode(Node):
         if lost:
             self._say_zero()
         elif not self._permission.has_begun():
-            self._health.publish(self._pace.stamp())
+            self._diagnostics.publish(self._node_clock.stamp())
 
     def _stand_still(self) -> None:
         self._controller.stop()
         self._say_zero()
 
     def _say_zero(self) -> None:
-        now = self._pace.stamp()
+        now = self._node_clock.stamp()
         self._outputs.say_command(now, self._controller.command, self._override())
-        self._health.publish(now)
+        self._diagnostics.publish(now)
 
     def _note_causes(self) -> None:
         for part, cause in self._permission.causes.items():
-            self._health.note(part, cause)
+            self._diagnostics.note(part, cause)
 
     def _may_take_hands_off(self, changed: list[Any]) -> SetParametersResult:
         wanted = any(parameter.name == "hands_off" and parameter.value for parameter in changed)

@@ -3,7 +3,7 @@
 ``load_machine("c180")`` reads a shipped machine, ``load_machine("my_crane.yaml")`` a file of one's
 own. Axes are numbered 0 swing, 1 boom, 2 stick. Port 1 drives the positive direction (swing left;
 cylinder's head side, extending), port 2 the negative one. Where every shipped number comes from:
-``python -m forest_description.export.machine_numbers`` (docs/machine.md).
+``python -m forest_description.export.machine_numbers`` (docs/reference/machine.md).
 """
 
 import math

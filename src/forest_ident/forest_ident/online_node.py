@@ -12,9 +12,9 @@ from rclpy.node import Node
 
 from forest_description.machine import load_machine
 from forest_description.types import Vec3
-from forest_ident.online import estimator
+from forest_ident.online import online_estimator
 from forest_ident.online.online_parameters import OnlineParameters
-from forest_msgs_py.clock.node_clock import pace
+from forest_msgs_py.clock.node_clock import node_clock
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array
 from forest_msgs_py.interfaces.topics import Topic
@@ -32,12 +32,12 @@ class OnlineIdentificationNode(Node):
 
     def __init__(self) -> None:
         super().__init__("online_identification")
-        self._pace = pace(self)
-        self.run = self._pace.run
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
         machine = load_machine(declare(self, MachineParameter).machine)
         p = declare(self, OnlineParameters)
-        self._core = estimator.parameters(machine, p.memory)
-        self._state = estimator.initial(self._core)
+        self._core = online_estimator.parameters(machine, p.memory)
+        self._state = online_estimator.initial(self._core)
         self._period, self._timeout, self._every = StampedPeriod(p.period), p.timeout, p.report_period
         self._since = 0.0
         self._last: dict[Topic, tuple[bytes, float]] = {}  # message, when it was sent
@@ -45,10 +45,10 @@ class OnlineIdentificationNode(Node):
         self._ports = [ArrayReader(topics.PRESSURES, labels) for labels in PORTS]
         self._supply = ArrayReader(topics.SUPPLY, ("pressure",))
         self._voltages = ArrayReader(topics.VALVE_VOLTAGES)
-        self._estimates = self._pace.publisher(topics.IDENTIFICATION)
+        self._estimates = self._node_clock.publisher(topics.IDENTIFICATION)
         for topic in (topics.PRESSURES, topics.SUPPLY, topics.VALVE_VOLTAGES):
-            self._pace.on(topic, partial(self._keep, topic))
-        self._pace.on(topics.JOINT_STATES, self._on_joints)
+            self._node_clock.on(topic, partial(self._keep, topic))
+        self._node_clock.on(topics.JOINT_STATES, self._on_joints)
 
     def _keep(self, topic: Topic, data: bytes, sent: float) -> None:
         self._last[topic] = data, sent
@@ -58,7 +58,7 @@ class OnlineIdentificationNode(Node):
         if reading.problem or not reading.values.velocity:
             return
         dt = self._period.since(reading.stamp_ns)
-        sample = estimator.Sample(
+        sample = online_estimator.Sample(
             reading.values.position,
             reading.values.velocity,
             self._triple(topics.PRESSURES, self._ports[0]),
@@ -66,7 +66,7 @@ class OnlineIdentificationNode(Node):
             self._read(topics.SUPPLY, self._supply, 1)[0],
             self._triple(topics.VALVE_VOLTAGES, self._voltages),
         )
-        self._state = estimator.step(self._state, sample, self._core, dt)
+        self._state = online_estimator.step(self._state, sample, self._core, dt)
         self._since += dt
         if self._since >= self._every:
             self._since = 0.0
@@ -80,13 +80,13 @@ class OnlineIdentificationNode(Node):
         """Return a topic's newest values; NaN if they are bad, too old or never came."""
         nothing = (math.nan,) * count
         data, sent = self._last.get(topic, (b"", -math.inf))
-        if not data or self._pace.now() - sent > self._timeout:
+        if not data or self._node_clock.now() - sent > self._timeout:
             return nothing
         reading = reader.read(data, 0)
         return nothing if reading.problem else tuple(reading.values)
 
     def _publish(self, stamp: int) -> None:
-        told = zip(estimator.LABELS, estimator.report(self._state), strict=True)
+        told = zip(online_estimator.LABELS, online_estimator.report(self._state), strict=True)
         there = {label: value for label, value in told if math.isfinite(value)}
         message = float_array(topics.IDENTIFICATION, stamp, list(there.values()), labels=tuple(there))
         self._estimates.publish(message)

@@ -10,7 +10,7 @@ import numpy as np
 from rclpy.node import Node
 
 from forest_description.types import ZERO
-from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import Finished, run_node
 from forest_msgs_py.runtime.node_parameters import declare
@@ -24,25 +24,25 @@ class CommanderNode(Node):
 
     def __init__(self) -> None:
         super().__init__("commander")
-        self._pace = pace(self)
-        self.run = self._pace.run
+        self._node_clock = node_clock(self)
+        self.run = self._node_clock.run
         try:
             self._input = read_voltages(Path(declare(self, CommanderParameters).input))
         except InputError as error:
             raise ParameterError(f"parameter 'input': {error}") from error
-        self._command = speaker(self._pace, topics.VALVE_COMMANDS)
+        self._command = number_publisher(self._node_clock, topics.VALVE_COMMANDS)
         self._begun: float | None = None
-        self._pace.every(1.0 / topics.SENSOR_RATE_HZ, self._on_timer)
+        self._node_clock.every(1.0 / topics.SENSOR_RATE_HZ, self._on_timer)
 
     def _on_timer(self) -> None:
         if self._begun is None:
-            if not self._pace.lockstep and not self._is_heard():
+            if not self._node_clock.lockstep and not self._is_heard():
                 return
-            self._begun = self._pace.now()
-        elapsed = self._pace.now() - self._begun
-        if elapsed > self._input.duration and not self._pace.lockstep:
+            self._begun = self._node_clock.now()
+        elapsed = self._node_clock.now() - self._begun
+        if elapsed > self._input.duration and not self._node_clock.lockstep:
             raise Finished
-        self._command.say(self._pace.stamp(), self._input.at(np.array([elapsed]))[0].tolist())
+        self._command.publish(self._node_clock.stamp(), self._input.at(np.array([elapsed]))[0].tolist())
 
     def _is_heard(self) -> bool:
         name = self.resolve_topic_name(topics.VALVE_COMMANDS.name)
@@ -50,7 +50,7 @@ class CommanderNode(Node):
 
     def stop(self) -> None:
         """Last words: zero."""
-        self._command.say(self._pace.stamp(), ZERO)
+        self._command.publish(self._node_clock.stamp(), ZERO)
 
 
 def main() -> None:

@@ -22,13 +22,13 @@ from forest_description.derived.limits import start_tip
 from forest_description.machine import load_machine
 from forest_description.types import Vec3
 from forest_description.urdf.robot_description import robot_description
-from forest_msgs_py.clock.node_clock import pace, speaker
+from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter
-from forest_msgs_py.safety.diagnostics import Health, beyond, rating_values
+from forest_msgs_py.safety.diagnostics import Diagnostics, beyond, rating_values
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
 from forest_sim.simulation.deadlines import Deadlines
@@ -47,8 +47,8 @@ class SimulatorNode(Node):
 
     def __init__(self) -> None:
         super().__init__("simulator")
-        self._pace = pace(self, leads=True)
-        self.run = self._pace.run or self._keep_time
+        self._node_clock = node_clock(self, leads=True)
+        self.run = self._node_clock.run or self._keep_time
         machine = load_machine(declare(self, MachineParameter).machine)
         p = declare(self, SimulatorParameters, initial_tip=start_tip(machine))
         self._machine = simulated_machine(machine, p, PERIOD_NS * 1e-9)
@@ -60,27 +60,33 @@ class SimulatorNode(Node):
         self.add_on_set_parameters_callback(self._on_parameters)
         self._input, self._clipped = VoltageInput(machine.command_timeout), 0
         self._ratings = [machine.valve_of(axis).rated_voltage for axis in range(3)]
-        self._speakers = {
-            topic: speaker(self._pace, topic, FRAME if topic.type in FRAMED else "", p.plain_arrays)
+        self._publishers = {
+            topic: number_publisher(
+                self._node_clock, topic, FRAME if topic.type in FRAMED else "", p.plain_arrays
+            )
             for topic in topics.TOPICS
             if "simulator" in topic.publishers and topic not in (topics.DIAGNOSTICS, topics.ROBOT_DESCRIPTION)
         }
-        diagnostics = self._pace.publisher(topics.DIAGNOSTICS)
-        self._health = Health(self, ("voltages", "machine"), "valves centred", diagnostics)
-        self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
+        publisher = self._node_clock.publisher(topics.DIAGNOSTICS)
+        self._diagnostics = Diagnostics(self, ("voltages", "machine"), "valves centred", publisher)
+        self._description = self._node_clock.publisher(topics.ROBOT_DESCRIPTION)
         text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
         self._description.publish(text)
         self._reader = ArrayReader(topics.VALVE_VOLTAGES)
-        self._inbox = self._pace.inbox(topics.VALVE_VOLTAGES)
+        self._inbox = self._node_clock.polled_subscription(topics.VALVE_VOLTAGES)
         heard = InputStatus(
-            self, self._pace, self._inbox, "voltages", lambda: self._input.is_missed(self._pace.now())
+            self,
+            self._node_clock,
+            self._inbox,
+            "voltages",
+            lambda: self._input.is_missed(self._node_clock.now()),
         )
-        self._health.watch("voltages", heard, values=self._voltage_values)
-        self._health.watch("machine", values=self._machine_values)
-        self._stamp = self._pace.stamp()
+        self._diagnostics.watch("voltages", heard, values=self._voltage_values)
+        self._diagnostics.watch("machine", values=self._machine_values)
+        self._stamp = self._node_clock.stamp()
         self._deadlines = Deadlines(time.monotonic_ns(), PERIOD_NS)
-        if self._pace.lockstep:
-            self._pace.every(0.0, self._make_step)
+        if self._node_clock.lockstep:
+            self._node_clock.every(0.0, self._make_step)
 
     def _on_parameters(self, changed: list[Any]) -> SetParametersResult:
         values = {name: self.get_parameter(name).value for name in ("stuck_spools", "tip_force")}
@@ -108,13 +114,13 @@ class SimulatorNode(Node):
         if arrival is not None:
             reading = self._reader.read(arrival.message, 0)
             problem = self._input.take(reading.values, reading.stamp_ns, arrival.time, reading.problem)
-            self._health.note("voltages", problem)
+            self._diagnostics.note("voltages", problem)
             clipped = "" if problem else beyond(topics.VALVE_VOLTAGES, reading.values, self._ratings)
-            self._health.warn("voltages", clipped)
+            self._diagnostics.warn("voltages", clipped)
             self._clipped += bool(clipped)
-        now = self._pace.now()
+        now = self._node_clock.now()
         if self._input.is_missed(now):
-            self._health.warn("voltages", "")
+            self._diagnostics.warn("voltages", "")
         return self._input.at(now)
 
     def _keep_time(self, stopping: threading.Event) -> None:
@@ -129,7 +135,7 @@ class SimulatorNode(Node):
 
     def _make_step(self) -> None:
         """Move on by a period in lockstep: there are no deadlines to be missed."""
-        self._stamp = self._pace.stamp()
+        self._stamp = self._node_clock.stamp()
         self._advance()
 
     def _advance(self) -> None:
@@ -138,8 +144,8 @@ class SimulatorNode(Node):
             report = self._machine.step(voltages)
         values = topic_values(report, self._machine.events, self._deadlines.missed)
         for topic, numbers in values.items():
-            self._speakers[topic].say(self._stamp, numbers)
-        self._health.publish(self._stamp)  # last: nobody waits for it
+            self._publishers[topic].publish(self._stamp, numbers)
+        self._diagnostics.publish(self._stamp)  # last: nobody waits for it
 
 
 def main() -> None:

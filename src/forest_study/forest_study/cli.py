@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_lock import GraphError
 from forest_description.machine import MachineError
 from forest_msgs_py.runtime import command_line
 from forest_study.closed_loop.link_model import LinkError
@@ -26,7 +26,7 @@ PROGRAM = "forest-study"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one subcommand; return its exit code."""
     options = _parser().parse_args(arguments)
-    return command_line.run(PROGRAM, options, (MachineError, StudyError, Failure))
+    return command_line.run(PROGRAM, options, (MachineError, StudyError, GraphError))
 
 
 def _parser() -> argparse.ArgumentParser:

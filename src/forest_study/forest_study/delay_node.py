@@ -10,7 +10,8 @@ import time
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 
-from forest_msgs_py.interfaces.topics import TOPICS, find, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import TOPICS, find, message_class
 from forest_msgs_py.runtime.node import run_node, timer
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import ParameterError

@@ -5,7 +5,7 @@ import argparse
 import pytest
 
 from forest_bag.cli import record_command
-from forest_bag.record.progress import Status, status_line
+from forest_bag.record.progress import RecordingStatus, status_line
 
 
 def asked(*arguments):
@@ -71,10 +71,10 @@ def test_the_status_line_tells_duration_size_rate_and_losses():
 
 def test_without_a_terminal_a_line_comes_every_ten_seconds(capsys):
     lines = []
-    status = Status(lines.append, 0.0)
+    status = RecordingStatus(lines.append, 0.0)
     for tenth in range(300):
         if status.due(tenth / 10):
-            status.say(tenth / 10, 0, tenth * 20, 0)
+            status.show(tenth / 10, 0, tenth * 20, 0)
     status.end()
     assert [line.split(",")[0] for line in lines] == ["0:00:10.0", "0:00:20.0"]
     assert all("200/s" in line for line in lines)
@@ -83,8 +83,8 @@ def test_without_a_terminal_a_line_comes_every_ten_seconds(capsys):
 
 def test_on_a_terminal_the_line_overwrites_itself(monkeypatch, capsys):
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
-    status = Status(pytest.fail, 0.0)
+    status = RecordingStatus(pytest.fail, 0.0)
     assert status.due(0.5)
-    status.say(0.5, 0, 100, 0)
+    status.show(0.5, 0, 100, 0)
     status.end()
     assert capsys.readouterr().out == "\r\x1b[K0:00:00.5, 0.00 MB, 100 messages, 200/s, lost 0\n"

@@ -13,7 +13,7 @@ from forest_bag.write.bag_writer import BagWriter
 from forest_msgs_py.interfaces.qos_profiles import Qos
 from forest_msgs_py.types import NS_PER_S
 
-STREAM, LATCHED = Channel("/stream", "a"), Channel("/map", "b")
+STREAM, TRANSIENT_LOCAL = Channel("/stream", "a"), Channel("/map", "b")
 START = 10**18
 STEP = NS_PER_S // 10
 
@@ -53,13 +53,13 @@ class Session:
 
     def __init__(self, messages, latched=()):
         self.wall, self.sent, self.ticks = FakeWall(), [], []
-        self._messages, self._latched = messages, latched
+        self._messages, self._transient_local = messages, latched
 
     def messages(self, start_ns):
         yield from (m for m in self._messages if m.log_ns >= start_ns)
 
-    def latched(self, position_ns, renew):
-        return [m for m in self._latched if m.log_ns < position_ns or renew]
+    def transient_local(self, position_ns, renew):
+        return [m for m in self._transient_local if m.log_ns < position_ns or renew]
 
     def publish(self, message):
         self.sent.append((self.wall.time - 77 * NS_PER_S, message.log_ns - START))
@@ -123,7 +123,7 @@ def test_a_rate_set_on_the_way_holds_from_then_on(session):
 
 def test_latched_topics_come_first_after_a_seek_and_not_twice():
     stream = [message(STEP * number) for number in range(10)]
-    shown = message(STEP, LATCHED)
+    shown = message(STEP, TRANSIENT_LOCAL)
     session = Session(sorted([*stream, shown], key=lambda m: m.log_ns), [shown])
     player = session.player()
     session.wall.at(0.35, lambda: player.seek(START))
@@ -136,7 +136,7 @@ def test_latched_topics_come_first_after_a_seek_and_not_twice():
 
 
 def test_a_paused_player_shows_latched_topics_of_where_it_is_put():
-    shown = message(0, LATCHED)
+    shown = message(0, TRANSIENT_LOCAL)
     session = Session([message(STEP * number) for number in range(1, 10)], [shown])
     player = session.player(paused=True)
     session.wall.at(1.0, lambda: player.seek(START + 5 * STEP))
@@ -147,7 +147,7 @@ def test_a_paused_player_shows_latched_topics_of_where_it_is_put():
 
 
 def test_a_loop_begins_anew_with_latched_topics(session):
-    session._latched = [message(-1, LATCHED)]
+    session._transient_local = [message(-1, TRANSIENT_LOCAL)]
     player = session.player(loop=True)
     session.wall.at(1.25, player.stop)
     player.run()
@@ -230,15 +230,15 @@ def test_latched_topics_hold_what_their_publishers_kept(tmp_path):
         writer.write(topic, data, time, time)
     writer.close()
     profiles = {
-        "/map": Qos(1, latched=True),
-        "/tf_static": Qos(2, latched=True),
-        "/stopped": Qos(1, latched=True),
+        "/map": Qos(1, transient_local=True),
+        "/tf_static": Qos(2, transient_local=True),
+        "/stopped": Qos(1, transient_local=True),
     }
     with BagReader(writer.directory) as reader:
         source = BagSource(reader, profiles)
 
         def held(position, renew=True):
-            return [m.data for m in source.latched(position, renew)]
+            return [m.data for m in source.transient_local(position, renew)]
 
         assert held(0) == [b"arm", b"old"]
         assert held(0, renew=False) == []

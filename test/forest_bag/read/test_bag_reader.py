@@ -118,7 +118,7 @@ def test_bags_of_the_rosbags_library_are_read(tmp_path, storage, mode, version):
         assert [m.data for m in bag.messages()] == [b"message 1", b"message 2", b"message 3"]
         (channel,) = bag.channels["/a"]
         assert (channel.type, channel.encoding) == (TEXT, "cdr")
-        assert [(p.depth, p.reliable, p.latched) for p in offered(channel.qos)] == [(4, False, True)]
+        assert [(p.depth, p.reliable, p.transient_local) for p in offered(channel.qos)] == [(4, False, True)]
 
 
 @pytest.mark.parametrize("columns", ["", ", offered_qos_profiles TEXT, type_description_hash TEXT"])

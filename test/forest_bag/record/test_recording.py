@@ -8,10 +8,10 @@ pytest.importorskip("rclpy")
 
 from forest_bag.record.recording import Recording, Refusal
 from forest_bag.storage.bag_files import bag_files
-from forest_bag.storage.mcap_recovery import Salvage
+from forest_bag.storage.mcap_recovery import RecordRecovery
 from forest_bag.write.bag_session import Session
 from forest_bag.write.bag_writer import FLUSH_PERIOD_S, Layout
-from forest_msgs_py.introspection.graph_listener import Heard
+from forest_msgs_py.introspection.graph_listener import ReceivedMessage
 from forest_msgs_py.runtime.node import NodeFailure
 
 OFFER = [{"durability": "volatile", "depth": 1, "lifespan": {"sec": 0}}]
@@ -59,11 +59,13 @@ def recording(clock, waiting, said, tmp_path):
 
 
 def heard(step, missed=0):
-    return Heard(step, "/depth", b"12345678", step, step + 1, missed)
+    return ReceivedMessage(step, "/depth", b"12345678", step, step + 1, missed)
 
 
 def on_disk(directory):
-    return sum(hasattr(record, "sequence") for file in bag_files(directory) for record in Salvage(file))
+    return sum(
+        hasattr(record, "sequence") for file in bag_files(directory) for record in RecordRecovery(file)
+    )
 
 
 def test_what_is_older_than_two_tenths_of_a_second_is_on_the_disk(recording, clock, waiting, tmp_path):

@@ -162,8 +162,8 @@ def test_a_zeroed_tail_as_a_power_cut_leaves_it_is_skipped(tmp_path):
     whole.write_bytes(whole.read_bytes() + bytes(100_000))
     recovered = recover([whole], tmp_path / "out")
     assert recovered.messages == 400
-    ((_, salvage),) = recovered.files
-    assert [damage.length for damage in salvage.damages] == [100_000]
+    ((_, recovery),) = recovered.files
+    assert [damage.length for damage in recovery.damages] == [100_000]
 
 
 def test_a_file_of_mcap_s_own_writer_recovers_too(tmp_path):
@@ -198,7 +198,7 @@ def test_of_several_files_the_empty_one_is_left_out(tmp_path):
     recovered = recover([first, second, tmp_path / "nothing.mcap"], tmp_path / "out")
     assert recovered.messages == 800
     assert [path and path.name for path, _ in recovered.files] == ["out_0.mcap", "out_1.mcap", None]
-    assert [salvage.complete for _, salvage in recovered.files] == [True, False, False]
+    assert [recovery.complete for _, recovery in recovered.files] == [True, False, False]
     assert count_by_rosbags(tmp_path / "out") == 800
 
 

@@ -1,4 +1,4 @@
-"""Claims about the velocity scaling: it slows, it never turns, it never traps."""
+"""Claims about the governor: it slows, it never turns, it never traps."""
 
 import itertools
 import math
@@ -14,14 +14,15 @@ from forest_control.limits.velocity_scaling import (
     NO_AXIS,
     NO_STROKE,
     Axis,
+    Governed,
+    GovernorParameters,
     Limit,
     Pumps,
     Stroke,
-    VelocityLimits,
-    VelocityScaling,
     flow_demand,
-    velocity_scaling,
+    govern,
 )
+from forest_control.operator.joystick_watch import Joystick
 from forest_description.derived.actuator_kinematics import displacements, joint_rates_to_actuator_speeds
 from forest_description.geometry.kinematics import Links, joint_rates, tip_position, tip_velocity
 from forest_description.geometry.linkage import cylinder_length, lever_arm
@@ -29,8 +30,8 @@ from forest_description.machine import load_machine
 
 LINKS = Links(0.41, 4.1, 2.9)
 CREEP, FAR_OFF, NEGLIGIBLE = 2e-3, 2.5, 1e-6  # [rad/s], times the wish, [rad/s; m/s]
-SAFETY = Path(__file__).resolve().parents[3] / "docs" / "safety.md"
-P = VelocityLimits(
+SAFETY = Path(__file__).resolve().parents[3] / "docs" / "explanation" / "safety.md"
+P = GovernorParameters(
     lower=(-2.0, -0.6, -2.1),
     upper=(2.0, 1.2, -0.8),
     rates=(0.8, 0.25, 0.3),
@@ -51,7 +52,7 @@ def test_tip_keeps_its_direction_and_no_joint_exceeds_what_is_allowed():
     factors, rates, moved = np.empty(count), np.empty((count, 3)), np.empty((count, 3))
     for k, (q, wish) in enumerate(zip(map(tuple, angles.tolist()), map(tuple, wishes.tolist()), strict=True)):
         wished = joint_rates(q, wish, LINKS)
-        factors[k] = velocity_scaling(q, wished, P).factor
+        factors[k] = govern(q, wished, P).factor
         rates[k] = np.multiply(factors[k], wished)
         moved[k] = tip_velocity(q, tuple(rates[k].tolist()), LINKS)
     square = np.sum(wishes**2, axis=1)
@@ -73,11 +74,9 @@ def test_factor_is_the_largest_that_is_allowed_but_for_the_rounded_corner_near_a
         rates = [P.rates[i] / abs(wished[i]) for i in range(3)]
         most = min(1.0, *rates, *limits)
         arrived = any(P.approach[i] * rooms[i] < CREEP for i in range(3))
-        assert (
-            (0.0 if arrived else 0.71 * most) <= velocity_scaling(q, wished, P).factor <= most * (1.0 + 1e-12)
-        )
+        assert (0.0 if arrived else 0.71 * most) <= govern(q, wished, P).factor <= most * (1.0 + 1e-12)
         if min(limits) > FAR_OFF:
-            assert velocity_scaling(q, wished, P).factor == pytest.approx(most, rel=1e-12)
+            assert govern(q, wished, P).factor == pytest.approx(most, rel=1e-12)
 
 
 @pytest.mark.parametrize("joint", range(3))
@@ -86,9 +85,9 @@ def test_moving_away_from_a_limit_is_never_slowed(joint, beyond):
     for limit, outward in ((P.upper[joint] + beyond, 1.0), (P.lower[joint] - beyond, -1.0)):
         q, wished = list(MIDDLE), [0.0, 0.0, 0.0]
         q[joint], wished[joint] = limit, -outward * P.rates[joint]
-        assert velocity_scaling(tuple(q), tuple(wished), P) == VelocityScaling(1.0, Limit.NONE)
+        assert govern(tuple(q), tuple(wished), P) == Governed(1.0, Limit.NONE)
         wished[joint] = outward * P.rates[joint]
-        assert velocity_scaling(tuple(q), tuple(wished), P) == VelocityScaling(0.0, Limit.JOINT)
+        assert govern(tuple(q), tuple(wished), P) == Governed(0.0, Limit.JOINT)
 
 
 def test_backing_out_is_possible_from_everywhere():
@@ -96,32 +95,32 @@ def test_backing_out_is_possible_from_everywhere():
     for _ in range(2000):
         q = random_angles(rng, beyond=0.5)
         back = tuple(float(rate) for rate in rng.uniform(0.1, 3.0) * np.sign(np.subtract(MIDDLE, q)))
-        governed = velocity_scaling(q, back, P)
+        governed = govern(q, back, P)
         assert governed.factor == min(1.0, min(P.rates[i] / abs(back[i]) for i in range(3)))
         assert governed.limit is not Limit.JOINT
 
 
 def test_rounding_towards_a_limit_does_not_stop_the_others():
     q = (0.0, P.upper[1], -1.5)
-    assert velocity_scaling(q, (0.5, NEGLIGIBLE, 0.1), P) == VelocityScaling(1.0, Limit.NONE)
-    assert velocity_scaling(q, (0.5, 1.1 * NEGLIGIBLE, 0.1), P) == VelocityScaling(0.0, Limit.JOINT)
+    assert govern(q, (0.5, NEGLIGIBLE, 0.1), P) == Governed(1.0, Limit.NONE)
+    assert govern(q, (0.5, 1.1 * NEGLIGIBLE, 0.1), P) == Governed(0.0, Limit.JOINT)
 
 
 def test_the_limit_that_holds_back_is_named():
-    assert velocity_scaling(MIDDLE, (0.4, 0.1, 0.1), P) == VelocityScaling(1.0, Limit.NONE)
-    assert velocity_scaling(MIDDLE, (1.6, 0.1, 0.1), P) == VelocityScaling(0.5, Limit.RATE)
+    assert govern(MIDDLE, (0.4, 0.1, 0.1), P) == Governed(1.0, Limit.NONE)
+    assert govern(MIDDLE, (1.6, 0.1, 0.1), P) == Governed(0.5, Limit.RATE)
     near = (0.0, P.upper[1] - 0.05, -1.5)
-    assert velocity_scaling(near, (1.6, 0.1, 0.1), P) == VelocityScaling(0.5, Limit.RATE)
-    assert velocity_scaling(near, (0.8, 0.2, 0.1), P).limit is Limit.JOINT
+    assert govern(near, (1.6, 0.1, 0.1), P) == Governed(0.5, Limit.RATE)
+    assert govern(near, (0.8, 0.2, 0.1), P).limit is Limit.JOINT
 
 
 def test_a_joint_comes_to_rest_before_its_limit():
     angle, period = 0.9, 0.005
     for _ in range(4000):
-        factor = velocity_scaling((0.0, angle, -1.5), (0.0, 0.25, 0.0), P).factor
+        factor = govern((0.0, angle, -1.5), (0.0, 0.25, 0.0), P).factor
         angle += period * factor * 0.25
     assert P.upper[1] - 1.1 * CREEP / P.approach[1] < angle < P.upper[1]
-    assert velocity_scaling((0.0, angle, -1.5), (0.0, 0.25, 0.0), P).factor * 0.25 < 1e-6  # it arrives
+    assert govern((0.0, angle, -1.5), (0.0, 0.25, 0.0), P).factor * 0.25 < 1e-6  # it arrives
     assert not math.isclose(angle, 0.9)
 
 
@@ -134,7 +133,7 @@ def test_the_pumps_flow_is_shared_without_turning():
     rng, held = np.random.default_rng(7), 0
     for _ in range(2000):
         q, wished = random_angles(rng), tuple(rng.normal(0.0, 0.5, 3).tolist())
-        governed = velocity_scaling(q, wished, p)
+        governed = govern(q, wished, p)
         speeds = joint_rates_to_actuator_speeds(q, wished, machine.linkages)
         taken = sum(abs(v) * area[0 if v > 0.0 else 1] for v, area in zip(speeds, areas, strict=True))
         assert flow_demand(q, wished, pumps) == pytest.approx(taken, rel=1e-12)
@@ -150,7 +149,7 @@ def test_a_cylinder_is_allowed_its_approach_rate_times_the_stroke_that_is_left(s
     p = P._replace(rates=(math.inf,) * 3, strokes=(NO_STROKE, Stroke(linkage, *ends), NO_STROKE))
     fast = 1000.0  # [rad/s] far over what is allowed, where no corner is rounded
     for angle in np.linspace(P.lower[1] + 0.01, P.upper[1] - 0.01, 30).tolist():
-        factor = velocity_scaling((0.0, angle, -1.5), (0.0, sign * fast, 0.0), p).factor
+        factor = govern((0.0, angle, -1.5), (0.0, sign * fast, 0.0), p).factor
         left = abs(ends[1 if sign > 0.0 else 0] - cylinder_length(angle, linkage))
         speed = lever_arm(angle, linkage) * factor * fast
         assert speed == pytest.approx(P.approach[1] * left, rel=0.01)
@@ -161,8 +160,8 @@ def test_outside_its_stroke_a_cylinder_may_only_come_back():
     stroke = Stroke(linkage, cylinder_length(P.lower[1], linkage), cylinder_length(P.upper[1], linkage))
     p = P._replace(strokes=(NO_STROKE, stroke, NO_STROKE))
     beyond = (0.0, P.upper[1] + 0.02, -1.5)
-    assert velocity_scaling(beyond, (0.0, 0.1, 0.0), p).factor == 0.0
-    assert velocity_scaling(beyond, (0.0, -0.1, 0.0), p).factor == 1.0
+    assert govern(beyond, (0.0, 0.1, 0.0), p).factor == 0.0
+    assert govern(beyond, (0.0, -0.1, 0.0), p).factor == 1.0
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0], ids=["down", "up"])
@@ -177,7 +176,7 @@ def test_a_limit_begins_to_be_felt_without_a_corner(joint, sign):
         room = share * wish / p.approach[joint]
         q[joint] = p.upper[joint] - room if sign > 0.0 else p.lower[joint] + room
         rates[joint] = sign * wish
-        return velocity_scaling(tuple(q), tuple(rates), p).factor
+        return govern(tuple(q), tuple(rates), p).factor
 
     shares = np.linspace(0.1, FAR_OFF, 241)
     cubic = np.polynomial.Polynomial.fit(shares, [factor(share) for share in shares], 3)
@@ -194,7 +193,7 @@ def test_slower_than_a_creep_nothing_goes_towards_a_limit(joint):
     for allowed, moves in ((1.01 * CREEP, True), (0.99 * CREEP, False)):
         q = list(MIDDLE)
         q[joint] = P.upper[joint] - allowed / P.approach[joint]
-        assert (velocity_scaling(tuple(q), tuple(rates), P).factor > 0.0) == moves
+        assert (govern(tuple(q), tuple(rates), P).factor > 0.0) == moves
 
 
 def test_near_its_dead_point_a_cylinder_counts_by_its_angle():
@@ -205,7 +204,7 @@ def test_near_its_dead_point_a_cylinder_counts_by_its_angle():
     dead = math.pi - linkage.angle_offset
     for arm, by_angle in ((1.1e-3, False), (0.9e-3, True), (-0.2, True)):
         q = brentq(lambda angle, arm=arm: lever_arm(angle, linkage) - arm, dead - 1.0, dead + 0.9)
-        allowed = 1e6 * velocity_scaling((0.0, q, -1.5), (0.0, 1e6, 0.0), p).factor
+        allowed = 1e6 * govern((0.0, q, -1.5), (0.0, 1e6, 0.0), p).factor
         assert (allowed == pytest.approx(9.0 - q, rel=1e-3)) == by_angle
 
 
@@ -225,7 +224,7 @@ def test_towards_the_swing_axis_the_tip_is_as_fast_as_twice_what_is_left_and_els
         inward, distance = (before - after) / 2e-6, reach(q) - 1.5
         if abs(reach(q)) < 0.01 or abs(inward) < 0.01:
             continue
-        governed = velocity_scaling(q, rates, p)
+        governed = govern(q, rates, p)
         most = max(0.0, 2.0 * distance) / inward if inward > 0.0 else 1.0
         assert governed.factor == pytest.approx(min(1.0, most), rel=1e-4, abs=1e-9)
         assert governed.factor >= 0.0
@@ -240,11 +239,9 @@ def test_at_the_swing_axis_rounding_stops_nobody_and_neither_does_the_swing():
     p = P._replace(lower=(-9.0,) * 3, upper=(9.0,) * 3, axis=Axis(LINKS, 9.0))
     q = (0.3, 0.1, -1.0)
     arm = -tip_velocity((0.0, *q[1:]), (0.0, 0.0, -1.0), LINKS)[0]  # inward speed of a stick that folds
-    assert velocity_scaling(q, (0.5, 0.0, -0.9 * NEGLIGIBLE / arm), p) == VelocityScaling(1.0, Limit.NONE)
-    assert velocity_scaling(q, (0.5, 0.0, -1.1 * NEGLIGIBLE / arm), p) == VelocityScaling(
-        0.0, Limit.SINGULARITY
-    )
-    assert velocity_scaling(q, (0.5, 0.0, 0.0), p) == VelocityScaling(1.0, Limit.NONE)
+    assert govern(q, (0.5, 0.0, -0.9 * NEGLIGIBLE / arm), p) == Governed(1.0, Limit.NONE)
+    assert govern(q, (0.5, 0.0, -1.1 * NEGLIGIBLE / arm), p) == Governed(0.0, Limit.SINGULARITY)
+    assert govern(q, (0.5, 0.0, 0.0), p) == Governed(1.0, Limit.NONE)
 
 
 def test_a_tip_that_may_go_as_near_the_swing_axis_as_it_likes_is_not_held():
@@ -252,7 +249,7 @@ def test_a_tip_that_may_go_as_near_the_swing_axis_as_it_likes_is_not_held():
     boom = math.acos((0.05 - LINKS.base_offset - LINKS.stick) / LINKS.boom)
     q = (0.0, boom, -boom)
     assert tip_position(q, LINKS)[0] == pytest.approx(0.05)
-    assert velocity_scaling(q, (0.0, 0.25, 0.0), p) == VelocityScaling(1.0, Limit.NONE)
+    assert govern(q, (0.0, 0.25, 0.0), p) == Governed(1.0, Limit.NONE)
 
 
 @pytest.mark.parametrize(("joint", "sign"), list(itertools.product(range(3), (-1.0, 1.0))))
@@ -268,8 +265,8 @@ def test_each_actuator_takes_the_oil_of_its_own_inlet(joint, sign):
     assert taken == pytest.approx(speed * areas[joint][0 if sign > 0.0 else 1])
 
 
-def test_the_limits_are_numbered_as_the_docs_tell_who_reads_the_topic():
-    (told,) = re.findall(r"limit (0 none, .*?);", SAFETY.read_text("utf-8"))
+def test_limits_and_joystick_are_numbered_as_the_docs_tell_who_reads_the_topic():
+    told = re.findall(r"^\| (\d) \| ([a-z ]+) \| ([a-z]*) *\|$", SAFETY.read_text("utf-8"), re.MULTILINE)
     words = (
         "none",
         "joint rate",
@@ -280,4 +277,7 @@ def test_the_limits_are_numbered_as_the_docs_tell_who_reads_the_topic():
         "released or stopping",
     )
     names = "NONE", "RATE", "JOINT", "SINGULARITY", "FLOW", "WALL", "RELEASED"
-    assert told == ", ".join(f"{Limit[name].value} {word}" for name, word in zip(names, words, strict=True))
+    codes = {str(Limit[name].value): word for name, word in zip(names, words, strict=True)}
+    assert {code: word for code, word, _ in told} == codes
+    states = {str(state.value): state.name.lower() for state in Joystick}
+    assert {code: state for code, _, state in told if state} == states

@@ -9,7 +9,8 @@ from forest_control.operator.joystick_bag import is_bag, read_joy_record
 from forest_control.operator.joystick_sources import LeverError
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import ns_to_stamp
-from forest_msgs_py.interfaces.topics import message_class, offered_qos
+from forest_msgs_py.interfaces.topic_qos import offered_qos
+from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.serialization.cdr import to_cdr
 
 BEGUN = 1_700_000_000_000_000_000

@@ -12,7 +12,7 @@ from forest_description.machine import load_machine
 
 LINKS = Links(0.41, 4.1, 2.9)
 POSE, STRAIGHT = (0.3, 0.5, -1.4), (0.3, 0.5, 0.0)
-CLOSED_LOOP, OPEN_LOOP = 0.24, 0.16  # [s] as docs/safety.md tells
+CLOSED_LOOP, OPEN_LOOP = 0.24, 0.16  # [s] as docs/explanation/safety.md tells
 TIMES = np.linspace(0.0, CLOSED_LOOP, 2001)
 
 

@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from pace_by_hand import Pace
+from clock_by_hand import HandClock
 
 from forest_control.pipeline.valve_feedback import LEARNT, ValveReports
 from forest_control.safety.driver_response import DriverResponse, objection, responds, response
@@ -19,14 +19,14 @@ C180 = load_machine("c180")
 LOADER = load_machine("loader")
 DEADBAND = C180.valve_of(0).law.forward.deadband_voltage
 COMMAND, SHUT = (0.0, 2.0, 0.0), (0.0, 0.0, 0.0)
-SILENT, DEAF, HEARD = 0.2, 1.5, 0.5  # [s], [s], [V] as docs/safety.md tells
+SILENT, DEAF, HEARD = 0.2, 1.5, 0.5  # [s], [s], [V] as docs/explanation/safety.md tells
 NOTHING_SAID, UNHEARD = "valve driver: no voltages", "valve driver: keeps the valves shut"
 BEGIN = 1000.0  # [s] a clock that started long ago
 
 
 @pytest.fixture
 def pace():
-    pace = Pace()
+    pace = HandClock()
     pace.time = BEGIN
     return pace
 

@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from pace_by_hand import Pace
+from clock_by_hand import HandClock
 
 from forest_control.valve.valve_driver import STILL, UNSEEN
 from forest_control.valve.valve_driver_topics import Measurements
@@ -17,54 +17,54 @@ TIMEOUT = 0.1
 
 
 @pytest.fixture
-def pace():
-    return Pace()
+def clock():
+    return HandClock()
 
 
-def put_all(pace, names=topics.ACTUATORS):
-    pace.put(topics.PRESSURES, float_array(topics.PRESSURES, 0, [6e6] * len(topics.PRESSURES.labels)))
-    pace.put(topics.SUPPLY, float_array(topics.SUPPLY, 0, (20e6, 1e-3, 0.2)))
+def put_all(clock, names=topics.ACTUATORS):
+    clock.put(topics.PRESSURES, float_array(topics.PRESSURES, 0, [6e6] * len(topics.PRESSURES.labels)))
+    clock.put(topics.SUPPLY, float_array(topics.SUPPLY, 0, (20e6, 1e-3, 0.2)))
     places = [1.0 + topics.ACTUATORS.index(name) for name in names]
-    pace.put(topics.ACTUATOR_STATES, joint_state(names, 0, places))
+    clock.put(topics.ACTUATOR_STATES, joint_state(names, 0, places))
 
 
-def test_it_learns_of_the_actuators_that_are_measured(pace):
-    measured = Measurements(pace, TIMEOUT, 19e6)
-    put_all(pace, topics.ACTUATORS[:1])
+def test_it_learns_of_the_actuators_that_are_measured(clock):
+    measured = Measurements(clock, TIMEOUT, 19e6)
+    put_all(clock, topics.ACTUATORS[:1])
     assert measured.read(learning=True) == ""
     swing, *cylinders = measured.motion().positions
     assert swing == 1.0
     assert all(map(math.isnan, cylinders))
 
 
-def test_a_position_is_kept_until_it_is_too_old(pace):
-    measured = Measurements(pace, TIMEOUT, 19e6)
-    put_all(pace)
+def test_a_position_is_kept_until_it_is_too_old(clock):
+    measured = Measurements(clock, TIMEOUT, 19e6)
+    put_all(clock)
     measured.read(learning=True)
-    pace.time = 0.5 * TIMEOUT
-    put_all(pace, topics.ACTUATORS[1:])
+    clock.time = 0.5 * TIMEOUT
+    put_all(clock, topics.ACTUATORS[1:])
     measured.read(learning=True)
     assert measured.motion().positions == (1.0, 2.0, 3.0)
-    pace.time = 1.2 * TIMEOUT
+    clock.time = 1.2 * TIMEOUT
     swing, *cylinders = measured.motion().positions
     assert math.isnan(swing)
     assert cylinders == [2.0, 3.0]
 
 
-def test_without_pressures_there_is_nothing_to_learn_from(pace):
-    measured = Measurements(pace, TIMEOUT, 19e6)
-    put_all(pace)
+def test_without_pressures_there_is_nothing_to_learn_from(clock):
+    measured = Measurements(clock, TIMEOUT, 19e6)
+    put_all(clock)
     measured.read(learning=True)
-    pace.time = 1.2 * TIMEOUT
+    clock.time = 1.2 * TIMEOUT
     assert measured.motion() is STILL
     assert measured.pressures() is UNSEEN
 
 
-def test_the_newest_pressures_tell_how_far_the_machine_is_when_a_command_comes_late(pace):
-    measured = Measurements(pace, TIMEOUT, 18e6)
+def test_the_newest_pressures_tell_how_far_the_machine_is_when_a_command_comes_late(clock):
+    measured = Measurements(clock, TIMEOUT, 18e6)
     assert measured.machine_time(1_000_000_000) == 1_000_000_000  # nothing is known
     told = {1_015_000_000: 1_015_000_000, 995_000_000: 1_000_000_000, 2_000_000_000: 1_000_000_000}
     for newest, machine in told.items():  # ahead, behind, by another clock
-        pace.put(topics.PRESSURES, float_array(topics.PRESSURES, newest, [6e6] * 12))
+        clock.put(topics.PRESSURES, float_array(topics.PRESSURES, newest, [6e6] * 12))
         measured.read(learning=False)
         assert measured.machine_time(1_000_000_000) == machine

@@ -87,7 +87,7 @@ def test_a_rigid_hose_yields_as_its_oil_and_a_soft_wall_adds_its_own():
 
 
 def test_the_thesis_hose_is_this_far_from_its_geometry():
-    """The ratios that docs/equations.md tells; they need not be 1."""
+    """The ratios that docs/explanation/equations.md tells; they need not be 1."""
     turbulent, laminar = (
         np.array(MEASURED.line(4.0, 1.0, regime)) / np.array(GEOMETRIC.line(4.0, regime, OIL))
         for regime in (False, True)

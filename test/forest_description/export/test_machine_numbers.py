@@ -35,7 +35,7 @@ def test_choices_are_told_by_their_names_and_absent_components_as_none():
 
 
 def test_the_documented_table_is_up_to_date():
-    assert (ROOT / "docs" / "machine.md").read_text("utf-8") == document()
+    assert (ROOT / "docs" / "reference" / "machine.md").read_text("utf-8") == document()
 
 
 def test_the_module_prints_the_table():
@@ -50,6 +50,6 @@ def test_the_module_prints_the_table():
 
 def test_the_documented_reference_is_up_to_date_and_knows_every_key():
     text = machine_keys.document()
-    assert (ROOT / "docs" / "machine-file.md").read_text("utf-8") == text
+    assert (ROOT / "docs" / "reference" / "machine-file.md").read_text("utf-8") == text
     for key in parameters(Machine):
         assert f"| `{key.rpartition('.')[2]}` |" in text, key

@@ -9,10 +9,11 @@ from recorded import recorded
 from forest_compile.kernel_cache import can_compile
 from forest_ident.actuator import fit, kernel, model, steps
 from forest_ident.actuator import record as actuator_record
-from forest_ident.actuator.fit import CENTRE, WIDTHS, Columns, Fit, Problem, rms
+from forest_ident.actuator.fit import CENTRE, WIDTHS, Columns, Fit, Problem
 from forest_ident.actuator.priors import PRIORS, actuator
 from forest_ident.cli import actuator_command
 from forest_ident.cli.verbs import main
+from forest_ident.validation.prediction_error import rms
 
 compiled = pytest.mark.skipif(not can_compile(), reason="llvmlite is not installed: a fit would take minutes")
 PLACE = {prior.name: place for place, prior in enumerate(PRIORS)}
@@ -41,7 +42,7 @@ def record(truth):
 @pytest.fixture(scope="module")
 def fitted(record):
     problem = Problem(Columns(*(column[:260] for column in record)))
-    return problem, fit.many_starts(problem, 2)
+    return problem, fit.fit_from_many_starts(problem, 2)
 
 
 @compiled
@@ -96,7 +97,7 @@ def test_steps_converge(truth):
 @compiled
 def test_a_known_actuator_is_foretold_over_samples_that_the_fit_did_not_see(record, fitted):
     _, fits = fitted
-    foretold = fit.predicted(fit.alike(fits), record.signal)
+    foretold = fit.predicted(fit.similar(fits), record.signal)
     assert rms(record.pressure) > 0.5
     assert rms((foretold - record.pressure)[260:]) < 0.12 * rms(record.pressure[260:])
 
@@ -127,13 +128,13 @@ def test_derivatives_do_not_depend_on_the_difference(record, truth):
 
 def test_memory_of_white_noise_is_one_sample_and_of_a_moving_mean_is_its_length():
     white = np.random.default_rng(1).standard_normal(4000)
-    assert fit.memory(white) == pytest.approx(1.0, abs=0.3)
-    assert fit.memory(np.convolve(white, np.ones(10))) == pytest.approx(10.0, rel=0.4)
+    assert fit.correlation_length(white) == pytest.approx(1.0, abs=0.3)
+    assert fit.correlation_length(np.convolve(white, np.ones(10))) == pytest.approx(10.0, rel=0.4)
 
 
 def test_fits_far_from_the_best_do_not_count_in_the_mean():
     fits = [Fit(CENTRE, cost, 1) for cost in (10.0, 12.0, 14.0)]
-    assert len(fit.alike(fits)) == 2
+    assert len(fit.similar(fits)) == 2
 
 
 def test_a_fit_that_runs_away_does_not_spoil_the_mean():
@@ -248,7 +249,7 @@ def test_half_of_the_real_crane_foretells_the_rest_of_it():
         (whole.pressure - s.pressure_zero) / s.pressure,
         (whole.position - s.position_zero) / s.position,
     )
-    fits = fit.many_starts(Problem(columns, np.arange(512) < 430), 4)
-    foretold = fit.predicted(fit.alike(fits), columns.signal)
+    fits = fit.fit_from_many_starts(Problem(columns, np.arange(512) < 430), 4)
+    foretold = fit.predicted(fit.similar(fits), columns.signal)
     assert math.isfinite(rms(foretold))
     assert rms((foretold - columns.pressure)[430:]) < 0.35

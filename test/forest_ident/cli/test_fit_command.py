@@ -11,12 +11,12 @@ from forest_description.machine import load_machine
 from forest_ident.cli.fit_command import against
 from forest_ident.cli.fit_command import found as bags_at
 from forest_ident.cli.verbs import main
-from forest_ident.driving.direct_run import experiment
-from forest_ident.estimators.estimate import Estimate
+from forest_ident.driving.simulated_experiment import experiment
+from forest_ident.estimators.parameter_estimate import Estimate
 from forest_ident.experiments import experiment_metadata
 from forest_ident.measurements import session_bag
 from forest_ident.output_error.fit_problem import Channel, Problem, Unknown
-from forest_ident.output_error.gaussian_estimate import NOTHING
+from forest_ident.output_error.gaussian_estimate import EMPTY
 from forest_ident.refinement import data_quality, identification
 from forest_ident.refinement.result import Result
 
@@ -41,9 +41,9 @@ def bags(sessions, tmp_path_factory):
         "forward_only": valve.part(0, 2000),
         "hardly_any": valve.part(0, 3),
         "another_machines": dataclasses.replace(valve, name="valve_boom"),
-        "without_facts": dataclasses.replace(sessions["hose"], facts={}),
+        "without_facts": dataclasses.replace(sessions["hose"], metadata={}),
         "another_piece": dataclasses.replace(
-            sessions["hose"], facts={**sessions["hose"].facts, "hose_length": 2.0}
+            sessions["hose"], metadata={**sessions["hose"].metadata, "hose_length": 2.0}
         ),
         "standing": sessions["damping_boom"].part(0, 150),
         "no_ice": dataclasses.replace(sessions["calibration"], readings=warm),
@@ -148,7 +148,7 @@ def test_a_bag_that_was_cut_off_is_used_and_said_to_be(bags, sessions, tmp_path)
     assert not session.whole
     assert session_bag.read(bags / "calibration").whole
     result = identification.identify(C180, [session], refine=False)
-    assert data_quality.cut(session) in result.remarks
+    assert data_quality.cut_off(session) in result.remarks
 
 
 @pytest.mark.parametrize(
@@ -173,13 +173,13 @@ def test_a_fact_may_be_told_in_any_unit_of_its_quantity(bags, sessions, tmp_path
     session_bag.write(sessions["damping_boom"], bag)
     told = {"experiment": "hose", "facts": {"case_drain_volume": {"value": 0.71, "unit": "L"}}}
     (bag / "experiment.yaml").write_text(yaml.safe_dump(told))
-    assert session_bag.read(bag).facts == {"case_drain_volume": pytest.approx(0.71e-3)}
+    assert session_bag.read(bag).metadata == {"case_drain_volume": pytest.approx(0.71e-3)}
 
 
 def test_what_no_row_tells_is_not_taken_for_certain():
     y = np.ones(400)
     problem = Problem(
-        {"a": y}, [Channel("a", 0.1)], [Unknown("told", 1.0), Unknown("untold", 1.0)], 20, NOTHING
+        {"a": y}, [Channel("a", 0.1)], [Unknown("told", 1.0), Unknown("untold", 1.0)], 20, EMPTY
     )
     derivatives = [{"a": np.ones(400)}, {"a": np.zeros(400)}]
     errors = np.sqrt(np.diag(problem.covariance(problem.mean, {"a": y}, derivatives)))
@@ -189,9 +189,9 @@ def test_what_no_row_tells_is_not_taken_for_certain():
 
 def test_both_ends_of_a_narrow_interval_can_be_told_apart():
     narrow = Estimate("pump.supply_pressure", 20684100.0, 100.0, "Pa", 1.0, "output error")
-    assert narrow.spelled() == ("2.06841e+07", "2.06839e+07", "2.06843e+07")
+    assert narrow.formatted() == ("2.06841e+07", "2.06839e+07", "2.06843e+07")
     wide = Estimate("valve.deadband_voltage", 1.0, 0.1, "V", 1.0, "C_R(V)", positive=False)
-    assert wide.spelled() == ("1", "0.804", "1.196")
+    assert wide.formatted() == ("1", "0.804", "1.196")
 
 
 def test_a_fit_of_a_simulated_machine_is_told_beside_the_truth():

@@ -6,15 +6,15 @@ import pytest
 from forest_description.export.machine_yaml import machine_text
 from forest_description.machine import load_machine
 from forest_ident.driving import safety_monitor
-from forest_ident.driving.safety_monitor import PEAK, Seen, State, bounds, out_of_bounds, step
-from forest_ident.experiments import experiments
+from forest_ident.driving.safety_monitor import PEAK, Readings, State, bounds, out_of_bounds, step
+from forest_ident.experiments import experiment_plan
 from forest_ident.experiments.excitation import START
 from forest_ident.experiments.excitation import step as excite
 
 C180 = load_machine("c180")
-PLAN = experiments.plan("damping_boom", C180)
+PLAN = experiment_plan.plan("damping_boom", C180)
 BOUNDS = bounds(PLAN, PLAN.programme)
-WELL = Seen(PLAN.angles, (5e6, 3e6), 20.7e6, 313.0)
+WELL = Readings(PLAN.angles, (5e6, 3e6), 20.7e6, 313.0)
 NAN = math.nan
 
 
@@ -56,13 +56,13 @@ def test_a_peak_that_passes_is_forgotten():
 @pytest.mark.parametrize("name", ["c180", "c180_thesis", "loader"])
 def test_every_start_is_within_the_bounds_of_its_experiment(name):
     machine = load_machine(name)
-    for known in experiments.names(machine)[1:]:
-        plan = experiments.plan(known, machine)
+    for known in experiment_plan.names(machine)[1:]:
+        plan = experiment_plan.plan(known, machine)
         assert not out_of_bounds(plan.angles, bounds(plan, plan.programme)), known
 
 
 def test_the_swing_goes_about_where_it_stands_and_keeps_from_its_ends():
-    plan = experiments.plan("motor_external", C180)
+    plan = experiment_plan.plan("motor_external", C180)
     for stands, room in ((0.7, (-0.5, 1.9)), (2.5, (1.3, math.pi - 0.1))):
         moved = safety_monitor.around(plan.programme, plan, stands)
         assert moved.tracks[0][1:3] == pytest.approx(room)
@@ -72,19 +72,19 @@ def test_the_swing_goes_about_where_it_stands_and_keeps_from_its_ends():
 
 
 def test_a_rig_has_no_joints_that_could_be_out_of_bounds():
-    plan = experiments.plan("valve", C180)
-    assert safety_monitor.seen_ports(plan) == ("swing_1_actuator", "swing_2_actuator")
+    plan = experiment_plan.plan("valve", C180)
+    assert safety_monitor.monitored_ports(plan) == ("swing_1_actuator", "swing_2_actuator")
     assert not out_of_bounds((99.0, 99.0, 99.0), bounds(plan, plan.programme))
 
 
 @pytest.mark.parametrize("name", ["valve_stick", "motor_internal"])
 def test_a_prepared_machine_can_be_told_to_a_node_as_a_file(name, tmp_path):
-    plan, file = experiments.plan(name, load_machine("loader")), tmp_path / "rig.yaml"
+    plan, file = experiment_plan.plan(name, load_machine("loader")), tmp_path / "rig.yaml"
     file.write_text(machine_text(plan.machine, "made of the loader's parts"), encoding="utf-8")
     assert load_machine(file) == dataclasses.replace(plan.machine, name="rig")
 
 
 def test_a_trial_is_cut_off_and_rests_at_its_end():
-    plan = experiments.plan("validation", C180, longest=5.0)
+    plan = experiment_plan.plan("validation", C180, longest=5.0)
     assert plan.programme.duration == 5.0
     assert excite(START._replace(time=4.5), plan.angles, plan.programme, 0.005)[1] == (0.0, 0.0, 0.0)

@@ -3,14 +3,14 @@
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident.driving.direct_run import experiment
-from forest_ident.estimators.estimate import Estimate, judged
-from forest_ident.experiments import experiments
-from forest_ident.output_error.gaussian_estimate import NOTHING
+from forest_ident.driving.simulated_experiment import experiment
+from forest_ident.estimators.parameter_estimate import Estimate
+from forest_ident.experiments import experiment_plan
+from forest_ident.output_error.gaussian_estimate import EMPTY
 from forest_ident.output_error.prediction import predict
-from forest_ident.refinement import linear_estimates, refinement
+from forest_ident.refinement import linear_estimates, refinement, refinement_task
 from forest_ident.refinement.identification import identify
-from forest_ident.refinement.unidentified import untold
+from forest_ident.refinement.result import unidentified
 
 
 @pytest.fixture(scope="module")
@@ -39,40 +39,41 @@ def test_a_bench_is_judged_by_its_own_meters(loader, valve):
 
 def test_a_load_sensing_pump_is_sought_by_its_margin(loader, valve):
     """No experiment loads it up to the pressure that it keeps at most: that stays as told, and it is said."""
-    free = refinement.task(loader, valve).free
+    free = refinement_task.task(loader, valve).free
     assert "pump.margin" in free
     assert "pump.supply_pressure" not in free
-    assert "against its end" in dict(untold(identify(loader, [valve], refine=False)))["pump.supply_pressure"]
+    assert (
+        "against its end"
+        in dict(unidentified(identify(loader, [valve], refine=False)))["pump.supply_pressure"]
+    )
 
 
 @pytest.mark.parametrize("name", ["hose", "damping_boom"])
 def test_all_that_is_found_of_a_valve_goes_along(loader, name):
     """What is held at an estimate makes the rest wrong and too sure."""
-    found = refinement.task(loader, experiment("valve", loader, longest=3.0)).free
-    later = refinement.task(loader, experiment(name, loader, longest=3.0))
+    found = refinement_task.task(loader, experiment("valve", loader, longest=3.0)).free
+    later = refinement_task.task(loader, experiment(name, loader, longest=3.0))
     assert set(found) <= {*later.free, *later.carried}
 
 
 def test_a_tilt_without_inclinometer_is_told_by_the_plan(loader, creep):
     tilted = refinement.prepared(loader, creep)
-    assert tilted.manipulator.platform_tilt == pytest.approx(experiments.TILT)
+    assert tilted.manipulator.platform_tilt == pytest.approx(experiment_plan.TILT)
 
 
 def test_the_pressures_that_a_record_began_with_are_sought(loader, creep):
     """Behind a shut valve they last: a transducer's offset of 0.08 MPa would become leakage."""
     tilted, begun = refinement.prepared(loader, creep), {"swing_pressure_1_actuator": 1e5}
-    one, other = (
-        predict(tilted, creep, bench=False, begun=by)["swing_pressure_1_actuator"] for by in ({}, begun)
-    )
+    one, other = (predict(tilted, creep, start=by)["swing_pressure_1_actuator"] for by in ({}, begun))
     assert other[0] - one[0] == pytest.approx(1e5)
-    _, fit = refinement.refine(linear_estimates.with_measured_hose(loader, 0), creep, NOTHING)
+    _, fit = refinement.refine(linear_estimates.with_measured_hose(loader, 0), creep, EMPTY)
     assert any(key.startswith("start.swing_pressure_1") for key in fit.values)
 
 
 def test_a_warning_goes_when_a_later_record_tells():
-    wide = judged(Estimate("pump.margin", 2e6, 1e6, "Pa", 10.0, "test"))
+    wide = Estimate("pump.margin", 2e6, 1e6, "Pa", 10.0, "test").checked()
     assert "cannot tell" in wide.warning
-    assert judged(wide._replace(standard_error=1e3)).warning == ""
+    assert wide._replace(standard_error=1e3).checked().warning == ""
 
 
 def test_a_curve_below_the_meters_floor_leaves_the_overlap_open(loader):
@@ -82,7 +83,7 @@ def test_a_curve_below_the_meters_floor_leaves_the_overlap_open(loader):
     overlap = found.estimates["stick.valve.deadband_voltage"]
     assert "cannot tell" in overlap.warning
     assert overlap.value < loader.stick.valve.curve.voltages[0]
-    assert overlap.holds(1.394)
+    assert overlap.contains(1.394)
 
 
 def test_dry_friction_that_the_file_tells_is_no_damping(loader):

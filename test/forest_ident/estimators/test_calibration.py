@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from forest_description.machine import MachineError, load_machine
-from forest_ident.driving.direct_run import experiment
+from forest_ident.driving.simulated_experiment import experiment
+from forest_ident.estimators import calibration
 from forest_ident.measurements.session import Session
-from forest_ident.refinement import apply_calibration, identification
+from forest_ident.refinement import identification
 from forest_ident.report import machine_writer
 from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
 
@@ -24,7 +25,7 @@ def calibrated(tmp_path_factory):
 
 def test_what_a_calibration_found_is_in_the_file(calibrated):
     true = dict(zip(CHANNELS, sensor_suite(C180, noise=True, seed=5).channels, strict=True))
-    told = apply_calibration.lines(calibrated)
+    told = calibration.lines(calibrated)
     assert set(told) == {n for n in CHANNELS if "pressure" in n or "temperature" in n}
     for name, (gain, bias) in told.items():
         at = 350.0 if "temperature" in name else 1e7
@@ -33,7 +34,7 @@ def test_what_a_calibration_found_is_in_the_file(calibrated):
 
 
 def test_simulated_sensors_have_the_errors_of_the_file_whatever_the_seed(calibrated):
-    told = apply_calibration.lines(calibrated)
+    told = calibration.lines(calibrated)
     one, two = (sensor_suite(calibrated, noise=True, seed=seed).channels for seed in (1, 2))
     for name, a, b in zip(CHANNELS, one, two, strict=True):
         if name in told:
@@ -51,17 +52,15 @@ def test_exact_sensors_have_no_calibration_error(calibrated):
 def test_correction_undoes_reading_but_at_the_ends(calibrated):
     name = "boom_pressure_1_valve"
     true = np.array([1e6, 5e6, 2e7])
-    read = apply_calibration.as_read({name: true}, calibrated)[name]
+    read = calibration.as_read({name: true}, calibrated)[name]
     assert np.all(read != true)
     session = Session("motion", np.arange(4.0), np.zeros((4, 3)), {name: np.append(read, 0.0)})
-    assert apply_calibration.corrected(session, calibrated).column(name) == pytest.approx(
-        [*true, 0.0], rel=1e-12
-    )
+    assert calibration.corrected(session, calibrated).column(name) == pytest.approx([*true, 0.0], rel=1e-12)
 
 
 def test_a_file_without_calibration_changes_no_record():
     session = experiment("calibration", C180, seed=5)
-    again = apply_calibration.corrected(session, C180)
+    again = calibration.corrected(session, C180)
     assert all(np.array_equal(again.readings[n], session.readings[n]) for n in session.readings)
 
 

@@ -1,7 +1,14 @@
 import numpy as np
 import pytest
 
-from forest_ident.output_error.gaussian_estimate import NOTHING, inverse, prior, spread_of, updated, widened
+from forest_ident.output_error.gaussian_estimate import (
+    EMPTY,
+    covariance_of,
+    inverse,
+    prior_information,
+    updated,
+    widened,
+)
 
 
 def test_one_fit_after_the_other_is_as_good_as_both_at_once():
@@ -11,8 +18,8 @@ def test_one_fit_after_the_other_is_as_good_as_both_at_once():
     y_1, y_2 = first @ truth + generator.normal(size=50), second @ truth[1:] + generator.normal(size=40)
     names = ("a", "b", "c")
     cov = inverse(first.T @ first)
-    belief = updated(NOTHING, names, cov @ first.T @ y_1, cov)
-    mean, known = prior(belief, names[1:], np.zeros(2), np.full(2, np.inf))
+    belief = updated(EMPTY, names, cov @ first.T @ y_1, cov)
+    mean, known = prior_information(belief, names[1:], np.zeros(2), np.full(2, np.inf))
     information = second.T @ second + known
     found = np.linalg.solve(information, second.T @ y_2 + known @ mean)
     belief = updated(belief, names[1:], found, inverse(information))
@@ -23,22 +30,22 @@ def test_one_fit_after_the_other_is_as_good_as_both_at_once():
 
 
 def test_what_is_not_known_yet_has_its_own_spread():
-    mean, information = prior(NOTHING, ("a", "b"), np.array([1.0, 2.0]), np.array([np.inf, 0.5]))
+    mean, information = prior_information(EMPTY, ("a", "b"), np.array([1.0, 2.0]), np.array([np.inf, 0.5]))
     assert mean.tolist() == [1.0, 2.0]
     assert information.tolist() == [[0.0, 0.0], [0.0, 4.0]]
 
 
 def test_what_moves_by_chance_is_known_less_well_and_hangs_together_less():
-    belief = updated(NOTHING, ("a", "b"), np.zeros(2), np.array([[1.0, 0.9], [0.9, 1.0]]))
+    belief = updated(EMPTY, ("a", "b"), np.zeros(2), np.array([[1.0, 0.9], [0.9, 1.0]]))
     wide = widened(belief, {"b": 1.0, "c": 5.0})
     assert wide.of("a") == belief.of("a")
     assert wide.of("b")[1] == pytest.approx(np.sqrt(2.0))
-    assert widened(NOTHING, {"b": 1.0}).names == ()
+    assert widened(EMPTY, {"b": 1.0}).names == ()
 
 
 def test_a_direction_that_nobody_sees_is_unknown():
     seen = np.array([[1.0, 1.0], [1.0, 1.0]])  # the sum alone
-    assert np.all(np.diag(spread_of(seen)) > 1e10)
-    assert np.ones(2) @ spread_of(seen) @ np.ones(2) == pytest.approx(1.0, rel=1e-2)
+    assert np.all(np.diag(covariance_of(seen)) > 1e10)
+    assert np.ones(2) @ covariance_of(seen) @ np.ones(2) == pytest.approx(1.0, rel=1e-2)
     whole = np.diag([4.0, 1e-14])
-    assert spread_of(whole) == pytest.approx(np.diag([0.25, 1e14]))
+    assert covariance_of(whole) == pytest.approx(np.diag([0.25, 1e14]))

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from forest_ident.output_error.fit_statistics import condition_number, inflation
+from forest_ident.output_error.gaussian_estimate import condition_number, inflation
 from forest_ident.output_error.output_error import Channel, Unknown, fit
 
 X = np.linspace(0.0, 1.0, 2000)

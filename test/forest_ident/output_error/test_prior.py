@@ -7,7 +7,13 @@ import pytest
 from scipy.optimize import least_squares
 
 from forest_ident.output_error.fit_problem import Problem
-from forest_ident.output_error.gaussian_estimate import NOTHING, Belief, prior, updated, widened
+from forest_ident.output_error.gaussian_estimate import (
+    EMPTY,
+    GaussianEstimate,
+    prior_information,
+    updated,
+    widened,
+)
 from forest_ident.output_error.output_error import Channel, Unknown, fit
 
 X = np.linspace(0.3, 2.0, 40)
@@ -17,7 +23,7 @@ TRUTH = np.array([1.5, -0.8])
 NAMES = ("c", "b", "a")
 MEAN = np.array([4.0, -1.1, 1.9])
 ROOT = np.array([[0.5, 0.0, 0.0], [-0.2, 0.3, 0.0], [0.4, 0.1, 0.2]])
-KNOWN = Belief(NAMES, MEAN, ROOT @ ROOT.T)
+KNOWN = GaussianEstimate(NAMES, MEAN, ROOT @ ROOT.T)
 
 
 def straight(values):
@@ -40,13 +46,13 @@ UNKNOWNS = [Unknown("a", 1.0, positive=False), Unknown("b", 1.0, positive=False)
 @pytest.mark.parametrize("sigma", [0.3, 1.0, 3.0])
 def test_a_belief_pulls_a_straight_model_as_gauss_says_with_all_that_hangs_together(sigma):
     y = {"y": COLUMNS @ TRUTH}
-    found = fit(straight, y, [Channel("y", sigma)], UNKNOWNS, belief=KNOWN)
+    found = fit(straight, y, [Channel("y", sigma)], UNKNOWNS, prior=KNOWN)
     mean, covariance = posterior(sigma)
     assert [found.values["a"], found.values["b"]] == pytest.approx(mean[:2], rel=1e-6)
     assert [found.errors["a"], found.errors["b"]] == pytest.approx(np.sqrt(np.diag(covariance))[:2], rel=1e-6)
-    places = [found.belief.names.index(name) for name in ("a", "b", "c")]
-    assert found.belief.mean[places] == pytest.approx(mean, rel=1e-6)
-    assert found.belief.covariance[np.ix_(places, places)] == pytest.approx(covariance, rel=1e-5, abs=1e-9)
+    places = [found.posterior.names.index(name) for name in ("a", "b", "c")]
+    assert found.posterior.mean[places] == pytest.approx(mean, rel=1e-6)
+    assert found.posterior.covariance[np.ix_(places, places)] == pytest.approx(covariance, rel=1e-5, abs=1e-9)
     believed = np.linalg.cholesky(np.linalg.inv((ROOT @ ROOT.T)[np.ix_([2, 1], [2, 1])])).T
     whole = np.vstack([COLUMNS / sigma, believed])
     assert found.condition == pytest.approx(np.linalg.cond(whole / np.linalg.norm(whole, axis=0)), rel=1e-4)
@@ -76,7 +82,7 @@ def test_a_prior_pulls_a_bent_model_from_afar_to_the_least_of_both_sums(size, ra
     errors = np.sqrt(np.diag(np.linalg.inv(best.jac.T @ best.jac)))
     for place, name in enumerate(("size", "rate")):  # relative, and so in the parameter's own unit
         assert found.errors[name] >= 0.9 * errors[place] * found.values[name]
-        assert found.errors[name] == pytest.approx(found.belief.of(name)[1] * found.values[name])
+        assert found.errors[name] == pytest.approx(found.posterior.of(name)[1] * found.values[name])
     there = np.log([found.values["size"], found.values["rate"]])
     assert np.abs(there - best.x).max() < 0.1 * errors.min()  # as near as the search goes
     assert np.abs(best.x - np.log(2.0)).max() > errors.max()  # the prior has a say
@@ -112,7 +118,7 @@ def test_static_errors_are_pulled_to_nothing_by_their_accuracies(offset, gain, s
     errors = np.sqrt(np.diag(np.linalg.inv(best.jac.T @ best.jac)))
     names = ["size", "rate", *(["off.b"] if offset else []), *(["off.g"] if gain else [])]
     for name, value, error in zip(names, best.x, errors, strict=True):
-        mean, told = found.belief.of(name)
+        mean, told = found.posterior.of(name)
         assert abs(mean - value) < 0.02 * error, name
         assert told >= 0.99 * error, name
 
@@ -129,7 +135,7 @@ def test_the_cost_counts_what_was_believed_with_its_covariance():
 
 def test_names_keep_their_own_numbers_in_whatever_order_a_fit_has_them():
     start, spread = np.array([9.0, 7.0, 8.0, 6.0]), np.array([5.0, 0.25, math.inf, 1.0])
-    mean, information = prior(KNOWN, ("a", "x", "y", "c"), start, spread)
+    mean, information = prior_information(KNOWN, ("a", "x", "y", "c"), start, spread)
     assert mean.tolist() == [1.9, 7.0, 8.0, 4.0]
     of_both = np.linalg.inv((ROOT @ ROOT.T)[np.ix_([2, 0], [2, 0])])
     assert information[np.ix_([0, 3], [0, 3])] == pytest.approx(of_both, rel=1e-9)
@@ -165,14 +171,14 @@ def test_residuals_that_hang_together_widen_what_the_data_say_and_not_what_was_b
     block, rows = 10, 400
     held = np.repeat(np.random.default_rng(7).normal(0.0, 0.5, rows // block), block)
     known = 900.0
-    believed = Belief(("a",), np.array([1.0]), np.array([[1.0 / known]]))
+    believed = GaussianEstimate(("a",), np.array([1.0]), np.array([[1.0 / known]]))
     found = fit(
         lambda values: {"y": np.full(rows, values["a"])},
         {"y": 1.0 + held},
         [Channel("y", 0.01)],
         [Unknown("a", 1.0, positive=False)],
         block=block,
-        belief=believed,
+        prior=believed,
     )
     sigma = found.noise["y"]
     data, s = rows / sigma**2, 1.0 / (rows / sigma**2 + known)
@@ -185,5 +191,5 @@ def test_residuals_that_hang_together_widen_what_the_data_say_and_not_what_was_b
 
 def test_nothing_known_pulls_nothing():
     y = {"y": COLUMNS @ TRUTH}
-    found = fit(straight, y, [Channel("y", 0.3)], UNKNOWNS, belief=NOTHING)
+    found = fit(straight, y, [Channel("y", 0.3)], UNKNOWNS, prior=EMPTY)
     assert [found.values["a"], found.values["b"]] == pytest.approx(TRUTH, rel=1e-8)

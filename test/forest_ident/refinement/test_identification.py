@@ -1,14 +1,14 @@
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident.estimators.estimate import Estimate, judged
+from forest_ident.estimators.parameter_estimate import Estimate
 from forest_ident.measurements.parameter_path import value_of
 from forest_ident.measurements.session import SessionError
 from forest_ident.output_error.prediction import predict
 from forest_ident.refinement.identification import identify
-from forest_ident.refinement.unidentified import untold
+from forest_ident.refinement.result import unidentified
 from forest_ident.report import machine_writer
-from forest_ident.validation import validation
+from forest_ident.validation import prediction_error
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +27,7 @@ def test_a_machine_that_nobody_told_is_found(identified, unknown_machine):
 
 def test_the_intervals_hold_the_truth(identified, unknown_machine):
     keys = [key for key in identified.estimates if not key.startswith("pump")]
-    held = [identified.estimates[key].holds(value_of(unknown_machine, key)) for key in keys]
+    held = [identified.estimates[key].contains(value_of(unknown_machine, key)) for key in keys]
     assert sum(held) >= len(held) - 1
 
 
@@ -43,7 +43,7 @@ def test_a_valve_that_is_the_same_both_ways_is_told_once(identified):
 
 
 def test_what_the_records_could_not_tell_is_said_with_the_motion_that_would(identified):
-    missing = dict(untold(identified))
+    missing = dict(unidentified(identified))
     assert "steps of flow" in missing["hose.inertance"]
     assert "swing valve shut" in missing["swing.internal_leakage_resistance"]
     assert "weighed by itself" in missing["manipulator.stick_mass"]
@@ -59,31 +59,31 @@ def test_exact_sensors_give_the_parameters_to_half_a_per_cent(sessions, unknown_
 
 def test_the_right_model_predicts_what_was_read(sessions, unknown_machine):
     session = sessions("validation")
-    for signal in validation.signals(unknown_machine, session):
+    for signal in prediction_error.signals(unknown_machine, session):
         assert signal.nrmse < 0.02, signal.name
         assert signal.vaf > 0.99
 
 
 def test_a_wrong_model_is_seen(sessions, unknown_machine):
     wrong = load_machine("c180")
-    worst = max(signal.nrmse for signal in validation.signals(wrong, sessions("validation")))
+    worst = max(signal.nrmse for signal in prediction_error.signals(wrong, sessions("validation")))
     assert worst > 0.05
 
 
 def test_a_rigs_record_is_refused_for_validation(sessions, unknown_machine):
     with pytest.raises(SessionError, match="records of the crane, not of a rig"):
-        validation.signals(unknown_machine, sessions("valve"))
+        prediction_error.signals(unknown_machine, sessions("valve"))
 
 
 def test_exact_readings_are_predicted_exactly(sessions, unknown_machine):
     session = sessions("damping_swing", exact=True)
-    said = predict(unknown_machine, session, bench=False)
+    said = predict(unknown_machine, session)
     assert said["swing_resolver"] == pytest.approx(session.column("swing_resolver"), abs=1e-4)
 
 
 def test_data_that_cannot_tell_say_so_and_which_motion_would():
     e = Estimate("hose.inertance", 3e7, 2e7, "Pa*s2/m3", 10.0, "test")
-    assert "steps of flow" in judged(e).warning
+    assert "steps of flow" in e.checked().warning
     alike = e._replace(standard_error=1e5, condition=1e7)
-    assert "told apart" in judged(alike).warning
-    assert judged(e._replace(standard_error=1e5)).warning == ""
+    assert "told apart" in alike.checked().warning
+    assert e._replace(standard_error=1e5).checked().warning == ""

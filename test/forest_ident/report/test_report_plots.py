@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_ident.driving.direct_run import experiment
+from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.report import report_plots
 
 

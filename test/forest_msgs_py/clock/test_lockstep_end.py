@@ -1,4 +1,4 @@
-"""However a run in lockstep ends, what its nodes said up to there is in their last accounts."""
+"""However a run in lockstep ends, what its nodes said up to there is in their last batches."""
 
 import threading
 
@@ -6,18 +6,19 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from forest_msgs_py.clock.lockstep import Lockstep
-from forest_msgs_py.clock.step_batch import read_account
+from forest_msgs_py.clock.lockstep import LockstepClock
+from forest_msgs_py.clock.step_batch import read_batch
 from forest_msgs_py.clock.step_order import StepOrder
 from forest_msgs_py.clock.step_topics import STEP_NS, lockstep_qos
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import JoyValues
-from forest_msgs_py.interfaces.topics import ROLL, SAID, message_class
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import ANNOUNCEMENT, STEP_BATCH, message_class
 from forest_msgs_py.runtime.node import NodeFailure
-from forest_msgs_py.runtime.polled_subscription import Inbox
+from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.serialization.packing import pack_clock, pack_joy
 
-QUIET, LAST = 20, 33  # steps in an account; the run's end, in the middle of one
+QUIET, LAST = 20, 33  # steps in a batch; the run's end, in the middle of one
 
 
 class Broken(Exception):
@@ -34,11 +35,15 @@ def run(make_node):
 
     def made(end):
         recorder = make_node("recorder")
-        accounts = Inbox(recorder, message_class(SAID), SAID.name, lockstep_qos(), raw=True)
-        rolls = Inbox(recorder, message_class(ROLL), ROLL.name, topics.qos(ROLL, reading=True))
-        machine = Lockstep(make_node("machine"), 0.2, leads=True, quiet=QUIET)
-        joystick = Lockstep(make_node("joystick"), 0.2, quiet=QUIET)
-        machine.inbox(topics.JOY)
+        batches = PolledSubscription(
+            recorder, message_class(STEP_BATCH), STEP_BATCH.name, lockstep_qos(), raw=True
+        )
+        announcements = PolledSubscription(
+            recorder, message_class(ANNOUNCEMENT), ANNOUNCEMENT.name, qos(ANNOUNCEMENT, reading=True)
+        )
+        machine = LockstepClock(make_node("machine"), 0.2, leads=True, quiet=QUIET)
+        joystick = LockstepClock(make_node("joystick"), 0.2, quiet=QUIET)
+        machine.polled_subscription(topics.JOY)
         speaker, stopping = joystick.publisher(topics.JOY), threading.Event()
 
         def say():
@@ -58,10 +63,10 @@ def run(make_node):
         for thread in threads:
             thread.join(60.0)
         order = StepOrder(("machine", "joystick"))
-        for message, _ in rolls.take():
-            order.answer_the_roll(message.data)
-        for data, _ in accounts.take():
-            order.add_account(*read_account(data))
+        for message, _ in announcements.take():
+            order.add_announcement(message.data)
+        for data, _ in batches.take():
+            order.add_batch(*read_batch(data))
         return list(order.complete()), endings, order
 
     return made

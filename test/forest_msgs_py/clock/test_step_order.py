@@ -1,8 +1,8 @@
-"""A lockstep run's messages come out in one order, however its nodes' accounts came in."""
+"""A lockstep run's messages come out in one order, however its nodes' batches came in."""
 
 import numpy as np
 
-from forest_msgs_py.clock.step_order import Said, StepOrder
+from forest_msgs_py.clock.step_order import BatchMessage, StepOrder
 
 ROLLS = {
     "simulator": ("/joint_states J", "/clock C", "/robot_description S latched"),
@@ -16,25 +16,23 @@ EXPECTED_STEP = ["/joint_states", "/valve_commands", "/valve_voltages", "/tip/po
 def said(node, step):
     """All that a node says in a step: one message on each of its topics, but diagnostics in step 1 alone."""
     return [
-        Said(place, step, f"{node} {output} {step}".encode())
+        BatchMessage(place, step, f"{node} {output} {step}".encode())
         for place, output in enumerate(output for output in ROLLS[node] if "latched" not in output)
         if "diagnostics" not in output or step == 1
     ]
 
 
 def run(seed):
-    """Feed rolls in random order, then everything else; return what came out, and the order."""
+    """Feed announcements in random order, then everything else; return what came out, and the order."""
     luck, order, out = np.random.default_rng(seed), StepOrder(tuple(ROLLS)), []
     for node in luck.permutation(list(ROLLS)):
-        order.answer_the_roll("\n".join((node, *ROLLS[node])))
-    feed = [("simulator", lambda: order.add_latched("/robot_description", b"urdf"))]
+        order.add_announcement("\n".join((node, *ROLLS[node])))
+    feed = [("simulator", lambda: order.add_transient_local("/robot_description", b"urdf"))]
     for node, last in LAST.items():
         half = int(luck.integers(1, last))
         for first, until in ((1, half), (half + 1, last)):
             messages = [one for step in range(first, until + 1) for one in said(node, step)]
-            feed.append(
-                (node, lambda n=node, f=first, u=until, m=messages: order.add_account(n, f - 1, u, m))
-            )
+            feed.append((node, lambda n=node, f=first, u=until, m=messages: order.add_batch(n, f - 1, u, m)))
     # Accounts of a node come in their order, those of several nodes in any.
     for node in luck.permutation([node for node, _ in feed]):
         feed.pop(next(i for i, (who, _) in enumerate(feed) if who == node))[1]()
@@ -58,7 +56,7 @@ def test_order_and_number_do_not_depend_on_arrival():
 def test_a_step_waits_for_the_account_of_each_node_and_names_who_is_behind():
     _, order = run(0)
     assert order.missing() == "step 4: no account of valve_driver"
-    order.add_account("valve_driver", 3, 4, [])
+    order.add_batch("valve_driver", 3, 4, [])
     assert [name for name, _, _ in order.complete()] == [
         "/joint_states",
         "/valve_commands",
@@ -70,64 +68,64 @@ def test_a_step_waits_for_the_account_of_each_node_and_names_who_is_behind():
 
 def test_nothing_is_complete_before_every_node_has_told_its_outputs():
     order = StepOrder(("a", "b"))
-    order.answer_the_roll("a\n/x T")
-    order.add_account("a", 0, 1, [Said(0, 1, b"")])
+    order.add_announcement("a\n/x T")
+    order.add_batch("a", 0, 1, [BatchMessage(0, 1, b"")])
     assert list(order.complete()) == []
     assert order.missing() == "step 0: no outputs told by b"
-    order.answer_the_roll("b\n/y T")
-    order.add_account("b", 0, 1, [])
+    order.add_announcement("b\n/y T")
+    order.add_batch("b", 0, 1, [])
     assert [name for name, _, _ in order.complete()] == ["/x"]
 
 
 def test_nothing_is_complete_before_every_latched_topic_was_said():
     order = StepOrder(("a",))
-    order.answer_the_roll("a\n/x T\n/l S latched")
-    order.add_account("a", 0, 1, [Said(0, 1, b"")])
+    order.add_announcement("a\n/x T\n/l S latched")
+    order.add_batch("a", 0, 1, [BatchMessage(0, 1, b"")])
     assert list(order.complete()) == []
     assert order.missing() == "step 0: no message on /l"
-    order.add_latched("/l", b"")
+    order.add_transient_local("/l", b"")
     assert [(name, step) for name, step, _ in order.complete()] == [("/l", 0), ("/x", 1)]
 
 
 def test_a_latched_topic_of_two_nodes_is_complete_when_both_have_spoken():
     order = StepOrder(("a", "b"))
     for node in ("a", "b"):
-        order.answer_the_roll(f"{node}\n/{node} T\n/l S latched")
-        order.add_account(node, 0, 1, [])
-    order.add_latched("/l", b"first")
+        order.add_announcement(f"{node}\n/{node} T\n/l S latched")
+        order.add_batch(node, 0, 1, [])
+    order.add_transient_local("/l", b"first")
     assert list(order.complete()) == []
     assert order.missing() == "step 0: no message on /l"
-    order.add_latched("/l", b"and second")
+    order.add_transient_local("/l", b"and second")
     assert list(order.complete()) == [("/l", 0, b"and second"), ("/l", 0, b"first")]
 
 
 def test_a_latched_message_may_come_before_its_node_has_told_its_outputs():
     order = StepOrder(("a", "b"))
-    order.answer_the_roll("a\n/l S latched")
-    order.add_latched("/l", b"of a")
-    order.add_latched("/l", b"of b")
-    order.answer_the_roll("b\n/l S latched")
+    order.add_announcement("a\n/l S latched")
+    order.add_transient_local("/l", b"of a")
+    order.add_transient_local("/l", b"of b")
+    order.add_announcement("b\n/l S latched")
     assert [data for _, _, data in order.complete()] == [b"of a", b"of b"]
 
 
 def test_what_is_said_on_a_latched_topic_in_the_middle_of_a_run_is_recorded_there():
     order = StepOrder(("a",))
-    order.answer_the_roll("a\n/x T\n/l S latched")
-    order.add_latched("/l", b"start")
-    order.add_account("a", 0, 1, [])
+    order.add_announcement("a\n/x T\n/l S latched")
+    order.add_transient_local("/l", b"start")
+    order.add_batch("a", 0, 1, [])
     assert list(order.complete()) == [("/l", 0, b"start")]
-    order.add_latched("/l", b"stop")
-    order.add_account("a", 1, 3, [])
+    order.add_transient_local("/l", b"stop")
+    order.add_batch("a", 1, 3, [])
     assert list(order.complete()) == [("/l", 2, b"stop")]
 
 
 def test_a_lost_account_is_named_and_nothing_after_it_counts():
     order = StepOrder(("a", "b"))
     for node in ("a", "b"):
-        order.answer_the_roll(f"{node}\n/{node} T")
-        order.add_account(node, 0, 20, [Said(0, 20, b"")])
-    order.add_account("b", 20, 60, [Said(0, 60, b"")])
-    order.add_account("a", 40, 60, [Said(0, 60, b"")])
+        order.add_announcement(f"{node}\n/{node} T")
+        order.add_batch(node, 0, 20, [BatchMessage(0, 20, b"")])
+    order.add_batch("b", 20, 60, [BatchMessage(0, 60, b"")])
+    order.add_batch("a", 40, 60, [BatchMessage(0, 60, b"")])
     assert [(name, step) for name, step, _ in order.complete()] == [("/a", 20), ("/b", 20)]
     assert order.reached == 20
     assert order.lost == "the account of a of steps 21 to 40 was lost"

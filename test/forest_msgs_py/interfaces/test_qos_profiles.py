@@ -4,6 +4,7 @@ import pytest
 
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.qos_profiles import Qos, for_replay, offered
+from forest_msgs_py.interfaces.topic_qos import STREAM_DEPTH, offered_qos
 
 NEVER = {"sec": 9223372036, "nsec": 854775807}
 
@@ -13,12 +14,12 @@ def test_numbers_and_words_mean_the_same():
     words = [
         {"history": "keep_last", "depth": 5, "reliability": "best_effort", "durability": "transient_local"}
     ]
-    assert offered(numbers) == offered(words) == [Qos(5, reliable=False, latched=True)]
+    assert offered(numbers) == offered(words) == [Qos(5, reliable=False, transient_local=True)]
 
 
 def test_what_our_publishers_offer_is_read_back():
-    assert offered([topics.offered_qos(topics.ROBOT_DESCRIPTION)]) == [Qos(1, latched=True)]
-    assert offered([topics.offered_qos(topics.JOY)]) == [Qos(topics.STREAM_DEPTH)]
+    assert offered([offered_qos(topics.ROBOT_DESCRIPTION)]) == [Qos(1, transient_local=True)]
+    assert offered([offered_qos(topics.JOY)]) == [Qos(STREAM_DEPTH)]
 
 
 @pytest.mark.parametrize("told", ["", "[]", ": not yaml: [", None, 7, "text", "- 3"])
@@ -35,6 +36,8 @@ def test_an_unknown_history_and_durations_of_zero_are_no_limits():
 
 
 def test_one_publisher_stands_for_all_that_were_recorded():
-    several = [Qos(1, latched=True, lifespan_ns=5), Qos(1, reliable=False, latched=True)]
-    assert for_replay(several) == Qos(2, reliable=True, latched=True)
-    assert for_replay([Qos(1, latched=True, lifespan_ns=5)] * 2) == Qos(2, latched=True, lifespan_ns=5)
+    several = [Qos(1, transient_local=True, lifespan_ns=5), Qos(1, reliable=False, transient_local=True)]
+    assert for_replay(several) == Qos(2, reliable=True, transient_local=True)
+    assert for_replay([Qos(1, transient_local=True, lifespan_ns=5)] * 2) == Qos(
+        2, transient_local=True, lifespan_ns=5
+    )

@@ -1,4 +1,4 @@
-"""The topic table is sound, and docs/topics.md shows it."""
+"""The topic table is sound, and docs/reference/topics.md shows it."""
 
 import subprocess
 import sys
@@ -7,14 +7,16 @@ from pathlib import Path
 import pytest
 
 from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topic_reference import markdown
 from forest_msgs_py.interfaces.topics import TOPICS, Topic
 
-DOCS = Path(__file__).resolve().parents[3] / "docs" / "topics.md"
+DOCS = Path(__file__).resolve().parents[3] / "docs" / "reference" / "topics.md"
 ROS_WORLD = {"/clock", "/diagnostics", "/rosout"}
 
 
 def test_docs_are_the_table():
-    assert DOCS.read_text() == topics.markdown() + "\n"
+    assert DOCS.read_text() == markdown() + "\n"
 
 
 def test_every_topic_of_the_module_is_in_the_table_once():
@@ -51,11 +53,11 @@ def test_the_table_needs_no_ros():
 def test_type_and_qos_of_every_topic_exist(row):
     pytest.importorskip("rclpy")
     assert topics.message_class(row).__name__ == row.type.rsplit("/", 1)[1]
-    profile = topics.qos(row)
-    assert profile.depth == (1 if row.latched else 200 if row.rate_hz >= 100 else 10)
-    assert topics.qos(row, reading=True).depth == 10
+    profile = qos(row)
+    assert profile.depth == (1 if row.transient_local else 200 if row.rate_hz >= 100 else 10)
+    assert qos(row, reading=True).depth == 10
     assert profile.reliability.short_key == "reliable"
-    assert profile.durability.short_key == ("transient_local" if row.latched else "volatile")
+    assert profile.durability.short_key == ("transient_local" if row.transient_local else "volatile")
 
 
 @pytest.mark.parametrize(
@@ -73,13 +75,14 @@ def test_a_resolved_name_finds_its_row_in_any_namespace(name, row):
 
 
 def test_what_machines_and_joysticks_of_others_say_is_heard_from_best_effort_publishers_too():
-    qos = pytest.importorskip("rclpy.qos")
-    lossy = qos.QoSProfile(depth=5, reliability=qos.ReliabilityPolicy.BEST_EFFORT)
+    rclpy_qos = pytest.importorskip("rclpy.qos")
+    lossy = rclpy_qos.QoSProfile(depth=5, reliability=rclpy_qos.ReliabilityPolicy.BEST_EFFORT)
     heard = {
         row.name
         for row in TOPICS
-        if qos.qos_check_compatible(lossy, topics.qos(row, reading=True))[0] != qos.QoSCompatibility.ERROR
+        if rclpy_qos.qos_check_compatible(lossy, qos(row, reading=True))[0]
+        != rclpy_qos.QoSCompatibility.ERROR
     }
     sensed = {"joint_states", "actuator_states", *(f"hydraulics/{what}" for what in ("pressures", "supply"))}
     assert heard == {"joy", "hydraulics/flows", "hydraulics/auxiliary", *sensed}
-    assert all(topics.qos(row).reliability == qos.ReliabilityPolicy.RELIABLE for row in TOPICS)
+    assert all(qos(row).reliability == rclpy_qos.ReliabilityPolicy.RELIABLE for row in TOPICS)

@@ -8,10 +8,16 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_msgs_py.interfaces.messages import float_array
-from forest_msgs_py.interfaces.topics import VALVE_VOLTAGES, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import VALVE_VOLTAGES, message_class
 from forest_msgs_py.runtime import polled_subscription as inbox_module
 from forest_msgs_py.runtime.node import publisher
-from forest_msgs_py.runtime.polled_subscription import Inbox, Tally, inbox, sent_at
+from forest_msgs_py.runtime.polled_subscription import (
+    PolledSubscription,
+    ReceivedCount,
+    polled_subscription,
+    sent_at,
+)
 from forest_msgs_py.runtime.stamped_period import LONGEST, StampedPeriod, TimeInForce
 from forest_msgs_py.serialization.unpacking import ArrayReader
 
@@ -47,7 +53,7 @@ def test_a_message_from_the_future_is_as_good_as_old():
 
 @pytest.mark.usefixtures("standing_clocks")
 def test_a_tally_counts_and_tells_for_how_long_the_newest_message_has_been_sent():
-    tally = Tally()
+    tally = ReceivedCount()
     assert (tally.count, tally.age()) == (0, math.inf)
     for count, age in ((1, 4.0), (2, 0.5), (3, 0.0)):
         tally.note(sent(age))
@@ -57,7 +63,7 @@ def test_a_tally_counts_and_tells_for_how_long_the_newest_message_has_been_sent(
 
 def test_newest_message_comes_with_its_time_and_older_ones_are_gone(make_node, wait_until):
     node = make_node("both")
-    box, sender = inbox(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
+    box, sender = polled_subscription(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
     wait_until(lambda: sender.get_subscription_count() == 1)
     assert box.newest() is None
     before = time.monotonic()
@@ -146,7 +152,7 @@ def test_a_stall_while_the_age_is_told_makes_a_message_older_never_newer(monkeyp
 
 def test_both_messages_between_two_looks_are_told_oldest_first_each_with_its_own_time(make_node, wait_until):
     node = make_node("both")
-    box, sender = inbox(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
+    box, sender = polled_subscription(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
     wait_until(lambda: sender.get_subscription_count() == 1)
     before = time.monotonic()
     for swing in (1.0, 2.0):
@@ -162,7 +168,7 @@ def test_a_node_that_spins_is_not_woken_and_its_messages_wait(make_node, wait_un
     from rclpy.executors import SingleThreadedExecutor
 
     node = make_node("both")
-    box, sender = inbox(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
+    box, sender = polled_subscription(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
     wait_until(lambda: sender.get_subscription_count() == 1)
     executor = SingleThreadedExecutor(context=node.context)
     executor.add_node(node)
@@ -179,8 +185,8 @@ def test_a_node_that_spins_is_not_woken_and_its_messages_wait(make_node, wait_un
 
 def test_an_inbox_holds_messages_or_where_that_is_asked_for_their_bytes(make_node, wait_until):
     node, kind = make_node("both"), message_class(VALVE_VOLTAGES)
-    parsed = Inbox(node, kind, VALVE_VOLTAGES.name, qos(VALVE_VOLTAGES))
-    raw, sender = inbox(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
+    parsed = PolledSubscription(node, kind, VALVE_VOLTAGES.name, qos(VALVE_VOLTAGES))
+    raw, sender = polled_subscription(node, VALVE_VOLTAGES), publisher(node, VALVE_VOLTAGES)
     wait_until(lambda: sender.get_subscription_count() == 2)
     sender.publish(float_array(VALVE_VOLTAGES, 0, (1.0, 0.0, 0.0)))
     found = {}
@@ -191,4 +197,4 @@ def test_an_inbox_holds_messages_or_where_that_is_asked_for_their_bytes(make_nod
 
 
 def test_an_inbox_keeps_ten_messages_of_a_fast_topic_the_present_and_not_the_past(make_node):
-    assert inbox(make_node("both"), VALVE_VOLTAGES).subscription.qos_profile.depth == 10
+    assert polled_subscription(make_node("both"), VALVE_VOLTAGES).subscription.qos_profile.depth == 10

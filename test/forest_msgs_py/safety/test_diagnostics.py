@@ -10,7 +10,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.safety.diagnostics import Health, beyond
+from forest_msgs_py.safety.diagnostics import Diagnostics, beyond
 
 S = 1_000_000_000
 
@@ -18,7 +18,7 @@ S = 1_000_000_000
 @pytest.fixture
 def health(peer, monkeypatch):
     node = Node("machine", context=peer.node.context, enable_rosout=False, start_parameter_services=False)
-    made = Health(node, ("joystick", "pump"), "standing still")
+    made = Diagnostics(node, ("joystick", "pump"), "standing still")
     made.lines = []
     monkeypatch.setattr(node, "get_logger", lambda: Lines(made.lines))
     made.heard = peer.hear(topics.DIAGNOSTICS)

@@ -10,7 +10,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import Trigger
 
-from forest_msgs_py.interfaces.topics import EMERGENCY_STOP, EMERGENCY_STOPPED, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import EMERGENCY_STOP, EMERGENCY_STOPPED, message_class
 from forest_msgs_py.safety import emergency_stop
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 

@@ -11,7 +11,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
-from forest_msgs_py.runtime.polled_subscription import inbox
+from forest_msgs_py.runtime.polled_subscription import polled_subscription
 from forest_msgs_py.safety.input_status import InputStatus
 
 LOSSY = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -27,53 +27,53 @@ class Pace:
 
 
 @pytest.fixture
-def pace():
+def clock():
     return Pace()
 
 
-def by_hand(pace, **options):
-    """The status of an ear whose count and age a test sets."""
+def by_hand(clock, **options):
+    """The status of an subscription whose count and age a test sets."""
     profile = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-    ear = SimpleNamespace(count=0, age=lambda: math.inf)
-    ear.subscription = SimpleNamespace(topic_name="/joy", qos_profile=profile)
-    return ear, InputStatus(None, pace, ear, **options)
+    subscription = SimpleNamespace(count=0, age=lambda: math.inf)
+    subscription.subscription = SimpleNamespace(topic_name="/joy", qos_profile=profile)
+    return subscription, InputStatus(None, clock, subscription, **options)
 
 
-def test_nothing_heard_is_said_in_words_and_waited_for(pace):
-    _, status = by_hand(pace, what="a joystick")
+def test_nothing_heard_is_said_in_words_and_waited_for(clock):
+    _, status = by_hand(clock, what="a joystick")
     assert status.waiting() == "waiting for a joystick on /joy"
     values = {"/joy age [s]": "never heard", "/joy rate [Hz]": "unknown", "/joy messages": 0}
     assert status.values() == values
 
 
-def test_what_has_come_is_no_longer_waited_for_unless_the_node_misses_it(pace):
-    ear, status = by_hand(pace, what="a joystick")
-    ear.count = 1
+def test_what_has_come_is_no_longer_waited_for_unless_the_node_misses_it(clock):
+    subscription, status = by_hand(clock, what="a joystick")
+    subscription.count = 1
     assert status.waiting() == ""
-    ear, status = by_hand(pace, what="a joystick", is_missed=lambda: ear.count < 3)
-    ear.count = 2
+    subscription, status = by_hand(clock, what="a joystick", is_missed=lambda: subscription.count < 3)
+    subscription.count = 2
     assert status.waiting() == "waiting for a joystick on /joy"
 
 
-def test_of_what_need_not_come_nothing_is_waited_for(pace):
-    _, status = by_hand(pace)
+def test_of_what_need_not_come_nothing_is_waited_for(clock):
+    _, status = by_hand(clock)
     assert status.waiting() == ""
 
 
-def test_the_rate_is_that_since_it_was_asked_for_last_over_half_a_second_at_least(pace):
-    ear, status = by_hand(pace)
-    pace.time, ear.count, ear.age = 102.0, 100, lambda: 0.25
+def test_the_rate_is_that_since_it_was_asked_for_last_over_half_a_second_at_least(clock):
+    subscription, status = by_hand(clock)
+    clock.time, subscription.count, subscription.age = 102.0, 100, lambda: 0.25
     values = {"/joy age [s]": 0.25, "/joy rate [Hz]": 50.0, "/joy messages": 100}
     assert status.values() == values
-    pace.time, ear.count = 102.4, 200
+    clock.time, subscription.count = 102.4, 200
     assert status.values()["/joy rate [Hz]"] == 50.0
-    pace.time = 103.0
+    clock.time = 103.0
     assert status.values()["/joy rate [Hz]"] == 100.0
 
 
-def test_an_inbox_counts_what_was_taken_and_knows_how_old_the_newest_is(peer, pace):
-    box = inbox(peer.node, topics.VALVE_COMMANDS)
-    status = InputStatus(peer.node, pace, box, "commands")
+def test_an_inbox_counts_what_was_taken_and_knows_how_old_the_newest_is(peer, clock):
+    box = polled_subscription(peer.node, topics.VALVE_COMMANDS)
+    status = InputStatus(peer.node, clock, box, "commands")
     talker = peer.speak(topics.VALVE_COMMANDS)
     for _ in range(3):
         talker.publish(message_class(topics.VALVE_COMMANDS)())
@@ -83,9 +83,9 @@ def test_an_inbox_counts_what_was_taken_and_knows_how_old_the_newest_is(peer, pa
 
 
 def test_a_publisher_that_offers_less_than_is_asked_for_is_named_as_long_as_it_is_there(
-    peer, pace, make_node
+    peer, clock, make_node
 ):
-    status = InputStatus(peer.node, pace, inbox(peer.node, topics.VALVE_COMMANDS), "commands")
+    status = InputStatus(peer.node, clock, polled_subscription(peer.node, topics.VALVE_COMMANDS), "commands")
     assert status.unheard() == ""
     pad = make_node("pad", namespace="/cab")
     kind = message_class(topics.VALVE_COMMANDS)
@@ -99,6 +99,6 @@ def test_a_publisher_that_offers_less_than_is_asked_for_is_named_as_long_as_it_i
 
 
 def test_a_best_effort_joystick_is_heard(peer):
-    box = inbox(peer.node, topics.JOY)
+    box = polled_subscription(peer.node, topics.JOY)
     joystick = peer.node.create_publisher(message_class(topics.JOY), "/joy", LOSSY)
     peer.until(lambda: joystick.publish(message_class(topics.JOY)()) or box.newest())

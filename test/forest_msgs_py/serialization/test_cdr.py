@@ -1,6 +1,7 @@
 """Our CDR is read back by ROS as the message it was, and is no longer than ROS' own."""
 
 import math
+import struct
 
 import pytest
 
@@ -13,7 +14,7 @@ from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool, String
 
 from forest_msgs_py.interfaces import messages, topics
-from forest_msgs_py.serialization.cdr import to_cdr
+from forest_msgs_py.serialization.cdr import ENCAPSULATION, CdrError, CdrType, cdr_type, to_cdr
 
 STAMP = 1_700_000_000_123_456_789
 STATUS = DiagnosticStatus(level=b"\x01", name="pump", values=[KeyValue(key="a", value="bcd"), KeyValue()])
@@ -57,12 +58,35 @@ def test_nested_messages_with_strings_are_read_back():
 
 
 def test_a_kind_that_is_not_encoded_is_told():
-    class Wide:
-        data = "x"
+    with pytest.raises(ValueError, match=r"a/msg/B has a definition that cannot be used: .*wstring"):
+        CdrType("a/msg/B", "wstring data\n")
+    with pytest.raises(ValueError, match="a/msg/B is not installed here"):
+        cdr_type("a/msg/B")
 
-        @staticmethod
-        def get_fields_and_field_types():
-            return {"data": "wstring"}
 
-    with pytest.raises(ValueError, match="wstring cannot be encoded; allowed: boolean"):
-        to_cdr(Wide())
+LINE = "=" * 80 + "\n"
+MSG = f"a/Point[] points\nuint8 n\n{LINE}MSG: a/Point\nfloat32 x\nfloat32 y\n"
+POINT = "module a { module msg { struct Point { float x; float y; }; }; };\n"
+WHOLE = "module a { module msg { struct B { sequence<a::msg::Point> points; uint8 n; }; }; };\n"
+IDL = f"{LINE}IDL: a/msg/Point\n{POINT}{LINE}IDL: a/msg/B\n{WHOLE}"
+
+
+@pytest.mark.parametrize("definition", [MSG, IDL], ids=["ros2msg", "ros2idl"])
+def test_a_type_that_is_not_installed_is_decoded_by_a_definition(definition):
+    kind = cdr_type("a/msg/B", definition)
+    data = ENCAPSULATION + struct.pack("<IffffB", 2, 1.5, 2.5, -3.5, 4.5, 7)
+    message = kind.decode(data)
+    assert [(point.x, point.y) for point in message.points] == [(1.5, 2.5), (-3.5, 4.5)]
+    assert message.n == 7
+    big = b"\x00\x00\x00\x00" + struct.pack(">IffffB", 2, 1.5, 2.5, -3.5, 4.5, 7)
+    assert kind.decode(big) == message
+    for end in range(len(data)):
+        with pytest.raises(CdrError, match="bytes that are no a/msg/B"):
+            kind.decode(data[:end])
+
+
+def test_what_follows_a_message_is_no_part_of_it():
+    message = MESSAGES[1]
+    data = serialize_message(message)
+    assert len(data) > len(to_cdr(message))  # ROS leaves some bytes unused
+    assert cdr_type("sensor_msgs/msg/JointState").decode(data).name == ["a", "bcdefg"]

@@ -1,4 +1,4 @@
-"""What docs/equations.md says of one lump per hose is what the modes, the hoses' limits and `check` say."""
+"""docs/explanation/equations.md agrees on one lump per hose with the modes, the hoses' limits and `check`."""
 
 import itertools
 import math
@@ -20,7 +20,7 @@ from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.plant_parameters import plant_parameters
 
-DOCS = Path(__file__).parents[3] / "docs" / "equations.md"
+DOCS = Path(__file__).parents[3] / "docs" / "explanation" / "equations.md"
 C180 = load_machine("c180")
 P = plant_parameters(C180)
 START = start_angles(C180)

@@ -1,4 +1,4 @@
-"""docs/linear-graphs.md and docs/graphs are what the code writes."""
+"""docs/explanation/linear-graphs.md and its graphs/ are what the code writes."""
 
 import subprocess
 import sys
@@ -12,7 +12,7 @@ from forest_sim.linear_graph import page as graph_page
 from forest_sim.linear_graph.layouts import CIRCUITS
 from forest_sim.linear_graph.page import name_denominators
 
-DOCS = Path(__file__).resolve().parents[3] / "docs"
+DOCS = Path(__file__).resolve().parents[3] / "docs" / "explanation"
 
 
 @pytest.fixture(scope="module")
@@ -24,9 +24,7 @@ def test_the_committed_files_are_what_the_command_writes(written):
     committed = {f"graphs/{path.name}" for path in (DOCS / "graphs").iterdir()} | {"linear-graphs.md"}
     assert committed == set(written)
     for name, text in written.items():
-        assert (DOCS / name).read_text("utf-8") == text, (
-            f"{name}: run python -m forest_sim.linear_graph.page docs"
-        )
+        assert (DOCS / name).read_text("utf-8") == text, f"{name}: run python -m forest_sim.linear_graph.page"
 
 
 def test_the_command_writes_all_files(written, tmp_path, monkeypatch):

@@ -8,6 +8,7 @@ pytest.importorskip("rclpy")
 
 from forest_bag.write.bag_writer import BagWriter
 from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.topic_qos import offered_qos
 from forest_study import cli
 from forest_study.demo import replay
 
@@ -34,7 +35,7 @@ def refused(arguments, tmp_path, capsys):
 def test_what_is_no_bag_of_lockstep_is_refused(tmp_path, capsys):
     assert "is no bag" in refused([__file__], tmp_path, capsys)
     writer = BagWriter(tmp_path / "live")
-    writer.add_topic("/joy", topics.JOY.type, [topics.offered_qos(topics.JOY)], "")
+    writer.add_topic("/joy", topics.JOY.type, [offered_qos(topics.JOY)], "")
     writer.write("/joy", b"", 1_700_000_000_000_000_000, 0)
     writer.close()
     assert "was not recorded in lockstep" in refused([tmp_path / "live"], tmp_path, capsys)

@@ -4,7 +4,7 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_description.machine import load_machine
-from forest_ident.driving.direct_run import experiment
+from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.measurements import session_bag
 from forest_ident.measurements.session import SessionError
 from forest_study.experiments.forest_ident_main import main
@@ -40,7 +40,7 @@ def test_a_graph_in_lockstep_records_what_the_laws_say_without_one(own_domain, t
     assert main(asked) == 0
     alone = experiment("validation", load_machine("c180"), exact=True, longest=SHORT)
     session = session_bag.read(out / "validation")
-    assert (session.name, session.facts) == ("validation", {"exact_sensors": 1.0})
+    assert (session.name, session.metadata) == ("validation", {"exact_sensors": 1.0})
     assert np.abs(session.voltages).max(axis=0).min() > 1.0
     same(alone, session)
     assert "by hand: Crane without load" in capsys.readouterr().out
@@ -54,7 +54,7 @@ def test_without_a_graph_the_bag_gives_the_session_back(tmp_path):
         experiment("spool_lag", load_machine("c180"), seed=2, longest=TRIAL),
         session_bag.read(out / "spool_lag"),
     )
-    assert (again.name, again.facts) == (session.name, session.facts)
+    assert (again.name, again.metadata) == (session.name, session.metadata)
     assert np.array_equal(again.voltages, session.voltages)
     assert set(again.readings) == set(session.readings)
     for channel, column in session.readings.items():

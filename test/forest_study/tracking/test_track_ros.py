@@ -80,7 +80,7 @@ def test_other_figures_are_a_failure_that_names_the_run():
     one = {"path": "way", "seed": 3, "same": True, "differences": {"tip_m": 0.0}}
     other = {"path": "way", "seed": 4, "same": False, "differences": {"tip_m": 0.002}}
     track_command._judge([one])
-    with pytest.raises(track_ros.Failure, match=r"way, seed 4; the tip is up to 0\.002 m apart"):
+    with pytest.raises(track_ros.GraphError, match=r"way, seed 4; the tip is up to 0\.002 m apart"):
         track_command._judge([one, other])
 
 
@@ -95,5 +95,5 @@ def test_two_runs_differ_by_what_is_farthest_apart_and_readings_of_nothing_are_e
 
 def test_steps_that_the_bag_lacks_are_told(tmp_path):
     track_ros.write_joystick(tmp_path / "joystick", np.zeros((1, 4)))
-    with pytest.raises(track_ros.Failure, match="lacks steps of the machine"):
+    with pytest.raises(track_ros.GraphError, match="lacks steps of the machine"):
         track_ros.trajectory(read_bag(tmp_path / "joystick"), 1)

@@ -6,7 +6,7 @@ pytest.importorskip("llvmlite")
 
 from forest_control.servo.schemes import scheme_named
 from forest_description.machine import load_machine
-from forest_ident.driving.direct_run import experiment
+from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.measurements.parameter_path import value_of
 from forest_ident.refinement.identification import identify
 from forest_ident.report import machine_writer

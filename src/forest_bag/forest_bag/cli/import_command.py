@@ -15,7 +15,8 @@ from forest_bag.convert.log_map import LogMap, mappable, read_map, signal_units
 from forest_bag.convert.measured_log import MeasuredLog, read_log
 from forest_bag.write.bag_writer import Attached, BagWriter
 from forest_description.types import Floats
-from forest_msgs_py.interfaces.topics import JOY, JOY_AXES, JOY_BUTTONS, Topic, message_class, offered_qos
+from forest_msgs_py.interfaces.topic_qos import offered_qos
+from forest_msgs_py.interfaces.topics import JOY, JOY_AXES, JOY_BUTTONS, Topic, message_class
 from forest_msgs_py.types import NS_PER_S
 
 FRAME = "base_link"
@@ -28,7 +29,7 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
         "from-csv",
         help=text,
         description=text.capitalize() + ".",
-        epilog=f"The map is described in docs/bags.md. Topics: {', '.join(mappable())}.",
+        epilog=f"The map is described in docs/reference/bags.md. Topics: {', '.join(mappable())}.",
     )
     parser.set_defaults(command=run)
     parser.add_argument("file", type=Path, metavar="FILE", help="the log, a CSV file")
@@ -89,7 +90,8 @@ def _encode_numbers(
     topic: Topic, labels: tuple[str, ...], stamps: NDArray[np.int64], values: Floats
 ) -> list[bytes | None]:
     """Sensors that the log has not got are absent, as ours are without a sample."""
-    from forest_msgs_py.serialization.batch_encoder import Encoder, columns
+    from forest_msgs_py.serialization.batch_encoder import Encoder
+    from forest_msgs_py.serialization.packing import columns
 
     whole = np.full((len(stamps), len(columns(topic))), np.nan)
     whole[:, [columns(topic).index(label) for label in labels]] = values

@@ -103,19 +103,19 @@ def run(options: argparse.Namespace) -> int:
     from forest_msgs_py.runtime.node import run_node
 
     chosen = PlayOptions(
-        options.bag,
-        options.rate,
-        options.loop,
-        options.start_offset,
-        options.duration,
-        tuple(options.topics),
-        tuple(options.exclude),
-        tuple(options.remap),
-        options.clock,
-        options.start_paused,
-        options.wait_for_subscribers,
-        options.delay,
-        options.stats,
+        bag=options.bag,
+        rate=options.rate,
+        loop=options.loop,
+        start_offset=options.start_offset,
+        duration=options.duration,
+        topics=tuple(options.topics),
+        exclude=tuple(options.exclude),
+        remaps=tuple(options.remap),
+        clock=options.clock,
+        paused=options.start_paused,
+        wait_for_subscribers=options.wait_for_subscribers,
+        delay=options.delay,
+        stats=options.stats,
     )
     return run_node(lambda: PlayerNode(chosen), [])
 

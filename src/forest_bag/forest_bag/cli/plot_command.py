@@ -37,7 +37,8 @@ def run(options: argparse.Namespace) -> int:
     drawn = draw_all(read_bag(options.bag), output, limits)
     if not drawn:
         raise BagError(
-            f"no picture of {options.bag}: it holds none of the topics that are drawn (docs/topics.md)"
+            f"no picture of {options.bag}: it holds none of the topics that are drawn "
+            "(docs/reference/topics.md)"
         )
     for path in drawn:
         print(path)

@@ -42,16 +42,16 @@ def run(options: argparse.Namespace) -> int:
 def _report(recovered: Recovered) -> list[str]:
     """One line for each file: whole, cut off, or with holes."""
     lines = []
-    for path, salvage in recovered.files:
-        skipped = sum(damage.length for damage in salvage.damages)
-        if not salvage.path.stat().st_size:
+    for path, recovery in recovered.files:
+        skipped = sum(damage.length for damage in recovery.damages)
+        if not recovery.path.stat().st_size:
             words = "empty"
-        elif not salvage.damages:
-            words = "whole" if salvage.complete else "whole, but not ended"
+        elif not recovery.damages:
+            words = "whole" if recovery.complete else "whole, but not ended"
         else:
-            first = salvage.damages[0].start
+            first = recovery.damages[0].start
             words = f"{skipped} bytes not readable, the first of them at byte {first}"
-        lines.append(f"{salvage.path.name}: {words}" + (f" -> {path.name}" if path else ""))
+        lines.append(f"{recovery.path.name}: {words}" + (f" -> {path.name}" if path else ""))
     if recovered.nameless:
         lines.append(f"{recovered.nameless} messages belong to topics whose definition was damaged: left out")
     return lines

@@ -49,15 +49,12 @@ def compare_aligned(
     bags = read_bag(a.path, wanted), read_bag(b.path, wanted)
     origins = [_origin(bag, origin, reader.path, topics) for bag, reader in zip(bags, (a, b), strict=True)]
     compared = {}
-    for name, (result, type_a, type_b) in topics.items():
+    for name, result in topics.items():
         try:
             series = bags[0].series(name), bags[1].series(name)
         except ValueError:  # texts, or a type that is not installed
             ignored = (*ignored, name)
             continue
-        if type_a != type_b:
-            result.structure += 1
-            result.note(0, 0, f"type {type_a or 'unknown'} and {type_b or 'unknown'}")
         _compare_series(result, series, origins)
         compared[name] = result
     return Comparison(compared, alone, tuple(sorted(ignored)), (origins[0], origins[1]))

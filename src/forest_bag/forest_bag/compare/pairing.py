@@ -1,7 +1,7 @@
 """Two bags as two streams side by side: messages of the same topic and stamp make a pair and are compared.
 
 Only what still waits for its partner is in memory. Messages are decoded only where bytes differ; of a type
-that is not installed, bytes are all that counts.
+that is neither installed nor defined in the bag, bytes are all that counts.
 
 Not compared: publish times and sequence numbers, which belong to the middleware, `WALL_CLOCK_TOPICS`, and
 `WALL_CLOCK_COLUMNS` where nothing else of a message differs.
@@ -19,9 +19,10 @@ from typing import Any
 from forest_bag.compare.comparison import Comparison, Place, SignalDifference, TopicDifference
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.read.flatten import Row, texts
-from forest_bag.read.timeseries import Unreadable, message_reader
-from forest_bag.storage.raw_messages import RawMessage
+from forest_bag.read.timeseries import message_reader
+from forest_bag.storage.raw_messages import Channel, RawMessage
 from forest_msgs_py.interfaces.topics import AUXILIARY, find
+from forest_msgs_py.serialization.cdr import CdrError
 from forest_msgs_py.types import NS_PER_S
 
 WALL_CLOCK_TOPICS = ("/rosout", "/parameter_events")  # stamped by the system's clock in any run
@@ -43,7 +44,7 @@ def compare(
         Damaged: bytes of a bag were changed.
     """
     topics, alone, ignored = common_topics(a, b, ignore, only)
-    pairings = {name: _Pairing(*kinds) for name, kinds in topics.items()}
+    pairings = {name: _Pairing(result, a.channels[name][0]) for name, result in topics.items()}
     streams = [reader.messages(pairings.keys()) for reader in (a, b)]
     for side, message in _by_turns(streams):
         pairings[message.channel.topic].add(side, message)
@@ -54,10 +55,8 @@ def compare(
 
 def common_topics(
     a: BagReader, b: BagReader, ignore: Collection[str], only: Collection[str] | None
-) -> tuple[
-    dict[str, tuple[TopicDifference, str, str]], tuple[tuple[str, ...], tuple[str, ...]], tuple[str, ...]
-]:
-    """What both bags have, with the types; what one of them has; what is left out."""
+) -> tuple[dict[str, TopicDifference], tuple[tuple[str, ...], tuple[str, ...]], tuple[str, ...]]:
+    """What both bags have; what one of them has; what is left out."""
     kinds = [
         {name: channels[0].type for name, channels in reader.channels.items() if only is None or name in only}
         for reader in (a, b)
@@ -65,10 +64,11 @@ def common_topics(
     left_out = kinds[0].keys() | kinds[1].keys()
     left_out &= {*WALL_CLOCK_TOPICS, *ignore} - set(only or ())
     names = [kind.keys() - left_out for kind in kinds]
-    both = {
-        name: (TopicDifference(name, kinds[0][name]), kinds[0][name], kinds[1][name])
-        for name in sorted(names[0] & names[1])
-    }
+    both = {name: TopicDifference(name, kinds[0][name]) for name in sorted(names[0] & names[1])}
+    for name, found in both.items():
+        if (other := kinds[1][name]) != found.type:
+            found.structure += 1
+            found.note(0, 0, f"type {found.type or 'unknown'} and {other or 'unknown'}")
     alone = _with_messages(a, names[0] - names[1]), _with_messages(b, names[1] - names[0])
     return both, alone, tuple(sorted(left_out))
 
@@ -99,7 +99,7 @@ class _Waiting:
     @cached_property
     def decoded(self) -> tuple[Row, Any] | None:
         """The numbers, and the whole message; None: its type is not installed, or its bytes are not of it."""
-        with contextlib.suppress(Unreadable):
+        with contextlib.suppress(CdrError):
             return None if self._read is None else self._read(self.raw.data)
         return None
 
@@ -117,19 +117,16 @@ class _Waiting:
 class _Pairing:
     """One topic: messages of both bags find their partners."""
 
-    def __init__(self, result: TopicDifference, type_a: str, type_b: str) -> None:
+    def __init__(self, result: TopicDifference, channel: Channel) -> None:
         self._result = result
         self._waiting: tuple[deque[_Waiting], deque[_Waiting]] = (deque(), deque())
         self._taken = [0, 0]
         self._read: Callable[[bytes], tuple[Row, Any]] | None = None
         row = find(result.topic)
         self._wall_clock = WALL_CLOCK_COLUMNS.get(row.name, frozenset()) if row else frozenset()
-        if type_a != type_b:
-            result.structure += 1
-            result.note(0, 0, f"type {type_a or 'unknown'} and {type_b or 'unknown'}")
-            return
-        with contextlib.suppress(ValueError):  # not installed: bytes are compared
-            self._read = message_reader(result.topic, type_a)
+        if not result.structure:  # of one type; if nobody knows it, bytes are compared
+            with contextlib.suppress(ValueError):
+                self._read = message_reader(channel)
 
     def add(self, side: int, message: RawMessage) -> None:
         """Take in a message of bag a (side 0) or b (side 1)."""

@@ -155,15 +155,17 @@ def _map(content: Mapping[str, Any]) -> LogMap:
         share = _number(entry.get("percent", 5), "checks.rate.percent") / 100.0
         wanted = _quantity({k: entry[k] for k in entry if k != "percent"}, "checks.rate", "Hz"), share
     return LogMap(
-        form,
-        _signal({k: v for k, v in time.items() if k != "start"}, "time", "s") if "column" in time else None,
-        _quantity({"value": time["rate"], "unit": time.get("unit", "Hz")}, "time.rate", "Hz")
+        form=form,
+        time=_signal({k: v for k, v in time.items() if k != "start"}, "time", "s")
+        if "column" in time
+        else None,
+        rate=_quantity({"value": time["rate"], "unit": time.get("unit", "Hz")}, "time.rate", "Hz")
         if "rate" in time
         else 0.0,
-        _number(time.get("start", 0), "time.start"),
-        wanted,
-        _quantity(checks["max_gap"], "checks.max_gap", "s") if "max_gap" in checks else math.inf,
-        _topics(content["topics"]),
+        start=_number(time.get("start", 0), "time.start"),
+        wanted_rate=wanted,
+        max_gap=_quantity(checks["max_gap"], "checks.max_gap", "s") if "max_gap" in checks else math.inf,
+        topics=_topics(content["topics"]),
     )
 
 

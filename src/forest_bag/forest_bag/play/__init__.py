@@ -1,1 +1,1 @@
-"""A bag played in time: what is asked for, reading ahead, pace, remote control."""
+"""A bag played in time: what is asked for, reading ahead, timing, remote control."""

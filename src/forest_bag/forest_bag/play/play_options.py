@@ -62,7 +62,7 @@ def select(reader: BagReader, options: PlayOptions, is_installed: Callable[[str]
     if missing:
         raise BagError(f"no topic {', '.join(missing)} in the bag; it holds {', '.join(channels) or 'none'}")
     remaps, warnings = dict(options.remaps), []
-    found = Selection({}, {}, {}, {}, ())
+    found = Selection(names={}, types={}, profiles={}, hashes={}, warnings=())
     for topic, kinds in channels.items():
         if topic in options.exclude or (options.topics and topic not in options.topics):
             continue
@@ -94,7 +94,14 @@ def plan(reader: BagReader, options: PlayOptions) -> Plan:
             f"--start-offset is {options.start_offset:g}; allowed: 0 .. {length:g} s, the bag's length"
         )
     period = round(NS_PER_S / options.clock) if options.clock else 0
-    return Plan(start, end, options.rate, options.loop, options.paused, period)
+    return Plan(
+        start_ns=start,
+        end_ns=end,
+        rate=options.rate,
+        loop=options.loop,
+        paused=options.paused,
+        clock_period_ns=period,
+    )
 
 
 def _problem(

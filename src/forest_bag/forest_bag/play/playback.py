@@ -48,8 +48,8 @@ class Source(Protocol):
     def messages(self, start_ns: int) -> Iterator[RawMessage]:
         """Messages from a log time on, in order."""
 
-    def latched(self, position_ns: int, renew: bool) -> list[RawMessage]:
-        """What latched topics held at a log time; `renew`: where nothing yet, what comes first."""
+    def transient_local(self, position_ns: int, renew: bool) -> list[RawMessage]:
+        """What transient-local topics held at a log time; `renew`: where nothing yet, what comes first."""
 
 
 class Sink(Protocol):
@@ -62,7 +62,7 @@ class Sink(Protocol):
         """Send the bag time."""
 
 
-class Wall:
+class WallClock:
     """The time outside of the bag."""
 
     def now(self) -> int:
@@ -77,12 +77,12 @@ class Wall:
 class Player:
     """Plays in the thread that calls `run`; every other method may be called from any thread."""
 
-    def __init__(self, source: Source, sink: Sink, plan: Plan, wall: Wall | None = None) -> None:
+    def __init__(self, source: Source, sink: Sink, plan: Plan, wall: WallClock | None = None) -> None:
         self.lateness = Lateness()
         self.played = 0
         self.slips = 0  # times that the player was LAG_NS late
         self._source, self._sink, self._plan = source, sink, plan
-        self._wall = wall or Wall()
+        self._wall = wall or WallClock()
         self._changed = threading.Condition()
         self._rate, self._paused = plan.rate, plan.paused
         self._stopped = False
@@ -176,7 +176,7 @@ class Player:
         with self._changed:
             self._anchor(position_ns, self._wall.now())
         shown = set()
-        for message in self._source.latched(position_ns, renew):
+        for message in self._source.transient_local(position_ns, renew):
             self._sink.publish(message)
             shown.add((message.channel.topic, message.log_ns, message.data))
         with closing(self._source.messages(position_ns)) as messages:  # type: ignore[type-var]

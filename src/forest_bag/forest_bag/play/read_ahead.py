@@ -1,4 +1,4 @@
-"""A bag as the player needs it: read ahead by a thread of its own, latched topics known beforehand."""
+"""A bag as the player needs it: read ahead by a thread, and what transient-local topics hold."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from forest_msgs_py.interfaces.qos_profiles import Qos
 BATCH = 100  # messages handed over at once
 BATCHES = 50  # read ahead: a second and more of the demo's messages
 PATIENCE_S = 0.1
-ARRIVAL_NS = 1_000_000_000  # of the bag's begin, in which a recorder hears what was latched before it came
+ARRIVAL_NS = 1_000_000_000  # of the bag's begin, in which a recorder hears what was published before it came
 
 
 class BagSource:
     """The chosen topics of a bag."""
 
     def __init__(self, reader: BagReader, profiles: dict[str, Qos]) -> None:
-        """Read what latched topics hold.
+        """Read what transient-local topics hold.
 
         Args:
             reader: the open bag.
@@ -34,20 +34,20 @@ class BagSource:
         self._reader = reader
         self._topics = set(profiles)
         self._settled_ns = reader.span[0] + ARRIVAL_NS
-        self._latched: dict[str, list[RawMessage]] = {
-            name: [] for name, profile in profiles.items() if profile.latched
+        self._transient_local: dict[str, list[RawMessage]] = {
+            name: [] for name, profile in profiles.items() if profile.transient_local
         }
-        self._depths = {name: profiles[name].depth for name in self._latched}
-        if self._latched:
-            for message in reader.messages(self._latched.keys()):
-                self._latched[message.channel.topic].append(message)
+        self._depths = {name: profiles[name].depth for name in self._transient_local}
+        if self._transient_local:
+            for message in reader.messages(self._transient_local.keys()):
+                self._transient_local[message.channel.topic].append(message)
 
     def messages(self, start_ns: int) -> Iterator[RawMessage]:
         """Messages from a log time on, in order."""
         return read_ahead(self._reader.messages(self._topics, start_ns))
 
-    def latched(self, position_ns: int, renew: bool) -> list[RawMessage]:
-        """What latched topics held before a log time, as many messages as their publishers kept.
+    def transient_local(self, position_ns: int, renew: bool) -> list[RawMessage]:
+        """What transient-local topics held before a log time, as many messages as their publishers kept.
 
         Args:
             position_ns: log time.
@@ -55,7 +55,7 @@ class BagSource:
                 its publisher had it before the recorder was there. A later one was news when it came.
         """
         held = []
-        for name, messages in self._latched.items():
+        for name, messages in self._transient_local.items():
             before = _distinct([message for message in messages if message.log_ns < position_ns])
             known = [message for message in messages[:1] if renew and message.log_ns < self._settled_ns]
             held += before[-self._depths[name] :] or known
@@ -63,7 +63,7 @@ class BagSource:
 
 
 def _distinct(messages: Collection[RawMessage]) -> list[RawMessage]:
-    """The last of equal messages: a recorder writes a latched one into every split."""
+    """The last of equal messages: a recorder writes a transient-local one into every split."""
     last = {message.data: message for message in messages}
     return sorted(last.values(), key=lambda message: message.log_ns)
 

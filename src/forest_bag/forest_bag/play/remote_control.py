@@ -14,7 +14,7 @@ SEEK_STEP_S = 5.0
 KEYS = "space: pause; right: next message; left: 5 s back; up, +: faster; down, -: slower"
 
 
-class Remote:
+class RemoteControl:
     """Commands to a player, each with the sentence that answers it.
 
     Args:

@@ -9,7 +9,6 @@ messages together, a hundred times faster than message by message.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,17 +21,8 @@ from forest_msgs_py.serialization.batch_encoder import Encoder
 FEW = 8  # messages, for which looking at them one by one is as fast
 
 
-class Alike(NamedTuple):
-    """What the messages say."""
-
-    stamps_ns: NDArray[np.int64]  # [N]
-    values: Floats  # [N, k]
-    labels: tuple[str, ...]
-    units: tuple[str, ...]
-
-
-def decoded(kind: Topic, messages: Sequence[bytes], first: Row) -> Alike | None:
-    """Return the numbers of all messages; None if they are not alike, or not of a kind that can be.
+def decoded(kind: Topic, messages: Sequence[bytes], first: Row) -> tuple[NDArray[np.int64], Floats] | None:
+    """Return stamps [N] and numbers [N, k] of all messages; None if these differ in more, or cannot.
 
     Args:
         kind: row of the topic table.
@@ -48,8 +38,7 @@ def decoded(kind: Topic, messages: Sequence[bytes], first: Row) -> Alike | None:
         encoder = Encoder(kind._replace(labels=labels, units=("",) * len(labels)))
     except (AssertionError, ValueError):
         return None
-    found = encoder.decode(messages)
-    return None if found is None else Alike(*found, first.labels, first.units)
+    return encoder.decode(messages)
 
 
 def _names(kind: Topic, first: Row) -> tuple[str, ...]:

@@ -7,7 +7,10 @@ shown as it is.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields, is_dataclass
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from forest_msgs_py.interfaces.stamps import MOST_STAMP
 from forest_msgs_py.interfaces.topics import (
@@ -26,6 +29,7 @@ from forest_msgs_py.interfaces.topics import (
 from forest_msgs_py.types import NS_PER_S
 
 LONGEST_ARRAY = 256
+EMPTY = "structure_needs_at_least_one_member"  # DDS knows no message without fields
 
 
 class Row(NamedTuple):
@@ -41,7 +45,7 @@ def _stamp(message: Any) -> int:
     return int(message.header.stamp.sec) * NS_PER_S + int(message.header.stamp.nanosec)
 
 
-def _take_joints(topic: Topic, message: Any) -> Row:
+def _flatten_joints(topic: Topic, message: Any) -> Row:
     """Columns name.position for all joints, then .velocity and .effort where the message has them."""
     names = tuple(message.name)
     parts = (("position", message.position), ("velocity", message.velocity), ("effort", message.effort))
@@ -53,13 +57,13 @@ def _take_joints(topic: Topic, message: Any) -> Row:
         _stamp(message),
         tuple(f"{name}.{part}" for part, _ in present for name in names),
         tuple(unit[order[part]] for part, _ in present for unit in split),
-        tuple(value for _, data in present for value in data),
+        tuple(value for _, data in present for value in data.tolist()),
     )
 
 
-def _take_array(topic: Topic, message: Any) -> Row:
+def _flatten_array(topic: Topic, message: Any) -> Row:
     offset = int(message.layout.data_offset)
-    values = tuple(message.data[offset:])
+    values = tuple(message.data[offset:].tolist())
     text = message.layout.dim[0].label if message.layout.dim else ""
     labels = tuple(text.split(",")) if text else topic.labels
     if len(labels) != len(values):
@@ -76,18 +80,18 @@ def _array_stamp(message: Any) -> int | None:
     return int(stamp[0]) * NS_PER_S + int(stamp[1])
 
 
-def _take_pose(_topic: Topic, message: Any) -> Row:
+def _flatten_pose(_topic: Topic, message: Any) -> Row:
     point, turn = message.pose.position, message.pose.orientation
     values = (point.x, point.y, point.z, turn.x, turn.y, turn.z, turn.w)
     return Row(_stamp(message), TIP_POSE.labels, TIP_POSE.units, values)
 
 
-def _take_twist(_topic: Topic, message: Any) -> Row:
+def _flatten_twist(_topic: Topic, message: Any) -> Row:
     speed = message.twist.linear
     return Row(_stamp(message), TIP_TWIST.labels, TIP_TWIST.units, (speed.x, speed.y, speed.z))
 
 
-def _take_joy(_topic: Topic, message: Any) -> Row:
+def _flatten_joy(_topic: Topic, message: Any) -> Row:
     axes = _named(JOY_AXES, "axis", len(message.axes))
     buttons = _named(JOY_BUTTONS, "button", len(message.buttons))
     labels = (*axes, *(f"button_{name}" for name in buttons))
@@ -99,12 +103,12 @@ def _named(names: tuple[str, ...], kind: str, count: int) -> tuple[str, ...]:
     return (*names, *(f"{kind}_{place}" for place in range(len(names), count)))[:count]
 
 
-def _take_clock(_topic: Topic, message: Any) -> Row:
+def _flatten_clock(_topic: Topic, message: Any) -> Row:
     stamp = int(message.clock.sec) * NS_PER_S + int(message.clock.nanosec)
     return Row(stamp, CLOCK.labels, CLOCK.units, (stamp / NS_PER_S,))
 
 
-def take_any(_topic: Topic, message: Any) -> Row:
+def flatten_any(_topic: Topic, message: Any) -> Row:
     """Every number of a message of any type, by its path like ``twist.linear.x``; units nobody knows.
 
     Texts and arrays of more than LONGEST_ARRAY elements (pictures, point clouds) are left out.
@@ -117,44 +121,48 @@ def take_any(_topic: Topic, message: Any) -> Row:
 
 
 def _collect_numbers(value: Any, path: str, found: dict[str, float]) -> None:
-    if hasattr(value, "get_fields_and_field_types"):
-        for name in value.get_fields_and_field_types():
+    if is_dataclass(value):
+        for name in _fields(value):
             if path or name != "header":
                 _collect_numbers(getattr(value, name), f"{path}.{name}" if path else name, found)
     elif isinstance(value, (bool, int, float)):
         found[path] = float(value)
-    elif isinstance(value, bytes) and len(value) == 1:  # an octet
-        found[path] = float(value[0])
     elif not isinstance(value, str) and len(value) <= LONGEST_ARRAY:
-        for place, element in enumerate(value):
+        for place, element in enumerate(value.tolist() if isinstance(value, np.ndarray) else value):
             _collect_numbers(element, f"{path}_{place}", found)
 
 
 def texts(message: Any) -> dict[str, Any]:
-    """What `take_any` leaves out of a message, by its path: texts, and long arrays."""
+    """What `flatten_any` leaves out of a message, by its path: texts, and long arrays."""
     found: dict[str, Any] = {}
     _collect_texts(message, "", found)
     return found
 
 
 def _collect_texts(value: Any, path: str, found: dict[str, Any]) -> None:
-    if hasattr(value, "get_fields_and_field_types"):
-        for name in value.get_fields_and_field_types():
+    if is_dataclass(value):
+        for name in _fields(value):
             _collect_texts(getattr(value, name), f"{path}.{name}" if path else name, found)
     elif isinstance(value, str):
         found[path] = value
     elif hasattr(value, "__len__") and len(value) > LONGEST_ARRAY:
-        found[path] = bytes(value) if hasattr(value, "itemsize") else str(value)
+        found[path] = value.tobytes() if isinstance(value, np.ndarray) else str(value)
     elif isinstance(value, (list, tuple)):
         for place, element in enumerate(value):
             _collect_texts(element, f"{path}_{place}", found)
 
 
-TAKERS: dict[str, Callable[[Topic, Any], Row]] = {
-    JOINT_STATE: _take_joints,
-    FLOAT_ARRAY: _take_array,
-    POSE: _take_pose,
-    TWIST: _take_twist,
-    JOY_TYPE: _take_joy,
-    CLOCK.type: _take_clock,
+def _fields(message: Any) -> list[str]:
+    """Names of a message's fields; the constants of its type, which rosbags counts among them, are none."""
+    names = [field.name for field in fields(message) if not str(field.type).startswith("ClassVar")]
+    return [name for name in names if name != EMPTY]
+
+
+FLATTENERS: dict[str, Callable[[Topic, Any], Row]] = {
+    JOINT_STATE: _flatten_joints,
+    FLOAT_ARRAY: _flatten_array,
+    POSE: _flatten_pose,
+    TWIST: _flatten_twist,
+    JOY_TYPE: _flatten_joy,
+    CLOCK.type: _flatten_clock,
 }

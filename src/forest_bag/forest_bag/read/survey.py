@@ -14,7 +14,6 @@ from __future__ import annotations
 import statistics
 import struct
 from dataclasses import dataclass, field
-from typing import Any
 
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.metadata import recorded_losses
@@ -31,13 +30,13 @@ MOST_EVENTS = 1000
 
 
 @dataclass
-class TopicSurvey:
+class TopicInfo:
     """One topic; times in ns."""
 
     type: str
-    qos: list[str]
-    type_hash: str
-    publishers: int
+    qos: list[str] = field(default_factory=list)
+    type_hash: str = ""
+    publishers: int = 1
     count: int = 0
     bytes: int = 0
     first_ns: int = 0
@@ -91,7 +90,7 @@ class TopicSurvey:
 class Survey:
     """A bag."""
 
-    topics: dict[str, TopicSurvey]
+    topics: dict[str, TopicInfo]
     events: list[tuple[int, str]]  # log time, text
 
 
@@ -101,7 +100,7 @@ def survey(reader: BagReader) -> Survey:
     Args:
         reader: the open bag; what is damaged is noted there.
     """
-    found = Survey({name: _topic(channels) for name, channels in reader.channels.items()}, [])
+    found = Survey(topic_infos(reader), [])
     events = {name for name in found.topics if find(name) == EVENTS}
     for message in reader.messages():
         name = message.channel.topic
@@ -110,16 +109,25 @@ def survey(reader: BagReader) -> Survey:
             found.events.append((message.log_ns, _text(message.data)))
     for topic in found.topics.values():
         topic.learn()
-    for name, count in recorded_losses(reader.information).items():
-        if name in found.topics:
-            found.topics[name].lost = count
+    use_recorded_losses(found.topics, reader)
     return found
 
 
-def _topic(channels: list[Any]) -> TopicSurvey:
-    profiles = described(channels[0].qos)
-    types = sorted({channel.type for channel in channels})
-    return TopicSurvey(", ".join(types), sorted(set(profiles)), channels[0].type_hash, max(1, len(profiles)))
+def topic_infos(reader: BagReader) -> dict[str, TopicInfo]:
+    """Return what a bag's files say of its topics, by name; no message is counted yet."""
+    infos = {}
+    for name, channels in reader.channels.items():
+        profiles = described(channels[0].qos)
+        types = ", ".join(sorted({channel.type for channel in channels}))
+        infos[name] = TopicInfo(types, sorted(set(profiles)), channels[0].type_hash, max(1, len(profiles)))
+    return infos
+
+
+def use_recorded_losses(infos: dict[str, TopicInfo], reader: BagReader) -> None:
+    """Let the recorder's own counts of lost messages count, where it has told them."""
+    for name, count in recorded_losses(reader.information).items():
+        if name in infos:
+            infos[name].lost = count
 
 
 def _text(data: bytes) -> str:

@@ -14,7 +14,6 @@ A bag whose recorder was killed (no footer, no index, no ``metadata.yaml``) give
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,42 +22,19 @@ from numpy.typing import NDArray
 
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.read.batch_decoder import decoded
-from forest_bag.read.flatten import TAKERS, Row, take_any
+from forest_bag.read.flatten import FLATTENERS, Row, flatten_any
+from forest_bag.read.survey import TopicInfo, topic_infos, use_recorded_losses
 from forest_bag.storage.bag_files import BagError
-from forest_bag.storage.metadata import recorded_losses
 from forest_bag.storage.raw_messages import Channel, RawMessage
 from forest_description.types import Floats
-from forest_msgs_py.interfaces.qos_profiles import offered
-from forest_msgs_py.interfaces.topics import Topic, find, message_class, unlisted
-from forest_msgs_py.runtime.sequences import SequenceGaps
-from forest_msgs_py.types import NS_PER_S
+from forest_msgs_py.interfaces.topics import Topic, find, unlisted
+from forest_msgs_py.serialization.cdr import CdrError, cdr_type
 
 LATEST_NS = 2**63 - 1  # of a log time in an array; MCAP's own are unsigned
 
 
-class Unreadable(ValueError):
-    """Bytes that are no message of the type that the bag tells."""
-
-
 class NotInBag(LookupError):
     """A topic or a column that the bag does not hold; the text names what there is."""
-
-
-@dataclass(frozen=True)
-class TopicInfo:
-    """What a bag holds of one topic; ``lost`` counts gaps in the publishers' sequence numbers."""
-
-    type: str
-    count: int
-    first_ns: int
-    last_ns: int
-    lost: int
-
-    @property
-    def rate_hz(self) -> float:
-        """Mean rate between the first and the last message, by log time; 0 for fewer than two."""
-        span = self.last_ns - self.first_ns
-        return (self.count - 1) * NS_PER_S / span if span > 0 else 0.0
 
 
 class Series(NamedTuple):
@@ -90,11 +66,15 @@ class Bag:
     """A recorded session in memory."""
 
     def __init__(
-        self, topics: dict[str, TopicInfo], messages: dict[str, list[RawMessage]], complete: bool
+        self,
+        topics: dict[str, TopicInfo],
+        channels: dict[str, Channel],
+        messages: dict[str, list[RawMessage]],
+        complete: bool,
     ) -> None:
         self.topics = topics
         self.complete = complete  # False: the recorder was killed, the file has no footer
-        self._messages = messages
+        self._channels, self._messages = channels, messages
         self._series: dict[str, Series] = {}
 
     def name(self, topic: str | Topic) -> str | None:
@@ -115,7 +95,7 @@ class Bag:
             wanted = topic if isinstance(topic, str) else topic.name
             raise NotInBag(f"no topic '{wanted}'; the bag holds {', '.join(sorted(self.topics))}")
         if name not in self._series:
-            self._series[name] = _series(name, self.topics[name].type, self._messages[name])
+            self._series[name] = _series(self._channels[name], self._messages[name])
         return self._series[name]
 
     def sent_ns(self, topic: Topic) -> NDArray[np.int64]:
@@ -133,11 +113,11 @@ class Bag:
 
 def bag_of(series: Mapping[Topic, Series]) -> Bag:
     """A session in memory that was never a file: its pictures are drawn like a recorded one's."""
-    bag = Bag({}, {}, complete=True)
+    bag = Bag({}, {}, {}, complete=True)
     for topic, values in series.items():
         times = values.log_time_ns
         first, last = (int(times[0]), int(times[-1])) if len(times) else (0, 0)
-        bag.topics[topic.name] = TopicInfo(topic.type, len(times), first, last, 0)
+        bag.topics[topic.name] = TopicInfo(topic.type, count=len(times), first_ns=first, last_ns=last)
         bag._series[topic.name] = values
     return bag
 
@@ -152,114 +132,83 @@ def read_bag(path: str | Path, topics: Collection[str] | None = None) -> Bag:
     Raises:
         FileNotFoundError: there is no bag.
     """
-    path = Path(path)
-    messages: dict[str, list[RawMessage]] = {}
     try:
         with BagReader(path, lenient=True) as reader:
+            messages: dict[str, list[RawMessage]] = {}
             for message in reader.messages():
                 if topics is None or message.channel.topic in topics:
                     messages.setdefault(message.channel.topic, []).append(message)
+            infos = topic_infos(reader)
+            for name, info in infos.items():
+                for message in messages.setdefault(name, []):
+                    info.add(message)
+            use_recorded_losses(infos, reader)
             channels = {name: found[0] for name, found in reader.channels.items()}
-            complete = reader.complete
-            lost = recorded_losses(reader.information)
+            return Bag(infos, channels, messages, reader.complete)
     except BagError as error:
         raise FileNotFoundError(str(error)) from error
-    infos = {
-        name: _info(channel, messages.setdefault(name, []), lost.get(name))
-        for name, channel in channels.items()
-    }
-    return Bag(infos, messages, complete)
 
 
-def _info(channel: Channel, messages: list[RawMessage], lost: int | None) -> TopicInfo:
-    times = [message.log_ns for message in messages]
-    if lost is None:
-        publishers = max(1, len(offered(channel.qos)))
-        gaps = SequenceGaps()
-        for message in messages:
-            gaps.observe(message.sequence, lambda: publishers)
-        lost = gaps.lost
-    return TopicInfo(channel.type, len(times), min(times, default=0), max(times, default=0), lost)
-
-
-def row_reader(name: str, type_name: str) -> Callable[[bytes], Row]:
-    """Return what turns a topic's CDR bytes into a row of labelled numbers.
-
-    Raises:
-        ValueError: the type is not installed here.
-    """
-    read = message_reader(name, type_name)
-    return lambda data: read(data)[0]
-
-
-def message_reader(name: str, type_name: str) -> Callable[[bytes], tuple[Row, Any]]:
+def message_reader(channel: Channel) -> Callable[[bytes], tuple[Row, Any]]:
     """Return what turns a topic's CDR bytes into a row of labelled numbers, and the whole message.
 
     Raises:
-        ValueError: the type is not installed here.
-        Unreadable: (what is returned) the bytes are no message of the type.
+        ValueError: the type is not installed here, and the bag does not hold its definition.
+        CdrError: (what is returned) the bytes are no message of the type.
     """
-    kind, decode = _decoder(name, type_name)
-    take = TAKERS.get(type_name, take_any)
+    name, type_name = channel.topic, channel.type
+    try:
+        cdr = cdr_type(type_name, channel.definition)
+    except ValueError:
+        raise ValueError(f"{name}: {type_name or 'its type'} is not installed here") from None
+    kind, take = _kind(channel), FLATTENERS.get(type_name, flatten_any)
 
     def read(data: bytes) -> tuple[Row, Any]:
-        try:
-            message = decode(data)
-        except (RuntimeError, MemoryError, UnicodeDecodeError) as error:  # of the middleware
-            raise Unreadable(f"{name}: bytes that are no {type_name}") from error
+        message = cdr.decode(data)
         return take(kind, message), message
 
     return read
 
 
-def _decoder(name: str, type_name: str) -> tuple[Topic, Callable[[bytes], Any]]:
-    from rclpy.serialization import deserialize_message  # only here: counting needs no ROS
-
-    row = find(name)
-    kind = row if row is not None and row.type == type_name else unlisted(name, type_name)
-    try:
-        message_type = message_class(kind)
-    except (ImportError, AttributeError, ValueError):
-        raise ValueError(f"{name}: {type_name or 'its type'} is not installed here") from None
-    return kind, lambda data: deserialize_message(data, message_type)
+def _kind(channel: Channel) -> Topic:
+    """The row of the topic table, or one for somebody else's topic."""
+    row = find(channel.topic)
+    return row if row is not None and row.type == channel.type else unlisted(channel.topic, channel.type)
 
 
-def _series(name: str, type_name: str, messages: list[RawMessage]) -> Series:
-    read = row_reader(name, type_name)
-    row = find(name)
-    kind = row if row is not None and row.type == type_name else unlisted(name, type_name)
+def _series(channel: Channel, messages: list[RawMessage]) -> Series:
+    read, kind = message_reader(channel), _kind(channel)
     log_time = np.array([min(message.log_ns, LATEST_NS) for message in messages], dtype=np.int64)
     rows, unreadable = _rows(read, messages[:1])
-    alike = decoded(kind, [m.data for m in messages], rows[0]) if messages else None
-    if alike is not None:
-        return Series(alike.stamps_ns, log_time, alike.values, alike.labels, alike.units, 0)
+    if rows and (batch := decoded(kind, [message.data for message in messages], rows[0])) is not None:
+        return Series(batch[0], log_time, batch[1], rows[0].labels, rows[0].units, 0)
     rows, unreadable = _rows(read, messages)
     columns = dict(zip(kind.labels, kind.units, strict=True)) if not rows else {}
-    for row_ in rows:
-        if row_.labels != tuple(columns):
-            columns |= dict(zip(row_.labels, row_.units, strict=True))
+    for row in rows:
+        if row.labels != tuple(columns):
+            columns |= dict(zip(row.labels, row.units, strict=True))
     if rows and not columns:
-        raise ValueError(f"{name}: {type_name} has no series; allowed: messages with numbers in them")
+        raise ValueError(
+            f"{channel.topic}: {channel.type} has no series; allowed: messages with numbers in them"
+        )
     places = {label: place for place, label in enumerate(columns)}
     values = np.full((len(rows), len(columns)), np.nan)
-    for line, row_ in zip(values, rows, strict=True):
-        line[[places[label] for label in row_.labels]] = row_.values
-    time = np.array(
-        [log if r.stamp_ns is None else r.stamp_ns for r, log in zip(rows, log_time, strict=True)],
-        dtype=np.int64,
-    )
-    incomplete = sum(len(r.labels) < len(columns) for r in rows)
+    for line, row in zip(values, rows, strict=True):
+        line[[places[label] for label in row.labels]] = row.values
+    stamps = [log if row.stamp_ns is None else row.stamp_ns for row, log in zip(rows, log_time, strict=True)]
+    incomplete = sum(len(row.labels) < len(columns) for row in rows)
+    time = np.array(stamps, dtype=np.int64)
     return Series(time, log_time, values, tuple(columns), tuple(columns.values()), incomplete, unreadable)
 
 
-def _rows(read: Callable[[bytes], Row], messages: list[RawMessage]) -> tuple[list[Row], int]:
+def _rows(read: Callable[[bytes], tuple[Row, Any]], messages: list[RawMessage]) -> tuple[list[Row], int]:
     """One row for each message, an empty one for what is unreadable, and how many of these there are."""
     found = [_row(read, message.data) for message in messages]
     return [row or Row(None, (), (), ()) for row in found], found.count(None)
 
 
-def _row(read: Callable[[bytes], Row], data: bytes) -> Row | None:
+def _row(read: Callable[[bytes], tuple[Row, Any]], data: bytes) -> Row | None:
     try:
-        return read(data)
-    except Unreadable:
+        return read(data)[0]
+    except CdrError:
         return None

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
+from forest_msgs_py.runtime.command_line import StatusLine
+
 TERMINAL_PERIOD = 0.5  # [s]
 LOG_PERIOD = 10.0  # [s]
 
@@ -17,8 +19,8 @@ def status_line(seconds: float, size: int, messages: int, rate: float, lost: int
     return f"{clock}, {size / 1e6:.2f} MB, {messages} messages, {rate:.0f}/s, lost {lost}"
 
 
-class Status:
-    """Says how the recording is going when it is time to.
+class RecordingStatus:
+    """Shows how the recording is going when it is time to.
 
     Args:
         log: takes a line, where there is no terminal.
@@ -26,28 +28,20 @@ class Status:
     """
 
     def __init__(self, log: Callable[[str], object], now: float) -> None:
-        self._log = log
-        self._terminal = sys.stdout.isatty()
-        self._period = TERMINAL_PERIOD if self._terminal else LOG_PERIOD
+        self._line = StatusLine(sys.stdout, log)
+        self._period = TERMINAL_PERIOD if self._line.terminal else LOG_PERIOD
         self._begin, self._last, self._messages = now, now, 0
 
     def due(self, now: float) -> bool:
         """Whether it is time."""
         return now - self._last >= self._period
 
-    def say(self, now: float, size: int, messages: int, lost: int) -> None:
-        """Say it."""
+    def show(self, now: float, size: int, messages: int, lost: int) -> None:
+        """Show it."""
         rate = max(0, messages - self._messages) / (now - self._last) if now > self._last else 0.0
         self._last, self._messages = now, messages
-        line = status_line(now - self._begin, size, messages, rate, lost)
-        if self._terminal:
-            sys.stdout.write(f"\r\x1b[K{line}")
-            sys.stdout.flush()
-        else:
-            self._log(line)
+        self._line.show(status_line(now - self._begin, size, messages, rate, lost))
 
     def end(self) -> None:
         """Leave the terminal's line as it is, and go to the next."""
-        if self._terminal and self._messages:
-            sys.stdout.write("\n")
-            sys.stdout.flush()
+        self._line.end()

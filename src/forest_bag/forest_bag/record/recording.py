@@ -6,10 +6,10 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 
-from forest_bag.record.progress import Status
+from forest_bag.record.progress import RecordingStatus
 from forest_bag.write.bag_session import Session
 from forest_bag.write.bag_writer import FLUSH_PERIOD_S
-from forest_msgs_py.introspection.graph_listener import Heard
+from forest_msgs_py.introspection.graph_listener import ReceivedMessage
 from forest_msgs_py.runtime.node import NodeFailure
 
 LOGS = ("/rosout", "/parameter_events")  # the recorder hears its own words there before anybody is found
@@ -29,7 +29,7 @@ class Recording:
     """
 
     def __init__(
-        self, session: Session, take: Callable[[], Iterable[Heard]], log: Callable[[str], object]
+        self, session: Session, take: Callable[[], Iterable[ReceivedMessage]], log: Callable[[str], object]
     ) -> None:
         self.session = session
         self._take, self._log = take, log
@@ -37,7 +37,7 @@ class Recording:
         self._failure: NodeFailure | None = None
         self._flushed = 0.0
         self._begun = self._said_so = False  # somebody was heard; it was said that this is recorded
-        self._status = Status(log, time.monotonic())
+        self._status = RecordingStatus(log, time.monotonic())
 
     def turn(self) -> None:
         """Write what has arrived; flush the first of it at once, then now and then; say how it is going.
@@ -59,7 +59,7 @@ class Recording:
                 self._log(f"recording to {self.session.directory}")
             if self._status.due(now):
                 lost = sum(self.session.lost.values())
-                self._status.say(now, self.session.size, self.session.message_count, lost)
+                self._status.show(now, self.session.size, self.session.message_count, lost)
 
     def guard(self, action: Callable[[], object]) -> None:
         """Do something with the session.

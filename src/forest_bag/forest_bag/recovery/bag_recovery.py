@@ -12,8 +12,8 @@ from mcap.records import Attachment, Channel, Message, Metadata, Schema
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.mcap_file import McapFile
 from forest_bag.storage.mcap_records import MAGIC
-from forest_bag.storage.mcap_recovery import Salvage
-from forest_bag.storage.metadata import FileEntry, TopicEntry, dump, information, write_metadata
+from forest_bag.storage.mcap_recovery import RecordRecovery
+from forest_bag.storage.metadata import FileEntry, OfferedTopic, information, write_metadata
 from forest_msgs_py.interfaces.yaml_text import parsed
 from forest_msgs_py.runtime.sequences import SequenceGaps
 
@@ -21,43 +21,44 @@ CHUNK_BYTES = 1 << 20
 LIBRARY = "forest_msgs_py recovery"
 
 
-class _Offer:
-    """A topic as some publishers offer it: an entry in ``metadata.yaml``, which rosbags finds by its QoS."""
-
-    def __init__(self, name: str, type_name: str, metadata: dict[str, str]) -> None:
-        self.name, self.type = name, type_name
-        self.type_hash = metadata.get("topic_type_hash", "")
-        self.qos = _profiles(metadata.get("offered_qos_profiles", ""))
-        self.messages = 0
-
-
 class Recovered:
     """A recovery: what became of each file, and the topics by name."""
 
     def __init__(self) -> None:
-        self.files: list[tuple[Path | None, Salvage]] = []
+        self.files: list[tuple[Path | None, RecordRecovery]] = []
         self.topics: dict[str, SequenceGaps] = {}
         self.nameless = 0  # messages of channels that nothing readable tells about
-        self._offers: dict[tuple[str, ...], _Offer] = {}
+        self._offers: dict[tuple[str, ...], OfferedTopic] = {}
+        self._counts: dict[OfferedTopic, int] = {}
 
     @property
     def messages(self) -> int:
         """Number of messages in all files."""
-        return sum(offer.messages for offer in self._offers.values())
+        return sum(self._counts.values())
 
-    def offer(self, name: str, type_name: str, metadata: dict[str, str]) -> _Offer:
+    def offer(self, name: str, type_name: str, metadata: dict[str, str]) -> OfferedTopic:
         """Return the entry of a channel, the same for equal ones in several files."""
         self.topics.setdefault(name, SequenceGaps())
         key = (name, type_name, *sorted(f"{k}={v}" for k, v in metadata.items()))
-        return self._offers.setdefault(key, _Offer(name, type_name, metadata))
+        if key not in self._offers:
+            qos = _profiles(metadata.get("offered_qos_profiles", ""))
+            self._offers[key] = offer = OfferedTopic(
+                name, type_name, qos, metadata.get("topic_type_hash", "")
+            )
+            self._counts[offer] = 0
+        return self._offers[key]
 
-    def about(self, files: Sequence[FileEntry], counts: dict[_Offer, int] | None = None) -> dict[str, Any]:
+    def count(self, offer: OfferedTopic, sequence: int) -> None:
+        """Count a message, and those that are missing before it."""
+        self._counts[offer] += 1
+        self.topics[offer.name].observe(sequence, lambda: len(offer.qos))
+
+    def about(
+        self, files: Sequence[FileEntry], counts: dict[OfferedTopic, int] | None = None
+    ) -> dict[str, Any]:
         """Return rosbag2's metadata of some files; counts by offer, if not those of all files."""
-        topics = [
-            TopicEntry(o.name, o.type, o.qos, o.type_hash, o.messages if counts is None else counts.get(o, 0))
-            for o in self._offers.values()
-        ]
-        return information(files, topics, {name: gaps.lost for name, gaps in self.topics.items()})
+        found = self._counts if counts is None else {o: counts.get(o, 0) for o in self._counts}
+        return information(files, found, {name: gaps.lost for name, gaps in self.topics.items()})
 
 
 def _profiles(text: str) -> list[dict[str, Any]]:
@@ -78,15 +79,15 @@ def recover(files: Sequence[Path], output: Path) -> Recovered:
     """
     recovered = Recovered()
     entries: list[FileEntry] = []
-    salvages = [Salvage(file) for file in files]
-    if all(salvage.empty for salvage in salvages):
+    recoveries = [RecordRecovery(file) for file in files]
+    if all(recovery.empty for recovery in recoveries):
         raise BagError("; ".join(map(_why_nothing, files)))
     output.mkdir(parents=True)
-    for salvage in salvages:
-        path = None if salvage.empty else output / f"{output.resolve().name}_{len(entries)}.mcap"
-        recovered.files.append((path, salvage))
+    for recovery in recoveries:
+        path = None if recovery.empty else output / f"{output.resolve().name}_{len(entries)}.mcap"
+        recovered.files.append((path, recovery))
         if path is not None:
-            entries.append(_copy(salvage, path, recovered))
+            entries.append(_copy(recovery, path, recovered))
     write_metadata(output, recovered.about(entries))
     return recovered
 
@@ -101,34 +102,26 @@ def _why_nothing(file: Path) -> str:
     return f"{file} holds neither a message nor an attachment that can be read: nothing to recover"
 
 
-def _copy(salvage: Salvage, path: Path, recovered: Recovered) -> FileEntry:
+def _copy(recovery: RecordRecovery, path: Path, recovered: Recovered) -> FileEntry:
     """Write one file."""
     out = McapFile(path, "zstd", CHUNK_BYTES, library=LIBRARY)
     copy = _Copy(out, recovered)
-
-    def entry() -> FileEntry:
-        return FileEntry(path.name, out.first_ns, out.last_ns, out.message_count)
-
-    def say_about() -> None:
-        about = recovered.about([entry()], copy.counts)
-        out.note("rosbag2", {"serialized_metadata": dump(about)})
-
     try:
-        for record in salvage:
+        for record in recovery:
             copy.take(record)
     finally:
-        out.finish(say_about)
-    return entry()
+        out.finish(lambda: recovered.about([out.entry], copy.counts))
+    return out.entry
 
 
 class _Copy:
     """Puts the records of a damaged file into a new one; numbers of schemas and channels change."""
 
     def __init__(self, out: McapFile, recovered: Recovered) -> None:
-        self.counts: dict[_Offer, int] = {}
+        self.counts: dict[OfferedTopic, int] = {}
         self._out, self._recovered = out, recovered
         self._schemas: dict[int, tuple[str, int]] = {0: ("", 0)}  # the file's number: type, our number
-        self._channels: dict[int, tuple[_Offer, int]] = {}
+        self._channels: dict[int, tuple[OfferedTopic, int]] = {}
 
     def take(self, record: Any) -> None:
         """Copy one record."""
@@ -158,6 +151,5 @@ class _Copy:
             return
         offer, channel = self._channels[message.channel_id]
         self._out.add_message(channel, message.log_time, message.data, message.publish_time, message.sequence)
-        self._recovered.topics[offer.name].observe(message.sequence, lambda: len(offer.qos))
-        offer.messages += 1
+        self._recovered.count(offer, message.sequence)
         self.counts[offer] = self.counts.get(offer, 0) + 1

@@ -84,7 +84,7 @@ class OpenChunk:
         index += struct.pack("<Q", len(indexes)) + name + struct.pack("<QQ", len(data), len(raw))
         index = HEAD.pack(Opcode.CHUNK_INDEX, len(index)) + index
         counts = {channel: len(entry) // 2 for channel, entry in entries.items()}
-        return Sealed(chunk + indexes, index, first, last, counts)
+        return Sealed(records=chunk + indexes, entry=index, first_ns=first, last_ns=last, counts=counts)
 
 
 def _message_indexes(entries: Mapping[int, list[int]], start: int) -> tuple[bytes, bytes]:

@@ -10,8 +10,9 @@ chunk          messages that are compressed and written together; its index says
 record         what an MCAP file consists of: opcode (1 byte), length (8 bytes), content
 =============  =============================================================================================
 
-Why not mcap's own writer: it builds an object for each message, keeps 2 kB of objects for each chunk, and
-after a failed write the middle of a record stays behind. Here every write is whole records or is taken back.
+Kept beside mcap's own writer for crash safety: after a failed write of that one, half a record stays behind.
+Here every write is whole records or is taken back. It also builds no object for each message, and keeps less
+than the 2 kB of objects for each chunk.
 Schemas and channels stand between the chunks, so that a topic without messages is in the file, too. The bytes
 for the summary are kept free on the disk: a file on a full disk still gets one.
 """
@@ -44,6 +45,7 @@ from mcap.records import (
 from forest_bag.storage.append_file import AppendFile
 from forest_bag.storage.mcap_chunk import OpenChunk, compressor
 from forest_bag.storage.mcap_records import MAGIC
+from forest_bag.storage.metadata import FileEntry, dump
 
 CHUNK_BYTES = 64 * 1024
 RESERVE_BYTES = 16 * 1024  # kept free for the summary, besides definitions and the index of chunks
@@ -84,7 +86,7 @@ class McapFile:
         self._chunk_index = bytearray()
         self._defined = 0
         self._chunk = OpenChunk()
-        self._file = AppendFile(path, durable)
+        self._path, self._file = path, AppendFile(path, durable)
         self._file.append(MAGIC + _encoded(Header("ros2", library)))
 
     @property
@@ -102,6 +104,11 @@ class McapFile:
     def message_count(self) -> int:
         """Messages written; those of the open chunk are not."""
         return sum(self.counts.values())
+
+    @property
+    def entry(self) -> FileEntry:
+        """What ``metadata.yaml`` says of the file."""
+        return FileEntry(self._path.name, self.first_ns, self.last_ns, self.message_count)
 
     def add_schema(self, name: str, encoding: str, data: bytes) -> int:
         """Write a message type's definition; return its number."""
@@ -157,18 +164,23 @@ class McapFile:
         self._write_chunk()
         self._file.sync_soon()
 
-    def finish(self, about: Callable[[], None] = lambda: None) -> None:
+    def finish(self, information: Callable[[], Mapping[str, Any]] | None = None) -> None:
         """Write summary and footer, force the file to the disk and close it; a second call does nothing.
 
         Args:
-            about: called when every message is written, for a last `note`.
+            information: rosbag2's metadata of the file, asked for when every message is written.
 
         Raises:
             OSError: the disk is full; what was written whole is kept and the file closed all the same.
         """
         if self._file.closed:
             return
-        steps = (self._write_chunk, self._file.release, about, self._end, self._file.close)
+
+        def write_information() -> None:
+            if information is not None:
+                self.note("rosbag2", {"serialized_metadata": dump(information())})
+
+        steps = (self._write_chunk, self._file.release, write_information, self._end, self._file.close)
         errors = [error for step in steps if (error := _refused(step)) is not None]
         if errors:
             raise errors[0]

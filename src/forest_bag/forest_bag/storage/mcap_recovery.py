@@ -1,37 +1,37 @@
 """What is readable in an MCAP file that was cut off, or damaged in the middle: every whole record.
 
-A reader that stops at the first thing it does not understand gives up everything behind it. Here the search
-goes on for the next record that is whole: a chunk by its checksum, the others by lengths that agree.
+Kept beside mcap's own readers: they stop at the first record that they cannot parse, and give up everything
+behind it. Here the search goes on for the next record that is whole: a chunk by its checksum, the others by
+lengths that agree.
 """
 
 from __future__ import annotations
 
 import mmap
 import re
-import struct
-from collections.abc import Callable, Iterator
-from io import BytesIO
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Metadata, Schema
+from mcap.records import Attachment, Chunk, McapRecord, Message
 
 from forest_bag.storage.bag_files import BagError, bag_files
-from forest_bag.storage.mcap_records import HEAD, MAGIC, MESSAGE, attachment, chunk_records
+from forest_bag.storage.mcap_records import (
+    BROKEN,
+    HEAD,
+    MAGIC,
+    MESSAGE,
+    chunk_records,
+    footer,
+    parsed,
+    records,
+    whole_records,
+)
 
 # How a record that is looked for begins: no length has more than five digits to the base 256.
 _BEGINNING = re.compile(rb"[\x03\x04\x06\x09\x0c].{5}\x00{3}", re.DOTALL)
-_READERS: dict[int, Callable[[ReadDataStream], McapRecord]] = {
-    Opcode.SCHEMA: Schema.read,
-    Opcode.CHANNEL: Channel.read,
-    Opcode.CHUNK: Chunk.read,
-    Opcode.METADATA: Metadata.read,
-}
 _WITHOUT_USE = {Opcode.HEADER, Opcode.MESSAGE_INDEX, *range(0x80, 0x100)}  # of these: anybody's own records
-_ERRORS = (McapError, struct.error, ValueError, RuntimeError, MemoryError, EOFError)
 
 
 class Damage(NamedTuple):
@@ -41,7 +41,7 @@ class Damage(NamedTuple):
     length: int
 
 
-class Salvage:
+class RecordRecovery:
     """Reads one file; iterate over its schemas, channels, messages, attachments and metadata.
 
     Attributes:
@@ -91,10 +91,10 @@ class Salvage:
         if opcode == Opcode.MESSAGE and len(content) >= MESSAGE.size:
             return [_message(content)]
         try:
-            record = _parsed(opcode, content)
+            record = parsed(opcode, content, exact=True)
             if isinstance(record, Chunk):
                 return list(_within(record))
-        except _ERRORS:
+        except BROKEN:
             return None
         if record is not None:
             return [record]
@@ -113,7 +113,7 @@ class Salvage:
 def is_recoverable(path: Path) -> bool:
     """Whether a bag, a directory or one file, holds anything that a recovery would save."""
     try:
-        return any(not Salvage(file).empty for file in bag_files(path))
+        return any(not RecordRecovery(file).empty for file in bag_files(path))
     except (BagError, OSError):
         return False
 
@@ -132,61 +132,27 @@ def _message(content: bytes) -> Message:
     return Message(channel, log_ns, content[MESSAGE.size :], publish_ns, sequence)
 
 
-def _stream(content: bytes) -> ReadDataStream:
-    return ReadDataStream(BytesIO(content))
-
-
-def _parsed(opcode: int, content: bytes) -> McapRecord | None:
-    """The record, None if it is of no kind that is wanted.
-
-    Raises:
-        ValueError: its lengths or its checksum do not agree.
-    """
-    if opcode == Opcode.ATTACHMENT:
-        return attachment(content)
-    if opcode not in _READERS:
-        return None
-    stream = _stream(content)
-    record = _READERS[opcode](stream)
-    if stream.count != len(content):
-        raise ValueError("the lengths within the record do not add up")
-    return record
-
-
 def _within(chunk: Chunk) -> Iterator[McapRecord]:
     """The records of a chunk.
 
     Raises:
-        ValueError: it is damaged.
+        BROKEN: it is damaged.
     """
     content = chunk_records(chunk)
-    place = 0
-    while place < len(content):
-        opcode, length = HEAD.unpack_from(content, place)
-        inner = content[place + HEAD.size : place + HEAD.size + length]
-        place += HEAD.size + length
+    for opcode, begin, end in whole_records(content):
+        inner = content[begin:end]
         if opcode == Opcode.MESSAGE:
             yield _message(inner)
-        elif (record := _parsed(opcode, inner)) is not None:
+        elif (record := parsed(opcode, inner, exact=True)) is not None:
             yield record
 
 
 def _summary(data: mmap.mmap) -> Iterator[McapRecord]:
     """Schemas and channels as the end of the file repeats them, should their first place be damaged."""
-    footer = len(data) - len(MAGIC) - HEAD.size - 20
-    if footer < 0 or data[-len(MAGIC) :] != MAGIC or _head(data, footer)[0] != Opcode.FOOTER:
+    try:
+        stop, start, _ = footer(data)
+        for opcode, begin, end in records(data, start, stop):
+            if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+                yield parsed(opcode, data[begin:end], exact=True)
+    except BROKEN:
         return
-    place = int.from_bytes(data[footer + HEAD.size : footer + HEAD.size + 8], "little")
-    while 0 < place < footer:
-        opcode, end = _head(data, place)
-        if end > footer:
-            return
-        record: Any = None
-        if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-            try:
-                record = _parsed(opcode, data[place + HEAD.size : end])
-            except _ERRORS:
-                return
-        if record is not None:
-            yield record
-        place = end

@@ -23,24 +23,37 @@ class FileEntry(NamedTuple):
     messages: int
 
 
-class TopicEntry(NamedTuple):
-    """One topic: type, what each publisher offers with rosbag2's keys, type hash, number of messages."""
+class OfferedTopic:
+    """A topic as some publishers offer it: a channel in a file, an entry in ``metadata.yaml``.
 
-    name: str
-    type: str
-    qos: Sequence[Mapping[str, Any]]
-    type_hash: str
-    messages: int
+    Both say the same of them: rosbags leaves out the messages of a channel that has no entry like it.
+
+    Args:
+        name: resolved topic name.
+        type_name: like ``sensor_msgs/msg/JointState``.
+        qos: what each publisher offers, with rosbag2's keys.
+        type_hash: of the type's description, ``RIHS01_...``.
+    """
+
+    def __init__(self, name: str, type_name: str, qos: Sequence[Mapping[str, Any]], type_hash: str) -> None:
+        self.name = name
+        self.type, self.qos, self.type_hash = type_name, list(qos), type_hash
+        self.channel = 0  # in the present file
+
+    def covers(self, other: OfferedTopic) -> bool:
+        """Whether this one's channel tells what there is to tell of the other, too."""
+        same = self.type_hash == other.type_hash
+        return same and all(profile in self.qos for profile in other.qos)
 
 
 def information(
-    files: Sequence[FileEntry], topics: Sequence[TopicEntry], lost: Mapping[str, int]
+    files: Sequence[FileEntry], counts: Mapping[OfferedTopic, int], lost: Mapping[str, int]
 ) -> dict[str, Any]:
     """Return what stands below ``rosbag2_bagfile_information``.
 
     Args:
         files: in the order in which they were written.
-        topics: of all files together.
+        counts: number of messages of each topic in all these files.
         lost: number of lost messages by topic.
     """
     custom = {LOST: str(sum(lost.values()))}
@@ -49,7 +62,7 @@ def information(
         "version": METADATA_VERSION,
         "storage_identifier": "mcap",
         **_span(files),
-        "topics_with_message_count": [_topic(topic) for topic in topics],
+        "topics_with_message_count": [_topic(offer, count) for offer, count in counts.items()],
         "compression_format": "",  # MCAP compresses within the file, which needs no word here
         "compression_mode": "",
         "relative_file_paths": [file.path for file in files],
@@ -76,15 +89,15 @@ def _file(file: FileEntry) -> dict[str, Any]:
     return {"path": file.path, **{key: span[key] for key in keys}}
 
 
-def _topic(topic: TopicEntry) -> dict[str, Any]:
+def _topic(offer: OfferedTopic, count: int) -> dict[str, Any]:
     metadata = {
-        "name": topic.name,
-        "type": topic.type,
+        "name": offer.name,
+        "type": offer.type,
         "serialization_format": "cdr",
-        "offered_qos_profiles": [dict(profile) for profile in topic.qos],
-        "type_description_hash": topic.type_hash,
+        "offered_qos_profiles": [dict(profile) for profile in offer.qos],
+        "type_description_hash": offer.type_hash,
     }
-    return {"topic_metadata": metadata, "message_count": topic.messages}
+    return {"topic_metadata": metadata, "message_count": count}
 
 
 def recorded_losses(about: Mapping[str, Any]) -> dict[str, int]:

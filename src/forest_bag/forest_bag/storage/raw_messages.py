@@ -12,8 +12,9 @@ complete      the file ends as a finished file does, and everything in it could 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from forest_bag.storage.bag_files import BagError
 
@@ -53,24 +54,53 @@ class Piece(NamedTuple):
     channels: frozenset[int] | None = None
 
 
-class BagFile(Protocol):
-    """What the two kinds of files have in common."""
+class BagFile(ABC):
+    """What the two kinds of files have in common.
 
-    path: Path
-    channels: dict[int, Channel]
-    pieces: list[Piece]
-    complete: bool
-    problems: list[str]
-    notes: list[str]  # what the user should know, although nothing is wrong
-    attachments: list[tuple[str, bytes]]
-    metadata: list[tuple[str, dict[str, str]]]
+    Args:
+        path: of the bag's file, by which it is named.
+        plain: where it lies decompressed; the same if it is not compressed.
+        magic: bytes with which a file of the kind begins.
+        kind: of the file, and whose magic bytes these are.
 
+    Raises:
+        BagError: it begins otherwise.
+        OSError: it cannot be read.
+    """
+
+    def __init__(self, path: Path, plain: Path, magic: bytes, kind: tuple[str, str]) -> None:
+        self.path = path
+        self.channels: dict[int, Channel] = {}
+        self.pieces: list[Piece] = []
+        self.complete = True
+        self.problems: list[str] = []
+        self.notes: list[str] = []  # what the user should know, although nothing is wrong
+        self.attachments: list[tuple[str, bytes]] = []
+        self.metadata: list[tuple[str, dict[str, str]]] = []
+        with plain.open("rb") as stream:
+            start = stream.read(len(magic))
+        if start != magic and magic.startswith(start):
+            raise Damaged(f"{path} is cut off: it holds {len(start)} bytes")
+        if start != magic:
+            raise BagError(f"{path} is not {kind[0]}: it does not begin with {kind[1]}'s magic bytes")
+
+    @abstractmethod
     def read(self, piece: Piece) -> list[RawMessage]:
-        """Read the messages of a piece, in the file's order; raises Damaged."""
+        """Read the messages of a piece, in the file's order.
 
+        Raises:
+            Damaged: its bytes are not what was written.
+        """
+
+    @abstractmethod
     def check(self) -> None:
-        """Look at all of it; raises Damaged."""
+        """Test all there is of checksums, and the structure.
 
+        Raises:
+            Damaged: the file is not what was written.
+        """
+
+    @abstractmethod
     def close(self) -> None:
         """Let go of the file."""
 

@@ -6,8 +6,7 @@ import sqlite3
 from collections.abc import Iterator
 from pathlib import Path
 
-from forest_bag.storage.bag_files import BagError
-from forest_bag.storage.raw_messages import Channel, Damaged, Piece, RawMessage, full_type
+from forest_bag.storage.raw_messages import BagFile, Channel, Damaged, Piece, RawMessage, full_type
 from forest_bag.storage.sqlite_open import Database
 
 MAGIC = b"SQLite format 3\0"
@@ -22,33 +21,12 @@ TOPIC_COLUMNS = (
 )
 
 
-class SqlitePieces:
+class SqlitePieces(BagFile):
     """A .db3 file; its publishers' times and sequence numbers were never kept."""
 
     def __init__(self, path: Path, plain: Path) -> None:
-        """Open a file and find its pieces.
-
-        Args:
-            path: of the bag's file, by which it is named.
-            plain: where it lies decompressed; the same if it is not compressed.
-
-        Raises:
-            BagError: it is no database of rosbag2's.
-            OSError: it cannot be read.
-        """
-        self.path = path
-        self.pieces: list[Piece] = []
-        self.complete = True
-        self.problems: list[str] = []
-        self.notes: list[str] = []
-        self.attachments: list[tuple[str, bytes]] = []
-        self.metadata: list[tuple[str, dict[str, str]]] = []
-        with plain.open("rb") as stream:
-            start = stream.read(len(MAGIC))
-        if start != MAGIC:
-            if MAGIC.startswith(start):
-                raise Damaged(f"{path} is cut off: it holds {len(start)} bytes")
-            raise BagError(f"{path} is not an SQLite database: it does not begin with SQLite's magic bytes")
+        """Open a file and find its pieces; arguments and errors as `BagFile`."""
+        super().__init__(path, plain, MAGIC, ("an SQLite database", "SQLite"))
         try:
             self._database = Database(plain)
         except sqlite3.Error as error:
@@ -103,7 +81,13 @@ class SqlitePieces:
         have = {row[1] for row in self._database.execute("PRAGMA table_info(topics)")}
         wanted = ", ".join(name if name in have else f"'' AS {name}" for name in TOPIC_COLUMNS)
         return {
-            number: Channel(name, full_type(kind, encoding), encoding, qos, str(type_hash or ""))
+            number: Channel(
+                topic=name,
+                type=full_type(kind, encoding),
+                encoding=encoding,
+                qos=qos,
+                type_hash=str(type_hash or ""),
+            )
             for number, name, kind, encoding, qos, type_hash in self._database.execute(
                 f"SELECT {wanted} FROM topics"
             )

@@ -7,7 +7,7 @@ take      what is recorded between a start and a stop: one bag. The first is `ou
 ring      with `snapshot_ns`: the messages of the last seconds; they come into the bag when one asks for them
 ========  ==================================================================================================
 
-No ROS in here. Latched messages and context outlive a take: each of them gets all.
+No ROS in here. Transient-local messages and context outlive a take: each of them gets all.
 """
 
 from __future__ import annotations
@@ -15,16 +15,12 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from forest_bag.write.bag_writer import Attached, BagWriter, Layout
-from forest_bag.write.transient_local import Latched, Sample
-
-
-class _Offer(NamedTuple):
-    type: str
-    qos: Sequence[Mapping[str, Any]]
-    type_hash: str
+from forest_bag.storage.metadata import OfferedTopic
+from forest_bag.write.bag_split import Attached, Contents, Layout
+from forest_bag.write.bag_writer import BagWriter
+from forest_bag.write.transient_local import Sample
 
 
 class Session:
@@ -43,9 +39,7 @@ class Session:
         self._layout, self._snapshot_ns = layout, snapshot_ns
         self._takes = 0
         self._writer: BagWriter | None = None
-        self._topics: dict[str, _Offer] = {}
-        self._context: dict[str, Attached | dict[str, str]] = {}
-        self._latched = Latched()
+        self._contents = Contents()
         self._ring: deque[Sample] = deque()
 
     @property
@@ -67,7 +61,7 @@ class Session:
     @property
     def topic_count(self) -> int:
         """Topics known so far."""
-        return len(self._topics)
+        return len(self._contents.topics)
 
     @property
     def size(self) -> int:
@@ -87,12 +81,8 @@ class Session:
         """
         if self._writer is None:
             self._takes += 1
-            self._writer = BagWriter(self.directory, self._layout, self._latched)
+            self._writer = BagWriter(self.directory, self._layout, self._contents)
             self.lost = self._writer.lost
-            for name, offer in self._topics.items():
-                self._writer.add_topic(name, *offer)
-            for name, told in self._context.items():
-                self._tell(name, told)
         return self.directory
 
     def stop(self) -> None:
@@ -111,9 +101,10 @@ class Session:
 
     def add_topic(self, name: str, type_name: str, qos: Sequence[Mapping[str, Any]], type_hash: str) -> bool:
         """Learn of a topic, or of a further publisher of it, as `BagWriter.add_topic`."""
-        self._topics[name] = _Offer(type_name, qos, type_hash)
-        self._latched.watch(name, qos)
-        return self._writer is None or self._writer.add_topic(name, type_name, qos, type_hash)
+        if self._writer is not None:
+            return self._writer.add_topic(name, type_name, qos, type_hash)
+        self._contents.add(OfferedTopic(name, type_name, qos, type_hash))
+        return True
 
     def attach(self, file: Attached) -> None:
         """Put a file into the bag, if it is not there already.
@@ -121,9 +112,12 @@ class Session:
         Raises:
             OSError: the disk is full.
         """
-        if file.name not in self._context:
-            self._context[file.name] = file
-            self._tell(file.name, file)
+        if file.name in self._contents.context:
+            return
+        if self._writer is None:
+            self._contents.context[file.name] = file
+        else:
+            self._writer.attach(file)
 
     def note(self, name: str, values: dict[str, str]) -> None:
         """Put a metadata record into the bag.
@@ -131,8 +125,10 @@ class Session:
         Raises:
             OSError: the disk is full.
         """
-        self._context[name] = values
-        self._tell(name, values)
+        if self._writer is None:
+            self._contents.context[name] = values
+        else:
+            self._writer.note(name, values)
 
     def missed(self, name: str, messages: int) -> None:
         """Count messages that were lost before they came here."""
@@ -146,13 +142,13 @@ class Session:
             OSError: the disk is full.
         """
         if self._writer is None:
-            self._latched.keep(Sample(name, data, log_ns, publish_ns, sequence))
+            self._contents.transient_local.keep(Sample(name, data, log_ns, publish_ns, sequence))
         elif not self._snapshot_ns:
             self._writer.write(name, data, log_ns, publish_ns, sequence)
         else:
             self._ring.append(Sample(name, data, log_ns, publish_ns, sequence))
             while self._ring[0].log_ns < log_ns - self._snapshot_ns:
-                self._latched.keep(self._ring.popleft())
+                self._contents.transient_local.keep(self._ring.popleft())
 
     def flush(self) -> None:
         """Have what was written survive a kill, and soon a power cut.
@@ -188,12 +184,4 @@ class Session:
 
     def _forget_ring(self) -> None:
         while self._ring:
-            self._latched.keep(self._ring.popleft())
-
-    def _tell(self, name: str, told: Attached | dict[str, str]) -> None:
-        if self._writer is None:
-            return
-        if isinstance(told, Attached):
-            self._writer.attach(told)
-        else:
-            self._writer.note(name, told)
+            self._contents.transient_local.keep(self._ring.popleft())

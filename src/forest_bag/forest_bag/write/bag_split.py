@@ -1,13 +1,15 @@
-"""One file of a bag: whole by itself, with types, topics, context, and first what latched topics hold."""
+"""One file of a bag, readable alone: it begins with types, topics, context and transient-local messages."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from forest_bag.storage.mcap_file import CHUNK_BYTES, McapFile
-from forest_bag.storage.metadata import FileEntry, dump
+from forest_bag.storage.metadata import FileEntry, OfferedTopic, dump
+from forest_bag.write.transient_local import TransientLocal
 from forest_msgs_py.interfaces.definitions import message_definition
 
 LIBRARY = "forest_msgs_py bag_writer"
@@ -35,21 +37,22 @@ class Layout(NamedTuple):
 ONE_FILE = Layout()
 
 
-class Recorded:
-    """One topic of the bag, as some publishers offer it: a channel in a file, an entry in ``metadata.yaml``.
+@dataclass
+class Contents:
+    """What every file of a recording begins with: topics by name, context, transient-local messages."""
 
-    Both say the same of them: rosbags leaves out the messages of a channel that has no entry like it.
-    """
+    topics: dict[str, OfferedTopic] = field(default_factory=dict)
+    context: dict[str, Attached | dict[str, str]] = field(default_factory=dict)
+    transient_local: TransientLocal = field(default_factory=TransientLocal)
 
-    def __init__(self, name: str, type_name: str, qos: Sequence[Mapping[str, Any]], type_hash: str) -> None:
-        self.name = name
-        self.type, self.qos, self.type_hash = type_name, list(qos), type_hash
-        self.channel = 0  # in the present file
-
-    def says_all(self, other: Recorded) -> bool:
-        """Whether this one's channel tells what there is to tell of the other, too."""
-        same = self.type_hash == other.type_hash
-        return same and all(profile in self.qos for profile in other.qos)
+    def add(self, offer: OfferedTopic) -> bool:
+        """Take in a topic, or what a further publisher of it offers; False if that is known already."""
+        before = self.topics.get(offer.name)
+        self.transient_local.watch(offer.name, offer.qos)
+        if before is not None and before.covers(offer):
+            return False
+        self.topics[offer.name] = offer
+        return True
 
 
 class Split:
@@ -65,9 +68,8 @@ class Split:
 
     def __init__(self, path: Path, layout: Layout) -> None:
         self.empty = True
-        self._path = path
         self._schemas: dict[str, int] = {}
-        self._topics: dict[int, Recorded] = {}  # by channel
+        self._topics: dict[int, OfferedTopic] = {}  # by channel
         try:
             self.file = McapFile(path, layout.compression, layout.chunk_bytes, layout.durable, LIBRARY)
         except FileExistsError:
@@ -76,7 +78,7 @@ class Split:
             path.unlink(missing_ok=True)
             raise
 
-    def open_channel(self, topic: Recorded) -> bool:
+    def open_channel(self, topic: OfferedTopic) -> bool:
         """Open a channel for a topic; False if its type's definition is not installed."""
         known = True
         if topic.type not in self._schemas:
@@ -97,23 +99,14 @@ class Split:
         else:
             self.file.note(name, told)
 
-    def counts(self) -> dict[Recorded, int]:
+    def counts(self) -> dict[OfferedTopic, int]:
         """Return the number of messages written, by topic."""
         return {topic: self.file.counts[channel] for channel, topic in self._topics.items()}
 
-    def entry(self) -> FileEntry:
-        """Return what ``metadata.yaml`` says of the file."""
-        return FileEntry(self._path.name, self.file.first_ns, self.file.last_ns, self.file.message_count)
-
-    def finish(self, about: Callable[[FileEntry, dict[Recorded, int]], dict[str, Any]]) -> None:
+    def finish(self, about: Callable[[FileEntry, dict[OfferedTopic, int]], dict[str, Any]]) -> None:
         """Finish the file, with rosbag2's metadata of it in it.
 
         Raises:
             OSError: the disk is full; the file is closed all the same.
         """
-
-        def say_about() -> None:
-            text = dump(about(self.entry(), self.counts()))
-            self.file.note("rosbag2", {"serialized_metadata": text})
-
-        self.file.finish(say_about)
+        self.file.finish(lambda: about(self.file.entry, self.counts()))

@@ -7,7 +7,7 @@ log time         when a recorder received a message, system time, ns; a simulati
 publish time     when its publisher sent it (DDS source timestamp), ns
 sequence         the publisher's count of its messages; gaps are losses
 QoS profile      dict with the keys of rosbag2's metadata version 9
-split            one of a bag's files; each is whole by itself: types, topics, latched messages, context
+split            one of a bag's files; each has types, topics, context, transient-local messages
 ===============  ===========================================================================================
 
 No ROS in here. A killed process leaves every finished chunk behind, so chunks are kept small and are
@@ -21,9 +21,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from forest_bag.storage.metadata import FileEntry, TopicEntry, information, sync_directory, write_metadata
-from forest_bag.write.bag_split import ONE_FILE, Attached, Layout, Recorded, Split
-from forest_bag.write.transient_local import Latched, Sample
+from forest_bag.storage.metadata import FileEntry, OfferedTopic, information, sync_directory, write_metadata
+from forest_bag.write.bag_split import ONE_FILE, Attached, Contents, Layout, Split
+from forest_bag.write.transient_local import Sample
 
 __all__ = ["FLUSH_PERIOD_S", "Attached", "BagWriter", "Layout"]
 
@@ -37,7 +37,7 @@ class BagWriter:
     Args:
         directory: to be made.
         layout: compression, and when the next file begins.
-        latched: what the latched topics hold already.
+        contents: what every file begins with, as an earlier bag of the recording left it.
 
     Raises:
         FileExistsError: the directory exists: a record is never overwritten.
@@ -45,22 +45,19 @@ class BagWriter:
     """
 
     def __init__(
-        self, directory: str | Path, layout: Layout = ONE_FILE, latched: Latched | None = None
+        self, directory: str | Path, layout: Layout = ONE_FILE, contents: Contents | None = None
     ) -> None:
         self.directory = Path(directory).absolute()
         try:
             self.directory.mkdir(parents=True)
         except FileExistsError:
             raise FileExistsError(f"{directory} exists; allowed: a directory to be made") from None
-        self.lost: dict[str, int] = {}
-        self.counts: dict[str, int] = {}  # taken in, by topic; the last of them may not be written yet
-        self.latched = Latched() if latched is None else latched
+        self._contents = Contents() if contents is None else contents
+        self.lost = dict.fromkeys(self._contents.topics, 0)
+        self.counts = dict(self.lost)  # taken in, by topic; the last of them may not be written yet
         self.files: list[FileEntry] = []  # finished
         self._layout = layout
-        self._topics: dict[str, Recorded] = {}
-        self._context: dict[str, Attached | dict[str, str]] = {}
-        self._offered: list[Recorded] = []  # the same, and what they were offered as before
-        self._written: dict[Recorded, int] = {}  # in finished files
+        self._written = dict.fromkeys(self._contents.topics.values(), 0)  # in finished files, by offer
         self._size_before = 0
         self._closed = False
         self._split = self._next_split()
@@ -98,16 +95,13 @@ class BagWriter:
         Returns:
             False if the message definition is not installed; the bytes are kept all the same.
         """
-        before = self._topics.get(name)
-        topic = Recorded(name, type_name, qos, type_hash)
-        self.latched.watch(name, qos)
+        offer = OfferedTopic(name, type_name, qos, type_hash)
         self.counts.setdefault(name, 0)
         self.lost.setdefault(name, 0)
-        if before is not None and before.says_all(topic):
+        if not self._contents.add(offer):
             return True
-        self._topics[name] = topic
-        self._offered.append(topic)
-        return self._split.open_channel(topic)
+        self._written[offer] = 0
+        return self._split.open_channel(offer)
 
     def attach(self, file: Attached) -> None:
         """Put a file into the bag, into every split of it.
@@ -115,7 +109,7 @@ class BagWriter:
         Raises:
             OSError: the disk is full.
         """
-        self._context[file.name] = file
+        self._contents.context[file.name] = file
         self._split.file.attach(*file)
 
     def note(self, name: str, values: dict[str, str]) -> None:
@@ -124,7 +118,7 @@ class BagWriter:
         Raises:
             OSError: the disk is full.
         """
-        self._context[name] = values
+        self._contents.context[name] = values
         self._split.file.note(name, values)
 
     def write(self, name: str, data: bytes, log_ns: int, publish_ns: int, sequence: int = 0) -> None:
@@ -137,10 +131,10 @@ class BagWriter:
             self.split()
         if self._split.empty:
             self._begin(log_ns)
-        self._split.file.add_message(self._topics[name].channel, log_ns, data, publish_ns, sequence)
+        self._split.file.add_message(self._contents.topics[name].channel, log_ns, data, publish_ns, sequence)
         self.counts[name] += 1
-        if name in self.latched:
-            self.latched.keep(Sample(name, data, log_ns, publish_ns, sequence))
+        if name in self._contents.transient_local:
+            self._contents.transient_local.keep(Sample(name, data, log_ns, publish_ns, sequence))
 
     def flush(self) -> None:
         """Finish the open chunk and hand it to the operating system: from here on a kill cannot take it.
@@ -182,18 +176,19 @@ class BagWriter:
         split = self._split = Split(self.directory / self.file_name, self._layout)
         self._end_ns: float = math.inf
         self._end_bytes: float = math.inf
-        for topic in self._topics.values():
+        for topic in self._contents.topics.values():
             split.open_channel(topic)
-        for name, told in self._context.items():
+        for name, told in self._contents.context.items():
             split.tell(name, told)
         return split
 
     def _begin(self, log_ns: int) -> None:
-        """Have the file begin with what the latched topics hold, as a subscriber would be told."""
+        """Have the file begin with what the transient-local topics hold, as a subscriber would be told."""
         self._split.empty, file = False, self._split.file
-        for sample in self.latched:
-            if sample.name in self._topics:
-                channel = self._topics[sample.name].channel
+        topics = self._contents.topics
+        for sample in self._contents.transient_local:
+            if sample.name in topics:
+                channel = topics[sample.name].channel
                 file.add_message(channel, log_ns, sample.data, sample.publish_ns, sample.sequence)
         if self._layout.max_ns:
             self._end_ns = log_ns + self._layout.max_ns
@@ -207,14 +202,10 @@ class BagWriter:
         try:
             split.finish(lambda entry, counts: self._about([entry], counts))
         finally:
-            self.files.append(split.entry())
+            self.files.append(split.file.entry)
             self._size_before += split.file.size
-            for topic, count in split.counts().items():
-                self._written[topic] = self._written.get(topic, 0) + count
+            for offer, count in split.counts().items():
+                self._written[offer] += count
 
-    def _about(self, files: list[FileEntry], counts: dict[Recorded, int]) -> dict[str, Any]:
-        topics = [
-            TopicEntry(topic.name, topic.type, topic.qos, topic.type_hash, counts.get(topic, 0))
-            for topic in self._offered
-        ]
-        return information(files, topics, self.lost)
+    def _about(self, files: list[FileEntry], counts: dict[OfferedTopic, int]) -> dict[str, Any]:
+        return information(files, {offer: counts.get(offer, 0) for offer in self._written}, self.lost)

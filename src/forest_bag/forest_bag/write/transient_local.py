@@ -19,7 +19,7 @@ class Sample(NamedTuple):
     sequence: int
 
 
-def is_latched(qos: Sequence[Mapping[str, Any]]) -> bool:
+def is_transient_local(qos: Sequence[Mapping[str, Any]]) -> bool:
     """Whether a publisher keeps its last messages for those who come late, for good (/rosout's expire)."""
     return any(
         profile["durability"] == "transient_local" and _lifespan(profile) in (0, FOREVER_S) for profile in qos
@@ -30,7 +30,7 @@ def _lifespan(profile: Mapping[str, Any]) -> int:
     return min(int(profile["lifespan"]["sec"]), FOREVER_S)
 
 
-class _Kept:
+class _LastMessages:
     """The last messages of one topic, each content once."""
 
     def __init__(self, limit: int) -> None:
@@ -47,21 +47,21 @@ class _Kept:
         yield from self._samples.values()
 
 
-class Latched:
-    """Keeps what the latched topics hold at present."""
+class TransientLocal:
+    """Keeps what the transient-local topics hold at present."""
 
     def __init__(self) -> None:
-        self._kept: dict[str, _Kept] = {}
+        self._kept: dict[str, _LastMessages] = {}
 
     def watch(self, name: str, qos: Sequence[Mapping[str, Any]]) -> None:
         """Learn what the publishers of a topic offer."""
-        if is_latched(qos):
+        if is_transient_local(qos):
             depth = int(qos[0]["depth"]) if len(qos) == 1 else MANY  # 0: the middleware does not tell
-            kept = self._kept.setdefault(name, _Kept(1))
+            kept = self._kept.setdefault(name, _LastMessages(1))
             kept.limit = max(1, min(MANY, depth))
 
     def keep(self, sample: Sample) -> None:
-        """Take in a message; forgotten at once if its topic is not latched."""
+        """Take in a message; forgotten at once if its topic is not transient local."""
         kept = self._kept.get(sample.name)
         if kept is not None:
             kept.add(sample)

@@ -29,23 +29,19 @@ from forest_compile.ir.values import (
 )
 
 TRUE, FALSE, NO_DOUBLE, INFINITE = number(True), number(False), number(0.0), number(math.inf)
-ONE_ARGUMENT: dict[Any, str] = {
-    math.sqrt: "llvm.sqrt.f64",
-    abs: "llvm.fabs.f64",
-    math.fabs: "llvm.fabs.f64",
-    math.sin: "sin",
-    math.cos: "cos",
-    math.exp: "exp",
-    math.acos: "acos",
+EXTERNAL: dict[Any, tuple[str, int]] = {  # LLVM's or the C library's name, and how many doubles it takes
+    math.sqrt: ("llvm.sqrt.f64", 1),
+    abs: ("llvm.fabs.f64", 1),
+    math.fabs: ("llvm.fabs.f64", 1),
+    math.sin: ("sin", 1),
+    math.cos: ("cos", 1),
+    math.exp: ("exp", 1),
+    math.acos: ("acos", 1),
+    math.copysign: ("llvm.copysign.f64", 2),
+    math.atan2: ("atan2", 2),
+    pow: ("pow", 2),
+    math.fmod: ("fmod", 2),
 }
-TWO_ARGUMENTS: dict[Any, str] = {
-    math.copysign: "llvm.copysign.f64",
-    math.atan2: "atan2",
-    pow: "pow",
-    math.fmod: "fmod",
-}
-_EXTERNAL = {**ONE_ARGUMENT, **TWO_ARGUMENTS}
-EXTERNALS = dict.fromkeys(ONE_ARGUMENT.values(), 1) | dict.fromkeys(TWO_ARGUMENTS.values(), 2)
 _ARITHMETIC: dict[type[ast.operator], str] = {
     ast.Add: "fadd",
     ast.Sub: "fsub",
@@ -81,18 +77,18 @@ class Arithmetic(Integers):
         if isinstance(sort, ast.Mod):
             return self._double_remainder(left, right)
         if isinstance(sort, ast.Pow):
-            return self._external(pow, [left, right])
+            return self.external(pow, [left, right])
         if type(sort) not in _ARITHMETIC:
             raise NotTranslatedError(f"{type(sort).__name__} is not translated")
         return self.into.operate(_ARITHMETIC[type(sort)], left, right)
 
     def _double_remainder(self, left: Scalar, right: Scalar) -> Scalar:
         """Return Python's remainder, which has the divisor's sign, zero too; C's has the dividend's."""
-        into, rest = self.into, self._external(math.fmod, [left, right])
+        into, rest = self.into, self.external(math.fmod, [left, right])
         signs = [into.operate("fcmp olt", value, NO_DOUBLE) for value in (rest, right)]
         moved = into.operate("fadd", rest, right)
         signed = into.select(into.operate("xor", *signs), moved, rest)
-        zero = self._external(math.copysign, [NO_DOUBLE, right])
+        zero = self.external(math.copysign, [NO_DOUBLE, right])
         return into.select(into.operate("fcmp une", rest, NO_DOUBLE), signed, zero)
 
     def compared(self, sort: ast.cmpop, left: Value, right: Value) -> Scalar:
@@ -117,9 +113,10 @@ class Arithmetic(Integers):
 
     def builtin(self, function: Any, numbers: list[Scalar], text: str) -> Scalar:
         """Return what a function of numbers gives; `text` is the call's."""
-        if function not in _ARITIES:
+        if function not in _SPECIAL and function not in EXTERNAL:
             raise NotTranslatedError(f"{text!r} is not translated")
-        if len(numbers) not in _ARITIES[function]:
+        _, wanted = EXTERNAL.get(function, ("", 1))
+        if not (len(numbers) > 1 if function in (max, min) else len(numbers) == wanted):
             raise NotTranslatedError(f"{text!r}: not with {len(numbers)} numbers")
         no_double = all(value.kind != DOUBLE for value in numbers)
         if function is pow and no_double:
@@ -128,20 +125,12 @@ class Arithmetic(Integers):
             return self.extreme(ast.Gt(), [self.integer(numbers[0]), self.negative(numbers[0])])
         if function in _SPECIAL:
             return _SPECIAL[function](self, numbers)
-        return self._external(function, numbers)
+        return self.external(function, numbers)
 
-    def _external(self, function: Any, numbers: list[Scalar]) -> Scalar:
+    def external(self, function: Any, numbers: list[Scalar]) -> Scalar:
         """Return what a function of doubles gives that LLVM or the C library has."""
         given = ", ".join(f"double {self.double(value).text}" for value in numbers)
-        return self.into.emit(DOUBLE, f"call double @{_EXTERNAL[function]}({given})")
-
-    def is_nan(self, value: Scalar) -> Scalar:
-        """Return whether a number is NaN."""
-        return self.compared(ast.NotEq(), value, value)
-
-    def is_finite(self, value: Scalar) -> Scalar:
-        """Return whether a number is neither infinite nor NaN."""
-        return self.compared(ast.Lt(), self._external(abs, [value]), INFINITE)
+        return self.into.emit(DOUBLE, f"call double @{EXTERNAL[function][0]}({given})")
 
     def floor(self, value: Scalar) -> Scalar:
         """Return the greatest integer that is not greater."""
@@ -164,12 +153,6 @@ _SPECIAL: dict[Any, Callable[[Arithmetic, list[Scalar]], Scalar]] = {
     float: lambda to, given: to.double(given[0]),
     bool: lambda to, given: to.truth(given[0]),
     math.floor: lambda to, given: to.floor(given[0]),
-    math.isnan: lambda to, given: to.is_nan(given[0]),
-    math.isfinite: lambda to, given: to.is_finite(given[0]),
+    math.isnan: lambda to, given: to.compared(ast.NotEq(), *given, *given),
+    math.isfinite: lambda to, given: to.compared(ast.Lt(), to.external(abs, given), INFINITE),
 }
-_ARITIES: dict[Any, range] = (
-    dict.fromkeys(_SPECIAL, range(1, 2))
-    | dict.fromkeys(ONE_ARGUMENT, range(1, 2))
-    | dict.fromkeys(TWO_ARGUMENTS, range(2, 3))
-    | dict.fromkeys((max, min), range(2, 1000))
-)

@@ -180,15 +180,19 @@ class Statements(Expressions):
         if not into.open:
             raise NotTranslatedError("a loop that never goes round is not translated")
         frame.line = node.lineno
-        after = {}
-        for name in heads:
-            if name not in frame.variables:
-                raise NotTranslatedError(f"a loop makes something of another kind of {name!r}")
-            after[name] = self.settled(frame.variables[name])
-        for name, (_, close) in heads.items():
-            close(into.block, after[name])
+        self._close({name: close for name, (_, close) in heads.items()})
         into.jump(head)
         into.start(done)
         frame.variables = outside
         ends = self.run(node.orelse)
         self._meet(ends + frame.breaks.pop())
+
+    def _close(self, closing: dict[str, Callable[[str, Value], None]]) -> None:
+        """Tell a loop's head what its variables are after a round."""
+        after = {}
+        for name in closing:
+            if name not in self.frame.variables:
+                raise NotTranslatedError(f"a loop makes something of another kind of {name!r}")
+            after[name] = self.settled(self.frame.variables[name])
+        for name, close in closing.items():
+            close(self.into.block, after[name])

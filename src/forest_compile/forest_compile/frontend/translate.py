@@ -25,7 +25,7 @@ from types import CodeType, FunctionType
 from forest_compile import fingerprint
 from forest_compile.entry import Entry
 from forest_compile.flat_layout import leaves
-from forest_compile.frontend.arithmetic import EXTERNALS
+from forest_compile.frontend.arithmetic import EXTERNAL
 from forest_compile.frontend.frame import Frame, syntax_tree
 from forest_compile.frontend.statements import Statements
 from forest_compile.ir.function import Function
@@ -64,7 +64,7 @@ def llvm_ir(entry: Entry) -> str:
             f"{function.__module__}.{function.__qualname__}: {function.__code__.co_filename} was changed "
             "after it was imported; start again"
         )
-    module = Module(EXTERNALS)
+    module = Module(dict(EXTERNAL.values()))
     _Kernel(module, entry).write()
     return "\n".join(module.text())
 

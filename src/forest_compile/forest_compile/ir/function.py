@@ -37,7 +37,7 @@ Incoming = list[tuple[str, Scalar]]  # block and number
 
 
 class Function:
-    """A function under way: its blocks, and the one that is being written.
+    """A function in the making: its blocks, and the one that is being written.
 
     Args:
         module: knows the texts of faults.

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 
 class Module:
-    """Functions and texts under way.
+    """Functions and texts that are being written.
 
     Args:
         externals: functions of the C library and of LLVM: name to the count of their arguments, all doubles.

@@ -16,12 +16,9 @@ from forest_control.config.setting_file import SettingFileError, is_number, ship
 from forest_control.limits.workspace import BOX, CYLINDER, MOST, NO_WALL, OPEN, PLANE, Wall, Workspace
 
 KEYS = ("ground", "stay_inside", "boxes", "cylinders", "margin", "approach", "description")
-FARTHEST = 1000.0  # [m] of a coordinate: a number beyond has another unit
-WIDEST_MARGIN = 10.0  # [m] of the margin: a number beyond has another unit
-APPROACH = 4.0  # [1/s] allowed speed per distance to a wall where a file names none; chosen
-LEAST_APPROACH = 0.1  # [1/s] as of the setting `approach`: slower, the tip never arrives
-MOST_APPROACH = 20.0  # [1/s] as of the setting `approach`: faster, the valves are too slow
-LEAST_RADIUS = 0.001  # [m] of a cylinder: a smaller one is no obstacle
+FARTHEST = 1000.0  # [m]
+APPROACH = 4.0  # [1/s]
+LEAST_APPROACH, MOST_APPROACH = 0.1, 20.0  # [1/s]
 
 
 def shipped() -> tuple[str, ...]:
@@ -48,7 +45,7 @@ class _Reader:
 
     def workspace(self, tree: Any) -> Workspace:
         self._keys(tree, KEYS, "")
-        margin = self._number(tree.get("margin", 0.0), "margin", 0.0, WIDEST_MARGIN)
+        margin = self._number(tree.get("margin", 0.0), "margin", 0.0, 10.0)
         approach = self._number(
             tree.get("approach", APPROACH), "approach", LEAST_APPROACH, MOST_APPROACH, "1/s"
         )
@@ -94,7 +91,7 @@ class _Reader:
     def _cylinder(self, tree: Any, key: str, margin: float) -> Wall:
         self._keys(tree, ("centre", "radius", "lower", "upper"), key, needed=True)
         x, y = self._point(tree["centre"], f"{key}.centre", 2)
-        radius = self._number(tree["radius"], f"{key}.radius", LEAST_RADIUS)
+        radius = self._number(tree["radius"], f"{key}.radius", 0.001)
         low, high = (self._number(tree[end], f"{key}.{end}") for end in ("lower", "upper"))
         if not low < high:
             self._refuse(f"{key}: lower {low:g} is not below upper {high:g}")

@@ -1,22 +1,25 @@
-"""Levers as functions of time: the thesis' test input, and a person's recorded levers."""
+"""Joystick inputs as functions of time: the thesis' test input, and a person's recorded levers."""
 
-import csv
 import math
 from bisect import bisect_right
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
-from forest_control.operator.joystick_interpolation import LONGEST_LINE, between
+from forest_control.operator.joystick_interpolation import LONGEST as LONGEST_LINE
+from forest_control.operator.joystick_interpolation import between
 from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, levers_for_tip_velocity
 from forest_description.types import Vec3
+from forest_msgs_py.interfaces.csv_text import Column, read_rows
 from forest_msgs_py.runtime.parameter_table import Parameter
 
-THESIS_DURATION = 10.0  # [s] of the test input: the time axis of Thesis fig. 5.4 to 5.9
-LEAD_IN = 0.5  # [s] at rest, deadman held, before a source plays: a recorder may subscribe late
-LEAD_OUT = 0.3  # [s] at rest, deadman released, after it: longer than a stop takes
-LONGEST = 86400.0  # [s] of a source: a day; a longer one has other units
-COLUMNS = ("time_s", "swing", "boom", "stick")
+THESIS_DURATION = 10.0  # [s] of the figures
+LEAD_IN = 0.5  # [s] at rest, deadman held, before a source plays: recorders come late on a busy computer
+LEAD_OUT = 0.3  # [s] at rest with the deadman released, after it
+LONGEST = 86400.0  # [s]
+COLUMNS = (
+    Column("time_s", 0.0, LONGEST),
+    *(Column(axis, -1.0, 1.0) for axis in ("swing", "boom", "stick")),
+)
 
 
 class LeverError(ValueError):
@@ -24,10 +27,9 @@ class LeverError(ValueError):
 
 
 def thesis_tip_velocity(time: float) -> Vec3:
-    """Return the tip velocity command [m/s] of the thesis' evaluation at a time [s]. Thesis section 5.2.
+    """Return the wished tip velocity [m/s] of the thesis' evaluation at a time [s]. Thesis section 5.2.
 
-    Steps in x and z at different times and a sinusoid in y; amplitudes as read in
-    docs/equations.md.
+    Steps in x and z at different times and a sinusoid in y; amplitudes: docs/explanation/equations.md.
     """
     x = 0.30 if 1.0 <= time < 4.0 else 0.0
     z = 0.25 if 2.5 <= time < 5.5 else 0.0
@@ -35,7 +37,7 @@ def thesis_tip_velocity(time: float) -> Vec3:
 
 
 def thesis_levers(time: float, tip_speed: float) -> Levers:
-    """Return the levers for the thesis' input; a full deflection asks for `tip_speed` [m/s]."""
+    """Return the levers for the thesis' input; `tip_speed` [m/s] is what a full deflection wishes."""
     return levers_for_tip_velocity(thesis_tip_velocity(time), tip_speed)
 
 
@@ -56,7 +58,7 @@ class JoystickParameters(NamedTuple):
 
 
 class LeverRecord(NamedTuple):
-    """Rows of a lever file."""
+    """Rows of a lever file: samples of a hand that moved between them, too."""
 
     times: tuple[float, ...]  # [s]
     levers: tuple[Levers, ...]
@@ -65,8 +67,8 @@ class LeverRecord(NamedTuple):
     def at(self, time: float) -> Levers:
         """Return the levers at a time [s]; rest before the first row and after the last.
 
-        They go on straight lines from row to row. Before a longer gap, as in a list of steps, a row
-        holds until `LONGEST_LINE` before the next.
+        They go on a line from row to row. A row that is followed late, as in a log of changes or a list of
+        steps, holds until `lever_hold.LONGEST` before the next.
         """
         row = bisect_right(self.times, time) - 1
         if row < 0 or time > self.times[-1]:
@@ -84,37 +86,5 @@ def read_levers(path: Path) -> LeverRecord:
     Raises:
         LeverError: the file cannot be read, or a line does not fit.
     """
-    try:
-        with path.open(
-            newline="", encoding="utf-8-sig"
-        ) as file:  # spreadsheets put a byte order mark in front
-            reader = csv.reader(file)
-            header, *rows = [(reader.line_num, row) for row in reader if row] or [(1, ["nothing"])]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise LeverError(f"{path}: cannot be read as CSV: {error}") from error
-    if tuple(cell.strip() for cell in header[1]) != COLUMNS:
-        found = ",".join(header[1])
-        raise LeverError(f"{path}:{header[0]}: the header must be {','.join(COLUMNS)}, found {found}")
-    if not rows:
-        raise LeverError(f"{path}:{header[0]}: no rows below the header; allowed: one or more")
-    numbers = [_numbers(path, line, row) for line, row in rows]
-    for (line, _), (before, after) in zip(rows[1:], pairwise(numbers), strict=True):
-        if after[0] <= before[0]:
-            raise LeverError(f"{path}:{line}: time_s is {after[0]:g} after {before[0]:g}; times must rise")
+    numbers = read_rows(path, COLUMNS, LeverError)
     return LeverRecord(tuple(n[0] for n in numbers), tuple(Levers(*n[1:]) for n in numbers))
-
-
-def _numbers(path: Path, line: int, row: list[str]) -> tuple[float, float, float, float]:
-    if len(row) != len(COLUMNS):
-        raise LeverError(f"{path}:{line}: {len(row)} columns; allowed are the {len(COLUMNS)} of the header")
-    values = []
-    for name, cell in zip(COLUMNS, row, strict=True):
-        low, high = (0.0, LONGEST) if name == "time_s" else (-1.0, 1.0)
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
-        if not (math.isfinite(value) and low <= value <= high):
-            raise LeverError(f"{path}:{line}: {name} is {cell!r}; allowed: {low:g} .. {high:g}")
-        values.append(value)
-    return values[0], values[1], values[2], values[3]

@@ -3,7 +3,7 @@
 from typing import Any
 
 from forest_control.config.settings import Parameters
-from forest_control.operator.joystick_watch import joystick_sample, unreadable_sample
+from forest_control.operator.joystick_watch import bad_sample, sample_of
 from forest_control.operator.levers import RIGHT_Y
 from forest_control.pipeline.control_state import Telemetry
 from forest_control.pipeline.guarded_controller import GuardedController
@@ -13,7 +13,7 @@ from forest_control.servo.joint_angle_filter import UNREAD, Lengths, Source
 from forest_control.servo.schemes import Scheme
 from forest_description.machine import Machine
 from forest_description.types import Vec3
-from forest_msgs_py.clock.node_clock import speaker
+from forest_msgs_py.clock.node_clock import number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.serialization.unpacking import JointReader, read_joy_data
@@ -31,8 +31,8 @@ class ControllerInputs:
     """
 
     def __init__(self, pace: Any, machine: Machine, deadman: int) -> None:
-        self.joy, self.valves = pace.inbox(topics.JOY), ValveReports(pace, machine)
-        self.actuators = pace.inbox(topics.ACTUATOR_STATES)
+        self.joy, self.valves = pace.polled_subscription(topics.JOY), ValveReports(pace, machine)
+        self.actuators = pace.polled_subscription(topics.ACTUATOR_STATES)
         self._joints, self._lengths = JointReader(topics.JOINTS), JointReader(topics.ACTUATORS)
         self._deadman, self._before = deadman, None  # axes and buttons of the sample before
 
@@ -41,13 +41,11 @@ class ControllerInputs:
         for data, received in self.joy.arrivals():
             reading, frame = read_joy_data(data, RIGHT_Y + 1, self._deadman + 1)
             if reading.problem:
-                permission.hear(unreadable_sample(received), reading.problem)
+                permission.hear(bad_sample(received), reading.problem)
                 continue
             content, before = reading.values, self._before
             self._before = content
-            permission.hear(
-                joystick_sample(reading.stamp_ns, frame, received, content, before, self._deadman)
-            )
+            permission.hear(sample_of(reading.stamp_ns, frame, received, content, before, self._deadman))
 
     def machine_state(self, data: bytes, received: float) -> MachineState:
         """Return what a message of the joints says."""
@@ -75,22 +73,22 @@ class ControllerOutputs:
     """
 
     def __init__(self, pace: Any, plain: bool) -> None:
-        self._command = speaker(pace, topics.VALVE_COMMANDS, plain=plain)
-        self._pose = speaker(pace, topics.TIP_POSE, FRAME)
-        self._twist = speaker(pace, topics.TIP_TWIST, FRAME)
-        self._reference = speaker(pace, topics.TIP_TWIST_COMMAND, FRAME)
-        self._status = speaker(pace, topics.CONTROLLER_STATUS, plain=plain)
-        self._pace = pace
+        self._command = number_publisher(pace, topics.VALVE_COMMANDS, plain=plain)
+        self._pose = number_publisher(pace, topics.TIP_POSE, FRAME)
+        self._twist = number_publisher(pace, topics.TIP_TWIST, FRAME)
+        self._reference = number_publisher(pace, topics.TIP_TWIST_COMMAND, FRAME)
+        self._status = number_publisher(pace, topics.CONTROLLER_STATUS, plain=plain)
+        self._node_clock = pace
 
     def say_description(self, text: str) -> None:
         """Say what the crane looks like (URDF), for those who come later, too."""
-        self._description = self._pace.publisher(topics.ROBOT_DESCRIPTION)
+        self._description = self._node_clock.publisher(topics.ROBOT_DESCRIPTION)
         self._description.publish(message_class(topics.ROBOT_DESCRIPTION)(data=text))
 
     def say_command(self, stamp: int, command: Vec3, override: Override) -> None:
         """Say the ideal valves' voltages [V], unless somebody else has the valves."""
         if not override.hands_off:
-            self._command.say(stamp, command)
+            self._command.publish(stamp, command)
 
     def say(
         self, stamp: int, telemetry: Telemetry, controller: GuardedController, override: Override
@@ -98,10 +96,10 @@ class ControllerOutputs:
         """Say a step's command, where the tip is, how it moves and shall, and what holds it back."""
         output, watch = telemetry.output, controller.permission.joystick
         self.say_command(stamp, output.command, override)
-        self._pose.say(stamp, (*telemetry.tip, *telemetry.tip_orientation))
-        self._twist.say(stamp, telemetry.tip_velocity)
+        self._pose.publish(stamp, (*telemetry.tip, *telemetry.tip_orientation))
+        self._twist.publish(stamp, telemetry.tip_velocity)
         if controller.parameters.scheme != Scheme.JOINT:
-            self._reference.say(stamp, output.tip_wish)
-        scaling = output.scaling
+            self._reference.publish(stamp, output.tip_wish)
+        scaling = output.governed
         codes = scaling.factor, scaling.limit, watch.armed, watch.joystick, override.emergency_stop
-        self._status.say(stamp, codes)
+        self._status.publish(stamp, codes)

@@ -16,7 +16,7 @@ LEARNT = tuple(
     f"{joint}_{way}_{what}" for way in WAYS for joint in topics.JOINTS for what in ("deadband", "gain")
 )
 STATUS_TIMEOUT = 1.0  # [s] at which what was learnt is forgotten; it comes at 10 Hz
-VOLTAGE_TIMEOUT = 0.1  # [s] at which voltages count as none: as the driver's command_timeout
+VOLTAGE_TIMEOUT = 0.1  # [s]
 
 
 class ValveReports:
@@ -28,9 +28,9 @@ class ValveReports:
     """
 
     def __init__(self, pace: Any, machine: Machine) -> None:
-        self._pace = pace
-        self.status = pace.inbox(topics.VALVE_DRIVER_STATUS, answered=True)
-        self.volts = pace.inbox(topics.VALVE_VOLTAGES, answered=True)
+        self._node_clock = pace
+        self.status = pace.polled_subscription(topics.VALVE_DRIVER_STATUS, answered=True)
+        self.volts = pace.polled_subscription(topics.VALVE_VOLTAGES, answered=True)
         self._status_reader = ArrayReader(topics.VALVE_DRIVER_STATUS, LEARNT)
         self._volts_reader = ArrayReader(topics.VALVE_VOLTAGES, topics.JOINTS)
         laws = [machine.valve_of(axis).law for axis in range(3)]
@@ -40,7 +40,7 @@ class ValveReports:
 
     def read(self) -> ValveFeedback:
         """Return the reports by now."""
-        now = self._pace.now()
+        now = self._node_clock.now()
         if status := self.status.newest():
             reading = self._status_reader.read(status.message, 0)
             if not reading.problem:

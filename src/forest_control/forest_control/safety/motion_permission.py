@@ -33,7 +33,7 @@ from forest_control.operator.joystick_watch import (
     Watch,
     WatchParameters,
     is_released,
-    problem_text,
+    problem_of,
 )
 from forest_control.operator.levers import REST as CENTRED
 from forest_control.operator.levers import Levers
@@ -156,7 +156,7 @@ class MotionPermission:
     def hear(self, sample: Sample, problem: str = "") -> None:
         """Take in one sample of the joystick, oldest first; `problem` says why it cannot be read."""
         dropped = self.joystick.out_of_order
-        self.joystick = joystick_watch.updated_watch(self.joystick, sample)
+        self.joystick = joystick_watch.heed(self.joystick, sample)
         in_order = self.joystick.out_of_order == dropped
         self._unreadable = problem or ("" if in_order else GOES_BACK)
 
@@ -256,16 +256,14 @@ class MotionPermission:
         if not operator.enabled:
             return Decision(Verdict.HOLD, self.causes["joystick"], believed=True, dt=dt)
         said = self.joystick.fresh_since
-        self._hold = joystick_interpolation.interpolated(
-            self._hold, operator.levers, said, state.received, dt
-        )
+        self._hold = joystick_interpolation.advanced(self._hold, operator.levers, said, state.received, dt)
         return Decision(Verdict.MOVE, believed=True, levers=self._hold.levers, dt=dt)
 
     def _judge(self, now: float, allowed: bool, override: Override) -> Operator:
         """Return where the levers are, and whether they may move anything."""
-        self.joystick, operator = joystick_watch.assessed_watch(self.joystick, now, allowed, self.p.joystick)
+        self.joystick, operator = joystick_watch.judge(self.joystick, now, allowed, self.p.joystick)
         # A joystick that goes after the deadman was released is not missed.
-        gone = "" if self.is_nobody_there() else problem_text(self.joystick)
+        gone = "" if self.is_nobody_there() else problem_of(self.joystick)
         self.causes["joystick"] = self._unreadable or gone
         self.causes["emergency stop"] = PRESSED if override.emergency_stop else ""
         if not operator.enabled:
@@ -284,7 +282,7 @@ def armed_watch() -> Watch:
         levers=CENTRED,
         held=True,
     )
-    watch, _ = joystick_watch.assessed_watch(
-        joystick_watch.updated_watch(joystick_watch.REST, heard), -PERIOD, True, WatchParameters()
+    watch, _ = joystick_watch.judge(
+        joystick_watch.heed(joystick_watch.REST, heard), -PERIOD, True, WatchParameters()
     )
     return watch

@@ -1,16 +1,15 @@
-"""The valve driver's measurements from topics, and its status."""
+"""The valve driver's measurements from topics, and what it reports of itself."""
 
 import math
 from typing import Any
 
 from forest_control.valve import valve_adaptation as adaptation
-from forest_control.valve.tracking_limit import STATUS_EVERY
 from forest_control.valve.valve_driver import STILL, UNSEEN, Motion, Parameters, Pressures, State
 from forest_description.types import Vec3
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader
 
-LATEST_NS = 100_000_000  # [ns] pressures that are newer than the command by more have another clock
+LATEST_NS = 100_000_000  # pressures that are newer by more have another clock
 
 
 def _labels(place: str, port: int) -> tuple[str, ...]:
@@ -20,41 +19,20 @@ def _labels(place: str, port: int) -> tuple[str, ...]:
 PORTS, VALVES = [[_labels(place, port) for port in (1, 2)] for place in ("actuator", "valve")]
 
 
-class Outputs:
-    """The driver's topics.
-
-    Args:
-        voltages: publishes them; None: a driver in shadow has none.
-        status: publishes the driver's.
-    """
-
-    def __init__(self, voltages: Any, status: Any) -> None:
-        self._voltages, self._status, self._steps = voltages, status, 0
-
-    def say(self, stamp: int, voltages: Vec3) -> None:
-        """Publish the voltages [V] under a stamp [ns]."""
-        if self._voltages is not None:
-            self._voltages.say(stamp, voltages)
-
-    def report(self, stamp: int, state: State, p: Parameters) -> None:
-        """Publish the status of every `STATUS_EVERY` th step."""
-        if self._steps % STATUS_EVERY == 0:
-            self._status.say(stamp, status(state, p))
-        self._steps += 1
-
-
 class Measurements:
     """The newest samples; what is older than `timeout` [s], or bad, counts as none.
 
     Args:
-        pace: of the node, whose inboxes and clock are used.
+        clock: of the node, whose subscriptions and clock are used.
         timeout: [s].
         idle_pressure: of the supply [Pa], taken where it is not measured.
     """
 
-    def __init__(self, pace: Any, timeout: float, idle_pressure: float) -> None:
-        self._pace, self.timeout, self._idle = pace, timeout, idle_pressure
-        self.boxes = [pace.inbox(t) for t in (topics.PRESSURES, topics.SUPPLY, topics.ACTUATOR_STATES)]
+    def __init__(self, clock: Any, timeout: float, idle_pressure: float) -> None:
+        self._node_clock, self.timeout, self._idle = clock, timeout, idle_pressure
+        self.boxes = [
+            clock.polled_subscription(t) for t in (topics.PRESSURES, topics.SUPPLY, topics.ACTUATOR_STATES)
+        ]
         self._port_readers, self._valve_readers = (
             [ArrayReader(topics.PRESSURES, labels) for labels in group] for group in (PORTS, VALVES)
         )
@@ -67,7 +45,7 @@ class Measurements:
         self._received = dict.fromkeys(("ports", "valves", "supply", *topics.ACTUATORS), -math.inf)
 
     def read(self, learning: bool) -> str:
-        """Read the newest samples, all if learning; return what is wrong with the pressures, or ""."""
+        """Take the newest samples, to learn all of them; return what is wrong with the pressures, or ""."""
         problem = ""
         pressures, supply, actuators = (box.newest() for box in self.boxes)
         if pressures:
@@ -92,13 +70,12 @@ class Measurements:
     def machine_time(self, stamp_ns: int) -> int:
         """Return how far the machine is [ns] when the command for a state with this stamp is carried out.
 
-        A late command meets a machine that is further than the state it answers: the newest
-        pressures tell.
+        A late command meets a machine that is further than the state it answers: the newest pressures tell.
         """
         return self._stamp if 0 < self._stamp - stamp_ns < LATEST_NS else stamp_ns
 
     def pressures(self) -> Pressures:
-        """Return the pressures, or `UNSEEN`: then the driver takes the nominal pressure drop."""
+        """Return what the transducers say, or `UNSEEN`: then the driver takes the nominal pressure drop."""
         if self.are_missing():
             return UNSEEN
         return Pressures(
@@ -106,11 +83,11 @@ class Measurements:
         )
 
     def are_missing(self) -> bool:
-        """Tell whether there are no fresh pressures."""
+        """Tell whether there are no pressures that may be believed."""
         return not self._fresh("ports")
 
     def motion(self) -> Motion:
-        """Return the measurements for the adaptation; NaN for an actuator whose position is not measured."""
+        """Return what the driver may learn from; of an actuator whose position is not measured, NaN."""
         if not (self._fresh("valves") and self._fresh("supply")):
             return STILL
         swing, boom, stick = (
@@ -120,7 +97,7 @@ class Measurements:
         return Motion((swing, boom, stick), self._valves[0], self._valves[1])
 
     def _fresh(self, what: str) -> bool:
-        return bool(self._pace.now() - self._received[what] <= self.timeout)
+        return bool(self._node_clock.now() - self._received[what] <= self.timeout)
 
 
 def _arrays(data: bytes, readers: list[ArrayReader]) -> tuple[list[Vec3], str, int]:
@@ -132,7 +109,7 @@ def _arrays(data: bytes, readers: list[ArrayReader]) -> tuple[list[Vec3], str, i
 def status(state: State, p: Parameters) -> list[float]:
     """Return the values of `topics.VALVE_DRIVER_STATUS`."""
     values = [float(saturated) for saturated in state.saturated]
-    for axis, learner in zip(p.axes, state.estimates, strict=True):
+    for axis, learner in zip(p.axes, state.learners, strict=True):
         for edge, way in ((axis.valve.forward, learner.forward), (axis.valve.backward, learner.backward)):
             values += [edge.deadband_voltage + way.deadband, adaptation.deadband_spread(way)]
             values += [adaptation.gain(way), adaptation.gain_spread(way)]

@@ -1,11 +1,11 @@
-"""A valve's opening from its flow: from motion, compression and leakage at the measured pressure drops.
+"""What a valve's flow tells of its opening: from motion, compression and leakage at the measured drops.
 
 | symbol | name | unit |
 |---|---|---|
 | V, V_d | voltage at which the spool stands, along its direction; deadband of the machine's file | V |
 | Q_1, Q_2 | flow through the valve into port 1, out of port 2: displacement, compression, leakage | m^3/s |
 | A_1, A_2 | displacement of port 1, 2 | m^2; m^3/rad |
-| S, N | `valve_driver`'s, of the orifices whose flow is known, with the drops measured at the valve | |
+| S, N | `valve_driver`'s, of the orifices whose flow can be told, with the drops measured at the valve | |
 | y | actuator speed, mean of Q_1/A_1 and Q_2/A_2 weighted by the orifices' shares of S | m/s; rad/s |
 
 The opening is y sqrt(S / N). Flows, openings and V count along the positive direction here.
@@ -16,11 +16,11 @@ from typing import NamedTuple
 
 from forest_description.components.valve_characteristic import ValveLaw
 
-BANDWIDTH = 2.0 * math.pi * 10.0  # [rad/s] of both stages of the low-pass, 10 Hz: a jump lasts 30 ms
-CUBED_BANDWIDTH = BANDWIDTH**3  # [rad^3/s^3] for `opening_variance`: a compiled law has no powers
-EMPTY = 1e5  # [Pa] port pressure below which anti-cavitation checks may feed it past the valve
-ABOVE_SUPPLY = 1.1  # [1] of the supply pressure: above, a port's relief valve may open
-LEAST_DROP = 0.02  # [1] of the supply pressure: a smaller drop at an orifice is the transducers' noise
+BANDWIDTH = 2.0 * math.pi * 10.0  # [rad/s] of both stages of the low-pass: a jump must be learnt in time
+CUBED_BANDWIDTH = BANDWIDTH**3
+EMPTY = 1e5  # [Pa] below, anti-cavitation checks may feed a port past the valve
+ABOVE_SUPPLY = 1.1  # of the supply pressure: above, a port's relief valve may open
+LEAST_DROP = 0.02  # of the supply pressure, at an orifice, to tell its flow
 
 
 class FlowParameters(NamedTuple):
@@ -36,7 +36,7 @@ class FlowParameters(NamedTuple):
     supply_pressure: float  # [Pa]
 
 
-class AxisMeasurement(NamedTuple):
+class Sight(NamedTuple):
     """What is measured of one axis after a period."""
 
     position: float  # of the actuator [m; rad]
@@ -48,8 +48,8 @@ class AxisMeasurement(NamedTuple):
     spool: float  # [V] mean of the period, from the driver's own voltage
 
 
-class FlowOpening(NamedTuple):
-    """The valve's opening by one period's measurements."""
+class Told(NamedTuple):
+    """What one period's measurements tell of the valve."""
 
     opening: float
     gradient: float  # d(opening)/dy [s/m; s/rad]
@@ -57,9 +57,9 @@ class FlowOpening(NamedTuple):
 
 
 class LowPassed(NamedTuple):
-    """Signals behind the low-pass' first and second stage."""
+    """Behind the low-pass' first, second stage."""
 
-    opening_1: float = 0.0
+    opening_1: float = 0.0  # told
     opening_2: float = 0.0
     excess_1: float = 0.0  # V - V_d of an open spool [V]
     excess_2: float = 0.0
@@ -71,48 +71,46 @@ class LowPassed(NamedTuple):
     gradient_2: float = 0.0
 
 
-NO_MEASUREMENT = AxisMeasurement(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NO_SIGHT = Sight(position=0.0, valve_1=0.0, valve_2=0.0, port_1=0.0, port_2=0.0, supply=0.0, spool=0.0)
 
 
 def low_passed(
-    old: LowPassed, flow: FlowOpening, spool: float, excess: float, widened: float, dt: float
+    old: LowPassed, told: Told, spool: float, excess: float, widened: float, dt: float
 ) -> LowPassed:
     """Return the low-pass a period of dt [s] later.
 
     Args:
         old: what it was.
-        flow: opening by the period's flow.
+        told: by the period's flow.
         spool: V, with its direction's sign [V].
         excess: V - V_d [V].
         widened: what the overlap is known to be wider than V_d [V].
         dt: period [s].
     """
     is_open = excess > widened
-    # The flow of a shut valve is noise, which the low-pass must have seen before the valve opens.
-    mark = math.copysign(1.0, spool) if is_open and flow.known else 0.0
+    # A shut valve's flow is none but for the noise, which the low-pass must have seen before it opens.
+    mark = math.copysign(1.0, spool) if is_open and told.known else 0.0
     share = 1.0 - math.exp(-BANDWIDTH * dt)
-    opening = old.opening_1 + share * (flow.opening - old.opening_1)
+    opening = old.opening_1 + share * (told.opening - old.opening_1)
     beyond = old.excess_1 + share * (mark * excess - old.excess_1)
     marked = old.mark_1 + share * (mark - old.mark_1)
     opened = old.open_1 + share * ((1.0 if is_open else 0.0) - old.open_1)
-    gradient = old.gradient_1 + share * (flow.gradient - old.gradient_1)
+    gradient = old.gradient_1 + share * (told.gradient - old.gradient_1)
     return LowPassed(
-        opening,
-        old.opening_2 + share * (opening - old.opening_2),
-        beyond,
-        old.excess_2 + share * (beyond - old.excess_2),
-        marked,
-        old.mark_2 + share * (marked - old.mark_2),
-        opened,
-        old.open_2 + share * (opened - old.open_2),
-        gradient,
-        old.gradient_2 + share * (gradient - old.gradient_2),
+        opening_1=opening,
+        opening_2=old.opening_2 + share * (opening - old.opening_2),
+        excess_1=beyond,
+        excess_2=old.excess_2 + share * (beyond - old.excess_2),
+        mark_1=marked,
+        mark_2=old.mark_2 + share * (marked - old.mark_2),
+        open_1=opened,
+        open_2=old.open_2 + share * (opened - old.open_2),
+        gradient_1=gradient,
+        gradient_2=old.gradient_2 + share * (gradient - old.gradient_2),
     )
 
 
-def opening_from_flow(
-    last: AxisMeasurement, seen: AxisMeasurement, law: ValveLaw, a: FlowParameters, dt: float
-) -> FlowOpening:
+def told_by_flow(last: Sight, seen: Sight, law: ValveLaw, a: FlowParameters, dt: float) -> Told:
     """Return the opening that lets the measured flow through at the measured drops.
 
     Thesis eq. 3.1, 3.7, 3.14, 4.8. Differs: both orifices are taken at once.
@@ -135,10 +133,10 @@ def opening_from_flow(
     s_2 = way.resistance_2 * a.displacement_2**3 if tells_2 else 0.0
     force = (a.displacement_1 * drop_1 if tells_1 else 0.0) + (a.displacement_2 * drop_2 if tells_2 else 0.0)
     if s_1 + s_2 == 0.0 or force <= 0.0:
-        return FlowOpening(0.0, 0.0, False)
+        return Told(0.0, 0.0, False)
     y = (s_1 * flow_1 / a.displacement_1 + s_2 * flow_2 / a.displacement_2) / (s_1 + s_2)
     gradient = math.sqrt((s_1 + s_2) / force)
-    return FlowOpening(y * gradient, gradient, True)
+    return Told(y * gradient, gradient, True)
 
 
 def _tells(port: float, drop: float, a: FlowParameters) -> bool:
@@ -149,13 +147,13 @@ def _tells(port: float, drop: float, a: FlowParameters) -> bool:
 def opening_variance(low: LowPassed, a: FlowParameters, dt: float) -> float:
     """Return the variance of the low-passed opening.
 
-    White noise of the position, differentiated behind the low-pass of corner w, has the variance
-    w^3 dt / 4 times its own.
+    White noise of the position, differentiated behind the low-pass of corner w, has the variance w^3 dt / 4
+    times its own.
     """
     noise = a.position_noise * low.gradient_2
     return noise * noise * CUBED_BANDWIDTH * dt / 4.0
 
 
-def correlated_samples(dt: float) -> float:
+def overlapping(dt: float) -> float:
     """Return how many samples in a row have mostly the same noise behind the low-pass."""
     return max(1.0, 4.0 / (BANDWIDTH * dt))

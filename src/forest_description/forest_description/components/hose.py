@@ -82,8 +82,7 @@ class MeasuredHose(ParameterSet):
 class GeometricHose(ParameterSet):
     """A hose known by its bore and its wall; the machine's oil gives the rest. Thesis section 4.3.3, 4.3.4.
 
-    It is smooth and straight, without fittings. docs/equations.md tells how far the measured one is
-    from it.
+    It is smooth and straight, without fittings. docs/explanation/equations.md compares the measured one.
     """
 
     kind: ClassVar[str] = "geometric"

@@ -246,6 +246,10 @@ def field_kinds(kind: type) -> dict[str, FieldKind]:
         inner = tuple(member for member in members if member is not type(None))
         row = any(typing.get_origin(member) is tuple for member in inner)
         kinds[field.name] = FieldKind(
-            inner, len(inner) < len(members), parameter_of(field), choice_of(field), row
+            kinds=inner,
+            optional=len(inner) < len(members),
+            allowed=parameter_of(field),
+            choice=choice_of(field),
+            row=row,
         )
     return kinds

@@ -38,7 +38,7 @@ class HangingBody(NamedTuple):
 
 def point_mass(mass: float, x: float, y: float) -> PlanarBody:
     """Return a body without extent."""
-    return PlanarBody(mass, x, y, 0.0, 0.0, 0.0, 0.0)
+    return PlanarBody(mass=mass, x=x, y=y, xx=0.0, yy=0.0, zz=0.0, xy=0.0)
 
 
 def combined(a: PlanarBody, b: PlanarBody) -> PlanarBody:
@@ -63,7 +63,9 @@ def combined(a: PlanarBody, b: PlanarBody) -> PlanarBody:
 
 def boom_body(m: Manipulator) -> PlanarBody:
     """Return the boom. Thesis App. B."""
-    return PlanarBody(m.boom_mass, m.boom_x, m.boom_y, m.boom_xx, m.boom_yy, m.boom_zz, m.boom_xy)
+    return PlanarBody(
+        mass=m.boom_mass, x=m.boom_x, y=m.boom_y, xx=m.boom_xx, yy=m.boom_yy, zz=m.boom_zz, xy=m.boom_xy
+    )
 
 
 def stick_body(m: Manipulator) -> PlanarBody:
@@ -72,7 +74,15 @@ def stick_body(m: Manipulator) -> PlanarBody:
     Differs: Appendix B leaves I_xx and I_xy at zero when it folds the head's point mass into the
     stick (`head_folding: thesis`); `full` gives the stick the shares that a point off its axis has.
     """
-    stick = PlanarBody(m.stick_mass, m.stick_x, m.stick_y, m.stick_xx, m.stick_yy, m.stick_zz, m.stick_xy)
+    stick = PlanarBody(
+        mass=m.stick_mass,
+        x=m.stick_x,
+        y=m.stick_y,
+        xx=m.stick_xx,
+        yy=m.stick_yy,
+        zz=m.stick_zz,
+        xy=m.stick_xy,
+    )
     if m.pendulum is not None:
         return stick
     loaded = combined(stick, point_mass(m.head_mass, m.stick_length, 0.0))

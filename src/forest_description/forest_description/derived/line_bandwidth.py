@@ -8,8 +8,7 @@ Symbols:
 
 A soft wall, or an inertance measured with its fittings, makes the wave slower than C_0.
 
-docs/equations.md ("One lump") has the shipped machine's oscillations beside the limits of its
-hoses.
+docs/explanation/equations.md ("One lump") compares the shipped machine's oscillations with these limits.
 """
 
 import math

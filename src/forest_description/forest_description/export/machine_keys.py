@@ -1,6 +1,7 @@
-"""What a machine file may say, as Markdown: docs/machine-file.md, made from the dataclasses that read it."""
+"""docs/reference/machine-file.md: what a machine file may say, made from the dataclasses that read it."""
 
 import dataclasses
+import textwrap
 
 from forest_description.config.schema import FieldKind, field_kinds
 from forest_description.config.units import units_for
@@ -8,10 +9,11 @@ from forest_description.machine import Machine
 
 INTRODUCTION = """# Machine files
 
-Made by `python -m forest_description.export.machine_keys` from the code that reads the files; do not edit by
-hand. What the shipped machines say is in [machine.md](machine.md).
+Made by `python -m forest_description.export.machine_keys` from the code that reads the files.
+Do not edit it by hand. The shipped machines' numbers are in [the machine in numbers](machine.md),
+the way to a file of your own in [another machine file](../how-to/another-machine.md).
 
-A machine is a YAML file. A number is written with its unit and where it comes from, a row of numbers alike:
+A machine is a YAML file. Each number has its unit and its source, and so has each row of numbers:
 
 ```yaml
 based_on: c180            # optional: a shipped machine or another file; then only what differs is given
@@ -27,22 +29,23 @@ manipulator:
   log: null               # an optional component that is not there
 ```
 
-A section whose `kind` is another one than the base's is given anew, with all its keys. A constant flow pump's
-relief valve opens at its `supply_pressure`. A polynomial C_R must fall from `deadband_voltage` (negative, if
-the valve is underlapped) to `rated_voltage`.
+- Without `based_on` every key must be given. *Or null* marks the keys that may be `null`.
+- A section whose `kind` differs from the base's is given anew, with all its keys.
+- A unit may be any of the quantity. Ranges are in SI and wide: they catch a slipped decimal point,
+  not an unusual crane.
+- A slip is answered with file, line, key and what is allowed: `forest-sim check my_crane.yaml`.
+- A constant flow pump's relief valve opens at its `supply_pressure`.
+- A polynomial C_R must fall from `deadband_voltage` to `rated_voltage`. The first is negative if
+  the valve is underlapped.
 
-In place of a machine's name, `unknown:SEED` (`unknown`: seed 0) names one that is drawn within 40 % of c180
-in all that [identification](identification.md) finds, `unknown:SEED:loader` one of another machine; equal
-seeds are one machine, in every command.
-
-Without `based_on` every key must be given; *or null* marks those that may be `null`. Every slip is answered
-with file, line, key and what is allowed: `forest-sim check my_crane.yaml`. Units may be any of the quantity;
-ranges are wide and in SI: they catch a slipped decimal point, not an unusual crane.
+**Drawn machines.** `unknown:SEED` in place of a machine's name is drawn within 40 % of c180, in all
+that [identification](../explanation/identification.md) finds. `unknown` is seed 0, and
+`unknown:SEED:loader` is drawn from another machine. Equal seeds are one machine in every command.
 
 Numbers that contradict each other are refused, too:
 
-- moments and products of inertia that no rigid body has: I_zz above I_xx + I_yy, and so round; a plane
-  body has I_zz = I_xx + I_yy. With `head_folding: thesis`, an I_xx of 0 means that it is not told
+- moments and products of inertia that no rigid body has: I_zz above I_xx + I_yy, and so round;
+  a plane body has I_zz = I_xx + I_yy. With `head_folding: thesis`, an I_xx of 0 means: not told
 - inertia without mass; a stick that nothing resists
 - `spool_damping` without `spool_bandwidth`; a rated voltage within the overlap
 - a rod side larger than the head side; swapped limits; boom angles beyond ±180°
@@ -57,7 +60,7 @@ What is possible and not wise, `forest-sim check` warns of.
 
 
 def document() -> str:
-    """Return the whole docs/machine-file.md."""
+    """Return the whole docs/reference/machine-file.md."""
     places: dict[tuple[type, ...], list[str]] = {}
     _collect(Machine, "", places)
     whole = ["## The whole", "", *_table(Machine)]
@@ -77,16 +80,20 @@ def _collect(kind: type, prefix: str, places: dict[tuple[type, ...], list[str]])
 
 def _section(keys: list[str], kinds: tuple[type, ...]) -> list[str]:
     """Return the lines of a component, each of its sorts in a table of its own."""
-    title, lines = ", ".join(f"`{key}`" for key in dict.fromkeys(keys)), []
+    first, *others = dict.fromkeys(keys)
+    title, lines = f"`{first}`", []
     for kind in kinds:
-        lines += [f"## {title}{f', kind: {kind.kind}' if hasattr(kind, 'kind') else ''}", "", *_table(kind)]
+        lines += [f"## {title}{f', kind: {kind.kind}' if hasattr(kind, 'kind') else ''}", ""]
+        if others:
+            lines += ["The same keys:", "", *(f"- `{key}`" for key in others), ""]
+        lines += _table(kind)
     return lines
 
 
 def _table(kind: type) -> list[str]:
     """Return the lines that tell what a dataclass holds."""
     rows = [_row(name, field) for name, field in field_kinds(kind).items()]
-    head = (kind.__doc__ or "").split("\n", 1)[0]
+    head = textwrap.fill((kind.__doc__ or "").split("\n", 1)[0], 100)
     return [head, "", "| key | unit | range | meaning |", "|---|---|---|---|", *rows, ""]
 
 

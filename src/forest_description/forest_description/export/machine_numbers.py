@@ -1,4 +1,4 @@
-"""The table of every number of the shipped machines and its origin, as Markdown: docs/machine.md."""
+"""docs/reference/machine.md: every number of the shipped machines and where it comes from."""
 
 from forest_description.config.parameter import Parameter, ParameterSet, choice_of, fields_of, parameter_of
 from forest_description.config.schema import Quantity
@@ -7,13 +7,15 @@ from forest_description.machine import Machine, load_machine, sources
 INTRODUCTION = """# The machine in numbers
 
 Made by `python -m forest_description.export.machine_numbers` from the files in
-`forest_description/machines/`; do not
-edit by hand. A number is from the **thesis** (with its place) or **assumed** (with the reason).
+`forest_description/machines/`. Do not edit it by hand.
+A number is from the **thesis** (with its place) or **assumed** (with the reason).
 
 - `c180_thesis` is the crane with the choices of the thesis, a known slip included.
-- `c180`, the default, is based on it: the slip corrected, and with what a teleoperated machine needs.
-- `loader` is a machine of another class, a small trailer loader crane; nothing of it is from the thesis. It
-  shows what a machine file can say: load-sensing pump, valves by axis and direction, friction, hanging head.
+- `c180`, the default, is based on it: the slip corrected, and with what a teleoperated machine
+  needs.
+- `loader` is a machine of another class, a small trailer loader crane. All of it is assumed.
+  It shows what a machine file can say: load-sensing pump, valves by axis and direction, friction,
+  hanging head.
 """
 
 
@@ -73,22 +75,8 @@ def table(rows: list[Quantity], machine: Machine) -> str:
     return "\n".join(lines)
 
 
-def assumptions() -> str:
-    """Return Markdown for the default machine's assumed numbers, one line each: key, value, unit, why."""
-    lines = ["| assumed | value | why |", "|---|---|---|"]
-    for row in sources("c180"):
-        if origin(row.source) == "assumed":
-            cells = (
-                f"`{row.key}`",
-                f"{number(row.value, 6)} {row.unit}",
-                row.source.removeprefix("assumed: "),
-            )
-            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
-    return "\n".join(lines)
-
-
 def document() -> str:
-    """Return the whole docs/machine.md."""
+    """Return the whole docs/reference/machine.md."""
     thesis, c180, loader = (load_machine(name) for name in ("c180_thesis", "c180", "loader"))
     printed, chosen = sources("c180_thesis"), choices(thesis)
     numbers = [row for row in sources("c180") if row not in printed]

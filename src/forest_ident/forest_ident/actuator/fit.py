@@ -1,4 +1,4 @@
-"""The actuator's parameters from one record: output error with priors, from many starts.
+"""Estimate the actuator's parameters from one record: output error with priors, from many starts.
 
     minimise  sum_n (p_n - phat_n(z))^2/(s_p^2 t_p) + sum_n (x_n - xhat_n(z))^2/(s_x^2 t_x)
               + sum_i ((z_i - m_i)/w_i)^2
@@ -7,15 +7,12 @@
 |---|---|
 | z | parameters, positive ones by their logarithm; m, w their priors |
 | p, x | pressure and position of the record, hats: simulated freely from the valve's signal |
-| s, t | size of the residuals, and over how many samples they hang together |
+| s, t | size of the residuals, and their correlation length |
 
-What is left hangs together over samples, because it is the model's error rather than noise: a sample counts
-as 1/t of one. Gauss-Newton with Marquardt's damping; derivatives by forward differences. The mean over fits
-that explain the record about as well is better than any one of them where the record does not decide between
-them.
+Residuals are correlated, because they are the model's error rather than noise: a sample counts as 1/t of one.
+Gauss-Newton with Marquardt's damping; derivatives by forward differences. Where the record does not decide
+between fits that explain it about as well, their mean is better than any one of them.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -24,7 +21,9 @@ import numpy as np
 
 from forest_description.types import Bools, Floats
 from forest_ident.actuator import kernel
-from forest_ident.actuator.priors import PRIORS, Actuator, actuator, centre
+from forest_ident.actuator.priors import PRIORS, actuator, centre
+from forest_ident.output_error.output_error import damped_step
+from forest_ident.validation.prediction_error import rms
 
 PRESSURE_SIZE, PRESSURE_LENGTH = 0.2, 8.0  # s [P], t [n]
 POSITION_SIZE, POSITION_LENGTH = 0.02, 50.0  # s [X], t [n]
@@ -32,7 +31,7 @@ ITERATIONS = 40
 DIFFERENCE = 1e-4
 REACH = 1.0  # of a prior's width, that one step may move
 SPREAD = 0.5  # of a prior's width, by which starts differ
-ALIKE = 1.3  # of the best cost, up to which a fit counts in the mean
+SIMILAR = 1.3  # of the best cost, up to which a fit counts in the mean
 
 WIDTHS = np.array([p.width for p in PRIORS])
 CENTRE = np.array(centre())
@@ -47,7 +46,7 @@ class Columns(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """Where one start ended."""
+    """Result from one start."""
 
     z: Floats
     cost: float
@@ -56,24 +55,25 @@ class Fit(NamedTuple):
 
 def simulate(z: Floats, signal: Floats, rows: int | None = None) -> tuple[Floats, Floats]:
     """Return pressures [P] and positions [X] of the actuator at z, freely from the signal [V]."""
-    given: Actuator = actuator(z.tolist())
+    given = actuator(z.tolist())
     return kernel.simulate(signal, given.dead_time, given.parameters, rows)
 
 
 class Problem:
-    """A record, and which of its rows count."""
+    """A record, and the mask of the rows that are fitted; default: all."""
 
-    def __init__(self, record: Columns, counted: Bools | None = None) -> None:
+    def __init__(self, record: Columns, mask: Bools | None = None) -> None:
         self._record = record
-        self.counted = np.ones(len(record.signal), dtype=bool) if counted is None else counted
-        self._rows = int(np.flatnonzero(self.counted)[-1]) + 1
-        self._seen = self.counted[: self._rows]
+        mask = np.ones(len(record.signal), dtype=bool) if mask is None else mask
+        self._rows = int(np.flatnonzero(mask)[-1]) + 1
+        self._mask = mask[: self._rows]
 
     def residuals(self, z: Floats) -> tuple[Floats, Floats]:
-        """Return what the counted rows leave of pressure [P] and position [X]."""
+        """Return the residuals of pressure [P] and position [X] in the fitted rows."""
         pressure, position = simulate(z, self._record.signal, self._rows)
-        apart = pressure - self._record.pressure[: self._rows], position - self._record.position[: self._rows]
-        return apart[0][self._seen], apart[1][self._seen]
+        pressure = pressure - self._record.pressure[: self._rows]
+        position = position - self._record.position[: self._rows]
+        return pressure[self._mask], position[self._mask]
 
     def weighted(self, z: Floats) -> Floats:
         """Return everything whose squares are summed, the priors last."""
@@ -87,14 +87,14 @@ class Problem:
         )
 
     def fitted(self, start: Floats) -> Fit:
-        """Return where Gauss and Newton's steps lead from a start."""
+        """Return the fit from a start."""
         z, left = start, self.weighted(start)
         cost, damping, iterations = float(left @ left), 1e-2, 0
         for iterations in range(1, ITERATIONS + 1):
             jacobian = derivatives(self.weighted, z, left) * WIDTHS
             before = cost
             for _ in range(6):
-                move = _move(jacobian, left, damping)
+                move = damped_step(jacobian.T @ jacobian, jacobian.T @ left, damping, 1e-3, REACH)
                 after = self.weighted(z + WIDTHS * move)
                 if float(after @ after) < cost:
                     z, left, cost = z + WIDTHS * move, after, float(after @ after)
@@ -104,13 +104,6 @@ class Problem:
             if before - cost < 1e-4 * before and iterations > 5:
                 break
         return Fit(z, cost, iterations)
-
-
-def _move(jacobian: Floats, left: Floats, damping: float) -> Floats:
-    square = jacobian.T @ jacobian
-    damped = square + damping * np.diag(np.diag(square) + 1e-3)
-    move = -np.linalg.solve(damped, jacobian.T @ left)
-    return np.asarray(np.clip(move, -REACH, REACH), dtype=np.float64)
 
 
 def derivatives(of: Callable[[Floats], Floats], z: Floats, value: Floats) -> Floats:
@@ -123,7 +116,7 @@ def derivatives(of: Callable[[Floats], Floats], z: Floats, value: Floats) -> Flo
     return found
 
 
-def many_starts(
+def fit_from_many_starts(
     problem: Problem, starts: int, seed: int = 0, progress: Callable[[int, Fit], None] = lambda _, __: None
 ) -> list[Fit]:
     """Return the fits from the priors' middle and from points around it, the best first.
@@ -139,9 +132,9 @@ def many_starts(
     return sorted(found, key=lambda fit: fit.cost)
 
 
-def alike(fits: list[Fit]) -> list[Fit]:
-    """Return the fits that explain the record about as well as the best."""
-    return [fit for fit in fits if fit.cost <= ALIKE * fits[0].cost]
+def similar(fits: list[Fit]) -> list[Fit]:
+    """Return the fits whose cost is about that of the best."""
+    return [fit for fit in fits if fit.cost <= SIMILAR * fits[0].cost]
 
 
 def predicted(fits: list[Fit], signal: Floats) -> Floats:
@@ -156,17 +149,12 @@ def predicted(fits: list[Fit], signal: Floats) -> Floats:
     return np.asarray(together.mean(axis=0), dtype=np.float64)
 
 
-def rms(values: Floats) -> float:
-    """Return the root of the mean square."""
-    return float(np.sqrt(np.mean(values**2)))
-
-
 def standard_errors(problem: Problem, fit: Fit) -> Floats:
     """Return the standard errors of z: H^-1 (J'W S W J + L) H^-1 with H = J'W J + L.
 
-    W are the weights of the fit, L the priors' information, and S what the residuals show: a channel's
-    variance e'e/(n - p) times the samples over which they hang together. So an error that the weights or the
-    priors made is told, too, if the priors are right.
+    W are the weights of the fit, L the priors' information, and S the residuals' covariance: a channel's
+    variance e'e/(n - p) times the correlation length. So wrong weights widen the errors, if the priors are
+    right.
     """
     known = np.diag(WIDTHS**-2.0)
     information, scatter = known.copy(), known.copy()
@@ -179,7 +167,7 @@ def standard_errors(problem: Problem, fit: Fit) -> Floats:
         left = of(fit.z)
         jacobian = derivatives(of, fit.z, left)
         square = jacobian.T @ jacobian
-        variance = float(left @ left) / max(len(left) - len(fit.z), 1) * memory(left)
+        variance = float(left @ left) / max(len(left) - len(fit.z), 1) * correlation_length(left)
         information += weight * square
         scatter += weight * weight * variance * square
     inverse = np.linalg.inv(information)
@@ -187,8 +175,8 @@ def standard_errors(problem: Problem, fit: Fit) -> Floats:
     return errors
 
 
-def memory(values: Floats) -> float:
-    """Return over how many samples values hang together: 1 + 2 sum of autocorrelations up to the first 0."""
+def correlation_length(values: Floats) -> float:
+    """Return the correlation length in samples: 1 + 2 sum of autocorrelations up to the first 0."""
     about = values - np.mean(values)
     power = float(about @ about)
     length = 1.0
@@ -201,7 +189,7 @@ def memory(values: Floats) -> float:
 
 
 class Fold(NamedTuple):
-    """Bools fitted, rows predicted, RMS of pressure over each [P], of the mean over fits that are alike."""
+    """Rows fitted, rows predicted, RMS of pressure over each [P], of the mean over similar fits."""
 
     fitted: tuple[int, int]
     held_out: tuple[int, int]
@@ -226,10 +214,10 @@ def cross_validated(
         count = len(record.signal)
         a, b = round(shares[0] * count), round(shares[1] * count)
         c, d = round(held[0] * count), round(held[1] * count)
-        counted = np.zeros(count, dtype=bool)
-        counted[a:b] = True
+        mask = np.zeros(count, dtype=bool)
+        mask[a:b] = True
         progress(f"cross-validation: rows {a} to {b - 1}")
-        fits = alike(many_starts(Problem(record, counted), starts))
-        apart = predicted(fits, record.signal) - record.pressure
-        found.append(Fold((a, b), (c, d), rms(apart[a:b]), rms(apart[c:d])))
+        fits = similar(fit_from_many_starts(Problem(record, mask), starts))
+        error = predicted(fits, record.signal) - record.pressure
+        found.append(Fold((a, b), (c, d), rms(error[a:b]), rms(error[c:d])))
     return found

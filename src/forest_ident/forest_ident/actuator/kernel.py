@@ -4,8 +4,6 @@ Two minutes of fitting are some hundred thousand simulations: compiled, one take
 a third of a second.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 
@@ -19,7 +17,7 @@ from forest_ident.actuator import model, steps
 from forest_ident.actuator.model import Parameters
 from forest_ident.actuator.steps import SUBSTEPS
 
-BEYOND = 100.0  # what a simulation that ran away is said to have given
+BEYOND = 100.0  # pressure and position of a simulation that diverged
 _TEXT = """
 def kernel(signal, rows, substeps, parameters, pressures, positions, filled):
     filled[0] = run(signal, rows, substeps, p, pressures, positions)

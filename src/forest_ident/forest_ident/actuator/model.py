@@ -104,7 +104,18 @@ class Flows(NamedTuple):
 
 def at_rest(p: Parameters) -> State:
     """Return the state in which nothing moves and the valve is shut; positions count from there."""
-    return State(0.0, p.pump_margin, p.rest_pressure_1, p.rest_pressure_2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return State(
+        spool=0.0,
+        supply=p.pump_margin,
+        pressure_1=p.rest_pressure_1,
+        pressure_2=p.rest_pressure_2,
+        position=0.0,
+        speed=0.0,
+        arm_position=0.0,
+        arm_speed=0.0,
+        load_position=0.0,
+        load_speed=0.0,
+    )
 
 
 def edge(conductance: float, drop: float) -> float:
@@ -153,19 +164,32 @@ def rate(state: State, signal: float, p: Parameters) -> State:
     held = p.rest_pressure_1 - p.area_ratio * p.rest_pressure_2 + p.gravity_slope * state.position
     driving = state.pressure_1 - p.area_ratio * state.pressure_2 - held
     pump = Supply(
-        0, math.inf, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, margin=p.pump_margin, rate=1.0 / p.pump_lag
+        ideal=0,
+        set_pressure=math.inf,
+        flow_limit=0.0,
+        power_limit=0.0,
+        efficiency=0.0,
+        compensation=0.0,
+        leakage=0.0,
+        capacitance=0.0,
+        relief_pressure=0.0,
+        relief_conductance=0.0,
+        margin=p.pump_margin,
+        rate=1.0 / p.pump_lag,
     )
     return State(
-        (signal - state.spool) / p.spool_lag,
-        reference_rate(state.supply, q.sensed, pump),
-        pressure_rate(state.pressure_1, q.into_1, state.speed, chamber_1, guard),
-        pressure_rate(state.pressure_2, -q.out_of_2, -p.area_ratio * state.speed, chamber_2, guard),
-        state.speed,
-        (driving - p.damping * state.speed - friction - arm) / p.mass,
-        state.arm_speed,
-        (arm - load) / p.arm_mass,
-        state.load_speed,
-        load / p.load_mass,
+        spool=(signal - state.spool) / p.spool_lag,
+        supply=reference_rate(state.supply, q.sensed, pump),
+        pressure_1=pressure_rate(state.pressure_1, q.into_1, state.speed, chamber_1, guard),
+        pressure_2=pressure_rate(
+            state.pressure_2, -q.out_of_2, -p.area_ratio * state.speed, chamber_2, guard
+        ),
+        position=state.speed,
+        speed=(driving - p.damping * state.speed - friction - arm) / p.mass,
+        arm_position=state.arm_speed,
+        arm_speed=(arm - load) / p.arm_mass,
+        load_position=state.load_speed,
+        load_speed=load / p.load_mass,
     )
 
 

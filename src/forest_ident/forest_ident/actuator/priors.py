@@ -1,13 +1,11 @@
-"""What is held likely of an actuator before any record is seen, and which unit each parameter has.
+"""Priors of an actuator's parameters, and their units.
 
 Positive parameters are log-normal about a centre, the others normal: with some thirty parameters and one
 record of a few motions, least squares alone explains the record and nothing after it. Centres are of the
 order that a load-sensing crane valve and a cylinder of usual proportions give once valve, pressure and
-position are brought to the spans of `actuator_record.SPANS`; widths of 0.5 to 1 allow a factor of 3 to 7.
+position are brought to the spans of `record.SPANS`; widths of 0.5 to 1 allow a factor of 3 to 7.
 Centres and widths were chosen by cross-validation within the first half of a record (docs/real-crane.md).
 """
-
-from __future__ import annotations
 
 import math
 from typing import NamedTuple

@@ -1,16 +1,14 @@
-"""Records of an actuator: `sample,valve,pressure,position` in a CSV file, read, checked and brought to scale.
+"""Read and check records of an actuator, `sample,valve,pressure,position` in a CSV file, and their scales.
 
 | symbol | name |
 |---|---|
 | V, P, X | what the record's units are of those in which the priors stand (`Scales`) |
 """
 
-from __future__ import annotations
-
 import csv
 import math
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +17,9 @@ from forest_description.types import Floats
 
 LEAST = 60  # samples of a record that anything is fitted to
 SPANS = (2.5, 7.3, 2.25)  # of valve, pressure and position in the units of `actuator_priors`
+
+
+MEASURED = ("valve", "pressure", "position")
 
 
 class RecordError(Exception):
@@ -59,8 +60,9 @@ def read(path: Path, whole: bool = True) -> Record:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise RecordError(f"{path} is no text (UTF-8), but should be a CSV file") from error
-    rows = csv.reader(text.splitlines())
-    head = [name.strip().lower() for name in next(rows, [])]
+    rows = csv.DictReader(text.splitlines())
+    head = [name.strip().lower() for name in rows.fieldnames or ()]
+    rows.fieldnames = head
     wanted = ("sample", "valve", *(("pressure", "position") if whole else ()))
     missing = [name for name in wanted if name not in head]
     if missing:
@@ -72,65 +74,64 @@ def read(path: Path, whole: bool = True) -> Record:
     twice = [name for name in wanted if head.count(name) > 1]
     if twice:
         raise RecordError(f"{path}, line 1: column {twice[0]!r} stands there twice; allowed: each once")
-    body = [(rows.line_num, row) for row in rows if any(item.strip() for item in row)]
+    body = [Row(path, rows.line_num, row) for row in rows if any(_text(item) for item in row.values())]
     if not body:
         raise RecordError(f"{path} has a head but no samples")
-    samples = _samples(path, [(line, _item(path, line, row, head, "sample")) for line, row in body])
-    columns = {name: _column(path, head, body, name, name in wanted) for name in head if name in _MEASURED}
-    valve = columns["valve"]
-    assert valve is not None
-    return Record(path, samples, valve, columns.get("pressure"), columns.get("position"))
+    columns = {
+        name: np.array([row.number(name) for row in body])
+        for name in head
+        if name in MEASURED and (name in wanted or not any(row.is_empty(name) for row in body))
+    }
+    return Record(path, _samples(body), columns["valve"], columns.get("pressure"), columns.get("position"))
 
 
-_MEASURED = ("valve", "pressure", "position")
+def _text(item: Any) -> str:
+    return item.strip() if isinstance(item, str) else ""
 
 
-def _item(path: Path, line: int, row: list[str], head: list[str], name: str) -> str:
-    place = head.index(name)
-    if place >= len(row):
-        raise RecordError(f"{path}, line {line}: ends before column {name!r}")
-    return row[place].strip()
+class Row(NamedTuple):
+    """A line of a file."""
+
+    path: Path
+    line: int
+    items: dict[str, Any]  # of a column that the line does not reach: None
+
+    def is_empty(self, name: str) -> bool:
+        """Tell whether a column is empty or NaN here."""
+        return _text(self.items[name]).lower() in ("", "nan")
+
+    def number(self, name: str) -> float:
+        """Return the finite number in a column.
+
+        Raises:
+            RecordError: there is none.
+        """
+        if self.items[name] is None:
+            raise RecordError(f"{self.path}, line {self.line}: ends before column {name!r}")
+        item = _text(self.items[name])
+        try:
+            value = float(item)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise RecordError(f"{self.path}, line {self.line}, column {name!r}: {item!r} is no finite number")
+        return value
 
 
-def _samples(path: Path, items: list[tuple[int, str]]) -> NDArray[np.int64]:
+def _samples(body: list[Row]) -> NDArray[np.int64]:
+    """Return the numbers of the samples, which must be whole and follow each other."""
     found: list[int] = []
-    for line, item in items:
-        value = _number(path, line, "sample", item)
+    for row in body:
+        value, item = row.number("sample"), _text(row.items["sample"])
+        place = f"{row.path}, line {row.line}, column 'sample'"
         if value != round(value):
-            raise RecordError(f"{path}, line {line}, column 'sample': {item!r} is no whole number")
+            raise RecordError(f"{place}: {item!r} is no whole number")
         if found and round(value) != found[-1] + 1:
             raise RecordError(
-                f"{path}, line {line}, column 'sample': {item} does not follow {found[-1]}; "
-                "samples must be one apart, none left out"
+                f"{place}: {item} does not follow {found[-1]}; samples must be one apart, none left out"
             )
         found.append(round(value))
     return np.array(found, dtype=np.int64)
-
-
-def _column(
-    path: Path, head: list[str], body: list[tuple[int, list[str]]], name: str, needed: bool
-) -> Floats | None:
-    """Return a column; None if it is not needed and empty or NaN somewhere."""
-    values = []
-    for line, row in body:
-        if not needed and (head.index(name) >= len(row) or _blank(row[head.index(name)])):
-            return None
-        values.append(_number(path, line, name, _item(path, line, row, head, name)))
-    return np.array(values)
-
-
-def _blank(item: str) -> bool:
-    return item.strip().lower() in ("", "nan")
-
-
-def _number(path: Path, line: int, name: str, item: str) -> float:
-    try:
-        value = float(item)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise RecordError(f"{path}, line {line}, column {name!r}: {item!r} is no finite number")
-    return value
 
 
 def scales(record: Record) -> Scales:
@@ -144,12 +145,17 @@ def scales(record: Record) -> Scales:
     assert record.pressure is not None
     assert record.position is not None
     spans = []
-    for name, column, span in zip(
-        _MEASURED, (record.valve, record.pressure, record.position), SPANS, strict=True
-    ):
+    columns = (record.valve, record.pressure, record.position)
+    for name, column, span in zip(MEASURED, columns, SPANS, strict=True):
         spans.append(float(np.ptp(column)) / span)
         if spans[-1] <= 0.0:
             raise RecordError(f"{record.path}, column {name!r}: does not change, which tells nothing")
     speed = np.diff(record.position)
     side = -1.0 if float(speed @ record.valve[:-1]) < 0.0 else 1.0
-    return Scales(side * spans[0], spans[1], spans[2], float(record.pressure[0]), float(record.position[0]))
+    return Scales(
+        valve=side * spans[0],
+        pressure=spans[1],
+        position=spans[2],
+        pressure_zero=float(record.pressure[0]),
+        position_zero=float(record.position[0]),
+    )

@@ -35,16 +35,16 @@ RUNAWAY = 500.0  # [P] pressure at which a simulation is given up
 def moved(state: State, by: State, time: float) -> State:
     """Return state + time by."""
     return State(
-        state.spool + time * by.spool,
-        state.supply + time * by.supply,
-        state.pressure_1 + time * by.pressure_1,
-        state.pressure_2 + time * by.pressure_2,
-        state.position + time * by.position,
-        state.speed + time * by.speed,
-        state.arm_position + time * by.arm_position,
-        state.arm_speed + time * by.arm_speed,
-        state.load_position + time * by.load_position,
-        state.load_speed + time * by.load_speed,
+        spool=state.spool + time * by.spool,
+        supply=state.supply + time * by.supply,
+        pressure_1=state.pressure_1 + time * by.pressure_1,
+        pressure_2=state.pressure_2 + time * by.pressure_2,
+        position=state.position + time * by.position,
+        speed=state.speed + time * by.speed,
+        arm_position=state.arm_position + time * by.arm_position,
+        arm_speed=state.arm_speed + time * by.arm_speed,
+        load_position=state.load_position + time * by.load_position,
+        load_speed=state.load_speed + time * by.load_speed,
     )
 
 
@@ -71,17 +71,9 @@ def edge_slope(conductance: float, drop: float) -> float:
 
 def settled(by: State, slopes: tuple[float, float], time: float) -> State:
     """Return (1 - time A)^-1 by, where A holds the pressures' slopes alone."""
-    return State(
-        by.spool,
-        by.supply,
-        by.pressure_1 / (1.0 + time * slopes[0]),
-        by.pressure_2 / (1.0 + time * slopes[1]),
-        by.position,
-        by.speed,
-        by.arm_position,
-        by.arm_speed,
-        by.load_position,
-        by.load_speed,
+    return by._replace(
+        pressure_1=by.pressure_1 / (1.0 + time * slopes[0]),
+        pressure_2=by.pressure_2 / (1.0 + time * slopes[1]),
     )
 
 

@@ -1,6 +1,4 @@
-"""`forest-ident actuator`: one actuator of our physics, fitted to one record, foretells another."""
-
-from __future__ import annotations
+"""`forest-ident actuator`: one actuator of our physics, fitted to one record, predicts another."""
 
 import argparse
 import csv
@@ -14,13 +12,14 @@ import numpy as np
 from forest_compile.kernel_cache import can_compile
 from forest_description.types import Floats
 from forest_ident.actuator import fit, record
-from forest_ident.actuator.fit import Columns, Fit, rms
+from forest_ident.actuator.fit import Columns, Fit
 from forest_ident.actuator.priors import PRIORS, actuator, unit, unit_factor
 from forest_ident.actuator.record import Record, RecordError, Scales
+from forest_ident.validation.prediction_error import rms
 from forest_msgs_py.runtime.command_line import whole
 
 STARTS, STARTS_INTERPRETED = 32, 1
-TOLD = 0.8  # of a prior's width: a standard error above that was not told by the record
+IDENTIFIED = 0.8  # of a prior's width: a parameter with a smaller standard error is identified
 
 
 def add_parser(verbs: Any) -> None:
@@ -36,7 +35,7 @@ def add_parser(verbs: Any) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help=help_out)
     help_starts = f"points the fit starts from (default {STARTS}; without llvmlite {STARTS_INTERPRETED})"
     parser.add_argument("--starts", type=whole(1), metavar="N", help=help_starts)
-    help_cross = "also fit parts of TRAIN and foretell the rest; the table goes into actuator.json"
+    help_cross = "also fit parts of TRAIN and predict the rest; the table goes into actuator.json"
     parser.add_argument("--cross-validate", action="store_true", help=help_cross)
 
 
@@ -56,20 +55,20 @@ def run(options: argparse.Namespace) -> int:
         _say("llvmlite is not installed (extra 'fast'): each start takes minutes instead of a second")
     trained_on = scaled(train, scales)
     problem = fit.Problem(trained_on)
-    fits = fit.many_starts(problem, starts, progress=lambda i, one: _tell(i, starts, one))
-    kept = fit.alike(fits)
+    fits = fit.fit_from_many_starts(problem, starts, progress=lambda i, one: _tell(i, starts, one))
+    kept = fit.similar(fits)
     lead, began = before(train, test)
     _say(began)
-    foretold = predicted_pressure(kept, np.concatenate([lead, test.valve]), scales)[len(lead) :]
+    predicted = predicted_pressure(kept, np.concatenate([lead, test.valve]), scales)[len(lead) :]
     found = report(problem, fits, kept, scales, trained_on) | {
         "train": str(options.fit),
         "test": str(options.simulate),
         "test_starts": began,
-        "rms_test": None if test.pressure is None else rms(foretold - test.pressure),
+        "rms_test": None if test.pressure is None else rms(predicted - test.pressure),
     }
     if options.cross_validate:
         found["cross_validation"] = _folds(trained_on, scales, min(starts, 8))
-    _write(options.out, test, foretold, found)
+    _write(options.out, test, predicted, found)
     return 0
 
 
@@ -113,52 +112,63 @@ def report(
             "value": factor * values[prior.name],
             "interval_95": [factor * float(np.exp(end) if prior.positive else end) for end in ends],
             "unit": unit(prior),
-            "told_by_record": error < TOLD * prior.width,
+            "told_by_record": error < IDENTIFIED * prior.width,
         }
     return {
         "parameters": parameters,
         "rms_train": s.pressure * rms(fit.predicted(kept, record.signal) - record.pressure),
         "rms_train_best_fit": s.pressure * rms(problem.residuals(best.z)[0]),
         "rms_train_position": s.position * rms(problem.residuals(best.z)[1]),
-        "prediction": f"mean of {len(kept)} fits within {fit.ALIKE:g} of the best cost",
+        "prediction": f"mean of {len(kept)} fits within {fit.SIMILAR:g} of the best cost",
         "costs": [round(fit.cost, 3) for fit in fits],
         "scales": s._asdict(),
     }
 
 
 def _folds(record: Columns, s: Scales, starts: int) -> list[dict[str, Any]]:
-    folds = fit.cross_validated(record, starts, _say)
     return [
-        {
-            "fitted": f.fitted,
-            "held_out": f.held_out,
-            "rms_fitted": s.pressure * f.rms_fitted,
-            "rms_held_out": s.pressure * f.rms_held_out,
-        }
-        for f in folds
+        f._asdict() | {"rms_fitted": s.pressure * f.rms_fitted, "rms_held_out": s.pressure * f.rms_held_out}
+        for f in fit.cross_validated(record, starts, _say)
     ]
 
 
-def _write(out: Path, test: Record, foretold: Floats, found: dict[str, Any]) -> None:
-    from forest_ident.actuator.plot import draw  # matplotlib takes half a second
-
+def _write(out: Path, test: Record, predicted: Floats, found: dict[str, Any]) -> None:
     with (out / "prediction.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("sample", "pressure"))
-        writer.writerows(zip(test.samples.tolist(), (f"{p:.6f}" for p in foretold.tolist()), strict=True))
+        writer.writerows(zip(test.samples.tolist(), (f"{p:.6f}" for p in predicted.tolist()), strict=True))
     text = json.dumps(found, indent=2)
     (out / "actuator.json").write_text(text + "\n", encoding="utf-8")
-    draw(out / "prediction.png", test, foretold)
+    _plot(out / "prediction.png", test, predicted)
     ending = "" if found["rms_test"] is None else f"; on TEST: {found['rms_test']:.4f}"
     print(f"RMS of pressure on TRAIN: {found['rms_train']:.4f}{ending}")
     for fold in found.get("cross_validation", []):
         (first, end), (begin, stop) = fold["held_out"], fold["fitted"]
         rows = f"rows {first} to {end - 1}, fitted to {begin} to {stop - 1}"
         print(f"held out, {rows}: RMS {fold['rms_held_out']:.4f}")
-    untold = [name for name, p in found["parameters"].items() if not p["told_by_record"]]
-    if untold:
-        print(f"this record hardly tells: {', '.join(untold)}")
+    unidentified = [name for name, p in found["parameters"].items() if not p["told_by_record"]]
+    if unidentified:
+        print(f"this record hardly tells: {', '.join(unidentified)}")
     print(f"  {out / 'prediction.csv'}\n  {out / 'actuator.json'}\n  {out / 'prediction.png'}")
+
+
+def _plot(path: Path, test: Record, predicted: Floats) -> None:
+    """Write a PNG: the valve's signal above, pressure below, measured solid and predicted dotted."""
+    from matplotlib.figure import Figure  # takes half a second
+
+    figure = Figure(figsize=(10, 5), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1, 2.5))
+    above.plot(test.samples, test.valve, "k", linewidth=1.0)
+    above.set_ylabel("valve")
+    if test.pressure is not None:
+        below.plot(test.samples, test.pressure, "k", linewidth=1.2, label="measured")
+    below.plot(test.samples, predicted, "r:", linewidth=1.6, label="simulated from the valve's signal")
+    below.set_xlabel("sample")
+    below.set_ylabel("pressure")
+    below.legend(loc="upper right", fontsize=8)
+    for axes in (above, below):
+        axes.grid(linewidth=0.3)
+    figure.savefig(path, dpi=110)
 
 
 def _tell(place: int, starts: int, fit: Fit) -> None:

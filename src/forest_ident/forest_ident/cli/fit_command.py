@@ -1,7 +1,5 @@
 """`forest-ident fit`: bags in, machine file and report out."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys
@@ -15,13 +13,12 @@ import numpy as np
 from forest_bag.read.bag_reader import FILE_KINDS, SUFFIXES
 from forest_description.machine import Machine, load_machine
 from forest_ident.estimators.calibration import Offset
-from forest_ident.estimators.estimate import NORMAL_95
-from forest_ident.experiments import experiments
+from forest_ident.estimators.parameter_estimate import NORMAL_95
+from forest_ident.experiments import experiment_plan
 from forest_ident.measurements import session_bag
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.refinement import identification
-from forest_ident.refinement.result import Result, table, told
-from forest_ident.refinement.unidentified import untold
+from forest_ident.refinement.result import Result, table, unidentified, value_in
 from forest_ident.report import machine_writer
 
 WIDTH = 30  # characters of the progress bar
@@ -72,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
     _tell_rest(result, sessions)
     print(f"  {options.out}")
     if options.report is not None:
-        from forest_ident.report.report import write  # matplotlib takes half a second
+        from forest_ident.report.identification_report import write  # matplotlib takes half a second
 
         print(f"  {write(result, options.report)}")
     return 0
@@ -84,7 +81,7 @@ def _tell_rest(result: Result, sessions: dict[Path, Session]) -> None:
     for path, session in sessions.items():
         if session.name in identification.HELD_OUT:
             print(f"  held out, not used: {path} ({session.name})")
-    for key, motion in untold(result):
+    for key, motion in unidentified(result):
         print(f"  not told by these records, left as it was: {key}; it takes {motion}")
 
 
@@ -117,7 +114,7 @@ def _refuse_strangers(start: Machine, sessions: dict[Path, Session]) -> None:
     Raises:
         SessionError: there is one; the message names those it has.
     """
-    known = tuple(dict.fromkeys((*experiments.names(start), *identification.HELD_OUT)))
+    known = tuple(dict.fromkeys((*experiment_plan.names(start), *identification.HELD_OUT)))
     for path, session in sessions.items():
         if session.name not in known:
             raise SessionError(
@@ -166,7 +163,7 @@ def text_table(result: Result) -> str:
     """Return what was found as text: old, new, interval, warning; sensors."""
     lines = [f"  {'parameter':<42} {'told':>11} {'found':>13}  95 % interval"]
     for e, before in table(result):
-        value, low, high = e.spelled()
+        value, low, high = e.formatted()
         was = "-" if before is None else f"{before:.5g}"
         lines.append(f"  {e.key:<42} {was:>11} {value:>13}  {low} .. {high} {e.unit}")
         if e.warning:
@@ -178,10 +175,10 @@ def against(result: Result, truth: Machine) -> str:
     """Return how far every estimate is from the truth, and whether its interval holds that."""
     lines, held = [], 0
     for e, _ in table(result):
-        true = told(truth, e.key)
+        true = value_in(truth, e.key)
         if true is None:
             continue
-        holds = e.holds(true)
+        holds = e.contains(true)
         held += holds
         off = f"{100.0 * (e.value / true - 1.0):+.5f} %" if true != 0.0 and e.positive else ""
         off = off or f"{e.value - true:+.7f} {e.unit}"

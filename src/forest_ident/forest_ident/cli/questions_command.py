@@ -1,7 +1,5 @@
 """`forest-ident questions`: what the thesis' validation leaves open, asked of simulated machines."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from pathlib import Path
@@ -43,7 +41,9 @@ def run(options: argparse.Namespace) -> int:
     ]
     for answer in answers:
         print(text_table(answer), end="\n\n")
-    from forest_ident.report.unmodelled_effects_plot import draw  # matplotlib takes half a second
+    from forest_ident.report.validation_report import (
+        draw_unmodelled_effects,  # matplotlib takes half a second
+    )
 
     options.out.mkdir(parents=True)
     cases = {
@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
     }
     text = json.dumps({"machine": machine.name, "seed": options.seed, "cases": cases}, indent=2)
     (options.out / "questions.json").write_text(text + "\n", encoding="utf-8")
-    draw(answers, options.out / "questions.png")
+    draw_unmodelled_effects(answers, options.out / "questions.png")
     print(f"  {options.out / 'questions.json'}\n  {options.out / 'questions.png'}")
     return 0
 

@@ -1,7 +1,5 @@
 """`forest-ident validate`: a held-out record against what a model predicts of it."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from pathlib import Path
@@ -10,7 +8,7 @@ from typing import Any
 from forest_description.machine import load_machine
 from forest_ident.measurements import session_bag
 from forest_ident.measurements.session import SessionError
-from forest_ident.validation import validation
+from forest_ident.validation import prediction_error
 
 
 def add_parser(verbs: Any) -> None:
@@ -33,8 +31,8 @@ def run(options: argparse.Namespace) -> int:
         raise SessionError(f"{options.report} exists already; choose another --report or remove it")
     model = load_machine(options.model)
     session = session_bag.read(options.bag)
-    found = validation.signals(model, session)
-    print(validation.text_table(found))
+    found = prediction_error.signals(model, session)
+    print(prediction_error.text_table(found))
     if options.report is None:
         return 0
     from forest_ident.report.validation_report import write  # matplotlib takes half a second

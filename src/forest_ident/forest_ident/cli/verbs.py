@@ -6,8 +6,6 @@ with `add_parser(subparsers)`, which names its flags and sets `command`, a funct
 arguments and returns the exit code. Exit codes: 0 well, 1 failed, 2 wrong arguments, 130 stopped.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence

@@ -1,29 +1,26 @@
-"""When a scripted operator must stop: the bounds of an experiment, and whether what is seen is within them.
+"""The bounds of an experiment, and whether the readings are within them.
 
 | symbol | name | unit |
 |---|---|---|
 | low, high | joint angles between which an axis is driven | rad |
 | peak | time for which a pressure may be beyond its bound | s |
 
-The programme turns an axis round at its soft limits (`experiments`); these bounds lie behind them, and who
-meets one stops altogether. A pressure must be beyond its bound for a while: a shutting valve makes a peak,
-and to shut it cures none.
+The programme turns an axis round at its soft limits (`experiment_plan`). These bounds lie behind them; beyond
+one, the operator stops altogether. A pressure must be beyond its bound for a while: a closing valve makes a
+peak, and closing it cures none.
 
 Pure: `step` is called with every sample.
 """
-
-from __future__ import annotations
 
 import math
 from typing import NamedTuple
 
 from forest_description.components.pump import LoadSensingPump
 from forest_description.derived.limits import joint_limits
-from forest_description.geometry.linkage import joint_angle
-from forest_description.machine import CylinderDrive, Machine
+from forest_description.machine import Machine
 from forest_description.types import AXES, Vec3
 from forest_ident.experiments.excitation import Programme, Track
-from forest_ident.experiments.experiments import SWING_ROOM, Plan
+from forest_ident.experiments.experiment_plan import SWING_ROOM, Plan, cylinder_range
 
 MARGIN = 0.05  # of a cylinder's stroke, at either end; soft limits are at thrice that
 SWING_MARGIN = 0.1  # [rad] before the swing's ends
@@ -36,7 +33,7 @@ DEGREES = 180.0 / math.pi
 
 
 class Bounds(NamedTuple):
-    """Within what an experiment is driven."""
+    """Ranges within which an experiment is driven."""
 
     driven: tuple[bool, bool, bool]  # axes; those of a rig have no joints
     low: Vec3
@@ -46,7 +43,7 @@ class Bounds(NamedTuple):
     temperature: float = HOTTEST  # [K] at most
 
 
-class Seen(NamedTuple):
+class Readings(NamedTuple):
     """One sample; NaN: there is no such sensor."""
 
     angles: Vec3  # [rad]
@@ -56,7 +53,7 @@ class Seen(NamedTuple):
 
 
 class State(NamedTuple):
-    """For how long pressures have been beyond their bounds [s]."""
+    """Times for which pressures have been beyond their bounds [s]."""
 
     over: float = 0.0
     starved: float = 0.0
@@ -65,20 +62,20 @@ class State(NamedTuple):
 def bounds(plan: Plan, programme: Programme) -> Bounds:
     """Return the bounds of an experiment whose operator follows a programme."""
     m, joints = plan.machine, [track is not None and not plan.bench for track in programme.tracks]
-    pairs = [_swing(m, programme.tracks[0]), _cylinder(m.boom), _cylinder(m.stick)]
+    ranges = [_swing(m, programme.tracks[0]), *(cylinder_range(drive, MARGIN) for drive in m.drives[1:])]
     relief = m.port_valves.relief_pressure if m.port_valves is not None else 0.0
     idle = m.pump.margin if isinstance(m.pump, LoadSensingPump) else m.pump.supply_pressure
     return Bounds(
         (joints[0], joints[1], joints[2]),
-        (pairs[0][0], pairs[1][0], pairs[2][0]),
-        (pairs[0][1], pairs[1][1], pairs[2][1]),
+        (ranges[0][0], ranges[1][0], ranges[2][0]),
+        (ranges[0][1], ranges[1][1], ranges[2][1]),
         OVERLOAD * max(m.pump.supply_pressure, relief),
         STARVED * idle,
     )
 
 
 def around(programme: Programme, plan: Plan, swing: float) -> Programme:
-    """Return the programme with the swing going to and fro about where it stands [rad], not its start."""
+    """Return the programme with the swing going to and fro about its present angle [rad]."""
     track = programme.tracks[0]
     if track is None or plan.bench:
         return programme
@@ -88,7 +85,7 @@ def around(programme: Programme, plan: Plan, swing: float) -> Programme:
     return programme._replace(tracks=(moved, *programme.tracks[1:]))
 
 
-def step(state: State, seen: Seen, b: Bounds, dt: float) -> tuple[State, str]:
+def step(state: State, seen: Readings, b: Bounds, dt: float) -> tuple[State, str]:
     """Return the state after a period [s], and why the experiment must stop; "" if it need not."""
     over = state.over + dt if any(p > b.pressure for p in seen.pressures) else 0.0
     starved = state.starved + dt if seen.supply < b.supply else 0.0
@@ -114,8 +111,8 @@ def out_of_bounds(angles: Vec3, b: Bounds) -> str:
     return ""
 
 
-def seen_ports(plan: Plan) -> tuple[str, ...]:
-    """Return the labels of the actuator pressures that are watched: of what is driven, else of the swing."""
+def monitored_ports(plan: Plan) -> tuple[str, ...]:
+    """Return the labels of the monitored actuator pressures: of the driven axes, else of the swing."""
     driven = [axis for axis, track in zip(AXES, plan.programme.tracks, strict=True) if track is not None]
     there = plan.machine.sensors.pressure is not None
     return tuple(f"{axis}_{port}_actuator" for axis in driven or AXES[:1] for port in (1, 2) if there)
@@ -127,12 +124,6 @@ def _swing(machine: Machine, track: Track | None) -> tuple[float, float]:
         return low, high
     low, high = low + 0.5 * SWING_MARGIN, high - 0.5 * SWING_MARGIN
     return max(low, track.low - SWING_BEYOND), min(high, track.high + SWING_BEYOND)
-
-
-def _cylinder(drive: CylinderDrive) -> tuple[float, float]:
-    ends = (drive.retracted_length + share * drive.stroke for share in (MARGIN, 1.0 - MARGIN))
-    low, high = sorted(joint_angle(length, drive.linkage) for length in ends)
-    return low, high
 
 
 def _mega(pressure: float) -> str:

@@ -1,23 +1,26 @@
-"""An experiment on a simulated machine: the scripted operator, the plant, the sensors, without a graph.
+"""Run an experiment on a simulated machine without a graph: scripted operator, plant and sensors.
 
-It is what the graph in lockstep does, much faster: row k is step k + 1, and with exact sensors voltages and
+It does what the graph in lockstep does, much faster: row k is step k + 1, and with exact sensors voltages and
 states are the same to the last bit, what is derived of them to rounding. With noise they are not: the
-operator sees the true angles here, and the sensors draw in another order. The oil warms as it does in
-`forest_sim.simulation.open_loop`; a bench's is kept at one temperature by its cooler.
+operator reads the true angles here, and the sensors draw in another order. The oil warms as in
+`forest_sim.simulation.open_loop`; a rig's is kept at one temperature by its cooler.
 """
 
-from __future__ import annotations
+import dataclasses
+import math
 
 import numpy as np
 
 from forest_description.machine import Machine
-from forest_description.types import Vec3
-from forest_ident.experiments import excitation
+from forest_description.types import ZERO, Vec3
+from forest_ident.estimators import calibration
+from forest_ident.experiments import excitation, experiment_plan
+from forest_ident.experiments.experiment_plan import Plan
 from forest_ident.measurements.readings import PLACE, Columns, read, true_columns
 from forest_ident.measurements.session import Session
 from forest_msgs_py.types import PERIOD
 from forest_sim.sensors.sensor_readings import surroundings
-from forest_sim.sensors.sensor_suite import Suite
+from forest_sim.sensors.sensor_suite import Suite, sensor_suite
 from forest_sim.solver.compiled_plant import FlatPlant
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.oil_temperature import (
@@ -26,56 +29,77 @@ from forest_sim.solver.oil_temperature import (
     parameters_at,
     temperature_after,
 )
-from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
+from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power_flows import power_flows
 
 SUBSTEPS = 5
-STANDING: Vec3 = (0.0, 0.0, 0.0)  # [V]
 LOSS_SAMPLES = 10  # of the power that warms the oil, in an update of its temperature
+ANGLES = [PLACE[f"{axis}_angle"] for axis in ("swing", "boom", "stick")]
 
 
-def run(
-    name: str,
-    machine: Machine,
-    programme: excitation.Programme,
-    angles: Vec3,
-    suite: Suite,
-    bench: bool = False,
+def experiment(
+    name: str, machine: Machine, seed: int = 0, exact: bool = False, longest: float = math.inf
 ) -> Session:
-    """Return the record of an experiment.
+    """Return the record of an experiment on a simulated machine.
 
     Args:
-        name: of the experiment.
-        machine: the crane, or a circuit of `bench`.
-        programme: what the operator does.
-        angles: joint angles at the start [rad].
-        suite: the sensors.
-        bench: whether it is a circuit: second meter at hose 1's far end, oil at one temperature.
+        name: one of `experiment_plan.names`.
+        machine: the crane.
+        seed: of the sensors' static errors and noise, and of levels drawn by lot.
+        exact: whether sensors are exact.
+        longest: time at which it is cut off [s].
     """
-    trace = _Trace(machine, angles, bench)
-    trace.advance(STANDING)  # before the graph's first step
+    if name == calibration.NAME:
+        session = calibration.simulated(sensor_suite(machine, noise=not exact, seed=seed))
+    else:
+        plan = experiment_plan.plan(name, machine, seed, longest)
+        session = run(plan, sensor_suite(plan.machine, noise=not exact, seed=seed))
+    return marked_exact(session) if exact else session
+
+
+def marked_exact(session: Session) -> Session:
+    """Return a session that says that its sensors were exact."""
+    return dataclasses.replace(session, metadata={**session.metadata, "exact_sensors": 1.0})
+
+
+def duration(name: str, machine: Machine, longest: float = math.inf) -> float:
+    """Return how long an experiment takes [s]."""
+    if name == calibration.NAME:
+        return 2.0 * calibration.EACH
+    return experiment_plan.plan(name, machine, 0, longest).programme.duration
+
+
+def instructions(name: str, machine: Machine, longest: float = math.inf) -> str:
+    """Return what a person must do for an experiment, and within which limits it runs."""
+    if name == calibration.NAME:
+        return f"{name}\n  by hand: {calibration.SETUP}"
+    plan = experiment_plan.plan(name, machine, 0, longest)
+    return f"{name}: {plan.programme.duration:.0f} s\n  by hand: {plan.setup}\n  limits: {plan.limits}"
+
+
+def run(plan: Plan, suite: Suite) -> Session:
+    """Return the record of a plan's experiment, read by the suite's sensors."""
+    trace = _Trace(plan.machine, plan.angles, plan.bench)
+    trace.advance(ZERO)  # before the graph's first step
     state = excitation.START
-    count = round(programme.duration / PERIOD)
+    count = round(plan.programme.duration / PERIOD)
     voltages = np.zeros((count, 3))
     for k in range(count):
-        state, volts = excitation.step(state, trace.angles(), programme, PERIOD)
+        state, volts = excitation.step(state, trace.angles(), plan.programme, PERIOD)
         voltages[k] = volts
         if k + 1 < count:
             trace.advance(volts)
-    true = {channel: column[1:] for channel, column in trace.columns(machine).items()}
-    readings = {
-        channel: column
-        for channel, column in read(true, suite, PERIOD, name).items()
-        if not np.isnan(column).all()
-    }
-    facts = {}
-    if not bench and "case_drain" in true:
-        facts["case_drain_volume"] = float(np.sum(true["case_drain"]) * PERIOD)
-    return Session(name, PERIOD * np.arange(count, dtype=np.float64), voltages, readings, facts)
+    true = {channel: column[1:] for channel, column in trace.columns().items()}
+    sampled = read(true, suite, PERIOD, plan.name)
+    readings = {channel: column for channel, column in sampled.items() if not np.isnan(column).all()}
+    metadata = dict(plan.metadata)
+    if not plan.bench and "case_drain" in true:
+        metadata["case_drain_volume"] = float(np.sum(true["case_drain"]) * PERIOD)
+    return Session(plan.name, PERIOD * np.arange(count, dtype=np.float64), voltages, readings, metadata)
 
 
 class _Trace:
-    """A machine under way, and all its states until now."""
+    """A machine under way, and all its states until then."""
 
     def __init__(self, machine: Machine, angles: Vec3, bench: bool) -> None:
         self._machine, self._bench = machine, bench
@@ -86,13 +110,13 @@ class _Trace:
         self._flat.lay_out(equilibrium(angles, p))
         self._flat.set_parameters(p)
         self._rows = [self._flat.state.copy()]
-        self._plants: list[tuple[int, PlantParameters, float]] = [(0, p, self._temperature)]
+        self._plants = [(0, p, self._temperature)]  # first row, plant, temperature [K]
         self._losses: list[float] = []
 
     def angles(self) -> Vec3:
         """Return the joint angles [rad]."""
-        s = self._flat.state
-        return float(s[0]), float(s[6]), float(s[12])
+        swing, boom, stick = self._flat.state[ANGLES].tolist()
+        return swing, boom, stick
 
     def advance(self, volts: Vec3) -> None:
         """Move on by a period."""
@@ -102,11 +126,11 @@ class _Trace:
             self._warm()
 
     def _warm(self) -> None:
+        """Sample what the machine loses; every UPDATE_PERIOD the oil is warmer by that."""
         per_update, count = round(UPDATE_PERIOD / PERIOD), len(self._rows) - 1
         if self._oil is None or count % (per_update // LOSS_SAMPLES) != 0:
             return
-        p = self._plants[-1][1]
-        self._losses.append(dissipated_power(power_flows(self._flat.simulation, p)))
+        self._losses.append(dissipated_power(power_flows(self._flat.simulation, self._plants[-1][1])))
         if count % per_update != 0:
             return
         mean = sum(self._losses) / len(self._losses)
@@ -116,9 +140,9 @@ class _Trace:
         self._flat.set_parameters(p)
         self._plants.append((count + 1, p, self._temperature))
 
-    def columns(self, machine: Machine) -> Columns:
+    def columns(self) -> Columns:
         """Return the true value of every channel over the run."""
-        states, around = np.array(self._rows), surroundings(machine)
+        states, around = np.array(self._rows), surroundings(self._machine)
         plants = [plant for plant in self._plants if plant[0] < len(states)]
         ends = [first for first, _, _ in plants[1:]] + [len(states)]
         parts = [
@@ -126,7 +150,3 @@ class _Trace:
             for (first, p, t), end in zip(plants, ends, strict=True)
         ]
         return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-
-
-assert PLACE["swing_angle"] == 0  # `_Trace.angles` counts on six columns per axis
-assert PLACE["stick_angle"] == 12

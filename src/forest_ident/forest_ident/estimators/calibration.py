@@ -6,11 +6,13 @@
 | flow meters | each other, in series on the valve's rig | gain of the second over the first |
 | thermocouples | melting ice, then boiling water | offset and gain |
 
-A gauge transducer shows nothing below zero. With an offset below zero it stands at zero and shows only the
-noise that reaches above: those samples are censored, and say so much about the offset as their number does.
-"""
+A gauge transducer shows nothing below zero. With an offset below zero it reads zero but for the noise that
+reaches above. Readings of zero are censored: they count with the probability of a value below zero.
 
-from __future__ import annotations
+With the calibration in the machine file, readings are corrected, x = (y - b)/g with gain g and offset b. A
+reading at an end of its range is left as it is: the estimators take it as censored. So a prediction that is
+compared with readings is better turned into a reading (`as_read`).
+"""
 
 import dataclasses
 import math
@@ -24,9 +26,11 @@ from forest_description.components.sensor_calibration import (
     CalibratedPressure,
     CalibratedTemperature,
     Calibration,
+    line_of,
 )
 from forest_description.machine import Machine
 from forest_description.types import Floats
+from forest_ident.experiments import test_rig
 from forest_ident.measurements.readings import read
 from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error.noise_model import KIND, channel
@@ -42,13 +46,11 @@ SETUP = (
     "Pump off, all lines open to the air. The thermocouples in melting ice for 20 s, then in boiling water "
     "for 20 s (write the seconds in ice under ice_until). The flow meters are compared on the valve's rig."
 )
-
-
 UNITS = {"Pa": CalibratedPressure, "m3/s": CalibratedFlow, "K": CalibratedTemperature}
 
 
 class Offset(NamedTuple):
-    """A sensor's static error with its standard error, and what it says about itself."""
+    """A sensor's offset and gain with their standard errors; an error of 0: not estimated."""
 
     channel: str
     offset: float
@@ -58,10 +60,10 @@ class Offset(NamedTuple):
     unit: str
 
 
-def told(machine: Machine, offsets: Sequence[Offset]) -> Calibration | None:
-    """Return a machine's calibration with what was found in place of what was told. Thesis section 4.3.1.
+def updated(machine: Machine, offsets: Sequence[Offset]) -> Calibration | None:
+    """Return a machine's calibration with new offsets in place of its own. Thesis section 4.3.1.
 
-    A unit whose offset stayed unknown, because it stood at zero all the time, keeps what was told.
+    A unit whose offset stayed unknown, because it read zero all the time, keeps its own.
     """
     found: dict[str, Any] = {
         o.channel: UNITS[o.unit](o.offset, o.gain) for o in offsets if math.isfinite(o.offset_error)
@@ -83,11 +85,17 @@ def simulated(suite: Suite) -> Session:
     readings = {
         name: y for name, y in read(true, suite, PERIOD, "calibration").items() if np.isfinite(y).all()
     }
-    return Session("calibration", time, np.zeros((count, 3)), readings, {"ice_until": EACH})
+    return Session(
+        name="calibration",
+        time=time,
+        voltages=np.zeros((count, 3)),
+        readings=readings,
+        metadata={"ice_until": EACH},
+    )
 
 
 def calibrate(machine: Machine, session: Session) -> list[Offset]:
-    """Return what a calibration's record says of every sensor in it. Thesis section 4.3.1.
+    """Return offset and gain of every sensor in a calibration's record. Thesis section 4.3.1.
 
     Raises:
         SessionError: a transducer was under pressure, or a thermocouple not in its bath.
@@ -111,38 +119,38 @@ def _transducer(machine: Machine, session: Session, name: str) -> Offset:
         )
     if np.ptp(y) == 0.0:
         return Offset(name, float(y[0]), 0.0 if y[0] > 0.0 else math.inf, 1.0, 0.0, "Pa")
-    judged = channel(machine, session, name)._replace(offset=0.0)
+    noise = channel(machine, session, name)._replace(offset=0.0)
     start = float(np.mean(y))
 
     def model(values: Mapping[str, float]) -> dict[str, Floats]:
         return {name: np.full(len(y), values["offset"])}
 
     unknown = Unknown("offset", start, positive=False, difference=1.0)
-    result = fit(model, {name: y}, [judged], [unknown])
+    result = fit(model, {name: y}, [noise], [unknown])
     return Offset(name, result.values["offset"], result.errors["offset"], 1.0, 0.0, "Pa")
 
 
 def _thermocouple(session: Session, name: str) -> Offset:
     """Return a thermocouple's offset at the ice point, and its gain between the two baths."""
-    y, change = session.column(name), session.facts.get("ice_until", EACH)
-    boiling = session.facts.get("boiling_from", change)
+    y, change = session.column(name), session.metadata.get("ice_until", EACH)
+    boiling = session.metadata.get("boiling_from", change)
     ice, water = y[session.time < change - 1.0], y[session.time > boiling + 1.0]
     for bath, rows, point in (("ice", ice, ICE), ("boiling water", water, BOILING)):
-        read = float(np.mean(rows)) if len(rows) > 1 else math.nan
-        if not abs(read - point) < NEAR:
+        mean = float(np.mean(rows)) if len(rows) > 1 else math.nan
+        if not abs(mean - point) < NEAR:
             raise SessionError(
-                f"calibration: {name} reads {read:.1f} K in {bath}; allowed: {point:g} K within {NEAR:g} K, "
+                f"calibration: {name} reads {mean:.1f} K in {bath}; allowed: {point:g} K within {NEAR:g} K, "
                 "with ice until ice_until and boiling water from boiling_from in experiment.yaml"
             )
     errors = [float(np.std(part)) / math.sqrt(len(part)) for part in (ice, water)]
     gain = float(np.mean(water) - np.mean(ice)) / (BOILING - ICE)
     return Offset(
-        name,
-        float(np.mean(ice)) - ICE,
-        errors[0],
-        gain,
-        math.hypot(*errors) / (BOILING - ICE),
-        "K",
+        channel=name,
+        offset=float(np.mean(ice)) - ICE,
+        offset_error=errors[0],
+        gain=gain,
+        gain_error=math.hypot(*errors) / (BOILING - ICE),
+        unit="K",
     )
 
 
@@ -159,3 +167,38 @@ def meter_gain(session: Session, floor: float) -> Offset | None:
     gain = float(x @ y / (x @ x))
     error = float(np.std(y - gain * x) / math.sqrt(x @ x))
     return Offset("stick_flow", 0.0, 0.0, gain, error, "m3/s")
+
+
+def lines(machine: Machine) -> dict[str, tuple[float, float]]:
+    """Return (g, b) of every unit that the machine file has a calibration of. Thesis section 4.3.1."""
+    known = machine.sensors.calibration
+    units = {name: getattr(known, name, None) for name in KIND}
+    return {name: line_of(unit) for name, unit in units.items() if unit is not None}
+
+
+def corrected(session: Session, machine: Machine) -> Session:
+    """Return a session with x = (y - b)/g in place of y, but for readings at an end of their range.
+
+    Exact sensors need no correction.
+    """
+    if session.is_exact:
+        return session
+    readings = dict(session.readings)
+    for name, (gain, bias) in lines(machine).items():
+        if name in readings:
+            y = readings[name]
+            at_end = np.isin(np.abs(y), _ends(machine, name))
+            readings[name] = np.where(at_end, y, (y - bias) / gain)
+    return dataclasses.replace(session, readings=readings)
+
+
+def as_read(columns: Mapping[str, Floats], machine: Machine) -> dict[str, Floats]:
+    """Return predicted columns as the machine's calibrated units would read them, y = g x + b."""
+    known = lines(machine)
+    return {name: known[name][0] * x + known[name][1] if name in known else x for name, x in columns.items()}
+
+
+def _ends(machine: Machine, name: str) -> list[float]:
+    """Return the ends of a channel's range."""
+    part = getattr(test_rig.meters(machine), KIND[name].name)
+    return [0.0, part.full_scale] if KIND[name].name == "pressure" else [part.lowest, part.highest]

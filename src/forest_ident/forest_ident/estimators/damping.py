@@ -10,17 +10,15 @@
 
     alpha = F - (M(q) q'' + V(q, q') + G(q))_axis / J = B v + c_0 + c_1 (q - mean q)
 
-The last two terms take what static errors of pressures, angles and masses leave; moving both ways through the
-same angles tells them from B.
+The last two terms take the static errors of pressures, angles and masses; moving both ways through the same
+angles separates them from B.
 """
-
-from __future__ import annotations
 
 import numpy as np
 
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
-from forest_ident.estimators.least_squares import Line, solve
+from forest_ident.estimators.least_squares import LinearFit, solve
 from forest_ident.measurements.differentiator import derivative, inner, smooth
 from forest_ident.measurements.readings import length_and_arm
 from forest_ident.measurements.session import Session
@@ -47,10 +45,8 @@ def equation(machine: Machine, session: Session, axis: int) -> tuple[Floats, Flo
         np.array([derivative(angle, BANDWIDTH, period, order)[rows][::EVERY] for angle in angles])
         for order in (0, 1, 2)
     )
-    one, two = (
-        smooth(session.column(f"{AXES[axis]}_pressure_{port}_actuator"), BANDWIDTH, period)[rows][::EVERY]
-        for port in (1, 2)
-    )
+    pressures = session.pressures(AXES[axis], "actuator")
+    one, two = (smooth(column, BANDWIDTH, period)[rows][::EVERY] for column in pressures)
     if axis == 0:
         displacement = machine.swing.gear_ratio * machine.swing.motor_displacement
         force, arm = displacement * (one - two), np.ones(q.shape[1])
@@ -62,15 +58,15 @@ def equation(machine: Machine, session: Session, axis: int) -> tuple[Floats, Flo
     return force - load / arm, rate[axis] * arm, q[axis]
 
 
-def damping(machine: Machine, session: Session, axis: int) -> Line:
+def damping(machine: Machine, session: Session, axis: int) -> LinearFit:
     """Return B with c_0 and c_1; arguments as `equation`. Thesis eq. 4.11.
 
-    Differs: dry friction that the file tells is taken off first, or it would become damping.
+    Differs: the file's dry friction is subtracted first, or it would become damping.
     """
     alpha, speed, angle = equation(machine, session, axis)
     if axis > 0:
-        told = friction(machine.boom.friction if axis == 1 else machine.stick.friction)
-        alpha = alpha - np.array([friction_force(v, told) for v in speed.tolist()])
+        dry = friction(machine.boom.friction if axis == 1 else machine.stick.friction)
+        alpha = alpha - np.array([friction_force(v, dry) for v in speed.tolist()])
     columns = [speed, np.ones(len(speed)), angle - np.mean(angle)]
     return solve(columns, alpha, block=max(1, round(1.0 / (EVERY * session.period))))
 

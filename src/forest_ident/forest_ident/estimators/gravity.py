@@ -12,8 +12,6 @@ Rests tell two sums along the links and two across them (`moments`), not every m
 has its masses from drawings (section 4.4.1).
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from typing import NamedTuple
@@ -23,7 +21,7 @@ import numpy as np
 from forest_description.config.parameter import replace_unchecked
 from forest_description.machine import Machine, Manipulator
 from forest_description.types import AXES, Floats
-from forest_ident.estimators.least_squares import Line, solve
+from forest_ident.estimators.least_squares import LinearFit, solve
 from forest_ident.measurements.readings import length_and_arm
 from forest_ident.measurements.session import Session
 from forest_sim.mechanics.manipulator import dynamics, fold_head
@@ -39,21 +37,21 @@ def poses(machine: Machine, session: Session) -> tuple[Floats, Floats]:
     found = []
     for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
         begin = first + round(SETTLED / period) if first > 0 else first
-        if last - begin < round(0.4 / period):
-            continue
-        rows = slice(begin, last)
-        q = [float(np.mean(session.column(f"{axis}_resolver")[rows])) for axis in AXES]
-        torques = []
-        for place, drive in ((1, machine.boom), (2, machine.stick)):
-            one, two = (
-                float(np.mean(session.column(f"{AXES[place]}_pressure_{port}_actuator")[rows]))
-                for port in (1, 2)
-            )
-            arm = float(length_and_arm(np.array([q[place]]), drive.linkage)[1][0])
-            torques.append((drive.head_area * one - drive.rod_area * two) * arm)
-        found.append((*q, *torques))
+        if last - begin >= round(0.4 / period):
+            found.append(_pose(machine, session, slice(begin, last)))
     table = np.array(found).reshape(-1, 5)
     return table[:, :3], table[:, 3:]
+
+
+def _pose(machine: Machine, session: Session, rows: slice) -> list[float]:
+    """Return mean angles [rad] of all axes, and the torques [N m] of boom and stick."""
+    q = [float(np.mean(session.column(f"{axis}_resolver")[rows])) for axis in AXES]
+    torques = []
+    for axis, angle, drive in zip(AXES[1:], q[1:], machine.drives[1:], strict=True):
+        one, two = (float(np.mean(column[rows])) for column in session.pressures(axis, "actuator"))
+        arm = float(length_and_arm(np.array([angle]), drive.linkage)[1][0])
+        torques.append((drive.head_area * one - drive.rod_area * two) * arm)
+    return [*q, *torques]
 
 
 class Moment(NamedTuple):
@@ -95,10 +93,13 @@ def moments(machine: Machine, session: Session) -> list[Moment]:
         "m3 y3": m.stick_mass * m.stick_y,
     }
     pairs = zip(told, line.values.tolist(), line.errors.tolist(), strict=True)
-    return [Moment(name, value, error, told[name], line.condition) for name, value, error in pairs]
+    return [
+        Moment(name=name, value=value, error=error, told=told[name], condition=line.condition)
+        for name, value, error in pairs
+    ]
 
 
-def masses(machine: Machine, session: Session, names: tuple[str, ...] = ("head_mass",)) -> Line:
+def masses(machine: Machine, session: Session, names: tuple[str, ...] = ("head_mass",)) -> LinearFit:
     """Return some masses [kg] that forces at rest tell, the others as told; three or more poses, no log.
 
     Args:

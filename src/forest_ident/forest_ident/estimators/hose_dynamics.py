@@ -17,14 +17,12 @@ h misses h^2/12 times the jump of the slope there; at 200 Hz that made I 3 to 9 
 off the samples to either side and put right (Euler and Maclaurin's formula).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
 from forest_description.types import Floats
-from forest_ident.estimators.least_squares import Line, solve
+from forest_ident.estimators.least_squares import LinearFit, solve
 from forest_ident.measurements.differentiator import derivative, inner, smooth
 from forest_ident.measurements.readings import lagged
 from forest_ident.measurements.session import Session
@@ -56,7 +54,7 @@ def joint(
     lag: float,
     floor: float,
     highest: float = math.inf,
-) -> tuple[Line, Line]:
+) -> tuple[LinearFit, LinearFit]:
     """Return I and C by least squares, with all terms in phase. Thesis eq. 4.5a, 4.6.
 
     Differs: the thesis averages quotients that the phase biases.

@@ -7,15 +7,13 @@
 | R | resistance of dP = R Q|Q| (turbulent), dP = R Q (laminar) | Pa s^2/m^6, Pa s/m^3 |
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 
 from forest_description.machine import MeasuredHose
 from forest_description.types import Floats
-from forest_ident.estimators.least_squares import Line, solve
+from forest_ident.estimators.least_squares import LinearFit, solve
 from forest_ident.estimators.valve_characteristic import holds
 from forest_ident.measurements.session import Session
 
@@ -37,7 +35,7 @@ def steady(session: Session, floor: float, highest: float = math.inf) -> tuple[F
     return table[:, 0], table[:, 1]
 
 
-def resistance(flow: Floats, drop: Floats, laminar: bool) -> Line:
+def resistance(flow: Floats, drop: Floats, laminar: bool) -> LinearFit:
     """Return R and the transducers' difference at rest [Pa]: dP = R Q|Q| + e (laminar: R Q + e).
 
     Thesis eq. 4.4. Differs: two transducers that are off by e would put e into R.

@@ -1,12 +1,10 @@
-"""Linear least squares with what a report needs beside the values.
+"""Linear least squares: estimate, standard errors and condition number.
 
     y = X theta + e,  theta = (X'X)^-1 X'y
 
-The covariance does not take the residuals for white: (X'X)^-1 (sum over blocks of s_b s_b') (X'X)^-1 with the
+The covariance does not assume white residuals: (X'X)^-1 (sum over blocks of s_b s_b') (X'X)^-1 with the
 blocks' scores s_b = sum of x_n e_n (a sandwich). Thesis section 4.1.2.2.
 """
-
-from __future__ import annotations
 
 from typing import NamedTuple
 
@@ -15,7 +13,7 @@ import numpy as np
 from forest_description.types import Floats
 
 
-class Line(NamedTuple):
+class LinearFit(NamedTuple):
     """Result of a linear fit."""
 
     values: Floats  # [p]
@@ -23,14 +21,19 @@ class Line(NamedTuple):
     condition: float  # of X with columns of length 1
     residuals: Floats  # [N]
 
+    @property
+    def first(self) -> tuple[float, float]:
+        """The first parameter and its standard error."""
+        return float(self.values[0]), float(self.errors[0])
 
-def solve(columns: list[Floats], y: Floats, block: int = 200) -> Line:
+
+def solve(columns: list[Floats], y: Floats, block: int = 200) -> LinearFit:
     """Return theta for y = sum of columns times theta. Thesis section 4.1.2.2.
 
     Args:
         columns: of X, p of N rows.
         y: N rows.
-        block: rows within which residuals may hang together.
+        block: rows within which residuals may be correlated.
     """
     x = np.column_stack(columns)
     scale = np.linalg.norm(x, axis=0)
@@ -45,4 +48,5 @@ def solve(columns: list[Floats], y: Floats, block: int = 200) -> Line:
     spare = max(count - x.shape[1], 1)
     covariance = inverse @ (scores.T @ scores) @ inverse * count / spare
     condition = float(singular[0] / singular[-1]) if singular[-1] > 0.0 else float("inf")
-    return Line(theta / scale, np.sqrt(np.maximum(np.diag(covariance), 0.0)) / scale, condition, residuals)
+    errors = np.sqrt(np.maximum(np.diag(covariance), 0.0)) / scale
+    return LinearFit(theta / scale, errors, condition, residuals)

@@ -18,14 +18,12 @@ Thesis section 4.3.5.2 has no external leakage there. Differs: the loaded chambe
 quarter of what passes inside; left out, R_in would come out a sixth too low.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine
 from forest_description.types import Floats
-from forest_ident.estimators.least_squares import Line, solve
+from forest_ident.estimators.least_squares import LinearFit, solve
 from forest_ident.measurements.differentiator import derivative, inner, smooth
 from forest_ident.measurements.session import Session
 
@@ -33,7 +31,7 @@ BANDWIDTH = 0.5  # [Hz]: creep is slow
 SETTLED = 5.0  # [s] until the creep is steady
 
 
-def warmth(machine: Machine, session: Session) -> Floats:
+def viscosity_factor(machine: Machine, session: Session) -> Floats:
     """Return f along a session; 1 for a machine without oil data."""
     measured = session.temperature()
     if machine.oil is None or measured is None:
@@ -44,7 +42,7 @@ def warmth(machine: Machine, session: Session) -> Floats:
     return np.interp(measured, knots, share)
 
 
-def external(machine: Machine, session: Session) -> Line:
+def external(machine: Machine, session: Session) -> LinearFit:
     """Return 1/R_ex [m^3/(s Pa)]: Q_ex = f (P_1 + P_2)/R_ex, from the drain's meter or its vessel.
 
     Thesis eq. 4.8, section 4.3.5.2. The vessel gives one number; its standard error is then not known here.
@@ -52,16 +50,16 @@ def external(machine: Machine, session: Session) -> Line:
     Raises:
         SessionError: the drain was not measured.
     """
-    total = session.column("swing_pressure_1_actuator") + session.column("swing_pressure_2_actuator")
-    driving = total * warmth(machine, session)
+    one, two = session.pressures("swing", "actuator")
+    driving = (one + two) * viscosity_factor(machine, session)
     if session.has("case_drain"):
         return solve([driving], session.column("case_drain"))
-    volume = session.facts.get("case_drain_volume", float("nan"))
+    volume = session.metadata.get("case_drain_volume", float("nan"))
     share = volume / float(np.sum(driving) * session.period)
-    return Line(np.array([share]), np.array([0.01 * share]), 1.0, np.zeros(0))
+    return LinearFit(np.array([share]), np.array([0.01 * share]), 1.0, np.zeros(0))
 
 
-def internal(machine: Machine, session: Session, external_conductance: float) -> Line:
+def internal(machine: Machine, session: Session, external_conductance: float) -> LinearFit:
     """Return 1/R_in [m^3/(s Pa)] from the creep on the tilted platform.
 
     Where the unloaded chamber's transducer stands at its zero, its pressure is not known to be zero; what
@@ -72,10 +70,10 @@ def internal(machine: Machine, session: Session, external_conductance: float) ->
         session: of the creep.
         external_conductance: 1/R_ex [m^3/(s Pa)].
     """
-    period, f = session.period, warmth(machine, session)
+    period, f = session.period, viscosity_factor(machine, session)
     displacement = machine.swing.gear_ratio * machine.swing.motor_displacement
     speed = derivative(session.column("swing_resolver"), BANDWIDTH, period)
-    one, two = (smooth(session.column(f"swing_pressure_{k}_actuator"), BANDWIDTH, period) for k in (1, 2))
+    one, two = (smooth(column, BANDWIDTH, period) for column in session.pressures("swing", "actuator"))
     high, low = np.maximum(one, two), np.minimum(one, two)
     noise = machine.sensors.pressure.noise or 0.0 if machine.sensors.pressure else 0.0
     at_zero = low <= max(noise, 10.0)
@@ -92,7 +90,7 @@ def _drained(session: Session, conductance: float, f: Floats, period: float) -> 
     """Return P_1 + P_2 [Pa] as the case drain has it; None if it was not measured."""
     if session.has("case_drain"):
         return smooth(session.column("case_drain"), BANDWIDTH, period) / (conductance * f)
-    volume = session.facts.get("case_drain_volume")
+    volume = session.metadata.get("case_drain_volume")
     if volume is None:
         return None
     mean = volume / (len(f) * period)

@@ -13,8 +13,6 @@ Sign: V > 0 connects port 1 to the supply: dP_1 = P_s - p_1, dP_2 = p_2. V < 0 t
 dP_1 = p_1.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from collections.abc import Mapping
@@ -66,7 +64,7 @@ def points(session: Session, highest: float = math.inf) -> Points:
     """
     voltage = session.voltages[:, 0]
     supply = session.column("supply_pressure")
-    one, two = (session.column(f"swing_pressure_{port}_valve") for port in (1, 2))
+    one, two = session.pressures("swing", "valve")
     flow, rows = session.column("swing_flow"), []
     for hold in holds(voltage, session.period):
         level = float(voltage[hold.start])
@@ -146,13 +144,8 @@ def law(point: Points, start: Valve, floor: float, noise: float) -> output_error
         noise: of one mean [m^3/s].
     """
     back = start.backward or BackwardValve(start.deadband_voltage, start.minimum_resistance)
-    starts = (
-        start.deadband_voltage,
-        _gain(point, start),
-        back.deadband_voltage,
-        _gain(point, start),
-        start.port_2_area,
-    )
+    gain = _gain(point, start)
+    starts = (start.deadband_voltage, gain, back.deadband_voltage, gain, start.port_2_area)
     unknowns = [
         output_error.Unknown(key, value, positive=not key.endswith("voltage"))
         for key, value in zip(KEYS, starts, strict=True)

@@ -12,8 +12,7 @@ be known about how far a voltage moves it, and nothing runs into a stop.
 Pure: `step` is what a node calls at every sample and what an offline run calls every 5 ms.
 """
 
-from __future__ import annotations
-
+import math
 from typing import NamedTuple
 
 from forest_description.types import Vec3
@@ -47,16 +46,22 @@ class Programme(NamedTuple):
     rest: float = 1.0
 
 
+class AxisState(NamedTuple):
+    """Place of an axis in its programme."""
+
+    way: float = 1.0
+    row: int = 0
+    since: float = 0.0  # [s] in the row
+
+
 class State(NamedTuple):
-    """Where the operator is: time since the start [s]; way and place in the programme of each axis."""
+    """Time since the start [s], and the axes' places in their programmes."""
 
     time: float
-    ways: Vec3
-    rows: tuple[int, int, int]
-    since: Vec3  # [s] in the row
+    axes: tuple[AxisState, AxisState, AxisState]
 
 
-START = State(0.0, (1.0, 1.0, 1.0), (0, 0, 0), (0.0, 0.0, 0.0))
+START = State(0.0, (AxisState(), AxisState(), AxisState()))
 
 
 def step(state: State, angles: Vec3, p: Programme, dt: float) -> tuple[State, Vec3]:
@@ -69,34 +74,30 @@ def step(state: State, angles: Vec3, p: Programme, dt: float) -> tuple[State, Ve
         dt: the period [s].
     """
     working = p.rest <= state.time + 1e-9 < p.duration - p.rest
-    ways, rows, since, volts = list(state.ways), list(state.rows), list(state.since), [0.0, 0.0, 0.0]
-    for axis in range(3):
-        track = p.tracks[axis]
-        if track is None or not working:
-            continue
-        angle = angles[axis]
-        if angle > track.high:
-            ways[axis] = -1.0
-        elif angle < track.low:
-            ways[axis] = 1.0
-        row = track.rows[rows[axis]]
-        if angle == angle:  # not NaN
-            volts[axis] = ways[axis] * _level(row, since[axis])
-        since[axis] += dt
-        if since[axis] > row.duration - 1e-9:
-            since[axis], rows[axis] = 0.0, (rows[axis] + 1) % len(track.rows)
-            if rows[axis] == 0 and track.alternate:
-                ways[axis] = -ways[axis]
-    after = State(state.time + dt, _triple(ways), (rows[0], rows[1], rows[2]), _triple(since))
-    return after, _triple(volts)
+    swing, boom, stick = (
+        _step_axis(axis, track, angle, dt) if working and track is not None else (axis, 0.0)
+        for axis, track, angle in zip(state.axes, p.tracks, angles, strict=True)
+    )
+    after = State(state.time + dt, (swing[0], boom[0], stick[0]))
+    return after, (swing[1], boom[1], stick[1])
+
+
+def _step_axis(state: AxisState, track: Track, angle: float, dt: float) -> tuple[AxisState, float]:
+    way, row, since = state.way, track.rows[state.row], state.since + dt
+    if angle > track.high:
+        way = -1.0
+    elif angle < track.low:
+        way = 1.0
+    volts = 0.0 if math.isnan(angle) else way * _level(row, state.since)
+    if since <= row.duration - 1e-9:
+        return AxisState(way, state.row, since), volts
+    following = (state.row + 1) % len(track.rows)
+    turned = following == 0 and track.alternate
+    return AxisState(-way if turned else way, following), volts
 
 
 def _level(row: Row, since: float) -> float:
     return row.start + (row.end - row.start) * min(since / row.duration, 1.0)
-
-
-def _triple(values: list[float]) -> Vec3:
-    return values[0], values[1], values[2]
 
 
 def stairs(levels: tuple[float, ...], hold: float) -> tuple[Row, ...]:

@@ -4,8 +4,6 @@ A person writes them into a bag's `experiment.yaml`, in any unit that a machine 
 nobody would look at, of another quantity, or beyond what any crane has, is refused: it is a slip.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple

@@ -17,8 +17,6 @@ The motor's rig (fig. 4.9) is the machine itself with its platform tilted, see `
 | R_L | resistance of the load | Pa s/m^3 |
 """
 
-from __future__ import annotations
-
 import dataclasses
 from functools import lru_cache
 

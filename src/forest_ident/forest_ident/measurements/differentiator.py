@@ -10,8 +10,6 @@ for the smoothed signals exactly, and no phase lies between its terms.
 | s | width of the Gaussian, sqrt(ln 2)/(2 pi f_b) | s |
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -11,8 +11,6 @@ times. Tests compare the two.
 | a column | N | one channel of `forest_sim.sensors.sensor_suite.CHANNELS`, in its unit |
 """
 
-from __future__ import annotations
-
 import math
 import zlib
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Which rows of a record count in a refinement: what is not read, or tells nothing, becomes NaN."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -13,12 +13,14 @@ downstream can tell which. Ground truth is in neither.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from forest_description.types import Floats
+from forest_description.types import AXES, Floats
 
+RIGS = ("valve", "spool", "hose")
+"""Kinds of experiments that are driven on a test rig instead of the crane."""
 THERMOCOUPLES = ("tank_temperature", "pump_temperature", "motor_temperature")
 
 
@@ -35,7 +37,7 @@ class Session:
     time: Floats
     voltages: Floats
     readings: Mapping[str, Floats]
-    facts: Mapping[str, float] = field(default_factory=dict)
+    metadata: Mapping[str, float] = field(default_factory=dict)
     """What the sensors do not tell: by hand set or read, SI."""
     whole: bool = True
     """False: its recorder was killed, or the file was cut; this is what is whole of it."""
@@ -46,9 +48,30 @@ class Session:
         return float(np.median(np.diff(self.time)))
 
     @property
+    def kind(self) -> str:
+        """First word of the experiment's name: "damping" of "damping_boom"."""
+        return self.name.partition("_")[0]
+
+    @property
+    def own_axis(self) -> str:
+        """Axis that the experiment's name ends with; "" for an experiment that names none."""
+        tail = self.name.partition("_")[2]
+        return tail if tail in AXES else ""
+
+    @property
+    def on_rig(self) -> bool:
+        """Whether it was recorded on a test rig."""
+        return self.kind in RIGS
+
+    @property
+    def on_crane(self) -> bool:
+        """Whether it was recorded on the crane: neither on a rig, nor a calibration."""
+        return self.kind not in (*RIGS, "calibration")
+
+    @property
     def is_exact(self) -> bool:
         """Whether a simulator's exact sensors made it."""
-        return self.facts.get("exact_sensors", 0.0) > 0.0
+        return self.metadata.get("exact_sensors", 0.0) > 0.0
 
     def has(self, *channels: str) -> bool:
         """Tell whether all of these channels were there, with samples throughout."""
@@ -65,11 +88,20 @@ class Session:
             raise SessionError(f"{self.name}: no channel {channel}; the record holds {known}")
         return self.readings[channel]
 
+    def pressures(self, axis: str, place: str) -> tuple[Floats, Floats]:
+        """Return the pressures [Pa] at ports 1 and 2 of an axis; place: "valve" or "actuator".
+
+        Raises:
+            SessionError: one was not recorded.
+        """
+        one, two = (self.column(f"{axis}_pressure_{port}_{place}") for port in (1, 2))
+        return one, two
+
     def part(self, first: int, last: int) -> Session:
         """Return the rows from ``first`` to before ``last``."""
         rows = slice(first, last)
         readings = {name: column[rows] for name, column in self.readings.items()}
-        return Session(self.name, self.time[rows], self.voltages[rows], readings, self.facts, self.whole)
+        return replace(self, time=self.time[rows], voltages=self.voltages[rows], readings=readings)
 
     def temperature(self) -> Floats | None:
         """Return the oil's temperature [K], the mean of its thermocouples; None if there are none."""

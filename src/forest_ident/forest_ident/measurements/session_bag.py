@@ -6,8 +6,6 @@ the facts that no sensor tells, with units; a person who runs the experiment oth
 Without that file a bag is a "motion".
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -22,6 +20,7 @@ from forest_description.types import AXES, Floats
 from forest_ident.experiments.experiment_metadata import FACTS, value
 from forest_ident.measurements.readings import speeds
 from forest_ident.measurements.session import Session, SessionError
+from forest_msgs_py.interfaces.topic_qos import offered_qos
 from forest_msgs_py.interfaces.topics import (
     ACTUATOR_STATES,
     AUXILIARY,
@@ -32,7 +31,6 @@ from forest_msgs_py.interfaces.topics import (
     VALVE_COMMANDS,
     VALVE_VOLTAGES,
     Topic,
-    offered_qos,
 )
 from forest_msgs_py.interfaces.yaml_text import parsed
 from forest_msgs_py.serialization.batch_encoder import Encoder
@@ -88,10 +86,10 @@ def write(session: Session, directory: Path) -> None:
                     writer.write(name, data, stamp, stamp, row + 1)
     finally:
         writer.close()
-    write_facts(directory, session.name, session.facts)
+    write_metadata(directory, session.name, session.metadata)
 
 
-def write_facts(directory: Path, experiment: str, facts: Mapping[str, float]) -> None:
+def write_metadata(directory: Path, experiment: str, facts: Mapping[str, float]) -> None:
     """Write what no topic tells of an experiment into its bag's directory.
 
     Raises:
@@ -161,7 +159,9 @@ def read(path: Path) -> Session:
             continue
         series = bag.series(topic)
         readings[channel] = _at(series.time_ns - begin, series.column(label), grid)
-    return Session(name, grid, voltages, readings, facts, bag.complete)
+    return Session(
+        name=name, time=grid, voltages=voltages, readings=readings, metadata=facts, whole=bag.complete
+    )
 
 
 def _first_there(bag: Bag, path: Path) -> Topic:

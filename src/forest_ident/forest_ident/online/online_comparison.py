@@ -1,6 +1,4 @@
-"""The running estimates of `online` over a record, beside what the off-line fit says."""
-
-from __future__ import annotations
+"""Running estimates over a record, beside the off-line fit."""
 
 import math
 from typing import NamedTuple
@@ -11,70 +9,69 @@ from forest_description.machine import Machine
 from forest_description.types import AXES
 from forest_ident.measurements.readings import speeds
 from forest_ident.measurements.session import Session
-from forest_ident.online import estimator
+from forest_ident.online import online_estimator
 
 UNITS = {"deadband": "V", "gain": "m3/(s*V*sqrt(Pa))"}
 DAMPING = ("N*m*s/rad", "N*s/m", "N*s/m")
 
 
-class Beside(NamedTuple):
-    """One quantity of a record: as told, on line with its spread at the record's end, off line."""
+class Comparison(NamedTuple):
+    """One quantity of a record: the start's, the running estimate at the record's end, the off-line one."""
 
     record: str
     name: str
     told: float
-    running: float
-    spread: float
-    settled: float
+    online: float
+    standard_error: float
+    offline: float
     unit: str
 
 
 def estimates(machine: Machine, session: Session) -> dict[str, float]:
-    """Return what is believed at a session's end, by the labels of `online.LABELS`.
+    """Return the running estimates at a session's end, by the labels of `online_estimator.LABELS`.
 
     Args:
-        machine: as told to the on-line estimation.
+        machine: from which the estimation begins.
         session: of the crane, with all joints, pressures at the actuators, and the supply.
 
     Raises:
         SessionError: a channel is missing.
     """
-    p = estimator.parameters(machine)
-    state = estimator.initial(p)
+    p = online_estimator.parameters(machine)
+    state = online_estimator.initial(p)
     angles = np.column_stack([session.column(f"{axis}_resolver") for axis in AXES])
     rates = np.column_stack([speeds(column, session.period) for column in angles.T])
-    one, two = (
-        np.column_stack([session.column(f"{axis}_pressure_{port}_actuator") for axis in AXES])
-        for port in (1, 2)
-    )
+    one, two = map(np.column_stack, zip(*(session.pressures(axis, "actuator") for axis in AXES), strict=True))
     tables = (angles, rates, one, two, session.voltages)
     columns = [list(map(tuple, table.tolist())) for table in tables]
     supply = session.column("supply_pressure").tolist()
     for q, u, p_1, p_2, volts, p_s in zip(*columns, supply, strict=True):
-        state = estimator.step(state, estimator.Sample(q, u, p_1, p_2, p_s, volts), p, session.period)
-    return dict(zip(estimator.LABELS, estimator.report(state), strict=True))
+        state = online_estimator.step(
+            state, online_estimator.Sample(q, u, p_1, p_2, p_s, volts), p, session.period
+        )
+    return dict(zip(online_estimator.LABELS, online_estimator.report(state), strict=True))
 
 
-def beside(start: Machine, found: Machine, session: Session) -> list[Beside]:
-    """Return what the on-line estimation says of the axis that a session moved, beside the off-line fit.
+def compare(start: Machine, found: Machine, session: Session) -> list[Comparison]:
+    """Return the running estimates of the axis that a session moved, beside the off-line fit.
 
     Thesis table 4.1.
 
     Args:
-        start: as told, from which the on-line estimation begins.
-        found: as the off-line fit has it.
+        start: from which the on-line estimation begins.
+        found: of the off-line fit.
         session: ``damping_AXIS``.
 
     Raises:
         SessionError: a channel is missing.
     """
-    axis = AXES.index(session.name.partition("_")[2])
+    axis = AXES.index(session.own_axis)
     running, rows = estimates(start, session), []
-    told, settled = _quantities(start, axis), _quantities(found, axis)
+    told, offline = _quantities(start, axis), _quantities(found, axis)
     for part in told:
         name = f"{AXES[axis]}_{part}"
-        spread, unit = running[f"{name}_spread"], UNITS.get(part.partition("_")[0], DAMPING[axis])
-        rows.append(Beside(session.name, name, told[part], running[name], spread, settled[part], unit))
+        error, unit = running[f"{name}_spread"], UNITS.get(part.partition("_")[0], DAMPING[axis])
+        rows.append(Comparison(session.name, name, told[part], running[name], error, offline[part], unit))
     return rows
 
 

@@ -20,8 +20,6 @@ What is estimated of an axis, from its own pressures and speed, as (4.11) and (3
     valve:  v A/sqrt(dp) = k V - k V_d (V > V_d + margin)              gain k, overlap V_d by direction
 """
 
-from __future__ import annotations
-
 import math
 from typing import NamedTuple
 

@@ -1,19 +1,22 @@
-"""What an output-error fit compares: channels, unknowns, and the weighted residuals between them.
+"""Weighted residuals of an output-error fit, from channels, unknowns and measured columns.
 
 Symbols as in `output_error`. Nuisances (b, g) follow the parameters in theta.
 """
-
-from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import log_ndtr
 
 from forest_description.types import Bools, Floats
-from forest_ident.output_error.fit_statistics import censor, inflation
-from forest_ident.output_error.gaussian_estimate import Belief, prior, spread_of
+from forest_ident.output_error.gaussian_estimate import (
+    GaussianEstimate,
+    covariance_of,
+    inflation,
+    prior_information,
+)
 
 Columns = Mapping[str, Floats]
 Jacobian = Sequence[Mapping[str, Floats]]
@@ -31,7 +34,7 @@ class Unknown(NamedTuple):
 
 
 class Channel(NamedTuple):
-    """How a column is judged: noise, bounds of static errors, where readings are censored."""
+    """Errors of a column's sensor: noise, static errors, and where its readings are censored."""
 
     name: str
     noise: float
@@ -40,24 +43,23 @@ class Channel(NamedTuple):
     floor: float = 0.0  # smaller magnitudes read as this
     zero: bool = False  # negative values read as 0
     high: float = math.inf
-    run: str = ""  # of which alone b is; a unit's own b is the same in all of them
+    run: str = ""  # the only one with this b; without it, b is the same in all runs
 
 
 class Fit(NamedTuple):
-    """Where the fit ended."""
+    """Result of a fit."""
 
     values: dict[str, float]
     errors: dict[str, float]  # standard errors, in the parameters' units
     condition: float
-    belief: Belief  # of everything, this fit included
+    posterior: GaussianEstimate  # of all parameters, this fit included
     residuals: dict[str, Floats]  # standardised, censored rows left out as NaN
-    predicted: dict[str, Floats]
     noise: dict[str, float]
     iterations: int
 
 
 class Problem:
-    """Measured columns and what is sought; the noise of every channel is learned on the way."""
+    """Measured columns and unknowns; the noise of every channel is estimated along."""
 
     def __init__(
         self,
@@ -65,7 +67,7 @@ class Problem:
         channels: Sequence[Channel],
         unknowns: Sequence[Unknown],
         block: int,
-        belief: Belief,
+        prior: GaussianEstimate,
     ) -> None:
         """Lay out theta.
 
@@ -73,8 +75,8 @@ class Problem:
             measured: columns by channel.
             channels: which count, and how.
             unknowns: what is estimated.
-            block: rows within which residuals may hang together.
-            belief: what earlier fits found, of parameters and of the sensors' static errors.
+            block: rows within which residuals may be correlated.
+            prior: what earlier fits found, of parameters and of the sensors' static errors.
         """
         self._block = block
         self._channels, self._unknowns = channels, unknowns
@@ -87,9 +89,9 @@ class Problem:
         nuisances = (f"{name}.{kind}{runs[name] if kind == 'b' else ''}" for name, kind, _ in self._nuisances)
         self.names = (*(u.key for u in unknowns), *nuisances)
         begin = np.array([*start, *(0.0 for _ in self._nuisances)])
-        self.mean, self.known = prior(belief, self.names, begin, spread)
+        self.mean, self.known = prior_information(prior, self.names, begin, spread)
         self.count = len(unknowns)
-        # A logarithm that moves by more than a half leaves what the derivatives were taken for.
+        # Derivatives do not hold for a logarithm that moves by more than a half.
         bounds = [0.5 if u.positive else math.inf for u in unknowns]
         self.reach = np.array([*bounds, *(math.inf for _ in self._nuisances)])
         self.sigma = {c.name: c.noise for c in channels}
@@ -99,7 +101,7 @@ class Problem:
         pairs = zip(self._unknowns, theta[: self.count].tolist(), strict=True)
         return {u.key: math.exp(t) if u.positive else t for u, t in pairs}
 
-    def said(self, theta: Floats, name: str, column: Floats) -> Floats:
+    def reading(self, theta: Floats, name: str, column: Floats) -> Floats:
         """Return (1 + g) yhat + b."""
         return column * (1.0 + self._static(theta, name, "g")) + self._static(theta, name, "b")
 
@@ -108,37 +110,37 @@ class Problem:
         places = (i for i, (n, k, _) in enumerate(self._nuisances) if (n, k) == (name, kind))
         return next((float(theta[self.count + i]) for i in places), 0.0)
 
-    def row(self, c: Channel, said: Floats) -> tuple[Floats, Floats, Bools]:
-        """Return residual/sigma, its derivative by what is said, and which rows are seen, not censored."""
+    def row(self, c: Channel, reading: Floats) -> tuple[Floats, Floats, Bools]:
+        """Return residual/sigma, its derivative by the predicted reading, and the rows not censored."""
         y, sigma = self._y[c.name], self.sigma[c.name]
-        residual, slope = (y - said) / sigma, np.full(len(y), -1.0 / sigma)
-        seen = np.isfinite(y) & (np.abs(y) < c.high) & np.isfinite(said)
+        residual, slope = (y - reading) / sigma, np.full(len(y), -1.0 / sigma)
+        seen = np.isfinite(y) & (np.abs(y) < c.high) & np.isfinite(reading)
         residual, slope = np.where(seen, residual, 0.0), np.where(seen, slope, 0.0)
         if c.floor > 0.0:
             low = np.abs(y) <= c.floor * (1.0 + 1e-9)
-            censor(residual, slope, low, np.abs(said), c.floor, sigma, np.sign(said))
+            _censor(residual, slope, low, np.abs(reading), c.floor, sigma, np.sign(reading))
             seen &= ~low
         if c.zero:
             low = y <= 0.0
-            censor(residual, slope, low, said, 0.0, sigma, np.ones(len(y)))
+            _censor(residual, slope, low, reading, 0.0, sigma, np.ones(len(y)))
             seen &= ~low
         return residual, slope, seen
 
-    def learn_noise(self, theta: Floats, predicted: Mapping[str, Floats]) -> None:
-        """Take as noise what is left, if that is more than the sensors' own."""
+    def update_noise(self, theta: Floats, predicted: Mapping[str, Floats]) -> None:
+        """Set each channel's noise to the RMS of its residuals, if that is more than the sensor's own."""
         for c in self._channels:
-            said = self.said(theta, c.name, predicted[c.name])
-            residual, _, seen = self.row(c, said)
+            reading = self.reading(theta, c.name, predicted[c.name])
+            residual, _, seen = self.row(c, reading)
             # Next to a bound only one side of the noise is seen.
             bound = 4.0 * c.noise + c.floor
-            seen &= (np.abs(said) > bound) if c.floor > 0.0 else (said > bound) | (not c.zero)
+            seen &= (np.abs(reading) > bound) if c.floor > 0.0 else (reading > bound) | (not c.zero)
             if seen.sum() > len(seen) // 100:
                 rms = self.sigma[c.name] * float(np.sqrt(np.mean(residual[seen] ** 2)))
                 self.sigma[c.name] = max(c.noise, rms)
 
     def cost(self, theta: Floats, predicted: Mapping[str, Floats]) -> float:
         """Return the sum of squares that is minimised."""
-        rows = (self.row(c, self.said(theta, c.name, predicted[c.name]))[0] for c in self._channels)
+        rows = (self.row(c, self.reading(theta, c.name, predicted[c.name]))[0] for c in self._channels)
         away = theta - self.mean
         return sum(float(r @ r) for r in rows) + float(away @ self.known @ away)
 
@@ -153,13 +155,21 @@ class Problem:
             gradient += j.T @ residual
         return information, gradient
 
+    def residuals(self, theta: Floats, predicted: Columns) -> dict[str, Floats]:
+        """Return residual/sigma of every channel; censored rows are NaN."""
+        found = {}
+        for c in self._channels:
+            residual, _, seen = self.row(c, self.reading(theta, c.name, predicted[c.name]))
+            found[c.name] = np.where(seen, residual, np.nan)
+        return found
+
     def _rows(
         self, theta: Floats, predicted: Mapping[str, Floats], jacobian: Jacobian
     ) -> Iterator[tuple[Channel, Floats, Floats]]:
-        """Give each channel's residual/sigma and its derivatives, one column per theta."""
+        """Yield each channel's residual/sigma and its derivatives, one column per theta."""
         for c in self._channels:
             column = predicted[c.name]
-            residual, slope, _ = self.row(c, self.said(theta, c.name, column))
+            residual, slope, _ = self.row(c, self.reading(theta, c.name, column))
             j = np.zeros((len(column), len(theta)))
             shown = slope * (1.0 + self._static(theta, c.name, "g"))
             for place, derivative in enumerate(jacobian):
@@ -172,28 +182,46 @@ class Problem:
     def covariance(
         self, theta: Floats, predicted: Columns, jacobian: Jacobian, redrawn: Sequence[Columns] = ()
     ) -> Floats:
-        """Return the covariance of theta: of white residuals, widened as far as the blocks' scatter asks for.
+        """Return the covariance of theta: of white residuals, widened by the scatter of the blocks.
 
-        A sandwich of some ten blocks knows the variances, but no correlations of as many parameters: as prior
-        of the next fit it would claim to know some of their sums and differences far too well.
+        A sandwich of some ten blocks estimates the variances, but not the correlations of as many parameters.
+        As prior of the next fit it would give some of their sums and differences far too small an error.
 
         Args:
             theta: at the end of the fit.
             predicted: there.
             jacobian: there.
-            redrawn: predicted with the noise of the model's inputs once more: how far that moves theta.
+            redrawn: predicted with the noise of the model's inputs drawn once more.
         """
         information, gradient = self.normal(theta, predicted, jacobian)
-        spread = spread_of(information + self.known)
+        spread = covariance_of(information + self.known)
         count = max(len(y) for y in self._y.values()) // self._block + 1
         found, white = np.zeros((count, len(theta))), np.zeros((count, len(theta)))
         for _, residual, j in self._rows(theta, predicted, jacobian):
             influence, firsts = j @ spread, np.arange(0, len(residual), self._block)
             found[: len(firsts)] += np.add.reduceat(influence * residual[:, np.newaxis], firsts)
             white[: len(firsts)] += np.add.reduceat(influence**2, firsts)
-        beforehand = np.diag(spread @ self.known @ spread)
-        wanted = beforehand + inflation(found, white) * np.sum(white, axis=0)
+        of_prior = np.diag(spread @ self.known @ spread)
+        wanted = of_prior + inflation(found, white) * np.sum(white, axis=0)
         scale = np.sqrt(np.maximum(wanted / np.maximum(np.diag(spread), 1e-300), 1.0))
         moves = [spread @ (self.normal(theta, after, jacobian)[1] - gradient) for after in redrawn]
-        fed = np.mean([np.outer(move, move) for move in moves], axis=0) if moves else 0.0
-        return np.asarray(spread * np.outer(scale, scale) + fed, dtype=np.float64)
+        of_inputs = np.mean([np.outer(move, move) for move in moves], axis=0) if moves else 0.0
+        return np.asarray(spread * np.outer(scale, scale) + of_inputs, dtype=np.float64)
+
+
+def _censor(
+    residual: Floats,
+    slope: Floats,
+    rows: Bools,
+    reading: Floats,
+    bound: float,
+    sigma: float,
+    sign: Floats,
+) -> None:
+    """Set the censored rows to sqrt(-2 ln P(reading is below the bound)) and its derivative."""
+    z = (bound - reading[rows]) / sigma
+    logarithm = log_ndtr(z)
+    size = np.sqrt(np.maximum(-2.0 * logarithm, 1e-300))
+    density = np.exp(-0.5 * z * z - 0.5 * math.log(2.0 * math.pi) - logarithm)
+    residual[rows] = size
+    slope[rows] = np.where(size > 1e-12, density / (sigma * np.maximum(size, 1e-12)), 0.0) * sign[rows]

@@ -1,8 +1,7 @@
-"""What is known of all parameters together: a Gaussian that every experiment narrows.
+"""Mean and covariance of all parameters together: a Gaussian that every experiment narrows.
 
-Parameters hang together: a flow meter's gain and the valve's C_R are found as one product. So a fit takes
-what is known of its parameters with their covariance, and what it finds moves the others, too, by as much as
-they hang together with it.
+Parameters are correlated: a flow meter's gain and the valve's C_R are found as one product. So a fit takes
+the mean and covariance of its parameters as prior. Its result moves the correlated others, too.
 
 | symbol | name |
 |---|---|
@@ -13,8 +12,7 @@ they hang together with it.
     m_r <- m_r + K (m_a' - m_a),  S_rr <- S_rr + K (S_aa' - S_aa) K',  S_ra <- K S_aa'
 """
 
-from __future__ import annotations
-
+import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -23,7 +21,7 @@ import numpy as np
 from forest_description.types import Floats
 
 
-class Belief(NamedTuple):
+class GaussianEstimate(NamedTuple):
     """Names with their mean and covariance."""
 
     names: tuple[str, ...] = ()
@@ -34,80 +32,83 @@ class Belief(NamedTuple):
         """Return mean and standard deviation of a name.
 
         Raises:
-            KeyError: nothing is known of it.
+            ValueError: there is no such name.
         """
-        if name not in self.names:
-            raise KeyError(name)
         place = self.names.index(name)
         return float(self.mean[place]), float(np.sqrt(max(self.covariance[place, place], 0.0)))
 
 
-NOTHING = Belief()
-UNSEEN = 1e-13  # of the greatest information: less is the arithmetic's
+EMPTY = GaussianEstimate()
+CERTAIN = 2.0  # standard errors of the scatter's excess at which half of it counts
+UNSEEN = 1e-13  # of the greatest information: less is rounding
 
 
-def widened(belief: Belief, by: Mapping[str, float]) -> Belief:
-    """Return what is left of a belief when chance moved some of its names; by: standard deviations."""
-    more = np.diag([by.get(name, 0.0) ** 2 for name in belief.names])
-    return belief._replace(covariance=belief.covariance + more.reshape(belief.covariance.shape))
+def widened(known: GaussianEstimate, by: Mapping[str, float]) -> GaussianEstimate:
+    """Return an estimate after independent errors were added to some names; by: standard deviations."""
+    more = np.diag([by.get(name, 0.0) ** 2 for name in known.names])
+    return known._replace(covariance=known.covariance + more.reshape(known.covariance.shape))
 
 
-def prior(belief: Belief, names: tuple[str, ...], start: Floats, spread: Floats) -> tuple[Floats, Floats]:
+def prior_information(
+    known: GaussianEstimate, names: tuple[str, ...], start: Floats, spread: Floats
+) -> tuple[Floats, Floats]:
     """Return mean and information (inverse covariance) of some names before a fit.
 
     Args:
-        belief: until now.
+        known: estimate until then.
         names: of the fit.
-        start: mean of what is not known yet.
-        spread: its standard deviation; inf: nothing is known.
+        start: mean of those that have no estimate.
+        spread: their standard deviation; inf: no information.
     """
     mean, information = start.astype(np.float64).copy(), np.zeros((len(names), len(names)))
-    here = [place for place, name in enumerate(names) if name in belief.names]
-    there = [belief.names.index(names[place]) for place in here]
+    here = [place for place, name in enumerate(names) if name in known.names]
+    there = [known.names.index(names[place]) for place in here]
     if here:
-        mean[here] = belief.mean[there]
-        information[np.ix_(here, here)] = inverse(belief.covariance[np.ix_(there, there)])
+        mean[here] = known.mean[there]
+        information[np.ix_(here, here)] = inverse(known.covariance[np.ix_(there, there)])
     for place, name in enumerate(names):
-        if name not in belief.names and np.isfinite(spread[place]):
+        if name not in known.names and np.isfinite(spread[place]):
             information[place, place] = spread[place] ** -2.0
     return mean, information
 
 
-def updated(belief: Belief, names: tuple[str, ...], mean: Floats, covariance: Floats) -> Belief:
-    """Return what is known after a fit that had `prior` as its prior.
+def updated(
+    known: GaussianEstimate, names: tuple[str, ...], mean: Floats, covariance: Floats
+) -> GaussianEstimate:
+    """Return the estimate after a fit whose prior was `prior_information`.
 
     Args:
-        belief: until now.
+        known: estimate until then.
         names: of the fit.
         mean: that it found.
         covariance: of it.
     """
-    new = tuple(name for name in names if name not in belief.names)
-    size, old = len(belief.names) + len(new), len(belief.names)
+    new = tuple(name for name in names if name not in known.names)
+    size, old = len(known.names) + len(new), len(known.names)
     m, s = np.zeros(size), np.zeros((size, size))
-    m[:old], s[:old, :old] = belief.mean, belief.covariance
-    every = (*belief.names, *new)
-    known = [every.index(name) for name in names if name in belief.names]
+    m[:old], s[:old, :old] = known.mean, known.covariance
+    every = (*known.names, *new)
+    shared = [every.index(name) for name in names if name in known.names]
     found = [every.index(name) for name in names]
-    rest = [place for place in range(old) if place not in known]
-    if known and rest:
-        pairs = [names.index(every[place]) for place in known]
-        before = s[np.ix_(known, known)]
-        gain = s[np.ix_(rest, known)] @ inverse(before)
-        m[rest] += gain @ (mean[pairs] - m[known])
+    rest = [place for place in range(old) if place not in shared]
+    if shared and rest:
+        pairs = [names.index(every[place]) for place in shared]
+        before = s[np.ix_(shared, shared)]
+        gain = s[np.ix_(rest, shared)] @ inverse(before)
+        m[rest] += gain @ (mean[pairs] - m[shared])
         s[np.ix_(rest, rest)] += gain @ (covariance[np.ix_(pairs, pairs)] - before) @ gain.T
         cross = gain @ covariance[np.ix_(pairs, range(len(names)))]
         s[np.ix_(rest, found)] = cross
         s[np.ix_(found, rest)] = cross.T
     m[found] = mean
     s[np.ix_(found, found)] = covariance
-    return Belief(every, m, 0.5 * (s + s.T))
+    return GaussianEstimate(every, m, 0.5 * (s + s.T))
 
 
-def spread_of(information: Floats) -> Floats:
-    """Return the covariance that belongs to an information matrix; where that is empty, a huge one.
+def covariance_of(information: Floats) -> Floats:
+    """Return the covariance of an information matrix; a huge one in directions without information.
 
-    A pseudo-inverse says of a direction that the data do not see at all that its variance is zero.
+    A pseudo-inverse would give such a direction a variance of zero.
     """
     scale = np.sqrt(np.maximum(np.diag(information), UNSEEN))
     values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
@@ -120,3 +121,31 @@ def inverse(matrix: Floats) -> Floats:
     scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
     scaled = matrix / np.outer(scale, scale)
     return np.asarray(np.linalg.pinv(scaled, rcond=1e-13, hermitian=True) / np.outer(scale, scale))
+
+
+def condition_number(information: Floats) -> float:
+    """Return the condition number of J with its columns brought to length 1: sqrt of that of D J'J D."""
+    scale = np.sqrt(np.diag(information))
+    if len(scale) == 0 or np.any(scale <= 0.0):
+        return math.inf
+    values = np.linalg.eigvalsh(information / np.outer(scale, scale))
+    return math.sqrt(float(values[-1] / values[0])) if values[0] > 0.0 else math.inf
+
+
+def inflation(scores: Floats, white: Floats) -> Floats:
+    """Return the factor (1 or more) on each parameter's variance, since residuals are not white.
+
+    For white residuals F = sum of scores^2 / sum of white is 1 +- sqrt(2/n), with n blocks of rows that
+    contribute. Its excess d = F - 1 counts as d^3/(d^2 + 4 * 2/n): hardly where it may be chance, fully far
+    from that. Where one or two blocks hold nearly all information of a parameter, the fit has made their
+    scores small, and their scatter shows nothing.
+
+    Args:
+        scores: of the blocks, each its gradient by every parameter (blocks, parameters).
+        white: variance that each block would add if residuals were white (blocks, parameters).
+    """
+    total, squares = np.sum(white, axis=0), np.sum(white**2, axis=0)
+    blocks = np.maximum(total**2 / np.maximum(squares, 1e-300), 1.0)
+    excess = np.maximum(np.sum(scores**2, axis=0) / np.maximum(total, 1e-300) - 1.0, 0.0)
+    chance = CERTAIN**2 * 2.0 / blocks
+    return np.asarray(1.0 + excess**3 / (excess**2 + chance), dtype=np.float64)

@@ -1,9 +1,7 @@
-"""How the output-error fit judges each channel: noise, static errors and censoring, from the machine file.
+"""Noise, static errors and censoring of each channel, from the machine file.
 
-Exact sensors (a simulator's) get the noise of arithmetic, so that the fit goes on until nothing is left.
+Exact sensors (a simulator's) get a noise near the rounding errors, so that the fit goes on to the end.
 """
-
-from __future__ import annotations
 
 import math
 
@@ -21,11 +19,11 @@ KIND = {channel: kind for kind in KINDS for channel in kind.channels}
 
 
 def channel(machine: Machine, session: Session, name: str) -> Channel:
-    """Return how a channel of a session is judged. Thesis table 4.2.
+    """Return the sensor errors of a session's channel. Thesis table 4.2.
 
     Args:
         machine: whose sensors the file describes.
-        session: exact sensors are told by its facts.
+        session: its metadata say whether sensors are exact.
         name: of the channel.
     """
     kind = KIND[name]
@@ -46,7 +44,7 @@ def channel(machine: Machine, session: Session, name: str) -> Channel:
     elif kind.name == "case_drain":
         made = made._replace(offset=0.0, gain=accuracy)
     elif kind.name == "resolver":
-        # The start is as read, so the static error is in both; what is left is this start's own noise.
+        # The simulation starts from the mean reading, so the static error cancels: that mean's noise remains.
         made = made._replace(offset=start_noise(machine, session, name), run=session.name)
     return made
 
@@ -60,8 +58,8 @@ def start_noise(machine: Machine, session: Session, name: str) -> float:
     return (part.noise or 0.0) / math.sqrt(rows.stop - rows.start)
 
 
-def judged(machine: Machine, session: Session, names: tuple[str, ...]) -> list[Channel]:
-    """Return how the channels of a session that it holds are judged."""
+def channels(machine: Machine, session: Session, names: tuple[str, ...]) -> list[Channel]:
+    """Return the sensor errors of those channels that a session holds and that change in it."""
     there = [name for name in names if session.has(name) and np.ptp(session.readings[name]) > 0.0]
     return [channel(machine, session, name) for name in there]
 

@@ -1,9 +1,7 @@
-"""What a person must know of a record before its numbers are believed: cut off, or not what it is said to be.
+"""Checks of a record's quality: cut off, not explained by the model, or not evaluable.
 
-A remark where a fit still says something; a `SessionError` that names the record where it does not.
+A remark where a fit is still of use; a `SessionError` that names the record where it is not.
 """
-
-from __future__ import annotations
 
 import contextlib
 import dataclasses
@@ -17,19 +15,19 @@ from forest_ident.measurements.session import Session, SessionError
 from forest_ident.output_error import noise_model
 from forest_ident.output_error.fit_problem import Fit
 
-FAR = 5.0  # times a sensor's noise: residuals beyond are the model's
+FAR = 5.0  # times a sensor's noise: greater residuals are errors of the model
 
 
-def cut(session: Session) -> str:
+def cut_off(session: Session) -> str:
     """Return the remark on a record that has no end."""
     return f"{session.name}: the bag was cut off, what is whole of it ({session.time[-1]:.1f} s) was used"
 
 
-def unexplained(start: Machine, session: Session, fit: Fit) -> list[str]:
+def not_explained(start: Machine, session: Session, fit: Fit) -> list[str]:
     """Return a remark if residuals are far above the noise of a sensor, naming the worst.
 
     Args:
-        start: whose file tells the sensors' noise; what it lacks is a bench's.
+        start: whose file has the sensors' noise; those it lacks are a bench's.
         session: that was fitted.
         fit: of it.
     """

@@ -1,40 +1,40 @@
-"""From sessions to a machine: every estimator that they support, then the refinement, then the verdict.
+"""From sessions to a machine: calibration, linear estimates, refinement, and the choice of what is kept.
 
-Order: calibration, the thesis' linear estimates (which start the refinement), the refinement experiment by
-experiment with one belief. Sessions named "validation" or "motion" are held out.
+Order: calibration, the thesis' linear estimates (from which the refinement starts), the refinement experiment
+by experiment with one Gaussian estimate. Sessions named "validation" or "motion" are held out.
 """
 
-from __future__ import annotations
-
-import dataclasses
 import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from forest_description.config import schema
 from forest_description.machine import Machine
 from forest_ident.estimators import calibration
-from forest_ident.estimators.estimate import Estimate, is_loose, judged, motion_for
-from forest_ident.experiments import experiments
-from forest_ident.measurements.parameter_path import value_of, with_directions, with_values
+from forest_ident.estimators.parameter_estimate import Estimate, excitation_for, is_loose, unit_of
+from forest_ident.experiments import experiment_plan
+from forest_ident.measurements.parameter_path import (
+    part_of,
+    value_of,
+    valve_section,
+    with_directions,
+    with_part,
+    with_values,
+)
 from forest_ident.measurements.session import Session
 from forest_ident.output_error import noise_model
-from forest_ident.output_error.gaussian_estimate import NOTHING, Belief
+from forest_ident.output_error.gaussian_estimate import EMPTY, GaussianEstimate
 from forest_ident.output_error.output_error import Fit
-from forest_ident.refinement import (
-    apply_calibration,
-    data_quality,
-    linear_estimates,
-    mass_check,
-    pooling,
-    refinement,
-)
-from forest_ident.refinement.linear_estimates import First
+from forest_ident.refinement import data_quality, linear_estimates, mass_check, pooling, refinement
+from forest_ident.refinement.refinement_task import task
 from forest_ident.refinement.result import Refined, Result
 
 HELD_OUT = ("validation", "motion")
-OWN_VALVE = (4.0, 0.01)  # standard errors and volts by which a valve must differ to be told on its own
+OWN_VALVE = (
+    4.0,
+    0.01,
+)  # standard errors and volts by which an axis' valve must differ to get its own section
+SIMULATIONS = 70.0  # that a refinement takes, about, for the progress
 
 
 Progress = Callable[[str, float], None]
@@ -46,196 +46,170 @@ def identify(
     progress: Progress = lambda _text, _share: None,
     refine: bool = True,
 ) -> Result:
-    """Return what the sessions tell of the machine.
+    """Return the machine that the sessions identify.
 
     Args:
-        start: the machine as told until now.
+        start: the machine as known until then.
         sessions: in any order.
         progress: called with what is being done and the share that is done.
-        refine: whether the simulator refines what the linear estimators found.
+        refine: whether the simulator refines the linear estimates.
 
     Raises:
         SessionError: a session does not hold its experiment.
     """
-    order = experiments.names(start)
-    known = [s for s in sessions if s.name in order and s.name not in HELD_OUT]
-    known.sort(key=lambda s: order.index(s.name))
-    result = Result(start, _prepared(start, known))
+    order = experiment_plan.names(start)
+    used = [s for s in sessions if s.name in order and s.name not in HELD_OUT]
+    used.sort(key=lambda s: order.index(s.name))
+    result = Result(start, _prepared(start, used))
     result.held_out = [s for s in sessions if s.name in HELD_OUT]
-    _calibrate(result, known)
-    result.remarks += [data_quality.cut(session) for session in known if not session.whole]
-    for session in known:
+    _calibrate(result, used)
+    result.remarks += [data_quality.cut_off(session) for session in used if not session.whole]
+    for session in used:
         progress(f"{session.name}: linear estimates", 0.0)
         with data_quality.evaluated(session):
-            _take_linear(result, session)
-    belief = _believed([*_told_offsets(start, known), *result.calibration])
-    work = [s for s in known if refine and refinement.task(result.machine, s) is not None]
+            _estimate_linearly(result, session)
+    known = _of_offsets([*_offsets_of_file(start, used), *result.calibration])
+    work = [s for s in used if refine and task(result.machine, s) is not None]
     for place, session in enumerate(work):
-        share, count = place / len(work), [0]
+        count = [0]
 
-        def told(session: Session = session, share: float = share, count: list[int] = count) -> None:
+        def simulated(session: Session = session, place: int = place, count: list[int] = count) -> None:
             count[0] += 1
-            part = min(count[0] / 70.0, 1.0) / len(work)
-            progress(f"{session.name}: refinement, simulation {count[0]}", share + part)
+            share = (place + min(count[0] / SIMULATIONS, 1.0)) / len(work)
+            progress(f"{session.name}: refinement, simulation {count[0]}", share)
 
         with data_quality.evaluated(session):
-            belief = _refine(result, session, belief, told)
+            known = _refine(result, session, known, simulated)
     progress("done", 1.0)
     _conclude(result)
     return result
 
 
 def _prepared(start: Machine, sessions: Sequence[Session]) -> Machine:
-    """Return the start as the refinement speaks of it: measured hoses, valves told by direction."""
+    """Return the start with the sections that are estimated: measured hoses, valves by direction."""
     machine = start
-    if not any(session.name != "calibration" for session in sessions):
+    if all(session.name == "calibration" for session in sessions):
         return machine
     for axis in range(3):
         machine = linear_estimates.with_measured_hose(machine, axis)
-        machine = with_directions(machine, refinement.valve_section(machine, axis))
+        machine = with_directions(machine, valve_section(machine, axis))
     return with_directions(machine, "valve")
 
 
 def _calibrate(result: Result, sessions: Sequence[Session]) -> None:
-    floor = linear_estimates.floor(result.start)
     for session in sessions:
         if session.name == "calibration":
             result.calibration += calibration.calibrate(result.start, session)
         if session.name == "valve":
-            ratio = calibration.meter_gain(session, floor)
-            result.calibration += [ratio] if ratio is not None else []
-    if any(session.is_exact for session in sessions):
-        return
-    sensors = dataclasses.replace(
-        result.machine.sensors, calibration=calibration.told(result.start, result.calibration)
-    )
-    result.machine = dataclasses.replace(result.machine, sensors=sensors)
+            gain = calibration.meter_gain(session, linear_estimates.floor(result.start))
+            result.calibration += [gain] if gain is not None else []
+    if not any(session.is_exact for session in sessions):
+        updated = calibration.updated(result.start, result.calibration)
+        result.machine = with_part(result.machine, "sensors.calibration", updated)
 
 
-def _believed(offsets: Sequence[calibration.Offset]) -> Belief:
-    """Return the transducers' offsets as what is known before the first fit; the last of a unit counts."""
+def _of_offsets(offsets: Sequence[calibration.Offset]) -> GaussianEstimate:
+    """Return the transducers' offsets as prior of the first fit; the last of a unit counts."""
     units = {o.channel: o for o in offsets if o.unit == "Pa" and math.isfinite(o.offset_error)}
     found = list(units.values())
     if not found:
-        return NOTHING
+        return EMPTY
     names = tuple(f"{o.channel}.b" for o in found)
     spread = np.array([max(o.offset_error, 1.0) for o in found])
-    return Belief(names, np.array([o.offset for o in found]), np.diag(spread**2))
+    return GaussianEstimate(names, np.array([o.offset for o in found]), np.diag(spread**2))
 
 
-def _told_offsets(start: Machine, sessions: Sequence[Session]) -> list[calibration.Offset]:
-    """Return the transducers' offsets that the start's file tells, known to a sample's noise."""
+def _offsets_of_file(start: Machine, sessions: Sequence[Session]) -> list[calibration.Offset]:
+    """Return the transducers' offsets in the start's file, with the error of a sample's noise."""
     part = start.sensors.pressure
     if part is None or any(s.is_exact for s in sessions):
         return []
+    error = part.noise or part.full_scale * (part.accuracy or 1e-4)
     return [
-        calibration.Offset(
-            name, bias, part.noise or part.full_scale * (part.accuracy or 1e-4), gain, 0.0, "Pa"
-        )
-        for name, (gain, bias) in apply_calibration.lines(start).items()
+        calibration.Offset(name, bias, error, gain, 0.0, "Pa")
+        for name, (gain, bias) in calibration.lines(start).items()
         if noise_model.KIND[name].unit == "Pa"
     ]
 
 
-def _take_linear(result: Result, session: Session) -> None:
-    """Estimate what a session tells by itself, and go on from there."""
+def _estimate_linearly(result: Result, session: Session) -> None:
+    """Add a session's linear estimates, and set the machine to those that are identified."""
     if session.name == "gravity":
-        mass_check.weigh(result, session)
+        mass_check.check_masses(result, session)
         return
-    if not session.is_exact:
-        session = apply_calibration.corrected(session, result.machine)
-    found = linear_estimates.estimates(result.machine, session)
+    corrected = calibration.corrected(session, result.machine)
+    found = linear_estimates.estimates(result.machine, corrected)
     result.linear += found
-    usable = {f.key: f.value for f in found if f.main and _usable(f) and not _is_loose(f)}
-    result.machine = with_values(result.machine, usable)
+    values = {e.key: e.value for e in found if e.initial and e.usable and not _is_loose(e)}
+    result.machine = with_values(result.machine, values)
 
 
-def _usable(first: First) -> bool:
-    return math.isfinite(first.value) and first.value > 0.0
+def _is_loose(e: Estimate) -> bool:
+    return is_loose(e.value, e.standard_error, not e.key.endswith("deadband_voltage"))
 
 
-def _is_loose(first: First) -> bool:
-    return is_loose(first.value, first.error, not first.key.endswith("deadband_voltage"))
-
-
-def _refine(result: Result, session: Session, belief: Belief, progress: Callable[[], None]) -> Belief:
-    done = refinement.refine(result.machine, session, belief, progress)
+def _refine(
+    result: Result, session: Session, known: GaussianEstimate, progress: Callable[[], None]
+) -> GaussianEstimate:
+    """Refine by one session; return the Gaussian estimate after it."""
+    done = refinement.refine(result.machine, session, known, progress)
     if done is None:
-        return belief
+        return known
     work, fit = done
     result.refined.append(Refined(session, fit, work.free))
-    result.remarks += data_quality.unexplained(result.start, session, fit)
-    if session.name.startswith("deadband_"):
-        return _compare_valve(result, session, belief, fit)
+    result.remarks += data_quality.not_explained(result.start, session, fit)
+    if session.kind == "deadband" and not _takes_own_valve(result, session.own_axis, known, fit):
+        return known
     for key in work.free:
-        _note(result, key, fit)
-    _follow(result, fit.belief)
-    return fit.belief
-
-
-def _compare_valve(result: Result, session: Session, belief: Belief, fit: Fit) -> Belief:
-    """Tell an axis' valve on its own if it is another one; else leave it with the one that all share."""
-    axis = session.name.partition("_")[2]
-    own = f"{axis}.valve"
-    shared = own if getattr(result.start, axis).valve is not None else "valve"
-    keys = ("deadband_voltage", "backward.deadband_voltage")
-    differs, joint = False, with_directions(result.machine, shared)
-    for key in keys:
-        away = fit.values[f"{own}.{key}"] - value_of(joint, f"{shared}.{key}")
-        error = fit.errors[f"{own}.{key}"]
-        differs |= abs(away) > OWN_VALVE[0] * error and abs(away) > OWN_VALVE[1]
-        result.linear.append(
-            First(f"{own}.{key}", fit.values[f"{own}.{key}"], error, fit.condition, "joint motion", False)
+        positive = not key.endswith("deadband_voltage")
+        result.estimates[key] = Estimate(
+            *(key, fit.values[key], fit.errors[key], unit_of(key), fit.condition, "output error", positive)
         )
-    if not differs and shared in {name.rpartition(".")[0] for name in belief.names}:
-        return belief
-    if shared != own and not differs:
-        own_machine = result.machine
-    else:
-        own_machine = with_directions(result.machine, own)
-    result.machine = own_machine
-    if shared == own or differs:
-        for key in keys:
-            _note(result, f"{own}.{key}", fit)
-        _follow(result, fit.belief)
-        return fit.belief
-    return belief
+    _update(result, fit.posterior)
+    return fit.posterior
 
 
-def _note(result: Result, key: str, fit: Fit) -> None:
-    """Enter an estimate; its value is brought up to date in the end."""
-    unit = schema.parameters(Machine)[key].unit
-    positive = not key.endswith("deadband_voltage")
-    estimate = Estimate(key, fit.values[key], fit.errors[key], unit, fit.condition, "output error", positive)
-    result.estimates[key] = judged(estimate)
+def _takes_own_valve(result: Result, axis: str, known: GaussianEstimate, fit: Fit) -> bool:
+    """Tell whether an axis' valve gets its own section: it had one, or it differs from the shared one."""
+    own = f"{axis}.valve"
+    had_own = part_of(result.start, own) is not None
+    shared = own if had_own else "valve"
+    differs, joint = False, with_directions(result.machine, shared)
+    for key in ("deadband_voltage", "backward.deadband_voltage"):
+        value, error = fit.values[f"{own}.{key}"], fit.errors[f"{own}.{key}"]
+        away = abs(value - value_of(joint, f"{shared}.{key}"))
+        differs |= away > OWN_VALVE[0] * error and away > OWN_VALVE[1]
+        estimate = Estimate(f"{own}.{key}", value, error, "V", fit.condition, "joint motion", initial=False)
+        result.linear.append(estimate)
+    estimated = shared in {name.rpartition(".")[0] for name in known.names}
+    if not differs and (estimated or not had_own):
+        return False
+    result.machine = with_directions(result.machine, own)
+    return True
 
 
-def _follow(result: Result, belief: Belief) -> None:
-    """Bring machine and estimates to what is believed now."""
+def _update(result: Result, known: GaussianEstimate) -> None:
+    """Set machine and estimates to the Gaussian estimate."""
     values = {}
-    for key in result.estimates:
-        if key in belief.names:
-            mean, error = belief.of(key)
-            estimate = result.estimates[key]
-            value = math.exp(mean) if estimate.positive else mean
-            error = error * value if estimate.positive else error
+    for key, estimate in result.estimates.items():
+        if key in known.names:
+            value, error = known.of(key)
+            if estimate.positive:  # by its logarithm
+                value = math.exp(value)
+                error = error * value
             values[key] = value
-            result.estimates[key] = judged(estimate._replace(value=value, standard_error=error))
+            result.estimates[key] = estimate._replace(value=value, standard_error=error).checked()
     result.machine = with_values(result.machine, values)
 
 
 def _conclude(result: Result) -> None:
-    """Add what only a linear estimator told."""
-    for first in result.linear:
-        if not first.main or first.key in result.estimates:
+    """Add parameters that only a linear estimator identified; pool the directions of valves."""
+    for estimate in result.linear:
+        if not estimate.initial or estimate.key in result.estimates:
             continue
-        if not _usable(first):
-            result.remarks.append(
-                f"the records hold nothing of {first.key}; it takes {motion_for(first.key)}"
-            )
+        if estimate.usable:
+            result.estimates[estimate.key] = estimate.checked()
         else:
-            unit = schema.parameters(Machine)[first.key].unit
-            result.estimates[first.key] = judged(
-                Estimate(first.key, first.value, first.error, unit, first.condition, first.method)
-            )
+            motion = excitation_for(estimate.key)
+            result.remarks.append(f"the records hold nothing of {estimate.key}; it takes {motion}")
     result.machine = pooling.pooled(result)

@@ -1,15 +1,11 @@
-"""The estimators of Thesis section 4.3 on sessions: which of them a session supports, and what they say."""
+"""The linear estimators of Thesis section 4.3, as far as a session supports them."""
 
-from __future__ import annotations
-
-import dataclasses
 import math
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from forest_description.components.sensors import FlowMeter
-from forest_description.machine import CylinderDrive, Machine, SwingDrive
+from forest_description.machine import Machine
 from forest_description.types import AXES
 from forest_ident.estimators import (
     damping,
@@ -18,34 +14,22 @@ from forest_ident.estimators import (
     motor_leakage,
     valve_characteristic,
 )
-from forest_ident.estimators.least_squares import Line
+from forest_ident.estimators.least_squares import LinearFit
+from forest_ident.estimators.parameter_estimate import Estimate, unit_of
 from forest_ident.experiments import test_rig
 from forest_ident.measurements import sample_mask
-from forest_ident.measurements.parameter_path import value_of
+from forest_ident.measurements.parameter_path import hose_section, value_of, valve_at, with_part
 from forest_ident.measurements.session import Session, SessionError
-from forest_ident.refinement.refinement import hose_section
 
 ENOUGH = 4  # steady openings each way, steady flows: fewer do not make a line
 LONG = 20.0  # [s]: of creep, or of oil in the drain
 MOVED = 0.05  # [rad]
 
 
-class First(NamedTuple):
-    """An estimate by a linear fit; ``main``: the refinement starts from it."""
-
-    key: str
-    value: float
-    error: float
-    condition: float
-    method: str
-    main: bool = True
-
-
 def meter(machine: Machine, session: Session | None = None) -> FlowMeter | None:
     """Return the flow meters of a machine's bench; None for exact ones."""
-    if session is not None and session.is_exact:
-        return None
-    return test_rig.meters(machine).flow_meter
+    exact = session is not None and session.is_exact
+    return None if exact else test_rig.meters(machine).flow_meter
 
 
 def floor(machine: Machine, session: Session | None = None) -> float:
@@ -61,57 +45,46 @@ def highest(machine: Machine, session: Session) -> float:
 
 
 def with_measured_hose(machine: Machine, axis: int) -> Machine:
-    """Return the machine with the hose of an axis told as a measured one."""
-    section = hose_section(machine, axis)
-    hose = test_rig.as_measured(machine, machine.hose_of(axis))
-    if section == "hose":
-        return dataclasses.replace(machine, hose=hose)
-    drive = dataclasses.replace(machine.drives[axis], hose=hose)
-    return replaced_drive(machine, axis, drive)
+    """Return the machine with the hose of an axis described as a measured one."""
+    return with_part(
+        machine, hose_section(machine, axis), test_rig.as_measured(machine, machine.hose_of(axis))
+    )
 
 
-def replaced_drive(machine: Machine, axis: int, drive: SwingDrive | CylinderDrive) -> Machine:
-    """Return the machine with another drive on an axis."""
-    changed: dict[str, Any] = {AXES[axis]: drive}
-    return dataclasses.replace(machine, **changed)
-
-
-def estimates(machine: Machine, session: Session) -> list[First]:
-    """Return what the linear estimators make of a session.
+def estimates(machine: Machine, session: Session) -> list[Estimate]:
+    """Return the linear estimates from a session; none from an experiment without a linear estimator.
 
     Args:
         machine: as far as it is known; a motor's internal leakage needs its external one, damping the areas.
-        session: any; of an unknown name it supports nothing.
+        session: any.
 
     Raises:
-        SessionError: it does not hold what its experiment is made for.
+        SessionError: the record does not hold what its experiment is made for.
     """
-    kind, _, tail = session.name.partition("_")
-    if kind == "valve":
-        return _valve(machine, session, f"{tail}.valve" if tail in AXES else "valve")
-    if kind == "hose":
+    if session.kind == "valve":
+        return _valve(machine, session)
+    if session.kind == "hose":
         return _hose(machine, session)
-    if kind == "motor":
-        _demand(session, session.time[-1] >= LONG, f"{session.time[-1]:.0f} s", f"{LONG:.0f} s or more")
+    if session.kind == "motor":
+        _require(session, session.time[-1] >= LONG, f"{session.time[-1]:.0f} s", f"{LONG:.0f} s or more")
     if session.name == "motor_external":
-        measured = session.has("case_drain") or "case_drain_volume" in session.facts
-        _demand(session, measured, "no flow of the case drain", "its meter, or the fact case_drain_volume")
-        line = motor_leakage.external(machine, session)
-        return [_inverse("swing.external_leakage_resistance", line, "case drain (4.8)")]
+        measured = session.has("case_drain") or "case_drain_volume" in session.metadata
+        _require(session, measured, "no flow of the case drain", "its meter, or the fact case_drain_volume")
+        fit = motor_leakage.external(machine, session)
+        return [_inverse("swing.external_leakage_resistance", fit, "case drain (4.8)")]
     if session.name == "motor_internal":
         drained = 1.0 / value_of(machine, "swing.external_leakage_resistance")
-        line = motor_leakage.internal(machine, session, drained)
-        return [_inverse("swing.internal_leakage_resistance", line, "creep on the tilted platform (4.7)")]
-    if kind == "damping" and tail in AXES:
-        moved = float(np.ptp(session.column(f"{tail}_resolver")))
-        _demand(session, moved > MOVED, f"a motion over {moved:.3f} rad", f"more than {MOVED} rad")
-        line = damping.damping(machine, session, AXES.index(tail))
-        value, error = float(line.values[0]), float(line.errors[0])
-        return [First(f"{tail}.damping", value, error, line.condition, "least squares (4.11)")]
+        fit = motor_leakage.internal(machine, session, drained)
+        return [_inverse("swing.internal_leakage_resistance", fit, "creep on the tilted platform (4.7)")]
+    if session.kind == "damping" and session.own_axis:
+        moved = float(np.ptp(session.column(f"{session.own_axis}_resolver")))
+        _require(session, moved > MOVED, f"a motion over {moved:.3f} rad", f"more than {MOVED} rad")
+        fit = damping.damping(machine, session, AXES.index(session.own_axis))
+        return [_estimate(f"{session.own_axis}.damping", *fit.first, fit.condition, "least squares (4.11)")]
     return []
 
 
-def _demand(session: Session, there: bool, holds: str, allowed: str) -> None:
+def _require(session: Session, there: bool, holds: str, allowed: str) -> None:
     """Refuse a session that does not hold what its experiment is made for.
 
     Raises:
@@ -121,53 +94,60 @@ def _demand(session: Session, there: bool, holds: str, allowed: str) -> None:
         raise SessionError(f"{session.name}: the record holds {holds}; it takes {allowed}")
 
 
-def _valve(machine: Machine, session: Session, section: str) -> list[First]:
+def _estimate(
+    key: str, value: float, error: float, condition: float, method: str, initial: bool = True
+) -> Estimate:
+    return Estimate(key, value, error, unit_of(key), condition, method, initial=initial)
+
+
+def _valve(machine: Machine, session: Session) -> list[Estimate]:
+    section = f"{session.own_axis}.valve" if session.own_axis else "valve"
+    read, low = meter(machine, session), floor(machine, session)
     points = valve_characteristic.points(session, highest(machine, session))
-    seen = np.abs(points.flow) > sample_mask.AT_FLOOR * floor(machine, session)
+    seen = np.abs(points.flow) > sample_mask.AT_FLOOR * low
     ways = [int(np.sum(seen & (np.sign(points.voltage) == way))) for way in (1.0, -1.0)]
     holds = f"{ways[0]} steady openings forward and {ways[1]} backward with flow above the meter's floor"
-    _demand(session, min(ways) >= ENOUGH, holds, f"{ENOUGH} each or more")
-    owner = getattr(machine, section.partition(".")[0]).valve if "." in section else machine.valve
-    read = meter(machine, session)
+    _require(session, min(ways) >= ENOUGH, holds, f"{ENOUGH} each or more")
     noise = (read.noise or 0.0) if read else 0.0
     noise = max(noise / math.sqrt(float(np.median(points.samples))), 1e-10)
-    fit = valve_characteristic.law(points, owner, floor(machine, session), noise)
-    keys = valve_characteristic.KEYS
+    fit = valve_characteristic.law(points, valve_at(machine, section), low, noise)
     method = "C_R(V), flow below the floor censored (4.1)"
-    return [First(f"{section}.{k}", fit.values[k], fit.errors[k], fit.condition, method) for k in keys]
+    return [
+        _estimate(f"{section}.{key}", fit.values[key], fit.errors[key], fit.condition, method)
+        for key in valve_characteristic.KEYS
+    ]
 
 
-def _hose(machine: Machine, session: Session) -> list[First]:
-    facts = [name for name in ("hose_axis", "laminar") if name not in session.facts]
-    _demand(session, not facts, f"no fact {', '.join(facts)}", "hose_axis (0, 1, 2) and laminar (0, 1)")
-    laminar, axis = session.facts["laminar"] > 0.0, int(session.facts["hose_axis"])
+def _hose(machine: Machine, session: Session) -> list[Estimate]:
+    missing = [name for name in ("hose_axis", "laminar") if name not in session.metadata]
+    _require(session, not missing, f"no fact {', '.join(missing)}", "hose_axis (0, 1, 2) and laminar (0, 1)")
+    laminar, axis = session.metadata["laminar"] > 0.0, int(session.metadata["hose_axis"])
     section, length = hose_section(machine, axis), test_rig.as_measured(machine, machine.hose_of(axis)).length
-    piece = session.facts.get("hose_length", length)
+    piece = session.metadata.get("hose_length", length)
     told = f"the {length:g} m of {section}.length, in whose numbers R, I and C are told"
-    _demand(session, math.isclose(piece, length, rel_tol=1e-3), f"a piece of {piece:g} m", told)
+    _require(session, math.isclose(piece, length, rel_tol=1e-3), f"a piece of {piece:g} m", told)
     low, high = floor(machine, session), highest(machine, session)
     flow, drop = hose_resistance.steady(session, low, high)
-    _demand(session, len(flow) >= ENOUGH, f"{len(flow)} steady flows", f"{ENOUGH} or more")
-    line = hose_resistance.resistance(flow, drop, laminar)
+    _require(session, len(flow) >= ENOUGH, f"{len(flow)} steady flows", f"{ENOUGH} or more")
+    fit = hose_resistance.resistance(flow, drop, laminar)
     key = f"{section}.{'laminar' if laminar else 'turbulent'}_resistance"
-    value = float(line.values[0])
-    found = [First(key, value, float(line.errors[0]), line.condition, "least squares (4.4)")]
-    read = meter(machine, session)
+    found = [_estimate(key, *fit.first, fit.condition, "least squares (4.4)")]
+    read, value = meter(machine, session), fit.first[0]
     lag = read.time_constant if read else 0.0
-    inertance, capacitance = hose_dynamics.joint(session, value, laminar, lag, low, high)
+    fits = hose_dynamics.joint(session, value, laminar, lag, low, high)
     groups = hose_dynamics.four_group_means(session, value, laminar)
-    for name, one, means in zip(("inertance", "capacitance"), (inertance, capacitance), groups, strict=True):
-        error = float(np.std(means, ddof=1) / math.sqrt(len(means)))
-        key, by = f"{section}.{name}", "four-group means (4.3.4.4)"
-        found.append(First(key, float(np.mean(means)), error, math.nan, by, main=False))
-        value, error = float(one.values[0]), float(one.errors[0])
-        found.append(First(key, value, error, one.condition, "joint fit in phase (4.5a, 4.6)"))
+    for name, fit, means in zip(("inertance", "capacitance"), fits, groups, strict=True):
+        key, error = f"{section}.{name}", float(np.std(means, ddof=1) / math.sqrt(len(means)))
+        mean, method = float(np.mean(means)), "four-group means (4.3.4.4)"
+        found.append(_estimate(key, mean, error, math.nan, method, initial=False))
+        found.append(_estimate(key, *fit.first, fit.condition, "joint fit in phase (4.5a, 4.6)"))
     return found
 
 
-def _inverse(key: str, line: Line, method: str) -> First:
-    conductance, error = float(line.values[0]), float(line.errors[0])
+def _inverse(key: str, fit: LinearFit, method: str) -> Estimate:
+    """Return the estimate of a resistance from a fit of its conductance."""
+    conductance, error = fit.first
     if conductance <= 0.0:
-        return First(key, math.nan, math.nan, math.inf, method)
+        return _estimate(key, math.nan, math.nan, math.inf, method)
     value = 1.0 / conductance
-    return First(key, value, value * error / conductance, line.condition, method)
+    return _estimate(key, value, value * error / conductance, fit.condition, method)

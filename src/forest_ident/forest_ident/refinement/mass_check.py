@@ -1,33 +1,32 @@
-"""What rests in several poses tell of masses: moments of both links, and from them masses that one may doubt.
+"""Check the masses of the machine file against rests in several poses.
 
-Of boom, stick and head, forces at rest tell two sums along the links (`gravity.moments`). The stick's own is
-taken as told, since the head pulls alike: so the sums give head and boom. A mass is corrected where they say
-another one than told by more than their errors and `DIFFERS`.
+Of boom, stick and head, forces at rest identify two sums along the links (`gravity.moments`). The stick's own
+moment is taken from the file, since the head pulls alike: so the sums give head and boom. A mass is corrected
+where its estimate differs by more than its errors and `DIFFERS`.
 """
 
-from __future__ import annotations
-
 from forest_ident.estimators import gravity
-from forest_ident.estimators.estimate import Estimate, judged
-from forest_ident.estimators.least_squares import Line
+from forest_ident.estimators.least_squares import LinearFit
+from forest_ident.estimators.parameter_estimate import Estimate
 from forest_ident.measurements.parameter_path import value_of, with_values
 from forest_ident.measurements.session import Session
-from forest_ident.refinement.linear_estimates import First
 from forest_ident.refinement.result import Result
 
 DIFFERS = (4.0, 0.03)  # standard errors and share by which a mass must differ to be corrected
 HEAD, BOOM = "manipulator.head_mass", "manipulator.boom_mass"
-BY = "forces at rest"
+METHOD = "forces at rest"
 
 
-def weigh(result: Result, session: Session) -> None:
-    """Compare a rest record with the masses told; correct head and boom if they differ clearly."""
+def check_masses(result: Result, session: Session) -> None:
+    """Compare a rest record with the file's masses; correct head and boom if they differ clearly."""
     sums = gravity.moments(result.machine, session)
     if not sums:
         result.remarks.append("load: no check; it takes three or more poses at rest, head without log")
         return
-    for one in sums:
-        result.linear.append(First(f"gravity: {one.name}", one.value, one.error, one.condition, BY, False))
+    result.linear += [
+        Estimate(f"gravity: {m.name}", m.value, m.error, "kg*m", m.condition, METHOD, initial=False)
+        for m in sums
+    ]
     told = ", ".join(
         f"{s.name} = {s.value:.5g} kg m (standard error {s.error:.2g}, told {s.told:.5g})" for s in sums
     )
@@ -37,26 +36,34 @@ def weigh(result: Result, session: Session) -> None:
     if any(drive.friction is not None for drive in (result.machine.boom, result.machine.stick)):
         result.remarks.append("masses: dry friction holds the crane at rest, too; none is corrected by it")
         return
-    both = gravity.masses(result.machine, session, ("head_mass", "boom_mass"))
-    if _differs(result, both, 1, BOOM):
-        _correct(result, both, (HEAD, BOOM))
+    fit = gravity.masses(result.machine, session, ("head_mass", "boom_mass"))
+    head, boom = _estimates(fit, HEAD, BOOM)
+    if _differs(result, boom):
+        _correct(result, (head, boom))
         return
-    head = gravity.masses(result.machine, session, ("head_mass",))
-    result.linear.append(First(HEAD, float(head.values[0]), float(head.errors[0]), head.condition, BY, False))
-    if _differs(result, head, 0, HEAD):
-        _correct(result, head, (HEAD,))
+    fit = gravity.masses(result.machine, session, ("head_mass",))
+    (head,) = _estimates(fit, HEAD)
+    result.linear.append(head)
+    if _differs(result, head):
+        _correct(result, (head,))
 
 
-def _differs(result: Result, line: Line, place: int, key: str) -> bool:
-    value, error, told = float(line.values[place]), float(line.errors[place]), value_of(result.start, key)
-    away = abs(value - told)
-    return value > 0.0 and away > DIFFERS[0] * error and away > DIFFERS[1] * told
+def _estimates(fit: LinearFit, *keys: str) -> list[Estimate]:
+    pairs = zip(keys, fit.values.tolist(), fit.errors.tolist(), strict=True)
+    return [
+        Estimate(key, value, error, "kg", fit.condition, METHOD, initial=False) for key, value, error in pairs
+    ]
 
 
-def _correct(result: Result, line: Line, keys: tuple[str, ...]) -> None:
-    for place, key in enumerate(keys):
-        value, error = float(line.values[place]), float(line.errors[place])
-        told = value_of(result.start, key)
-        result.machine = with_values(result.machine, {key: value})
-        result.estimates[key] = judged(Estimate(key, value, error, "kg", line.condition, BY))
-        result.remarks.append(f"{key}: the forces at rest say {value:.1f} kg, told were {told:.1f} kg")
+def _differs(result: Result, e: Estimate) -> bool:
+    told = value_of(result.start, e.key)
+    away = abs(e.value - told)
+    return e.value > 0.0 and away > DIFFERS[0] * e.standard_error and away > DIFFERS[1] * told
+
+
+def _correct(result: Result, masses: tuple[Estimate, ...]) -> None:
+    for e in masses:
+        told = value_of(result.start, e.key)
+        result.machine = with_values(result.machine, {e.key: e.value})
+        result.estimates[e.key] = e.checked()
+        result.remarks.append(f"{e.key}: the forces at rest say {e.value:.1f} kg, told were {told:.1f} kg")

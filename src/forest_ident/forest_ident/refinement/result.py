@@ -1,23 +1,24 @@
-"""What an identification found, and how it compares with what was told."""
-
-from __future__ import annotations
+"""The result of an identification: estimates beside the start's values, and what stayed unidentified."""
 
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from forest_description.config import schema
-from forest_description.machine import Machine, MachineError
+from forest_description.machine import Machine
 from forest_description.types import AXES
-from forest_ident.estimators import calibration
-from forest_ident.estimators.estimate import Estimate
-from forest_ident.measurements.parameter_path import value_of
+from forest_ident.estimators.calibration import Offset
+from forest_ident.estimators.parameter_estimate import Estimate, excitation_for
+from forest_ident.measurements.parameter_path import hose_section, part_of, valve_section
 from forest_ident.measurements.session import Session
 from forest_ident.output_error.output_error import Fit
-from forest_ident.refinement.linear_estimates import First
+from forest_ident.refinement.refinement_task import LEAKAGE
+
+VALVE = ("deadband_voltage", "minimum_resistance")
+MASSES = tuple(f"manipulator.{name}" for name in ("head_mass", "boom_mass", "stick_mass", "base_zz"))
 
 
 class Refined(NamedTuple):
-    """A session with what the refinement made of it."""
+    """A session with the fit of its refinement."""
 
     session: Session
     fit: Fit
@@ -26,35 +27,48 @@ class Refined(NamedTuple):
 
 @dataclass
 class Result:
-    """Everything that an identification found."""
+    """Estimates, fits and remarks of an identification; `machine` changes on the way."""
 
     start: Machine
     machine: Machine
     estimates: dict[str, Estimate] = field(default_factory=dict)
-    linear: list[First] = field(default_factory=list)
+    linear: list[Estimate] = field(default_factory=list)
     refined: list[Refined] = field(default_factory=list)
-    calibration: list[calibration.Offset] = field(default_factory=list)
+    calibration: list[Offset] = field(default_factory=list)
     held_out: list[Session] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
 
 
 def table(result: Result) -> list[tuple[Estimate, float | None]]:
-    """Return every estimate with what the start said of it, in the machine file's order."""
+    """Return every estimate with the start's value, in the machine file's order."""
     order = list(schema.parameters(Machine))
     keys = sorted(result.estimates, key=order.index)
-    return [(result.estimates[key], told(result.start, key)) for key in keys]
+    return [(result.estimates[key], value_in(result.start, key)) for key in keys]
 
 
-def told(machine: Machine, key: str) -> float | None:
-    """Return what a machine said of a number: itself, of both directions, or of all axes."""
+def value_in(machine: Machine, key: str) -> float | None:
+    """Return a machine's value of a number: its own, that of both directions, or that of all axes."""
     own, axis = key.replace("backward.", ""), key.partition(".")[0]
     shared = own.partition(".")[2] if axis in AXES and ".valve." in key else own
-    found = (_there(machine, candidate) for candidate in (key, own, shared))
-    return next((value for value in found if value is not None), None)
+    found = (part_of(machine, candidate) for candidate in (key, own, shared))
+    return next((value for value in found if isinstance(value, float)), None)
 
 
-def _there(machine: Machine, key: str) -> float | None:
-    try:
-        return value_of(machine, key)
-    except MachineError:
-        return None
+def unidentified(result: Result) -> list[tuple[str, str]]:
+    """Return keys that keep the start's value, and what it takes to identify them.
+
+    A mass that rests confirmed within its error is no estimate, but it counts as identified.
+    """
+    known = {*result.estimates, *(estimate.key for estimate in result.linear)}
+    return [(key, excitation_for(key)) for key in _wanted(result.start) if key not in known]
+
+
+def _wanted(machine: Machine) -> tuple[str, ...]:
+    """Return the keys of all that identification is asked for on a machine."""
+    valves = dict.fromkeys(valve_section(machine, axis) for axis in range(3))
+    keys = ["pump.supply_pressure"]
+    keys += [f"{section}.{part}" for section in valves for part in VALVE]
+    for axis in range(3):
+        section, regime = hose_section(machine, axis), machine.drives[axis].flow_regime
+        keys += [f"{section}.{part}" for part in (f"{regime}_resistance", "inertance", "capacitance")]
+    return (*dict.fromkeys(keys), *LEAKAGE, *(f"{axis}.damping" for axis in AXES), *MASSES)

@@ -1,7 +1,5 @@
 """An identified machine as a file: what was found, its source and interval, laid over the start's file."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import math
@@ -12,7 +10,7 @@ from typing import Any
 from forest_description.components.hose import GeometricHose, MeasuredHose
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES
-from forest_ident.estimators.estimate import NORMAL_95, Estimate
+from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate
 from forest_ident.measurements.parameter_path import value_of
 from forest_ident.refinement.result import Result
 
@@ -110,7 +108,7 @@ def _measured(tree: dict[str, Any], section: str, result: Result) -> None:
 
 
 def _quantity(e: Estimate) -> str:
-    _, low, high = e.spelled()
+    _, low, high = e.formatted()
     doubt = f"; {e.warning}" if e.warning else ""
     source = f"identified: {e.method}, 95 % interval {low} .. {high}{doubt}"
     return f'{{value: {e.value:.9g}, unit: {e.unit}, source: "{source}"}}'

@@ -18,8 +18,6 @@ held against what the crane's sensors read. One case after another:
 | out, in | the valve connects port 1, port 2 to the supply | - |
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from typing import NamedTuple
@@ -29,13 +27,13 @@ from scipy.optimize import minimize_scalar
 
 from forest_description.components.drives import Friction
 from forest_description.components.load import Pendulum
-from forest_description.components.valve_parameters import Valve
 from forest_description.machine import Machine
 from forest_description.types import AXES, Bools
 from forest_ident.driving import simulated_experiment
-from forest_ident.experiments import experiments
+from forest_ident.experiments import experiment_plan
+from forest_ident.measurements.parameter_path import SECTIONS, part_of, with_part
 from forest_ident.measurements.session import Session, SessionError
-from forest_ident.validation.validation import Signal, signals
+from forest_ident.validation.prediction_error import Signal, rms, signals
 from forest_sim.sensors.sensor_suite import sensor_suite
 
 NARROWER = 0.9  # area of port 2's edges over that of port 1's
@@ -82,14 +80,14 @@ class Answer(NamedTuple):
 def cases(machine: Machine) -> tuple[Case, ...]:
     """Return the cases of a machine; its own head hangs in `pendulum` alone. Thesis section 4.4."""
     own = machine.manipulator.pendulum or HEAD
-    base = _with_head(machine, None)
+    base = with_part(machine, "manipulator.pendulum", None)
     return (
         Case("none", base, base),
-        Case("areas", base, _of_equal_areas(base)),
+        Case("areas", base, _with_equal_areas(base)),
         Case("return_edge", _with_narrow_return(base), base),
         Case("edge_and_damping", _with_narrow_return(base), base, refit=True),
         Case("seals", _with_seals(base), base),
-        Case("pendulum", _with_head(machine, own), base),
+        Case("pendulum", with_part(machine, "manipulator.pendulum", own), base),
     )
 
 
@@ -105,11 +103,10 @@ def answer(case: Case, seed: int = 0, noise: bool = True, longest: float = math.
     Raises:
         SessionError: the machine has no angles or pressures to compare.
     """
-    plan = experiments.plan("validation", case.model, seed, longest)
+    plan = experiment_plan.plan("validation", case.model, seed, longest)
     suite = sensor_suite(case.crane, noise=noise, seed=seed)
-    record = simulated_experiment.run("validation", case.crane, plan.programme, plan.angles, suite)
-    facts = record.facts if noise else {**record.facts, "exact_sensors": 1.0}
-    session = dataclasses.replace(record, facts=facts)
+    record = simulated_experiment.run(plan._replace(machine=case.crane), suite)
+    session = record if noise else simulated_experiment.marked_exact(record)
     model = _damped_as(case.model, session) if case.refit else case.model
     found = signals(model, session)
     return Answer(case._replace(model=model), session, found, scores(model, session, found))
@@ -139,14 +136,10 @@ def scores(model: Machine, session: Session, found: list[Signal]) -> list[Score]
         kept += [
             _score(axis, "driving", "both", [(one, out), (two, back)]),
             _score(axis, "return", "both", [(two, out), (one, back)]),
-            *(
-                _score(axis, "driving", way, [pair])
-                for way, pair in (("out", (one, out)), ("in", (two, back)))
-            ),
-            *(
-                _score(axis, "return", way, [pair])
-                for way, pair in (("out", (two, out)), ("in", (one, back)))
-            ),
+            _score(axis, "driving", "out", [(one, out)]),
+            _score(axis, "driving", "in", [(two, back)]),
+            _score(axis, "return", "out", [(two, out)]),
+            _score(axis, "return", "in", [(one, back)]),
         ]
     return kept
 
@@ -162,67 +155,51 @@ def _score(axis: str, name: str, way: str, parts: list[tuple[Signal, Bools]]) ->
     wrong = measured - np.concatenate([s.predicted[rows] for s, rows in parts])
     if len(measured) == 0:
         return Score(axis, name, way, parts[0][0].unit, 0.0, 0.0)
-    rms = float(np.sqrt(np.mean(wrong**2)))
-    return Score(axis, name, way, parts[0][0].unit, rms, float(np.ptp(measured)))
+    return Score(axis, name, way, parts[0][0].unit, rms(wrong), float(np.ptp(measured)))
 
 
 def _damped_as(model: Machine, session: Session) -> Machine:
-    """Return the model with the stick's damping that suits its driving pressures best. Thesis eq. 4.11."""
+    """Return the model with the stick's damping that fits its driving pressures best. Thesis eq. 4.11."""
 
     def machine(log: float) -> Machine:
-        stick = dataclasses.replace(model.stick, damping=model.stick.damping * math.exp(log))
-        return dataclasses.replace(model, stick=stick)
+        return with_part(model, "stick.damping", model.stick.damping * math.exp(log))
 
-    def wrong(log: float) -> float:
+    def cost(log: float) -> float:
         of = {s.name: s for s in signals(machine(log), session) if s.axis == "stick"}
         ways = zip((of["pressure 1"], of["pressure 2"]), _open(model, session, 2), strict=True)
         return sum(float(np.sum((s.measured - s.predicted)[rows] ** 2)) for s, rows in ways)
 
-    return machine(float(minimize_scalar(wrong, bounds=(-4.0, 4.0), options={"xatol": 0.01}).x))
+    return machine(float(minimize_scalar(cost, bounds=(-4.0, 4.0), options={"xatol": 0.01}).x))
 
 
-def _with_head(machine: Machine, head: Pendulum | None) -> Machine:
-    links = dataclasses.replace(machine.manipulator, pendulum=head)
-    return dataclasses.replace(machine, manipulator=links)
-
-
-def _of_equal_areas(machine: Machine) -> Machine:
+def _with_equal_areas(machine: Machine) -> Machine:
     """Return a machine whose cylinders take the mean of both areas at either port."""
-    drives = {}
-    for axis in AXES[1:]:
-        drive = getattr(machine, axis)
+    for axis, drive in zip(AXES[1:], machine.drives[1:], strict=True):
         mean = 0.5 * (drive.head_area + drive.rod_area)
         # A rod as thin as the file's bounds take it.
-        drives[axis] = dataclasses.replace(drive, head_area=mean * (1.0 + 1e-6), rod_area=mean)
-    return dataclasses.replace(machine, **drives)
+        equal = dataclasses.replace(drive, head_area=mean * (1.0 + 1e-6), rod_area=mean)
+        machine = with_part(machine, axis, equal)
+    return machine
 
 
 def _with_narrow_return(machine: Machine) -> Machine:
     """Return a machine whose valves all have narrower edges at port 2."""
-
-    def narrowed(valve: Valve) -> Valve:
-        return dataclasses.replace(valve, port_2_area=NARROWER * valve.port_2_area)
-
-    own = {
-        axis: dataclasses.replace(getattr(machine, axis), valve=narrowed(getattr(machine, axis).valve))
-        for axis in AXES
-        if getattr(machine, axis).valve is not None
-    }
-    return dataclasses.replace(machine, valve=narrowed(machine.valve), **own)
+    for section in SECTIONS:
+        valve = part_of(machine, section)
+        if valve is not None:
+            machine = with_part(machine, f"{section}.port_2_area", NARROWER * valve.port_2_area)
+    return machine
 
 
 def _with_seals(machine: Machine) -> Machine:
-    """Return a machine whose cylinders have seals that stick; the model's have not."""
-    drives = {}
-    for axis in AXES[1:]:
-        drive = getattr(machine, axis)
+    """Return a machine whose cylinders have seals with dry friction, in addition to what they have."""
+    for axis, drive in zip(AXES[1:], machine.drives[1:], strict=True):
         force = SEAL_PRESSURE * drive.head_area
-        dry = Friction(force, BREAKAWAY * force, STRIBECK, SMOOTHING)
-        if drive.friction is not None:
-            dry = dataclasses.replace(
-                drive.friction,
-                coulomb_force=drive.friction.coulomb_force + dry.coulomb_force,
-                breakaway_force=drive.friction.breakaway_force + dry.breakaway_force,
-            )
-        drives[axis] = dataclasses.replace(drive, friction=dry)
-    return dataclasses.replace(machine, **drives)
+        own = drive.friction or Friction(0.0, 0.0, STRIBECK, SMOOTHING)
+        dry = dataclasses.replace(
+            own,
+            coulomb_force=own.coulomb_force + force,
+            breakaway_force=own.breakaway_force + BREAKAWAY * force,
+        )
+        machine = with_part(machine, f"{axis}.friction", dry)
+    return machine

@@ -1,23 +1,24 @@
-"""Lockstep: every node waits for the messages of step k, makes its step, and says what step k needs further.
+"""Lockstep: each node waits for the messages of step k, makes its step, and publishes what others need.
 
-The same nodes as live, with the loop opened: the machine says /clock and its sensors of step k and waits for
-the voltages of step k; whoever reads the graph waits for all that he reads of step k. So nobody is early or
-late, however busy the computer is, and a run repeats to the last bit.
+The nodes are those of a live run. The simulator publishes /clock and its sensors of step k, and waits for
+the voltages of step k. A recorder waits for all that it records of step k. So no message is early or late,
+however busy the computer is, and a run repeats to the last bit.
 
-===========  ===============================================================================================
-symbol       meaning
-===========  ===============================================================================================
-k            number of the step, from 1
-stamp        k·dt [ns], of every message of step k, whoever says it
-silence      a topic on which a node says nothing in step k, as a dropped sensor sample; told on its own
-             topic, since nobody could wait for nothing otherwise
-roll         each node's outputs, told before its first step: who records waits for all of them
-account      all that a node said in many steps, for who records; see :mod:`forest_msgs_py.clock.step_batch`
-===========  ===============================================================================================
+============  ========================================================================================
+symbol        meaning
+============  ========================================================================================
+k             number of the step, from 1
+stamp         k·dt [ns], of every message of step k
+announcement  each node's outputs, published before its first step: a recorder waits for all of them
+no output     a topic on which a node publishes nothing in step k, as of a dropped sensor sample; a
+              message says so, or its subscribers would wait
+idle          the same of topics that no node waits for, and of many steps at once
+batch         all that a node published in many steps, for the recorder; see `clock.step_batch`
+============  ========================================================================================
 
-Nothing is ever lost: publishers keep 1000 steps for those who come late, and nobody runs away from the
-others. A message may be waited for as long as the guard allows [s, wall clock]; then the node ends and
-names it. Of the first step it may stay out for 20 s at least: the others may just be starting.
+No message is lost: publishers keep 1000 steps for late subscribers, and no node runs ahead of the others. A
+node waits for a message as long as the guard allows [s, wall clock]; then it ends and names the message. In
+the first step it waits for 20 s at least: the others may be starting.
 """
 
 from __future__ import annotations
@@ -31,46 +32,46 @@ from typing import Any
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 
-from forest_msgs_py.clock.step_batch import Account
-from forest_msgs_py.clock.step_guard import complaint, patience
-from forest_msgs_py.clock.step_order import LATCHED
+from forest_msgs_py.clock.step_batch import StepBatch
+from forest_msgs_py.clock.step_guard import extra_time, timeout_failure
+from forest_msgs_py.clock.step_order import TRANSIENT_LOCAL
 from forest_msgs_py.clock.step_topics import (
     DEPTH,
     LATE,
     STEP_NS,
-    Quiet,
-    StepInbox,
+    IdleReport,
     StepPublisher,
+    StepSubscription,
     is_awaited,
     lockstep_qos,
-    silence,
-    silences,
-    silent_steps,
+    no_output,
+    no_output_subscription,
+    steps_without_output,
 )
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.stamps import STAMPED
 from forest_msgs_py.interfaces.topics import Topic, message_class
 from forest_msgs_py.runtime.node import NodeFailure, publisher
-from forest_msgs_py.runtime.polled_subscription import Inbox
+from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.serialization.packing import pack_clock
 from forest_msgs_py.types import NS_PER_S
 
-AHEAD = 400  # steps by which the machine may be ahead of the recorder
+AHEAD = 400  # steps by which the simulator may be ahead of the recorder
 END = "end"  # told instead of topics when the step was the last
 START = 20.0  # [s, wall clock] in which a graph starts, on a busy computer, too
 LOOK = 0.1  # [s] between looks at whether the node was told to stop
 
 
-class Lockstep:
-    """The pace of a graph that waits for everybody.
+class LockstepClock:
+    """The clock of a graph in which each node waits for the others.
 
     Args:
-        node: whose pace it is.
+        node: whose clock it is.
         guard: how long it waits for a message [s, wall clock].
         leads: begin each step, and wait for the answers to the one before.
         steps: after which a leader is done; 0: no end.
         recorded: a leader waits for the recorder, too.
-        quiet: steps of which it tells at once what no node waits for; see `Quiet`, `Account`.
+        quiet: steps of which it tells at once what no node waits for; see `IdleReport`, `StepBatch`.
     """
 
     lockstep = True
@@ -85,21 +86,21 @@ class Lockstep:
         quiet: int = 1,
     ) -> None:
         self._node, self._guard, self._leads, self._steps = node, guard, leads, steps
-        self._inboxes: list[StepInbox] = []
-        self._callbacks: list[tuple[StepInbox, Callable[[bytes, float], None]]] = []
+        self._inputs: list[StepSubscription] = []
+        self._callbacks: list[tuple[StepSubscription, Callable[[bytes, float], None]]] = []
         self._timers: list[tuple[int, Callable[[], None]]] = []
         self._publishers: list[StepPublisher] = []
-        self._latched: list[str] = []
-        self._step = self._speaking = 0
+        self._transient_local: list[str] = []
+        self._step = self._publishing = 0
         self._ended = False
         self._wait_set: Any = None  # made once: that takes longer than waiting
-        self._silences = [silences(node, topics.SILENCE)]
-        kind = message_class(topics.SILENCE)
-        self._silence = node.create_publisher(kind, topics.SILENCE.name, lockstep_qos())
-        self._rarely, self._quiet, self._account = quiet, Quiet(node), Account(node, DEPTH // quiet)
-        self._roll = publisher(node, topics.ROLL)
+        self._no_output_subscriptions = [no_output_subscription(node, topics.NO_OUTPUT)]
+        kind = message_class(topics.NO_OUTPUT)
+        self._no_output = node.create_publisher(kind, topics.NO_OUTPUT.name, lockstep_qos())
+        self._batch_steps, self._idle, self._batch = quiet, IdleReport(node), StepBatch(node, DEPTH // quiet)
+        self._announcements = publisher(node, topics.ANNOUNCEMENT)
         self._clock = self.publisher(topics.CLOCK) if leads else None
-        self._recorded = StepInbox(node, topics.RECORDED) if recorded else None
+        self._recorded = StepSubscription(node, topics.RECORDED) if recorded else None
 
     def now(self) -> float:
         """The time of the step [s]."""
@@ -112,36 +113,36 @@ class Lockstep:
     def publisher(self, topic: Topic) -> Any:
         """A publisher that speaks once a step.
 
-        Of a latched topic: once, before the first step. Of a type without stamp: whenever it likes.
+        Of a transient-local topic: once, before the first step. Of a type without stamp: whenever it likes.
         """
-        if topic.latched or topic.type not in STAMPED:
+        if topic.transient_local or topic.type not in STAMPED:
             made = publisher(self._node, topic)
-            if topic.latched:
-                self._latched.append(f"{made.topic_name} {topic.type}{LATCHED}")
+            if topic.transient_local:
+                self._transient_local.append(f"{made.topic_name} {topic.type}{TRANSIENT_LOCAL}")
             return made
-        note = partial(self._account.note, len(self._publishers))
-        stepping = StepPublisher(self._node, topic, lambda: self._speaking, note)
+        note = partial(self._batch.note, len(self._publishers))
+        stepping = StepPublisher(self._node, topic, lambda: self._publishing, note)
         self._publishers.append(stepping)
         return stepping
 
-    def inbox(self, topic: Topic, answered: bool = False) -> StepInbox:
+    def polled_subscription(self, topic: Topic, answered: bool = False) -> StepSubscription:
         """Messages of a topic, one of each step.
 
         Args:
             topic: row of the table.
             answered: what is said in answer to this node; it counts in the next step.
         """
-        made = StepInbox(self._node, topic, LATE if topic.late and answered else int(answered))
-        self._inboxes.append(made)
-        if not is_awaited(topic) and len(self._silences) == 1:
-            self._silences.append(silences(self._node, topics.QUIET))
+        made = StepSubscription(self._node, topic, LATE if topic.late and answered else int(answered))
+        self._inputs.append(made)
+        if not is_awaited(topic) and len(self._no_output_subscriptions) == 1:
+            self._no_output_subscriptions.append(no_output_subscription(self._node, topics.IDLE))
         return made
 
-    def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> StepInbox:
+    def on(self, topic: Topic, callback: Callable[[bytes, float], None]) -> StepSubscription:
         """Call with the message of each step in which one is said, and the step's time [s]."""
-        made = self.inbox(topic)
+        made = self.polled_subscription(topic)
         self._callbacks.append((made, callback))
-        self._inboxes.insert(0, self._inboxes.pop())  # the last to come: waited for first, most often alone
+        self._inputs.insert(0, self._inputs.pop())  # the last to come: waited for first, most often alone
         return made
 
     def every(self, period: float, callback: Callable[[], None]) -> None:
@@ -154,9 +155,9 @@ class Lockstep:
         Raises:
             NodeFailure: a message was waited for longer than the guard allows.
         """
-        if not self._inboxes:
-            self.inbox(topics.CLOCK)
-        self._answer_the_roll()
+        if not self._inputs:
+            self.polled_subscription(topics.CLOCK)
+        self._announce()
         try:
             self._step_on(stopping)
         finally:
@@ -174,76 +175,78 @@ class Lockstep:
             begun = begun or time.monotonic()
         if self._gather(step, stopping):
             self._tell(step)
-            self._silence.publish(silence(END, step))
-            self._tell_the_speed(step - 1, time.monotonic() - begun)
+            self._no_output.publish(no_output(END, step))
+            self._log_speed(step - 1, time.monotonic() - begun)
             stopping.wait()
 
-    def _tell_the_speed(self, steps: int, took: float) -> None:
+    def _log_speed(self, steps: int, took: float) -> None:
         """How fast the run was, from the end of its first step [s, wall clock]."""
         factor = steps * STEP_NS / NS_PER_S / max(took, 1e-9)
         self._node.get_logger().info(f"{steps} steps in {took:.3g} s: {factor:.2f} times as fast as live")
 
-    def _answer_the_roll(self) -> None:
+    def _announce(self) -> None:
         plain = "plain_arrays"
         if self._node.has_parameter(plain) and self._node.get_parameter(plain).value:
             raise NodeFailure(
                 f"parameter '{plain}' is true; allowed in lockstep: false, for the stamps' sake"
             )
-        spoken = [f"{made.name} {made.type}" for made in self._publishers]
-        text = "\n".join([self._node.get_name(), *spoken, *self._latched])
-        self._roll.publish(message_class(topics.ROLL)(data=text))
+        outputs = [f"{made.name} {made.type}" for made in self._publishers]
+        text = "\n".join([self._node.get_name(), *outputs, *self._transient_local])
+        self._announcements.publish(message_class(topics.ANNOUNCEMENT)(data=text))
 
     def _make(self, step: int) -> None:
         """Make one step, and tell on which topics nothing was said."""
-        self._step = self._speaking = step
+        self._step = self._publishing = step
         if self._clock is not None:
             self._clock.publish(pack_clock(self.stamp()))
-        for inbox, callback in self._callbacks:
-            if arrival := inbox.newest():
+        for polled, callback in self._callbacks:
+            if arrival := polled.newest():
                 callback(*arrival)
         for steps, tick in self._timers:
             if step % steps == 0:
                 tick()
-        self._speaking = 0
-        silent = [made for made in self._publishers if made.spoke != step]
-        if missed := [made.name for made in silent if made.awaited]:
-            self._silence.publish(silence(" ".join(missed), step))
-        self._quiet.note(step, [made.name for made in silent if not made.awaited])
+        self._publishing = 0
+        without_output = [made for made in self._publishers if made.published_step != step]
+        if missed := [made.name for made in without_output if made.awaited]:
+            self._no_output.publish(no_output(" ".join(missed), step))
+        self._idle.note(step, [made.name for made in without_output if not made.awaited])
         for place, made in enumerate(self._publishers):
-            if (step + place) % self._rarely == 0:  # one topic after the other: no step takes much longer
+            if (
+                step + place
+            ) % self._batch_steps == 0:  # one topic after the other: no step takes much longer
                 made.tell()
-        if step % self._rarely == 0:
-            self._quiet.tell(step)
-            self._account.tell(step)
+        if step % self._batch_steps == 0:
+            self._idle.tell(step)
+            self._batch.tell(step)
 
     def _tell(self, step: int) -> None:
         """Tell all that nobody waits for, and that nothing was said."""
         for made in self._publishers:
             made.tell()
-        self._quiet.tell(step)
-        self._account.tell(step)
+        self._idle.tell(step)
+        self._batch.tell(step)
 
     def _gather(self, step: int, stopping: threading.Event) -> bool:
         """Wait for all that the node reads of a step; False if it was told to stop meanwhile."""
         stamp, begun = step * STEP_NS, time.monotonic()
-        for inbox in self._inboxes:
-            if inbox is not self._inboxes[0]:  # which comes last: the others are there when it is
-                inbox.collect(stamp)
-            while not inbox.has(stamp):
-                if not self._wait(inbox, step, begun, stopping):
+        for polled in self._inputs:
+            if polled is not self._inputs[0]:  # which comes last: the others are there when it is
+                polled.collect(stamp)
+            while not polled.has(stamp):
+                if not self._wait(polled, step, begun, stopping):
                     return False
-        for inbox in self._inboxes:
-            inbox.turn_to(stamp)
-        return self._stay_near_the_recorder(step, stopping)
+        for polled in self._inputs:
+            polled.turn_to(stamp)
+        return self._wait_for_recorder(step, stopping)
 
-    def _stay_near_the_recorder(self, step: int, stopping: threading.Event) -> bool:
-        inbox, begun, stamp = self._recorded, time.monotonic(), (step - AHEAD) * STEP_NS
-        while inbox is not None and stamp > 0 and not inbox.reached(stamp):
-            if not self._wait(inbox, step, begun, stopping):
+    def _wait_for_recorder(self, step: int, stopping: threading.Event) -> bool:
+        polled, begun, stamp = self._recorded, time.monotonic(), (step - AHEAD) * STEP_NS
+        while polled is not None and stamp > 0 and not polled.reached(stamp):
+            if not self._wait(polled, step, begun, stopping):
                 return False
         return True
 
-    def _wait(self, inbox: StepInbox, step: int, begun: float, stopping: threading.Event) -> bool:
+    def _wait(self, polled: StepSubscription, step: int, begun: float, stopping: threading.Event) -> bool:
         """Wait until something arrives, and take it; False if the node is told to stop."""
         if self._ended:
             self._tell(self._step)
@@ -251,9 +254,9 @@ class Lockstep:
         if stopping.is_set():
             return False
         waited, guard = time.monotonic() - begun, self._guard if step > 1 else max(self._guard, START)
-        if waited > guard and waited > guard + patience(inbox, self._inboxes, step, self._leads):
-            raise complaint(inbox, self._inboxes, step, guard)
-        heard = [inbox.subscription, *(told.subscription for told in self._silences)]
+        if waited > guard and waited > guard + extra_time(polled, self._inputs, step, self._leads):
+            raise timeout_failure(polled, self._inputs, step, guard)
+        heard = [polled.subscription, *(told.subscription for told in self._no_output_subscriptions)]
         if self._wait_set is None:
             self._wait_set = rclpy_implementation.WaitSet(
                 len(heard), 0, 0, 0, 0, 0, self._node.context.handle
@@ -264,17 +267,17 @@ class Lockstep:
             waits.add_subscription(subscription.handle)
         waits.wait(int(LOOK * NS_PER_S))  # what came before, and was not taken, ends it at once
         if waits.is_ready("subscription", 0):
-            inbox.collect(step * STEP_NS)
-        for place, told in enumerate(self._silences, start=1):
+            polled.collect(step * STEP_NS)
+        for place, told in enumerate(self._no_output_subscriptions, start=1):
             if waits.is_ready("subscription", place):
-                self._hear(told)
+                self._take_no_output(told)
         return True
 
-    def _hear(self, silences: Inbox) -> None:
-        """Take in which topics are silent, and whether the run has ended."""
-        for header, _info in silences.take():
+    def _take_no_output(self, no_output_subscription: PolledSubscription) -> None:
+        """Take on which topics nothing was published, and whether the run has ended."""
+        for header, _info in no_output_subscription.take():
             self._ended = self._ended or header.frame_id == END
-            for name, stamp in silent_steps(header):
-                for inbox in self._inboxes:
-                    if inbox.name == name:
-                        inbox.silent(stamp)
+            for name, stamp in steps_without_output(header):
+                for polled in self._inputs:
+                    if polled.name == name:
+                        polled.without_output(stamp)

@@ -1,16 +1,16 @@
-"""What a node in lockstep has said, told to who records: one message for many steps.
+"""What a node in lockstep published, sent to the recorder: one message for many steps.
 
-A recorder that subscribed to every topic would be woken for each message, some twenty times in a step, and
-each time costs more, at either end, than the message. So it subscribes to none: every node keeps the bytes
-that it hands to the middleware, and tells them on `lockstep/said`. What an account does not hold, was not
-said; an account that was lost shows in the next, which does not begin where the one before it ended.
+A recorder that subscribed to every topic would wake up for each message, some twenty times in a step.
+Each time costs more, at either end, than the message. So each node keeps the bytes that it publishes, and
+sends them on `lockstep/said`. A lost batch shows in the next one, which does not begin where the one
+before it ended.
 
 ===============  ===========================================================================================
 part             bytes, little-endian
 ===============  ===========================================================================================
-head             step after which the account begins [4], last step that it covers [4], length of the node's
+head             step after which the batch begins [4], last step that it covers [4], length of the node's
                  name [4], the name
-each message     place of its topic on the node's roll [4], step [4], size [4], the message
+each message     place of its topic in the announcement [4], step [4], size [4], the message
 ===============  ===========================================================================================
 """
 
@@ -22,8 +22,8 @@ from collections.abc import Iterator
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from forest_msgs_py.clock.step_order import Said
-from forest_msgs_py.interfaces.topics import SAID, message_class
+from forest_msgs_py.clock.step_order import BatchMessage
+from forest_msgs_py.interfaces.topics import STEP_BATCH, message_class
 from forest_msgs_py.runtime.node import raw_publish
 from forest_msgs_py.serialization.cdr import ENCAPSULATION
 
@@ -32,23 +32,23 @@ _HEAD = struct.Struct("<III")
 _EACH = struct.Struct("<III")
 
 
-class Account:
+class StepBatch:
     """Keeps what a node says.
 
     Args:
         node: that speaks.
-        depth: accounts that are kept for a recorder that comes late.
+        depth: batches that are kept for a recorder that comes late.
     """
 
     def __init__(self, node: Node, depth: int) -> None:
         profile = QoSProfile(
             depth=depth, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
         )
-        self._publisher = node.create_publisher(message_class(SAID), SAID.name, profile)
+        self._publisher = node.create_publisher(message_class(STEP_BATCH), STEP_BATCH.name, profile)
         self._publish = raw_publish(self._publisher)
         self._name = node.get_name().encode()
         self._parts: list[bytes] = []
-        self._told = 0  # last step of the account before
+        self._told = 0  # last step of the batch before
 
     def note(self, place: int, step: int, data: bytes) -> None:
         """Keep a message."""
@@ -63,7 +63,7 @@ class Account:
         self._publish(_ARRAY.pack(ENCAPSULATION, 0, 0, len(body)) + body)
 
 
-def read_account(data: bytes) -> tuple[str, int, int, Iterator[Said]]:
+def read_batch(data: bytes) -> tuple[str, int, int, Iterator[BatchMessage]]:
     """A node's name, the step after which and the one until which it tells everything, and what it said."""
     since, step, length = _HEAD.unpack_from(data, _ARRAY.size)
     begin = _ARRAY.size + _HEAD.size
@@ -72,8 +72,8 @@ def read_account(data: bytes) -> tuple[str, int, int, Iterator[Said]]:
     return name, since, step, _messages(data, begin + length, _ARRAY.size + size)
 
 
-def _messages(data: bytes, place: int, end: int) -> Iterator[Said]:
+def _messages(data: bytes, place: int, end: int) -> Iterator[BatchMessage]:
     while place < end:
         topic, step, size = _EACH.unpack_from(data, place)
         place += _EACH.size + size
-        yield Said(topic, step, data[place - size : place])
+        yield BatchMessage(topic, step, data[place - size : place])

@@ -1,16 +1,16 @@
-"""When a node in lockstep has waited too long, and what it says then; see `lockstep`."""
+"""When a node in lockstep has waited too long, and the failure that it ends with; see `lockstep`."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from forest_msgs_py.clock.step_topics import STEP_NS, StepInbox
+from forest_msgs_py.clock.step_topics import STEP_NS, StepSubscription
 from forest_msgs_py.runtime.node import NodeFailure
 
 LOOP = ("joystick", "controller", "valve_driver")  # as a step passes from one to the next
 
 
-def patience(waited: StepInbox, inboxes: Sequence[StepInbox], step: int, leads: bool) -> float:
+def extra_time(waited: StepSubscription, inputs: Sequence[StepSubscription], step: int, leads: bool) -> float:
     """How much longer than the guard a node waits [s].
 
     When one node hangs, all wait. Whoever has got a part of the step waits for the one that hangs, or for
@@ -19,32 +19,34 @@ def patience(waited: StepInbox, inboxes: Sequence[StepInbox], step: int, leads: 
 
     Args:
         waited: what is waited for.
-        inboxes: all that the node reads.
+        inputs: all that the node reads.
         step: of which something is missing.
         leads: whether the node begins each step.
     """
-    for inbox in inboxes:
-        inbox.collect()
-    if not leads and not any(inbox.has(step * STEP_NS) for inbox in inboxes):
-        return 2.0 + len(LOOP) + len(inboxes)
+    for polled in inputs:
+        polled.collect()
+    if not leads and not any(polled.has(step * STEP_NS) for polled in inputs):
+        return 2.0 + len(LOOP) + len(inputs)
     hops = [LOOP.index(who) for who in waited.topic.publishers if who in LOOP]
     return 1.0 * min(hops, default=len(LOOP))
 
 
-def complaint(waited: StepInbox, inboxes: Sequence[StepInbox], step: int, guard: float) -> NodeFailure:
+def timeout_failure(
+    waited: StepSubscription, inputs: Sequence[StepSubscription], step: int, guard: float
+) -> NodeFailure:
     """Name all that is missing of a step, and who should have said it.
 
     Args:
         waited: what is waited for.
-        inboxes: all that the node reads.
+        inputs: all that the node reads.
         step: of which something is missing.
         guard: how long was waited [s].
     """
-    for inbox in inboxes:
-        inbox.collect()
-    missing = [inbox for inbox in inboxes if not inbox.has(step * STEP_NS)] or [waited]
-    names = ", ".join(inbox.name for inbox in missing)
-    people = ", ".join(dict.fromkeys(who for inbox in missing for who in inbox.topic.publishers))
+    for polled in inputs:
+        polled.collect()
+    missing = [polled for polled in inputs if not polled.has(step * STEP_NS)] or [waited]
+    names = ", ".join(polled.name for polled in missing)
+    people = ", ".join(dict.fromkeys(who for polled in missing for who in polled.topic.publishers))
     return NodeFailure(
         f"step {step}: waited {guard:g} s for {names} of {people or 'nobody known'}; "
         "see its log, or allow more with the parameter lockstep_guard"

@@ -1,6 +1,6 @@
 """Hears a run in lockstep: what its nodes say in each step, in an order that repeats, with stamps as times.
 
-It reads the nodes' accounts (:mod:`forest_msgs_py.clock.step_batch`) instead of their topics.
+It reads the nodes' batches (:mod:`forest_msgs_py.clock.step_batch`) instead of their topics.
 Whatever else is
 said in the graph is heard beside it, as ever, at the time of the last complete step. The machine is told how
 far everything was taken, and stays near.
@@ -18,25 +18,26 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from forest_msgs_py.clock.clock_parameters import ListenerParameters
 from forest_msgs_py.clock.lockstep import END
-from forest_msgs_py.clock.step_batch import read_account
+from forest_msgs_py.clock.step_batch import read_batch
 from forest_msgs_py.clock.step_order import StepOrder
-from forest_msgs_py.clock.step_topics import DEPTH, STEP_NS, lockstep_qos, silences
+from forest_msgs_py.clock.step_topics import DEPTH, STEP_NS, lockstep_qos, no_output_subscription
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import stamp_to_ns
-from forest_msgs_py.interfaces.topics import find, message_class, offered_qos, unlisted
-from forest_msgs_py.introspection.graph_listener import GraphListener, Heard, Offer
+from forest_msgs_py.interfaces.topic_qos import offered_qos, qos
+from forest_msgs_py.interfaces.topics import find, message_class, unlisted
+from forest_msgs_py.introspection.graph_listener import DiscoveredTopic, GraphListener, ReceivedMessage
 from forest_msgs_py.runtime.node import Finished, NodeFailure
 from forest_msgs_py.runtime.node_parameters import declare
-from forest_msgs_py.runtime.polled_subscription import Inbox
+from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.serialization.packing import pack_clock
 
 WALL_CLOCK = "/parameter_events"  # carries the time of day: no two runs say the same
-ROLL_DEPTH = 100  # nodes
+ANNOUNCEMENT_DEPTH = 100  # nodes
 PAUSE = 0.04  # [s] between two takes: nobody waits for the recorder, and publishers keep far more
 PATIENCE = 10.0  # [s] beyond the guard: who waits for one node, and not for all, shall speak first
 
 Wanted = Callable[[str, Sequence[str]], bool]
-Offered = Callable[[Offer], object]
+Offered = Callable[[DiscoveredTopic], object]
 Refused = Callable[[str, str], None]
 Settled = Callable[[Sequence[str]], bool]
 
@@ -46,7 +47,9 @@ class StepListener:
 
     Args:
         node: that subscribes.
-        wanted, offered, refused: as of the `GraphListener`.
+        wanted: as of the `GraphListener`; so are the next two.
+        offered: the same.
+        refused: the same.
         settled: whether nothing is waited for of these nodes but their messages.
         nodes: of the run.
         guard: how long it waits for a step [s, wall clock].
@@ -67,24 +70,26 @@ class StepListener:
         self.pause = PAUSE
         self._order = StepOrder(nodes)
         self._beside = GraphListener(node, self._leaves, offered, refused)
-        latched = QoSProfile(
-            depth=ROLL_DEPTH,
+        transient_local = QoSProfile(
+            depth=ANNOUNCEMENT_DEPTH,
             reliability=ReliabilityPolicy.RELIABLE,
             durability=DurabilityPolicy.TRANSIENT_LOCAL,
         )
-        self._roll = Inbox(node, message_class(topics.ROLL), topics.ROLL.name, latched)
-        # All nodes' accounts wait in one queue, with `lockstep_quiet` 1 one of each step: the machine may be
+        self._announcements = PolledSubscription(
+            node, message_class(topics.ANNOUNCEMENT), topics.ANNOUNCEMENT.name, transient_local
+        )
+        # All nodes' batches wait in one queue, with `lockstep_quiet` 1 one of each step: the simulator may be
         # hundreds of steps ahead, and what the queue lets go would be missing in the bag.
         depth = DEPTH * len(nodes)
-        self._accounts = Inbox(
-            node, message_class(topics.SAID), topics.SAID.name, lockstep_qos(depth), raw=True
+        self._batches = PolledSubscription(
+            node, message_class(topics.STEP_BATCH), topics.STEP_BATCH.name, lockstep_qos(depth), raw=True
         )
-        self._silences = silences(node, topics.SILENCE)
+        self._no_output_subscriptions = no_output_subscription(node, topics.NO_OUTPUT)
         self._taken = node.create_publisher(
             message_class(topics.RECORDED), topics.RECORDED.name, lockstep_qos()
         )
-        self._found: set[str] = set()  # topics on the roll whose publishers have been seen
-        self._latched: dict[str, Inbox] = {}
+        self._found: set[str] = set()  # topics announced whose publishers have been seen
+        self._transient_local: dict[str, PolledSubscription] = {}
         self._sequence: Counter[str] = Counter()
         self._is_wanted = cache(lambda name: wanted(name, ()))  # asked of every message
         self._told, self._end, self._finished = 0, -1, False  # steps
@@ -98,12 +103,12 @@ class StepListener:
         """Log time of what is told beside messages [ns]: 0, since when a node answers is chance."""
         return 0
 
-    def take(self) -> list[Heard]:
+    def take(self) -> list[ReceivedMessage]:
         """Return the messages of the steps that have become complete since the last time.
 
         Raises:
             Finished: once, when the run's last step was taken the last time.
-            NodeFailure: an account was lost, or no step was completed for as long as the guard allows.
+            NodeFailure: a batch was lost, or no step was completed for as long as the guard allows.
         """
         if self._order.lost:
             raise NodeFailure(f"{self._order.lost}: the record ends before it")
@@ -129,27 +134,27 @@ class StepListener:
         own = name in self._order.types or name == WALL_CLOCK
         return self._order.is_begun and not own and self._wanted(name, types)
 
-    def _heard(self, name: str, stamp: int, data: bytes) -> Heard:
+    def _heard(self, name: str, stamp: int, data: bytes) -> ReceivedMessage:
         self._sequence[name] += 1
-        return Heard(stamp, name, data, stamp, self._sequence[name], 0)
+        return ReceivedMessage(stamp, name, data, stamp, self._sequence[name], 0)
 
     def _listen(self) -> None:
-        for message, _info in self._roll.take():
-            self._order.answer_the_roll(message.data)
+        for message, _info in self._announcements.take():
+            self._order.add_announcement(message.data)
         for name in self._order.types.keys() - self._found:
             self._look_for(name, self._order.types[name])
-        for name, inbox in self._latched.items():
-            for data, _info in inbox.take():
-                self._order.add_latched(name, data)
+        for name, polled in self._transient_local.items():
+            for data, _info in polled.take():
+                self._order.add_transient_local(name, data)
         if self._order.is_begun and self._found == self._order.types.keys():
-            for data, _info in self._accounts.take():
-                self._order.add_account(*read_account(data))
-        for header, _info in self._silences.take():
+            for data, _info in self._batches.take():
+                self._order.add_batch(*read_batch(data))
+        for header, _info in self._no_output_subscriptions.take():
             if header.frame_id == END:
                 self._end = stamp_to_ns(header.stamp) // STEP_NS
 
     def _look_for(self, name: str, type_name: str) -> None:
-        """Offer a topic, once its publisher can be seen, which tells the type's hash.
+        """DiscoveredTopic a topic, once its publisher can be seen, which tells the type's hash.
 
         The bag gets the QoS with which the topic is offered live: the depth and the memory that publishers
         have in lockstep are the run's, not the topic's, and no player shall repeat them.
@@ -159,11 +164,15 @@ class StepListener:
             return
         self._found.add(name)
         row = find(name) or unlisted(name, type_name)
-        if name in self._order.latched:
+        if name in self._order.transient_local:
             kind = message_class(unlisted(name, type_name))
-            self._latched[name] = Inbox(self._node, kind, name, topics.qos(row, reading=True), raw=True)
+            self._transient_local[name] = PolledSubscription(
+                self._node, kind, name, qos(row, reading=True), raw=True
+            )
         if self._wanted(name, (type_name,)):
-            self._offered(Offer(name, type_name, [offered_qos(row)], str(endpoints[0].topic_type_hash)))
+            self._offered(
+                DiscoveredTopic(name, type_name, [offered_qos(row)], str(endpoints[0].topic_type_hash))
+            )
 
     def _tell(self) -> None:
         """Tell how far everything was taken."""

@@ -1,4 +1,4 @@
-"""What a node reads and says in lockstep, step by step; see :mod:`forest_msgs_py.clock.lockstep`."""
+"""What a node reads and publishes in lockstep, step by step; see :mod:`forest_msgs_py.clock.lockstep`."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from forest_msgs_py.interfaces.messages import ns_to_stamp, stamp_to_ns
 from forest_msgs_py.interfaces.stamps import stamp_in
-from forest_msgs_py.interfaces.topics import QUIET, SILENCE, Topic, message_class
+from forest_msgs_py.interfaces.topics import IDLE, NO_OUTPUT, Topic, message_class
 from forest_msgs_py.runtime.node import raw_publish
-from forest_msgs_py.runtime.polled_subscription import Arrival, Inbox
+from forest_msgs_py.runtime.polled_subscription import Arrival, PolledSubscription
 from forest_msgs_py.serialization.cdr import to_cdr
 from forest_msgs_py.types import NS_PER_S
 
 STEP_NS = 5_000_000
 DEPTH = 1000  # steps that a publisher keeps
-LATE = 40  # steps: until then it is known, too, on which topics of `Quiet` nothing was said
-SPAN = "@"  # between a topic's name and the steps in which it is silent; in no name
+LATE = 40  # steps: until then it is known, too, on which topics of `IdleReport` nothing was said
+SPAN = "@"  # between a topic's name and the steps in which it has no output; in no name
 
 
 def lockstep_qos(depth: int = DEPTH) -> QoSProfile:
@@ -35,12 +35,12 @@ def is_awaited(topic: Topic) -> bool:
     return bool(topic.subscribers) and not topic.late
 
 
-def silences(node: Node, topic: Topic) -> Inbox:
-    """A subscription to what is not said."""
-    return Inbox(node, message_class(topic), topic.name, lockstep_qos())
+def no_output_subscription(node: Node, topic: Topic) -> PolledSubscription:
+    """A subscription to the messages that name topics without output."""
+    return PolledSubscription(node, message_class(topic), topic.name, lockstep_qos())
 
 
-def silent_steps(header: Any) -> Iterator[tuple[str, int]]:
+def steps_without_output(header: Any) -> Iterator[tuple[str, int]]:
     """Topics and stamps [ns] of which a message on lockstep/silence or lockstep/quiet tells."""
     for told in header.frame_id.split(" "):
         name, _, span = told.partition(SPAN)
@@ -52,22 +52,22 @@ def silent_steps(header: Any) -> Iterator[tuple[str, int]]:
             yield name, step * STEP_NS
 
 
-class Quiet:
-    """Tells of topics that no node reads, and of many steps at once, that nothing was said.
+class IdleReport:
+    """Reports steps without output of topics that no node waits for, many at once.
 
-    Only who reads them late waits for that: most of these topics are silent in most steps, and a message
-    costs as much as those that matter.
+    Only a node that reads them late needs the report. Most of these topics have no output in most steps, and
+    a message costs as much as those that matter.
 
     Args:
-        node: that speaks.
+        node: that publishes.
     """
 
     def __init__(self, node: Node) -> None:
-        self._publisher = node.create_publisher(message_class(QUIET), QUIET.name, lockstep_qos())
+        self._publisher = node.create_publisher(message_class(IDLE), IDLE.name, lockstep_qos())
         self._spans: list[list[Any]] = []  # name, first and last step
 
     def note(self, step: int, names: Sequence[str]) -> None:
-        """Note on which topics nothing was said in a step."""
+        """Note on which topics nothing was published in a step."""
         for name in names:
             span = next((span for span in self._spans if span[0] == name and span[2] == step - 1), None)
             if span is None:
@@ -76,21 +76,21 @@ class Quiet:
                 span[2] = step
 
     def tell(self, step: int) -> None:
-        """Tell what is untold."""
+        """Publish what was noted since the last report."""
         if self._spans:
             text = " ".join(f"{name}{SPAN}{first}-{last}" for name, first, last in self._spans)
             self._spans.clear()
-            self._publisher.publish(silence(text, step))
+            self._publisher.publish(no_output(text, step))
 
 
-def silence(text: str, step: int) -> bytes:
+def no_output(text: str, step: int) -> bytes:
     """A message on lockstep/silence or lockstep/quiet."""
-    header = message_class(SILENCE)(frame_id=text)
+    header = message_class(NO_OUTPUT)(frame_id=text)
     header.stamp = ns_to_stamp(step * STEP_NS)
     return to_cdr(header)
 
 
-class StepInbox:
+class StepSubscription:
     """Messages of one topic, by the step to which they belong.
 
     Args:
@@ -101,11 +101,11 @@ class StepInbox:
 
     def __init__(self, node: Node, topic: Topic, lag: int = 0) -> None:
         self.topic, self._lag_ns = topic, lag * STEP_NS
-        self._inbox = Inbox(node, message_class(topic), topic.name, lockstep_qos(), raw=True)
-        self.subscription = self._inbox.subscription
+        self._polled = PolledSubscription(node, message_class(topic), topic.name, lockstep_qos(), raw=True)
+        self.subscription = self._polled.subscription
         self.name = self.subscription.topic_name
         self._waiting: dict[int, bytes] = {}
-        self._silent: set[int] = set()
+        self._without_output: set[int] = set()
         self._current: tuple[bytes, float] | None = None
         self.count, self._step_ns, self._said_ns = 0, 0, 0
 
@@ -113,20 +113,20 @@ class StepInbox:
         """Take what has arrived, until it is known what counts in the step of this stamp [ns]."""
         if until > 0 and self.has(until):
             return
-        for data, _info in self._inbox.take():
+        for data, _info in self._polled.take():
             stamp = stamp_in(self.topic.type, data)
             self._waiting.setdefault(stamp, data)
             if stamp == until - self._lag_ns:
                 return
 
-    def silent(self, stamp: int) -> None:
-        """Nothing will be said in the step of this stamp."""
-        self._silent.add(stamp)
+    def without_output(self, stamp: int) -> None:
+        """Note that nothing will be published in the step of this stamp."""
+        self._without_output.add(stamp)
 
     def has(self, stamp: int) -> bool:
         """Whether it is known what counts in the step of this stamp."""
         said = stamp - self._lag_ns
-        return said in self._waiting or said in self._silent or (self._lag_ns > 0 and said <= 0)
+        return said in self._waiting or said in self._without_output or (self._lag_ns > 0 and said <= 0)
 
     def reached(self, stamp: int) -> bool:
         """Whether something was said in the step of this stamp or later; what was before is dropped."""
@@ -138,7 +138,7 @@ class StepInbox:
         """Let the message that counts in this step, if there is one, be the newest."""
         said = stamp - self._lag_ns
         data = self._waiting.pop(said, None)
-        self._silent.discard(said)
+        self._without_output.discard(said)
         self._step_ns = stamp
         if data is not None:
             self._current = data, said / NS_PER_S
@@ -162,15 +162,15 @@ class StepInbox:
 
 
 class StepPublisher:
-    """A publisher that speaks once a step; the first word counts.
+    """A publisher of one message a step; the first counts.
 
-    What nobody waits for is kept until the node is told to tell it: one after the other, messages cost less.
+    Messages that no node waits for are kept until `tell`: one after the other, messages cost less.
 
     Args:
-        node: that speaks.
+        node: that publishes.
         topic: row of the table.
         step: the step that is being made; 0 between the steps.
-        note: is given the step and the bytes of all that is said.
+        note: is given the step and the bytes of all that is published.
     """
 
     def __init__(
@@ -181,14 +181,14 @@ class StepPublisher:
         self._say = raw_publish(self._publisher)
         self._step, self._note = step, note
         self._kept: list[bytes] = []
-        self.spoke = 0  # last step in which something was said
+        self.published_step = 0  # last step in which something was published
 
     def publish(self, message: Any) -> None:
-        """Say a message, or its bytes. Between the steps, as a stopped node's last words, nothing is said."""
+        """Publish a message, or its bytes; nothing between the steps, as when a stopped node ends."""
         step = self._step()
-        if step == self.spoke or step == 0:
+        if step == self.published_step or step == 0:
             return
-        self.spoke = step
+        self.published_step = step
         data = message if isinstance(message, bytes) else to_cdr(message)
         if self.awaited:
             self._say(data)
@@ -197,7 +197,7 @@ class StepPublisher:
         self._note(step, data)
 
     def tell(self) -> None:
-        """Say what was kept."""
+        """Publish what was kept."""
         for data in self._kept:
             self._say(data)
         self._kept.clear()

@@ -30,7 +30,7 @@ class Qos(NamedTuple):
     depth: int = DEFAULT_DEPTH
     keep_all: bool = False
     reliable: bool = True
-    latched: bool = False
+    transient_local: bool = False
     deadline_ns: int = 0
     lifespan_ns: int = 0
     manual: bool = False  # liveliness manual_by_topic
@@ -58,18 +58,18 @@ def offered(qos: Any) -> list[Qos]:
 def for_replay(profiles: list[Qos]) -> Qos:
     """One profile that serves every reader which the recorded publishers together served.
 
-    Reliable or latched if one of them was; the queue holds what all their queues held. Deadline, lifespan and
-    liveliness are those of the first, if all agree: one of several is no promise for all.
+    Reliable or transient local if one of them was; the queue holds what all their queues held. Deadline,
+    lifespan and liveliness are those of the first, if all agree: one of several is no promise for all.
     """
     if not profiles:
         return Qos()
     depths = [profile.depth for profile in profiles]
-    latched = any(profile.latched for profile in profiles)
+    transient_local = any(profile.transient_local for profile in profiles)
     joint = Qos(
-        min(sum(depths) if latched else max(depths), MOST_DEPTH),
+        min(sum(depths) if transient_local else max(depths), MOST_DEPTH),
         any(profile.keep_all for profile in profiles),
         any(profile.reliable for profile in profiles),
-        latched,
+        transient_local,
     )
     limits = {profile[4:] for profile in profiles}
     return Qos(*joint[:4], *profiles[0][4:]) if len(limits) == 1 else joint
@@ -107,14 +107,14 @@ def _profile(entry: dict[str, Any]) -> Qos:
     depth = entry.get("depth")
     lifespan = _duration(entry.get("lifespan"))
     return Qos(
-        min(depth, MOST_DEPTH) if isinstance(depth, int) and depth > 0 else DEFAULT_DEPTH,
-        history == "keep_all",
-        _word(entry.get("reliability"), RELIABILITY) != "best_effort",
-        _word(entry.get("durability"), DURABILITY) == "transient_local",
-        _duration(entry.get("deadline")),
-        lifespan,
-        _word(entry.get("liveliness"), LIVELINESS) == "manual_by_topic",
-        _duration(entry.get("liveliness_lease_duration")),
+        depth=min(depth, MOST_DEPTH) if isinstance(depth, int) and depth > 0 else DEFAULT_DEPTH,
+        keep_all=history == "keep_all",
+        reliable=_word(entry.get("reliability"), RELIABILITY) != "best_effort",
+        transient_local=_word(entry.get("durability"), DURABILITY) == "transient_local",
+        deadline_ns=_duration(entry.get("deadline")),
+        lifespan_ns=lifespan,
+        manual=_word(entry.get("liveliness"), LIVELINESS) == "manual_by_topic",
+        lease_ns=_duration(entry.get("liveliness_lease_duration")),
     )
 
 

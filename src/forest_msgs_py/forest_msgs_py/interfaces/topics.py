@@ -1,6 +1,7 @@
-"""The one table of topics: name, type, values with units, rate, QoS, who speaks and who listens.
+"""The one table of topics: name, type, values with units, rate, publishers and subscribers.
 
-Nodes, recorder, bag reader, pictures and ``docs/topics.md`` are made from this table. Names are relative
+Nodes, recorder, bag reader, plots and ``docs/topics.md`` are made from this table; see `topic_qos` and
+`topic_reference`. Names are relative
 where a crane owns the topic, so that a namespace moves the whole graph; ``/clock``, ``/diagnostics`` and
 ``/rosout`` belong to the ROS graph and are absolute.
 
@@ -14,16 +15,13 @@ port 1, port 2        the sides that move the axis in its positive and negative 
 valve, actuator       place of a pressure transducer: at the valve's port, at the actuator's chamber
 ====================  ======================================================================================
 
-This module imports no ROS: ``qos`` and ``message_class`` do so when they are called.
+This module imports no ROS: ``message_class`` does so when it is called.
 """
 
 from __future__ import annotations
 
 import importlib
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-if TYPE_CHECKING:
-    from rclpy.qos import QoSProfile
+from typing import Any, NamedTuple
 
 JOINTS = ("swing", "boom", "stick")
 ACTUATORS = ("swing_motor", "boom_cylinder", "stick_cylinder")
@@ -36,10 +34,6 @@ JOY_BUTTONS = (
 
 SENSOR_RATE_HZ = 200.0
 JOY_RATE_HZ = 100.0
-STREAM_RATE_HZ = 100.0  # from here on a topic counts as a stream and gets the deeper queue
-STREAM_DEPTH = 200  # 1 s at the sensor rate, from which a reader that was held up still gets what it missed
-READER_DEPTH = 10  # what our nodes keep: after a stall they want the present, not the past
-EVENT_DEPTH = 10
 
 FLOAT_ARRAY = "std_msgs/msg/Float64MultiArray"
 JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -59,7 +53,7 @@ class Topic(NamedTuple):
     doc: str
     publishers: tuple[str, ...]
     subscribers: tuple[str, ...]
-    latched: bool = False
+    transient_local: bool = False
     recorded: bool = True
     late: bool = False  # read by nodes for what it tells slowly; in lockstep `LATE` steps after it was said
     sensed: bool = False  # a stream that others publish, too; the next sample makes up for a lost one
@@ -126,7 +120,7 @@ AUXILIARY = Topic(
 )
 VALVE_COMMANDS = Topic(
     "valve_commands", FLOAT_ARRAY, JOINTS, ("V",) * 3, _RATE,
-    "Voltage of an ideal valve (no lap, linear, nominal pressure drop): a wished actuator speed.",
+    "Voltage of an ideal valve (no lap, linear, nominal pressure drop): an actuator speed.",
     (_CONTROLLER,), (_DRIVER,),
 )
 VALVE_VOLTAGES = Topic(
@@ -142,7 +136,7 @@ VALVE_DRIVER_STATUS = Topic(
           for what in ("deadband", "deadband_spread", "gain", "gain_spread")),
     ),
     ("1",) * 3 + ("V", "V", "1", "1") * 6, 10.0,
-    "1 where a valve cannot open as far as wished; deadband and gain (1: the file's) as known, with spread.",
+    "1 where a valve cannot open as commanded; deadband and gain (1: the file's) as known, with spread.",
     (_DRIVER,), (_CONTROLLER,), late=True,
 )
 TIP_POSE = Topic(
@@ -157,13 +151,13 @@ TIP_TWIST = Topic(
 )
 TIP_TWIST_COMMAND = Topic(
     "tip/twist_command", TWIST, _XYZ, ("m/s",) * 3, _RATE,
-    "Tip velocity that the operator wishes, after every limit; absent in joint mode.",
+    "Commanded tip velocity, after every limit; absent in joint mode.",
     (_CONTROLLER,), _NOBODY,
 )
 CONTROLLER_STATUS = Topic(
     "controller/status", FLOAT_ARRAY,
     ("factor", "limit", "armed", "joystick", "emergency_stop"), ("1",) * 5, _RATE,
-    "What holds the wish back: factor 0..1; codes of limit and joystick as in docs/safety.md; 0 or 1.",
+    "What limits the command: factor 0..1; codes of limit and joystick: explanation/safety.md; 0 or 1.",
     (_CONTROLLER,), _NOBODY,
 )
 EMERGENCY_STOP = Topic(
@@ -174,7 +168,7 @@ EMERGENCY_STOP = Topic(
 EMERGENCY_STOPPED = Topic(
     "emergency_stopped", "std_msgs/msg/Bool", (), (), 0.0,
     "Whether a node stands still after an emergency stop, from its start on; true stops the others, too.",
-    (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER), latched=True,
+    (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER), transient_local=True,
 )
 IDENTIFICATION = Topic(
     "identification/estimates", FLOAT_ARRAY, _ESTIMATES, _ESTIMATE_UNITS, 1.0,
@@ -199,7 +193,7 @@ GROUND_TRUTH_TIP_TWIST = Topic(
 ROBOT_DESCRIPTION = Topic(
     "robot_description", "std_msgs/msg/String", (), (), 0.0,
     "URDF made from the machine file.",
-    (_SIMULATOR,), _NOBODY, latched=True,
+    (_SIMULATOR,), _NOBODY, transient_local=True,
 )
 EVENTS = Topic(
     "events", "std_msgs/msg/String", (), (), 0.0,
@@ -221,22 +215,22 @@ ROSOUT = Topic(
     "What the nodes log.",
     ("every node",), _NOBODY,
 )
-ROLL = Topic(
+ANNOUNCEMENT = Topic(
     "lockstep/roll", "std_msgs/msg/String", (), (), 0.0,
     "In lockstep: a node's name and the topics on which it will speak in every step, line by line.",
-    ("every node in lockstep",), ("recorder in lockstep",), latched=True, recorded=False,
+    ("every node in lockstep",), ("recorder in lockstep",), transient_local=True, recorded=False,
 )
-SILENCE = Topic(
+NO_OUTPUT = Topic(
     "lockstep/silence", "std_msgs/msg/Header", (), (), _RATE,
     "In lockstep: topics on which a node said nothing in a step; 'end' when the step was the last.",
     ("every node in lockstep",), ("every node in lockstep",), recorded=False,
 )
-QUIET = Topic(
+IDLE = Topic(
     "lockstep/quiet", "std_msgs/msg/Header", (), (), _RATE,
     "As lockstep/silence, of topics that no node reads.",
     ("every node in lockstep",), ("nodes in lockstep that read what comes late",), recorded=False,
 )
-SAID = Topic(
+STEP_BATCH = Topic(
     "lockstep/said", "std_msgs/msg/UInt8MultiArray", (), (), _RATE,
     "In lockstep: a node's messages of many steps, with their topics; see `forest_msgs_py.clock.step_batch`.",
     ("every node in lockstep",), ("recorder in lockstep",), recorded=False,
@@ -265,56 +259,13 @@ TOPICS: tuple[Topic, ...] = (
     IDENTIFICATION,
     *(EMERGENCY_STOPPED, GROUND_TRUTH_JOINT_STATES, GROUND_TRUTH_TIP_POSE),
     *(GROUND_TRUTH_TIP_TWIST, ROBOT_DESCRIPTION, EVENTS, DIAGNOSTICS, CLOCK, ROSOUT),
-    *(ROLL, SILENCE, QUIET, SAID, RECORDED),
+    *(ANNOUNCEMENT, NO_OUTPUT, IDLE, STEP_BATCH, RECORDED),
 )
 
 
 def unlisted(name: str, type_name: str) -> Topic:
     """A row for a topic that is not in the table: somebody else's, or in a bag."""
     return Topic(name, type_name, (), (), 0.0, "", (), ())
-
-
-def queue_depth(topic: Topic) -> int:
-    """Length of the publisher's queue, messages."""
-    if topic.latched:
-        return 1
-    return STREAM_DEPTH if topic.rate_hz >= STREAM_RATE_HZ else EVENT_DEPTH
-
-
-def qos(topic: Topic, reading: bool = False) -> QoSProfile:
-    """Publishers are reliable; latched topics keep their last message for those who come late.
-
-    A subscription to what is sensed is best-effort: it hears reliable publishers and best-effort ones, and a
-    lost sample does not hold back those after it until it was repeated. Of what is latched it keeps more
-    than one message, or the last of one publisher would take the place of another's.
-
-    Args:
-        topic: row of the table.
-        reading: for a subscription, whose queue is short.
-    """
-    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-
-    durability = DurabilityPolicy.TRANSIENT_LOCAL if topic.latched else DurabilityPolicy.VOLATILE
-    lossy = reading and topic.sensed
-    reliability = ReliabilityPolicy.BEST_EFFORT if lossy else ReliabilityPolicy.RELIABLE
-    depth = READER_DEPTH if reading else queue_depth(topic)
-    return QoSProfile(depth=depth, reliability=reliability, durability=durability)
-
-
-def offered_qos(topic: Topic) -> dict[str, Any]:
-    """What our publisher of a topic offers, with the keys and words of rosbag2's metadata."""
-    never = {"sec": 9223372036, "nsec": 854775807}
-    return {
-        "history": "keep_last",
-        "depth": queue_depth(topic),
-        "reliability": "reliable",
-        "durability": "transient_local" if topic.latched else "volatile",
-        "deadline": never,
-        "lifespan": never,
-        "liveliness": "automatic",
-        "liveliness_lease_duration": never,
-        "avoid_ros_namespace_conventions": False,
-    }
 
 
 def message_class(topic: Topic) -> Any:
@@ -331,72 +282,3 @@ def find(name: str) -> Topic | None:
     """The row of a resolved topic name, whatever namespace the crane runs in (the longest match wins)."""
     matches = [row for row in TOPICS if f"/{name}".endswith("/" + row.name.lstrip("/"))]
     return max(matches, key=lambda row: len(row.name), default=None)
-
-
-def _fields(topic: Topic) -> str:
-    """Labels with units; a unit shared by all labels is named once."""
-    if len(set(topic.units)) == 1:
-        return f"{', '.join(topic.labels)} [{topic.units[0]}]"
-    return (
-        "; ".join(f"{label} [{unit}]" for label, unit in zip(topic.labels, topic.units, strict=True)) or "-"
-    )
-
-
-def _row(topic: Topic) -> str:
-    quality = f"reliable, {'latched' if topic.latched else 'volatile'}, depth {queue_depth(topic)}"
-    quality += "; read best-effort" if topic.sensed else ""
-    people = (", ".join(topic.publishers) or "-", ", ".join(topic.subscribers) or "-")
-    rate = f"{topic.rate_hz:g} Hz" if topic.rate_hz else "on change"
-    cells = (f"`{topic.name}`", topic.type, _fields(topic), rate, quality, "yes" if topic.recorded else "no")
-    return f"| {' | '.join((*cells, *people, topic.doc))} |"
-
-
-def markdown() -> str:
-    """The table as ``docs/topics.md`` holds it."""
-    head = ("topic", "type", "values [unit]", "rate", "QoS", "recorded", "published by", "read by", "content")
-    return "\n".join(
-        (
-            "# Topics",
-            "",
-            "Made by `python -m forest_msgs_py.interfaces.topics`; a test compares.",
-            "Names without a leading slash are relative: a namespace moves them. A Float64MultiArray carries",
-            "`data = [sec, nanosec, values...]`, `layout.data_offset` 2 and the labels, comma-separated, in",
-            "`layout.dim[0].label`; with `data_offset` 0 the values stand alone and count as of now.",
-            "A sensor that is not there, or has lost its sample, is absent from the labels (a joint from the",
-            "names), never NaN; a message of which nothing is left is not sent.",
-            "",
-            "**QoS.** Our publishers are reliable. What sensors and joysticks say is read best-effort, so",
-            "that drivers which publish best-effort are heard, too; `emergency_stop` is read in every way.",
-            "On the other topics a publisher that offers less than is asked for is not heard: the node that",
-            "does not hear it names it on `/diagnostics` (WARN) and in its log.",
-            "",
-            "**Emergency stop.** Controller and valve driver each latch `emergency_stopped` from their start",
-            "on. Who joins gets the last word of each; the machine stands as long as one of them says true.",
-            "",
-            "**Diagnostics.** OK: the part works. WARN: it works, but it waits for somebody, cannot hear",
-            "somebody, or clips a command. ERROR: something is wrong, and the node stands still or does",
-            "without. The values are ages, rates since the last time, counts, and the limits in force.",
-            "",
-            "**Poses.** `tip/pose` is the URDF's frame `tip` in `base_link`: x along the stick, y level to",
-            "the left. A pose whose orientation nobody knows, as of an imported log, has an all-zero",
-            "quaternion.",
-            "",
-            f"| {' | '.join(head)} |",
-            f"|{'---|' * len(head)}",
-            *(_row(topic) for topic in TOPICS),
-        )
-    )
-
-
-def overview() -> str:
-    """The short table that the README holds: topic, type, content."""
-    rows = [
-        f"| `{topic.name}` | {topic.type.replace('/msg/', '/')} | {topic.doc} |"
-        for topic in TOPICS
-        if topic.recorded
-    ]
-    return "\n".join(("| topic | type | content |", "|---|---|---|", *rows))
-
-
-if __name__ == "__main__":
-    print(markdown())

@@ -12,7 +12,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from forest_msgs_py.interfaces.topics import message_class, unlisted
-from forest_msgs_py.runtime.polled_subscription import Inbox
+from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.runtime.sequences import SequenceGaps
 
 QUEUE_DEPTH = 10_000  # messages: three seconds of 3 kHz, in which a disk may think
@@ -20,7 +20,7 @@ PAUSE = 0.01  # [s] waking up once for all that arrived is several times cheaper
 LOOKS = 10  # of them, one counts not only the publishers but asks who they are, which takes far longer
 
 
-class Heard(NamedTuple):
+class ReceivedMessage(NamedTuple):
     """One message: serialized, its times [ns], its publisher's count, and how many are missing before it."""
 
     received_ns: int
@@ -31,7 +31,7 @@ class Heard(NamedTuple):
     missed: int
 
 
-class Offer(NamedTuple):
+class DiscoveredTopic(NamedTuple):
     """A topic as its publishers offer it; profiles with the keys of rosbag2's metadata."""
 
     name: str
@@ -40,14 +40,14 @@ class Offer(NamedTuple):
     type_hash: str
 
 
-class _Watched:
+class _ListenedTopic:
     """One topic: its publishers so far, the QoS that suits them all, and the gaps."""
 
     def __init__(self) -> None:
         self.publishers: dict[bytes, TopicEndpointInfo] = {}
         self.told = 0  # of the publishers, to who listens
         self.present = 0  # at the last look
-        self.inbox: Inbox | None = None
+        self.polled: PolledSubscription | None = None
         self.qos: tuple[ReliabilityPolicy, DurabilityPolicy] | None = None
         self.gaps = SequenceGaps()
 
@@ -66,15 +66,15 @@ class GraphListener:
         self,
         node: Node,
         wanted: Callable[[str, Sequence[str]], bool],
-        offered: Callable[[Offer], object],
+        offered: Callable[[DiscoveredTopic], object],
         refused: Callable[[str, str], None],
     ) -> None:
         self.pause = PAUSE  # [s] between two takes
         self._node, self._wanted, self._offered, self._tell_refused = node, wanted, offered, refused
-        self._watched: dict[str, _Watched] = {}
+        self._watched: dict[str, _ListenedTopic] = {}
         self._refused: set[str] = set()
         self._looks = 0
-        self._moved: list[Heard] = []  # from subscriptions that were made anew
+        self._moved: list[ReceivedMessage] = []  # from subscriptions that were made anew
 
     def look(self) -> None:
         """Subscribe to what has appeared since the last look."""
@@ -93,29 +93,33 @@ class GraphListener:
         """Log time of what is told now beside messages [ns]."""
         return time.time_ns()
 
-    def take(self) -> list[Heard]:
+    def take(self) -> list[ReceivedMessage]:
         """Return what has arrived since the last time, in the order of arrival."""
         heard, self._moved = self._moved, []
         for name, watched in self._watched.items():
-            if watched.inbox is not None:
-                heard.extend(self._taken(name, watched, watched.inbox))
+            if watched.polled is not None:
+                heard.extend(self._taken(name, watched, watched.polled))
         heard.sort(key=itemgetter(0))
         return heard
 
-    def _taken(self, name: str, watched: _Watched, inbox: Inbox) -> Iterator[Heard]:
+    def _taken(
+        self, name: str, watched: _ListenedTopic, polled: PolledSubscription
+    ) -> Iterator[ReceivedMessage]:
         observe = watched.gaps.observe
 
         def publishers() -> int:  # asked only when a number does not follow on
             return self._meet_publishers(name, watched)
 
-        for data, info in inbox.take():
+        for data, info in polled.take():
             sequence = info.get("publication_sequence_number") or 0
             missed = observe(sequence, publishers)
-            yield Heard(info["received_timestamp"], name, data, info["source_timestamp"], sequence, missed)
+            yield ReceivedMessage(
+                info["received_timestamp"], name, data, info["source_timestamp"], sequence, missed
+            )
 
     def _follow(self, name: str, type_name: str) -> None:
         """Learn the topic's publishers, and subscribe, or subscribe anew if a new one offers less."""
-        watched = self._watched.get(name) or _Watched()
+        watched = self._watched.get(name) or _ListenedTopic()
         present = self._node.count_publishers(name)
         if present == watched.present and self._looks % LOOKS:
             return
@@ -131,22 +135,22 @@ class GraphListener:
         watched.told = len(watched.publishers)
         endpoints = list(watched.publishers.values())
         profiles = [_profile(endpoint.qos_profile) for endpoint in endpoints]
-        self._offered(Offer(name, type_name, profiles, str(endpoints[0].topic_type_hash)))
+        self._offered(DiscoveredTopic(name, type_name, profiles, str(endpoints[0].topic_type_hash)))
         suits_all = _common_qos(endpoints)
         if suits_all != watched.qos:
             self._subscribe(name, kind, watched, suits_all)
 
     def _subscribe(
-        self, name: str, kind: Any, watched: _Watched, qos: tuple[ReliabilityPolicy, DurabilityPolicy]
+        self, name: str, kind: Any, watched: _ListenedTopic, qos: tuple[ReliabilityPolicy, DurabilityPolicy]
     ) -> None:
-        if watched.inbox is not None:
-            self._moved.extend(self._taken(name, watched, watched.inbox))
-            self._node.destroy_subscription(watched.inbox.subscription)
+        if watched.polled is not None:
+            self._moved.extend(self._taken(name, watched, watched.polled))
+            self._node.destroy_subscription(watched.polled.subscription)
         watched.qos = qos
         profile = QoSProfile(depth=QUEUE_DEPTH, reliability=qos[0], durability=qos[1])
-        watched.inbox = Inbox(self._node, kind, name, profile, raw=True)
+        watched.polled = PolledSubscription(self._node, kind, name, profile, raw=True)
 
-    def _meet_publishers(self, name: str, watched: _Watched) -> int:
+    def _meet_publishers(self, name: str, watched: _ListenedTopic) -> int:
         """Note who publishes now; return how many have done so until now."""
         for endpoint in self._node.get_publishers_info_by_topic(name):
             watched.publishers.setdefault(bytes(endpoint.endpoint_gid), endpoint)
@@ -161,10 +165,10 @@ def _common_qos(endpoints: list[TopicEndpointInfo]) -> tuple[ReliabilityPolicy, 
     """The most that every publisher offers: asking for more than one of them offers would not match it."""
     profiles = [endpoint.qos_profile for endpoint in endpoints]
     reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in profiles)
-    latched = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in profiles)
+    transient_local = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in profiles)
     return (
         ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+        DurabilityPolicy.TRANSIENT_LOCAL if transient_local else DurabilityPolicy.VOLATILE,
     )
 
 

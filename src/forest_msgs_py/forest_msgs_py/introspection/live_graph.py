@@ -31,7 +31,7 @@ POLL = 0.02  # [s]
 UNKNOWN = "_NODE_NAME_UNKNOWN_"  # as the middleware says
 
 
-def speakers(node: Node, topic: Topic) -> list[str]:
+def publishers_of(node: Node, topic: Topic) -> list[str]:
     """Return the names of the nodes that publish on a topic; who was just found may be `UNKNOWN`."""
     return [end.node_name for end in node.get_publishers_info_by_topic(node.resolve_topic_name(topic.name))]
 
@@ -103,7 +103,7 @@ class LiveGraph:
             if not result.successful:
                 raise NoAnswer(f"{node} refuses {name} = {values[name]!r}: {result.reason}")
 
-    def hears(self, topic: Topic) -> bool:
+    def has_message(self, topic: Topic) -> bool:
         """Whether something is said on a topic within `LOOK`."""
         heard: list[Any] = []
         self._listen(topic, heard, lambda: bool(heard), LOOK)
@@ -115,11 +115,11 @@ class LiveGraph:
         self._listen(topics.EMERGENCY_STOPPED, heard, lambda: any(said.data for said in heard), LATCHED)
         return any(said.data for said in heard)
 
-    def speakers(self, topic: Topic) -> list[str]:
+    def publishers_of(self, topic: Topic) -> list[str]:
         """Return the names of the nodes that publish on a topic, once those there are were found."""
         self._until(lambda: False, SETTLE)
-        self._until(lambda: UNKNOWN not in speakers(self._node, topic), LOOK)
-        return speakers(self._node, topic)
+        self._until(lambda: UNKNOWN not in publishers_of(self._node, topic), LOOK)
+        return publishers_of(self._node, topic)
 
     def close(self) -> None:
         """Leave the graph."""

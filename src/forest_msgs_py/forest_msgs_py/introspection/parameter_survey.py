@@ -28,7 +28,7 @@ class ParameterSurvey:
         own = {name: given.value for name, given in node.get_parameters_by_prefix("").items()}
         self._told(node.get_fully_qualified_name(), plain(own))
         self._known = {node.get_fully_qualified_name()}
-        self._open: list[_Question] = []
+        self._open: list[_ParameterRequest] = []
 
     def has_heard(self, names: Collection[str]) -> bool:
         """Whether these nodes (as in this namespace) have answered, or will not."""
@@ -42,13 +42,13 @@ class ParameterSurvey:
             whole = f"{namespace.rstrip('/')}/{name}"
             if whole not in self._known and not name.startswith("_"):
                 self._known.add(whole)
-                self._open.append(_Question(self._node, whole, self._told))
+                self._open.append(_ParameterRequest(self._node, whole, self._told))
         for question in self._open:
             question.go_on()
         self._open = [question for question in self._open if not question.over]
 
 
-class _Question:
+class _ParameterRequest:
     """Which parameters a node has, and then what they are."""
 
     def __init__(self, node: Node, name: str, told: Callable[[str, dict[str, Any]], None]) -> None:

@@ -52,7 +52,7 @@ class RawPublishers:
             key = (node.resolve_topic_name(name), types[topic])
             if key not in made:
                 kind, profile = message_class(unlisted(topic, types[topic])), profiles[topic]
-                if complete and profile.reliable and not profile.latched:
+                if complete and profile.reliable and not profile.transient_local:
                     profile = profile._replace(keep_all=True)
                 made[key] = node.create_publisher(
                     kind, name, _qos_profile(profile), event_callbacks=_silent()
@@ -105,7 +105,7 @@ class RawPublishers:
         if self._clock is not None:
             self._clock.publish(self._clock_type(clock=ns_to_stamp(time_ns)))
 
-    def lonely(self) -> list[str]:
+    def without_subscribers(self) -> list[str]:
         """Return the names under which nobody listens."""
         return sorted({p.topic_name for p in self.publishers.values() if not p.get_subscription_count()})
 
@@ -134,7 +134,7 @@ def _qos_profile(qos: Qos) -> QoSProfile:
         depth=qos.depth,
         history=HistoryPolicy.KEEP_ALL if qos.keep_all else HistoryPolicy.KEEP_LAST,
         reliability=ReliabilityPolicy.RELIABLE if qos.reliable else ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if qos.latched else DurabilityPolicy.VOLATILE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if qos.transient_local else DurabilityPolicy.VOLATILE,
         liveliness=LivelinessPolicy.MANUAL_BY_TOPIC if qos.manual else LivelinessPolicy.AUTOMATIC,
         **{name: Duration(nanoseconds=value) for name, value in limits.items() if value},
     )

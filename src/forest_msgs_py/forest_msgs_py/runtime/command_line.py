@@ -8,6 +8,7 @@ import contextlib
 import math
 import sys
 from collections.abc import Callable
+from typing import TextIO
 
 LARGEST = 2**31 - 1  # whole number that a flag takes: seeds are as large
 
@@ -37,6 +38,38 @@ def whole(low: int, high: int = LARGEST) -> Callable[[str], int]:
         return int(text)
 
     return read
+
+
+class StatusLine:
+    """How far a run is, in one line: on a terminal it overwrites itself, elsewhere each is a line of its own.
+
+    tqdm and rich write bars: elsewhere than on a terminal they write carriage returns into the log, and a
+    recording has no end to count towards.
+
+    Args:
+        stream: standard output or error.
+        log: takes a line where there is no terminal; None: the stream does.
+    """
+
+    def __init__(self, stream: TextIO, log: Callable[[str], object] | None = None) -> None:
+        self.terminal = stream.isatty()
+        self._stream, self._log = stream, log
+        self._shown = False
+
+    def show(self, text: str) -> None:
+        """Write the line."""
+        if self.terminal:
+            self._shown = True
+            print(f"\r\x1b[K{text}", end="", file=self._stream, flush=True)
+        elif self._log is not None:
+            self._log(text)
+        else:
+            print(text, file=self._stream, flush=True)
+
+    def end(self) -> None:
+        """Leave the terminal's line as it is, and go to the next."""
+        if self._shown:
+            print(file=self._stream, flush=True)
 
 
 def run(program: str, options: argparse.Namespace, errors: tuple[type[Exception], ...]) -> int:

@@ -39,7 +39,8 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from forest_msgs_py.interfaces.topics import Topic, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import Topic, message_class
 from forest_msgs_py.runtime.environment import NoSupervisor, prepare_environment, wait_for_supervisor
 
 LAST_WORDS = 0.1  # [s]
@@ -99,16 +100,16 @@ def run_node(factory: Callable[[], Node], args: Sequence[str] | None = None) -> 
     try:
         wait_for_supervisor()
     except NoSupervisor as error:
-        _complain(error)
+        _print_error(error)
         return 2
     signals = _StopSignals()
     try:
         try:
             rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
             node = factory()
-            _warn_of_strangers(node)
+            _warn_of_unknown_parameters(node)
         except _start_errors() as error:
-            _complain(error)
+            _print_error(error)
             return 2
         code = _spin(node, signals)
         node.destroy_node()
@@ -124,7 +125,7 @@ def _start_errors() -> tuple[type[BaseException], ...]:
     return (ValueError, OSError, NodeFailure, ParameterException, NameValidationException, RCLError)
 
 
-def _warn_of_strangers(node: Node) -> None:
+def _warn_of_unknown_parameters(node: Node) -> None:
     """Say which parameters were given that the node does not have: ROS says nothing, a slip has no effect."""
     given: dict[str, Any] = getattr(node, "_parameter_overrides", {})
     for name in given:
@@ -134,7 +135,7 @@ def _warn_of_strangers(node: Node) -> None:
             node.get_logger().warning(f"parameter {name!r} is not one of this node's and does nothing{meant}")
 
 
-def _complain(error: BaseException) -> None:
+def _print_error(error: BaseException) -> None:
     print(f"{Path(sys.argv[0]).stem}: {' '.join(str(error).split())}", file=sys.stderr, flush=True)
 
 
@@ -152,7 +153,9 @@ def _spin(node: Node, signals: _StopSignals) -> int:
     last_words: Callable[[], None] | None = getattr(node, "stop", None)
     if last_words is not None:
         code = max(code, _outcome(last_words))
-    _let_arrive(node)  # what was said in a thread of the node's, too, as the last account of a lockstep run
+    _wait_for_acknowledgement(
+        node
+    )  # what was said in a thread of the node's, too, as the last batch of a lockstep run
     executor.shutdown(timeout_sec=0.0)
     return code
 
@@ -181,7 +184,7 @@ class _Loop:
         return self._code
 
 
-def _let_arrive(node: Node) -> None:
+def _wait_for_acknowledgement(node: Node) -> None:
     """Give the last words time to arrive: readers drop what a vanished writer had in flight."""
     end = time.monotonic() + LAST_WORDS
     for sender in node.publishers:
@@ -199,7 +202,7 @@ def _outcome(run: Callable[[], None]) -> int:
     except (KeyboardInterrupt, ExternalShutdownException, Finished):
         return 0
     except NodeFailure as error:
-        _complain(error)
+        _print_error(error)
         return 1
     except Exception:  # noqa: BLE001  whatever it was, the last words come next
         traceback.print_exc()

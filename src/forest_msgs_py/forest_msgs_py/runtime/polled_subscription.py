@@ -17,7 +17,8 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from forest_msgs_py.interfaces.topics import Topic, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import qos
+from forest_msgs_py.interfaces.topics import Topic, message_class
 
 CLOCK_TOLERANCE = 0.05  # [s] between the clocks of publisher and reader
 
@@ -41,7 +42,7 @@ def sent_at(info: dict[str, int]) -> float:
     return now - age if age > -CLOCK_TOLERANCE else -math.inf
 
 
-class _NeverWoken(CallbackGroup):
+class _NotInWaitSet(CallbackGroup):
     """Keeps its subscriptions out of the executor's wait set."""
 
     def can_execute(self, _entity: object) -> bool:
@@ -54,7 +55,7 @@ class _NeverWoken(CallbackGroup):
         pass
 
 
-class Tally:
+class ReceivedCount:
     """How many messages of a topic were taken, and how old the newest is."""
 
     subscription: Any = None  # that brings them
@@ -72,7 +73,7 @@ class Tally:
         return (time.time_ns() - self._sent_ns) * 1e-9 if self.count else math.inf
 
 
-class Inbox(Tally):
+class PolledSubscription(ReceivedCount):
     """Messages of one topic, waiting in the middleware's queue until they are taken.
 
     Args:
@@ -90,7 +91,7 @@ class Inbox(Tally):
             name,
             lambda _: None,
             profile,
-            callback_group=_NeverWoken(),
+            callback_group=_NotInWaitSet(),
             event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),  # nobody would take them
             raw=raw,
         )
@@ -118,6 +119,6 @@ class Inbox(Tally):
         return Arrival(newest[0], sent_at(newest[1]))
 
 
-def inbox(node: Node, topic: Topic) -> Inbox:
-    """An inbox with the type and the QoS of the table, for the bytes of messages."""
-    return Inbox(node, message_class(topic), topic.name, qos(topic, reading=True), raw=True)
+def polled_subscription(node: Node, topic: Topic) -> PolledSubscription:
+    """A polled subscription with the type and the QoS of the table, for the bytes of messages."""
+    return PolledSubscription(node, message_class(topic), topic.name, qos(topic, reading=True), raw=True)

@@ -55,14 +55,14 @@ class Source(Protocol):
         """Return values by their names, which tell the units."""
 
 
-class Health:
+class Diagnostics:
     """Keeps the notes of one node.
 
     Args:
-        node: whose health it is.
+        node: whose diagnostics these are.
         parts: what can fail, in the order in which it is told.
         consequence: what the node does about any trouble; begins every warning.
-        said: publisher of /diagnostics, if the node has one of its own pace.
+        said: publisher of /diagnostics, if the node has one of its own clock.
     """
 
     def __init__(self, node: Node, parts: tuple[str, ...], consequence: str, said: Any = None) -> None:

@@ -32,9 +32,10 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_srvs.srv import Trigger
 
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.interfaces.topics import READER_DEPTH, message_class, qos
+from forest_msgs_py.interfaces.topic_qos import READER_DEPTH, qos
+from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import publisher, subscription
-from forest_msgs_py.safety.input_status import Strangers
+from forest_msgs_py.safety.input_status import UnmatchedPublishers
 
 AGAIN = 1.0  # [s]
 REMEMBERED = 32  # commands heard live, which the other subscriptions repeat
@@ -49,7 +50,7 @@ class EmergencyStop:
         prefix: of the services' names: "" or "~/".
         objection: what stands against a reset now, "" for nothing.
         act: called at once when the stop is pressed.
-        said: publisher of /emergency_stopped, if the node has one of its own pace.
+        said: publisher of /emergency_stopped, if the node has one of its own clock.
     """
 
     def __init__(
@@ -77,7 +78,7 @@ class EmergencyStop:
         node.create_subscription(self._message, name, self._on_latched, latched, event_callbacks=silent)
         node.create_subscription(self._message, name, self._on_command, lossy, event_callbacks=silent)
         self._states = subscription(node, topics.EMERGENCY_STOPPED, self._on_state)
-        self._others = Strangers(node, self._states)
+        self._others = UnmatchedPublishers(node, self._states)
         node.create_service(Trigger, f"{prefix}emergency_stop", self._on_press)
         node.create_service(Trigger, f"{prefix}reset_emergency_stop", self._on_reset)
         self._tell()

@@ -17,21 +17,29 @@ class InputStatus:
 
     Args:
         node: that subscribes.
-        pace: of the node.
-        ear: the inbox, or what the pace's `on` gave.
+        clock: of the node.
+        subscription: the polled subscription, or what the clock's `on` gave.
         what: is waited for, as "a joystick"; "" for nothing.
         is_missed: whether it is; default: as long as no message has ever come.
     """
 
     def __init__(
-        self, node: Node, pace: Any, ear: Any, what: str = "", is_missed: Callable[[], bool] | None = None
+        self,
+        node: Node,
+        clock: Any,
+        subscription: Any,
+        what: str = "",
+        is_missed: Callable[[], bool] | None = None,
     ) -> None:
-        self._pace, self._ear, self._what = pace, ear, what
-        self._is_missed = is_missed or (lambda: bool(what) and ear.count == 0)
-        self._name: str = ear.subscription.topic_name
-        asks = not pace.lockstep and ear.subscription.qos_profile.reliability == ReliabilityPolicy.RELIABLE
-        self._strangers = Strangers(node, ear.subscription) if asks else None
-        self._since, self._before, self._rate = pace.now(), 0, math.nan
+        self._clock, self._subscription, self._what = clock, subscription, what
+        self._is_missed = is_missed or (lambda: bool(what) and subscription.count == 0)
+        self._name: str = subscription.subscription.topic_name
+        asks = (
+            not clock.lockstep
+            and subscription.subscription.qos_profile.reliability == ReliabilityPolicy.RELIABLE
+        )
+        self._unmatched = UnmatchedPublishers(node, subscription.subscription) if asks else None
+        self._since, self._before, self._rate = clock.now(), 0, math.nan
 
     def waiting(self) -> str:
         """Return what is waited for, and where; "" for nothing."""
@@ -39,11 +47,11 @@ class InputStatus:
 
     def unheard(self) -> str:
         """Return which publishers the subscription cannot hear, and why; "" for none."""
-        return self._strangers.told() if self._strangers is not None else ""
+        return self._unmatched.told() if self._unmatched is not None else ""
 
     def values(self) -> dict[str, Any]:
         """Return age, rate and count of the messages."""
-        now, count, age = self._pace.now(), self._ear.count, self._ear.age()
+        now, count, age = self._clock.now(), self._subscription.count, self._subscription.age()
         if (elapsed := now - self._since) >= WINDOW:
             self._rate = (count - self._before) / elapsed
             self._since, self._before = now, count
@@ -54,7 +62,7 @@ class InputStatus:
         }
 
 
-class Strangers:
+class UnmatchedPublishers:
     """Publishers that offer less than a subscription asks for: the middleware brings nothing of theirs.
 
     ROS tells the publisher's side of that, which may be somebody else's, on a computer that nobody looks at.

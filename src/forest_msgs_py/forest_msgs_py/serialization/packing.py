@@ -21,14 +21,28 @@ from forest_msgs_py.interfaces.messages import (
     twist_stamped,
 )
 from forest_msgs_py.interfaces.topics import FLOAT_ARRAY, JOINT_STATE, POSE, TWIST, Topic
-from forest_msgs_py.serialization.batch_encoder import MARK, MARKED_STAMP, columns
 from forest_msgs_py.serialization.cdr import ENCAPSULATION, to_cdr
 from forest_msgs_py.types import NS_PER_S
 
 DOUBLE = 8  # bytes
+MARKED_STAMP = 1_234_567_891_987_654_321  # [ns]
+MARK = 1.2345678912345e-77  # times 1, 2, 3 …; no message has such numbers
 
 
-class _Run(NamedTuple):
+def columns(topic: Topic) -> tuple[str, ...]:
+    """The numbers of one message in the order that `Packer.pack` takes them.
+
+    Raises:
+        ValueError: the topic's messages are not made of a stamp and numbers.
+    """
+    if topic.type == JOINT_STATE:
+        return tuple(f"{name}.{part}" for part in ("position", "velocity", "effort") for name in topic.labels)
+    if topic.type in (FLOAT_ARRAY, POSE, TWIST):
+        return topic.labels
+    raise ValueError(f"{topic.name}: {topic.type} is not a stamp and numbers")
+
+
+class Run(NamedTuple):
     """Numbers that stand side by side, both in the message and among the values."""
 
     packer: struct.Struct
@@ -37,11 +51,13 @@ class _Run(NamedTuple):
     end: int
 
 
-class _Template(NamedTuple):
+class Template(NamedTuple):
+    """A message's bytes, and where in them stamp and numbers stand; ``stamp`` None: it carries none."""
+
     data: bytes
     stamp: struct.Struct | None
     stamp_place: int
-    runs: tuple[_Run, ...]
+    runs: tuple[Run, ...]
 
 
 class Packer:
@@ -56,17 +72,17 @@ class Packer:
     def __init__(self, topic: Topic, frame: str = "", plain: bool = False) -> None:
         self._topic, self._frame, self._plain = topic, frame, plain
         self._size = len(columns(topic))
-        self._templates: dict[tuple[bool, ...], _Template | None] = {}
-        self._whole = self._template((True,) * self._size)
+        self._templates: dict[tuple[bool, ...], Template | None] = {}
+        self.whole = self._template((True,) * self._size)  # of a message in which nothing is missing
 
     def pack(self, stamp_ns: int, values: Sequence[float]) -> bytes | None:
-        """A message with this stamp and these numbers, in the order of `encoding.columns`.
+        """A message with this stamp and these numbers, in the order of `columns`.
 
         NaN stands for a sensor without a sample, which is left out; None if nothing is left.
         """
         if len(values) != self._size:
             raise ValueError(f"{self._topic.name}: {len(values)} numbers; allowed: {self._size}")
-        template = self._whole
+        template = self.whole
         if math.isnan(sum(values)):
             template = self._template(tuple(not math.isnan(value) for value in values))
         if template is None:
@@ -78,7 +94,7 @@ class Packer:
             run.packer.pack_into(data, run.place, *values[run.first : run.end])
         return bytes(data)
 
-    def _template(self, present: tuple[bool, ...]) -> _Template | None:
+    def _template(self, present: tuple[bool, ...]) -> Template | None:
         """Learn, once, where the numbers of a message with these present stand."""
         if present not in self._templates:
             marks = [MARK * (n + 1) if there else math.nan for n, there in enumerate(present)]
@@ -86,18 +102,18 @@ class Packer:
             self._templates[present] = None if message is None else self._learnt(to_cdr(message), marks)
         return self._templates[present]
 
-    def _learnt(self, data: bytes, marks: list[float]) -> _Template:
+    def _learnt(self, data: bytes, marks: list[float]) -> Template:
         wanted = [(n, struct.pack("<d", mark)) for n, mark in enumerate(marks) if not math.isnan(mark)]
         told = [(n, data.index(mark)) for n, mark in wanted if mark in data]
         if self._topic.type == FLOAT_ARRAY and self._plain:
-            return _Template(data, None, 0, _runs(told))
+            return Template(data, None, 0, _runs(told))
         stamp = struct.Struct("<dd" if self._topic.type == FLOAT_ARRAY else "<iI")
         place = data.index(stamp.pack(*divmod(MARKED_STAMP, NS_PER_S)))
-        return _Template(data, stamp, place, _runs(told))
+        return Template(data, stamp, place, _runs(told))
 
 
-class Speaker:
-    """Says stamps and numbers.
+class NumberPublisher:
+    """Publishes stamps and numbers.
 
     Args:
         publish: publishes the bytes of a message of the topic.
@@ -107,7 +123,7 @@ class Speaker:
     def __init__(self, publish: Callable[[bytes], None], packer: Packer) -> None:
         self._publish, self._packer = publish, packer
 
-    def say(self, stamp_ns: int, values: Sequence[float]) -> None:
+    def publish(self, stamp_ns: int, values: Sequence[float]) -> None:
         """Publish a message with this stamp and these numbers, unless all of them are missing."""
         data = self._packer.pack(stamp_ns, values)
         if data is not None:
@@ -129,7 +145,7 @@ def pack_clock(stamp_ns: int) -> bytes:
     return ENCAPSULATION + struct.pack("<iI", *divmod(stamp_ns, NS_PER_S))
 
 
-def _runs(told: list[tuple[int, int]]) -> tuple[_Run, ...]:
+def _runs(told: list[tuple[int, int]]) -> tuple[Run, ...]:
     """Join numbers whose neighbours among the values are neighbours in the bytes, too."""
     if not told:
         return ()
@@ -140,7 +156,7 @@ def _runs(told: list[tuple[int, int]]) -> tuple[_Run, ...]:
     ]
     edges = [0, *breaks, len(told)]
     return tuple(
-        _Run(struct.Struct(f"<{end - start}d"), told[start][1], told[start][0], told[end - 1][0] + 1)
+        Run(struct.Struct(f"<{end - start}d"), told[start][1], told[start][0], told[end - 1][0] + 1)
         for start, end in pairwise(edges)
     )
 
@@ -149,8 +165,7 @@ def _message(topic: Topic, frame: str, values: list[float], plain: bool) -> Any:
     if topic.type == JOINT_STATE:
         n = len(topic.labels)
         return sensor_joint_state(topic.labels, MARKED_STAMP, values[:n], values[n : 2 * n], values[2 * n :])
-    if topic.type == POSE:
-        return pose_stamped(MARKED_STAMP, frame, values)
-    if topic.type == TWIST:
-        return twist_stamped(MARKED_STAMP, frame, values)
+    if topic.type in (POSE, TWIST):
+        make = pose_stamped if topic.type == POSE else twist_stamped
+        return None if any(map(math.isnan, values[:3])) else make(MARKED_STAMP, frame, values)
     return sensor_array(topic, MARKED_STAMP, values, plain)

@@ -49,12 +49,23 @@ _UNREADABLE = "bytes that are no such message; allowed: %s"
 Pick = Callable[[Sequence[float]], tuple[float, ...]]
 
 
-class _Array(NamedTuple):
-    prefix: bytes
-    numbers: struct.Struct
-    place: int
+class _Layout(NamedTuple):
+    """Where the numbers of a publisher's messages stand, as one of them showed."""
+
+    fixed: tuple[tuple[int, bytes], ...]  # places of bytes that are the same in every message
+    numbers: struct.Struct  # of each run
+    places: tuple[int, ...]  # of the runs; 0: the run is empty
     size: int
     pick: Pick
+
+    def runs(self, data: bytes) -> list[tuple[float, ...]] | None:
+        """Return the numbers of each run; None: the message is laid out otherwise."""
+        if len(data) < self.size:
+            return None
+        for place, part in self.fixed:
+            if not data.startswith(part, place):
+                return None
+        return [self.numbers.unpack_from(data, place) if place else () for place in self.places]
 
 
 class ArrayReader:
@@ -68,14 +79,12 @@ class ArrayReader:
     def __init__(self, topic: Topic, labels: tuple[str, ...] | None = None) -> None:
         self._topic, self._labels = topic, topic.labels if labels is None else labels
         self._class = message_class(topic)
-        self._known: _Array | None = None
+        self._layout: _Layout | None = None
 
     def read(self, data: bytes, now_ns: int) -> Reading:
         """Values of the array, one per label, all finite; `now_ns` is the stamp of one that carries none."""
-        known = self._known
-        if known is not None and data.startswith(known.prefix) and len(data) >= known.size:
-            numbers = known.numbers.unpack_from(data, known.place)
-            stamp_ns, values = array_stamp(numbers), known.pick(numbers)
+        if self._layout is not None and (runs := self._layout.runs(data)) is not None:
+            stamp_ns, values = array_stamp(runs[0]), self._layout.pick(runs[0])
             if stamp_ns is not None and math.isfinite(sum(values)):
                 return Reading(stamp_ns, values, "")
         return self._judge(data, now_ns)
@@ -86,29 +95,17 @@ class ArrayReader:
             return Reading(now_ns, (), f"{self._topic.name}: {_UNREADABLE % self._topic.type}")
         reading = read_float_array(self._topic, message, now_ns, self._labels)
         if not reading.problem and message.layout.data_offset == STAMP_SIZE and _is_plain_cdr(data):
-            self._known = self._learnt(data, message)
+            self._layout = self._learnt(data, message)
         return reading
 
-    def _learnt(self, data: bytes, message: Any) -> _Array:
+    def _learnt(self, data: bytes, message: Any) -> _Layout:
         end = after_dimensions(data) + 8  # behind data_offset and the count
         place = FIRST + aligned(end - FIRST, DOUBLE)
         text = message.layout.dim[0].label if message.layout.dim else ""
-        names = [name.strip() for name in text.split(",")] if text else self._topic.labels
-        at = {name: STAMP_SIZE + n for n, name in enumerate(names)}
+        names = [name.strip() for name in text.split(",")] if text else list(self._topic.labels)
         numbers = struct.Struct(f"<{len(message.data)}d")
-        return _Array(data[:end], numbers, place, place + numbers.size, _picker(at, self._labels))
-
-
-class _Joints(NamedTuple):
-    prefix: bytes
-    numbers: struct.Struct
-    place: int
-    size: int
-    counts: Pick  # of velocities and efforts
-    expected: tuple[float, ...]
-    position: Pick
-    velocity: Pick
-    effort: Pick
+        pick = _picker([""] * STAMP_SIZE + names, self._labels)
+        return _Layout(((0, data[:end]),), numbers, (place,), place + numbers.size, pick)
 
 
 class JointReader:
@@ -120,16 +117,14 @@ class JointReader:
 
     def __init__(self, names: tuple[str, ...]) -> None:
         self._names = names
-        self._known: _Joints | None = None
+        self._layout: _Layout | None = None
 
     def read(self, data: bytes) -> Reading:
         """The joints' values, whatever their order in the message."""
-        known = self._known
-        if known is not None and data.startswith(known.prefix, AFTER_STAMP) and len(data) >= known.size:
-            numbers = known.numbers.unpack_from(data, known.place)
-            values = JointValues(known.position(numbers), known.velocity(numbers), known.effort(numbers))
-            finite = math.isfinite(sum(map(sum, values)))
-            if finite and known.counts(numbers) == known.expected and _is_plain_cdr(data):
+        if self._layout is not None and (runs := self._layout.runs(data)) is not None:
+            pick = self._layout.pick
+            values = JointValues(*(pick(run) if run else () for run in runs))
+            if math.isfinite(sum(map(sum, values))):
                 return Reading(_header_stamp(data), values, "")
         return self._judge(data)
 
@@ -139,25 +134,26 @@ class JointReader:
             return Reading(0, JointValues(), f"joint state: {_UNREADABLE % topics.JOINT_STATE}")
         reading = read_joint_state(self._names, message)
         if not reading.problem and _is_plain_cdr(data):
-            self._known = self._learnt(data, message)
+            self._layout = self._learnt(data, message)
         return reading
 
-    def _learnt(self, data: bytes, message: Any) -> _Joints | None:
+    def _learnt(self, data: bytes, message: Any) -> _Layout | None:
         """Where the numbers stand; None of a message that has other numbers than all or none of each kind."""
-        n, rest = len(message.name), (len(message.velocity), len(message.effort))
-        if len(message.position) != n or not set(rest) <= {0, n}:
+        n = len(message.name)
+        counts = len(message.position), len(message.velocity), len(message.effort)
+        if counts[0] != n or not set(counts) <= {0, n}:
             return None
-        end = _after_names(data, n) + 4  # behind the count of positions
-        place = FIRST + aligned(end - FIRST, DOUBLE)
-        numbers = struct.Struct("<" + _joint_format(n, *rest))
-        first = (n + 1, n + 1 + rest[0] + 1)  # velocity, effort, among what is unpacked
-        at = {name: place for place, name in enumerate(message.name)}
-        picks = [
-            _picker({name: begin + k for name, k in at.items()}, self._names) if count else _nothing
-            for begin, count in zip((0, *first), (n, *rest), strict=True)
-        ]
-        counts = itemgetter(first[0] - 1, first[1] - 1)
-        return _Joints(data[AFTER_STAMP:end], numbers, place, place + numbers.size, counts, rest, *picks)
+        place = _after_names(data, n)
+        fixed, places = [(0, ENCAPSULATION[:2]), (AFTER_STAMP, data[AFTER_STAMP:place])], []
+        for count in counts:
+            fixed.append((place, data[place : place + 4]))
+            place += 4
+            if count:
+                place = FIRST + aligned(place - FIRST, DOUBLE)
+            places.append(place if count else 0)
+            place += DOUBLE * count
+        numbers = struct.Struct(f"<{n}d")
+        return _Layout(tuple(fixed), numbers, tuple(places), place, _picker(message.name, self._names))
 
 
 def read_joy_data(data: bytes, min_axes: int = 4, min_buttons: int = 1) -> tuple[Reading, str]:
@@ -202,13 +198,6 @@ def _header_stamp(data: bytes) -> int:
     return int(sec) * NS_PER_S + int(nanosec)
 
 
-def _joint_format(positions: int, velocities: int, efforts: int) -> str:
-    """Doubles, then twice a count and its doubles; counts are filled up to the next multiple of eight."""
-    if not velocities:
-        return f"{positions}dII{efforts}d"
-    return f"{positions}dI4x{velocities}dI" + (f"4x{efforts}d" if efforts else "")
-
-
 def _after_names(data: bytes, count: int) -> int:
     """Where the count of positions stands, behind the frame and the names of a JointState."""
     place = _after_string(data, AFTER_STAMP) + 4
@@ -222,14 +211,10 @@ def _after_string(data: bytes, place: int) -> int:
     return aligned(place + 4 + length, 4)
 
 
-def _picker(at: dict[str, int], wanted: Sequence[str]) -> Pick:
-    """Takes the wanted numbers, in their order."""
-    places = [at[name] for name in wanted]
+def _picker(names: Sequence[str], wanted: Sequence[str]) -> Pick:
+    """Takes the wanted numbers, in their order, of those that belong to some names."""
+    places = [names.index(name) for name in wanted]
     first = places[0]
     if places == list(range(first, first + len(places))):
         return itemgetter(slice(first, first + len(places)))
     return itemgetter(*places)
-
-
-def _nothing(_numbers: Sequence[float]) -> tuple[float, ...]:
-    return ()

@@ -13,7 +13,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.serialization.batch_encoder import columns
+from forest_msgs_py.serialization.packing import columns
 from forest_sim.analysis.mode_map import MapPoint
 from forest_sim.simulation.energy_account import Account
 from forest_sim.simulation.sensor_log import LOGGED_TOPICS
@@ -65,7 +65,14 @@ def _bag(kept: Rows) -> Bag:
     stamps = np.round(kept["time"] * 1e9).astype(np.int64)
     return bag_of(
         {
-            topic: Series(stamps, stamps, kept[topic], columns(topic), (), incomplete=0)
+            topic: Series(
+                time_ns=stamps,
+                log_time_ns=stamps,
+                values=kept[topic],
+                labels=columns(topic),
+                units=(),
+                incomplete=0,
+            )
             for topic in LOGGED_TOPICS
         }
     )

@@ -147,7 +147,15 @@ def _solve_with_port_valve(
     slope, retained = step / yielding, line.capacitance / yielding  # dP/dQ; dP/d(pressure)
     offset = retained * pressure - slope * outflow  # P at Q = 0
     if is_shut(port):
-        return LineSolution(offset, 0.0, slope, 0.0, offset, slope, slope)
+        return LineSolution(
+            pressure=offset,
+            flow=0.0,
+            stiffness=slope,
+            flow_gain=0.0,
+            port_pressure=offset,
+            port_stiffness=slope,
+            slope=slope,
+        )
     gain = step / line.inertance
     share = 1.0 / (1.0 + gain * slope)
     intercept, admittance = share * (flow - gain * offset), share * gain

@@ -63,7 +63,18 @@ def supply(pump: Pump) -> Supply:
     """Return the kernel's constants of a machine's pump."""
     if isinstance(pump, IdealPump):
         return Supply(
-            1, pump.supply_pressure, math.inf, math.inf, 1.0, 0.0, 0.0, 1.0, math.inf, 0.0, 0.0, 0.0
+            ideal=1,
+            set_pressure=pump.supply_pressure,
+            flow_limit=math.inf,
+            power_limit=math.inf,
+            efficiency=1.0,
+            compensation=0.0,
+            leakage=0.0,
+            capacitance=1.0,
+            relief_pressure=math.inf,
+            relief_conductance=0.0,
+            margin=0.0,
+            rate=0.0,
         )
     band = pump.compensator_band if isinstance(pump, PressureCompensatedPump | LoadSensingPump) else math.inf
     margin, lag = (pump.margin, pump.response_time) if isinstance(pump, LoadSensingPump) else (0.0, math.inf)

@@ -5,7 +5,7 @@ the valve to the actuator, hose 2 from the actuator to the valve. Node names are
 crane's places. What the graph leaves to the manipulator is a velocity source: its through variable
 is the torque or force on the load.
 
-`page` draws them and writes what follows from them into docs/linear-graphs.md.
+`page` draws them and writes what follows from them into docs/explanation/linear-graphs.md.
 
 | symbol | name | unit |
 |---|---|---|

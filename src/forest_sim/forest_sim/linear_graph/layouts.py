@@ -22,7 +22,7 @@ BOTTOM = 350.0
 
 
 class Circuit(NamedTuple):
-    """A circuit that docs/linear-graphs.md tells of."""
+    """A circuit that docs/explanation/linear-graphs.md tells of."""
 
     file: str
     title: str

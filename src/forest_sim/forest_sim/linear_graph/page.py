@@ -1,7 +1,7 @@
-"""docs/linear-graphs.md and its drawings: every circuit, its normal tree and what follows from it.
+"""Write docs/explanation/linear-graphs.md and its drawings: each circuit, its normal tree, its equations.
 
-`python -m forest_sim.linear_graph.page docs` writes them; a test compares. The equations are those that
-`state_equations` derives, set in LaTeX; a fraction's denominator that is a sum gets a name, Δ.
+`python -m forest_sim.linear_graph.page` writes them; a test compares. The equations are those that
+`state_equations` derives, set in LaTeX. A denominator that is a sum gets a name, Δ.
 """
 
 from __future__ import annotations
@@ -32,26 +32,39 @@ from forest_sim.linear_graph.state_equations import (
 
 INTRODUCTION = """# Linear graphs
 
-Made by `python -m forest_sim.linear_graph.page docs`; do not edit by hand, a test compares. The
-thesis models each
-actuation subsystem as a linear graph and derives its state equations by hand (sections 3.3 and 3.4). Here the
-graphs are data (`forest_sim.linear_graph.actuation_graphs`) and the equations are derived from
-them; tests show that they
-are those of the simulator. The hand's misprints are listed in [equations.md](equations.md).
+`python -m forest_sim.linear_graph.page` writes this page; do not edit it by hand.
 
-- An arrow gives a branch's positive directions: its across variable (pressure P, angular velocity W, velocity
-  V) drops along it, its through variable (flow Q, torque t, force F) runs along it. So a pump that delivers
-  has a negative flow, and the through variable of a velocity source is the torque or force on the load.
-- Bold branches are the normal tree: across sources, then as many A-type storages (capacitances) as possible,
-  then one branch of each transformer and both or none of each gyrator, then D-types (resistances), T-type
-  storages (inertances) last. States are the A-types' across variables in the tree and the T-types' through
-  variables outside it.
-- A branch outside the tree (a link) closes one loop with it: **compatibility**. Cutting a branch of the tree
-  leaves a set of links: **continuity**. With the elements' laws these are as many equations as unknowns; what
-  is neither state nor input is eliminated.
+Each actuation subsystem is a linear graph, as in sections 3.3 and 3.4 of the thesis.
+The graph is data (`forest_sim.linear_graph.actuation_graphs`).
+`forest_sim.linear_graph.state_equations` derives the state equations from it.
+Tests compare them with the simulator's equations (`test_actuation_graphs.py`).
+Misprints of the printed derivation are listed in [equations](equations.md#misprints-corrected).
+
+## How to read a graph
+
+- The arrow is the positive direction of a branch.
+- The across variable (pressure P, angular velocity W, velocity V) drops along the arrow.
+- The through variable (flow Q, torque t, force F) runs along the arrow.
+- Bold branches are the normal tree. Thin branches are links; each closes one loop with the tree.
+- A pump that delivers has a negative flow.
+- The through variable of a velocity source is the torque or force on the load.
 - Port 1 of the valve is open to the supply, port 2 to the tank.
 
-To change a circuit, change its branches. That needs sympy: `scripts/setup.sh test` installs it, or
+## How the equations follow
+
+1. The normal tree takes branches in this order: across sources; as many A-type storages
+   (capacitances) as possible; one branch of each transformer; both branches or none of each
+   gyrator; D-types (resistances); T-type storages (inertances).
+2. The states are the across variables of the A-types in the tree, and the through variables of
+   the T-types outside it.
+3. Each link gives one **compatibility** equation: the across variables of its loop.
+4. Each branch of the tree gives one **continuity** equation: the through variables of its cut-set.
+5. With the laws of the elements, there are as many equations as unknowns. What is neither state
+   nor input is eliminated.
+
+## How to change a circuit
+
+Change its branches. This needs sympy: `scripts/setup.sh test`, or
 `pip install 'forest-crane[graphs]'`.
 
 ```python
@@ -65,26 +78,32 @@ print(dict(zip(equations.states, equations.derivatives)))
 print(equations.through["xdot"])  # force on the load
 ```
 
-A circuit that cannot be is refused with the names of its elements: unconnected parts, a loop of across
-sources, a cut-set of through sources, a storage that depends on others, a quadratic element whose law is not
-explicit.
+An impossible circuit is refused with the names of its elements. Impossible are:
+
+- unconnected parts;
+- a loop of across sources, or a cut-set of through sources;
+- a storage that depends on other storages;
+- a quadratic element whose law is not explicit.
 """
 
 NOTES = {
     "swing": """\
-Thesis fig. 3.8. Branches 1 and 2 are the motor, 3 and 4 the gear train. The torque on the load is the through
-variable of the swing's velocity source; P₁ is the pressure across the motor.""",
+Thesis fig. 3.8. Branches 1 and 2 are the motor, 3 and 4 the gear train.
+P₁ is the pressure across the motor.
+The torque on the load is the through variable of the swing's velocity source.""",
     "boom": """\
-Thesis fig. 3.9; the stick's graph is the same. Branches 1 and 2 are the head side of the piston, 4 and 3 its
-rod side. Q₄ counts into the rod side, as in the thesis' 3.11; what leaves the cylinder is the flow of R₂. The
-force on the load is the through variable of the piston's velocity source.""",
+Thesis fig. 3.9. The stick has the same graph.
+Branches 1 and 2 are the head side of the piston, 4 and 3 its rod side.
+Q₄ counts into the rod side, as in eq. 3.11; the flow of R₂ leaves the cylinder.
+The force on the load is the through variable of the piston's velocity source.""",
     "boom_pi": """\
-Half of each hose's capacitance at either end. The orifices now lie between two pressures that are states or
-inputs: they are links, and their law is used the other way round, flow from pressure drop.""",
+Half of each hose's capacitance stands at either end.
+Each orifice lies between two pressures that are states or inputs, so it is a link.
+Its law is used in the other direction: flow from pressure drop.""",
     "boom_two_lumps": """\
-Hose 1 in two lumps: two states more.""",
+Hose 1 has two lumps. This adds two states.""",
     "boom_relief": """\
-An open relief valve with a straight characteristic from hose 1 to the tank: one term more.""",
+An open relief valve with a linear characteristic joins hose 1 to the tank. This adds one term.""",
 }
 
 
@@ -174,7 +193,7 @@ def section(circuit: Circuit) -> str:
             f"## {circuit.title}",
             f"![Linear graph: {circuit.title}](graphs/{circuit.file}.svg)",
             NOTES[circuit.file],
-            f"Normal tree: {inside}.",
+            f"Normal tree:\n{inside}.",
             element_table(equations.tree),
             equation_text(equations),
         )
@@ -182,15 +201,15 @@ def section(circuit: Circuit) -> str:
 
 
 def files() -> dict[str, str]:
-    """Return the text of every file below docs/."""
+    """Return the text of the page and of each drawing, by its path below docs/explanation."""
     page = "\n\n".join([INTRODUCTION.rstrip(), *(section(circuit) for circuit in CIRCUITS)]) + "\n"
     drawings = {f"graphs/{c.file}.svg": svg(state_equations(c.graph()).tree, c.layout) for c in CIRCUITS}
     return {"linear-graphs.md": page} | drawings
 
 
 def main() -> None:
-    """Write the page and the drawings into the directory that is named, by default docs."""
-    root = Path(sys.argv[1] if len(sys.argv) > 1 else "docs")
+    """Write the page and the drawings into the directory that is named, by default docs/explanation."""
+    root = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/explanation")
     for name, text in files().items():
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).write_text(text, "utf-8")

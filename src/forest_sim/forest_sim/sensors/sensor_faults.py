@@ -59,7 +59,14 @@ def _fault(entry: str) -> Fault:
             f"'{entry}': from {start:g} s until {end:g} s; allowed: a time from 0 s on and a later one"
         )
     bias, probability = _amount(entry, name, form)
-    return Fault(CHANNELS.index(name), MODES[form["word"]], bias, probability, start, end)
+    return Fault(
+        channel=CHANNELS.index(name),
+        mode=MODES[form["word"]],
+        bias=bias,
+        probability=probability,
+        start=start,
+        end=end,
+    )
 
 
 def _amount(entry: str, name: str, form: re.Match[str]) -> tuple[float, float]:

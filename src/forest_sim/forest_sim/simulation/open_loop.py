@@ -140,7 +140,13 @@ def blocks(
         states, energies = np.zeros((count, len(STATE))), np.zeros((count, len(ENERGY)))
         simulation = advance(simulation, volts, given, p, states, energies)
         after = np.arange(begin + 1, begin + count + 1) / run.rate
-        yield Block(after, voltages.at(after), states, energies, np.full(count, temperature))
+        yield Block(
+            time=after,
+            voltages=voltages.at(after),
+            states=states,
+            energies=energies,
+            temperature=np.full(count, temperature),
+        )
         if oil is not None:
             time = count / run.rate
             temperature = temperature_after(temperature, dissipated_energy(energies) / time, oil, time)
@@ -172,7 +178,13 @@ def _start(simulation: Simulation, voltages: Voltages, temperature: float) -> Bl
     states = np.zeros((1, len(STATE)))
     store(simulation, states[0])
     time = np.zeros(1)
-    return Block(time, voltages.at(time), states, np.zeros((1, len(ENERGY))), np.full(1, temperature))
+    return Block(
+        time=time,
+        voltages=voltages.at(time),
+        states=states,
+        energies=np.zeros((1, len(ENERGY))),
+        temperature=np.full(1, temperature),
+    )
 
 
 def whole(machine: Machine, voltages: Voltages, angles: Vec3, run: Run) -> Block:

@@ -14,13 +14,8 @@ from forest_bag.write.bag_writer import BagWriter, Layout
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_description.urdf.robot_description import robot_description
-from forest_msgs_py.interfaces.topics import (
-    GROUND_TRUTH_TIP_POSE,
-    ROBOT_DESCRIPTION,
-    Topic,
-    message_class,
-    offered_qos,
-)
+from forest_msgs_py.interfaces.topic_qos import offered_qos
+from forest_msgs_py.interfaces.topics import GROUND_TRUTH_TIP_POSE, ROBOT_DESCRIPTION, Topic, message_class
 from forest_msgs_py.serialization.batch_encoder import Encoder
 from forest_msgs_py.serialization.cdr import to_cdr
 from forest_sim.simulation.energy_account import Account, account

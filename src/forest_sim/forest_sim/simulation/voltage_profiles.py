@@ -11,22 +11,24 @@ step.
 | FILE.csv | columns time, swing, boom, stick; each row holds until the next one's time, the last to the end |
 """
 
-import csv
 import math
 from collections.abc import Callable
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from forest_description.types import AXES, ZERO, Floats
+from forest_msgs_py.interfaces.csv_text import Column, read_rows
 
 NAMES = ("step", "chirp", "thesis")
-COLUMNS = ("time", *AXES)
 LONGEST = 86400.0  # [s] the latest time of a file
 GREATEST = 100.0  # [V] beyond any amplifier: a number in other units
+COLUMNS = (
+    Column("time", 0.0, LONGEST, "s"),
+    *(Column(axis, -GREATEST, GREATEST, "V") for axis in AXES),
+)
 LEAD_IN = 0.5  # [s] at rest before the built-in inputs
 HOLD, REST = 1.0, 0.5  # [s] of `step`
 ROUNDING = 1e-9  # [s] of a time that is a multiple of the step
@@ -142,37 +144,5 @@ def read_voltages(path: Path) -> Voltages:
     Raises:
         InputError: the file cannot be read, or a line does not fit.
     """
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:  # spreadsheets put a byte order mark there
-            reader = csv.reader(file)
-            header, *rows = [(reader.line_num, row) for row in reader if row] or [(1, ["nothing"])]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as CSV: {error}") from error
-    if tuple(cell.strip() for cell in header[1]) != COLUMNS:
-        found = ",".join(header[1])
-        raise InputError(f"{path}:{header[0]}: the header must be {','.join(COLUMNS)}, found {found}")
-    if not rows:
-        raise InputError(f"{path}:{header[0]}: no rows below the header; allowed: one or more")
-    numbers = [_numbers(path, line, row) for line, row in rows]
-    for (line, _), (before, after) in zip(rows[1:], pairwise(numbers), strict=True):
-        if after[0] <= before[0]:
-            raise InputError(f"{path}:{line}: time is {after[0]:g} after {before[0]:g}; times must rise")
-    table = np.array(numbers)
+    table = np.array(read_rows(path, COLUMNS, InputError))
     return Voltages(path.name, partial(_held, table[:, 0], table[:, 1:]), float(table[-1, 0]))
-
-
-def _numbers(path: Path, line: int, row: list[str]) -> list[float]:
-    if len(row) != len(COLUMNS):
-        raise InputError(f"{path}:{line}: {len(row)} columns; allowed are the {len(COLUMNS)} of the header")
-    values = []
-    for name, cell in zip(COLUMNS, row, strict=True):
-        low, high = (0.0, LONGEST) if name == "time" else (-GREATEST, GREATEST)
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
-        if not low <= value <= high:  # false for NaN as well
-            unit = "s" if name == "time" else "V"
-            raise InputError(f"{path}:{line}: {name} is {cell!r}; allowed: {low:g} .. {high:g} {unit}")
-        values.append(value)
-    return values

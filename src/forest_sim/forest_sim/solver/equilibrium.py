@@ -25,11 +25,13 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
     bias = mechanics(angles, (0.0, 0.0, 0.0), head, p).bias
     return Simulation(
         PlantState(
-            AxisState(angles[0], 0.0, 0.0, 0.0, 0.0, 0.0),
-            _hold(angles[1], bias[1] / lever_arm(angles[1], p.boom_linkage), p.boom, p),
-            _hold(angles[2], bias[2] / lever_arm(angles[2], p.stick_linkage), p.stick, p),
-            idle_supply(p.supply),
-            head,
+            swing=AxisState(
+                angle=angles[0], rate=0.0, pressure_1=0.0, pressure_2=0.0, flow_1=0.0, flow_2=0.0
+            ),
+            boom=_hold(angles[1], bias[1] / lever_arm(angles[1], p.boom_linkage), p.boom, p),
+            stick=_hold(angles[2], bias[2] / lever_arm(angles[2], p.stick_linkage), p.stick, p),
+            supply=idle_supply(p.supply),
+            head=head,
         ),
         (CENTRED, CENTRED, CENTRED),
         Events(0, 0, 0),
@@ -57,5 +59,19 @@ def _hold(angle: float, force: float, axis: Axis, p: PlantParameters) -> AxisSta
     a_1, a_2 = axis.actuator.displacement_1, axis.actuator.displacement_2
     preload = PRELOAD * p.supply.set_pressure
     if force + a_2 * preload >= a_1 * preload:
-        return AxisState(angle, 0.0, (force + a_2 * preload) / a_1, preload, 0.0, 0.0)
-    return AxisState(angle, 0.0, preload, (a_1 * preload - force) / a_2, 0.0, 0.0)
+        return AxisState(
+            angle=angle,
+            rate=0.0,
+            pressure_1=(force + a_2 * preload) / a_1,
+            pressure_2=preload,
+            flow_1=0.0,
+            flow_2=0.0,
+        )
+    return AxisState(
+        angle=angle,
+        rate=0.0,
+        pressure_1=preload,
+        pressure_2=(a_1 * preload - force) / a_2,
+        flow_1=0.0,
+        flow_2=0.0,
+    )

@@ -145,17 +145,17 @@ def _equations_at(
             base.supply, supply, (swing, boom, stick), ports, (t_1.arm, t_2.arm, t_3.arm), h, p
         )
     return StageEquations(
-        swing,
-        boom,
-        stick,
-        resisted(m.inertia, (swing.resistance, boom.resistance, stick.resistance), p.head.damping, h),
-        (
+        swing=swing,
+        boom=boom,
+        stick=stick,
+        matrix=resisted(m.inertia, (swing.resistance, boom.resistance, stick.resistance), p.head.damping, h),
+        residual=(
             gained[0] + h * (m.bias[0] - swing.torque),
             gained[1] + h * (m.bias[1] - boom.torque),
             gained[2] + h * (m.bias[2] - stick.torque),
         ),
-        (head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
-        error,
+        head_residual=(head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
+        supply=error,
     )
 
 

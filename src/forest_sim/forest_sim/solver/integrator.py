@@ -133,14 +133,14 @@ def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
     """Return start + weight (stage - start)."""
     a, b = start.supply, stage.supply
     return PlantState(
-        _blend_axis(start.swing, stage.swing, weight),
-        _blend_axis(start.boom, stage.boom, weight),
-        _blend_axis(start.stick, stage.stick, weight),
-        SupplyState(
+        swing=_blend_axis(start.swing, stage.swing, weight),
+        boom=_blend_axis(start.boom, stage.boom, weight),
+        stick=_blend_axis(start.stick, stage.stick, weight),
+        supply=SupplyState(
             a.pressure + weight * (b.pressure - a.pressure),
             a.reference + weight * (b.reference - a.reference),
         ),
-        _blend_head(start.head, stage.head, weight),
+        head=_blend_head(start.head, stage.head, weight),
     )
 
 
@@ -155,10 +155,10 @@ def _blend_head(a: HeadState, b: HeadState, w: float) -> HeadState:
 
 def _blend_axis(a: AxisState, b: AxisState, w: float) -> AxisState:
     return AxisState(
-        a.angle + w * (b.angle - a.angle),
-        a.rate + w * (b.rate - a.rate),
-        a.pressure_1 + w * (b.pressure_1 - a.pressure_1),
-        a.pressure_2 + w * (b.pressure_2 - a.pressure_2),
-        a.flow_1 + w * (b.flow_1 - a.flow_1),
-        a.flow_2 + w * (b.flow_2 - a.flow_2),
+        angle=a.angle + w * (b.angle - a.angle),
+        rate=a.rate + w * (b.rate - a.rate),
+        pressure_1=a.pressure_1 + w * (b.pressure_1 - a.pressure_1),
+        pressure_2=a.pressure_2 + w * (b.pressure_2 - a.pressure_2),
+        flow_1=a.flow_1 + w * (b.flow_1 - a.flow_1),
+        flow_2=a.flow_2 + w * (b.flow_2 - a.flow_2),
     )

@@ -68,22 +68,32 @@ def mechanics(q: Vec3, rates: Vec3, head: HeadState, p: PlantParameters) -> Mech
         load = tip_load_torques(q, p.tip_force, p.body)
         bias = (bias[0] - load[0], bias[1] - load[1], bias[2] - load[2])
     if p.head.mass == 0.0:
-        inertia = Inertia(d.m_11, 0.0, 0.0, d.m_22, d.m_23, d.m_33, NOT_COUPLED, 0.0, 0.0)
+        inertia = Inertia(
+            m_11=d.m_11,
+            m_12=0.0,
+            m_13=0.0,
+            m_22=d.m_22,
+            m_23=d.m_23,
+            m_33=d.m_33,
+            coupling=NOT_COUPLED,
+            m_alpha=0.0,
+            m_beta=0.0,
+        )
         return Mechanics(inertia, bias, (0.0, 0.0))
     angle_rates = head.alpha_rate, head.beta_rate
     h = pendulum_dynamics(q, rates, (head.alpha, head.beta), angle_rates, p.head, p.body)
     damping = pendulum_damping(rates, angle_rates, p.head)
     return Mechanics(
         Inertia(
-            d.m_11 + h.m_11,
-            h.m_12,
-            h.m_13,
-            d.m_22 + h.m_22,
-            d.m_23 + h.m_23,
-            d.m_33 + h.m_33,
-            h.coupling,
-            h.m_alpha,
-            h.m_beta,
+            m_11=d.m_11 + h.m_11,
+            m_12=h.m_12,
+            m_13=h.m_13,
+            m_22=d.m_22 + h.m_22,
+            m_23=d.m_23 + h.m_23,
+            m_33=d.m_33 + h.m_33,
+            coupling=h.coupling,
+            m_alpha=h.m_alpha,
+            m_beta=h.m_beta,
         ),
         (
             bias[0] + h.crane_bias[0] - damping.crane[0],
@@ -123,15 +133,15 @@ def resisted(m: Inertia, resistance: Vec3, damping: float, h: float) -> Inertia:
         b = 0.0
     c = m.coupling
     return Inertia(
-        m.m_11 + h * resistance[0],
-        m.m_12,
-        m.m_13,
-        m.m_22 + h * resistance[1] + b,
-        m.m_23 + b,
-        m.m_33 + h * resistance[2] + b,
-        (c[0], (c[1][0] - b, c[1][1]), (c[2][0] - b, c[2][1])),
-        m.m_alpha + b,
-        m.m_beta + b,
+        m_11=m.m_11 + h * resistance[0],
+        m_12=m.m_12,
+        m_13=m.m_13,
+        m_22=m.m_22 + h * resistance[1] + b,
+        m_23=m.m_23 + b,
+        m_33=m.m_33 + h * resistance[2] + b,
+        coupling=(c[0], (c[1][0] - b, c[1][1]), (c[2][0] - b, c[2][1])),
+        m_alpha=m.m_alpha + b,
+        m_beta=m.m_beta + b,
     )
 
 
@@ -146,15 +156,15 @@ def solve(m: Inertia, r: Vec3, s: Pair) -> tuple[Vec3, Pair]:
     e_1, e_2, e_3 = c_1[0] / m.m_alpha, c_2[0] / m.m_alpha, c_3[0] / m.m_alpha
     f_1, f_2, f_3 = c_1[1] / m.m_beta, c_2[1] / m.m_beta, c_3[1] / m.m_beta
     reduced = Inertia(
-        m.m_11 - e_1 * c_1[0] - f_1 * c_1[1],
-        m.m_12 - e_1 * c_2[0] - f_1 * c_2[1],
-        m.m_13 - e_1 * c_3[0] - f_1 * c_3[1],
-        m.m_22 - e_2 * c_2[0] - f_2 * c_2[1],
-        m.m_23 - e_2 * c_3[0] - f_2 * c_3[1],
-        m.m_33 - e_3 * c_3[0] - f_3 * c_3[1],
-        NOT_COUPLED,
-        0.0,
-        0.0,
+        m_11=m.m_11 - e_1 * c_1[0] - f_1 * c_1[1],
+        m_12=m.m_12 - e_1 * c_2[0] - f_1 * c_2[1],
+        m_13=m.m_13 - e_1 * c_3[0] - f_1 * c_3[1],
+        m_22=m.m_22 - e_2 * c_2[0] - f_2 * c_2[1],
+        m_23=m.m_23 - e_2 * c_3[0] - f_2 * c_3[1],
+        m_33=m.m_33 - e_3 * c_3[0] - f_3 * c_3[1],
+        coupling=NOT_COUPLED,
+        m_alpha=0.0,
+        m_beta=0.0,
     )
     a = _solve_crane(
         reduced,

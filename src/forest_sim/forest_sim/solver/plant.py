@@ -149,11 +149,11 @@ def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: Pl
     )
     (a_1, a_2, a_3), (a_alpha, a_beta) = accelerations(mechanics(angles, rates, state.head, p), torques)
     return PlantState(
-        _axis_derivative(swing, a_1, t_1.arm, ports[0], state.supply.pressure, p.swing, p),
-        _axis_derivative(boom, a_2, t_2.arm, ports[1], state.supply.pressure, p.boom, p),
-        _axis_derivative(stick, a_3, t_3.arm, ports[2], state.supply.pressure, p.stick, p),
-        _supply_derivative(state, ports, p),
-        HeadState(state.head.alpha_rate, state.head.beta_rate, a_alpha, a_beta),
+        swing=_axis_derivative(swing, a_1, t_1.arm, ports[0], state.supply.pressure, p.swing, p),
+        boom=_axis_derivative(boom, a_2, t_2.arm, ports[1], state.supply.pressure, p.boom, p),
+        stick=_axis_derivative(stick, a_3, t_3.arm, ports[2], state.supply.pressure, p.stick, p),
+        supply=_supply_derivative(state, ports, p),
+        head=HeadState(state.head.alpha_rate, state.head.beta_rate, a_alpha, a_beta),
     )
 
 
@@ -232,13 +232,19 @@ def from_array(x: ArrayLike, supply_pressure: float) -> PlantState:
         )
     v = values.tolist()
     supply = SupplyState(supply_pressure, supply_pressure)
-    return PlantState(AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]), supply, HANGING_STILL)
+    return PlantState(
+        swing=AxisState(*v[0:6]),
+        boom=AxisState(*v[6:12]),
+        stick=AxisState(*v[12:18]),
+        supply=supply,
+        head=HANGING_STILL,
+    )
 
 
 def thesis_state_derivative(x: ArrayLike, c_r: ArrayLike, p_s: float, machine: Machine) -> Floats:
     """Return xdot of Appendix B, corrected, for given orifice resistances.
 
-    Thesis eq. 3.20, App. B. Differs: docs/equations.md lists the corrections.
+    Thesis eq. 3.20, App. B. Differs: docs/explanation/equations.md lists the corrections.
     Port 1 of every valve is connected to the supply, port 2 to the tank.
 
     Args:

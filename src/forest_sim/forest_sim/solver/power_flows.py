@@ -83,7 +83,14 @@ def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     stick = _axis_power(state.stick, t_3, ports[2], pressure, p.stick, p)
     drawn = swing.supply + boom.supply + stick.supply
     if p.supply.ideal:
-        return PowerFlows(SupplyPower(drawn, 0.0, 0.0, 0.0, 0.0, drawn), swing, boom, stick)
+        return PowerFlows(
+            SupplyPower(
+                engine=drawn, pump_friction=0.0, pump_leakage=0.0, main_relief=0.0, manifold=0.0, supply=drawn
+            ),
+            swing,
+            boom,
+            stick,
+        )
     pump = pump_flow(pressure, state.supply.reference, p.supply)
     hydraulic = pressure * pump.displaced
     leakage = p.supply.leakage * pressure

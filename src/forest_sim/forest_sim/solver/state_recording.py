@@ -77,9 +77,9 @@ def restore(row: Floats) -> Simulation:
     return simulation
 
 
-_REST = AxisState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+_REST = AxisState(angle=0.0, rate=0.0, pressure_1=0.0, pressure_2=0.0, flow_1=0.0, flow_2=0.0)
 _EXAMPLE = Simulation(
-    PlantState(_REST, _REST, _REST, SupplyState(0.0, 0.0), HANGING_STILL),
+    PlantState(swing=_REST, boom=_REST, stick=_REST, supply=SupplyState(0.0, 0.0), head=HANGING_STILL),
     (CENTRED, CENTRED, CENTRED),
     Events(0, 0, 0),
     (0.0, 0.0, 0.0),

@@ -43,7 +43,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop.link_model import Link, Quality, Reports, reported
-from forest_study.closed_loop.loop_core import PERIOD_NS, SUBSTEPS, Happened, Seen, driver_inputs, sample
+from forest_study.closed_loop.loop_core import PERIOD_NS, SUBSTEPS, Happened, Seen, driver_inputs
 
 COMMAND_TIMEOUT = 0.1  # [s] as the valve driver's default
 
@@ -198,7 +198,7 @@ class ClosedLoop:
         self._control(heard)
         command = self._command(heard)
         volts = self._in_force(command, _seen(seen))
-        self._reports = reported(self._reports, learnt_reach(self._driver.estimates, self._drive.axes))
+        self._reports = reported(self._reports, learnt_reach(self._driver.learners, self._drive.axes))
         self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, p)
         self._count += 1
         return Happened(
@@ -213,11 +213,23 @@ class ClosedLoop:
     def _hear(self, joystick: Joystick, now: float) -> None:
         """Have the controller hear what has come of the joystick."""
         if isinstance(joystick, Operator):
-            self._joystick.send(now, sample(joystick.levers, joystick.enabled, self._count))
+            number = self._count + 1
+            self._joystick.send(
+                now,
+                Sample(
+                    received=now,
+                    stamp=number * PERIOD_NS,
+                    heartbeat=number,
+                    same=False,
+                    good=True,
+                    levers=joystick.levers,
+                    held=joystick.enabled,
+                ),
+            )
             joystick = None
-        arrived = [one._replace(received=now) for one in self._joystick.arrived(now)]
-        for one in (*arrived, *(joystick or ())):
-            self.controller.permission.hear(one)
+        arrived = [sample._replace(received=now) for sample in self._joystick.arrived(now)]
+        for sample in (*arrived, *(joystick or ())):
+            self.controller.permission.hear(sample)
 
     def _control(self, now: float) -> None:
         """Have the controller answer the states that have arrived, or their absence."""
@@ -249,7 +261,7 @@ class ClosedLoop:
         while len(self._waiting) > behind:
             pressures, motion = driver_inputs(seen, self._drive.idle_pressure)
             command, dt = self._waiting.pop(0), self._held * PERIOD
-            self._driver, self._volts = valve_driver.step_measured(
+            self._driver, self._volts = valve_driver.step_seen(
                 self._driver, command, pressures, motion, self._drive, dt
             )
             self._held = 0

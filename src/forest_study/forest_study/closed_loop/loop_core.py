@@ -3,8 +3,10 @@
     loop, levers -> sensors -> may the crane move? -> controller -> driver -> plant -> loop, what happened
 
 It does what a `closed_loop` period does without links, number by number, with those of the sensors that
-control reads. The guard is that of `motion_permission`, but for the order of stamps and the silence of the
-driver: here nothing is late.
+control reads. The checks are those of `motion_permission`: joystick watch, plausible state, frozen sensor,
+driver that does not respond. Two of its stations are left out. Stamps are in order and states fresh, for here
+nothing is late. And the levers need no interpolation, for the joystick speaks in each period; it would need a
+number of samples that varies, which machine code of fixed shape has not.
 
 Everything here stays in the subset of Python that `forest_compile` translates; `loop_kernel` makes the
 machine code.
@@ -15,19 +17,17 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from forest_control.config import settings as control_settings
-from forest_control.operator.joystick_interpolation import CENTRED, InterpolatedLevers, interpolated
-from forest_control.operator.joystick_watch import Sample, Watch, assessed_watch, updated_watch
+from forest_control.operator.joystick_watch import Sample, Watch, WatchParameters, heed, judge
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import control_state, controller
 from forest_control.safety.driver_response import DriverSample
-from forest_control.safety.motion_permission import Checks, PermissionParameters, armed_watch, checked, passes
+from forest_control.safety.motion_permission import Checks, armed_watch, checked, passes
 from forest_control.safety.state_checks import plausible
 from forest_control.servo.joint_angle_filter import Lengths
 from forest_control.valve import valve_driver
 from forest_control.valve.tracking_limit import learnt_reach
 from forest_description.geometry.kinematics import Links, tip_position
 from forest_description.types import ZERO, Vec3
-from forest_msgs_py.runtime.stamped_period import LONGEST
 from forest_msgs_py.types import NS_PER_S, PERIOD
 from forest_sim.sensors.sensor_model import ABSENT, SensorMemory, SensorModel, sample_if
 from forest_sim.sensors.sensor_readings import axis_pressures
@@ -42,7 +42,7 @@ from forest_study.closed_loop.link_model import Reports, reported
 CHANNEL_COUNT = PLACES["pressure"].stop  # resolvers, transducers, pressures: the suite's first channels
 SUBSTEPS = 5  # of 1 ms
 PERIOD_NS = round(PERIOD * NS_PER_S)
-GUARD = PermissionParameters()
+WATCH = WatchParameters()
 
 
 class Sensing(NamedTuple):
@@ -67,11 +67,7 @@ class Guarded(NamedTuple):
     state: control_state.State = control_state.REST
     command: Vec3 = ZERO  # [V] the last one
     joystick: Watch = armed_watch()
-    hold: InterpolatedLevers = CENTRED
     checks: Checks = Checks()
-    stamp: int = 0  # [ns] of the state that was believed last; 0: none
-    received: float = math.inf  # [s] when that was
-    credit: float = LONGEST  # [s] by which the controller's time may still run, as in `StampedPeriod`
 
 
 class Loop(NamedTuple):
@@ -132,9 +128,9 @@ def period(
     angles = plant.swing.angle, plant.boom.angle, plant.stick.angle
     senses = sensed(loop.simulation, loop.senses, k, normals, CHANNEL_COUNT * row)
     seen = _seen(senses, k.sensing)
-    control, velocity = guarded(loop, levers, held, seen, k, row)
+    control, velocity = guarded(loop.control, levers, held, seen, loop, k, row)
     pressures, motion = driver_inputs(seen, k.drive.idle_pressure)
-    drive, volts = valve_driver.step_measured(loop.drive, control.command, pressures, motion, k.drive, PERIOD)
+    drive, volts = valve_driver.step_seen(loop.drive, control.command, pressures, motion, k.drive, PERIOD)
     simulation = loop.simulation
     for _ in range(SUBSTEPS):
         simulation = integrator.step(simulation, volts, PERIOD / SUBSTEPS, k.plant)
@@ -146,55 +142,20 @@ def period(
         voltages=volts,
         pressures=seen.pressures,
     )
-    reports = reported(loop.reports, learnt_reach(drive.estimates, k.drive.axes))
+    reports = reported(loop.reports, learnt_reach(drive.learners, k.drive.axes))
     return Loop(simulation, senses, control, drive, reports), happened
 
 
 def guarded(
-    loop: Loop, levers: Levers, held: bool, seen: Seen, k: Knowledge, row: int
+    before: Guarded, levers: Levers, held: bool, seen: Seen, loop: Loop, k: Knowledge, row: int
 ) -> tuple[Guarded, Vec3]:
     """Return the guarded controller a step on, and the tip's reference velocity [m/s].
 
     It does what `GuardedController` does when nothing is late.
     """
-    before, now, stamp = loop.control, row * PERIOD, (row + 1) * PERIOD_NS
-    joystick, hold = updated_watch(before.joystick, sample(levers, held, row)), before.hold
-    if now - before.received > GUARD.state_timeout:
-        joystick, _ = assessed_watch(joystick, now, False, GUARD.joystick)
-        hold = CENTRED
-    after = before._replace(state=control_state.REST, command=ZERO, joystick=joystick, hold=hold)
-    if not plausible(seen.angles, seen.rates, k.control):
-        return after._replace(checks=Checks(driver=before.checks.driver)), ZERO
-    credit, elapsed = LONGEST, PERIOD
-    if before.stamp > 0:
-        credit = min(LONGEST, before.credit + (now - before.received))
-        elapsed = (stamp - before.stamp) * 1e-9
-    dt = min(LONGEST, elapsed, credit)
-    driver = DriverSample(loop.drive.voltages, now)
-    checks = checked(before.checks, seen.angles, driver, before.command, k.control, now, dt)
-    sound = passes(checks, now)
-    joystick, operator = assessed_watch(joystick, now, sound, GUARD.joystick)
-    hold = interpolated(hold, operator.levers, now, now, dt) if operator.enabled else CENTRED
-    after = after._replace(joystick=joystick, hold=hold, stamp=stamp, received=now, credit=credit - dt)
-    if not sound:
-        return after._replace(checks=Checks(driver=checks.driver)), ZERO
-    inputs = control_state.Inputs(
-        angles=seen.angles,
-        rates=seen.rates,
-        levers=hold.levers,
-        enabled=operator.enabled,
-        cylinders=seen.cylinders,
-        reach=loop.reports.reach,
-        voltages=loop.drive.voltages,
-    )
-    state, output = controller.step(before.state, inputs, k.control, dt)
-    return after._replace(state=state, command=output.command, checks=checks), output.tip_wish
-
-
-def sample(levers: Levers, held: bool, row: int) -> Sample:
-    """Return what a joystick says in a period that it speaks in: it counts, so that it is known to live."""
-    return Sample(
-        received=row * PERIOD,
+    now = row * PERIOD
+    sample = Sample(
+        received=now,
         stamp=(row + 1) * PERIOD_NS,
         heartbeat=row + 1,
         same=False,
@@ -202,6 +163,26 @@ def sample(levers: Levers, held: bool, row: int) -> Sample:
         levers=levers,
         held=held,
     )
+    joystick = heed(before.joystick, sample)
+    if not plausible(seen.angles, seen.rates, k.control):
+        return Guarded(joystick=joystick, checks=Checks(driver=before.checks.driver)), ZERO
+    driver = DriverSample(loop.drive.voltages, now)
+    checks = checked(before.checks, seen.angles, driver, before.command, k.control, now, PERIOD)
+    sound = passes(checks, now)
+    joystick, operator = judge(joystick, now, sound, WATCH)
+    if not sound:
+        return Guarded(joystick=joystick, checks=Checks(driver=checks.driver)), ZERO
+    inputs = control_state.Inputs(
+        angles=seen.angles,
+        rates=seen.rates,
+        levers=operator.levers,
+        enabled=operator.enabled,
+        cylinders=seen.cylinders,
+        reach=loop.reports.reach,
+        voltages=loop.drive.voltages,
+    )
+    state, output = controller.step(before.state, inputs, k.control, PERIOD)
+    return Guarded(state, output.command, joystick, checks), output.tip_wish
 
 
 def sensed(

@@ -2,7 +2,6 @@
 
 import argparse
 import contextlib
-import json
 import math
 import os
 import shutil
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from forest_bringup import graph
-from forest_bringup.graph_lock import AlreadyRunning, Failure
+from forest_bringup.graph_lock import AlreadyRunning, GraphError
 from forest_bringup.lockstep_run import GUARD, RECORDER, in_lockstep
 from forest_bringup.profile_choice import profile_for
 from forest_bringup.supervisor import STOP_SIGNALS, Stopped, Supervisor
@@ -32,6 +31,7 @@ from forest_description.machine import MachineError, load_machine
 from forest_description.types import AXES
 from forest_msgs_py.runtime.command_line import number
 from forest_msgs_py.types import PERIOD
+from forest_study.results import write_json
 
 LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample
 END_LIMIT = 10.0  # [s] for it to end
@@ -52,12 +52,12 @@ class Progress:
             if self._log.exists() and b"playing" in self._log.read_bytes():
                 self._begun = now
             elif now - self._created > START_LIMIT:
-                raise Failure(
+                raise GraphError(
                     f"the session did not begin within {START_LIMIT:g} s; see the logs in {self._log.parent}"
                 )
             return
         if now - self._begun > self._duration + END_LIMIT:
-            raise Failure(f"the joystick source did not end {END_LIMIT:g} s after the session should have")
+            raise GraphError(f"the joystick source did not end {END_LIMIT:g} s after the session should have")
         second = int(now - self._begun - LEAD_IN)
         if second > self._shown and second <= self._duration:
             self._shown = second
@@ -82,7 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 130
     except OSError as error:
         print(f"demo: {error.filename or options.out}: {error.strerror or error}", file=sys.stderr)
-    except (Failure, LeverError, MachineError) as error:
+    except (GraphError, LeverError, MachineError) as error:
         print(f"demo: {error}", file=sys.stderr)
     return 1
 
@@ -142,7 +142,7 @@ def _demo(options: argparse.Namespace) -> int:
     machine = load_machine(options.machine)
     duration = options.duration or _length(options.joystick)
     if options.out.exists():
-        raise Failure(f"{options.out} exists already; choose another --out or remove it")
+        raise GraphError(f"{options.out} exists already; choose another --out or remove it")
     bag = options.out / "bag"
     profile = profile_for(options.joystick, options.profile)
     nodes = [
@@ -204,13 +204,13 @@ def _finish(
 
     recorded = read_bag(bag)
     summary |= bag_summary(recorded, options.scheme)
-    (options.out / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+    write_json(options.out / "summary.json", summary)
     pictures = draw_all(recorded, options.out, limits)
     print(table(summary))
     print("\n".join(f"  {path}" for path in (bag, options.out / "summary.json", *pictures)))
     failed = {name: code for name, code in summary["exit_codes"].items() if code != 0}
     if failed:
-        raise Failure(
+        raise GraphError(
             f"ended badly: {', '.join(f'{name} (exit code {code})' for name, code in failed.items())}"
         )
     return 0

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from forest_bringup import graph, lockstep_run
-from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_lock import GraphError
 from forest_bringup.supervisor import NodeSpec
 from forest_control.operator.joystick_sources import LEAD_IN, LEAD_OUT
 from forest_msgs_py.runtime import command_line
@@ -39,13 +39,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, default=Path("bags"), metavar="DIR", help="default: %(default)s")
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}; default: all")
     parser.set_defaults(command=_make)
-    return command_line.run("bags", parser.parse_args(arguments), (Failure,))
+    return command_line.run("bags", parser.parse_args(arguments), (GraphError,))
 
 
 def _make(options: argparse.Namespace) -> int:
     unknown = sorted(set(options.names) - set(NAMES))
     if unknown:
-        raise Failure(f"no reference bag {', '.join(unknown)}; there are {', '.join(NAMES)}")
+        raise GraphError(f"no reference bag {', '.join(unknown)}; there are {', '.join(NAMES)}")
     options.out.mkdir(parents=True, exist_ok=True)
     for name in options.names or NAMES:
         print(f"making {options.out / name}", flush=True)

@@ -16,8 +16,9 @@ from forest_bag.cli import main
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
 from forest_bringup import graph, lockstep_run
-from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_lock import GraphError
 from forest_bringup.supervisor import NodeSpec
+from forest_msgs_py.clock.step_topics import STEP_NS
 from forest_msgs_py.interfaces.stamps import STAMPED
 from forest_msgs_py.interfaces.topics import DIAGNOSTICS, EMERGENCY_STOPPED, find
 from forest_msgs_py.interfaces.yaml_text import parsed
@@ -29,7 +30,6 @@ MODULES = {
 }
 SHARED = (DIAGNOSTICS, EMERGENCY_STOPPED)  # topics on which several nodes speak
 RUN_OWN = ("lockstep", "lockstep_guard", "steps", "wait_for_recorder")  # of a run, not of a node
-STEP_NS = 5_000_000
 MOST_STEPS = 200 * 86_400  # a day; stamps of the wall clock are far beyond
 
 
@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
     """Replay, and compare; return 0 when nothing differs, 1 otherwise.
 
     Raises:
-        Failure: the bag cannot be used, or a node failed.
+        GraphError: the bag cannot be used, or a node failed.
     """
     bag, out, names = options.bag, options.out, list(dict.fromkeys(options.nodes))
     if "simulator" in names:
@@ -86,10 +86,10 @@ def run(options: argparse.Namespace) -> int:
             topics = list(reader.channels)
             attached = {name: data for file in reader.files for name, data in file.attachments}
     except (BagError, OSError) as error:
-        raise Failure(str(error)) from error
+        raise GraphError(str(error)) from error
     steps, rest = divmod(last, STEP_NS)
     if rest or not 0 < steps < MOST_STEPS:
-        raise Failure(f"{bag} was not recorded in lockstep; allowed: a bag whose log times are k*0.005 s")
+        raise GraphError(f"{bag} was not recorded in lockstep; allowed: a bag whose log times are k*0.005 s")
     out.mkdir(parents=True, exist_ok=True)
     nodes = [_node(bag, name, attached, options.set, out) for name in names]
     if "simulator" in names:
@@ -111,13 +111,13 @@ def _node(
     """Return a node with the parameters that it had, but for the changes."""
     label = next((label for label in attached if label.endswith(f"/{name}.yaml")), None)
     if label is None:
-        raise Failure(f"{bag} does not hold the parameters of {name}; allowed: a bag of this recorder")
+        raise GraphError(f"{bag} does not hold the parameters of {name}; allowed: a bag of this recorder")
     own = out / f"{name}.yaml"
     parameters = next(iter(parsed(attached[label].decode()).values()))["ros__parameters"]
     for node, text in changes:
         if node == name and (wanted := text.partition(":=")[0]) not in parameters:
             known = ", ".join(sorted(set(parameters) - set(RUN_OWN)))
-            raise Failure(f"the bag's {name} has no parameter {wanted!r}; allowed: {known}")
+            raise GraphError(f"the bag's {name} has no parameter {wanted!r}; allowed: {known}")
     kept = {key: value for key, value in parameters.items() if key not in RUN_OWN}
     own.write_text(yaml.safe_dump({"/**": {"ros__parameters": kept}}), encoding="utf-8")
     changed = [word for node, text in changes if node == name for word in ("-p", text)]
@@ -130,6 +130,6 @@ def _player(bag: Path, topics: Sequence[str], nodes: Sequence[str]) -> NodeSpec:
     spoken = [row for row in rows if row.type in STAMPED and row != DIAGNOSTICS]
     answers = [row.name for row in spoken if set(row.publishers) & set(nodes)]
     if not answers:
-        raise Failure(f"{bag} holds no topic of {', '.join(nodes)}; there are {', '.join(topics)}")
+        raise GraphError(f"{bag} holds no topic of {', '.join(nodes)}; there are {', '.join(topics)}")
     told = (*graph.parameter("bag", str(bag.resolve())), *graph.parameter("answers", answers))
     return NodeSpec("step_player", "forest_bag.step_player_node", told)

@@ -29,7 +29,7 @@ HEADER = "time_s,swing,boom,stick"
 
 
 def hand_levers(seed: int, duration: float) -> tuple[Floats, Floats]:
-    """Return times [N] [s] and deflections [N, 3] of so many seconds."""
+    """Return times [s], of shape [N], and deflections [N, 3] of so many seconds."""
     generator = np.random.default_rng(seed)
     times = np.arange(0.0, duration + 0.5 / RATE, 1.0 / RATE)
     return times, np.column_stack([_lever(generator, times) for _ in range(3)])
@@ -61,7 +61,7 @@ def _minimum_jerk(times: Floats, knots: Floats, levels: Floats) -> Floats:
 
 
 def valve_ramps(peak: float, rise: float) -> tuple[Floats, Floats]:
-    """Return times [N] [s], commands [N, 3] [V]: each axis slowly to +peak, to -peak and back."""
+    """Return times [N] s and commands [N, 3] V: each axis slowly to +peak, to -peak and back."""
     times = np.arange(0.0, 12.0 * rise + 0.5 / RATE, 1.0 / RATE)
     knots = np.arange(0.0, 13.0) * rise
     ramps = [

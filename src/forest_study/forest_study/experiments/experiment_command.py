@@ -19,9 +19,9 @@ from forest_bringup.graph import ros_namespace
 from forest_bringup.supervisor import Stopped
 from forest_description.machine import Machine, load_machine
 from forest_ident.cli.fit_command import Bar
-from forest_ident.driving.direct_run import duration, experiment, told
+from forest_ident.driving.simulated_experiment import duration, experiment, instructions
 from forest_ident.estimators import calibration
-from forest_ident.experiments import experiments
+from forest_ident.experiments import experiment_plan
 from forest_ident.measurements import session_bag
 from forest_ident.measurements.session import SessionError
 from forest_msgs_py.runtime.command_line import number, whole
@@ -75,12 +75,12 @@ def run(options: argparse.Namespace) -> int:
 
     Raises:
         SessionError: no such experiment, or no directory for it.
-        Failure: the graph could not start, or had to end.
+        GraphError: the graph could not start, or had to end.
         KeyboardInterrupt: the user stopped it.
     """
     if options.name == "list":
         machine = load_machine(options.machine or DEFAULT)
-        print("\n\n".join(told(name, machine) for name in experiments.names(machine)))
+        print("\n\n".join(instructions(name, machine) for name in experiment_plan.names(machine)))
         return 0
     made_here = options.out is not None and not options.out.exists()
     try:
@@ -106,7 +106,7 @@ def _simulated(options: argparse.Namespace) -> int:
     in_graph = [name for name in names if not options.direct and name != calibration.NAME]
     bar = Progress({name: duration(name, machine, longest) if name in in_graph else 0.0 for name in names})
     for name in names:
-        print(told(name, machine, longest), flush=True)
+        print(instructions(name, machine, longest), flush=True)
         bar.begin(name)
         bag, logs = options.out / name, options.out / LOGS / name
         if name in in_graph:
@@ -120,7 +120,14 @@ def _simulated(options: argparse.Namespace) -> int:
 
 def conditions_of(options: argparse.Namespace, machine: str) -> Conditions:
     """Return how the experiments are made, with a machine's name or file."""
-    return Conditions(machine, options.seed, options.exact, options.trial, options.timeout, options.namespace)
+    return Conditions(
+        machine=machine,
+        seed=options.seed,
+        exact=options.exact,
+        longest=options.trial,
+        timeout=options.timeout,
+        namespace=options.namespace,
+    )
 
 
 def wanted(options: argparse.Namespace, machine: Machine) -> tuple[str, ...]:
@@ -129,7 +136,7 @@ def wanted(options: argparse.Namespace, machine: Machine) -> tuple[str, ...]:
     Raises:
         SessionError: the machine has no such experiment.
     """
-    known = experiments.names(machine)
+    known = experiment_plan.names(machine)
     if options.name not in ("all", *known):
         raise SessionError(
             f"no experiment {options.name!r} for {machine.name}; allowed: all, {', '.join(known)}"

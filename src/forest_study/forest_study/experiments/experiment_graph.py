@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from forest_bringup import graph
-from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_lock import GraphError
 from forest_bringup.lockstep_run import RECORDER, in_lockstep
 from forest_bringup.supervisor import NodeSpec, Supervisor
 from forest_description.export.machine_yaml import machine_text
 from forest_description.machine import Machine, load_machine
-from forest_ident.experiments import experiments
-from forest_ident.experiments.experiments import Plan
+from forest_ident.experiments import experiment_plan
+from forest_ident.experiments.experiment_plan import Plan
 from forest_ident.measurements import session_bag
 from forest_msgs_py.types import PERIOD
 
@@ -43,7 +43,7 @@ class Conditions(NamedTuple):
 
     def plan(self, name: str) -> Plan:
         """Return the plan of an experiment."""
-        return experiments.plan(name, load_machine(self.machine), self.seed, self.longest)
+        return experiment_plan.plan(name, load_machine(self.machine), self.seed, self.longest)
 
 
 def run(name: str, conditions: Conditions, bag: Path, logs: Path, progress: Progress) -> None:
@@ -57,19 +57,19 @@ def run(name: str, conditions: Conditions, bag: Path, logs: Path, progress: Prog
         progress: told how far it is.
 
     Raises:
-        Failure: another graph runs in the domain, or a node failed, or stopped the experiment.
+        GraphError: another graph runs in the domain, or a node failed, or stopped the experiment.
         Stopped: the user asked to stop.
     """
     plan = conditions.plan(name)
     steps = round(plan.programme.duration / PERIOD)
     nodes = in_lockstep(_nodes(plan, conditions, bag, _machine_file(plan, logs)), steps)
     heard = listener(progress)
-    with Supervisor(nodes, conditions.namespace, logs, echo=heard) as running:
+    with Supervisor(nodes, conditions.namespace, logs, on_log_line=heard) as running:
         running.run(until=RECORDER)
     if failed := [name for name, code in running.exit_codes.items() if code != 0]:
-        raise Failure(f"{name}: {', '.join(failed)} ended badly; see the logs in {logs}")
+        raise GraphError(f"{name}: {', '.join(failed)} ended badly; see the logs in {logs}")
     exact = {"exact_sensors": 1.0} if conditions.exact else {}
-    session_bag.write_facts(bag, name, {**plan.facts, **exact})
+    session_bag.write_metadata(bag, name, {**plan.metadata, **exact})
 
 
 def listener(progress: Progress) -> Callable[[str], None]:
@@ -84,15 +84,15 @@ def listener(progress: Progress) -> Callable[[str], None]:
 
 def operator(name: str, conditions: Conditions, listeners: int) -> NodeSpec:
     """Return the scripted operator of an experiment."""
-    told = {
+    values = {
         "experiment": name,
         "seed": conditions.seed,
         "longest": conditions.longest if math.isfinite(conditions.longest) else 0.0,
         "timeout": conditions.timeout,
         "listeners": listeners,
     }
-    words = (word for key, value in told.items() for word in graph.parameter(key, value))
-    return NodeSpec(OPERATOR, OPERATOR_MODULE, (*graph.machine_arguments(conditions.machine), *words))
+    machine = graph.machine_arguments(conditions.machine)
+    return NodeSpec(OPERATOR, OPERATOR_MODULE, (*machine, *graph.parameters(values)))
 
 
 def _machine_file(plan: Plan, logs: Path) -> Path:
@@ -123,11 +123,10 @@ def _nodes(plan: Plan, conditions: Conditions, bag: Path, machine: Path) -> list
         "rig": plan.bench,
         "oil_warms": not plan.bench,
     }
-    told = (word for key, value in simulated.items() for word in graph.parameter(key, value))
     raw = graph.parameter("compensate", False)
     return [
         operator(plan.name, conditions, 0),
         NodeSpec("valve_driver", "forest_control.valve_driver_node", (*prepared, *raw)),
-        NodeSpec("simulator", "forest_sim.simulator_node", (*prepared, *told)),
+        NodeSpec("simulator", "forest_sim.simulator_node", (*prepared, *graph.parameters(simulated))),
         graph.recorder(bag),
     ]

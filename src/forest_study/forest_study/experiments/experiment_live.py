@@ -17,12 +17,12 @@ import numpy as np
 
 from forest_bag.read.timeseries import read_bag
 from forest_bringup import graph as nodes
-from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_lock import GraphError
 from forest_bringup.supervisor import NodeSpec, Supervisor
 from forest_bringup.terminal import ask
 from forest_description.machine import load_machine
-from forest_ident.driving.direct_run import duration, told
-from forest_ident.driving.valve_takeover import DRIVER, WANTED, Switches
+from forest_ident.driving.simulated_experiment import duration, instructions
+from forest_ident.driving.valve_takeover import DRIVER, WANTED, ValveTakeover
 from forest_ident.estimators import calibration
 from forest_ident.experiments import experiment_metadata
 from forest_ident.measurements import session_bag
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
 
     Raises:
         SessionError: no such experiment, no directory for it, or nobody said that it is prepared.
-        Failure: there is no such graph, it refuses, or the experiment had to be stopped.
+        GraphError: there is no such graph, it refuses, or the experiment had to be stopped.
         Stopped: the user asked to stop.
     """
     if options.exact:
@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
     try:
         return _run(options, graph)
     except NoAnswer as error:
-        raise Failure(str(error)) from error
+        raise GraphError(str(error)) from error
     finally:
         graph.close()
 
@@ -68,7 +68,7 @@ def _run(options: argparse.Namespace, graph: LiveGraph) -> int:
     _refuse_emergency_stop(graph)
     make_directory(options)
     for name in names:
-        print(told(name, machine, conditions.longest), flush=True)
+        print(instructions(name, machine, conditions.longest), flush=True)
         _ask_whether_prepared(options.yes)
         bag, logs = options.out / name, options.out / LOGS / name
         bar = Progress({name: duration(name, machine, conditions.longest)})
@@ -80,9 +80,9 @@ def _run(options: argparse.Namespace, graph: LiveGraph) -> int:
             known = _experiment(graph, name, conditions, bag, logs, bar.tell)
             _warn_of_pauses(bag, machine.command_timeout)
         bar.end()
-        session_bag.write_facts(bag, name, known)  # before the last question: nobody need answer it
+        session_bag.write_metadata(bag, name, known)  # before the last question: nobody need answer it
         if name.startswith("motor") and not options.yes:
-            session_bag.write_facts(bag, name, known | _vessel(bag))
+            session_bag.write_metadata(bag, name, known | _vessel(bag))
         print(f"  recorded: {bag}\n", flush=True)
     return 0
 
@@ -110,7 +110,7 @@ def _refuse_emergency_stop(graph: LiveGraph) -> None:
 
 
 def _demand(graph: LiveGraph, topic: topics.Topic) -> None:
-    if not graph.hears(topic):
+    if not graph.has_message(topic):
         raise NoAnswer(f"nobody publishes {topic.name} in {graph.place}: no machine is behind the graph")
 
 
@@ -135,16 +135,16 @@ def _experiment(
     plan = conditions.plan(name)
     _demand(graph, topics.PRESSURES if plan.bench else topics.JOINT_STATES)
     _refuse_emergency_stop(graph)
-    switches = Switches(graph)
-    _tell_of_leftovers(switches)
+    takeover = ValveTakeover(graph)
+    _tell_of_leftovers(takeover)
     specs = [operator(name, conditions, LISTENERS), _recorder(bag)]
     try:
         with _joining(specs, conditions.namespace, logs, listener(tell)) as running:
             running.run(until=OPERATOR)
     finally:
-        if failed := switches.restore():
+        if failed := takeover.restore():
             print(f"warning: {failed}", file=sys.stderr, flush=True)
-    return dict(plan.facts)
+    return dict(plan.metadata)
 
 
 def _warn_of_pauses(bag: Path, timeout: float) -> None:
@@ -166,7 +166,7 @@ def _warn_of_pauses(bag: Path, timeout: float) -> None:
 
 def _joining(specs: list[NodeSpec], namespace: str, logs: Path, echo: Callable[[str], None]) -> Supervisor:
     """Return the supervisor of nodes that join a graph; its driver says zero, not we."""
-    return Supervisor(specs, namespace, logs, may_publish=False, echo=echo, alone=False)
+    return Supervisor(specs, namespace, logs, may_publish=False, on_log_line=echo, exclusive=False)
 
 
 def _recorder(bag: Path) -> NodeSpec:
@@ -175,9 +175,9 @@ def _recorder(bag: Path) -> NodeSpec:
     return own._replace(name=RECORDER, arguments=(*own.arguments, "-r", f"__node:={RECORDER}"), needed=True)
 
 
-def _tell_of_leftovers(switches: Switches) -> None:
+def _tell_of_leftovers(takeover: ValveTakeover) -> None:
     """Tell of switches that were thrown before we came: they stay so."""
-    for node, found in switches.found.items():
+    for node, found in takeover.found.items():
         for name, value in found.items():
             if value == WANTED[node][name]:
                 print(f"  note: {node}'s {name} is {value} already, and will be left so", flush=True)

@@ -9,7 +9,6 @@ it lets the deadman go. By sight it also wishes K times what the tip was off, as
 """
 
 import argparse
-import json
 import math
 from typing import Any, NamedTuple
 
@@ -26,7 +25,7 @@ from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Links, Operator, Trajectory
 from forest_study.closed_loop.closed_loop import run as run_loop
 from forest_study.closed_loop.link_model import Quality
-from forest_study.results import new_directory
+from forest_study.results import new_directory, write_json
 
 DELAYS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6)  # [s]
 THRESHOLD = (0.15, 0.2)  # [s] what the literature on teleoperation names
@@ -138,7 +137,7 @@ def run(options: argparse.Namespace) -> int:
     for way in WAYS:
         qualities = [Quality(delay, options.jitter, options.loss) for delay in DELAYS]
         report[way] = [score(session(way, q, machine, options.seed))._asdict() for q in qualities]
-    (options.out / "delay.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    write_json(options.out / "delay.json", report)
     draw(report, options.out / "delay.png")
     print(table(report))
     print(f"  {options.out / 'delay.json'}")

@@ -13,7 +13,6 @@ they were: no quiet computer is needed to see what lateness does. `drawn` gives 
 """
 
 import argparse
-import json
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -22,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from forest_bag.read.timeseries import Bag, NotInBag, read_bag
-from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_lock import GraphError
 from forest_control.config import settings as control_settings
 from forest_control.operator.joystick_watch import NO_STAMP, Sample
 from forest_control.operator.levers import Levers, levers_from_axes
@@ -34,6 +33,7 @@ from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Joystick, Lateness, Operator, Trajectory
 from forest_study.closed_loop.closed_loop import run as run_loop
 from forest_study.latency import lever_delay
+from forest_study.results import write_json
 
 LATEST = 20  # periods: what answers older states was said at an end
 STALLS, GOES_ON = 0.06, 0.45  # a driver is held up in so many periods; and for another one
@@ -167,7 +167,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the command; return its exit code.
 
     Raises:
-        Failure: there is no bag, or not what tells the times.
+        GraphError: there is no bag, or not what tells the times.
         MachineError: the machine's file cannot be read.
     """
     machine = load_machine(options.machine)
@@ -176,10 +176,10 @@ def run(options: argparse.Namespace) -> int:
         session, timing = measured(bag, machine)
         felt = lever_delay.lever_to_valve_ms(bag)
     except (FileNotFoundError, NotInBag) as error:
-        raise Failure(f"timing: {error}") from error
+        raise GraphError(f"timing: {error}") from error
     report = {"lever_to_valve_ms": felt, **compared(session, timing, machine)}
     options.out.mkdir(parents=True, exist_ok=True)
-    (options.out / "timing.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    write_json(options.out / "timing.json", report)
     print(table(report))
     print(f"  {options.out / 'timing.json'}")
     return 0

@@ -120,7 +120,13 @@ def motion(trial: Trial) -> Motion:
     time, tip = moved.time[first:] - REST_BEFORE, moved.tip[first:]
     wished = np.array([thesis_tip_velocity(PERIOD * k) for k in range(len(time))])
     place = tip[0] + np.vstack([np.zeros(3), np.cumsum(wished[:-1], axis=0) * PERIOD])
-    return Motion(time, wished, np.gradient(tip, PERIOD, axis=0), place, tip)
+    return Motion(
+        time=time,
+        wished_velocity=wished,
+        velocity=np.gradient(tip, PERIOD, axis=0),
+        wished_position=place,
+        position=tip,
+    )
 
 
 def _levers_by_heart(start: Vec3, settings: control_settings.Settings, model: Machine) -> list[Levers]:

@@ -1,6 +1,5 @@
 """`forest-study thesis --plant machine`: the study on the full machine as files and as tables."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +7,7 @@ import numpy as np
 
 from forest_bag.plots.standard_plots import finish_axes, new_figure
 from forest_control.servo.schemes import LABELS, Scheme
+from forest_study.results import write_json
 from forest_study.thesis.thesis_machine import PLANTS, Trial, motion, study
 from forest_study.thesis.thesis_study import COORDINATES
 
@@ -18,7 +18,7 @@ COLOURS = {scheme: f"C{scheme}" for scheme in Scheme}
 def report(out: Path) -> int:
     """Write `study.json` and pictures into a directory, print the tables; return the exit code."""
     result = study()
-    (out / "study.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+    write_json(out / "study.json", result)
     drawn = [draw_plant(name, out / f"{name.replace(' ', '_').replace('.', '_')}.png") for name in PLANTS]
     drawn.append(draw_mismatch(result, out / "mismatch.png"))
     print(tables(result))

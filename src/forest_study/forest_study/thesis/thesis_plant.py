@@ -129,11 +129,11 @@ def simulate(
         rows.append(state)
     time = step * np.arange(count + 1, dtype=np.float64)
     return Motion(
-        time,
-        np.array([wish(t + INSIDE) for t in time.tolist()]),
-        np.array([tip_velocity(row.angles, row.rates, links) for row in rows]),
-        np.array([row.wished_tip for row in rows]),
-        np.array([tip_position(row.angles, links) for row in rows]),
+        time=time,
+        wished_velocity=np.array([wish(t + INSIDE) for t in time.tolist()]),
+        velocity=np.array([tip_velocity(row.angles, row.rates, links) for row in rows]),
+        wished_position=np.array([row.wished_tip for row in rows]),
+        position=np.array([tip_position(row.angles, links) for row in rows]),
     )
 
 
@@ -145,7 +145,14 @@ def _runge_kutta(
     def slope(at: State, wished: Vec3) -> State:
         control = scheme(at, wished)
         change = rate_change(at.rates, control.drive, natural_frequency)
-        return State(at.rates, change, control.reference_rates, wished, control.ramp, control.integral_rates)
+        return State(
+            angles=at.rates,
+            rates=change,
+            reference=control.reference_rates,
+            wished_tip=wished,
+            ramped=control.ramp,
+            integral=control.integral_rates,
+        )
 
     first, middle, last = wish(time + INSIDE), wish(time + 0.5 * step), wish(time + step - INSIDE)
     k1 = slope(state, first)

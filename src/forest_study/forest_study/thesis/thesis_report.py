@@ -1,9 +1,9 @@
 """`forest-study thesis`: the evaluation of Thesis section 5.2 as files and as a table for the terminal."""
 
-import json
 from pathlib import Path
 from typing import Any
 
+from forest_study.results import write_json
 from forest_study.thesis.thesis_study import study
 
 NAMES = {"velocity_error_y": "velocity error in y, m/s", "position_error_y": "position error in y, m"}
@@ -12,7 +12,7 @@ NAMES = {"velocity_error_y": "velocity error in y, m/s", "position_error_y": "po
 def report(out: Path) -> int:
     """Write `study.json` and six pictures into a directory, print the table; return the exit code."""
     result = study()
-    (out / "study.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+    write_json(out / "study.json", result)
     from forest_study.thesis.thesis_plots import draw_figures  # matplotlib takes half a second
 
     drawn = draw_figures(out)

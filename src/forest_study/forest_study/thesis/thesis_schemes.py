@@ -40,7 +40,7 @@ RAMP_LAG = 0.01  # [s] with which x' closes in on the wish
 FEEDBACK_DAMPING = 0.8  # of the coordinated scheme's loop: K_p = w_n/(4 D^2), 4.9 1/s on the 2 Hz plant
 INTEGRAL_SHARE = 0.16  # K_i over K_p^2
 ALONG = 1e-6  # [s] of the difference quotient for b
-DAMPING_RATIO = 1.64  # as read in docs/equations.md
+DAMPING_RATIO = 1.64  # as read in docs/explanation/equations.md
 
 
 class Servo(NamedTuple):
@@ -65,12 +65,12 @@ def servo(natural_frequency: float, pole: float) -> Servo:
     """
     velocity_gain = (pole - natural_frequency) / DRIVE
     return Servo(
-        natural_frequency,
-        pole,
-        velocity_gain,
-        pole / (DRIVE * velocity_gain),
-        pole * pole / DRIVE,
-        (2.0 * DAMPING_RATIO * pole - natural_frequency) / DRIVE,
+        natural_frequency=natural_frequency,
+        pole=pole,
+        velocity_gain=velocity_gain,
+        pre_loop_gain=pole / (DRIVE * velocity_gain),
+        position_gain=pole * pole / DRIVE,
+        damping_gain=(2.0 * DAMPING_RATIO * pole - natural_frequency) / DRIVE,
     )
 
 
@@ -138,7 +138,7 @@ def coordinated(gains: Servo, links: Links) -> Scheme:
         a = joint_rates(r, state.ramped, links)
         later = joint_rates(schemes.moved(r, a, ALONG), schemes.moved(state.ramped, ramp, ALONG), links)
         signals = (
-            schemes.Signals(a[i], (later[i] - a[i]) / ALONG, r[i], s[i], state.rates[i], w[i])
+            schemes.Signals(a=a[i], b=(later[i] - a[i]) / ALONG, r=r[i], s=s[i], v=state.rates[i], w=w[i])
             for i in range(3)
         )
         x, y, z = (w_n * schemes.coordinated(signal, made) for signal in signals)
@@ -174,7 +174,7 @@ def _velocity_servo(a: Vec3, state: State, gains: Servo) -> Vec3:
     w_n = gains.natural_frequency
     k_v = DRIVE * gains.velocity_gain / w_n
     shaping = gains.pre_loop_gain * k_v / (1.0 + k_v)
-    v, made = state.rates, schemes.Gains(k_v, 0.0, 0.0, 0.0, 0.0)
+    v, made = state.rates, schemes.Gains(velocity=k_v, position=0.0, damping=0.0, feedback=0.0, lead_time=0.0)
     return (
         w_n * schemes.velocity_servo(_signals(shaping * a[0], 0.0, 0.0, v[0]), made),
         w_n * schemes.velocity_servo(_signals(shaping * a[1], 0.0, 0.0, v[1]), made),
@@ -184,7 +184,13 @@ def _velocity_servo(a: Vec3, state: State, gains: Servo) -> Vec3:
 
 def _position_servo(r: Vec3, state: State, gains: Servo) -> Vec3:
     """Return k u = W0 (K_p (r - s) - K_d v) [rad/s²] of the three joints. Thesis fig. 5.3."""
-    made = schemes.Gains(0.0, DRIVE * gains.position_gain, DRIVE * gains.damping_gain, 0.0, 0.0)
+    made = schemes.Gains(
+        velocity=0.0,
+        position=DRIVE * gains.position_gain,
+        damping=DRIVE * gains.damping_gain,
+        feedback=0.0,
+        lead_time=0.0,
+    )
     s, v = state.angles, state.rates
     return (
         schemes.position_servo(_signals(0.0, r[0], s[0], v[0]), made),
@@ -194,4 +200,4 @@ def _position_servo(r: Vec3, state: State, gains: Servo) -> Vec3:
 
 
 def _signals(a: float, r: float, s: float, v: float) -> schemes.Signals:
-    return schemes.Signals(a, 0.0, r, s, v, 0.0)
+    return schemes.Signals(a=a, b=0.0, r=r, s=s, v=v, w=0.0)

@@ -51,7 +51,7 @@ class Quoted(NamedTuple):
 
 
 POLES = {2.0: 16.5, 0.2: 11.5}
-"""Closed-loop pole [1/s] by the plant's natural frequency [Hz], as read in docs/equations.md."""
+"""Closed-loop pole [1/s] by the plant's natural frequency [Hz], as read in docs/explanation/equations.md."""
 FIGURES: dict[str, tuple[str, tuple[Case, ...]]] = {
     "5.4": ("velocity", (Case(2.0),)),
     "5.5": ("position", (Case(2.0),)),

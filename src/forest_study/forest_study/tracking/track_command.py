@@ -5,19 +5,18 @@ of their bags, and must be those of the loop without ROS.
 """
 
 import argparse
-import json
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_lock import GraphError
 from forest_compile.kernel_cache import can_compile
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import LABELS, scheme_named
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.command_line import number, whole
 from forest_study.closed_loop import model_mismatch
-from forest_study.results import StudyError, new_directory
+from forest_study.results import StudyError, new_directory, write_json
 from forest_study.tracking.paths import NAMES, TipPath, path_named
 from forest_study.tracking.track_runs import Run, Variation, quantiles, run_many
 from forest_study.tracking.tracking import Course, Score, Session, follow, noisy, prepare, scored
@@ -66,7 +65,7 @@ def run(options: argparse.Namespace) -> int:
         PathError: the path cannot be read or followed.
         MachineError: a machine's file cannot be.
         StudyError: LLVM is not installed, something is in the directory for results, or options contradict.
-        Failure: a run through ROS failed, or gave other figures.
+        GraphError: a run through ROS failed, or gave other figures.
     """
     if not can_compile():
         raise StudyError("track needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
@@ -79,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
     paths = [path_named(name) for name in (NAMES if options.path == "all" else (options.path,))]
     new_directory(options.out)
     report = _run_all(paths, machine, model, options)
-    (options.out / "track.json").write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    write_json(options.out / "track.json", report)
     print(table(report))
     print(f"  {options.out / 'track.json'}")
     if options.through_ros:
@@ -91,13 +90,13 @@ def _judge(runs: list[dict[str, Any]]) -> None:
     """Say whether the figures through ROS are those without it.
 
     Raises:
-        Failure: they are not.
+        GraphError: they are not.
     """
     most = max(run["differences"]["tip_m"] for run in runs)
     other = [f"{run['path']}, seed {run['seed']}" for run in runs if not run["same"]]
     if other:
         where = f"{'; '.join(other)}; the tip is up to {most:g} m apart"
-        raise Failure(f"track: through ROS the figures are others than without it: {where}")
+        raise GraphError(f"track: through ROS the figures are others than without it: {where}")
     print(f"  through ROS and without it the figures are the same; the tip is at most {most:g} m apart")
 
 

@@ -16,21 +16,22 @@ import numpy as np
 from forest_bag.read.timeseries import Bag, read_bag
 from forest_bag.write.bag_writer import BagWriter
 from forest_bringup import graph, lockstep_run
-from forest_bringup.graph_lock import Failure
+from forest_bringup.graph_lock import GraphError
 from forest_bringup.supervisor import NodeSpec, Stopped
 from forest_control.operator.joystick_watch import HEARTBEAT
 from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
 from forest_description.types import Floats
+from forest_msgs_py.clock.step_topics import STEP_NS
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import ns_to_stamp
-from forest_msgs_py.interfaces.topics import Topic, message_class, offered_qos
+from forest_msgs_py.interfaces.topic_qos import offered_qos
+from forest_msgs_py.interfaces.topics import Topic, message_class
 from forest_msgs_py.runtime.parameter_table import typed_values
 from forest_msgs_py.serialization.cdr import to_cdr
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.tracking.tracking import Course, Session
 
-PERIOD_NS = 5_000_000
 SAME = 1e-9  # [mm, m/s, s] by which two figures may differ and be the same
 UNITS = {
     "angles": "rad",
@@ -57,7 +58,7 @@ def run(course: Course, settings: GraphSettings, directory: Path) -> Trajectory:
     """Run a course through the graph; levers, bag and the nodes' logs go into a new directory.
 
     Raises:
-        Failure: another graph runs in the domain, or a node failed.
+        GraphError: another graph runs in the domain, or a node failed.
         KeyboardInterrupt: the user stopped it.
     """
     steps = len(course.levers)
@@ -77,7 +78,7 @@ def write_joystick(directory: Path, levers: Floats) -> None:
     kind = message_class(topic)
     try:
         for count, (swing, boom, stick, held) in enumerate(levers.tolist(), start=1):
-            axes, stamp = axes_from_levers(Levers(swing, boom, stick)), count * PERIOD_NS
+            axes, stamp = axes_from_levers(Levers(swing, boom, stick)), count * STEP_NS
             message = kind(axes=axes, buttons=[0] * BUTTON_COUNT)
             message.buttons[LEFT_SHOULDER] = int(held > 0.5)
             message.header.stamp, message.header.frame_id = ns_to_stamp(stamp), f"{HEARTBEAT}{count}"
@@ -92,7 +93,7 @@ def _nodes(course: Course, settings: GraphSettings, directory: Path) -> list[Nod
     controller, driver = graph.control(settings.model, label, shadow=False, describe=False)
     typed = typed_values(course.settings)
     del typed["scheme"]  # `graph.control` tells it
-    told = {
+    simulated = {
         "initial_tip": course.laps[0].path.at(0.0),
         "sensor_noise": settings.noise,
         "sensor_static_errors": settings.static_errors,
@@ -101,36 +102,35 @@ def _nodes(course: Course, settings: GraphSettings, directory: Path) -> list[Nod
     }
     return [
         graph.joystick(str((directory / "joystick").resolve()), 0.0, 0),
-        _told(controller, typed),
-        _told(driver, {"adapt": settings.adapt}),
-        _told(graph.simulator(settings.machine), told),
+        _with_parameters(controller, typed),
+        _with_parameters(driver, {"adapt": settings.adapt}),
+        _with_parameters(graph.simulator(settings.machine), simulated),
         graph.recorder(directory / "bag"),
     ]
 
 
-def _told(node: NodeSpec, values: Mapping[str, object]) -> NodeSpec:
-    words = (word for name, value in values.items() for word in graph.parameter(name, value))
-    return node._replace(arguments=(*node.arguments, *words))
+def _with_parameters(node: NodeSpec, values: Mapping[str, object]) -> NodeSpec:
+    return node._replace(arguments=(*node.arguments, *graph.parameters(values)))
 
 
 def trajectory(bag: Bag, steps: int) -> Trajectory:
     """Return what a bag of a run in lockstep says.
 
     Raises:
-        Failure: it lacks a step of the machine.
+        GraphError: it lacks a step of the machine.
     """
     angles = _rows(bag, topics.GROUND_TRUTH_JOINT_STATES, steps, math.nan)[:, :3]
     tip = _rows(bag, topics.GROUND_TRUTH_TIP_POSE, steps, math.nan)[:, :3]
     if np.isnan(angles).any() or np.isnan(tip).any():
-        raise Failure("the bag of the run through ROS lacks steps of the machine")
+        raise GraphError("the bag of the run through ROS lacks steps of the machine")
     return Trajectory(
-        PERIOD * np.arange(steps, dtype=np.float64),
-        angles,
-        tip,
-        _rows(bag, topics.TIP_TWIST_COMMAND, steps, 0.0),
-        _rows(bag, topics.VALVE_COMMANDS, steps, 0.0),
-        _rows(bag, topics.VALVE_VOLTAGES, steps, 0.0),
-        _rows(bag, topics.PRESSURES, steps, math.nan),
+        time=PERIOD * np.arange(steps, dtype=np.float64),
+        angles=angles,
+        tip=tip,
+        tip_wish=_rows(bag, topics.TIP_TWIST_COMMAND, steps, 0.0),
+        commands=_rows(bag, topics.VALVE_COMMANDS, steps, 0.0),
+        voltages=_rows(bag, topics.VALVE_VOLTAGES, steps, 0.0),
+        pressures=_rows(bag, topics.PRESSURES, steps, math.nan),
     )
 
 
@@ -140,7 +140,7 @@ def _rows(bag: Bag, topic: Topic, steps: int, silent: float) -> Floats:
         return np.full((steps, len(topic.labels)), silent)
     series = bag.series(topic)
     found = np.full((steps, series.values.shape[1]), silent)
-    found[series.time_ns // PERIOD_NS - 1] = series.values
+    found[series.time_ns // STEP_NS - 1] = series.values
     return found
 
 

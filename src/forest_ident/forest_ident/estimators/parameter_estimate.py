@@ -1,0 +1,111 @@
+"""An estimated parameter: value, standard error, 95 % interval, condition number and warning.
+
+| symbol | name |
+|---|---|
+| s | standard error, in the parameter's unit |
+| interval | value ± 1.96 s, 95 %; of a positive quantity value · exp(± 1.96 s/value) |
+| condition | condition number of the problem in units in which every column has length 1 |
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from forest_description.config import schema
+from forest_description.machine import Machine
+
+NORMAL_95 = 1.959963985
+ILL_CONDITIONED = 1e5
+LOOSE = 0.2  # of a positive value, of a volt: a parameter with a greater standard error is not identified
+
+EXCITATION = {
+    "deadband_voltage": "slow ramps of the voltage through the overlap, both ways",
+    "minimum_resistance": "the valve held at several openings between a fifth and full",
+    "port_2_area": "pressures at both ports of the valve with oil flowing through both",
+    "spool_bandwidth": "steps of the voltage, with a spool sensor or within 20 ms",
+    "turbulent_resistance": "steady flows up to the pump's greatest, pressures at both ends",
+    "laminar_resistance": "steady flows in the laminar range, pressures at both ends",
+    "inertance": "steps of flow above the meter's floor, meters at both ends",
+    "capacitance": "steps of pressure by a third of the supply's, meters at both ends",
+    "internal_leakage_resistance": "the crane creeping on a tilted platform, its swing valve shut",
+    "external_leakage_resistance": "the swing driven for minutes with its case drain measured",
+    "damping": "the axis at several steady speeds, both ways through the same angles",
+    "supply_pressure": "an axis held against its end, a transducer in the supply",
+    "margin": "oil flowing at several loads, a transducer in the supply",
+    "response_time": "steps of flow or load, a transducer in the supply",
+    "head_mass": "boom and stick resting in five or more poses",
+    "boom_mass": "boom and stick resting in five or more poses",
+    "stick_mass": "the head weighed by itself, or taken off: at rest both pull alike",
+    "base_zz": "fast starts and stops of the swing, boom and stick folded and stretched; it is taken as told",
+}
+
+
+def excitation_for(key: str) -> str:
+    """Return the motion that identifies a parameter."""
+    return EXCITATION.get(key.rpartition(".")[2], "a motion in which it matters")
+
+
+class Estimate(NamedTuple):
+    """One parameter as estimated from records."""
+
+    key: str  # dotted, of the machine file
+    value: float  # [unit]
+    standard_error: float  # [unit]
+    unit: str
+    condition: float  # of the fit that it comes from
+    method: str
+    positive: bool = True
+    warning: str = ""
+    initial: bool = True  # of a linear estimate: whether the refinement starts from it
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """The 95 % interval [unit]."""
+        if self.positive and self.value > 0.0:
+            factor = math.exp(min(NORMAL_95 * self.standard_error / self.value, 50.0))
+            return self.value / factor, self.value * factor
+        reach = NORMAL_95 * self.standard_error
+        return self.value - reach, self.value + reach
+
+    @property
+    def usable(self) -> bool:
+        """Whether the value is a positive number."""
+        return math.isfinite(self.value) and self.value > 0.0
+
+    def formatted(self) -> tuple[str, str, str]:
+        """Return value and both ends of the interval, in digits that tell them apart."""
+        low, high = self.interval
+        apart = (high - low) / max(abs(low), abs(high), 1e-300)
+        digits = 5 if not 0.0 < apart < 1.0 else min(max(5, 2 - math.floor(math.log10(apart))), 12)
+        value, low_text, high_text = (f"{number:.{digits}g}" for number in (self.value, low, high))
+        return value, low_text, high_text
+
+    def contains(self, truth: float) -> bool:
+        """Tell whether the interval contains a value [unit]."""
+        low, high = self.interval
+        return low <= truth <= high
+
+    def checked(self) -> Estimate:
+        """Return the estimate with a warning if its value is not identified, and which motion would help."""
+        motion, text = excitation_for(self.key), ""
+        if not (math.isfinite(self.value) and math.isfinite(self.standard_error)):
+            text = f"the data hold nothing of {self.key}; it takes {motion}"
+        elif is_loose(self.value, self.standard_error, self.positive):
+            text = f"the data cannot tell {self.key} (interval too wide); it takes {motion}"
+        elif self.condition > ILL_CONDITIONED:
+            text = (
+                f"{self.key} is told apart from the others only by little (condition number "
+                f"{self.condition:.0e}); it takes {motion}"
+            )
+        return self._replace(warning=text)
+
+
+def is_loose(value: float, error: float, positive: bool) -> bool:
+    """Tell whether a standard error is so great that the value is not identified."""
+    return not (math.isfinite(value) and error <= LOOSE * (abs(value) if positive else 1.0))
+
+
+def unit_of(key: str) -> str:
+    """Return the unit of a machine file's number, by its dotted key."""
+    return schema.parameters(Machine)[key].unit

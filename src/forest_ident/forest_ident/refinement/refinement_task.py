@@ -1,0 +1,109 @@
+"""What the refinement of an experiment estimates: which parameters, and by which channels.
+
+Names of unknowns that are no parameters of the machine:
+
+| name | what |
+|---|---|
+| rig.load | R_L of the bench's load |
+| swing.angle, boom.angle, stick.angle | static errors of the resolvers, true minus read |
+| oil.offset | static error of the thermocouples' mean |
+| tilt | error of the inclinometer on the tilted platform |
+| start.CHANNEL.RECORD | pressure at the start of a crane's record, true minus read |
+"""
+
+from typing import NamedTuple
+
+from forest_description.components.pump import LoadSensingPump, PressureCompensatedPump
+from forest_description.machine import Machine
+from forest_description.types import AXES
+from forest_ident.experiments import experiment_plan
+from forest_ident.measurements.parameter_path import hose_section, valve_at, valve_section
+from forest_ident.measurements.session import Session
+
+START = "start."
+LEAKAGE = ("swing.internal_leakage_resistance", "swing.external_leakage_resistance")
+OFFSETS = ("boom.angle", "stick.angle", "oil.offset")
+NO_PARAMETERS = (START, "rig.load", "swing.angle", *OFFSETS, "tilt")
+VALVE_PORTS = ("swing_pressure_1_valve", "swing_pressure_2_valve")
+FLOWS = ("swing_flow", "stick_flow", "supply_pressure")
+VALVE_RIG = (*VALVE_PORTS, *FLOWS, "swing_spool")
+HOSE_RIG = (*VALVE_PORTS, "swing_pressure_1_actuator", *FLOWS)
+
+
+class Task(NamedTuple):
+    """One refinement."""
+
+    free: tuple[str, ...]  # keys to be estimated here; their prior counts if there is one
+    carried: tuple[str, ...]  # keys estimated before, with their prior; left out if there is none
+    channels: tuple[str, ...]
+    nuisances: tuple[str, ...] = OFFSETS
+
+
+def task(machine: Machine, session: Session) -> Task | None:
+    """Return what a session's refinement estimates; None for a session that is only checked."""
+    axis = _axis(machine, session)
+    name, drive = AXES[axis], machine.drives[axis]
+    valve, hose, pump = valve_section(machine, axis), hose_section(machine, axis), _pump_keys(machine)
+    ways = [
+        (f"{part}.deadband_voltage", f"{part}.minimum_resistance") for part in (valve, f"{valve}.backward")
+    ]
+    spool = _spool_keys(machine, valve)
+    law = (*ways[0], *ways[1], f"{valve}.port_2_area", *spool)
+    laminar = session.metadata.get("laminar", 0.0) > 0.0
+    regime = drive.flow_regime if session.on_crane else "laminar" if laminar else "turbulent"
+    line = tuple(f"{hose}.{part}" for part in (f"{regime}_resistance", "inertance", "capacitance"))
+    leakage = LEAKAGE if axis == 0 else ()
+    ports = (f"{name}_pressure_1_actuator", f"{name}_pressure_2_actuator")
+    axis_channels = (f"{name}_resolver", f"{name}_transducer", *ports, f"{name}_flow")
+    supplied, drained = (*axis_channels, "supply_pressure"), (*axis_channels, "case_drain")
+    own, back = f"{name}.valve", f"{name}.valve.backward"
+    tasks = {
+        # Between valve and load lies a short piece of hose, which has not been measured yet.
+        "valve": Task((*law, *pump), line, VALVE_RIG, ("rig.load",)),
+        "spool": Task(spool, (), ("swing_spool",), ()),
+        "hose": Task(line, (*law, *pump), HOSE_RIG, ("rig.load",)),
+        "motor_external": Task(
+            free=LEAKAGE[1:],
+            carried=("swing.damping", LEAKAGE[0], *law, *line, *pump),
+            channels=(*supplied, "case_drain"),
+        ),
+        "motor_internal": Task(
+            free=LEAKAGE,
+            carried=("swing.damping", *line),
+            channels=drained,
+            nuisances=(*OFFSETS, "tilt", "swing.angle"),
+        ),
+        "deadband": Task(
+            free=(f"{own}.deadband_voltage", f"{back}.deadband_voltage"),
+            carried=(
+                *(f"{own}.minimum_resistance", f"{back}.minimum_resistance", f"{own}.port_2_area"),
+                *(f"{name}.damping", *leakage, *pump),
+            ),
+            channels=supplied,
+        ),
+        "damping": Task((f"{name}.damping",), (*law, *line, *leakage, *pump), supplied),
+    }
+    return tasks.get(session.name, tasks.get(session.kind))
+
+
+def _axis(machine: Machine, session: Session) -> int:
+    """Return the axis that a session is about: of the crane, or whose parts are on the rig."""
+    if session.kind == "hose":
+        return int(session.metadata["hose_axis"])
+    if session.own_axis:
+        return AXES.index(session.own_axis)
+    return experiment_plan.shared_valve_axis(machine) if session.name == "valve" else 0
+
+
+def _pump_keys(machine: Machine) -> tuple[str, ...]:
+    if isinstance(machine.pump, PressureCompensatedPump):
+        return ("pump.supply_pressure", "pump.compensator_band")
+    if isinstance(machine.pump, LoadSensingPump):  # no experiment loads it up to its greatest pressure
+        return ("pump.margin", "pump.response_time")
+    return ("pump.supply_pressure",)
+
+
+def _spool_keys(machine: Machine, section: str) -> tuple[str, ...]:
+    valve = valve_at(machine, section)
+    names = [name for name in ("spool_bandwidth", "spool_damping") if getattr(valve, name) is not None]
+    return tuple(f"{section}.{name}" for name in names)
