@@ -23,7 +23,12 @@ from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_suite import Suite, sensor_suite
 from forest_sim.solver.compiled_plant import FlatPlant
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.oil_temperature import UPDATE_PERIOD, dissipated_power, parameters_at, temperature_after
+from forest_sim.solver.oil_temperature import (
+    UPDATE_PERIOD,
+    dissipated_power,
+    parameters_at,
+    temperature_after,
+)
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power_flows import power_flows
 
