@@ -53,7 +53,9 @@ class ControllerInputs:
         """Return what a message of the joints says."""
         reading = self._joints.read(data)
         angles, rates = reading.values.position, reading.values.velocity
-        return MachineState(angles, rates, reading.stamp_ns, received, reading.problem)
+        return MachineState(
+            angles=angles, rates=rates, stamp=reading.stamp_ns, received=received, problem=reading.problem
+        )
 
     def cylinders(self, stamp: int, p: Parameters) -> Lengths:
         """Return the lengths [m] of boom and stick at a stamp [ns]; NaN where there are none to be used."""

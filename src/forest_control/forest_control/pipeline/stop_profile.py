@@ -40,7 +40,13 @@ class Stop(NamedTuple):
     reference: Vec3  # velocity of the tip when it began [m/s], for a scheme that holds its reference
 
 
-NO_STOP = Stop(math.inf, OPEN_LOOP, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+NO_STOP = Stop(
+    elapsed=math.inf,
+    duration=OPEN_LOOP,
+    velocity=(0.0, 0.0, 0.0),
+    rates=(0.0, 0.0, 0.0),
+    reference=(0.0, 0.0, 0.0),
+)
 
 
 def begin(duration: float, u: Vec3, reference: Vec3, s: Vec3, links: Links) -> Stop:
@@ -53,7 +59,9 @@ def begin(duration: float, u: Vec3, reference: Vec3, s: Vec3, links: Links) -> S
         s: measured angles [rad].
         links: of the crane.
     """
-    return Stop(0.0, duration, tip_velocity(s, u, links), u, reference)
+    return Stop(
+        elapsed=0.0, duration=duration, velocity=tip_velocity(s, u, links), rates=u, reference=reference
+    )
 
 
 def share(stop: Stop) -> float:
@@ -85,7 +93,13 @@ def _onwards(u: float, a: float) -> float:
 
 def advanced(stop: Stop, dt: float) -> Stop:
     """Return the stop one step on."""
-    return Stop(stop.elapsed + dt, stop.duration, stop.velocity, stop.rates, stop.reference)
+    return Stop(
+        elapsed=stop.elapsed + dt,
+        duration=stop.duration,
+        velocity=stop.velocity,
+        rates=stop.rates,
+        reference=stop.reference,
+    )
 
 
 def is_over(stop: Stop) -> bool:

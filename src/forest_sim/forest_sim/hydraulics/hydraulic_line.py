@@ -161,12 +161,26 @@ def _solve_with_port_valve(
     intercept, admittance = share * (flow - gain * offset), share * gain
     checked = apply_load_check(intercept + admittance * supply, port, supply)
     if is_shut(checked):
-        return LineSolution(offset, 0.0, slope, 0.0, offset, slope, slope)
+        return LineSolution(
+            pressure=offset,
+            flow=0.0,
+            stiffness=slope,
+            flow_gain=0.0,
+            port_pressure=offset,
+            port_stiffness=slope,
+            slope=slope,
+        )
     p, passed = solve_port(intercept, admittance, checked, supply)
     q = intercept + admittance * p
     flow_gain = passed * admittance * slope
     return LineSolution(
-        offset + slope * q, q, slope * (1.0 - flow_gain), flow_gain, p, slope * (1.0 - passed), slope
+        pressure=offset + slope * q,
+        flow=q,
+        stiffness=slope * (1.0 - flow_gain),
+        flow_gain=flow_gain,
+        port_pressure=p,
+        port_stiffness=slope * (1.0 - passed),
+        slope=slope,
     )
 
 
@@ -176,13 +190,13 @@ def with_outflow(line: LineSolution, flow: float) -> LineSolution:
     What the pressure yields is what the valve does not deliver, so that no oil is lost or made.
     """
     return LineSolution(
-        line.pressure - line.stiffness * flow,
-        line.flow + line.flow_gain * flow,
-        line.stiffness,
-        line.flow_gain,
-        line.port_pressure - line.port_stiffness * flow,
-        line.port_stiffness,
-        line.slope,
+        pressure=line.pressure - line.stiffness * flow,
+        flow=line.flow + line.flow_gain * flow,
+        stiffness=line.stiffness,
+        flow_gain=line.flow_gain,
+        port_pressure=line.port_pressure - line.port_stiffness * flow,
+        port_stiffness=line.port_stiffness,
+        slope=line.slope,
     )
 
 

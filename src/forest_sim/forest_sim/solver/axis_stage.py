@@ -53,7 +53,12 @@ def solve_axis(
         one, two = _both_with_outflow(one, two, more_1, more_2, a.leakage_12)
     force = actuator_force(speed, one.pressure, two.pressure, a) + passive_force(t.position, speed, axis)
     return AxisSolution(
-        rate, t.arm, one, two, t.arm * force, t.arm * t.arm * _resistance(speed, t, one, two, axis, h)
+        rate=rate,
+        arm=t.arm,
+        one=one,
+        two=two,
+        torque=t.arm * force,
+        resistance=t.arm * t.arm * _resistance(speed, t, one, two, axis, h),
     )
 
 

@@ -100,11 +100,15 @@ def _stage_end(
     """Return the state at a stage's end, from the last iterate and the equations one correction before it."""
     supply_change, feeds = iterate.supply.pressure - equations.supply.state.pressure, equations.supply.feeds
     return PlantState(
-        corrected_axis(base.swing, iterate.rates[0], equations.swing, feeds[0], supply_change, p.swing, h),
-        corrected_axis(base.boom, iterate.rates[1], equations.boom, feeds[1], supply_change, p.boom, h),
-        corrected_axis(base.stick, iterate.rates[2], equations.stick, feeds[2], supply_change, p.stick, h),
-        iterate.supply,
-        _head_at(base.head, iterate.head_rates, h),
+        swing=corrected_axis(
+            base.swing, iterate.rates[0], equations.swing, feeds[0], supply_change, p.swing, h
+        ),
+        boom=corrected_axis(base.boom, iterate.rates[1], equations.boom, feeds[1], supply_change, p.boom, h),
+        stick=corrected_axis(
+            base.stick, iterate.rates[2], equations.stick, feeds[2], supply_change, p.stick, h
+        ),
+        supply=iterate.supply,
+        head=_head_at(base.head, iterate.head_rates, h),
     )
 
 
@@ -139,23 +143,25 @@ def _equations_at(
         (u[0] - base.swing.rate, u[1] - base.boom.rate, u[2] - base.stick.rate),
         (w[0] - base.head.alpha_rate, w[1] - base.head.beta_rate),
     )
-    error = SupplyError(0.0, 1.0, (0.0, 0.0, 0.0), NO_FEEDS, iterate.supply)
+    error = SupplyError(
+        residual=0.0, slope=1.0, by_rate=(0.0, 0.0, 0.0), feeds=NO_FEEDS, state=iterate.supply
+    )
     if not p.supply.ideal:
         error = supply_error(
             base.supply, supply, (swing, boom, stick), ports, (t_1.arm, t_2.arm, t_3.arm), h, p
         )
     return StageEquations(
-        swing,
-        boom,
-        stick,
-        resisted(m.inertia, (swing.resistance, boom.resistance, stick.resistance), p.head.damping, h),
-        (
+        swing=swing,
+        boom=boom,
+        stick=stick,
+        matrix=resisted(m.inertia, (swing.resistance, boom.resistance, stick.resistance), p.head.damping, h),
+        residual=(
             gained[0] + h * (m.bias[0] - swing.torque),
             gained[1] + h * (m.bias[1] - boom.torque),
             gained[2] + h * (m.bias[2] - stick.torque),
         ),
-        (head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
-        error,
+        head_residual=(head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
+        supply=error,
     )
 
 

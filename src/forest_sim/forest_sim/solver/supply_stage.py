@@ -73,7 +73,13 @@ def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, a: Axis, h: floa
         sensed_load(axis.one.port_pressure, ports.port_1), sensed_load(axis.two.port_pressure, ports.port_2)
     )
     feeds = one.feed, two.feed
-    return AxisDraw(one.draw + two.draw, one.conductance + two.conductance, gain, load, feeds)
+    return AxisDraw(
+        flow=one.draw + two.draw,
+        conductance=one.conductance + two.conductance,
+        gain=gain,
+        load=load,
+        feeds=feeds,
+    )
 
 
 def tightened_bounds(bounds: Pair, pressure: float, change: float) -> Pair:

@@ -119,7 +119,9 @@ def period(
         pressures=seen.pressures,
     )
     reports = reported(loop.reports, learnt_reach(drive.estimates, k.drive.axes))
-    return Loop(simulation, sensors, control, drive, reports), happened
+    return Loop(
+        simulation=simulation, sensors=sensors, control=control, drive=drive, reports=reports
+    ), happened
 
 
 def guarded(

@@ -140,11 +140,11 @@ def knowledge(
 ) -> Knowledge:
     """Return all that stays in a run."""
     return Knowledge(
-        Sensors(plant_parameters(machine), suite.channels, suite.period, NOMINAL),
-        machine.manipulator.links,
-        control_settings.parameters(model, control),
-        valve_driver.parameters(model, drive),
-        loop_core.guard_of(suite),
+        sensors=Sensors(plant_parameters(machine), suite.channels, suite.period, NOMINAL),
+        links=machine.manipulator.links,
+        control=control_settings.parameters(model, control),
+        drive=valve_driver.parameters(model, drive),
+        guard=loop_core.guard_of(suite),
     )
 
 
@@ -153,7 +153,9 @@ def begin(k: Knowledge, start: Vec3, suite: Suite) -> Loop:
     rest = equilibrium(start, k.sensors.plant)
     sensors = sensor_readings.at_rest(rest, k.sensors.plant, suite)
     simulation = closed_loop.until_first_report(rest, k.sensors.plant)
-    return Loop(simulation, sensors, Guarded(), valve_driver.REST, Reports())
+    return Loop(
+        simulation=simulation, sensors=sensors, control=Guarded(), drive=valve_driver.REST, reports=Reports()
+    )
 
 
 def draws(suite: Suite, rows: int) -> Floats:
@@ -184,7 +186,15 @@ def entry() -> Entry:
     names: dict[str, Any] = {"period": loop_core.period, "Levers": levers.Levers}
     after = [path for path, _ in flat_layout.leaves(loop, "after")]
     zero = (0.0, 0.0, 0.0)
-    out = [p for p, _ in flat_layout.leaves(Happened(zero, zero, zero, zero, zero, (0.0,) * 12), "happened")]
+    out = [
+        p
+        for p, _ in flat_layout.leaves(
+            Happened(
+                angles=zero, tip=zero, tip_wish=zero, command=zero, voltages=zero, pressures=(0.0,) * 12
+            ),
+            "happened",
+        )
+    ]
     lines = [
         "def kernel(state, knowledge, levers, normals, recorded, rows):",
         "    for row in range(rows):",
