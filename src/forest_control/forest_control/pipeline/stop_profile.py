@@ -93,13 +93,7 @@ def _onwards(u: float, a: float) -> float:
 
 def advanced(stop: Stop, dt: float) -> Stop:
     """Return the stop one step on."""
-    return Stop(
-        elapsed=stop.elapsed + dt,
-        duration=stop.duration,
-        velocity=stop.velocity,
-        rates=stop.rates,
-        reference=stop.reference,
-    )
+    return stop._replace(elapsed=stop.elapsed + dt)
 
 
 def is_over(stop: Stop) -> bool:
