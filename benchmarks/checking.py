@@ -16,7 +16,8 @@ import time
 from pathlib import Path
 
 from forest_bag.read.bag_reader import BagReader
-from forest_bag.write.bag_writer import BagWriter, Layout
+from forest_bag.write.bag_split import Layout
+from forest_bag.write.bag_writer import BagWriter
 
 SIZES = (150, 1000, 20_000)  # bytes of a message
 PERIOD_NS = 1_000_000

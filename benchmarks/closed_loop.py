@@ -15,7 +15,7 @@ from typing import Any
 
 from forest_control.operator.levers import Levers
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
@@ -27,7 +27,7 @@ from forest_study.tracking.track_runs import Variation, run_many
 from forest_study.tracking.tracking import Course
 
 C180 = load_machine("c180")
-DRIVE = valve_driver.Settings(adapt=True)
+DRIVE = valve_driver_parameters.Settings(adapt=True)
 HEAD = (
     "| path | simulated, s | compiled, × real time | with set-up and noise "
     "| interpreted | ratio | plan, s |\n|---|---|---|---|---|---|---|"

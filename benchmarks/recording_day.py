@@ -16,7 +16,8 @@ from pathlib import Path
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.mcap_chunk import COMPRESSIONS
 from forest_bag.write.bag_session import Session
-from forest_bag.write.bag_writer import FLUSH_PERIOD_S, Layout
+from forest_bag.write.bag_split import Layout
+from forest_bag.write.bag_writer import FLUSH_PERIOD_S
 from forest_msgs_py.interfaces.topic_qos import offered_qos
 from forest_msgs_py.interfaces.topics import JOY
 

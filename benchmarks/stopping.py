@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from forest_control.config import settings as control_settings
 from forest_control.operator.levers import levers_for_tip_velocity
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import joint_limits
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine, load_machine
@@ -126,7 +126,13 @@ def motion(machine: Machine, number: int, speed: float) -> Motion:
 def run(machine: Machine, model: Machine, number: int, row: Row) -> tuple[Trajectory, int]:
     """Return a motion's session, and the row in which the deadman is let go."""
     done, settings = motion(model, number, row.speed), control_settings.Settings(tip_speed=row.speed)
-    given = machine, done.levers, done.start, settings._replace(scheme=row.scheme), valve_driver.Settings()
+    given = (
+        machine,
+        done.levers,
+        done.start,
+        settings._replace(scheme=row.scheme),
+        valve_driver_parameters.Settings(),
+    )
     return loop_kernel.run(*given, model=model, suite=noisy(machine, number)), done.released
 
 

@@ -15,7 +15,7 @@ from forest_control.pipeline.control_state import ValveFeedback
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import MachineState, PermissionParameters
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.tracking_limit import FULL
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
@@ -90,7 +90,7 @@ class Crane:
         self.controller = GuardedController(
             settings.parameters(machine, settings.Settings()), PermissionParameters()
         )
-        self.driver = valve_driver.parameters(machine, valve_driver.Settings())
+        self.driver = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings())
         self.drive, self.voltages, self.report, self.count = valve_driver.REST, ZERO, None, 0
 
     def period(self, levers):

@@ -13,7 +13,8 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from forest_bag.read.bag_reader import BagReader
-from forest_bag.write.bag_writer import BagWriter, Layout
+from forest_bag.write.bag_split import Layout
+from forest_bag.write.bag_writer import BagWriter
 from forest_msgs_py.interfaces import messages, topics
 from forest_msgs_py.serialization.cdr import to_cdr
 

@@ -26,7 +26,7 @@ from forest_control import compiled as control_compiled
 from forest_control.config import settings as control_settings
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import controller
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_description.machine import load_machine
 from forest_sim.sensors import sensor_readings, sensor_run
 from forest_sim.sensors.sensor_suite import sensor_suite
@@ -215,7 +215,7 @@ def test_the_loop_at_random_states_is_pythons_to_the_last_bit():
     machine, rng = load_machine("c180"), random.Random(6)
     suite, settings = (
         sensor_suite(machine, noise=True),
-        (control_settings.Settings(), valve_driver.Settings()),
+        (control_settings.Settings(), valve_driver_parameters.Settings()),
     )
     k = loop_kernel.knowledge(machine, machine, *settings, suite)
     start = loop_kernel.begin(k, (0.0, 0.5, -1.5), suite)

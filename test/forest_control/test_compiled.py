@@ -12,7 +12,7 @@ from forest_control.operator.levers import Levers
 from forest_control.pipeline import control_state, controller
 from forest_control.servo.joint_angle_filter import UNREAD
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_description.machine import load_machine
 
 DT = 0.005
@@ -59,7 +59,9 @@ def test_the_controllers_step_is_the_interpreted_one(machine, scheme):
 @pytest.mark.parametrize("adapt", [False, True])
 def test_the_drivers_step_is_the_interpreted_one(machine, adapt):
     compiled.DRIVER.kernel()
-    p = valve_driver.parameters(load_machine(machine), valve_driver.Settings(adapt=adapt))
+    p = valve_driver_parameters.parameters(
+        load_machine(machine), valve_driver_parameters.Settings(adapt=adapt)
+    )
     rows = walk(5, 300, [-9] * 3 + [1e5] * 12 + [8e6] + [-1] * 3, [9] * 3 + [18e6] * 12 + [2e7] + [1] * 3)
     inputs = []
     for k, row in enumerate(rows):
@@ -75,7 +77,7 @@ def test_the_drivers_step_is_the_interpreted_one(machine, adapt):
 
 def test_a_state_stays_what_it_was_when_the_step_moves_on():
     compiled.DRIVER.kernel()
-    p = valve_driver.parameters(load_machine("c180"), valve_driver.Settings())
+    p = valve_driver_parameters.parameters(load_machine("c180"), valve_driver_parameters.Settings())
     step, unseen = compiled.driver_step(), (valve_driver.UNSEEN, valve_driver.STILL)
     first, _ = step(valve_driver.REST, (1.0, 0.0, 0.0), *unseen, p, DT)
     second, volts = step(first, (2.0, 0.0, 0.0), *unseen, p, DT)

@@ -12,8 +12,9 @@ pytest.importorskip("rclpy")
 
 from std_srvs.srv import Trigger
 
-from forest_control.valve import valve_driver
-from forest_control.valve.valve_driver import Pressures, Settings
+from forest_control.valve import valve_driver, valve_driver_parameters
+from forest_control.valve.valve_driver import Pressures
+from forest_control.valve.valve_driver_parameters import Settings
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array, joint_state, read_float_array, sensor_array
@@ -43,7 +44,7 @@ def volts(message):
 
 
 def compensated(measured=None, values=COMMAND, **settings):
-    p = valve_driver.parameters(load_machine(), Settings(**{"beyond_valve": False, **settings}))
+    p = valve_driver_parameters.parameters(load_machine(), Settings(**{"beyond_valve": False, **settings}))
     return valve_driver.step(valve_driver.REST, values, measured, p, 0.005)[1]
 
 

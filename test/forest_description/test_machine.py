@@ -19,18 +19,13 @@ from forest_description.components.sensors import (
     Thermocouple,
 )
 from forest_description.components.valve_characteristic import symmetric_valve
+from forest_description.components.valve_parameters import PortValves
+from forest_description.config.parameter import MachineError
 from forest_description.config.schema import parameters
 from forest_description.config.source_tree import shipped_machines
 from forest_description.config.units import UNITS
 from forest_description.export.machine_numbers import declared
-from forest_description.machine import (
-    EndStops,
-    Machine,
-    MachineError,
-    PortValves,
-    load_machine,
-    sources,
-)
+from forest_description.machine import EndStops, Machine, load_machine, sources
 
 GALLON_PER_MINUTE, RPM = UNITS["gal/min"].factor, UNITS["rpm"].factor
 MACHINE, THESIS = load_machine(), load_machine("c180_thesis")

@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from forest_description.components.drives import Cushion, Friction
 from forest_description.components.load import Log, Pendulum
 from forest_description.components.pump import (
     ConstantFlowPump,
@@ -16,7 +17,7 @@ from forest_description.components.pump import (
 )
 from forest_description.components.valve_parameters import BackwardValve, TableCurve
 from forest_description.geometry.kinematics import inverse_kinematics
-from forest_description.machine import Cushion, Friction, Machine, load_machine
+from forest_description.machine import Machine, load_machine
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.multibody import HeadState

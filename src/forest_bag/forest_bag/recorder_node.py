@@ -23,7 +23,7 @@ from forest_bag.record.recording import Recording, Refusal
 from forest_bag.record.run_context import RunContext, versions
 from forest_bag.record.topic_choice import ChoiceError, TopicChoice
 from forest_bag.write.bag_session import Session
-from forest_bag.write.bag_writer import Layout
+from forest_bag.write.bag_split import Layout
 from forest_msgs_py.clock.step_listener import listener
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class

@@ -11,7 +11,7 @@ from typing import Any
 from rclpy.node import Node
 
 from forest_control import compiled
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.command_gate import PRESSED, Command, CommandGate, Verdict
 from forest_control.valve.valve_driver_parameters import DriverParameters
 from forest_control.valve.valve_driver_topics import Measurements, Outputs
@@ -38,7 +38,7 @@ class ValveDriverNode(Node):
         self._node_clock = node_clock(self)
         self.run = self._node_clock.run
         machine, self._tunables = load_machine(declare(self, MachineParameter).machine), Tunables(self)
-        self._use(machine, self._tunables.declare(valve_driver.Settings)._asdict())
+        self._use(machine, self._tunables.declare(valve_driver_parameters.Settings)._asdict())
         self._tunables.watch(partial(self._use, machine))
         p = declare(self, DriverParameters)
         self._gate, self._period = CommandGate(p.command_timeout, self._node_clock.now), TimeInForce(p.period)
@@ -59,7 +59,7 @@ class ValveDriverNode(Node):
         self._node_clock.every(WATCHDOG_PERIOD, self._on_watchdog)
 
     def _use(self, machine: Machine, values: dict[str, Any]) -> None:
-        self._core = valve_driver.parameters(machine, valve_driver.Settings(**values))
+        self._core = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings(**values))
 
     def _watch_inputs(self, commands: Any, machine: Machine) -> None:
         """Have /diagnostics tell of the driver's inputs."""

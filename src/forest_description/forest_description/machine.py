@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from forest_description.components.drives import Cushion, CylinderDrive, Friction, SwingDrive
+from forest_description.components.drives import CylinderDrive, SwingDrive
 from forest_description.components.hose import GeometricHose, Hose, Line, MeasuredHose
 from forest_description.components.inertia import require_rigid
 from forest_description.components.load import Log, Pendulum
@@ -23,31 +23,6 @@ from forest_description.config.parameter import MachineError, ParameterSet, choi
 from forest_description.geometry.kinematics import Links
 from forest_description.geometry.linkage import Linkage
 from forest_description.types import AXES
-
-__all__ = [
-    "AXES",
-    "Cushion",
-    "CylinderDrive",
-    "EndStops",
-    "Friction",
-    "GeometricHose",
-    "Hose",
-    "Line",
-    "Log",
-    "Machine",
-    "MachineError",
-    "Manipulator",
-    "MeasuredHose",
-    "Oil",
-    "Pendulum",
-    "PortValves",
-    "Pump",
-    "Sensors",
-    "SwingDrive",
-    "Valve",
-    "load_machine",
-    "sources",
-]
 
 OWN_SECTIONS = ("valve", "hose")
 """What an axis may have of its own instead of what all share."""

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from forest_bringup.graph_lock import GraphError
-from forest_description.machine import MachineError
+from forest_description.config.parameter import MachineError
 from forest_msgs_py.runtime import command_line
 from forest_study.closed_loop.link_model import LinkError
 from forest_study.demo import replay

@@ -118,7 +118,8 @@ def test_recover_is_advised_only_where_it_can_help_and_says_why_not(tmp_path, ca
 
 
 def test_recover_of_what_holds_no_message_saves_the_rest_but_fails(tmp_path, capsys):
-    from forest_bag.write.bag_writer import Attached, BagWriter
+    from forest_bag.write.bag_split import Attached
+    from forest_bag.write.bag_writer import BagWriter
 
     writer = BagWriter(tmp_path / "bag")
     writer.add_topic("/a", "std_msgs/msg/String", [], "")

@@ -10,7 +10,8 @@ from forest_bag.record.recording import Recording, Refusal
 from forest_bag.storage.bag_files import bag_files
 from forest_bag.storage.mcap_recovery import RecordRecovery
 from forest_bag.write.bag_session import Session
-from forest_bag.write.bag_writer import FLUSH_PERIOD_S, Layout
+from forest_bag.write.bag_split import Layout
+from forest_bag.write.bag_writer import FLUSH_PERIOD_S
 from forest_msgs_py.introspection.graph_listener import ReceivedMessage
 from forest_msgs_py.runtime.node import NodeFailure
 

@@ -11,7 +11,8 @@ from mcap.writer import CompressionType, Writer
 from forest_bag.recovery.bag_recovery import recover
 from forest_bag.storage.bag_files import BagError, bag_files
 from forest_bag.storage.mcap_records import MAGIC
-from forest_bag.write.bag_writer import Attached, BagWriter, Layout
+from forest_bag.write.bag_split import Attached, Layout
+from forest_bag.write.bag_writer import BagWriter
 
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
 QOS = {

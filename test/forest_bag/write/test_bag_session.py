@@ -5,7 +5,7 @@ from mcap.reader import make_reader
 
 from forest_bag.storage.bag_files import bag_files
 from forest_bag.write.bag_session import Session
-from forest_bag.write.bag_writer import Attached, Layout
+from forest_bag.write.bag_split import Attached, Layout
 
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
 S = 10**9

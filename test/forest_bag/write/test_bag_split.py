@@ -8,7 +8,8 @@ import yaml
 from mcap.reader import make_reader
 
 from forest_bag.storage.bag_files import bag_files
-from forest_bag.write.bag_writer import Attached, BagWriter, Layout
+from forest_bag.write.bag_split import Attached, Layout
+from forest_bag.write.bag_writer import BagWriter
 
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
 ONE = b"\x00\x01\x00\x00" + bytes(6) + b"\xf0\x3f"  # std_msgs/Float64 1.0 as little-endian CDR

@@ -12,7 +12,7 @@ from forest_control.pipeline import control_state, controller
 from forest_control.pipeline.control_state import Inputs
 from forest_control.safety.state_checks import implausible
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.valve_driver import Pressures
 from forest_description.machine import load_machine
 
@@ -37,7 +37,7 @@ def test_the_controller_commands_finite_voltages_within_the_rating(scheme):
 
 
 def test_the_driver_answers_any_finite_command_and_pressure_with_voltages_within_the_rating():
-    p = valve_driver.parameters(MACHINE, valve_driver.Settings())
+    p = valve_driver_parameters.parameters(MACHINE, valve_driver_parameters.Settings())
     rng, state = np.random.default_rng(9), valve_driver.REST
     sizes = [0.0, 1e-300, 1e-3, 1.0, 10.0, 1e6, 1e300]
     for _ in range(3000):
@@ -52,7 +52,7 @@ def test_the_driver_answers_any_finite_command_and_pressure_with_voltages_within
 @pytest.mark.parametrize("dt", [0.0, 1e-18, 1e-6])
 def test_two_commands_for_one_moment_of_the_machine_open_no_valve_wide(dt):
     """A first command after a rest may come with the pressures that another one was answered by."""
-    p = valve_driver.parameters(MACHINE, valve_driver.Settings())
+    p = valve_driver_parameters.parameters(MACHINE, valve_driver_parameters.Settings())
     command = (0.1, 0.1, -0.1)
     _, usual = valve_driver.step(valve_driver.REST, command, None, p, 0.0025)
     _, volts = valve_driver.step(valve_driver.REST, command, None, p, dt)

@@ -10,7 +10,7 @@ from forest_control.limits.actuator_speed_limits import (
 )
 from forest_control.servo.swing_feedforward import inertia, swing_model
 from forest_control.valve.tracking_limit import FULL
-from forest_control.valve.valve_driver import axis_drivers
+from forest_control.valve.valve_driver_parameters import axis_drivers
 from forest_description.derived.actuator_kinematics import displacements
 from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine

@@ -4,12 +4,13 @@ import math
 
 import pytest
 
-from forest_control.valve import valve_driver
-from forest_control.valve.valve_driver import REST, Settings
+from forest_control.valve import valve_driver, valve_driver_parameters
+from forest_control.valve.valve_driver import REST
+from forest_control.valve.valve_driver_parameters import Settings
 from forest_description.machine import load_machine
 
 PERIOD = 0.005
-P = valve_driver.parameters(load_machine(), Settings())
+P = valve_driver_parameters.parameters(load_machine(), Settings())
 LAG = P.axes[0].spool_lag
 EDGE = P.axes[0].valve.forward.deadband_voltage
 MORE, BACK = (0.3, 0.0, 0.0), (-0.3, 0.0, 0.0)
@@ -60,7 +61,7 @@ def test_that_caution_fades():
 
 @pytest.mark.parametrize("slew", [math.inf, 1000.0])
 def test_of_commands_that_come_at_once_the_last_is_obeyed_as_if_it_had_come_alone(slew):
-    p = valve_driver.parameters(load_machine(), Settings(slew_limit=slew, adapt=True))
+    p = valve_driver_parameters.parameters(load_machine(), Settings(slew_limit=slew, adapt=True))
     before, _, _ = turned(PERIOD)
     alone, volts = valve_driver.step(before, MORE, None, p, 3.0 * PERIOD)
     crowd = before

@@ -17,7 +17,7 @@ from forest_control.valve.tracking_limit import (
     updated_limits,
 )
 from forest_control.valve.valve_adaptation import NO_ESTIMATE, DirectionEstimate
-from forest_control.valve.valve_driver import axis_drivers
+from forest_control.valve.valve_driver_parameters import axis_drivers
 from forest_description.machine import load_machine
 from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.solver import equilibrium, integrator

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from forest_control.valve import valve_adaptation as adaptation
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_control.valve.valve_adaptation import NO_ESTIMATE, updated_estimate
-from forest_control.valve.valve_driver import Settings
+from forest_control.valve.valve_driver_parameters import Settings
 from forest_control.valve.valve_flow import AxisMeasurement
 from forest_description.components.valve_characteristic import TABLE, Curve, Direction, ValveLaw, edges
 from forest_description.machine import load_machine
 
 MACHINE = load_machine()
-P = valve_driver.parameters(MACHINE, Settings(adapt=True))
+P = valve_driver_parameters.parameters(MACHINE, Settings(adapt=True))
 FILE = MACHINE.valve.law
 SUPPLY = MACHINE.pump.supply_pressure
 PERIOD = 0.005

@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from forest_control.valve import valve_driver, valve_hold
-from forest_control.valve.valve_driver import REST, Pressures, Settings
+from forest_control.valve import valve_driver, valve_driver_parameters, valve_hold
+from forest_control.valve.valve_driver import REST, Pressures
+from forest_control.valve.valve_driver_parameters import Settings
 from forest_description.components.valve_characteristic import (
     LINEAR_AREA,
     POLYNOMIAL,
@@ -48,7 +49,7 @@ SIDES = [
 
 def parameters(machine=MACHINE, **settings):
     """The driver of the valve alone: what lies beyond it is tested at the end."""
-    return valve_driver.parameters(machine, Settings(**{"beyond_valve": False, **settings}))
+    return valve_driver_parameters.parameters(machine, Settings(**{"beyond_valve": False, **settings}))
 
 
 def on_axis(axis, value):
@@ -227,7 +228,7 @@ def test_a_weak_pump_does_not_open_a_valve_beyond_what_the_nominal_one_is_grante
 
 def test_a_load_sensing_pump_at_rest_is_believed_and_one_that_is_off_is_not():
     loader = load_machine("loader")
-    p = valve_driver.parameters(loader, Settings())
+    p = valve_driver_parameters.parameters(loader, Settings())
     idle = loader.pump.margin
     assert p.idle_pressure == idle < 0.25 * loader.pump.supply_pressure
     resting = Pressures((5e5,) * 3, (5e5,) * 3, idle)

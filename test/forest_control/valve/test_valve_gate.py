@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.valve_adaptation import NO_ESTIMATE
-from forest_control.valve.valve_driver import REST, Motion, Pressures, Settings
+from forest_control.valve.valve_driver import REST, Motion, Pressures
+from forest_control.valve.valve_driver_parameters import Settings
 from forest_control.valve.valve_hold import SHUT
 from forest_description.machine import load_machine
 from forest_description.types import AXES
@@ -20,7 +21,7 @@ both_ways = pytest.mark.parametrize("sign", [1.0, -1.0], ids=["positive", "negat
 
 
 def parameters(machine=C180, **settings):
-    return valve_driver.parameters(machine, Settings(**settings))
+    return valve_driver_parameters.parameters(machine, Settings(**settings))
 
 
 def on_axis(axis, value, others=0.0):

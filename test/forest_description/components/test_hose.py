@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from forest_description.components.hose import BLASIUS, GeometricHose, bore_area
-from forest_description.machine import MachineError, load_machine
+from forest_description.config.parameter import MachineError
+from forest_description.machine import load_machine
 
 MACHINE = load_machine("c180")
 OIL, MEASURED = MACHINE.oil, MACHINE.hose

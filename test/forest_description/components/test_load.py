@@ -5,7 +5,8 @@ import dataclasses
 import pytest
 
 from forest_description.components.load import Log, Pendulum
-from forest_description.machine import MachineError, load_machine
+from forest_description.config.parameter import MachineError
+from forest_description.machine import load_machine
 
 MANIPULATOR = load_machine().manipulator
 HANGING = dataclasses.replace(MANIPULATOR, pendulum=Pendulum(0.9, 60.0, 250.0))

@@ -6,7 +6,8 @@ import math
 
 import pytest
 
-from forest_description.machine import MachineError, load_machine
+from forest_description.config.parameter import MachineError
+from forest_description.machine import load_machine
 
 OIL = load_machine("c180").oil
 TEMPERATURES = [243.15, 273.15, 313.15, 340.0, 373.15, 393.15]

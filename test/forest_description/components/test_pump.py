@@ -10,7 +10,8 @@ from forest_description.components.pump import (
     LoadSensingPump,
     PressureCompensatedPump,
 )
-from forest_description.machine import MachineError, load_machine
+from forest_description.config.parameter import MachineError
+from forest_description.machine import load_machine
 
 PUMP = load_machine("c180").pump
 SHARED = {field.name: getattr(PUMP, field.name) for field in fields(PUMP) if field.name != "compensator_band"}

@@ -8,7 +8,8 @@ import pytest
 
 from forest_description.components.valve_characteristic import CURVE_SIZE, edges, voltage_for_opening
 from forest_description.components.valve_parameters import BackwardValve, PolynomialCurve, TableCurve
-from forest_description.machine import MachineError, load_machine
+from forest_description.config.parameter import MachineError
+from forest_description.machine import load_machine
 
 VALVE = load_machine("c180").valve
 C_R = VALVE.minimum_resistance

@@ -4,8 +4,9 @@ from importlib import resources
 
 import pytest
 
+from forest_description.config.parameter import MachineError
 from forest_description.config.source_tree import Branch, read
-from forest_description.machine import MachineError, load_machine
+from forest_description.machine import load_machine
 
 LINES = (resources.files("forest_description") / "machines" / "loader.yaml").read_text("utf-8").splitlines()
 TREE = read("loader")

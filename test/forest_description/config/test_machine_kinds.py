@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from forest_description.components.drives import Cushion, Friction
 from forest_description.components.pump import (
     ConstantFlowPump,
     IdealPump,
@@ -12,8 +13,9 @@ from forest_description.components.pump import (
     PressureCompensatedPump,
 )
 from forest_description.components.valve_parameters import BackwardValve, PolynomialCurve, TableCurve
+from forest_description.config.parameter import MachineError
 from forest_description.config.schema import parameters
-from forest_description.machine import Cushion, Friction, Machine, MachineError, load_machine, sources
+from forest_description.machine import Machine, load_machine, sources
 
 C180 = load_machine("c180")
 IDEAL = "pump:\n  kind: ideal\n  supply_pressure: {value: 18, unit: MPa, source: x}\n"

@@ -1,8 +1,9 @@
 import pytest
 
 from forest_description.config import random_machine
+from forest_description.config.parameter import MachineError
 from forest_description.config.source_tree import shipped_machines
-from forest_description.machine import MachineError, load_machine, sources
+from forest_description.machine import load_machine, sources
 
 
 @pytest.mark.parametrize("base", shipped_machines())

@@ -5,7 +5,8 @@ from importlib import resources
 
 import pytest
 
-from forest_description.machine import MachineError, load_machine, sources
+from forest_description.config.parameter import MachineError
+from forest_description.machine import load_machine, sources
 
 BASE = "based_on: c180\n"
 PRESSURE, UNITS, RANGE = "pump.supply_pressure", "Pa, MPa, bar, psi", "100000 .. 5e+07 Pa"

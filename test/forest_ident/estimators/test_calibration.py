@@ -5,7 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from forest_description.machine import MachineError, load_machine
+from forest_description.config.parameter import MachineError
+from forest_description.machine import load_machine
 from forest_ident.driving.simulated_experiment import experiment
 from forest_ident.estimators import calibration
 from forest_ident.measurements.session import Session

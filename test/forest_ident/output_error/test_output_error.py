@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
+from forest_ident.output_error.fit_problem import Channel, Unknown
 from forest_ident.output_error.gaussian_estimate import condition_number, inflation
-from forest_ident.output_error.output_error import Channel, Unknown, fit
+from forest_ident.output_error.output_error import fit
 
 X = np.linspace(0.0, 1.0, 2000)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from forest_ident.output_error.fit_problem import Problem
+from forest_ident.output_error.fit_problem import Channel, Problem, Unknown
 from forest_ident.output_error.gaussian_estimate import (
     EMPTY,
     GaussianEstimate,
@@ -14,7 +14,7 @@ from forest_ident.output_error.gaussian_estimate import (
     updated,
     widened,
 )
-from forest_ident.output_error.output_error import Channel, Unknown, fit
+from forest_ident.output_error.output_error import fit
 
 X = np.linspace(0.3, 2.0, 40)
 COLUMNS = np.column_stack([X, X**2])

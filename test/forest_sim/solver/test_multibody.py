@@ -5,9 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
+from forest_description.components.drives import Cushion
 from forest_description.components.load import Pendulum
 from forest_description.geometry.kinematics import tip_position
-from forest_description.machine import Cushion, load_machine
+from forest_description.machine import load_machine
 from forest_sim.hydraulics.port import port_pressure
 from forest_sim.hydraulics.spool_dynamics import Spool
 from forest_sim.simulation.disturbance import checked_tip_force

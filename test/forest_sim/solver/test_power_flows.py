@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from energies import kinetic_energy, pendulum_kinetic_energy, pendulum_potential_energy, potential_energy
 
+from forest_description.components.drives import Cushion, Friction
 from forest_description.components.load import Pendulum
 from forest_description.geometry.kinematics import inverse_kinematics, tip_velocity
-from forest_description.machine import Cushion, Friction, load_machine
+from forest_description.machine import load_machine
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant import ports_at, state_derivative

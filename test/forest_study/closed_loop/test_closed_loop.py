@@ -10,7 +10,7 @@ from forest_control.config import settings as control_settings
 from forest_control.operator.joystick_sources import read_levers, thesis_levers
 from forest_control.operator.levers import REST, Levers
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
@@ -26,7 +26,7 @@ START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
 
 def session(operator, duration, scheme=Scheme.JACOBIAN_POSITION, start=START, **options):
     settings = control_settings.Settings(scheme=scheme)
-    return run(C180, operator, duration, start, settings, valve_driver.Settings(), **options)
+    return run(C180, operator, duration, start, settings, valve_driver_parameters.Settings(), **options)
 
 
 def thesis(time):
@@ -59,7 +59,7 @@ def test_pressures_stay_between_tank_and_what_relief_allows(scheme_d):
 
 def test_compensation_is_what_makes_it_track(scheme_d):
     """The same session with the driver's compensation off: the overlap eats the command."""
-    off = valve_driver.Settings(compensate=False)
+    off = valve_driver_parameters.Settings(compensate=False)
     blind = run(C180, thesis, 10.0, START, control_settings.Settings(scheme=Scheme.JACOBIAN_POSITION), off)
     assert rms_mm(blind) > 1.5 * rms_mm(scheme_d)
 
@@ -152,7 +152,13 @@ def test_a_controller_that_believes_another_machine_still_keeps_limits():
     heavier = dataclasses.replace(C180.manipulator, head_mass=2 * C180.manipulator.head_mass)
     other = dataclasses.replace(C180, manipulator=heavier)
     moved = run(
-        other, wild_levers(3), 30.0, START, control_settings.Settings(), valve_driver.Settings(), model=C180
+        other,
+        wild_levers(3),
+        30.0,
+        START,
+        control_settings.Settings(),
+        valve_driver_parameters.Settings(),
+        model=C180,
     )
     assert np.all(margins(moved) > 0.0)
 
@@ -169,7 +175,7 @@ def test_before_the_first_report_a_period_passes_under_shut_valves():
         2 * PERIOD,
         start,
         control_settings.Settings(),
-        valve_driver.Settings(),
+        valve_driver_parameters.Settings(),
     )
     assert still.angles[0] != pytest.approx(start, abs=1e-12)
     assert still.angles[0] == pytest.approx(start, abs=1e-4)

@@ -11,7 +11,7 @@ pytest.importorskip("llvmlite")
 from forest_control.config import settings as control_settings
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import joint_limits, pose_at, start_tip
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
@@ -27,7 +27,7 @@ def pushed(machine, levers, settings, duration):
     """Return a session with the levers held for a duration [s], and the joints' margins [deg]."""
     rows = np.tile([*levers, 1.0], (round(duration / PERIOD), 1))
     start = pose_at(start_tip(machine), machine)
-    moved = loop_kernel.run(machine, rows, start, settings, valve_driver.Settings())
+    moved = loop_kernel.run(machine, rows, start, settings, valve_driver_parameters.Settings())
     low, high = np.array(joint_limits(machine)).T
     return moved, np.degrees(np.minimum(moved.angles - low, high - moved.angles))
 

@@ -12,7 +12,7 @@ from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import MachineState, PermissionParameters, armed_watch
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
 from forest_description.types import ZERO
@@ -30,7 +30,7 @@ C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
 PUSHED = levers_for_tip_velocity((0.0, 0.3, 0.2), 0.5)
 FAULT = 1.0  # [s]
-SETTINGS = Settings(), valve_driver.Settings()
+SETTINGS = Settings(), valve_driver_parameters.Settings()
 
 
 def session(operator, seconds=FAULT + 1.0, **circumstances):

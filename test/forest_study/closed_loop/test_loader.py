@@ -9,7 +9,7 @@ from forest_control.config import settings as control_settings
 from forest_control.operator.joystick_sources import thesis_levers
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import joint_limits, pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_study.closed_loop.closed_loop import Operator
@@ -22,7 +22,7 @@ RADIUS, TURN = 0.4, 0.6  # [m], [rad/s]: 0.24 m/s
 TIP_SCHEMES = pytest.mark.parametrize("scheme", [Scheme.JACOBIAN_VELOCITY, Scheme.JACOBIAN_POSITION])
 
 
-def session(operator, duration, scheme, drive=valve_driver.Settings()):  # noqa: B008 (immutable)
+def session(operator, duration, scheme, drive=valve_driver_parameters.Settings()):  # noqa: B008 (immutable)
     return run(LOADER, operator, duration, START, control_settings.Settings(scheme=scheme), drive)
 
 

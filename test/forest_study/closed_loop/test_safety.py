@@ -9,7 +9,7 @@ from forest_control.operator.joystick_watch import NO_HEARTBEAT, Sample, WatchPa
 from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
 from forest_control.operator.operator_profile import Mode
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
@@ -55,7 +55,7 @@ class Stick:
 
 def session(stick, duration, scheme=Scheme.COORDINATED):
     settings = control_settings.Settings(scheme=scheme, tip_speed=SPEED)
-    return run(C180, stick, duration, START, settings, valve_driver.Settings())
+    return run(C180, stick, duration, START, settings, valve_driver_parameters.Settings())
 
 
 def stop_from(moved, begun):
@@ -134,7 +134,7 @@ def test_let_go_in_the_midst_of_a_wild_motion_it_stops_as_soon(motion):
     name, start, wishes = motion
     held = [Operator(Levers(*levers)) for time, levers in wishes for _ in range(round(time / PERIOD))]
     rows = [Operator(REST)] * 20 + held + [Operator(REST, False)] * 120
-    settings = control_settings.Settings(tip_speed=SPEED), valve_driver.Settings()
+    settings = control_settings.Settings(tip_speed=SPEED), valve_driver_parameters.Settings()
 
     def operator(time):
         return rows[round(time / PERIOD)]
@@ -203,7 +203,7 @@ def test_at_full_speed_into_a_limit_the_tip_keeps_its_line_stops_just_before_it_
         return Operator(forth if time < pushed else REST if time < pushed + 0.3 else back)
 
     settings = control_settings.Settings(tip_speed=1.0)
-    moved = run(C180, operator, pushed + 1.3, START, settings, valve_driver.Settings())
+    moved = run(C180, operator, pushed + 1.3, START, settings, valve_driver_parameters.Settings())
     arrived = round(pushed / PERIOD)
     way = moved.tip - moved.tip[0]
     aside = np.linalg.norm(way - np.outer(way @ along, along), axis=1)
@@ -220,7 +220,9 @@ def test_from_outside_its_limits_the_crane_comes_back_and_goes_no_further_out():
     start = (0.3, 0.4, float(low[2]) + np.radians(0.2))  # within the margin that is kept
     for push, inwards in ((Levers(0.0, 0.0, -1.0), False), (Levers(0.0, 0.0, 1.0), True)):
         settings = control_settings.Settings(scheme=Scheme.COORDINATED)
-        moved = run(C180, lambda _, p=push: Operator(p), 1.5, start, settings, valve_driver.Settings())
+        moved = run(
+            C180, lambda _, p=push: Operator(p), 1.5, start, settings, valve_driver_parameters.Settings()
+        )
         gone = np.degrees(moved.angles[-1][2] - start[2])
         assert gone > 1.0 if inwards else abs(gone) < 0.15
 
@@ -238,7 +240,7 @@ def mad_settings(rng):
 def test_settings_that_change_100_times_a_second_do_not_make_the_tip_run():
     rng = np.random.default_rng(0)
     pool = [control_settings.parameters(C180, mad_settings(rng)) for _ in range(40)]
-    drive = valve_driver.parameters(C180, valve_driver.Settings())
+    drive = valve_driver_parameters.parameters(C180, valve_driver_parameters.Settings())
     loop = ClosedLoop(plant_parameters(C180), pool[0], drive, START, sensor_suite(C180))
     tips = []
     for k in range(1000):

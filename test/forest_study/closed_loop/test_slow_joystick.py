@@ -5,7 +5,7 @@ from forest_control.config import settings as control_settings
 from forest_control.operator import joystick_interpolation
 from forest_control.operator.joystick_sources import thesis_levers
 from forest_control.operator.levers import REST
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
@@ -28,7 +28,9 @@ def greatest_error(period, held):
         return Operator(hold.levers if held else heard, enabled=True)
 
     start = pose_at(start_tip(C180), C180)
-    moved = run(C180, operator, SECONDS, start, control_settings.Settings(), valve_driver.Settings())
+    moved = run(
+        C180, operator, SECONDS, start, control_settings.Settings(), valve_driver_parameters.Settings()
+    )
     return np.linalg.norm(moved.tip_error(), axis=1).max()
 
 

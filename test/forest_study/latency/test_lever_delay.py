@@ -7,7 +7,7 @@ from forest_bag.read.timeseries import Series, bag_of
 from forest_control.config import settings as control_settings
 from forest_control.operator import joystick_interpolation
 from forest_control.operator.levers import REST, Levers, axes_from_levers
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
@@ -43,7 +43,9 @@ def driven(hand, period, interpolated=True):
         return Operator(hold.levers if interpolated else heard)
 
     start = pose_at(start_tip(C180), C180)
-    return run(C180, operator, SECONDS, start, control_settings.Settings(), valve_driver.Settings())
+    return run(
+        C180, operator, SECONDS, start, control_settings.Settings(), valve_driver_parameters.Settings()
+    )
 
 
 def series(topic, values, stamps, later=0):

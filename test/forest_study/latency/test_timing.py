@@ -9,7 +9,7 @@ import pytest
 from forest_bag.read.timeseries import Series, bag_of
 from forest_control.operator.joystick_sources import thesis_levers
 from forest_control.operator.levers import REST
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
@@ -72,7 +72,10 @@ def test_a_bag_tells_by_its_spools_which_voltages_were_in_force():
     stamps = 1_000_000_000 + STEP_NS * np.arange(count)
     behind = np.array(drawn(count * timing.PERIOD, seed=6).behind)
     volts = rng.uniform(-5.0, 5.0, (count, 3))
-    left = np.exp(-timing.PERIOD / valve_driver.parameters(C180, valve_driver.Settings()).axes[0].spool_lag)
+    left = np.exp(
+        -timing.PERIOD
+        / valve_driver_parameters.parameters(C180, valve_driver_parameters.Settings()).axes[0].spool_lag
+    )
     spools = np.zeros((count, 14))
     for k in range(count - 1):
         given = volts[max(0, k - behind[k])]

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from forest_bag.convert.log_map import LogMap, mappable, read_map, signal_units
 from forest_bag.convert.measured_log import MeasuredLog, read_log
-from forest_bag.write.bag_writer import Attached, BagWriter
+from forest_bag.write.bag_split import Attached
+from forest_bag.write.bag_writer import BagWriter
 from forest_description.types import Floats
 from forest_msgs_py.interfaces.topic_qos import offered_qos
 from forest_msgs_py.interfaces.topics import JOY, JOY_AXES, JOY_BUTTONS, Topic, message_class

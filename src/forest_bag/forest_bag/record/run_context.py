@@ -20,9 +20,9 @@ from typing import Any
 
 import yaml
 
-from forest_bag.write.bag_writer import Attached
+from forest_bag.write.bag_split import Attached
+from forest_description.config.parameter import MachineError
 from forest_description.config.source_tree import texts
-from forest_description.machine import MachineError
 
 YAML = "application/yaml"
 PACKAGES = (

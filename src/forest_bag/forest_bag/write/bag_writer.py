@@ -23,8 +23,6 @@ from forest_bag.storage.metadata import FileEntry, OfferedTopic, information, sy
 from forest_bag.write.bag_split import ONE_FILE, Attached, Contents, Layout, Split
 from forest_bag.write.transient_local import Sample
 
-__all__ = ["FLUSH_PERIOD_S", "Attached", "BagWriter", "Layout"]
-
 FLUSH_PERIOD_S = 0.1  # what a killed recorder loses, if it was let run
 CHUNKS_PER_FILE = 100_000  # three hours of flushes: a file's index is bounded in memory, here and in readers
 

@@ -12,8 +12,7 @@ from forest_control.servo.coordinated_servo import CoordinationParameters
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Gains, Scheme
 from forest_control.servo.swing_feedforward import swing_model
-from forest_control.valve.valve_driver import axis_drivers
-from forest_control.valve.valve_driver_parameters import command_noise
+from forest_control.valve.valve_driver_parameters import axis_drivers, command_noise
 from forest_description.derived.actuator_kinematics import Linkages, displacements, rated_speeds
 from forest_description.derived.limits import Interval, joint_limits
 from forest_description.geometry.kinematics import Links

@@ -32,32 +32,13 @@ from forest_control.valve.valve_adaptation import (
 from forest_control.valve.valve_driver_parameters import (
     AxisDriver,
     Parameters,
-    Settings,
-    axis_drivers,
     left,
     moved_spools,
-    parameters,
 )
 from forest_control.valve.valve_flow import AxisMeasurement
 from forest_control.valve.valve_hold import CALM, SHUT, HoldState, held_command
-from forest_control.valve.valve_inverse import required_opening, spool_voltage
+from forest_control.valve.valve_inverse import spool_voltage
 from forest_description.types import Vec3
-
-__all__ = [
-    "REST",
-    "AxisDriver",
-    "Motion",
-    "Parameters",
-    "Pressures",
-    "Settings",
-    "State",
-    "at_rest",
-    "axis_drivers",
-    "parameters",
-    "plausible",
-    "required_opening",
-    "step",
-]
 
 ValveEstimates = tuple[ValveEstimate, ValveEstimate, ValveEstimate]
 Holds = tuple[HoldState, HoldState, HoldState]

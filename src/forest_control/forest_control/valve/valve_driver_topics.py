@@ -5,7 +5,8 @@ from typing import Any
 
 from forest_control.valve import valve_adaptation as adaptation
 from forest_control.valve.tracking_limit import STATUS_EVERY
-from forest_control.valve.valve_driver import STILL, UNSEEN, Motion, Parameters, Pressures, State
+from forest_control.valve.valve_driver import STILL, UNSEEN, Motion, Pressures, State
+from forest_control.valve.valve_driver_parameters import Parameters
 from forest_description.types import Vec3
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader

@@ -21,12 +21,13 @@ gal/min has Re = 4600 at 40 °C, 1600 at 20 °C.
 
 from typing import NamedTuple
 
+from forest_description.components.drives import CylinderDrive, SwingDrive
 from forest_description.components.hose import Hose, MeasuredHose
 from forest_description.components.oil import Oil
 from forest_description.components.pump import IdealPump, Pump
 from forest_description.components.valve_parameters import Valve
 from forest_description.config.parameter import MachineError, replace_unchecked
-from forest_description.machine import CylinderDrive, Machine, SwingDrive
+from forest_description.machine import Machine
 
 
 class Change(NamedTuple):

@@ -21,6 +21,7 @@ positions in the message.
 import math
 from xml.etree import ElementTree
 
+from forest_description.components.drives import CylinderDrive
 from forest_description.components.load import Log
 from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.derived.bodies import PlanarBody, boom_body, hanging_body, stick_body
@@ -32,7 +33,7 @@ from forest_description.derived.passive_joints import (
     cylinder_followers,
 )
 from forest_description.geometry.linkage import lever_arm
-from forest_description.machine import CylinderDrive, Machine
+from forest_description.machine import Machine
 from forest_description.types import Vec3
 from forest_description.urdf.elements import ORIGIN, Inertial, joint, limit, link, mimic, text, visual
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from forest_bag.storage.bag_files import BagError
-from forest_description.machine import MachineError
+from forest_description.config.parameter import MachineError
 from forest_ident.actuator.record import RecordError
 from forest_ident.cli import actuator_command, fit_command, questions_command, validate_command
 from forest_ident.measurements.session import SessionError

@@ -34,8 +34,9 @@ from forest_ident.estimators.parameter_estimate import NORMAL_95
 from forest_ident.experiments import test_rig
 from forest_ident.measurements.readings import read
 from forest_ident.measurements.session import Session, SessionError
+from forest_ident.output_error.fit_problem import Unknown
 from forest_ident.output_error.noise_model import KIND, channel
-from forest_ident.output_error.output_error import Unknown, fit
+from forest_ident.output_error.output_error import fit
 from forest_sim.sensors.sensor_suite import Suite
 
 NAME = "calibration"

@@ -25,7 +25,7 @@ from forest_description.components.valve_parameters import BackwardValve, Valve
 from forest_description.types import Floats
 from forest_ident.measurements.readings import openings
 from forest_ident.measurements.session import Session
-from forest_ident.output_error import output_error
+from forest_ident.output_error import fit_problem, output_error
 
 SETTLED = 0.3  # [s] after a change of voltage
 KEYS = (
@@ -129,7 +129,7 @@ def with_law(valve: Valve, values: Mapping[str, float]) -> Valve:
     )
 
 
-def law(point: Points, start: Valve, floor: float, noise: float) -> output_error.Fit:
+def law(point: Points, start: Valve, floor: float, noise: float) -> fit_problem.Fit:
     """Return overlap and C_Rmin of both directions and the ratio of the ports' areas.
 
     A maximum-likelihood fit of `flows` to the flow read. A reading at the meter's floor is censored: it only
@@ -147,10 +147,10 @@ def law(point: Points, start: Valve, floor: float, noise: float) -> output_error
     gain = _gain(point, start)
     starts = (start.deadband_voltage, gain, back.deadband_voltage, gain, start.port_2_area)
     unknowns = [
-        output_error.Unknown(key, value, positive=not key.endswith("voltage"))
+        fit_problem.Unknown(key, value, positive=not key.endswith("voltage"))
         for key, value in zip(KEYS, starts, strict=True)
     ]
-    channels = [output_error.Channel(name, noise, floor=floor) for name in ("port 1", "port 2")]
+    channels = [fit_problem.Channel(name, noise, floor=floor) for name in ("port 1", "port 2")]
 
     def model(values: Mapping[str, float]) -> dict[str, Floats]:
         one, two = flows(with_law(start, values), point)

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from forest_description.components.valve_parameters import BackwardValve, Valve
-from forest_description.config.parameter import parameter_of
-from forest_description.machine import Machine, MachineError
+from forest_description.config.parameter import MachineError, parameter_of
+from forest_description.machine import Machine
 from forest_description.types import AXES
 
 SECTIONS = ("valve", *(f"{axis}.valve" for axis in AXES))

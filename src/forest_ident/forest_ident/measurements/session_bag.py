@@ -15,7 +15,8 @@ import yaml
 from numpy.typing import NDArray
 
 from forest_bag.read.timeseries import Bag, NotInBag, read_bag
-from forest_bag.write.bag_writer import BagWriter, Layout
+from forest_bag.write.bag_split import Layout
+from forest_bag.write.bag_writer import BagWriter
 from forest_description.types import AXES, Floats
 from forest_ident.experiments.experiment_metadata import FACTS, value
 from forest_ident.measurements.readings import speeds

@@ -10,7 +10,7 @@ import numpy as np
 from forest_description.components.sensors import FlowMeter, LinearTransducer
 from forest_description.machine import Machine
 from forest_ident.measurements.session import Session
-from forest_ident.output_error.output_error import Channel
+from forest_ident.output_error.fit_problem import Channel
 from forest_ident.output_error.prediction import rest
 from forest_sim.sensors.sensor_suite import KINDS
 

@@ -29,7 +29,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from forest_description.machine import MachineError
+from forest_description.config.parameter import MachineError
 from forest_description.types import Floats
 from forest_ident.output_error.fit_problem import Channel, Columns, Fit, Jacobian, Problem, Unknown
 from forest_ident.output_error.gaussian_estimate import (
@@ -39,8 +39,6 @@ from forest_ident.output_error.gaussian_estimate import (
     inverse,
     updated,
 )
-
-__all__ = ["Channel", "Fit", "Model", "Unknown", "fit"]
 
 BLOCK = 200  # rows of one block of the sandwich
 ITERATIONS = 20

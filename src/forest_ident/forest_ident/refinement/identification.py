@@ -23,8 +23,8 @@ from forest_ident.measurements.parameter_path import (
 )
 from forest_ident.measurements.session import Session
 from forest_ident.output_error import noise_model
+from forest_ident.output_error.fit_problem import Fit
 from forest_ident.output_error.gaussian_estimate import EMPTY, GaussianEstimate
-from forest_ident.output_error.output_error import Fit
 from forest_ident.refinement import data_quality, linear_estimates, mass_check, pooling, refinement
 from forest_ident.refinement.refinement_task import task
 from forest_ident.refinement.result import Refined, Result

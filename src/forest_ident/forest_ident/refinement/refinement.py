@@ -19,8 +19,9 @@ from forest_ident.measurements import sample_mask
 from forest_ident.measurements.parameter_path import value_of, with_directions, with_part, with_values
 from forest_ident.measurements.session import Session
 from forest_ident.output_error import noise_model
+from forest_ident.output_error.fit_problem import Fit, Unknown
 from forest_ident.output_error.gaussian_estimate import GaussianEstimate, widened
-from forest_ident.output_error.output_error import Fit, Model, Unknown, fit
+from forest_ident.output_error.output_error import Model, fit
 from forest_ident.output_error.prediction import Offsets, predict, redrawn
 from forest_ident.refinement.refinement_task import NO_PARAMETERS, START, Task, task
 

@@ -10,7 +10,7 @@ from forest_ident.estimators.calibration import Offset
 from forest_ident.estimators.parameter_estimate import Estimate, excitation_for
 from forest_ident.measurements.parameter_path import hose_section, part_of, valve_section
 from forest_ident.measurements.session import Session
-from forest_ident.output_error.output_error import Fit
+from forest_ident.output_error.fit_problem import Fit
 from forest_ident.refinement.refinement_task import LEAKAGE
 
 VALVE = ("deadband_voltage", "minimum_resistance")

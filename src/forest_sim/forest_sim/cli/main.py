@@ -12,9 +12,10 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from forest_description.config.parameter import MachineError
 from forest_description.config.source_tree import shipped_machines
 from forest_description.derived.temperature import at_temperature
-from forest_description.machine import Machine, MachineError, load_machine
+from forest_description.machine import Machine, load_machine
 from forest_description.types import Vec3
 from forest_msgs_py.runtime import command_line
 from forest_msgs_py.runtime.command_line import number, whole

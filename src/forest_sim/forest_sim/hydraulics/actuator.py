@@ -23,7 +23,8 @@ be under 100 Pa. Port 1 feeds the piston head (extending) or turns the swing lef
 
 from typing import NamedTuple
 
-from forest_description.machine import CylinderDrive, Line, SwingDrive
+from forest_description.components.drives import CylinderDrive, SwingDrive
+from forest_description.components.hose import Line
 
 
 class Actuator(NamedTuple):

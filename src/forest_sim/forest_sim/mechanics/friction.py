@@ -15,7 +15,7 @@ under a load the piston creeps at a small share of u_0 instead of sticking.
 import math
 from typing import NamedTuple
 
-from forest_description import machine
+from forest_description.components import drives
 
 
 class Friction(NamedTuple):
@@ -30,7 +30,7 @@ class Friction(NamedTuple):
 FRICTIONLESS = Friction(0.0, 0.0, 1.0, 1.0)
 
 
-def friction(given: machine.Friction | None) -> Friction:
+def friction(given: drives.Friction | None) -> Friction:
     """Return the kernel's constants of a cylinder's friction."""
     if given is None:
         return FRICTIONLESS

@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_description.machine import Line
+from forest_description.components.hose import Line
 from forest_description.types import AXES, Floats
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from forest_bag.write.bag_writer import BagWriter, Layout
+from forest_bag.write.bag_split import Layout
+from forest_bag.write.bag_writer import BagWriter
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_description.urdf.robot_description import robot_description

@@ -4,10 +4,12 @@ import math
 from functools import lru_cache
 from typing import Any, NamedTuple
 
+from forest_description.components.drives import CylinderDrive
+from forest_description.components.hose import Line
 from forest_description.components.valve_characteristic import ValveLaw
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import Linkage
-from forest_description.machine import CylinderDrive, EndStops, Line, Machine
+from forest_description.machine import EndStops, Machine
 from forest_description.types import Vec3
 from forest_sim.hydraulics.actuator import Actuator, cylinder, motor
 from forest_sim.hydraulics.hydraulic_line import PortGuard

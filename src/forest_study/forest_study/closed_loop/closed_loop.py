@@ -28,7 +28,7 @@ from forest_control.safety.motion_permission import (
     Verdict,
     armed_watch,
 )
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.tracking_limit import learnt_reach
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
@@ -102,7 +102,7 @@ def run(
     duration: float,
     start: Vec3,
     control: control_settings.Settings,
-    drive: valve_driver.Settings,
+    drive: valve_driver_parameters.Settings,
     model: Machine | None = None,
     sensor_suite: Suite | None = None,
     ways: Links = PERFECT,
@@ -129,7 +129,10 @@ def run(
     p = plant_parameters(machine) if plant is None else plant
     believed = machine if model is None else model
     suite = suite_of(machine) if sensor_suite is None else sensor_suite
-    cores = control_settings.parameters(believed, control), valve_driver.parameters(believed, drive)
+    cores = (
+        control_settings.parameters(believed, control),
+        valve_driver_parameters.parameters(believed, drive),
+    )
     loop = ClosedLoop(p, *cores, start, suite, ways, late)
     rows = []
     for k in range(round(duration / PERIOD)):
@@ -162,7 +165,7 @@ class ClosedLoop:
         self,
         p: PlantParameters,
         control: control_settings.Parameters,
-        drive: valve_driver.Parameters,
+        drive: valve_driver_parameters.Parameters,
         start: Vec3,
         suite: Suite,
         ways: Links = PERFECT,

@@ -21,7 +21,7 @@ from forest_control.pipeline import control_state, controller
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import Checks, PermissionParameters, armed_watch, checked, passes
 from forest_control.safety.state_checks import plausible
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.tracking_limit import learnt_reach
 from forest_description.geometry.kinematics import Links, tip_position
 from forest_description.types import ZERO, Vec3
@@ -72,7 +72,7 @@ class Knowledge(NamedTuple):
     sensors: Sensors  # and the plant that they measure
     links: Links  # of the machine
     control: control_settings.Parameters
-    drive: valve_driver.Parameters
+    drive: valve_driver_parameters.Parameters
     guard: PermissionParameters
 
 

@@ -16,7 +16,7 @@ from forest_compile.kernel_cache import CachedKernel, can_compile
 from forest_control import compiled as control_compiled
 from forest_control.config import settings as control_settings
 from forest_control.operator import levers
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
@@ -67,7 +67,7 @@ def by_heart(
     duration: float,
     start: Vec3,
     control: control_settings.Settings,
-    drive: valve_driver.Settings,
+    drive: valve_driver_parameters.Settings,
     model: Machine | None = None,
     suite: Suite | None = None,
 ) -> Trajectory:
@@ -97,7 +97,7 @@ def prepared(
     levers: Floats,
     start: Vec3,
     control: control_settings.Settings,
-    drive: valve_driver.Settings,
+    drive: valve_driver_parameters.Settings,
     model: Machine | None = None,
     suite: Suite | None = None,
     plant: PlantParameters | None = None,
@@ -135,7 +135,7 @@ def knowledge(
     machine: Machine,
     model: Machine,
     control: control_settings.Settings,
-    drive: valve_driver.Settings,
+    drive: valve_driver_parameters.Settings,
     suite: Suite,
 ) -> Knowledge:
     """Return all that stays in a run."""
@@ -143,7 +143,7 @@ def knowledge(
         sensors=Sensors(plant_parameters(machine), suite.channels, suite.period, NOMINAL),
         links=machine.manipulator.links,
         control=control_settings.parameters(model, control),
-        drive=valve_driver.parameters(model, drive),
+        drive=valve_driver_parameters.parameters(model, drive),
         guard=loop_core.guard_of(suite),
     )
 
@@ -214,7 +214,7 @@ def _example() -> tuple[Knowledge, Loop]:
     """Return values of the types that all runs share."""
     machine = load_machine("c180")
     suite = sensor_suite.sensor_suite(machine)
-    k = knowledge(machine, machine, control_settings.Settings(), valve_driver.Settings(), suite)
+    k = knowledge(machine, machine, control_settings.Settings(), valve_driver_parameters.Settings(), suite)
     return k, begin(k, (0.0, 0.5, -1.5), suite)
 
 

@@ -26,8 +26,9 @@ from forest_control.operator.joystick_sources import (
     LeverError,
     read_levers,
 )
+from forest_description.config.parameter import MachineError
 from forest_description.derived.limits import joint_limits
-from forest_description.machine import MachineError, load_machine
+from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_msgs_py.runtime.command_line import number
 from forest_msgs_py.types import PERIOD

@@ -16,7 +16,7 @@ import numpy as np
 
 from forest_control.config import settings as control_settings
 from forest_control.operator.levers import REST, levers_for_tip_velocity
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine, load_machine
@@ -90,7 +90,7 @@ def session(way: str, quality: Quality, machine: Machine, seed: int = 0) -> Traj
     hand = Hand(tip, machine, GAIN if way == "by sight" else 0.0)
     links = Links(state=quality, seed=seed) if way == "state" else Links(joystick=quality, seed=seed)
     settings = control_settings.Settings(tip_speed=SPEED)
-    drive = valve_driver.Settings()
+    drive = valve_driver_parameters.Settings()
     start = pose_at(tip, machine)
     return run_loop(machine, hand.act, END, start, settings, drive, ways=links, watch=hand.watch)
 

@@ -25,7 +25,7 @@ from forest_bringup.graph_lock import GraphError
 from forest_control.config import settings as control_settings
 from forest_control.operator.joystick_watch import NO_STAMP, Sample
 from forest_control.operator.levers import Levers, levers_from_axes
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.interfaces import topics
@@ -85,7 +85,7 @@ def replayed(session: Session, timing: Timing, machine: Machine) -> Trajectory:
         before, heard = heard, max(heard, bisect_right(timing.said, sent))
         return [_sample(session, timing.said[n], n, session.armed[k]) for n in range(before, heard)]
 
-    settings, drive = control_settings.Settings(), valve_driver.Settings()
+    settings, drive = control_settings.Settings(), valve_driver_parameters.Settings()
     duration = len(session.armed) * PERIOD
     late = Lateness(timing.behind, timing.late if timing.said else ())
     return run_loop(machine, joystick, duration, session.start, settings, drive, late=late)
@@ -132,7 +132,7 @@ def _behind(bag: Bag, machine: Machine) -> tuple[int, ...]:
     """Return how many periods old the state is that the voltages in force answer, by period."""
     states, spools = bag.series(topics.JOINT_STATES), bag.series(topics.AUXILIARY)
     voltages = bag.series(topics.VALVE_VOLTAGES)
-    drivers = valve_driver.parameters(machine, valve_driver.Settings()).axes
+    drivers = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings()).axes
     left = np.array([np.exp(-PERIOD / axis.spool_lag) if axis.spool_lag > 0.0 else 0.0 for axis in drivers])
     place = dict(zip(spools.time_ns.tolist(), spools.values[:, :3], strict=True))
     said: dict[int, Floats] = dict(zip(voltages.time_ns.tolist(), voltages.values, strict=True))

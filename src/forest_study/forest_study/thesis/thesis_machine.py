@@ -26,7 +26,7 @@ from forest_control.config import settings as control_settings
 from forest_control.operator.joystick_sources import THESIS_DURATION, thesis_levers, thesis_tip_velocity
 from forest_control.operator.levers import REST, Levers
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import THESIS_START
 from forest_description.geometry.kinematics import inverse_kinematics, joint_rates
 from forest_description.machine import Machine, load_machine
@@ -114,7 +114,7 @@ def motion(trial: Trial) -> Motion:
         return Operator(by_heart[row] if by_heart else thesis_levers(PERIOD * row, TIP_SPEED))
 
     duration = REST_BEFORE + THESIS_DURATION + PERIOD
-    drive = valve_driver.Settings()
+    drive = valve_driver_parameters.Settings()
     moved = loop_kernel.by_heart(machine, operator, duration, start, settings, drive, model)
     first = round(REST_BEFORE / PERIOD)
     time, tip = moved.time[first:] - REST_BEFORE, moved.tip[first:]

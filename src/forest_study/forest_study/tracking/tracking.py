@@ -19,7 +19,7 @@ from forest_control.operator.levers import levers_for_tip_velocity
 from forest_control.pipeline.motion_limits import velocity_limits_at
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Scheme
-from forest_control.valve import valve_driver
+from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
 from forest_description.geometry.kinematics import inverse_kinematics, is_singular, joint_rates
 from forest_description.machine import Machine
@@ -135,7 +135,7 @@ def follow(
     """Run a course; arguments as `track`; plant: what is simulated instead of the machine's parameters."""
     runs = course.laps
     start = _angles(runs[0].path.at(0.0), runs[0].path, machine)
-    drive = valve_driver.Settings(adapt=adapt)
+    drive = valve_driver_parameters.Settings(adapt=adapt)
     moved = loop_kernel.run(machine, course.levers, start, course.settings, drive, course.model, suite, plant)
     return scored(runs, moved, machine)
 
