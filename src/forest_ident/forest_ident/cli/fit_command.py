@@ -19,6 +19,7 @@ from forest_ident.measurements.session import Session, SessionError
 from forest_ident.refinement import identification
 from forest_ident.refinement.result import Result, table, unidentified, value_in
 from forest_ident.report import machine_writer
+from forest_msgs_py.runtime.command_line import StatusLine
 
 WIDTH = 30  # characters of the progress bar
 
@@ -196,22 +197,19 @@ class Bar:
     """A progress bar on standard error: rewritten on a terminal, a line every ten seconds elsewhere."""
 
     def __init__(self) -> None:
-        self._began = time.monotonic()
-        self._terminal = sys.stderr.isatty()
-        self._next = self._began + (0.0 if self._terminal else 10.0)
+        self._began, self._line = time.monotonic(), StatusLine(sys.stderr)
+        self._next = self._began + (0.0 if self._line.terminal else 10.0)
 
     def __call__(self, text: str, share: float) -> None:
         """Tell what is being done and which share is done."""
         now = time.monotonic()
         if now < self._next:
             return
-        self._next = now + (0.1 if self._terminal else 10.0)
+        self._next = now + (0.1 if self._line.terminal else 10.0)
         filled = round(WIDTH * share)
         left = f", {(now - self._began) * (1.0 - share) / share:.0f} s left" if share > 0.02 else ""
-        line = f"  [{'#' * filled}{'.' * (WIDTH - filled)}] {100.0 * share:3.0f} %{left}, {text}"
-        print(f"{line:<100}", end="\r" if self._terminal else "\n", file=sys.stderr, flush=True)
+        self._line.show(f"  [{'#' * filled}{'.' * (WIDTH - filled)}] {100.0 * share:3.0f} %{left}, {text}")
 
     def end(self) -> None:
-        """Clear the bar."""
-        if self._terminal:
-            print(" " * 100, end="\r", file=sys.stderr, flush=True)
+        """Leave the bar as it is, and go to the next line."""
+        self._line.end()

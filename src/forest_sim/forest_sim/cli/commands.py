@@ -16,6 +16,7 @@ from forest_compile.kernel_cache import can_compile
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_description.types import AXES, Vec3
+from forest_msgs_py.runtime.command_line import StatusLine
 from forest_sim.analysis import machine_check, mode_map, modes, pump_comparison, run_summary
 from forest_sim.analysis.friction_linearisation import (
     axes_with_friction,
@@ -44,7 +45,8 @@ class Progress:
         self._duration = duration
         self._began = time.monotonic()
         self._next = self._began + QUIET
-        self._every = REPORT_EVERY if sys.stdout.isatty() else 10.0 * REPORT_EVERY
+        self._line = StatusLine(sys.stdout)
+        self._every = REPORT_EVERY if self._line.terminal else 10.0 * REPORT_EVERY
 
     def __call__(self, simulated: float) -> None:
         """Tell the simulated time [s] when it is time to."""
@@ -54,9 +56,13 @@ class Progress:
         self._next = now + self._every
         speed = simulated / (now - self._began)
         left = (self._duration - simulated) / speed
-        end = "\r" if sys.stdout.isatty() else "\n"
-        text = f"  {simulated:.0f} / {self._duration:g} s, {speed:.3g} x real time, {left:.0f} s to go  "
-        print(text, end=end, flush=True)
+        self._line.show(
+            f"  {simulated:.0f} / {self._duration:g} s, {speed:.3g} x real time, {left:.0f} s to go"
+        )
+
+    def end(self) -> None:
+        """Go to the next line."""
+        self._line.end()
 
 
 def new_directory(out: Path) -> None:
@@ -114,6 +120,7 @@ def simulate(
             progress(float(block.time[-1]))
             if stopped:
                 raise KeyboardInterrupt
+    progress.end()
     result = summary.result(run, voltages.name, angles)
     from forest_sim.analysis.plots import (
         draw_run,  # matplotlib takes half a second: no bad argument waits for it

@@ -30,7 +30,7 @@ from forest_description.config.parameter import MachineError
 from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_description.types import AXES
-from forest_msgs_py.runtime.command_line import number
+from forest_msgs_py.runtime.command_line import StatusLine, number
 from forest_msgs_py.types import PERIOD
 from forest_study.results import write_json
 
@@ -45,6 +45,7 @@ class Progress:
     def __init__(self, duration: float, log: Path) -> None:
         self._duration, self._log = duration, log
         self._created, self._begun, self._shown = time.monotonic(), math.nan, -1
+        self._line = StatusLine(sys.stdout)
 
     def __call__(self) -> None:
         """Show progress once a second; fail when the session does not begin."""
@@ -62,9 +63,8 @@ class Progress:
         second = int(now - self._begun - LEAD_IN)
         if second > self._shown and second <= self._duration:
             self._shown = second
-            end = "\r" if sys.stdout.isatty() else "\n"
-            if sys.stdout.isatty() or second % 5 == 0:
-                print(f"  driving {second:4d} / {self._duration:g} s", end=end, flush=True)
+            if self._line.terminal or second % 5 == 0:
+                self._line.show(f"  driving {second:4d} / {self._duration:g} s")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -6,7 +6,7 @@
 | v | speed along it | m/s |
 | a | its acceleration on ramps | m/s^2 |
 
-A profile is the fastest that speed, ramps, bends and the governor's limits allow: v(s) is bounded at every
+A profile is the fastest that speed, ramps, bends and the velocity limits allow: v(s) is bounded at every
 place, and v^2 may change by at most 2 a per metre. A path of waypoints stops at both ends, at corners, and at
 a waypoint that is said twice; in between it is the cubic spline through its waypoints.
 """

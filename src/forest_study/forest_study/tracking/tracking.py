@@ -2,8 +2,8 @@
 
 The reference generator plays the operator: it wishes the tip velocity of the fastest profile along the path.
 The machine may be another one than controller and driver believe. The error is the true tip minus the
-governed reference at every sample from the reference's first motion to its last; the reference starts where
-the tip is at the first motion. Levers are those of a joystick's message: single precision.
+reference after every limit, at every sample from the reference's first motion to its last. The reference
+starts where the tip is at the first motion. Levers are those of a joystick's message: single precision.
 """
 
 import dataclasses
@@ -33,7 +33,7 @@ from forest_study.tracking.paths import PathError, Profile, TipPath, fastest, is
 
 RAMP = 0.5  # [m/s^2]
 REST = 1.0  # [s] before the first lap and after every lap
-RESERVE = 0.98  # of the governor's limits that the profile takes, so that the governor need not act
+RESERVE = 0.98  # of the velocity limits that the profile takes, so that no scaling acts
 SATURATED = 0.999  # of the rated voltage
 
 
@@ -151,7 +151,7 @@ def scored(runs: tuple[Lap, ...], moved: Trajectory, machine: Machine) -> Sessio
 
 
 def plan(path: TipPath, speed: float, p: control_settings.Parameters, laps: int) -> tuple[Lap, ...]:
-    """Return laps one after the other, as fast as speed, ramps and the governor's limits allow."""
+    """Return laps one after the other, as fast as speed, ramps and the velocity limits allow."""
     runs: list[Lap] = []
     start = REST
     for k in range(laps):
@@ -163,7 +163,7 @@ def plan(path: TipPath, speed: float, p: control_settings.Parameters, laps: int)
 
 
 def _limit(place: Vec3, along: Vec3, path: TipPath, p: control_settings.Parameters) -> float:
-    """Return the speed [m/s] that the governor allows at a place in a direction."""
+    """Return the speed [m/s] that the velocity limits allow at a place in a direction."""
     try:
         angles = inverse_kinematics(place, p.links)
     except ValueError as error:
@@ -175,7 +175,7 @@ def _limit(place: Vec3, along: Vec3, path: TipPath, p: control_settings.Paramete
 
 
 def _allowed(angles: Vec3, along: Vec3, p: control_settings.Parameters) -> float:
-    fast = 100.0  # [m/s] more than any limit: what the governor leaves of it is the limit
+    fast = 100.0  # [m/s] more than any limit: what velocity scaling leaves of it is the limit
     rates = joint_rates(angles, (fast * along[0], fast * along[1], fast * along[2]), p.links)
     return fast * velocity_scaling(angles, rates, velocity_limits_at(angles, rates, p)).factor
 
