@@ -1,9 +1,8 @@
 """The one table of topics: name, type, values with units, rate, publishers and subscribers.
 
-Nodes, recorder, bag reader, plots and ``docs/topics.md`` are made from this table; see `topic_qos` and
-`topic_reference`. Names are relative
-where a crane owns the topic, so that a namespace moves the whole graph; ``/clock``, ``/diagnostics`` and
-``/rosout`` belong to the ROS graph and are absolute.
+Nodes, recorder, bag reader, plots and ``docs/reference/topics.md`` are made from this table; see `topic_qos`
+and `topic_reference`. Names are relative where a crane owns the topic, so that a namespace moves the whole
+graph; ``/clock``, ``/diagnostics`` and ``/rosout`` belong to the ROS graph and are absolute.
 
 ====================  ======================================================================================
 symbol                meaning
@@ -165,15 +164,15 @@ EMERGENCY_STOP = Topic(
     "True, from anybody, stops everything until it is reset on purpose; false asks for that.",
     (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER),
 )
-EMERGENCY_STOPPED = Topic(
-    "emergency_stopped", "std_msgs/msg/Bool", (), (), 0.0,
-    "Whether a node stands still after an emergency stop, from its start on; true stops the others, too.",
-    (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER), transient_local=True,
-)
 IDENTIFICATION = Topic(
     "identification/estimates", FLOAT_ARRAY, _ESTIMATES, _ESTIMATE_UNITS, 1.0,
     "What the on-line identification believes, each with its standard error.",
     ("online_identification",), _NOBODY,
+)
+EMERGENCY_STOPPED = Topic(
+    "emergency_stopped", "std_msgs/msg/Bool", (), (), 0.0,
+    "Whether a node stands still after an emergency stop, from its start on; true stops the others, too.",
+    (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER), transient_local=True,
 )
 GROUND_TRUTH_JOINT_STATES = Topic(
     "ground_truth/joint_states", JOINT_STATE, JOINTS, ("rad, rad/s, N·m",) * 3, _RATE,
@@ -242,25 +241,8 @@ RECORDED = Topic(
 )
 # fmt: on
 
-TOPICS: tuple[Topic, ...] = (
-    *(
-        JOY,
-        JOINT_STATES,
-        ACTUATOR_STATES,
-        PRESSURES,
-        FLOWS,
-        SUPPLY,
-        AUXILIARY,
-        VALVE_COMMANDS,
-        VALVE_VOLTAGES,
-        VALVE_DRIVER_STATUS,
-    ),
-    *(TIP_POSE, TIP_TWIST, TIP_TWIST_COMMAND, CONTROLLER_STATUS, EMERGENCY_STOP),
-    IDENTIFICATION,
-    *(EMERGENCY_STOPPED, GROUND_TRUTH_JOINT_STATES, GROUND_TRUTH_TIP_POSE),
-    *(GROUND_TRUTH_TIP_TWIST, ROBOT_DESCRIPTION, EVENTS, DIAGNOSTICS, CLOCK, ROSOUT),
-    *(ANNOUNCEMENT, NO_OUTPUT, IDLE, STEP_BATCH, RECORDED),
-)
+TOPICS = tuple(row for row in list(globals().values()) if isinstance(row, Topic))
+"""Every row above, in its order."""
 
 
 def unlisted(name: str, type_name: str) -> Topic:

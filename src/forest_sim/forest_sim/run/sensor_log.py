@@ -28,18 +28,9 @@ from forest_sim.solver.thermal import parameters_at
 Observed = dict[Topic, Floats]
 TopicValues = dict[Topic, tuple[float, ...]]
 
-OBSERVED = (
-    topics.JOINT_STATES,
-    topics.ACTUATOR_STATES,
-    topics.PRESSURES,
-    topics.FLOWS,
-    topics.SUPPLY,
-    topics.AUXILIARY,
-    topics.GROUND_TRUTH_JOINT_STATES,
-    topics.GROUND_TRUTH_TIP_POSE,
-    topics.GROUND_TRUTH_TIP_TWIST,
-    topics.VALVE_VOLTAGES,
-)
+SIMULATED = tuple(topic for topic in topics.TOPICS if "simulator" in topic.publishers and topic.labels)
+"""What the simulator says as numbers; `topic_values` gives them."""
+OBSERVED = (*SIMULATED, topics.VALVE_VOLTAGES)
 
 
 class Sensing(NamedTuple):
