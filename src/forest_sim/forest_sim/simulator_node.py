@@ -60,7 +60,7 @@ class SimulatorNode(Node):
         self.add_on_set_parameters_callback(self._on_parameters)
         self._input, self._clipped = VoltageInput(machine.command_timeout), 0
         self._ratings = [machine.valve_of(axis).rated_voltage for axis in range(3)]
-        self._publishers = {
+        self._outputs = {
             topic: number_publisher(
                 self._node_clock, topic, FRAME if topic.type in FRAMED else "", p.plain_arrays
             )
@@ -143,7 +143,7 @@ class SimulatorNode(Node):
             report = self._machine.step(voltages)
         values = topic_values(report, self._machine.events, self._deadlines.missed)
         for topic, numbers in values.items():
-            self._publishers[topic].publish(self._stamp, numbers)
+            self._outputs[topic].publish(self._stamp, numbers)
         self._diagnostics.publish(self._stamp)  # last: nobody waits for it
 
 
