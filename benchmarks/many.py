@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from forest_description.machine import load_machine
-from forest_sim.run import inputs
-from forest_sim.run.batch import Job, simulate_many
-from forest_sim.run.simulation import Block, Run
+from forest_sim.simulation import voltage_profiles
+from forest_sim.simulation.batch import Job, simulate_many
+from forest_sim.simulation.open_loop import Block, Run
 
 RUN = Run(60.0)
 JOBS_A_CORE = 60
@@ -31,7 +31,7 @@ Row = dict[str, Any]
 def jobs(count: int) -> list[Job]:
     """Return jobs with drawn machines."""
     machine = load_machine("c180")
-    crane, chirp = machine.manipulator, inputs.chirp(4.0, 0.1, 3.0)
+    crane, chirp = machine.manipulator, voltage_profiles.chirp(4.0, 0.1, 3.0)
     draws = np.random.default_rng(3).uniform(0.5, 1.5, count).tolist()
     return [
         Job(replace(machine, manipulator=replace(crane, head_mass=draw * crane.head_mass)), chirp)

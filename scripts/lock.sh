@@ -56,6 +56,7 @@ compile --universal --python-version 3.10 --constraint requirements.lock --const
 mkdocs-material
 mkdocstrings[python]
 l2m4m
+mermaidx
 TOOLS
 
 # What scripts/mutate.sh installs for itself, beside .venv's own packages. Yattag, for reports of HTML, is published

@@ -16,6 +16,7 @@ from unittest import mock
 
 from forest_description.export import machine_keys, machine_numbers
 from forest_msgs_py.interfaces import topics
+from forest_study import parameter_reference
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = ROOT / "docs" / "reference"
@@ -117,6 +118,7 @@ def _cell(text: str) -> str:
 
 MADE: dict[str, Callable[[], str]] = {
     "topics.md": lambda: topics.markdown() + "\n",
+    "parameters.md": lambda: parameter_reference.page() + "\n",
     "machine.md": machine_numbers.document,
     "machine-file.md": machine_keys.document,
     "command-lines.md": command_lines,

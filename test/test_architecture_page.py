@@ -22,8 +22,8 @@ from forest_description.machine import load_machine
 from forest_description.types import ZERO
 from forest_msgs_py.clock.step_topics import STEP_NS
 from forest_msgs_py.types import PERIOD
-from forest_sim.run.simulated_machine import SimulatedMachine
 from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.simulation.simulated_machine import SimulatedMachine
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = (ROOT / "docs" / "explanation" / "architecture.md").read_text("utf-8")
@@ -78,7 +78,7 @@ def is_in_order(wanted, calls):
 @pytest.fixture
 def crane(monkeypatch):
     """A machine whose steps are interpreted, driven for a while with the levers off centre."""
-    monkeypatch.setattr("forest_sim.run.simulated_machine.ready_advance", lambda: None)
+    monkeypatch.setattr("forest_sim.simulation.simulated_machine.ready_advance", lambda: None)
     machine = load_machine("c180")
     return Crane(machine)
 
@@ -109,7 +109,7 @@ class Crane:
         at, supply = seen.pressures, seen.supply_pressure
         pressures = valve_driver.Pressures((at[1], at[5], at[9]), (at[3], at[7], at[11]), supply)
         motion = valve_driver.Motion(seen.actuators.position, (at[0], at[4], at[8]), (at[2], at[6], at[10]))
-        self.drive, self.voltages = valve_driver.step_seen(
+        self.drive, self.voltages = valve_driver.step_measured(
             self.drive, told.output.command, pressures, motion, self.driver, PERIOD
         )
 

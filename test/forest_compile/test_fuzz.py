@@ -30,7 +30,7 @@ from forest_control.valve import valve_driver
 from forest_description.machine import load_machine
 from forest_sim.sensors import sensor_readings, sensor_run
 from forest_sim.sensors.sensor_suite import sensor_suite
-from forest_sim.solver import integrator, plant_kernel
+from forest_sim.solver import compiled_plant, integrator
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_study.closed_loop import loop_core, loop_kernel
@@ -174,7 +174,7 @@ def counted(law, machine_law, draws):
 @pytest.mark.parametrize("name", ["c180", "c180_thesis", "loader"])
 def test_the_plant_at_random_states_is_pythons_to_the_last_bit(name):
     rng, p = random.Random(name), plant_parameters(load_machine(name))
-    start, advance = equilibrium((0.0, 0.5, -1.5), p), plant_kernel.compiled_advance()
+    start, advance = equilibrium((0.0, 0.5, -1.5), p), compiled_plant.compiled_advance()
 
     def draws():
         for _ in range(STATES):
@@ -191,7 +191,7 @@ def test_the_plant_at_random_states_is_pythons_to_the_last_bit(name):
     ("kept", "step", "example"),
     [
         (control_compiled.CONTROLLER, controller.step_with_telemetry, control_compiled._control),
-        (control_compiled.DRIVER, valve_driver.step_seen, control_compiled._drive),
+        (control_compiled.DRIVER, valve_driver.step_measured, control_compiled._drive),
         (sensor_run.KERNEL, sensor_readings.report, sensor_run._example),
     ],
     ids=["controller", "driver", "sensors"],

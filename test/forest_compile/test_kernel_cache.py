@@ -201,7 +201,7 @@ from forest_sim.sensors import sensor_run
 from forest_sim.solver import plant_kernel
 kernels = control.CONTROLLER, control.DRIVER, plant_kernel.KERNEL, sensor_run.KERNEL
 print([kept.ready() is not None for kept in kernels], [kept.file.suffix for kept in kernels])
-print("llvmlite" in sys.modules, "forest_compile.translate" in sys.modules)
+print("llvmlite" in sys.modules, "forest_compile.frontend.translate" in sys.modules)
 """
 
 

@@ -222,6 +222,24 @@ def test_a_function_that_is_not_inlined_is_the_same():
     assert_translated(nested, points(), (choices, loops))
 
 
+def filled(row, p):
+    row[1] = p.x + p.y
+    row[2] = row[1] * p.count
+    return row[1] - p.x
+
+
+@pytest.mark.parametrize("noinline", [(), (filled,)], ids=["inlined", "called"])
+def test_a_function_may_write_to_a_row(noinline):
+    text = "def kernel(given, row):\n    row[0] = filled(row, p)"
+    entry = Entry(text, {"filled": filled}, "pp", {"p": ("given", points(1)[0])}, noinline)
+    kernel = machine_code.load(machine_code.optimised(translate.llvm_ir(entry)), "pp")
+    for p in points():
+        expected, row, given = [0.0, 0.0, 0.0], np.zeros(3), np.array(p, dtype=float)
+        expected[0] = filled(expected, p)
+        kernel(given.ctypes.data, row.ctypes.data)
+        assert row.tolist() == expected
+
+
 def nested(p):
     return choices(p), loops(Point(p.y, p.x, 1)), loops(p)
 

@@ -4,8 +4,6 @@ Playing runs in a thread of its own; the executor serves Trigger services (pause
 play_next) and the parameters rate and seek.
 """
 
-from __future__ import annotations
-
 import gc
 import sys
 import threading

@@ -9,8 +9,6 @@ The thread that writes never waits for the disk: a third one syncs. In lockstep 
 last step.
 """
 
-from __future__ import annotations
-
 import sys
 import threading
 from collections.abc import Callable, Sequence

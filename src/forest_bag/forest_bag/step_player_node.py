@@ -5,8 +5,6 @@ topic that the nodes under test do not publish; steps without a message stay so.
 recorded run, to the last bit, or the nodes are not the same. (`forest-bag play` plays in real time.)
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -49,13 +49,15 @@ def entry(step: Callable[..., Any], example: Example, noinline: tuple[Callable[.
         ),
     ]
     return Entry(
-        *("\n".join(lines), {"step": step}, ARGUMENTS),
-        {
+        text="\n".join(lines),
+        names={"step": step},
+        arguments=ARGUMENTS,
+        tuples={
             "before": ("state", example.state),
             "given": ("inputs", example.inputs),
             "p": ("parameters", example.p),
         },
-        noinline,
+        noinline=noinline,
     )
 
 

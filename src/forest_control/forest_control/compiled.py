@@ -24,11 +24,11 @@ from forest_msgs_py.types import PERIOD
 
 Step = Callable[..., tuple[Any, Any]]
 
-# What is seldom called stays a function; all else is written out.
+# What is seldom called stays a function; all else is inlined.
 NOINLINE = (
     *(motion_command.stop_command, bumpless_transfer.taken_over, kinematics.nearest_pose),
     *(stop_profile.share,),
-    *(workspace.share, workspace.slid, operator_profile.tip_following),
+    *(workspace.wall_scaling, workspace.slide, operator_profile.position_mode_velocity),
 )
 
 
@@ -39,9 +39,9 @@ def controller_step() -> Step:
 
 
 def driver_step() -> Step:
-    """Return `valve_driver.step_seen`, compiled if its code is there."""
+    """Return `valve_driver.step_measured`, compiled if its code is there."""
     kernel = DRIVER.ready()
-    return CompiledStep(kernel, _drive()) if kernel else valve_driver.step_seen
+    return CompiledStep(kernel, _drive()) if kernel else valve_driver.step_measured
 
 
 @lru_cache(maxsize=1)
@@ -57,14 +57,16 @@ def _control() -> Example:
 def _drive() -> Example:
     p = valve_driver.parameters(load_machine("c180"), valve_driver.Settings())
     inputs = (0.0, 0.0, 0.0), valve_driver.UNSEEN, valve_driver.STILL
-    state, voltages = valve_driver.step_seen(valve_driver.REST, *inputs, p, PERIOD)
+    state, voltages = valve_driver.step_measured(valve_driver.REST, *inputs, p, PERIOD)
     return Example(state, inputs, p, voltages)
 
 
 CONTROLLER = CachedKernel(
     "controller", lambda: compiled_step.entry(controller.step_with_telemetry, _control(), NOINLINE)
 )
-DRIVER = CachedKernel("valve-driver", lambda: compiled_step.entry(valve_driver.step_seen, _drive(), NOINLINE))
+DRIVER = CachedKernel(
+    "valve-driver", lambda: compiled_step.entry(valve_driver.step_measured, _drive(), NOINLINE)
+)
 
 
 def main() -> None:

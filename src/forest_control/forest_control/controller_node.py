@@ -22,8 +22,7 @@ from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
-
-WATCHDOG_PERIOD = 0.02  # [s]
+from forest_msgs_py.types import WATCHDOG_PERIOD
 
 
 class ControllerNode(Node):

@@ -1,9 +1,9 @@
 """The crane as numbers: pump, valve, hoses, actuators, manipulator, sensors; all SI, frozen, range-checked.
 
-``load_machine("c180")`` reads a shipped machine, ``load_machine("my_crane.yaml")`` a file of one's own. Axes
-are numbered 0 swing, 1 boom, 2 stick. Port 1 drives the positive direction (swing left; cylinder's head side,
-extending), port 2 the negative one. Where every shipped number comes from: ``python -m
-forest_description.export.machine_numbers`` (docs/reference/machine.md).
+``load_machine("c180")`` reads a shipped machine, ``load_machine("my_crane.yaml")`` a file of one's
+own. Axes are numbered 0 swing, 1 boom, 2 stick. Port 1 drives the positive direction (swing left;
+cylinder's head side, extending), port 2 the negative one. Where every shipped number comes from:
+``python -m forest_description.export.machine_numbers`` (docs/reference/machine.md).
 """
 
 import math
@@ -57,9 +57,10 @@ OWN_SECTIONS = ("valve", "hose")
 class Manipulator(ParameterSet):
     """Links of the crane, each symmetric about the crane's plane. Thesis App. B.
 
-    Link frames: x along the link from its joint, z the joint axis, y across, upwards when the link points
-    forward. Boom and stick inertias are about the centre of mass, the base's about the swing axis frame's
-    own; a product I_xy is the integral of x y dm. The head is a point at the tip, or hangs from it.
+    Link frames: x along the link from its joint, z the joint axis, y across, upwards when the link
+    points forward. Boom and stick inertias are about the centre of mass, the base's about the swing
+    axis frame's own; a product I_xy is the integral of x y dm. The head is a point at the tip, or
+    hangs from it.
     """
 
     log: Log | None
@@ -248,7 +249,8 @@ def load_machine(name_or_path: str | Path = "c180") -> Machine:
             (`forest_description.config.random_machine`); anything else is a file.
 
     Raises:
-        MachineError: The file is not usable; the message has file, line, key, value and what is allowed.
+        MachineError: The file is not usable; the message has file, line, key, value and what is
+            allowed.
     """
     return schema.build(Machine, _read(name_or_path))
 

@@ -1,17 +1,17 @@
-"""What the *records* tell: experiments, estimators, refinement through the simulator, reports.
+"""System identification from *records*: experiments, estimators, refinement through the simulator, reports.
 
 In the order in which data passes:
 
 - `experiments`: The experiments: what a person prepares, what is driven, how far.
-- `measurements`: A record as estimators take it: readings on one time base, derivatives, which rows count.
-- `driving`: An experiment carried out: on a simulated machine or on a running graph, within its bounds.
+- `measurements`: A record for the estimators: readings on one time base, derivatives, masks of rows.
+- `driving`: An experiment carried out on a simulated machine or on a running graph, within its bounds.
 - `experiment_operator_node`: The scripted operator as a node: an experiment's voltages on /valve_commands,
   on the simulator or on iron.
-- `output_error`: Output error: the simulator's readings against the recorded ones.
+- `output_error`: Fit the simulator's readings to the recorded ones.
 - `estimators`: The thesis's estimators (chapter 4), one parameter or a few at a time.
 - `refinement`: All experiments together: from sessions to a machine, with intervals.
 - `validation`: A model against a record that it was not fitted to.
-- `report`: What was found, as a page, pictures and a machine file.
+- `report`: The results as a page, plots and a machine file.
 - `online`: Running estimates while the machine works.
 - `online_node`: On-line identification as a node: running estimates of overlap, gain and damping beside the
   off-line fit.

@@ -26,8 +26,7 @@ from forest_msgs_py.introspection.live_graph import LiveGraph, NoAnswer, publish
 from forest_msgs_py.runtime.node import Finished, NodeFailure, run_node, subscription
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter, ParameterError
-
-WATCHDOG_PERIOD = 0.02  # [s]
+from forest_msgs_py.types import WATCHDOG_PERIOD
 
 
 class ExperimentOperatorNode(Node):

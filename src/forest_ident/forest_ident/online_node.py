@@ -1,7 +1,7 @@
 """On-line identification as a node: running estimates of overlap, gain and damping beside the off-line fit.
 
-It listens and never speaks to the machine. It steps when the joints' state arrives, with the pressures and
-voltages that arrived last, and tells every second what it believes.
+It never publishes to the machine. It steps when the joints' state arrives, with the pressures and
+voltages that arrived last, and publishes its estimates every second.
 """
 
 import math
@@ -28,7 +28,7 @@ PORTS = tuple(tuple(f"{joint}_{port}_actuator" for joint in topics.JOINTS) for p
 
 
 class OnlineIdentificationNode(Node):
-    """Shell around `online.step`."""
+    """Shell around `online_estimator.step`."""
 
     def __init__(self) -> None:
         super().__init__("online_identification")
@@ -59,12 +59,12 @@ class OnlineIdentificationNode(Node):
             return
         dt = self._period.since(reading.stamp_ns)
         sample = online_estimator.Sample(
-            reading.values.position,
-            reading.values.velocity,
-            self._triple(topics.PRESSURES, self._ports[0]),
-            self._triple(topics.PRESSURES, self._ports[1]),
-            self._read(topics.SUPPLY, self._supply, 1)[0],
-            self._triple(topics.VALVE_VOLTAGES, self._voltages),
+            angles=reading.values.position,
+            rates=reading.values.velocity,
+            pressures_1=self._triple(topics.PRESSURES, self._ports[0]),
+            pressures_2=self._triple(topics.PRESSURES, self._ports[1]),
+            supply=self._read(topics.SUPPLY, self._supply, 1)[0],
+            voltages=self._triple(topics.VALVE_VOLTAGES, self._voltages),
         )
         self._state = online_estimator.step(self._state, sample, self._core, dt)
         self._since += dt
@@ -86,8 +86,8 @@ class OnlineIdentificationNode(Node):
         return nothing if reading.problem else tuple(reading.values)
 
     def _publish(self, stamp: int) -> None:
-        told = zip(online_estimator.LABELS, online_estimator.report(self._state), strict=True)
-        there = {label: value for label, value in told if math.isfinite(value)}
+        values = zip(online_estimator.LABELS, online_estimator.report(self._state), strict=True)
+        there = {label: value for label, value in values if math.isfinite(value)}
         message = float_array(topics.IDENTIFICATION, stamp, list(there.values()), labels=tuple(there))
         self._estimates.publish(message)
 

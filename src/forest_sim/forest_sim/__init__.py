@@ -6,15 +6,16 @@ In the order in which data passes:
 - `mechanics`: Laws of the rigid links, the hanging head, dry friction and end stops.
 - `solver`: The equations of motion together, and their steps in time, interpreted or compiled.
 - `sensors`: What the machine's sensors report of its true state.
-- `run`: Runs without a graph: inputs, disturbances, energy account, records on disk, many runs at once.
+- `simulation`: Machines under way, with or without a graph: inputs, disturbances, energy, records,
+  batches.
 - `compiled`: The simulator's kernels, plant and sensors, made beforehand.
-- `simulator_node`: The machine as a node: takes /valve_voltages, keeps the graph's time, publishes what its
-  sensors report.
-- `commander_node`: Says /valve_commands from a file, for experiments with the valves: in place of the
-  controller.
+- `simulator_node`: The machine as a node: takes /valve_voltages, keeps the graph's time, publishes
+  what its sensors report.
+- `commander_node`: Says /valve_commands from a file, for experiments with the valves: in place of
+  the controller.
 - `analysis`: What follows from the equations: modes, checks of a machine file, comparisons, plots.
-- `linear_graph`: The circuits as linear graphs, and their state equations derived from them (chapter 3 of
-  the thesis).
+- `linear_graph`: The circuits as linear graphs, and their state equations derived from them
+  (chapter 3 of the thesis).
 - `cli`: `forest-sim`: the simulator from the command line.
 
 May import: `forest_bag`, `forest_msgs_py`, `forest_description`, `forest_compile`.

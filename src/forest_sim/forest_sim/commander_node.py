@@ -15,12 +15,12 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import Finished, run_node
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import ParameterError
-from forest_sim.run.inputs import InputError, read_voltages
-from forest_sim.run.simulator_parameters import CommanderParameters
+from forest_sim.simulation.simulator_parameters import CommanderParameters
+from forest_sim.simulation.voltage_profiles import InputError, read_voltages
 
 
 class CommanderNode(Node):
-    """Shell around `inputs`."""
+    """Shell around `voltage_profiles`."""
 
     def __init__(self) -> None:
         super().__init__("commander")

@@ -1,13 +1,13 @@
 """The machine as a node: takes /valve_voltages, keeps the graph's time, publishes what its sensors report.
 
-Physics at 1 kHz inside, topics at 200 Hz, in a thread that sleeps from deadline to deadline: an executor
-would spend more on waking up than the machine costs. Deadlines stand on the monotonic clock; a late wake-up
-is caught up with correctly stamped samples, and counted. Voltages older than the machine's command timeout
-count as zero.
+Physics at 1 kHz inside, topics at 200 Hz, in a thread that sleeps from deadline to deadline: an
+executor would spend more on waking up than the machine costs. Deadlines stand on the monotonic
+clock; a late wake-up is caught up with correctly stamped samples, and counted. Voltages older than
+the machine's command timeout count as zero.
 
-Sensors are exact unless `sensor_noise` is set; `sensor_faults` hold either way. A sensor that is absent, or
-drops its sample, is missing from its message; a message of which nothing is left is not sent. `stuck_spools`
-and `tip_force` may be set while the node runs.
+Sensors are exact unless `sensor_noise` is set; `sensor_faults` hold either way. A sensor that is
+absent, or drops its sample, is missing from its message; a message of which nothing is left is not
+sent. `stuck_spools` and `tip_force` may be set while the node runs.
 """
 
 import sys
@@ -31,11 +31,11 @@ from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_msgs_py.safety.diagnostics import Diagnostics, beyond, rating_values
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
-from forest_sim.run.deadlines import Deadlines
-from forest_sim.run.disturbance import parse_disturbance
-from forest_sim.run.sensor_log import SIMULATED, topic_values
-from forest_sim.run.simulator_parameters import SimulatorParameters, simulated_machine
-from forest_sim.run.voltage_input import VoltageInput
+from forest_sim.simulation.deadlines import Deadlines
+from forest_sim.simulation.disturbance import parse_disturbance
+from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, topic_values
+from forest_sim.simulation.simulator_parameters import SimulatorParameters, simulated_machine
+from forest_sim.simulation.voltage_command import VoltageInput
 
 FRAME = "base_link"
 FRAMED = (topics.POSE, topics.TWIST)  # types
@@ -60,14 +60,14 @@ class SimulatorNode(Node):
         self.add_on_set_parameters_callback(self._on_parameters)
         self._input, self._clipped = VoltageInput(machine.command_timeout), 0
         self._ratings = [machine.valve_of(axis).rated_voltage for axis in range(3)]
-        self._outputs = {
+        self._number_publishers = {
             topic: number_publisher(
                 self._node_clock, topic, FRAME if topic.type in FRAMED else "", p.plain_arrays
             )
-            for topic in SIMULATED
+            for topic in SIMULATED_TOPICS
         }
-        said = self._node_clock.publisher(topics.DIAGNOSTICS)
-        self._diagnostics = Diagnostics(self, ("voltages", "machine"), "valves centred", said)
+        publisher = self._node_clock.publisher(topics.DIAGNOSTICS)
+        self._diagnostics = Diagnostics(self, ("voltages", "machine"), "valves centred", publisher)
         self._description = self._node_clock.publisher(topics.ROBOT_DESCRIPTION)
         text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
         self._description.publish(text)
@@ -143,7 +143,7 @@ class SimulatorNode(Node):
             report = self._machine.step(voltages)
         values = topic_values(report, self._machine.events, self._deadlines.missed)
         for topic, numbers in values.items():
-            self._outputs[topic].publish(self._stamp, numbers)
+            self._number_publishers[topic].publish(self._stamp, numbers)
         self._diagnostics.publish(self._stamp)  # last: nobody waits for it
 
 

@@ -18,7 +18,7 @@ from forest_ident.driving.operator_parameters import OperatorParameters
 from forest_ident.online.online_parameters import OnlineParameters
 from forest_msgs_py.clock.clock_parameters import ClockParameters, LeaderParameters, ListenerParameters
 from forest_msgs_py.runtime.parameter_table import MachineParameter, Parameter, table_rows
-from forest_sim.run.simulator_parameters import CommanderParameters, SimulatorParameters
+from forest_sim.simulation.simulator_parameters import CommanderParameters, SimulatorParameters
 from forest_study.closed_loop.link_model import DelayParameters, Quality
 
 # Node's name: how it is started, its tables.
@@ -59,8 +59,11 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
 HEAD = """# Parameters
 
 Give a parameter at the start with `--ros-args -p NAME:=VALUE`. A value that is not allowed ends the
-node with one sentence and exit code 2. Three numbers are of swing, boom and stick. A *live* parameter
-may be set while the node runs: `ros2 param set /NODE NAME VALUE`."""
+node with one sentence and exit code 2. Three numbers are of swing, boom and stick.
+A *live* parameter may be set while the node runs: `ros2 param set /NODE NAME VALUE`.
+
+The controller's `profile` gives other defaults than these to the settings that it names
+(`forest_control/profiles`)."""
 
 
 def node_rows(node: str) -> tuple[Parameter, ...]:

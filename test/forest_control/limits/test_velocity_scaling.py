@@ -1,4 +1,4 @@
-"""Claims about the governor: it slows, it never turns, it never traps."""
+"""Claims about the velocity scaling: it slows, it never turns, it never traps."""
 
 import itertools
 import math
@@ -14,13 +14,13 @@ from forest_control.limits.velocity_scaling import (
     NO_AXIS,
     NO_STROKE,
     Axis,
-    Governed,
-    GovernorParameters,
     Limit,
     Pumps,
     Stroke,
+    VelocityLimits,
+    VelocityScaling,
     flow_demand,
-    govern,
+    velocity_scaling,
 )
 from forest_control.operator.joystick_watch import Joystick
 from forest_description.derived.actuator_kinematics import displacements, joint_rates_to_actuator_speeds
@@ -31,7 +31,7 @@ from forest_description.machine import load_machine
 LINKS = Links(0.41, 4.1, 2.9)
 CREEP, FAR_OFF, NEGLIGIBLE = 2e-3, 2.5, 1e-6  # [rad/s], times the wish, [rad/s; m/s]
 SAFETY = Path(__file__).resolve().parents[3] / "docs" / "explanation" / "safety.md"
-P = GovernorParameters(
+P = VelocityLimits(
     lower=(-2.0, -0.6, -2.1),
     upper=(2.0, 1.2, -0.8),
     rates=(0.8, 0.25, 0.3),
@@ -52,7 +52,7 @@ def test_tip_keeps_its_direction_and_no_joint_exceeds_what_is_allowed():
     factors, rates, moved = np.empty(count), np.empty((count, 3)), np.empty((count, 3))
     for k, (q, wish) in enumerate(zip(map(tuple, angles.tolist()), map(tuple, wishes.tolist()), strict=True)):
         wished = joint_rates(q, wish, LINKS)
-        factors[k] = govern(q, wished, P).factor
+        factors[k] = velocity_scaling(q, wished, P).factor
         rates[k] = np.multiply(factors[k], wished)
         moved[k] = tip_velocity(q, tuple(rates[k].tolist()), LINKS)
     square = np.sum(wishes**2, axis=1)
@@ -74,9 +74,11 @@ def test_factor_is_the_largest_that_is_allowed_but_for_the_rounded_corner_near_a
         rates = [P.rates[i] / abs(wished[i]) for i in range(3)]
         most = min(1.0, *rates, *limits)
         arrived = any(P.approach[i] * rooms[i] < CREEP for i in range(3))
-        assert (0.0 if arrived else 0.71 * most) <= govern(q, wished, P).factor <= most * (1.0 + 1e-12)
+        assert (
+            (0.0 if arrived else 0.71 * most) <= velocity_scaling(q, wished, P).factor <= most * (1.0 + 1e-12)
+        )
         if min(limits) > FAR_OFF:
-            assert govern(q, wished, P).factor == pytest.approx(most, rel=1e-12)
+            assert velocity_scaling(q, wished, P).factor == pytest.approx(most, rel=1e-12)
 
 
 @pytest.mark.parametrize("joint", range(3))
@@ -85,9 +87,9 @@ def test_moving_away_from_a_limit_is_never_slowed(joint, beyond):
     for limit, outward in ((P.upper[joint] + beyond, 1.0), (P.lower[joint] - beyond, -1.0)):
         q, wished = list(MIDDLE), [0.0, 0.0, 0.0]
         q[joint], wished[joint] = limit, -outward * P.rates[joint]
-        assert govern(tuple(q), tuple(wished), P) == Governed(1.0, Limit.NONE)
+        assert velocity_scaling(tuple(q), tuple(wished), P) == VelocityScaling(1.0, Limit.NONE)
         wished[joint] = outward * P.rates[joint]
-        assert govern(tuple(q), tuple(wished), P) == Governed(0.0, Limit.JOINT)
+        assert velocity_scaling(tuple(q), tuple(wished), P) == VelocityScaling(0.0, Limit.JOINT)
 
 
 def test_backing_out_is_possible_from_everywhere():
@@ -95,32 +97,32 @@ def test_backing_out_is_possible_from_everywhere():
     for _ in range(2000):
         q = random_angles(rng, beyond=0.5)
         back = tuple(float(rate) for rate in rng.uniform(0.1, 3.0) * np.sign(np.subtract(MIDDLE, q)))
-        governed = govern(q, back, P)
+        governed = velocity_scaling(q, back, P)
         assert governed.factor == min(1.0, min(P.rates[i] / abs(back[i]) for i in range(3)))
         assert governed.limit is not Limit.JOINT
 
 
 def test_rounding_towards_a_limit_does_not_stop_the_others():
     q = (0.0, P.upper[1], -1.5)
-    assert govern(q, (0.5, NEGLIGIBLE, 0.1), P) == Governed(1.0, Limit.NONE)
-    assert govern(q, (0.5, 1.1 * NEGLIGIBLE, 0.1), P) == Governed(0.0, Limit.JOINT)
+    assert velocity_scaling(q, (0.5, NEGLIGIBLE, 0.1), P) == VelocityScaling(1.0, Limit.NONE)
+    assert velocity_scaling(q, (0.5, 1.1 * NEGLIGIBLE, 0.1), P) == VelocityScaling(0.0, Limit.JOINT)
 
 
 def test_the_limit_that_holds_back_is_named():
-    assert govern(MIDDLE, (0.4, 0.1, 0.1), P) == Governed(1.0, Limit.NONE)
-    assert govern(MIDDLE, (1.6, 0.1, 0.1), P) == Governed(0.5, Limit.RATE)
+    assert velocity_scaling(MIDDLE, (0.4, 0.1, 0.1), P) == VelocityScaling(1.0, Limit.NONE)
+    assert velocity_scaling(MIDDLE, (1.6, 0.1, 0.1), P) == VelocityScaling(0.5, Limit.RATE)
     near = (0.0, P.upper[1] - 0.05, -1.5)
-    assert govern(near, (1.6, 0.1, 0.1), P) == Governed(0.5, Limit.RATE)
-    assert govern(near, (0.8, 0.2, 0.1), P).limit is Limit.JOINT
+    assert velocity_scaling(near, (1.6, 0.1, 0.1), P) == VelocityScaling(0.5, Limit.RATE)
+    assert velocity_scaling(near, (0.8, 0.2, 0.1), P).limit is Limit.JOINT
 
 
 def test_a_joint_comes_to_rest_before_its_limit():
     angle, period = 0.9, 0.005
     for _ in range(4000):
-        factor = govern((0.0, angle, -1.5), (0.0, 0.25, 0.0), P).factor
+        factor = velocity_scaling((0.0, angle, -1.5), (0.0, 0.25, 0.0), P).factor
         angle += period * factor * 0.25
     assert P.upper[1] - 1.1 * CREEP / P.approach[1] < angle < P.upper[1]
-    assert govern((0.0, angle, -1.5), (0.0, 0.25, 0.0), P).factor * 0.25 < 1e-6  # it arrives
+    assert velocity_scaling((0.0, angle, -1.5), (0.0, 0.25, 0.0), P).factor * 0.25 < 1e-6  # it arrives
     assert not math.isclose(angle, 0.9)
 
 
@@ -133,7 +135,7 @@ def test_the_pumps_flow_is_shared_without_turning():
     rng, held = np.random.default_rng(7), 0
     for _ in range(2000):
         q, wished = random_angles(rng), tuple(rng.normal(0.0, 0.5, 3).tolist())
-        governed = govern(q, wished, p)
+        governed = velocity_scaling(q, wished, p)
         speeds = joint_rates_to_actuator_speeds(q, wished, machine.linkages)
         taken = sum(abs(v) * area[0 if v > 0.0 else 1] for v, area in zip(speeds, areas, strict=True))
         assert flow_demand(q, wished, pumps) == pytest.approx(taken, rel=1e-12)
@@ -149,7 +151,7 @@ def test_a_cylinder_is_allowed_its_approach_rate_times_the_stroke_that_is_left(s
     p = P._replace(rates=(math.inf,) * 3, strokes=(NO_STROKE, Stroke(linkage, *ends), NO_STROKE))
     fast = 1000.0  # [rad/s] far over what is allowed, where no corner is rounded
     for angle in np.linspace(P.lower[1] + 0.01, P.upper[1] - 0.01, 30).tolist():
-        factor = govern((0.0, angle, -1.5), (0.0, sign * fast, 0.0), p).factor
+        factor = velocity_scaling((0.0, angle, -1.5), (0.0, sign * fast, 0.0), p).factor
         left = abs(ends[1 if sign > 0.0 else 0] - cylinder_length(angle, linkage))
         speed = lever_arm(angle, linkage) * factor * fast
         assert speed == pytest.approx(P.approach[1] * left, rel=0.01)
@@ -160,8 +162,8 @@ def test_outside_its_stroke_a_cylinder_may_only_come_back():
     stroke = Stroke(linkage, cylinder_length(P.lower[1], linkage), cylinder_length(P.upper[1], linkage))
     p = P._replace(strokes=(NO_STROKE, stroke, NO_STROKE))
     beyond = (0.0, P.upper[1] + 0.02, -1.5)
-    assert govern(beyond, (0.0, 0.1, 0.0), p).factor == 0.0
-    assert govern(beyond, (0.0, -0.1, 0.0), p).factor == 1.0
+    assert velocity_scaling(beyond, (0.0, 0.1, 0.0), p).factor == 0.0
+    assert velocity_scaling(beyond, (0.0, -0.1, 0.0), p).factor == 1.0
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0], ids=["down", "up"])
@@ -176,7 +178,7 @@ def test_a_limit_begins_to_be_felt_without_a_corner(joint, sign):
         room = share * wish / p.approach[joint]
         q[joint] = p.upper[joint] - room if sign > 0.0 else p.lower[joint] + room
         rates[joint] = sign * wish
-        return govern(tuple(q), tuple(rates), p).factor
+        return velocity_scaling(tuple(q), tuple(rates), p).factor
 
     shares = np.linspace(0.1, FAR_OFF, 241)
     cubic = np.polynomial.Polynomial.fit(shares, [factor(share) for share in shares], 3)
@@ -193,7 +195,7 @@ def test_slower_than_a_creep_nothing_goes_towards_a_limit(joint):
     for allowed, moves in ((1.01 * CREEP, True), (0.99 * CREEP, False)):
         q = list(MIDDLE)
         q[joint] = P.upper[joint] - allowed / P.approach[joint]
-        assert (govern(tuple(q), tuple(rates), P).factor > 0.0) == moves
+        assert (velocity_scaling(tuple(q), tuple(rates), P).factor > 0.0) == moves
 
 
 def test_near_its_dead_point_a_cylinder_counts_by_its_angle():
@@ -204,7 +206,7 @@ def test_near_its_dead_point_a_cylinder_counts_by_its_angle():
     dead = math.pi - linkage.angle_offset
     for arm, by_angle in ((1.1e-3, False), (0.9e-3, True), (-0.2, True)):
         q = brentq(lambda angle, arm=arm: lever_arm(angle, linkage) - arm, dead - 1.0, dead + 0.9)
-        allowed = 1e6 * govern((0.0, q, -1.5), (0.0, 1e6, 0.0), p).factor
+        allowed = 1e6 * velocity_scaling((0.0, q, -1.5), (0.0, 1e6, 0.0), p).factor
         assert (allowed == pytest.approx(9.0 - q, rel=1e-3)) == by_angle
 
 
@@ -224,7 +226,7 @@ def test_towards_the_swing_axis_the_tip_is_as_fast_as_twice_what_is_left_and_els
         inward, distance = (before - after) / 2e-6, reach(q) - 1.5
         if abs(reach(q)) < 0.01 or abs(inward) < 0.01:
             continue
-        governed = govern(q, rates, p)
+        governed = velocity_scaling(q, rates, p)
         most = max(0.0, 2.0 * distance) / inward if inward > 0.0 else 1.0
         assert governed.factor == pytest.approx(min(1.0, most), rel=1e-4, abs=1e-9)
         assert governed.factor >= 0.0
@@ -239,9 +241,11 @@ def test_at_the_swing_axis_rounding_stops_nobody_and_neither_does_the_swing():
     p = P._replace(lower=(-9.0,) * 3, upper=(9.0,) * 3, axis=Axis(LINKS, 9.0))
     q = (0.3, 0.1, -1.0)
     arm = -tip_velocity((0.0, *q[1:]), (0.0, 0.0, -1.0), LINKS)[0]  # inward speed of a stick that folds
-    assert govern(q, (0.5, 0.0, -0.9 * NEGLIGIBLE / arm), p) == Governed(1.0, Limit.NONE)
-    assert govern(q, (0.5, 0.0, -1.1 * NEGLIGIBLE / arm), p) == Governed(0.0, Limit.SINGULARITY)
-    assert govern(q, (0.5, 0.0, 0.0), p) == Governed(1.0, Limit.NONE)
+    assert velocity_scaling(q, (0.5, 0.0, -0.9 * NEGLIGIBLE / arm), p) == VelocityScaling(1.0, Limit.NONE)
+    assert velocity_scaling(q, (0.5, 0.0, -1.1 * NEGLIGIBLE / arm), p) == VelocityScaling(
+        0.0, Limit.SINGULARITY
+    )
+    assert velocity_scaling(q, (0.5, 0.0, 0.0), p) == VelocityScaling(1.0, Limit.NONE)
 
 
 def test_a_tip_that_may_go_as_near_the_swing_axis_as_it_likes_is_not_held():
@@ -249,7 +253,7 @@ def test_a_tip_that_may_go_as_near_the_swing_axis_as_it_likes_is_not_held():
     boom = math.acos((0.05 - LINKS.base_offset - LINKS.stick) / LINKS.boom)
     q = (0.0, boom, -boom)
     assert tip_position(q, LINKS)[0] == pytest.approx(0.05)
-    assert govern(q, (0.0, 0.25, 0.0), p) == Governed(1.0, Limit.NONE)
+    assert velocity_scaling(q, (0.0, 0.25, 0.0), p) == VelocityScaling(1.0, Limit.NONE)
 
 
 @pytest.mark.parametrize(("joint", "sign"), list(itertools.product(range(3), (-1.0, 1.0))))

@@ -17,9 +17,9 @@ from forest_control.limits.workspace import (
     PLANE,
     Wall,
     Workspace,
-    gap,
-    share,
-    slid,
+    clearance,
+    slide,
+    wall_scaling,
 )
 
 GROUND = Wall(PLANE, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), -1.0)
@@ -41,10 +41,10 @@ def random_points(rng, count):
 def test_the_gap_is_the_distance_and_its_gradient(wall):
     rng, step = np.random.default_rng(1), 1e-6
     for p in random_points(rng, 500):
-        near = gap(p, wall)
+        near = clearance(p, wall)
         assert np.linalg.norm(near.away) == pytest.approx(1.0, abs=1e-9)
         there = tuple(x + step * n for x, n in zip(p, near.away, strict=True))
-        assert gap(there, wall).distance - near.distance == pytest.approx(step, rel=1e-3)
+        assert clearance(there, wall).distance - near.distance == pytest.approx(step, rel=1e-3)
 
 
 def test_what_is_left_is_never_too_fast_and_what_leads_away_is_kept():
@@ -52,30 +52,30 @@ def test_what_is_left_is_never_too_fast_and_what_leads_away_is_kept():
     slowed = 0
     for p in random_points(rng, 4000):
         wish = tuple(rng.normal(0.0, 1.0, 3).tolist())
-        left = slid(p, wish, w)
+        left = slide(p, wish, w)
         for wall in EVERY:
-            near = gap(p, wall)
+            near = clearance(p, wall)
             assert -np.dot(left, near.away) <= max(0.0, w.approach * near.distance) + 1e-5
         assert np.dot(left, left) <= np.dot(wish, wish) + 1e-9
         slowed += left != wish
-        if all(np.dot(wish, gap(p, wall).away) >= 0.0 for wall in EVERY):
+        if all(np.dot(wish, clearance(p, wall).away) >= 0.0 for wall in EVERY):
             assert left == wish
     assert 500 < slowed < 3900
 
 
 def test_along_a_wall_nothing_is_taken_away():
     w = workspace(GROUND)
-    assert slid((1.0, 2.0, -1.0), (0.3, -0.4, -0.5), w) == pytest.approx((0.3, -0.4, 0.0))
-    assert slid((1.0, 2.0, -1.2), (0.3, -0.4, 0.5), w) == (0.3, -0.4, 0.5)
-    assert slid((1.0, 2.0, -0.9), (0.0, 0.0, -0.5), w) == pytest.approx((0.0, 0.0, -0.4))
-    assert slid((1.0, 2.0, -0.9), (0.0, 0.0, -0.5), OPEN) == (0.0, 0.0, -0.5)
+    assert slide((1.0, 2.0, -1.0), (0.3, -0.4, -0.5), w) == pytest.approx((0.3, -0.4, 0.0))
+    assert slide((1.0, 2.0, -1.2), (0.3, -0.4, 0.5), w) == (0.3, -0.4, 0.5)
+    assert slide((1.0, 2.0, -0.9), (0.0, 0.0, -0.5), w) == pytest.approx((0.0, 0.0, -0.4))
+    assert slide((1.0, 2.0, -0.9), (0.0, 0.0, -0.5), OPEN) == (0.0, 0.0, -0.5)
 
 
 def test_the_tip_arrives_without_passing_and_slides_on_to_the_corner():
     w, p, dt = workspace(GROUND, CAB), (1.0, 0.0, 0.0), 0.005
     lowest = nearest = 1.0
     for _ in range(4000):
-        v = slid(p, (-0.5, 0.0, -0.5), w)
+        v = slide(p, (-0.5, 0.0, -0.5), w)
         p = tuple(x + dt * u for x, u in zip(p, v, strict=True))
         lowest, nearest = min(lowest, p[2]), min(nearest, p[0])
     assert p == pytest.approx((-0.5, 0.0, -1.0), abs=1e-3)
@@ -85,9 +85,9 @@ def test_the_tip_arrives_without_passing_and_slides_on_to_the_corner():
 
 def test_joints_are_slowed_together():
     w = workspace(GROUND)
-    assert share((0.0, 0.0, -0.9), (0.3, 0.0, -0.8), w) == pytest.approx(0.5)
-    assert share((0.0, 0.0, -1.1), (0.3, 0.0, 0.8), w) == 1.0
-    assert share((0.0, 0.0, -1.1), (0.3, 0.0, -0.1), w) == 0.0
+    assert wall_scaling((0.0, 0.0, -0.9), (0.3, 0.0, -0.8), w) == pytest.approx(0.5)
+    assert wall_scaling((0.0, 0.0, -1.1), (0.3, 0.0, 0.8), w) == 1.0
+    assert wall_scaling((0.0, 0.0, -1.1), (0.3, 0.0, -0.1), w) == 0.0
 
 
 def test_joints_are_slowed_by_the_wall_that_allows_least_whichever_it_is():
@@ -95,13 +95,13 @@ def test_joints_are_slowed_by_the_wall_that_allows_least_whichever_it_is():
     w = workspace(*EVERY)
     for p in random_points(rng, 2000):
         wish = tuple(rng.normal(0.0, 1.0, 3).tolist())
-        gaps = [gap(p, wall) for wall in EVERY]
+        gaps = [clearance(p, wall) for wall in EVERY]
         speeds = [-np.dot(wish, near.away) for near in gaps]
         most = [
             max(0.0, 4.0 * near.distance) / speed if speed > 1e-6 else 1.0
             for near, speed in zip(gaps, speeds, strict=True)
         ]
-        assert share(p, wish, w) == pytest.approx(min(1.0, *most), rel=1e-12)
+        assert wall_scaling(p, wish, w) == pytest.approx(min(1.0, *most), rel=1e-12)
         if min(most) < 1.0:
             slowed[int(np.argmin(most))] += 1
     assert min(slowed.values()) > 10, slowed
@@ -109,17 +109,17 @@ def test_joints_are_slowed_by_the_wall_that_allows_least_whichever_it_is():
 
 def test_rounding_towards_a_wall_does_not_stop_the_joints():
     at, w = (0.0, 0.0, -1.1), workspace(GROUND)
-    assert share(at, (0.3, 0.0, -0.9e-6), w) == 1.0
-    assert share(at, (0.3, 0.0, -1.1e-6), w) == 0.0
+    assert wall_scaling(at, (0.3, 0.0, -0.9e-6), w) == 1.0
+    assert wall_scaling(at, (0.3, 0.0, -1.1e-6), w) == 0.0
 
 
 def test_what_is_no_wall_is_far_and_walls_beyond_the_number_do_not_count():
     wish = (0.1, -0.2, -0.3)
-    assert gap((0.0, 0.0, 0.0), NO_WALL).distance > 1e6
-    assert slid((0.0, 0.0, -2.0), wish, workspace(GROUND, FENCE)._replace(number=0)) == wish
-    assert share((0.0, 0.0, -2.0), wish, workspace(GROUND, FENCE)._replace(number=0)) == 1.0
-    assert slid((0.0, 0.0, -2.0), wish, OPEN) == wish
-    assert share((0.0, 0.0, -2.0), wish, OPEN) == 1.0
+    assert clearance((0.0, 0.0, 0.0), NO_WALL).distance > 1e6
+    assert slide((0.0, 0.0, -2.0), wish, workspace(GROUND, FENCE)._replace(number=0)) == wish
+    assert wall_scaling((0.0, 0.0, -2.0), wish, workspace(GROUND, FENCE)._replace(number=0)) == 1.0
+    assert slide((0.0, 0.0, -2.0), wish, OPEN) == wish
+    assert wall_scaling((0.0, 0.0, -2.0), wish, OPEN) == 1.0
 
 
 def test_in_a_corner_too_sharp_to_slide_into_the_tip_stops_and_it_may_still_leave():
@@ -127,9 +127,9 @@ def test_in_a_corner_too_sharp_to_slide_into_the_tip_stops_and_it_may_still_leav
     steep, flat = math.cos(math.radians(5.0)), math.sin(math.radians(5.0))
     walls = [Wall(PLANE, (side * steep, 0.0, flat), (0.0, 0.0, 0.0), 0.0) for side in (-1.0, 1.0)]
     for wish in ((0.0, 0.0, -1.0), (0.0, 0.3, -1.0), (0.02, 0.0, -1.0)):
-        assert slid((0.0, 0.0, 0.0), wish, workspace(*walls)) == (0.0, 0.0, 0.0)
-    assert slid((0.0, 0.0, 0.0), (0.0, 0.3, 1.0), workspace(*walls)) == (0.0, 0.3, 1.0)
-    assert slid((0.0, 0.0, 9.0), (0.0, 0.3, -0.1), workspace(*walls)) == (0.0, 0.3, -0.1)
+        assert slide((0.0, 0.0, 0.0), wish, workspace(*walls)) == (0.0, 0.0, 0.0)
+    assert slide((0.0, 0.0, 0.0), (0.0, 0.3, 1.0), workspace(*walls)) == (0.0, 0.3, 1.0)
+    assert slide((0.0, 0.0, 9.0), (0.0, 0.3, -0.1), workspace(*walls)) == (0.0, 0.3, -0.1)
 
 
 BOX_LOW, BOX_HIGH = (-1.0, -2.0, -3.0), (1.0, 2.0, 3.0)
@@ -143,7 +143,7 @@ def test_a_tip_within_a_box_leaves_by_the_nearest_side_and_outside_keeps_off_it(
     face = (BOX_LOW, BOX_HIGH)[side > 0.0][axis]
     for depth in (-0.3, 0.0, 0.7):
         p = tuple(face + side * depth if i == axis else 0.1 for i in range(3))
-        distance, away = gap(p, BLOCK)
+        distance, away = clearance(p, BLOCK)
         assert distance == pytest.approx(depth, abs=1e-12)
         assert away == normal
 
@@ -152,7 +152,7 @@ def test_off_an_edge_and_a_corner_of_a_box_the_distance_is_straight():
     away = (2.0 / 3.0, 2.0 / 3.0, 1.0 / 3.0)
     for signs in itertools.product((-1.0, 1.0), repeat=3):
         p = tuple(s * (c + 0.3 * a) for s, c, a in zip(signs, BOX_HIGH, away, strict=True))
-        near = gap(p, BLOCK)
+        near = clearance(p, BLOCK)
         assert near.distance == pytest.approx(0.3)
         assert near.away == pytest.approx(tuple(s * a for s, a in zip(signs, away, strict=True)))
 
@@ -170,14 +170,14 @@ def test_off_an_edge_and_a_corner_of_a_box_the_distance_is_straight():
 def test_a_pillar_is_left_by_its_mantle_or_its_ends_whichever_is_nearer(across, z, distance, away):
     for turn in (0.0, 2.0, 4.0):
         e = math.cos(turn), math.sin(turn)
-        near = gap((0.5 + across * e[0], 0.5 + across * e[1], z), PILLAR)
+        near = clearance((0.5 + across * e[0], 0.5 + across * e[1], z), PILLAR)
         assert near.distance == pytest.approx(distance, abs=1e-9)
         assert near.away == pytest.approx((away[0] * e[0], away[0] * e[1], away[1]), abs=1e-9)
 
 
 def test_on_the_axis_of_a_pillar_some_way_leads_out():
     thick = Wall(CYLINDER, (0.5, 0.5, -9.0), (0.0, 0.0, 9.0), 0.6)
-    near = gap((0.5, 0.5, 0.0), thick)
+    near = clearance((0.5, 0.5, 0.0), thick)
     assert near.distance == -0.6
     assert np.linalg.norm(near.away) == 1.0
     assert near.away[2] == 0.0
@@ -192,11 +192,11 @@ def test_files_are_read_with_their_margin(tmp_path):
     )
     w = load_workspace(str(path))
     assert w.number == 9
-    assert gap((0.0, 0.0, -1.0), w.walls[0]).distance == pytest.approx(0.4)
-    inside = [gap((4.0, 0.0, 0.0), wall).distance for wall in w.walls[1:7]]
+    assert clearance((0.0, 0.0, -1.0), w.walls[0]).distance == pytest.approx(0.4)
+    inside = [clearance((4.0, 0.0, 0.0), wall).distance for wall in w.walls[1:7]]
     assert min(inside) == pytest.approx(0.9)
-    assert gap((0.0, 1.5, 1.5), w.walls[7]).distance == pytest.approx(0.9)
-    assert gap((0.0, 2.0, 0.0), w.walls[8]).distance == pytest.approx(0.4)
+    assert clearance((0.0, 1.5, 1.5), w.walls[7]).distance == pytest.approx(0.9)
+    assert clearance((0.0, 2.0, 0.0), w.walls[8]).distance == pytest.approx(0.4)
     assert load_workspace("") == OPEN
 
 

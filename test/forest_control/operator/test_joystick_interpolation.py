@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from forest_control.operator.joystick_interpolation import CENTRED, DELAY, LONGEST, advanced
+from forest_control.operator.joystick_interpolation import CENTRED, DELAY, LONGEST_LINE, interpolated
 from forest_control.operator.levers import REST, Levers
 
 DT = 0.005
@@ -23,7 +23,7 @@ def followed(hand, said, seconds, late=lambda _k: 0.0):
     for k in range(round(seconds / DT)):
         now = k * DT + late(k)
         heard = max((time for time in said if time <= now), default=said[0])
-        hold = advanced(hold, hand(heard), heard, now, DT)
+        hold = interpolated(hold, hand(heard), heard, now, DT)
         swing.append(hold.levers.swing)
     return np.array(swing)
 
@@ -61,7 +61,7 @@ def test_a_sample_that_is_late_by_a_period_does_not_halt_the_levers():
 
 def test_after_a_pause_a_lever_does_not_creep():
     hand = lambda time: Levers(1.0, 0.0, 0.0) if time > 0.0 else REST  # noqa: E731
-    swing = followed(hand, [0.0, 3.0], 3.0 + DELAY * LONGEST + 2.0 * DT)
+    swing = followed(hand, [0.0, 3.0], 3.0 + DELAY * LONGEST_LINE + 2.0 * DT)
     assert swing[round(3.0 / DT)] < 0.1
     assert swing[-1] == 1.0
 
@@ -77,7 +77,7 @@ def test_a_lever_that_is_let_go_is_at_rest_two_periods_later():
 def test_levers_that_are_not_believed_any_more_count_at_once_in_what_comes():
     hold = CENTRED
     for k in range(100):
-        hold = advanced(hold, Levers(1.0, 0.0, 0.0), 0.01 * (k // 2), DT * k, DT)
+        hold = interpolated(hold, Levers(1.0, 0.0, 0.0), 0.01 * (k // 2), DT * k, DT)
     for k in range(100, 110):
-        hold = advanced(hold, REST, 0.49, DT * k, DT)
+        hold = interpolated(hold, REST, 0.49, DT * k, DT)
     assert hold.levers == REST

@@ -11,12 +11,12 @@ from forest_control.operator.joystick_watch import (
     Joystick,
     Sample,
     WatchParameters,
-    bad_sample,
+    assessed_watch,
     heartbeat_of,
-    heed,
     is_released,
-    judge,
-    sample_of,
+    joystick_sample,
+    unreadable_sample,
+    updated_watch,
 )
 from forest_control.operator.levers import REST as CENTRED
 from forest_control.operator.levers import Levers
@@ -26,7 +26,7 @@ PERIOD = 0.01
 PUSHED = Levers(0.5, 0.0, -0.2)
 
 
-class Hand:
+class OperatorProfile:
     """A joystick in simulated time: what it says next can be changed."""
 
     def __init__(self, p=P):
@@ -41,12 +41,12 @@ class Hand:
             self.now, round(self.now * 1e9), NO_HEARTBEAT, content == self.before, True, levers, held
         )
         self.before = content
-        self.watch = heed(self.watch, sample._replace(**changes))
+        self.watch = updated_watch(self.watch, sample._replace(**changes))
         return self.look()
 
     def look(self, wait=0.0, allowed=True):
         self.now += wait
-        self.watch, self.operator = judge(self.watch, self.now, allowed, self.p)
+        self.watch, self.operator = assessed_watch(self.watch, self.now, allowed, self.p)
         return self.operator.enabled
 
     def arm(self):
@@ -56,7 +56,7 @@ class Hand:
 
 
 def test_a_centred_stick_and_the_deadman_arm_and_then_levers_pass():
-    hand = Hand()
+    hand = OperatorProfile()
     assert not hand.look()
     assert hand.watch.joystick == Joystick.SILENT
     assert not hand.say(CENTRED, held=False)
@@ -72,7 +72,7 @@ def test_the_defaults_are_those_of_the_safety_document():
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_up_to_centre_and_no_further_each_lever_counts_as_centred(lever, side):
     for deflection, armed in ((0.05, True), (0.0501, False)):
-        hand, levers = Hand(), [0.0, 0.0, 0.0]
+        hand, levers = OperatorProfile(), [0.0, 0.0, 0.0]
         levers[lever] = side * deflection
         assert hand.say(Levers(*levers)) == armed
         assert is_released(hand.watch._replace(held=False), 0.05) == armed
@@ -80,15 +80,15 @@ def test_up_to_centre_and_no_further_each_lever_counts_as_centred(lever, side):
 
 def test_at_its_very_timeout_a_joystick_is_not_lost_yet_and_at_its_time_it_is_frozen():
     p = P._replace(joy_timeout=0.25)
-    watch = Hand().arm().watch._replace(fresh_since=4.0, moved=2.0, restless=10.0)
-    assert judge(watch._replace(moved=4.0), 4.25, True, p)[0].joystick == Joystick.ALIVE
-    assert judge(watch._replace(moved=4.0), 4.25 + 1e-9, True, p)[0].joystick == Joystick.LOST
-    assert judge(watch, 4.0, True, p)[0].joystick == Joystick.FROZEN
-    assert judge(watch, 4.0 - 1e-9, True, p)[0].joystick == Joystick.ALIVE
+    watch = OperatorProfile().arm().watch._replace(fresh_since=4.0, moved=2.0, restless=10.0)
+    assert assessed_watch(watch._replace(moved=4.0), 4.25, True, p)[0].joystick == Joystick.ALIVE
+    assert assessed_watch(watch._replace(moved=4.0), 4.25 + 1e-9, True, p)[0].joystick == Joystick.LOST
+    assert assessed_watch(watch, 4.0, True, p)[0].joystick == Joystick.FROZEN
+    assert assessed_watch(watch, 4.0 - 1e-9, True, p)[0].joystick == Joystick.ALIVE
 
 
 def test_enabling_with_a_deflected_stick_moves_nothing_until_it_is_centred():
-    hand = Hand()
+    hand = OperatorProfile()
     for k in range(50):
         assert not hand.say(Levers(0.5 + 0.001 * k, 0.0, 0.0))
         assert hand.operator.levers == CENTRED
@@ -97,7 +97,7 @@ def test_enabling_with_a_deflected_stick_moves_nothing_until_it_is_centred():
 
 
 def test_release_always_commands_zero_and_needs_a_centred_stick_again():
-    hand = Hand().arm()
+    hand = OperatorProfile().arm()
     assert not hand.say(PUSHED, held=False)
     assert hand.operator.levers == CENTRED
     assert not hand.say(PUSHED)
@@ -105,7 +105,7 @@ def test_release_always_commands_zero_and_needs_a_centred_stick_again():
 
 
 def test_a_joystick_that_falls_silent_is_lost_after_the_timeout_and_must_be_centred():
-    hand = Hand().arm()
+    hand = OperatorProfile().arm()
     assert hand.look(0.15 - 1e-9)
     assert not hand.look(2e-9)
     assert hand.watch.joystick == Joystick.LOST
@@ -115,7 +115,7 @@ def test_a_joystick_that_falls_silent_is_lost_after_the_timeout_and_must_be_cent
 
 
 def test_a_stamp_that_stands_still_is_a_lost_joystick():
-    hand, wobble = Hand().arm(), itertools.count(1)
+    hand, wobble = OperatorProfile().arm(), itertools.count(1)
     stamp, lost_after = hand.watch.stamp, hand.now + P.joy_timeout
     while hand.say(Levers(0.5, 0.001 * next(wobble), 0.0), stamp=stamp):
         assert hand.now <= lost_after + 1e-9
@@ -124,7 +124,7 @@ def test_a_stamp_that_stands_still_is_a_lost_joystick():
 
 
 def test_held_still_while_deflected_it_is_frozen_after_its_time_and_moves_nothing_until_centred():
-    hand = Hand().arm()
+    hand = OperatorProfile().arm()
     begun = hand.now
     while hand.say(PUSHED):
         assert hand.now - begun < 2.0 * P.frozen_timeout
@@ -139,14 +139,14 @@ def test_held_still_while_deflected_it_is_frozen_after_its_time_and_moves_nothin
     ("p", "still"), [(P._replace(frozen_timeout=0.0), PUSHED), (P, CENTRED), (P, Levers(0.03, 0.0, 0.0))]
 )
 def test_still_is_not_frozen_when_switched_off_or_near_the_centre(p, still):
-    hand = Hand(p).arm()
+    hand = OperatorProfile(p).arm()
     for _ in range(1100):
         assert hand.say(still)
     assert hand.operator.levers == (PUSHED if still == PUSHED else CENTRED)
 
 
 def test_a_heartbeat_lets_a_source_hold_still_and_one_that_stops_counting_is_lost():
-    hand, count = Hand().arm(), itertools.count()
+    hand, count = OperatorProfile().arm(), itertools.count()
     for _ in range(500):
         assert hand.say(PUSHED, heartbeat=next(count))
     stopped = hand.now
@@ -156,7 +156,7 @@ def test_a_heartbeat_lets_a_source_hold_still_and_one_that_stops_counting_is_los
 
 
 def test_a_heartbeat_that_begins_anew_is_new():
-    hand = Hand().arm()
+    hand = OperatorProfile().arm()
     for count in (900, 901, 0, 1, 2, 900, 17):
         for _ in range(10):
             assert hand.say(PUSHED, heartbeat=count)
@@ -165,7 +165,7 @@ def test_a_heartbeat_that_begins_anew_is_new():
 
 def test_a_first_sample_counts_whatever_its_stamp():
     for stamp in (-5, 1, 2**62):
-        hand = Hand()
+        hand = OperatorProfile()
         assert hand.say(CENTRED, stamp=stamp)
         assert hand.watch.stamp == stamp
         hand.say(PUSHED, stamp=stamp)  # it stands still
@@ -174,7 +174,7 @@ def test_a_first_sample_counts_whatever_its_stamp():
 
 
 def test_without_a_stamp_content_alone_decides():
-    hand = Hand()
+    hand = OperatorProfile()
     hand.say(CENTRED, stamp=0)
     assert hand.say(PUSHED, stamp=0)
     begun = hand.now
@@ -184,7 +184,7 @@ def test_without_a_stamp_content_alone_decides():
 
 
 def test_a_sample_from_before_is_dropped_and_counted_until_the_joystick_is_lost():
-    hand = Hand().arm()
+    hand = OperatorProfile().arm()
     for k in range(10):
         assert hand.say(Levers(-1.0, 0.01 * k, 1.0), stamp=hand.watch.stamp - 1)
         assert hand.operator.levers == PUSHED
@@ -199,14 +199,14 @@ def test_a_sample_from_before_is_dropped_and_counted_until_the_joystick_is_lost(
 @pytest.mark.parametrize("back", [0, 1, 10**9])
 def test_a_release_is_obeyed_in_any_order_and_needs_a_centred_stick_again(back):
     """Two joysticks on one topic, say, of which one has the later clock."""
-    hand = Hand().arm()
+    hand = OperatorProfile().arm()
     assert not hand.say(PUSHED, held=False, stamp=hand.watch.stamp - back)
     assert not hand.say(PUSHED)
     hand.arm()
 
 
 def test_a_sample_that_cannot_be_read_stops_and_disarms():
-    hand = Hand().arm()
+    hand = OperatorProfile().arm()
     assert not hand.say(PUSHED, good=False)
     assert hand.watch.joystick == Joystick.BAD
     assert not hand.say(PUSHED)
@@ -216,23 +216,23 @@ def test_a_sample_that_cannot_be_read_stops_and_disarms():
 @pytest.mark.parametrize("what", [{"held": False}, {"good": False}, {"held": False, "stamp": 5}])
 @pytest.mark.parametrize("same_stamp", [False, True])
 def test_what_disarms_counts_though_the_next_sample_comes_before_anybody_judges(what, same_stamp):
-    hand = Hand().arm()
+    hand = OperatorProfile().arm()
     usual = Sample(hand.now, hand.watch.stamp + 1, NO_HEARTBEAT, False, True, PUSHED, True)
     between = usual._replace(**({"stamp": hand.watch.stamp} if same_stamp else {}) | what)
-    hand.watch = heed(heed(hand.watch, between), usual._replace(stamp=hand.watch.stamp + 2))
+    hand.watch = updated_watch(updated_watch(hand.watch, between), usual._replace(stamp=hand.watch.stamp + 2))
     assert not hand.look()
     hand.arm()
 
 
 def test_what_else_forbids_motion_disarms():
-    hand = Hand().arm()
+    hand = OperatorProfile().arm()
     assert not hand.look(allowed=False)
     assert not hand.say(PUSHED)
     hand.arm()
 
 
 def test_a_reset_needs_the_deadman_released_and_levers_centred_as_the_last_words():
-    hand = Hand()
+    hand = OperatorProfile()
     assert is_released(hand.watch, P.centre)
     for levers, held, released in ((CENTRED, True, False), (PUSHED, False, False), (CENTRED, False, True)):
         hand.say(levers, held)
@@ -246,7 +246,7 @@ def test_a_reset_needs_the_deadman_released_and_levers_centred_as_the_last_words
 def test_whatever_comes_levers_pass_only_live_held_and_once_centred():
     """Random samples, gaps and faults against a plain statement of the rule."""
     rng = np.random.default_rng(5)
-    hand, centred_since_stop, moved = Hand(), False, 0
+    hand, centred_since_stop, moved = OperatorProfile(), False, 0
     for _ in range(20000):
         levers = CENTRED if rng.random() < 0.2 else Levers(*rng.uniform(-1.0, 1.0, 3).tolist())
         fault = rng.random() < 0.02
@@ -269,22 +269,22 @@ def test_whatever_comes_levers_pass_only_live_held_and_once_centred():
 def test_a_messages_sample_says_what_the_watch_needs():
     axes, deadman = (0.1, 0.2, 0.9, -0.3), 2
     rest, again = ((tuple([0.0] * 4), tuple([0] * 4)) for _ in range(2))
-    made = sample_of(7, "heartbeat:3", 1.5, (axes, (0, 0, 1, 0)), rest, deadman)
+    made = joystick_sample(7, "heartbeat:3", 1.5, (axes, (0, 0, 1, 0)), rest, deadman)
     assert made == Sample(1.5, 7, 3, False, True, Levers(0.1, -0.3, 0.2), held=True)
     for buttons in ((1, 1, 0, 1), (0, 0, 2, 0), (0, 0, -1, 0)):
-        assert not sample_of(7, "", 1.5, (axes, buttons), None, deadman).held
+        assert not joystick_sample(7, "", 1.5, (axes, buttons), None, deadman).held
     for before, same in (
         (None, False),
         (again, True),
         ((rest[0], (0, 0, 0, 1)), False),
         ((axes, rest[1]), False),
     ):
-        assert sample_of(7, "", 1.5, rest, before, deadman).same == same
-    assert sample_of(7, "", 1.5, rest, rest, deadman).heartbeat == NO_HEARTBEAT
+        assert joystick_sample(7, "", 1.5, rest, before, deadman).same == same
+    assert joystick_sample(7, "", 1.5, rest, rest, deadman).heartbeat == NO_HEARTBEAT
 
 
 def test_what_cannot_be_read_has_no_stamp_no_heartbeat_and_no_levers():
-    assert bad_sample(1.5) == Sample(1.5, 0, NO_HEARTBEAT, False, False, CENTRED, False)
+    assert unreadable_sample(1.5) == Sample(1.5, 0, NO_HEARTBEAT, False, False, CENTRED, False)
 
 
 @pytest.mark.parametrize(

@@ -14,11 +14,11 @@ from forest_control.operator.levers import (
     RIGHT_Y,
     Levers,
     axes_from_levers,
-    joint_rate_wish,
     levers_for_tip_velocity,
     levers_from_axes,
+    rate_mode_rates,
 )
-from forest_control.operator.operator_profile import tip_rate
+from forest_control.operator.operator_profile import rate_mode_velocity
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces.topics import JOY_AXES, JOY_BUTTONS
 
@@ -27,7 +27,9 @@ MACHINE = load_machine()
 
 def wish(levers, speed):
     """The tip velocity that levers wish at a full deflection's speed."""
-    return tip_rate(levers, (0.0, 0.4, -1.5), parameters(MACHINE, Settings(tip_speed=speed)).hand)
+    return rate_mode_velocity(
+        levers, (0.0, 0.4, -1.5), parameters(MACHINE, Settings(tip_speed=speed)).profile
+    )
 
 
 def random_levers(count=200):
@@ -41,7 +43,7 @@ def test_levers_come_back_from_axes():
 
 def test_each_lever_has_its_axis_and_the_other_axes_rest():
     assert axes_from_levers(Levers(0.1, 0.2, -0.3)) == (0.1, -0.3, 0.0, 0.2, 0.0, 0.0)
-    assert joint_rate_wish(Levers(0.5, -0.2, 0.25), (0.8, 0.3, 0.4)) == pytest.approx((0.4, -0.06, 0.1))
+    assert rate_mode_rates(Levers(0.5, -0.2, 0.25), (0.8, 0.3, 0.4)) == pytest.approx((0.4, -0.06, 0.1))
 
 
 def test_levers_come_back_from_the_tip_velocity_that_they_wish():
@@ -57,7 +59,7 @@ def test_each_axis_moves_one_joint_or_one_direction_of_the_tip(axis, joint, dire
     axes = [0.0] * AXIS_COUNT
     axes[axis] = 1.0
     levers = levers_from_axes(tuple(axes))
-    assert joint_rate_wish(levers, (0.8, 0.3, 0.2)) == tuple(
+    assert rate_mode_rates(levers, (0.8, 0.3, 0.2)) == tuple(
         rate if i == joint else 0.0 for i, rate in enumerate((0.8, 0.3, 0.2))
     )
     assert wish(levers, 0.5) == tuple(0.5 if i == direction else 0.0 for i in range(3))
@@ -69,7 +71,7 @@ def test_deflections_beyond_one_count_as_one():
 
 def test_levers_at_rest_wish_no_motion():
     assert REST == (0.0, 0.0, 0.0)
-    assert joint_rate_wish(REST, (0.8, 0.3, 0.2)) == wish(REST, 0.5) == (0.0, 0.0, 0.0)
+    assert rate_mode_rates(REST, (0.8, 0.3, 0.2)) == wish(REST, 0.5) == (0.0, 0.0, 0.0)
 
 
 def test_axes_and_buttons_are_those_of_the_topic_table():

@@ -7,7 +7,7 @@ import pytest
 
 from forest_control.config.settings import Settings, parameters
 from forest_control.operator.levers import Levers
-from forest_control.operator.operator_profile import Frame, curve, shaped, tip_rate
+from forest_control.operator.operator_profile import Frame, curve, rate_mode_velocity, shaped
 from forest_description.machine import load_machine
 
 MACHINE = load_machine()
@@ -16,7 +16,7 @@ CURVES = [(0.0, 0.0), (0.1, 0.0), (0.0, 1.0), (0.3, 0.7), (0.5, 1.0)]
 
 
 def hand(**settings):
-    return parameters(MACHINE, Settings(**settings)).hand
+    return parameters(MACHINE, Settings(**settings)).profile
 
 
 @pytest.mark.parametrize(("deadzone", "expo"), CURVES)
@@ -43,7 +43,7 @@ def test_deflections_beyond_one_count_as_one():
 def test_each_lever_has_its_own_curve_and_speed():
     h = hand(deadzone=(0.2, 0.0, 0.0), expo=(0.0, 1.0, 0.0), axis_speed=(0.1, 0.2, 3.0), tip_speed=0.4)
     assert shaped(Levers(0.1, 0.5, 0.5), h) == Levers(0.0, 0.125, 0.5)
-    assert tip_rate(Levers(1.0, 1.0, 1.0), (0.0, 0.4, -1.5), h) == pytest.approx((0.4, 0.1, 0.2))
+    assert rate_mode_velocity(Levers(1.0, 1.0, 1.0), (0.0, 0.4, -1.5), h) == pytest.approx((0.4, 0.1, 0.2))
 
 
 @pytest.mark.parametrize("swing", [0.0, 0.7, -2.5])
@@ -51,6 +51,6 @@ def test_in_the_cylindrical_frame_the_stick_lever_reaches_and_the_swing_lever_ci
     h, pose = hand(axis_frame=Frame.CYLINDRICAL, tip_speed=0.5), (swing, 0.4, -1.5)
     outwards = np.array([math.cos(swing), math.sin(swing), 0.0])
     left = np.array([-math.sin(swing), math.cos(swing), 0.0])
-    assert tip_rate(Levers(0.0, 0.0, 1.0), pose, h) == pytest.approx(0.5 * outwards)
-    assert tip_rate(Levers(1.0, 0.0, 0.0), pose, h) == pytest.approx(0.5 * left)
-    assert tip_rate(Levers(0.0, 1.0, 0.0), pose, h) == pytest.approx([0.0, 0.0, 0.5])
+    assert rate_mode_velocity(Levers(0.0, 0.0, 1.0), pose, h) == pytest.approx(0.5 * outwards)
+    assert rate_mode_velocity(Levers(1.0, 0.0, 0.0), pose, h) == pytest.approx(0.5 * left)
+    assert rate_mode_velocity(Levers(0.0, 1.0, 0.0), pose, h) == pytest.approx([0.0, 0.0, 0.5])

@@ -14,10 +14,10 @@ from forest_control.operator.joystick_watch import (
     Joystick,
     Sample,
     WatchParameters,
-    heed,
+    assessed_watch,
     is_released,
-    judge,
-    problem_of,
+    problem_text,
+    updated_watch,
 )
 from forest_control.operator.levers import Levers
 
@@ -40,12 +40,12 @@ class Device:
     def said(self, levers, other=0.0, **changes):
         same, self.before = (levers, other) == self.before, (levers, other)
         sample = Sample(self.now, round(self.now * 1e9), NO_HEARTBEAT, same, True, levers, held=True)
-        self.watch = heed(self.watch, sample._replace(**changes))
+        self.watch = updated_watch(self.watch, sample._replace(**changes))
         return self.look()
 
     def look(self, wait=0.0):
         self.now += wait
-        self.watch, (self.levers, enabled) = judge(self.watch, self.now, True, self.p)
+        self.watch, (self.levers, enabled) = assessed_watch(self.watch, self.now, True, self.p)
         return enabled
 
     def jitter(self, seconds, about=HELD, bits=16, rng=None):
@@ -85,7 +85,7 @@ def test_a_converter_with_noise_that_hangs_is_frozen_the_sooner_the_longer_it_wa
     device = armed().jitter(played)
     assert device.frozen_after(HELD, 0.2) == pytest.approx(after, abs=0.01 + 0.02 * after)
     assert device.watch.joystick == Joystick.FROZEN
-    assert problem_of(device.watch).startswith("joystick: held still to the last bit")
+    assert problem_text(device.watch).startswith("joystick: held still to the last bit")
     assert not is_released(device.watch, P.centre)
 
 
@@ -94,9 +94,11 @@ def test_one_lever_in_play_is_enough_whichever_way_it_is_deflected(levers):
     watch = restless().watch._replace(levers=Levers(*levers, *(0.0,) * (3 - len(levers))), moved=100.0)
     for still, state in ((0.5 - 1e-9, Joystick.ALIVE), (0.5, Joystick.FROZEN)):
         now = 100.0 + still
-        assert judge(watch._replace(fresh_since=now), now, True, P)[0].joystick == state
+        assert assessed_watch(watch._replace(fresh_since=now), now, True, P)[0].joystick == state
     told = Sample(100.2, 10**12, NO_HEARTBEAT, False, True, watch.levers, held=True)
-    assert heed(watch._replace(fresh_since=100.1), told).restless == pytest.approx(watch.restless + 0.2)
+    assert updated_watch(watch._replace(fresh_since=100.1), told).restless == pytest.approx(
+        watch.restless + 0.2
+    )
 
 
 def test_half_a_second_of_restless_play_counts_where_the_user_waits_for_a_minute():
@@ -104,7 +106,7 @@ def test_half_a_second_of_restless_play_counts_where_the_user_waits_for_a_minute
     for still, state in ((40.0 - 1e-9, Joystick.ALIVE), (40.0, Joystick.FROZEN)):
         now = 100.0 + still
         p = P._replace(frozen_timeout=60.0)
-        assert judge(watch._replace(fresh_since=now), now, True, p)[0].joystick == state
+        assert assessed_watch(watch._replace(fresh_since=now), now, True, p)[0].joystick == state
 
 
 @pytest.mark.parametrize("period", [0.002, 0.02, 0.05])
@@ -205,7 +207,9 @@ def test_what_is_learnt_is_the_time_in_play_between_changes():
 def test_a_quarter_second_is_no_hold_yet(still, learnt):
     watch = restless().watch._replace(moved=2.0, fresh_since=2.0 + still, restless=3.0)
     assert (
-        heed(watch, Sample(2.5, 10**12, NO_HEARTBEAT, False, True, Levers(0.4, 0.0, 0.0), True)).restless
+        updated_watch(
+            watch, Sample(2.5, 10**12, NO_HEARTBEAT, False, True, Levers(0.4, 0.0, 0.0), True)
+        ).restless
         == learnt
     )
 
@@ -213,7 +217,7 @@ def test_a_quarter_second_is_no_hold_yet(still, learnt):
 def test_a_joystick_that_cannot_be_read_is_named_so_whatever_its_driver_does():
     device = Device()
     device.say(0.1, good=False)
-    assert problem_of(device.watch) == "joystick: its last sample cannot be read"
+    assert problem_text(device.watch) == "joystick: its last sample cannot be read"
 
 
 def test_a_heartbeat_teaches_nothing_of_the_hand():
@@ -243,13 +247,13 @@ def test_a_driver_that_speaks_only_on_change_is_named_when_a_still_hand_makes_it
     device = armed()
     for k in range(100):
         assert device.say(0.001 + 0.004 * k)
-    assert problem_of(device.watch) == problem_of(REST) == ""
+    assert problem_text(device.watch) == problem_text(REST) == ""
     assert not device.look(P.joy_timeout + 0.01)
-    assert "never repeats a sample" in problem_of(device.watch)
+    assert "never repeats a sample" in problem_text(device.watch)
     for _ in range(2):
         device.say(HELD)
     assert not device.look(P.joy_timeout + 0.01)
-    assert problem_of(device.watch) == "joystick: nothing new for longer than joy_timeout"
+    assert problem_text(device.watch) == "joystick: nothing new for longer than joy_timeout"
 
 
 def test_a_persons_record_never_looks_frozen_and_may_hold_still_for_three_seconds():

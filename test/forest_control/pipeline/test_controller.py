@@ -10,7 +10,7 @@ from forest_control.config.settings import Settings
 from forest_control.limits.velocity_scaling import ENOUGH, Limit, flow_demand
 from forest_control.limits.workspace import MOST, NO_WALL, PLANE, Wall, Workspace
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
-from forest_control.operator.operator_profile import tip_rate
+from forest_control.operator.operator_profile import rate_mode_velocity
 from forest_control.pipeline import controller, joint_servo
 from forest_control.pipeline.control_state import REST, Inputs, State
 from forest_control.servo import coordinated_servo
@@ -63,7 +63,7 @@ def test_without_the_deadman_nothing_moves_and_the_reference_rests_on_the_machin
         reference, angles, rates, levers = map(tuple, rng.uniform(-1.0, 1.0, (4, 3)).tolist())
         before = State(reference, bool(rng.integers(2)))
         after, output = controller.step(before, inputs(levers, angles, rates, enabled=False), p, PERIOD)
-        assert (output.command, output.tip_wish, output.governed.factor) == (ZERO, ZERO, 0.0)
+        assert (output.command, output.tip_reference, output.scaling.factor) == (ZERO, ZERO, 0.0)
         assert after == State(angles, False)
 
 
@@ -107,8 +107,8 @@ def test_the_reference_integrates_the_wish():
 def test_at_a_singular_pose_the_machine_stands_and_the_limit_is_named(scheme, pose):
     _, output = controller.step(REST, inputs((0.3, 0.5, 0.7), pose), parameters(scheme), PERIOD)
     assert output.command == ZERO
-    assert output.tip_wish == ZERO
-    assert output.governed == (0.0, Limit.SINGULARITY)
+    assert output.tip_reference == ZERO
+    assert output.scaling == (0.0, Limit.SINGULARITY)
 
 
 def test_joint_scheme_moves_out_of_a_singular_pose():
@@ -116,7 +116,7 @@ def test_joint_scheme_moves_out_of_a_singular_pose():
         REST, inputs((0.0, 0.0, -1.0), (0.0, 0.4, 0.0)), parameters(Scheme.JOINT), PERIOD
     )
     assert output.command[2] != 0.0
-    assert output.governed.limit is not Limit.SINGULARITY
+    assert output.scaling.limit is not Limit.SINGULARITY
 
 
 def test_commands_are_clipped_at_the_rated_voltage():
@@ -141,19 +141,19 @@ def test_joint_levers_ask_for_joint_rates_through_the_lever_arms():
         assert rates_of(output.command, angles) == pytest.approx(
             np.multiply(levers, (0.4, 0.1, 0.08)), abs=1e-12
         )
-        assert output.tip_wish == ZERO  # in joint mode nobody wishes a tip motion
+        assert output.tip_reference == ZERO  # in joint mode nobody asks for a tip motion
 
 
 @every_tip_scheme
-def test_tip_wish_is_what_the_levers_ask_times_the_governors_factor(scheme):
+def test_the_tip_reference_is_what_the_levers_ask_times_the_scaling_factor(scheme):
     p, rng, slowed = parameters(scheme), np.random.default_rng(9), 0
     for _ in range(500):
         levers = tuple(rng.uniform(-1.0, 1.0, 3).tolist())
         angles = (rng.uniform(-2.0, 2.0), rng.uniform(-0.5, 1.1), rng.uniform(-2.0, -1.0))
         _, output = controller.step(REST, inputs(levers, angles), p, PERIOD)
-        asked = np.multiply(tip_rate(Levers(*levers), MIDDLE, p.hand), output.governed.factor)
-        assert output.tip_wish == pytest.approx(asked, abs=1e-12)
-        slowed += output.governed.factor < 1.0
+        asked = np.multiply(rate_mode_velocity(Levers(*levers), MIDDLE, p.profile), output.scaling.factor)
+        assert output.tip_reference == pytest.approx(asked, abs=1e-12)
+        slowed += output.scaling.factor < 1.0
     assert 0 < slowed < 500
 
 
@@ -164,7 +164,7 @@ def test_the_tip_of_an_ideal_machine_goes_where_the_lever_points(scheme, directi
     p, wished = parameters(scheme), np.zeros(3)
     steps = list(drive(p, lambda t: levers if t < 1.5 else Levers(0, 0, 0), 4.0, bandwidth=4.0 * math.pi))
     for _, output, _ in steps:
-        wished += PERIOD * np.array(output.tip_wish)
+        wished += PERIOD * np.array(output.tip_reference)
     moved = np.subtract(tip_position(steps[-1][2], p.links), tip_position(MIDDLE, p.links))
     assert wished[direction] == pytest.approx(0.3, abs=1e-9)
     assert moved == pytest.approx(wished, abs=0.005 if closes_on_position(scheme) else 0.03)
@@ -178,14 +178,14 @@ def test_no_levers_drive_a_joint_over_its_limits(scheme):
     least, most, held_back = np.full(3, math.inf), np.full(3, -math.inf), 0
     for _, output, angles in drive(p, lambda t: Levers(*held[int(t / 3.0)]), 60.0, bandwidth=4.0 * math.pi):
         least, most = np.minimum(least, angles), np.maximum(most, angles)
-        held_back += output.governed.limit is Limit.JOINT
+        held_back += output.scaling.limit is Limit.JOINT
     assert all(least > lower)
     assert all(most < upper)
     assert held_back > 1000  # it was tried
 
 
 def test_beyond_a_limit_the_reference_does_not_pull_the_joint_in():
-    upper = parameters().governor.upper[1]
+    upper = parameters().velocity_limits.upper[1]
     state, output = controller.step(REST, inputs(angles=(0.0, upper + 0.01, -1.5)), parameters(), PERIOD)
     assert state.reference[1] == upper + 0.01
     assert output.command == ZERO
@@ -196,7 +196,7 @@ def test_beyond_a_limit_the_reference_does_not_pull_the_joint_in():
 def test_between_margin_and_limit_noise_does_not_draw_the_reference_in(scheme, outwards):
     """It went with the innermost sample, and the tip 26 mm after it."""
     p, rng, state = parameters(scheme), np.random.default_rng(4), REST
-    edge = p.governor.upper if outwards > 0.0 else p.governor.lower
+    edge = p.velocity_limits.upper if outwards > 0.0 else p.velocity_limits.lower
     pose = (0.0, edge[1] + outwards, edge[2] + outwards)
     for _ in range(400):
         read = tuple((pose + rng.normal(0.0, 2e-4, 3)).tolist())
@@ -207,8 +207,8 @@ def test_between_margin_and_limit_noise_does_not_draw_the_reference_in(scheme, o
 def test_parameters_keep_the_margin_from_every_joint_limit():
     p = parameters(joint_margin=0.05)
     for i, (low, high) in enumerate(joint_limits(MACHINE)):
-        assert p.governor.lower[i] == pytest.approx(low + 0.05)
-        assert p.governor.upper[i] == pytest.approx(high - 0.05)
+        assert p.velocity_limits.lower[i] == pytest.approx(low + 0.05)
+        assert p.velocity_limits.upper[i] == pytest.approx(high - 0.05)
     assert p.rated_speeds == rated_speeds(MACHINE)
     assert p.rated_voltages == (10.0, 10.0, 10.0)
 
@@ -216,7 +216,7 @@ def test_parameters_keep_the_margin_from_every_joint_limit():
 def test_each_axis_is_clipped_at_and_scaled_with_its_own_valve_s_rated_voltage():
     loader = load_machine("loader")
     p = control_settings.parameters(loader, Settings(scheme=Scheme.JOINT, joint_rates=(3.0, 3.0, 3.0)))
-    p = p._replace(governor=p.governor._replace(pumps=ENOUGH))
+    p = p._replace(velocity_limits=p.velocity_limits._replace(pumps=ENOUGH))
     assert p.rated_voltages == (6.0, 8.0, 8.0)
     _, output = controller.step(REST, inputs((1.0, 1.0, 1.0)), p, PERIOD)
     assert output.command == (6.0, 8.0, 8.0)
@@ -230,7 +230,7 @@ def test_each_axis_is_clipped_at_and_scaled_with_its_own_valve_s_rated_voltage()
 def test_of_random_wishes_no_rate_and_no_flow_is_over_its_limit_and_the_tip_keeps_its_direction(scheme):
     p = control_settings.parameters(MACHINE, Settings(scheme=scheme, tip_speed=3.0))
     rng, held = np.random.default_rng(100 + int(scheme)), set()
-    lower, upper = np.array(p.governor.lower), np.array(p.governor.upper)
+    lower, upper = np.array(p.velocity_limits.lower), np.array(p.velocity_limits.upper)
     for _ in range(4000):  # 20 000 in all
         q = tuple(rng.uniform(lower - 0.02, upper + 0.02).tolist())
         wish = tuple(rng.normal(0.0, 0.7, 3).tolist())
@@ -243,10 +243,12 @@ def test_of_random_wishes_no_rate_and_no_flow_is_over_its_limit_and_the_tip_keep
         moved = tip_velocity(q, a, p.links)
         assert math.dist(np.cross(moved, wish), ZERO) <= 1e-9 * speed**2
         assert np.dot(moved, wish) >= 0.0
-        assert moved == pytest.approx(output.tip_wish, abs=1e-9)
-        assert all(abs(rate) <= most * (1.0 + 1e-12) for rate, most in zip(a, p.governor.rates, strict=True))
-        assert flow_demand(q, a, p.governor.pumps) <= p.governor.pumps.limit * (1.0 + 1e-9)
-        held.add(output.governed.limit)
+        assert moved == pytest.approx(output.tip_reference, abs=1e-9)
+        assert all(
+            abs(rate) <= most * (1.0 + 1e-12) for rate, most in zip(a, p.velocity_limits.rates, strict=True)
+        )
+        assert flow_demand(q, a, p.velocity_limits.pumps) <= p.velocity_limits.pumps.limit * (1.0 + 1e-9)
+        held.add(output.scaling.limit)
     assert {Limit.RATE, Limit.JOINT} <= held
 
 
@@ -261,6 +263,6 @@ def test_at_a_wall_the_tip_slides_and_the_cause_is_told(scheme):
         state, output = controller.step(state, inputs((0.5, -0.5, 0.0)), p, PERIOD)
     a = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
     assert tip_velocity(MIDDLE, a, LINKS)[2] >= -1e-3
-    assert output.governed.limit == Limit.WALL
+    assert output.scaling.limit == Limit.WALL
     if scheme != Scheme.JOINT:
-        assert output.tip_wish[1] == pytest.approx(0.15, abs=1e-3)
+        assert output.tip_reference[1] == pytest.approx(0.15, abs=1e-3)

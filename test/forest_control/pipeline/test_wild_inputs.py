@@ -24,7 +24,7 @@ RATED = 10.0  # [V]
 def test_the_controller_commands_finite_voltages_within_the_rating(scheme):
     p = control_settings.parameters(MACHINE, Settings(scheme=scheme))
     rng, state = np.random.default_rng(int(scheme)), control_state.REST
-    low, high = np.array(p.governor.lower) - 0.1, np.array(p.governor.upper) + 0.1
+    low, high = np.array(p.velocity_limits.lower) - 0.1, np.array(p.velocity_limits.upper) + 0.1
     for _ in range(1500):
         angles, rates = tuple(rng.uniform(low, high).tolist()), tuple(rng.uniform(-5.0, 5.0, 3).tolist())
         assert implausible(angles, rates, p) == ""
@@ -32,8 +32,8 @@ def test_the_controller_commands_finite_voltages_within_the_rating(scheme):
         inputs = Inputs(angles, rates, levers, bool(rng.random() < 0.9))
         state, output = controller.step(state, inputs, p, float(rng.uniform(0.0025, 0.05)))
         assert all(abs(volts) <= RATED for volts in output.command)  # false for NaN as well
-        assert all(map(math.isfinite, output.tip_wish))
-        assert 0.0 <= output.governed.factor <= 1.0
+        assert all(map(math.isfinite, output.tip_reference))
+        assert 0.0 <= output.scaling.factor <= 1.0
 
 
 def test_the_driver_answers_any_finite_command_and_pressure_with_voltages_within_the_rating():

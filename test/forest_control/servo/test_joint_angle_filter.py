@@ -10,7 +10,14 @@ from forest_control.config.settings import Settings
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import controller
 from forest_control.pipeline.control_state import REST, Inputs
-from forest_control.servo.joint_angle_filter import NONE, UNREAD, Source, corrected, latched, learnt
+from forest_control.servo.joint_angle_filter import (
+    NONE,
+    UNREAD,
+    Source,
+    corrected_angles,
+    latched_correction,
+    updated_correction,
+)
 from forest_control.servo.schemes import Scheme
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
@@ -37,7 +44,7 @@ GOOD = read()[1]
 def settled(count, rng=None):
     c = NONE
     for _ in range(count):
-        c = learnt(c, *read(rng=rng), LINKAGES, PERIOD)
+        c = updated_correction(c, *read(rng=rng), LINKAGES, PERIOD)
     return c
 
 
@@ -57,17 +64,19 @@ class Crane:
         self.state, output = controller.step(self.state, inputs, self.p, PERIOD)
         self.angles = tuple(q + PERIOD * u for q, u in zip(self.angles, self.state.rates, strict=True))
         self.command = output.command
-        return corrected(s, self.state.correction)
+        return corrected_angles(s, self.state.correction)
 
 
 def test_the_resolvers_static_error_is_learnt_away():
-    assert corrected(read()[0], latched(settled(1), Source.CYLINDERS)) == pytest.approx(TRUE, abs=1e-12)
+    assert corrected_angles(read()[0], latched_correction(settled(1), Source.CYLINDERS)) == pytest.approx(
+        TRUE, abs=1e-12
+    )
 
 
 def test_noise_is_averaged_and_stays_the_resolvers():
     rng = np.random.default_rng(0)
-    c = latched(settled(400, rng), Source.CYLINDERS)
-    seen = np.array([corrected(read(rng=rng)[0], c) for _ in range(2000)])
+    c = latched_correction(settled(400, rng), Source.CYLINDERS)
+    seen = np.array([corrected_angles(read(rng=rng)[0], c) for _ in range(2000)])
     assert np.abs(seen.mean(axis=0) - TRUE).max() < 7e-5
     assert seen.std(axis=0) == pytest.approx(2e-4, rel=0.1)
 
@@ -85,7 +94,7 @@ def test_noise_is_averaged_and_stays_the_resolvers():
 )
 def test_a_transducer_that_cannot_be_right_teaches_nothing(lengths):
     known = settled(3)
-    assert learnt(known, read()[0], lengths, LINKAGES, PERIOD) == known
+    assert updated_correction(known, read()[0], lengths, LINKAGES, PERIOD) == known
 
 
 def test_without_transducers_the_resolvers_are_taken():

@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 
-from forest_control.limits.actuator_speed_limits import capacity, gravity_torques, greatest_rates
-from forest_control.servo.swing_feedforward import inertia, swing_load
+from forest_control.limits.actuator_speed_limits import (
+    gravity_torques,
+    joint_rate_limits,
+    speed_limit_parameters,
+)
+from forest_control.servo.swing_feedforward import inertia, swing_model
 from forest_control.valve.tracking_limit import FULL
 from forest_control.valve.valve_driver import axis_drivers
 from forest_description.derived.actuator_kinematics import displacements
@@ -14,7 +18,7 @@ from forest_sim.mechanics.manipulator import dynamics, fold_head
 
 C180, LOADER = load_machine("c180"), load_machine("loader")
 BODY = fold_head(C180.manipulator)
-CAPACITY = capacity(C180, axis_drivers(C180))
+CAPACITY = speed_limit_parameters(C180, axis_drivers(C180))
 
 
 def poses(count=20):
@@ -23,7 +27,7 @@ def poses(count=20):
 
 
 def test_inertia_about_the_swing_axis_is_the_plants():
-    load = swing_load(C180)
+    load = swing_model(C180)
     for q in poses():
         assert inertia(q, load) == pytest.approx(dynamics(q, (0.0, 0.0, 0.0), BODY).m_11, rel=1e-12)
 
@@ -31,7 +35,7 @@ def test_inertia_about_the_swing_axis_is_the_plants():
 def test_a_load_sensing_pump_leaves_its_margin_for_either_edge_of_the_swings_valve():
     """A pump of constant pressure leaves all of it."""
     for machine, pressure in ((C180, C180.pump.supply_pressure), (LOADER, 2.0 * LOADER.pump.margin)):
-        assert swing_load(machine).valve_drop == pytest.approx(displacements(machine, 0)[0] * pressure)
+        assert swing_model(machine).valve_drop == pytest.approx(displacements(machine, 0)[0] * pressure)
 
 
 def test_gravity_torques_are_the_plants():
@@ -42,7 +46,7 @@ def test_gravity_torques_are_the_plants():
 
 def test_a_boom_falls_faster_than_it_rises():
     q = (0.0, 0.3, -1.5)
-    up = greatest_rates(q, (0.1, 0.1, 0.1), CAPACITY, FULL)
-    down = greatest_rates(q, (-0.1, -0.1, -0.1), CAPACITY, FULL)
+    up = joint_rate_limits(q, (0.1, 0.1, 0.1), CAPACITY, FULL)
+    down = joint_rate_limits(q, (-0.1, -0.1, -0.1), CAPACITY, FULL)
     assert 0.0 < up[1] < down[1]
     assert up[0] == pytest.approx(down[0])

@@ -4,19 +4,19 @@ import math
 
 import pytest
 
-from forest_control.limits.actuator_speed_limits import RESERVE, capacity, greatest_rates
+from forest_control.limits.actuator_speed_limits import RESERVE, joint_rate_limits, speed_limit_parameters
 from forest_control.valve.tracking_limit import (
     FULL,
-    RELAXED,
+    NO_TRACKING_LIMIT,
     Reach,
-    Strain,
+    TrackingLimit,
     bounded,
     ceiling,
     learnt_reach,
     open_wide,
-    strained,
+    updated_limits,
 )
-from forest_control.valve.valve_adaptation import UNLEARNT, WayEstimate
+from forest_control.valve.valve_adaptation import NO_ESTIMATE, DirectionEstimate
 from forest_control.valve.valve_driver import axis_drivers
 from forest_description.machine import load_machine
 from forest_sim.sensors.sensor_readings import true_joints
@@ -25,17 +25,17 @@ from forest_study.closed_loop import model_mismatch
 
 C180 = load_machine("c180")
 AXES = axis_drivers(C180)
-CAPACITY = capacity(C180, AXES)
+CAPACITY = speed_limit_parameters(C180, AXES)
 POSE = (0.0, 0.4, -1.4)
 DT = 0.005
 RATED = (10.0, 10.0, 10.0)
 AHEAD, HERE, BEHIND = (0.2, 0.1, 0.1), (0.0, 0.0, 0.0), (0.0, 0.0, 0.02)
 
 
-def run(strains, seconds, volts=10.0, axes=AXES, a=AHEAD, e=BEHIND, v=(0.2, 0.1, 0.06)):
+def run(tracking_limits, seconds, volts=10.0, axes=AXES, a=AHEAD, e=BEHIND, v=(0.2, 0.1, 0.06)):
     for _ in range(round(seconds / DT)):
-        strains = strained(strains, (0.0, 0.0, volts), RATED, axes, a, e, v, DT)
-    return strains
+        tracking_limits = updated_limits(tracking_limits, (0.0, 0.0, volts), RATED, axes, a, e, v, DT)
+    return tracking_limits
 
 
 def slow(bandwidth):
@@ -45,14 +45,14 @@ def slow(bandwidth):
 
 
 def test_a_valve_as_filed_reaches_everything_and_one_that_is_not_known_counts_as_such():
-    assert learnt_reach((UNLEARNT,) * 3, AXES) == FULL == Reach((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+    assert learnt_reach((NO_ESTIMATE,) * 3, AXES) == FULL == Reach((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
     assert [bounded(share) for share in (math.nan, math.inf, -math.inf)] == [1.0, 1.0, 1.0]
     assert (bounded(1e-3), bounded(0.7), bounded(7.0)) == (0.2, 0.7, 1.0)
 
 
 def test_a_weaker_valve_with_a_wider_overlap_reaches_what_is_left():
-    weak = UNLEARNT._replace(backward=WayEstimate(deadband=0.15, stretch=1.0 / 0.6 - 1.0))
-    reach = learnt_reach((UNLEARNT, UNLEARNT, weak), AXES)
+    weak = NO_ESTIMATE._replace(backward=DirectionEstimate(deadband=0.15, stretch=1.0 / 0.6 - 1.0))
+    reach = learnt_reach((NO_ESTIMATE, NO_ESTIMATE, weak), AXES)
     law = C180.valve_of(2).law.backward
     span = law.rated_voltage - law.deadband_voltage
     assert reach.backward == pytest.approx((1.0, 1.0, 0.6 * (span - 0.15) / span))
@@ -68,14 +68,14 @@ def test_planned_rates_are_those_of_the_weaker_plant():
         simulation = integrator.step(simulation, (0.0, 0.0, 9.999), 0.001, plant)
     joints = true_joints(simulation, plant)
     reach = Reach((1.0, 1.0, 0.6), (1.0, 1.0, 0.6))
-    planned = greatest_rates(joints.position, joints.speed, CAPACITY, reach)[2] / RESERVE
+    planned = joint_rate_limits(joints.position, joints.speed, CAPACITY, reach)[2] / RESERVE
     assert planned == pytest.approx(abs(joints.speed[2]), rel=0.05)
-    assert greatest_rates(joints.position, joints.speed, CAPACITY, FULL)[2] / RESERVE > 1.3 * planned
+    assert joint_rate_limits(joints.position, joints.speed, CAPACITY, FULL)[2] / RESERVE > 1.3 * planned
 
 
 def test_a_joint_that_falls_behind_with_its_valve_open_wide_is_waited_for():
     for volts in (10.0, -10.0):
-        late = run(RELAXED, 0.4, volts).stick
+        late = run(NO_TRACKING_LIMIT, 0.4, volts).stick
         assert 0.0 < ceiling(late, 0.1) < 0.06  # under what it reaches: it comes back
         assert ceiling(late, -0.1) == math.inf  # the other way nothing is known
 
@@ -85,18 +85,18 @@ def test_nobody_waits_for_a_spool_that_is_on_its_way(bandwidth):
     """The voltage is full from the first moment on."""
     axes, there = slow(bandwidth), 0.0 if bandwidth is None else -math.log(0.05) / (2.0 * math.pi * bandwidth)
     if there > 0.0:
-        assert run(RELAXED, there - DT, axes=axes).stick.ceiling == math.inf
-    assert run(RELAXED, there + 2.0 * DT, axes=axes).stick.ceiling < AHEAD[2]
+        assert run(NO_TRACKING_LIMIT, there - DT, axes=axes).stick.ceiling == math.inf
+    assert run(NO_TRACKING_LIMIT, there + 2.0 * DT, axes=axes).stick.ceiling < AHEAD[2]
 
 
 def test_nobody_waits_for_a_joint_that_keeps_up_or_whose_valve_has_room():
-    assert run(RELAXED, 1.0, 9.0).stick.ceiling == math.inf
-    assert run(RELAXED, 1.0, e=HERE).stick.ceiling == math.inf
-    assert run(RELAXED, 1.0, e=(0.0, 0.0, -0.02)).stick.ceiling == math.inf
+    assert run(NO_TRACKING_LIMIT, 1.0, 9.0).stick.ceiling == math.inf
+    assert run(NO_TRACKING_LIMIT, 1.0, e=HERE).stick.ceiling == math.inf
+    assert run(NO_TRACKING_LIMIT, 1.0, e=(0.0, 0.0, -0.02)).stick.ceiling == math.inf
 
 
 def test_waiting_ends_once_the_valve_has_room():
-    late = run(RELAXED, 0.5)
+    late = run(NO_TRACKING_LIMIT, 0.5)
     ceilings = [run(late, seconds, 5.0).stick.ceiling for seconds in (0.25, 0.5, 3.0)]
     assert late.stick.ceiling < ceilings[0] < ceilings[1]
     assert ceilings[2] == math.inf
@@ -111,9 +111,9 @@ def test_what_is_learnt_of_one_way_of_one_valve_is_no_other_s(joint, way):
         ahead = axis.valve.forward._replace(deadband_voltage=0.5 + 0.1 * i)
         back = axis.valve.backward._replace(deadband_voltage=1.5 + 0.1 * i)
         axes.append(axis._replace(valve=axis.valve._replace(forward=ahead, backward=back)))
-    learners = [UNLEARNT] * 3
-    learners[joint] = UNLEARNT._replace(**{way: WayEstimate(deadband=0.5)})
-    reach = learnt_reach(tuple(learners), tuple(axes))
+    estimates = [NO_ESTIMATE] * 3
+    estimates[joint] = NO_ESTIMATE._replace(**{way: DirectionEstimate(deadband=0.5)})
+    reach = learnt_reach(tuple(estimates), tuple(axes))
     edge = getattr(axes[joint].valve, way)
     left = 1.0 - 0.5 / (edge.rated_voltage - edge.deadband_voltage)
     expected = {"forward": [1.0] * 3, "backward": [1.0] * 3}
@@ -140,14 +140,14 @@ def behind(joint, sign=1.0, error=0.02, rate=0.15, wish=0.2):
     return {"voltages": at(10.0, 1.0), "a": at(wish, 0.05), "e": at(error, 0.0), "v": at(rate, 0.05)}
 
 
-def joints_of(strains):
-    return strains.swing, strains.boom, strains.stick
+def joints_of(tracking_limits):
+    return tracking_limits.swing, tracking_limits.boom, tracking_limits.stick
 
 
-def told(strains, seconds, **what):
+def told(tracking_limits, seconds, **what):
     for _ in range(round(seconds / DT)):
-        strains = strained(strains, rated=RATED, axes=slow(None), dt=DT, **what)
-    return strains
+        tracking_limits = updated_limits(tracking_limits, rated=RATED, axes=slow(None), dt=DT, **what)
+    return tracking_limits
 
 
 every_joint_both_ways = pytest.mark.parametrize(
@@ -158,65 +158,74 @@ every_joint_both_ways = pytest.mark.parametrize(
 @every_joint_both_ways
 def test_the_wait_is_for_the_joint_that_falls_behind_alone_and_lets_it_come_back(joint, sign):
     """Its reference goes slower than it moves by 4 /s of what it is behind."""
-    strains = joints_of(told(RELAXED, 0.5, **behind(joint, sign)))
-    assert ceiling(strains[joint], sign) == pytest.approx(0.15 - 4.0 * 0.02, rel=1e-4)
-    assert ceiling(strains[joint], -sign) == ceiling(strains[joint], 0.0) == math.inf
-    for other in (strain for i, strain in enumerate(strains) if i != joint):
+    tracking_limits = joints_of(told(NO_TRACKING_LIMIT, 0.5, **behind(joint, sign)))
+    assert ceiling(tracking_limits[joint], sign) == pytest.approx(0.15 - 4.0 * 0.02, rel=1e-4)
+    assert ceiling(tracking_limits[joint], -sign) == ceiling(tracking_limits[joint], 0.0) == math.inf
+    for other in (strain for i, strain in enumerate(tracking_limits) if i != joint):
         assert ceiling(other, 9.0) == ceiling(other, -9.0) == ceiling(other, 0.0) == math.inf
 
 
 @every_joint_both_ways
 def test_the_wait_begins_within_three_hundredths_of_a_second_and_never_jumps(joint, sign):
-    first = joints_of(told(RELAXED, DT, **behind(joint, sign)))[joint].ceiling
+    first = joints_of(told(NO_TRACKING_LIMIT, DT, **behind(joint, sign)))[joint].ceiling
     assert first == pytest.approx(0.07 + 0.13 * math.exp(-DT / 0.03))
-    after = joints_of(told(RELAXED, 0.03, **behind(joint, sign)))[joint].ceiling
+    after = joints_of(told(NO_TRACKING_LIMIT, 0.03, **behind(joint, sign)))[joint].ceiling
     assert after == pytest.approx(0.07 + 0.13 * math.exp(-1.0))
 
 
 @every_joint_both_ways
 def test_a_joint_that_is_stuck_is_still_asked_to_move(joint, sign):
-    stuck = joints_of(told(RELAXED, 1.0, **behind(joint, sign, error=0.05, rate=0.0)))[joint]
+    stuck = joints_of(told(NO_TRACKING_LIMIT, 1.0, **behind(joint, sign, error=0.05, rate=0.0)))[joint]
     assert ceiling(stuck, sign) == pytest.approx(0.01, rel=1e-4)
 
 
 @every_joint_both_ways
 def test_up_to_a_milliradian_behind_nothing_is_wrong(joint, sign):
-    assert joints_of(told(RELAXED, 0.5, **behind(joint, sign, error=1e-3)))[joint].ceiling == math.inf
-    assert joints_of(told(RELAXED, 0.5, **behind(joint, sign, error=1.01e-3)))[joint].ceiling < math.inf
+    assert (
+        joints_of(told(NO_TRACKING_LIMIT, 0.5, **behind(joint, sign, error=1e-3)))[joint].ceiling == math.inf
+    )
+    assert (
+        joints_of(told(NO_TRACKING_LIMIT, 0.5, **behind(joint, sign, error=1.01e-3)))[joint].ceiling
+        < math.inf
+    )
 
 
 @every_joint_both_ways
 def test_a_joint_that_nobody_wishes_to_move_is_not_waited_for(joint, sign):
-    assert joints_of(told(RELAXED, 0.5, **behind(joint, sign, wish=0.0)))[joint].ceiling == math.inf
-    assert joints_of(told(RELAXED, 0.5, **behind(joint, sign, wish=-0.1)))[joint].ceiling == math.inf
+    assert joints_of(told(NO_TRACKING_LIMIT, 0.5, **behind(joint, sign, wish=0.0)))[joint].ceiling == math.inf
+    assert (
+        joints_of(told(NO_TRACKING_LIMIT, 0.5, **behind(joint, sign, wish=-0.1)))[joint].ceiling == math.inf
+    )
 
 
 @every_joint_both_ways
 def test_a_wait_grows_by_e_in_half_a_second_and_is_none_from_two_radians_a_second_on(joint, sign):
-    late = told(RELAXED, 0.5, **behind(joint, sign))
+    late = told(NO_TRACKING_LIMIT, 0.5, **behind(joint, sign))
     room = {**behind(joint, sign), "voltages": (0.0, 0.0, 0.0)}
     before, after = joints_of(late)[joint], joints_of(told(late, 0.5, **room))[joint]
     assert after.ceiling == pytest.approx(math.e * before.ceiling)
     assert after.side == sign
     lasts = 0.5 * math.log(2.0 / before.ceiling)
     assert joints_of(told(late, lasts - 2 * DT, **room))[joint].ceiling == pytest.approx(2.0, rel=0.03)
-    assert joints_of(told(late, lasts + 2 * DT, **room))[joint] == Strain(math.inf, 0.0)
+    assert joints_of(told(late, lasts + 2 * DT, **room))[joint] == TrackingLimit(math.inf, 0.0)
 
 
 @every_joint_both_ways
 def test_a_wait_never_rises_while_the_joint_still_falls_behind_and_one_way_s_is_not_the_other_s(joint, sign):
-    late = told(RELAXED, 0.5, **behind(joint, sign))
+    late = told(NO_TRACKING_LIMIT, 0.5, **behind(joint, sign))
     faster = joints_of(told(late, DT, **behind(joint, sign, rate=0.9, wish=0.9)))[joint]
     assert faster.ceiling == joints_of(late)[joint].ceiling
     turned = joints_of(told(late, DT, **behind(joint, -sign)))[joint]
     assert turned.side == -sign
-    assert turned.ceiling == joints_of(told(RELAXED, DT, **behind(joint, sign)))[joint].ceiling
+    assert turned.ceiling == joints_of(told(NO_TRACKING_LIMIT, DT, **behind(joint, sign)))[joint].ceiling
 
 
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 @pytest.mark.parametrize("joint", range(3))
 def test_before_any_voltage_the_spools_are_centred(joint, sign):
     volts = tuple(10.0 * sign if i == joint else 0.0 for i in range(3))
-    strains = strained(RELAXED, volts, RATED, slow(2.0), (0.0,) * 3, (0.0,) * 3, (0.0,) * 3, 0.05)
+    tracking_limits = updated_limits(
+        NO_TRACKING_LIMIT, volts, RATED, slow(2.0), (0.0,) * 3, (0.0,) * 3, (0.0,) * 3, 0.05
+    )
     there = sign * 10.0 * (1.0 - math.exp(-2.0 * math.pi * 2.0 * 0.05))
-    assert strains.spools == pytest.approx(tuple(there if i == joint else 0.0 for i in range(3)))
+    assert tracking_limits.spools == pytest.approx(tuple(there if i == joint else 0.0 for i in range(3)))

@@ -8,9 +8,9 @@ import pytest
 
 from forest_control.valve import valve_adaptation as adaptation
 from forest_control.valve import valve_driver
-from forest_control.valve.valve_adaptation import UNLEARNT, learn
+from forest_control.valve.valve_adaptation import NO_ESTIMATE, updated_estimate
 from forest_control.valve.valve_driver import Settings
-from forest_control.valve.valve_flow import Sight
+from forest_control.valve.valve_flow import AxisMeasurement
 from forest_description.components.valve_characteristic import TABLE, Curve, Direction, ValveLaw, edges
 from forest_description.machine import load_machine
 
@@ -59,7 +59,7 @@ def steady(axis, volts, valve):
     return speed, c_1 * (one * speed) ** 2, SUPPLY - c_2 * (two * speed) ** 2
 
 
-def run(axis, valve, volts, noise=0.0, seed=0, file=FILE, learner=UNLEARNT, a=P.adaptation):
+def run(axis, valve, volts, noise=0.0, seed=0, file=FILE, learner=NO_ESTIMATE, a=P.adaptation):
     """Learn from a voltage's course [V], one value (or function of what is learnt) a period."""
     rng, position, last = np.random.default_rng(seed), 1.0, None
     for v in volts:
@@ -69,8 +69,8 @@ def run(axis, valve, volts, noise=0.0, seed=0, file=FILE, learner=UNLEARNT, a=P.
         flow = axis.flow._replace(capacitance_1=0.0, capacitance_2=0.0, internal_leakage=0.0)
         flow = flow._replace(external_leakage=0.0, position_noise=noise)
         position += PERIOD * speed
-        seen = Sight(position + noise * rng.standard_normal(), one, two, one, two, SUPPLY, v)
-        learner, last = learn(learner, seen, file, flow, a, PERIOD), seen
+        seen = AxisMeasurement(position + noise * rng.standard_normal(), one, two, one, two, SUPPLY, v)
+        learner, last = updated_estimate(learner, seen, file, flow, a, PERIOD), seen
     assert last is not None
     return learner
 
@@ -140,47 +140,47 @@ def test_an_open_valve_without_motion_widens_the_deadband_until_something_moves(
 def test_a_dead_valve_is_searched_no_further_than_allowed():
     learner = run(SWING, law((3.0, 1.0)), [1.3] * 400)
     assert 0.0 < learner.forward.deadband <= P.adaptation.deadband_range
-    assert learner.backward == UNLEARNT.backward
+    assert learner.backward == NO_ESTIMATE.backward
 
 
 @pytest.mark.parametrize("volts", [[0.0] * 400, [0.9, -0.9] * 200], ids=["centred", "inside the overlap"])
 def test_a_shut_valve_teaches_nothing(volts):
     learner = run(BOOM, law((0.15, 1.4)), volts, noise=2e-4)
-    assert learner.forward == UNLEARNT.forward
-    assert learner.backward == UNLEARNT.backward
+    assert learner.forward == NO_ESTIMATE.forward
+    assert learner.backward == NO_ESTIMATE.backward
 
 
 def still(**changes):
     """A spool wide open, seen with something that makes the flow unknowable."""
-    sight = Sight(1.0, 8e6, 5e6, 8e6, 5e6, SUPPLY, 4.0)._replace(**changes)
-    learner = UNLEARNT
+    sight = AxisMeasurement(1.0, 8e6, 5e6, 8e6, 5e6, SUPPLY, 4.0)._replace(**changes)
+    learner = NO_ESTIMATE
     for _ in range(300):
-        learner = learn(learner, sight, FILE, P.flows[1], P.adaptation, PERIOD)
+        learner = updated_estimate(learner, sight, FILE, P.flows[1], P.adaptation, PERIOD)
     return learner.forward
 
 
 def test_what_cannot_tell_a_flow_teaches_nothing():
-    assert still() != UNLEARNT.forward
+    assert still() != NO_ESTIMATE.forward
     relief, stalled = 1.3 * SUPPLY, SUPPLY
-    assert still(port_1=relief, valve_1=relief, port_2=0.0, valve_2=0.0) == UNLEARNT.forward
-    assert still(port_1=stalled, valve_1=stalled, port_2=2e5, valve_2=0.0) == UNLEARNT.forward
+    assert still(port_1=relief, valve_1=relief, port_2=0.0, valve_2=0.0) == NO_ESTIMATE.forward
+    assert still(port_1=stalled, valve_1=stalled, port_2=2e5, valve_2=0.0) == NO_ESTIMATE.forward
 
 
 def test_a_gap_in_the_measurements_keeps_what_is_learnt():
     learner = run(BOOM, law((0.15, 1.4), (0.15, 1.4)), strokes())
-    after = adaptation.blind(learner)
+    after = adaptation.unmeasured(learner)
     assert (after.forward, after.backward) == (learner.forward, learner.backward)
     resumed = run(BOOM, law((0.15, 1.4), (0.15, 1.4)), strokes(4.0), learner=after)
     assert shift(resumed.forward) == pytest.approx((0.15, 1.4), abs=0.01)
 
 
 def test_nothing_winds_up_and_nothing_leaves_its_range():
-    rng, learner = np.random.default_rng(5), UNLEARNT
+    rng, learner = np.random.default_rng(5), NO_ESTIMATE
     a = P.adaptation._replace(forgetting_time=0.05)
     for _ in range(4000):
         ports = rng.uniform(-1e6, 30e6, 4).tolist()
-        seen = Sight(rng.normal(), *ports, SUPPLY, rng.uniform(-10.0, 10.0))
-        learner = learn(learner, seen, FILE, P.flows[1], a, PERIOD)
+        seen = AxisMeasurement(rng.normal(), *ports, SUPPLY, rng.uniform(-10.0, 10.0))
+        learner = updated_estimate(learner, seen, FILE, P.flows[1], a, PERIOD)
         for way in (learner.forward, learner.backward):
             assert abs(way.deadband) <= a.deadband_range
             assert 1.0 / a.gain_range - 1e-12 <= adaptation.gain(way) <= a.gain_range + 1e-12
@@ -191,12 +191,12 @@ def test_nothing_winds_up_and_nothing_leaves_its_range():
 def test_an_underlapped_valve_is_left_alone():
     edge = FILE.forward._replace(deadband_voltage=-0.1)
     learner = run(BOOM, law((0.15, 1.4)), strokes(2.0), file=ValveLaw(edge, edge, FILE.curve, 0.0))
-    assert learner.forward == UNLEARNT.forward
+    assert learner.forward == NO_ESTIMATE.forward
 
 
 def test_the_learnt_valve_is_the_true_one():
     true = law((0.15, 1.4), (-0.1, 0.8))
-    known = adaptation.learnt_law(FILE, run(BOOM, true, strokes()))
+    known = adaptation.estimated_law(FILE, run(BOOM, true, strokes()))
     for volts in (1.3, 2.0, 4.0, -1.1, -3.0):
         told, meant = edges(volts, known), edges(volts, true)
         assert min(told.supply_1, told.tank_1) == pytest.approx(min(meant.supply_1, meant.tank_1), rel=0.1)

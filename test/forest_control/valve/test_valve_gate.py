@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from forest_control.valve import valve_driver
-from forest_control.valve.valve_adaptation import UNLEARNT
+from forest_control.valve.valve_adaptation import NO_ESTIMATE
 from forest_control.valve.valve_driver import REST, Motion, Pressures, Settings
 from forest_control.valve.valve_hold import SHUT
 from forest_description.machine import load_machine
@@ -264,7 +264,7 @@ def test_a_weight_that_the_swing_has_borne_for_long_is_fed_and_a_load_that_comes
     ],
 )
 def test_a_weight_is_the_load_while_both_agree_and_none_else_however_small_they_are(load, borne, weight):
-    assert valve_driver._weight(load, borne) == weight
+    assert valve_driver._steady_load(load, borne) == weight
 
 
 @both_ways
@@ -391,25 +391,25 @@ def test_an_axis_of_which_anything_is_not_measured_learns_nothing_and_the_others
     motion = Motion((0.1, 0.2, 0.3), (5e6,) * 3, (4e6,) * 3)
     missing = motion._replace(**{what: on_axis(axis, math.nan, getattr(motion, what)[0])})
     state, _ = valve_driver.step(REST, (3.0, 3.0, 3.0), told, p, PERIOD, motion)
-    assert [learner.primed for learner in state.learners] == [True] * 3
+    assert [learner.primed for learner in state.estimates] == [True] * 3
     after, _ = valve_driver.step(state, (3.0, 3.0, 3.0), told, p, PERIOD, missing)
-    assert tuple(learner.primed for learner in after.learners) == on_axis(axis, False, True)
+    assert tuple(learner.primed for learner in after.estimates) == on_axis(axis, False, True)
     blinded, _ = valve_driver.step(state, (3.0, 3.0, 3.0), None, p, PERIOD, motion)
-    assert [learner.primed for learner in blinded.learners] == [False] * 3
+    assert [learner.primed for learner in blinded.estimates] == [False] * 3
     still, _ = valve_driver.step(state, (3.0, 3.0, 3.0), told, p, 0.0, motion)
-    assert still.learners == state.learners
+    assert still.estimates == state.estimates
 
 
 @every_axis
 @both_ways
 def test_a_learnt_deadband_is_crossed_only_by_a_driver_that_adapts(axis, sign):
-    way = UNLEARNT.forward._replace(deadband=0.3)
-    learner = UNLEARNT._replace(forward=way, backward=way)
-    learners = tuple(learner if i == axis else UNLEARNT for i in range(3))
+    way = NO_ESTIMATE.forward._replace(deadband=0.3)
+    learner = NO_ESTIMATE._replace(forward=way, backward=way)
+    estimates = tuple(learner if i == axis else NO_ESTIMATE for i in range(3))
 
     def volts(adapt, learnt):
         p = parameters(adapt=adapt, beyond_valve=False)
-        state = REST._replace(learners=learners if learnt else REST.learners)
+        state = REST._replace(estimates=estimates if learnt else REST.estimates)
         return valve_driver.step(state, on_axis(axis, sign * 2.0), None, p, PERIOD)[1][axis]
 
     assert volts(False, True) == volts(False, False)
@@ -424,4 +424,4 @@ def test_what_an_axis_learns_from_is_its_own_sight(axis):
     state = REST._replace(voltages=(2.0, 3.0, 4.0))
     state, _ = valve_driver.step(state, ZERO, Pressures(one, two, p.supply_pressure), p, PERIOD, motion)
     expected = motion.positions[axis], motion.valve_1[axis], motion.valve_2[axis], one[axis], two[axis]
-    assert state.learners[axis].last == (*expected, p.supply_pressure, state.strokes[axis])
+    assert state.estimates[axis].last == (*expected, p.supply_pressure, state.strokes[axis])

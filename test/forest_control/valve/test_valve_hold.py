@@ -5,18 +5,18 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.valve.valve_hold import SHUT, obeyed
+from forest_control.valve.valve_hold import SHUT, held_command
 
 ZONE, NOISE, PERIOD = 0.02, 0.06, 0.005  # [V], [V], [s]
 both_ways = pytest.mark.parametrize("sign", [1.0, -1.0], ids=["positive", "negative"])
 
 
 def step(hold, command, zone=ZONE, opens=None, noise=NOISE, held=False, learns=False):
-    return obeyed(hold, command, zone, zone if opens is None else opens, noise, held, learns, PERIOD)
+    return held_command(hold, command, zone, zone if opens is None else opens, noise, held, learns, PERIOD)
 
 
 def feed(hold, command, seconds, **options):
-    """The state after a steady command, and what was obeyed."""
+    """The state after a steady command, and what it obeys."""
     said = []
     for _ in range(round(seconds / PERIOD)):
         hold, obey = step(hold, command, **options)

@@ -12,8 +12,7 @@ from forest_ident.estimators import (
     calibration,
     damping,
     gravity,
-    hose_dynamics,
-    hose_resistance,
+    hose_estimators,
     motor_leakage,
     valve_characteristic,
 )
@@ -57,7 +56,7 @@ def test_the_polynomial_goes_through_what_was_read(unknown_machine, sessions):
 
 def test_the_hoses_resistance_is_found(unknown_machine, sessions):
     session = sessions("hose")
-    line = hose_resistance.resistance(*hose_resistance.steady(session, 5.4e-5, 3.1e-3), laminar=False)
+    line = hose_estimators.resistance(*hose_estimators.steady(session, 5.4e-5, 3.1e-3), laminar=False)
     assert line.values[0] == pytest.approx(unknown_machine.hose.turbulent_resistance, rel=0.01)
 
 
@@ -65,7 +64,7 @@ def test_inertance_and_capacitance_are_found_in_phase(unknown_machine, sessions)
     session, hose = sessions("hose"), unknown_machine.hose
     lag = unknown_machine.sensors.flow_meter.time_constant
     r = hose.turbulent_resistance
-    inertance, capacitance = hose_dynamics.joint(session, r, False, lag, 5.4e-5, 3.1e-3)
+    inertance, capacitance = hose_estimators.joint(session, r, False, lag, 5.4e-5, 3.1e-3)
     assert inertance.values[0] == pytest.approx(hose.inertance, rel=0.05)
     assert capacitance.values[0] == pytest.approx(hose.capacitance, rel=0.05)
 
@@ -75,13 +74,13 @@ def test_a_bend_at_a_sample_is_made_up_for_in_sums_over_samples():
     time = h * np.maximum(np.arange(400) - 100.0, 0.0)
     column = 1e6 * np.exp(-time / 0.1) * (1.0 - np.exp(-time / 0.013)) / 0.013
     exact = 1e6 / 0.013 * (0.1 - 1.0 / (1.0 / 0.1 + 1.0 / 0.013))
-    bent, unbent = (h * np.sum(c) for c in (column, hose_dynamics.unbent(column, voltage)))
+    bent, unbent = (h * np.sum(c) for c in (column, hose_estimators.unbent(column, voltage)))
     assert abs(unbent - exact) < 0.1 * abs(bent - exact)
 
 
 def test_another_hose_follows_from_length_and_bore():
     hose = load_machine("c180").hose
-    other = hose_resistance.scaled(hose, 2.0 * hose.length, 0.5 * hose.bore)
+    other = hose_estimators.scaled(hose, 2.0 * hose.length, 0.5 * hose.bore)
     assert other.turbulent_resistance == pytest.approx(2.0 * 2.0**4.75 * hose.turbulent_resistance)
     assert other.inertance == pytest.approx(8.0 * hose.inertance)
     assert other.capacitance == pytest.approx(0.5 * hose.capacitance)
@@ -115,7 +114,7 @@ def test_a_load_that_nobody_told_is_weighed(unknown_machine):
     for one, true in zip(
         gravity.moments(unknown_machine, session), gravity.moments(loaded, session), strict=True
     ):
-        assert abs(one.value - true.told) < 5.0 * one.error + 0.01 * abs(true.told), one
+        assert abs(one.value - true.known) < 5.0 * one.error + 0.01 * abs(true.known), one
 
 
 def test_boom_and_head_are_weighed_together_and_a_right_mass_is_left_alone(unknown_machine):

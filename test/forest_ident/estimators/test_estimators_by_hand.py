@@ -18,8 +18,7 @@ from forest_ident.estimators import (
     calibration,
     damping,
     gravity,
-    hose_dynamics,
-    hose_resistance,
+    hose_estimators,
     motor_leakage,
 )
 from forest_ident.measurements.session import Session, SessionError
@@ -211,7 +210,7 @@ def test_rests_tell_four_moments_along_and_across_the_links():
         m.stick_mass * m.stick_y,
     ]
     assert [moment.value for moment in told] == pytest.approx(expected, rel=1e-6)
-    assert [moment.told for moment in told] == pytest.approx(expected, rel=1e-12)
+    assert [moment.known for moment in told] == pytest.approx(expected, rel=1e-12)
 
 
 def test_masses_are_weighed_against_those_that_the_file_tells():
@@ -247,10 +246,10 @@ def test_inertance_and_capacitance_follow_from_flows_either_way(laminar, way):
         "stick_flow": q_2,
     }
     record = session("hose", readings)
-    inertance, capacitance = hose_dynamics.joint(record, r, laminar, lag=0.0, floor=0.0)
+    inertance, capacitance = hose_estimators.joint(record, r, laminar, lag=0.0, floor=0.0)
     assert inertance.values[0] == pytest.approx(i, rel=0.01)
     assert capacitance.values[0] == pytest.approx(c, rel=0.02)
-    groups = hose_dynamics.four_group_means(record, r, laminar)
+    groups = hose_estimators.four_group_means(record, r, laminar)
     assert groups[0] == pytest.approx([i] * 4, rel=0.03)
     assert groups[1] == pytest.approx([c] * 4, rel=0.03)
 
@@ -259,7 +258,7 @@ def test_inertance_and_capacitance_follow_from_flows_either_way(laminar, way):
 def test_resistance_has_the_flows_sign_and_not_the_transducers_difference(laminar):
     flow = np.array([-1.5e-3, -7e-4, -2e-4, 3e-4, 9e-4, 2e-3])
     drop = (2e9 * flow if laminar else 4e11 * flow * np.abs(flow)) + 3e3
-    line = hose_resistance.resistance(flow, drop, laminar)
+    line = hose_estimators.resistance(flow, drop, laminar)
     assert line.values == pytest.approx([2e9 if laminar else 4e11, 3e3], rel=1e-6)
 
 
@@ -275,7 +274,7 @@ def test_only_holds_within_the_meters_range_count_whichever_way_the_oil_goes():
         "swing_pressure_1_actuator": np.full(len(flow), 3e6),
         "swing_flow": flow,
     }
-    found = hose_resistance.steady(session("hose", readings, volts), floor=5e-5, highest=3.2e-3)
+    found = hose_estimators.steady(session("hose", readings, volts), floor=5e-5, highest=3.2e-3)
     assert found[0] == pytest.approx([-2e-3, 6e-4, 1.1e-3])
     assert found[1] == pytest.approx([1e5, 4e5, 7e5])
 
@@ -299,7 +298,7 @@ def test_meters_that_lag_and_stand_at_their_ends_bias_nothing():
         "swing_flow": np.minimum(read[0], 1.1e-3),
         "stick_flow": np.clip(read[1], 8.5e-4, 1.15e-3),
     }
-    inertance, capacitance = hose_dynamics.joint(
+    inertance, capacitance = hose_estimators.joint(
         session("hose", readings), r, True, lag, floor=8.5e-4, highest=1.1e-3
     )
     assert inertance.values[0] == pytest.approx(i, rel=0.02)

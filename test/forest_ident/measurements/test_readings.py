@@ -3,11 +3,11 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_ident.measurements.readings import lagged, read, true_columns
-from forest_sim.run.inputs import thesis
-from forest_sim.run.simulation import Run, start_angles, whole
-from forest_sim.sensors.sensor_model import ChannelState, sample
+from forest_sim.sensors.sensor_model import SensorMemory, sample
 from forest_sim.sensors.sensor_readings import surroundings, true_values
 from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
+from forest_sim.simulation.open_loop import Run, start_angles, whole
+from forest_sim.simulation.voltage_profiles import thesis
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import restore
 
@@ -31,7 +31,7 @@ def test_columns_are_read_by_the_law_of_the_channel():
     flow = 2e-4 * np.sin(np.linspace(0.0, 20.0, 400))
     found = read({"swing_flow": flow}, quiet, 0.005)["swing_flow"]
     channel = quiet.channels[CHANNELS.index("swing_flow")]
-    state = ChannelState(flow[0], flow[0])
+    state = SensorMemory(flow[0], flow[0])
     for true, reading in zip(flow.tolist(), found.tolist(), strict=True):
         state, expected = sample(channel, state, true, 0.005, 0.0)
         assert reading == pytest.approx(expected, rel=1e-12)

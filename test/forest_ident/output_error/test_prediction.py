@@ -4,7 +4,7 @@ import pytest
 from forest_compile import flat_layout
 from forest_description.machine import load_machine
 from forest_ident.output_error.prediction import plants_at
-from forest_sim.solver.thermal import parameters_at
+from forest_sim.solver.oil_temperature import parameters_at
 
 
 @pytest.mark.parametrize("name", ["c180", "loader"])

@@ -14,7 +14,7 @@ from forest_description.machine import Friction, load_machine
 from forest_sim.analysis.mode_map import mode_map
 from forest_sim.analysis.modes import modes, operating_point, slow_modes, unguarded
 from forest_sim.mechanics.manipulator import dynamics
-from forest_sim.run.simulation import start_angles
+from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.plant import ports_at, state_derivative
 from forest_sim.solver.plant_parameters import plant_parameters
 

@@ -14,10 +14,10 @@ from forest_description.derived.line_bandwidth import lump_limit
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
 from forest_description.types import AXES
-from forest_sim.analysis.check import warnings
+from forest_sim.analysis.machine_check import warnings
 from forest_sim.analysis.modes import SHUT, modes, slow_modes
 from forest_sim.mechanics.manipulator import dynamics
-from forest_sim.run.simulation import start_angles
+from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.plant_parameters import plant_parameters
 
 DOCS = Path(__file__).parents[3] / "docs" / "explanation" / "equations.md"

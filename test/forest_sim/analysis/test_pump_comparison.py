@@ -6,15 +6,15 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_sim.analysis.pump_comparison import SORTS, compare, table, with_pump
-from forest_sim.run import inputs
-from forest_sim.run.simulation import Run, start_angles
+from forest_sim.simulation import voltage_profiles
+from forest_sim.simulation.open_loop import Run, start_angles
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 
 
 @pytest.fixture(scope="module")
 def comparison():
-    return compare(C180, inputs.thesis(), start_angles(C180), Run(9.5))
+    return compare(C180, voltage_profiles.thesis(), start_angles(C180), Run(9.5))
 
 
 @pytest.mark.parametrize("machine", [C180, THESIS], ids=["c180", "c180_thesis"])

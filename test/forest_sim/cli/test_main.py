@@ -253,7 +253,7 @@ def test_a_full_disk_is_told_with_the_place(forest_sim, tmp_path, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("forest_sim.run.trajectory_files.TrajectoryFiles.write", full)
+    monkeypatch.setattr("forest_sim.simulation.trajectory_files.TrajectoryFiles.write", full)
     code, _, err = forest_sim("simulate", "--duration", "0.2", "--out", tmp_path / "run")
     assert code == 1
     assert err == f"forest-sim: {tmp_path}/run: No space left on device\n"

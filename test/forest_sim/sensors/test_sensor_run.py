@@ -27,7 +27,7 @@ def reports(machine, noise, faults=""):
     for k in range(80):
         if k == 40:
             around = around._replace(temperatures=(320.0, 321.0, 322.0))
-            run.learn(plant._replace(tip_force=(0.0, 0.0, -500.0)), around)
+            run.set_plant(plant._replace(tip_force=(0.0, 0.0, -500.0)), around)
         simulation = compiled_advance()(simulation, (3.0, -2.0, 2.5), 1e-3, 5, plant)
         said.append(run.sample(simulation, DT))
     return said

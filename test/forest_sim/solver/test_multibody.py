@@ -10,13 +10,13 @@ from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Cushion, load_machine
 from forest_sim.hydraulics.port import port_pressure
 from forest_sim.hydraulics.spool_dynamics import Spool
-from forest_sim.run.disturbance import checked_tip_force
+from forest_sim.simulation.disturbance import checked_tip_force
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.multibody import HANGING_STILL, Inertia, mechanics, resisted, solve, times
+from forest_sim.solver.oil_temperature import dissipated_power
 from forest_sim.solver.plant import passive_force, ports_at, supply_draw
 from forest_sim.solver.plant_parameters import plant_parameters
-from forest_sim.solver.power import AxisPower, PowerFlows, SupplyPower
-from forest_sim.solver.thermal import heat
+from forest_sim.solver.power_flows import AxisPower, PowerFlows, SupplyPower
 
 C180 = load_machine("c180")
 HANGING = dataclasses.replace(
@@ -149,4 +149,6 @@ def test_what_an_end_stop_takes_does_not_warm_the_oil():
     )
     swing = still._replace(stop=30.0, joint=-7.0, hose=2.0)
     boom, stick = still._replace(stop=-4.0, joint=11.0), still._replace(hose=-1.0)
-    assert heat(PowerFlows(pump, swing, boom, stick)) == pytest.approx(100.0 - 8.0 - (30.0 - 4.0) - 4.0 - 1.0)
+    assert dissipated_power(PowerFlows(pump, swing, boom, stick)) == pytest.approx(
+        100.0 - 8.0 - (30.0 - 4.0) - 4.0 - 1.0
+    )

@@ -9,7 +9,7 @@ from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant import axis_draw, ports_at
 from forest_sim.solver.plant_parameters import plant_parameters
-from forest_sim.solver.power import power_flows
+from forest_sim.solver.power_flows import power_flows
 
 MACHINES = [load_machine(name) for name in ("c180_thesis", "c180", "loader")]
 VOLTS = 5.0

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim.run import inputs
-from forest_sim.run.simulation import Run, start_angles, whole
+from forest_sim.simulation import voltage_profiles
+from forest_sim.simulation.open_loop import Run, start_angles, whole
 from forest_sim.solver import step_schedule
 from forest_sim.solver.state_recording import STATE
 
@@ -55,7 +55,7 @@ def error(run, reference):
 
 def test_short_steps_after_jumps_are_nearer_to_the_truth_than_even_steps_of_a_millisecond():
     """Two seconds hold a jump up, its end, and, at a block's border, the ring of one before."""
-    voltages = inputs.steps()
+    voltages = voltage_profiles.steps()
     reference = whole(THESIS, voltages, START, Run(2.0, step=5e-5))
     runs = Run(2.0), Run(2.0, short_after_jumps=True)
     even, short = (error(whole(THESIS, voltages, START, run), reference) for run in runs)

@@ -43,7 +43,7 @@ def test_a_cylinder_slows_down_by_its_stroke_and_does_not_overshoot(machine, joi
     assert margin.min() > LEAST
     assert margin[-1] < FARTHEST
     assert margin.min() > margin[-1] - 0.05
-    governor = control_settings.parameters(machine, settings).governor
+    governor = control_settings.parameters(machine, settings).velocity_limits
     stroke = governor.strokes[joint]
     lengths = [cylinder_length(angle, stroke.linkage) for angle in moved.angles[:, joint].tolist()]
     left = stroke.longest - np.array(lengths) if sign > 0.0 else np.array(lengths) - stroke.shortest

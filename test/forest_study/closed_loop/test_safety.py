@@ -47,9 +47,9 @@ class Stick:
             if sample is not None:
                 same = (sample.levers, sample.held) == self.before
                 self.before = sample.levers, sample.held
-                self.watch = joystick_watch.heed(self.watch, sample._replace(same=same))
+                self.watch = joystick_watch.updated_watch(self.watch, sample._replace(same=same))
         self.step += 1
-        self.watch, operator = joystick_watch.judge(self.watch, time, True, self.p)
+        self.watch, operator = joystick_watch.assessed_watch(self.watch, time, True, self.p)
         return Operator(*operator)
 
 

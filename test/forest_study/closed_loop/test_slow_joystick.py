@@ -24,7 +24,7 @@ def greatest_error(period, held):
         nonlocal heard, said, hold
         if round(time / PERIOD) % every == 0:
             heard, said = thesis_levers(time - 0.2, SPEED) if time > 0.2 else REST, time
-        hold = joystick_interpolation.advanced(hold, heard, said, time, PERIOD)
+        hold = joystick_interpolation.interpolated(hold, heard, said, time, PERIOD)
         return Operator(hold.levers if held else heard, enabled=True)
 
     start = pose_at(start_tip(C180), C180)

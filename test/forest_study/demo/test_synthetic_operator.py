@@ -3,7 +3,7 @@
 import numpy as np
 
 from forest_control.operator.joystick_sources import read_levers
-from forest_sim.run.inputs import read_voltages
+from forest_sim.simulation.voltage_profiles import read_voltages
 from forest_study.demo import synthetic_operator
 
 

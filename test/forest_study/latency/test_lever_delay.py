@@ -39,7 +39,7 @@ def driven(hand, period, interpolated=True):
         nonlocal heard, said, hold
         if round(time / PERIOD) % every == 0:
             heard, said = hand(time), time
-        hold = joystick_interpolation.advanced(hold, heard, said, time, PERIOD)
+        hold = joystick_interpolation.interpolated(hold, heard, said, time, PERIOD)
         return Operator(hold.levers if interpolated else heard)
 
     start = pose_at(start_tip(C180), C180)

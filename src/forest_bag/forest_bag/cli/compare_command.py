@@ -3,8 +3,6 @@
 Exit codes: 0 the same, 1 different, 2 a bag that cannot be compared, or wrong arguments.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import math
@@ -18,7 +16,7 @@ from forest_bag.storage.bag_files import BagError
 TROUBLE = 2  # as diff and cmp do: 1 means "different"
 
 
-def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the verb and its flags."""
     text = "compare two bags: to the last bit, or within a tolerance"
     parser = verbs.add_parser(

@@ -1,7 +1,5 @@
 """`forest-bag to-csv` and `to-parquet`: a bag's numbers as one table, joined on stamps, with units."""
 
-from __future__ import annotations
-
 import argparse
 import csv
 import sys
@@ -18,7 +16,7 @@ from forest_msgs_py.types import NS_PER_S
 BLOCK = 4096  # rows formatted at once
 
 
-def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add both verbs and their flags."""
     csv_parser = _add(verbs, "to-csv", "write a bag's numbers as one CSV table", to_csv)
     csv_parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="default: standard output")
@@ -27,7 +25,7 @@ def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> No
 
 
 def _add(
-    verbs: argparse._SubParsersAction[argparse.ArgumentParser],
+    verbs: "argparse._SubParsersAction[argparse.ArgumentParser]",
     name: str,
     text: str,
     command: Callable[[argparse.Namespace], int],

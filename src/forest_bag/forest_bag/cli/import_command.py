@@ -1,7 +1,5 @@
 """`forest-bag from-csv`: somebody's measured log as a bag of our topics."""
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 from collections.abc import Callable
@@ -22,7 +20,7 @@ from forest_msgs_py.types import NS_PER_S
 FRAME = "base_link"
 
 
-def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the verb and its flags."""
     text = "make a bag of this project's topics from a measured log"
     parser = verbs.add_parser(

@@ -1,7 +1,5 @@
 """`forest-bag info`: what is in a bag."""
 
-from __future__ import annotations
-
 import argparse
 import datetime
 import json
@@ -15,7 +13,7 @@ from forest_msgs_py.types import NS_PER_S
 EPOCH_NS = 10**17  # log times below are simulated time, not a date
 
 
-def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the verb and its flags."""
     text = "tell what is in a bag: topics, QoS, gaps, losses, files, events, attachments"
     parser = verbs.add_parser("info", help=text, description=text.capitalize() + ".")

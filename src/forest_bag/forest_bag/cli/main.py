@@ -5,8 +5,6 @@ takes the parsed arguments and returns the exit code. What such a module needs f
 runs: help must not wait for it. Exit codes: 0 well, 1 failed, 2 wrong arguments, 130 stopped.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Sequence

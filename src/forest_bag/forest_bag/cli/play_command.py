@@ -1,7 +1,5 @@
 """`forest-bag play`: a bag's messages onto their topics again, in their time."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path
@@ -17,7 +15,7 @@ LONG = 3.0  # [s] of checking, of which one is told beforehand
 CLOCK_HZ = 40.0  # as `ros2 bag play`
 
 
-def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the verb and its flags."""
     text = "publish a bag's messages again, in their time"
     parser = verbs.add_parser(

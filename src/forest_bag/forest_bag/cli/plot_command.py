@@ -1,7 +1,5 @@
 """`forest-bag plot`: the demo's pictures of any bag of this project's topics."""
 
-from __future__ import annotations
-
 import argparse
 import logging
 import math
@@ -14,7 +12,7 @@ from forest_bag.storage.bag_files import BagError
 from forest_msgs_py.interfaces.topics import JOINTS, ROBOT_DESCRIPTION, find
 
 
-def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the verb and its flags."""
     text = "draw the demo's pictures of a bag: tip path, tip error, joints, voltages, hydraulics"
     parser = verbs.add_parser("plot", help=text, description=text.capitalize() + ".")

@@ -1,7 +1,5 @@
 """`forest-bag record`: every topic, or the chosen ones, as raw bytes into a bag, until Ctrl-C."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import re
@@ -17,7 +15,7 @@ NODE = "bag_recorder"  # not the name of a graph's own recorder: both may record
 SERVICES = f"While it records, the services /{NODE}/start, stop, split, snapshot and mark act on it."
 
 
-def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the verb and its flags."""
     text = "record topics into a bag until Ctrl-C"
     parser = verbs.add_parser("record", help=text, description=f"{text.capitalize()}. {SERVICES}")

@@ -1,7 +1,5 @@
 """`forest-bag recover`: a bag that every reader accepts, from what a killed recorder or a full disk left."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -9,7 +7,7 @@ from forest_bag.recovery.bag_recovery import Recovered, recover
 from forest_bag.storage.bag_files import BagError, bag_files
 
 
-def add_parser(verbs: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     """Add the verb and its flags."""
     text = "make a whole bag of what is readable in a damaged one"
     parser = verbs.add_parser("recover", help=text, description=text.capitalize() + ".")

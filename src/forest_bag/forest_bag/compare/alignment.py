@@ -11,8 +11,6 @@ difference       b(t) - a(t) at the stamps of a, b interpolated linearly
 Only the span that both have counts. Log times, bytes and texts mean nothing here and are not compared.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from pathlib import Path
 

@@ -11,8 +11,6 @@ rms              sqrt(sum difference² / pairs); pairs of the same bytes differ 
 ===============  ===========================================================================================
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field

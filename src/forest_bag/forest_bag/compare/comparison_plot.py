@@ -1,7 +1,5 @@
 """The signals in which two bags differ most, against their own size: both, and their difference."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import NamedTuple
 

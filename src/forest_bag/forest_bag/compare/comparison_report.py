@@ -1,7 +1,5 @@
 """A comparison told: as a table for people, as JSON for programs."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

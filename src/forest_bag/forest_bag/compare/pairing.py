@@ -7,8 +7,6 @@ Not compared: publish times and sequence numbers, which belong to the middleware
 `WALL_CLOCK_COLUMNS` where nothing else of a message differs.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 from collections import deque

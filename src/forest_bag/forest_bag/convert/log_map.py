@@ -12,8 +12,6 @@ A signal is ``(scale · cell + offset) · factor of the unit``, or a constant ``
         button_left_shoulder: {value: 1}
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 from collections.abc import Mapping

@@ -9,8 +9,6 @@ values           float64 [N, k], k signals of a topic; NaN where the cell is emp
 ===============  ===========================================================================================
 """
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Callable, Iterator

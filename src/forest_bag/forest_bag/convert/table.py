@@ -10,8 +10,6 @@ column       ``topic/label[unit]``, without the topic's leading slash
 ===========  ===============================================================================================
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from typing import NamedTuple
 

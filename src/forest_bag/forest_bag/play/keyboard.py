@@ -1,7 +1,5 @@
 """Single keys from a terminal, which is put back as it was however the program ends."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import select
@@ -49,7 +47,7 @@ class Keyboard:
         """Whether there is a terminal to read."""
         return self._before is not None
 
-    def __enter__(self) -> Keyboard:
+    def __enter__(self) -> "Keyboard":
         """Take the terminal, if there is one and this process has it."""
         with contextlib.suppress(OSError, ValueError, termios.error):
             terminal = sys.stdin.fileno() if self._terminal is None else self._terminal

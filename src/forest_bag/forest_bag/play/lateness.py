@@ -1,7 +1,5 @@
 """How late messages were, counted in bins."""
 
-from __future__ import annotations
-
 from forest_msgs_py.types import NS_PER_S
 
 BIN_NS = 10_000

@@ -1,7 +1,5 @@
 """What `forest-bag play` is asked for, and what of a bag that means."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

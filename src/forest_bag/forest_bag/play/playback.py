@@ -15,8 +15,6 @@ Due times are absolute, so that lateness never adds up. A player that is `LAG_NS
 keep up: it goes on from there rather than pour out what it has missed.
 """
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Parameters of the nodes that play a bag."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from forest_msgs_py.runtime.parameter_table import Parameter, tunable

@@ -1,7 +1,5 @@
 """A bag as the player needs it: read ahead by a thread, and what transient-local topics hold."""
 
-from __future__ import annotations
-
 import contextlib
 import threading
 from collections.abc import Collection, Iterator

@@ -1,7 +1,5 @@
 """What a person or a program may do to a player while it plays: keys, services, parameters, without ROS."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -13,8 +13,6 @@ hydraulics       actuator pressures by axis with the pump pressure, and flows
 The wished path starts at the true tip where the first command was given, and integrates the commands.
 """
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path

@@ -5,8 +5,6 @@ chunks, messages or whole files compressed. Only what is due is in memory, so a 
 reading may begin anywhere. No ROS in here.
 """
 
-from __future__ import annotations
-
 import contextlib
 import re
 import tempfile
@@ -65,7 +63,7 @@ class BagReader:
             raise
         self.complete = not self.problems
 
-    def __enter__(self) -> BagReader:
+    def __enter__(self) -> "BagReader":
         """Open already."""
         return self
 

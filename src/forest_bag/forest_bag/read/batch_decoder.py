@@ -6,8 +6,6 @@ that its messages are copies of the first one with other numbers; those are take
 messages together, a hundred times faster than message by message.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

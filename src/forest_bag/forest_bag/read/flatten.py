@@ -4,8 +4,6 @@ What a live node may believe is judged in :mod:`forest_msgs_py.interfaces.messag
 shown as it is.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from typing import Any, NamedTuple

@@ -9,8 +9,6 @@ lost             messages missing in the publishers' sequence numbers, as the re
 ===============  ===========================================================================================
 """
 
-from __future__ import annotations
-
 import statistics
 import struct
 from dataclasses import dataclass, field

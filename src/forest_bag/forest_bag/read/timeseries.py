@@ -11,8 +11,6 @@ values        float64 [N, k], one column per label
 A bag whose recorder was killed (no footer, no index, no ``metadata.yaml``) gives every finished chunk.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -181,7 +179,14 @@ def _series(channel: Channel, messages: list[RawMessage]) -> Series:
     log_time = np.array([min(message.log_ns, LATEST_NS) for message in messages], dtype=np.int64)
     rows, unreadable = _rows(read, messages[:1])
     if rows and (batch := decoded(kind, [message.data for message in messages], rows[0])) is not None:
-        return Series(batch[0], log_time, batch[1], rows[0].labels, rows[0].units, 0)
+        return Series(
+            time_ns=batch[0],
+            log_time_ns=log_time,
+            values=batch[1],
+            labels=rows[0].labels,
+            units=rows[0].units,
+            incomplete=0,
+        )
     rows, unreadable = _rows(read, messages)
     columns = dict(zip(kind.labels, kind.units, strict=True)) if not rows else {}
     for row in rows:
@@ -198,7 +203,15 @@ def _series(channel: Channel, messages: list[RawMessage]) -> Series:
     stamps = [log if row.stamp_ns is None else row.stamp_ns for row, log in zip(rows, log_time, strict=True)]
     incomplete = sum(len(row.labels) < len(columns) for row in rows)
     time = np.array(stamps, dtype=np.int64)
-    return Series(time, log_time, values, tuple(columns), tuple(columns.values()), incomplete, unreadable)
+    return Series(
+        time_ns=time,
+        log_time_ns=log_time,
+        values=values,
+        labels=tuple(columns),
+        units=tuple(columns.values()),
+        incomplete=incomplete,
+        unreadable=unreadable,
+    )
 
 
 def _rows(read: Callable[[bytes], tuple[Row, Any]], messages: list[RawMessage]) -> tuple[list[Row], int]:

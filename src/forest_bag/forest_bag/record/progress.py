@@ -1,7 +1,5 @@
 """How a recording is going, in one line that overwrites itself, or in a line now and then."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 

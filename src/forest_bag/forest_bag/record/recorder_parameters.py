@@ -1,7 +1,5 @@
 """Parameters of the recorder's node."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from forest_bag.storage.mcap_chunk import COMPRESSIONS

@@ -1,7 +1,5 @@
 """What the recorder node does with a session, one thread at a time; a full disk ends it."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable, Iterable

@@ -10,8 +10,6 @@ forest_seeds           metadata: parameter `seed` of each node that has one
 =====================  =====================================================================================
 """
 
-from __future__ import annotations
-
 import os
 import platform
 import subprocess

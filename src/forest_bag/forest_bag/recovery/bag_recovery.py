@@ -1,7 +1,5 @@
 """A whole bag from the readable records of damaged files, one file for each."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

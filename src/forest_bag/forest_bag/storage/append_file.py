@@ -1,7 +1,5 @@
 """A file to which pieces are appended whole or not at all, and which survives the loss of power and space."""
 
-from __future__ import annotations
-
 import errno
 import os
 import tempfile

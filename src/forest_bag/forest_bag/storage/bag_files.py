@@ -1,7 +1,5 @@
 """Which files a bag consists of, in the order in which they were written."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

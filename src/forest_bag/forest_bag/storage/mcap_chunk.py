@@ -1,7 +1,5 @@
 """A chunk of an MCAP file: messages that are compressed and written together, and where each of them is."""
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Callable, Mapping

@@ -17,8 +17,6 @@ Schemas and channels stand between the chunks, so that a topic without messages 
 for the summary are kept free on the disk: a file on a full disk still gets one.
 """
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Callable, Mapping

@@ -12,8 +12,6 @@ Read by record headers rather than through the mcap package's reader: that one n
 messages of one file only, and spends five times longer on each. No ROS in here.
 """
 
-from __future__ import annotations
-
 import mmap
 import struct
 import zlib

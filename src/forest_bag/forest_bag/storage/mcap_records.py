@@ -4,8 +4,6 @@ A file is the magic bytes, records, a footer that says where its summary begins,
 record is its opcode (1 byte), its length (8 bytes) and its content. Source: mcap.dev, format specification.
 """
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Callable, Iterator

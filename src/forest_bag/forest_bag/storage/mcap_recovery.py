@@ -5,8 +5,6 @@ behind it. Here the search goes on for the next record that is whole: a chunk by
 lengths that agree.
 """
 
-from __future__ import annotations
-
 import mmap
 import re
 from collections.abc import Iterator

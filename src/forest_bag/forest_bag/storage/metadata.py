@@ -1,7 +1,5 @@
 """``metadata.yaml`` of a bag as rosbag2 of Jazzy writes it (version 9), key by key in its order."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -40,7 +38,7 @@ class OfferedTopic:
         self.type, self.qos, self.type_hash = type_name, list(qos), type_hash
         self.channel = 0  # in the present file
 
-    def covers(self, other: OfferedTopic) -> bool:
+    def covers(self, other: "OfferedTopic") -> bool:
         """Whether this one's channel tells what there is to tell of the other, too."""
         same = self.type_hash == other.type_hash
         return same and all(profile in self.qos for profile in other.qos)

@@ -10,8 +10,6 @@ complete      the file ends as a finished file does, and everything in it could 
 ============  ==============================================================================================
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import Any, NamedTuple

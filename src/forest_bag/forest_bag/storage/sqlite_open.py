@@ -13,8 +13,6 @@ changes. On read-only media it fails ("unable to open database file"), elsewhere
 Source: sqlite.org, "Write-Ahead Logging" (Read-Only Databases) and "File Locking" (Hot Journals).
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import shutil

@@ -1,7 +1,5 @@
 """One file of a bag in rosbag2's older format, an SQLite database (.db3), read as an MCAP file is."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Iterator
 from pathlib import Path

@@ -10,8 +10,6 @@ ring      with `snapshot_ns`: the messages of the last seconds; they come into t
 No ROS in here. Transient-local messages and context outlive a take: each of them gets all.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Mapping, Sequence
 from pathlib import Path

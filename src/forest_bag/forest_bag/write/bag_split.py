@@ -1,7 +1,5 @@
 """One file of a bag, readable alone: it begins with types, topics, context and transient-local messages."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path

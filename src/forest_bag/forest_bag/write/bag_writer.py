@@ -14,8 +14,6 @@ No ROS in here. A killed process leaves every finished chunk behind, so chunks a
 flushed by the clock.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path

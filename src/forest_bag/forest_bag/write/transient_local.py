@@ -1,7 +1,5 @@
 """The messages that every file of a bag begins with: what a subscriber who comes late is told first."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 

@@ -13,7 +13,6 @@ from typing import Any
 
 from forest_compile.frontend.arithmetic import TRUE, Arithmetic
 from forest_compile.frontend.integers import ZERO
-from forest_compile.ir.function import member
 from forest_compile.ir.values import (
     BOOLEAN,
     DOUBLE,
@@ -26,6 +25,7 @@ from forest_compile.ir.values import (
     fields,
     items,
     known,
+    member,
     number,
     shape,
 )

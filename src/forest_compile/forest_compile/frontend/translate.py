@@ -88,7 +88,7 @@ class _Kernel(Statements):
         for letter, argument in zip(entry.arguments, [a.arg for a in node.args.args], strict=True):
             register = f"%{argument}"
             if letter == "p":
-                parameters.append(_pointer(register, shapes.get(argument, POINTER)))
+                parameters.append(_pointer(register, shapes.get(argument, POINTER), "noalias"))
                 frame.variables[argument] = Array(register)
             else:
                 parameters.append(f"{_KINDS[letter]} {register}")
@@ -151,8 +151,10 @@ class _Kernel(Statements):
             self.into.store(scalar, "%result", i)
         self.into.end("ret ptr null")
         name = f"{function.__name__}.{len(self._known)}"
-        parameters = [_pointer(f"%a{i}", of, " readonly") for i, of in enumerate(shapes)]
-        parameters.append(_pointer("%result", shape(result)))
+        parameters = [
+            _pointer(f"%a{i}", of, "" if of == POINTER else "noalias readonly") for i, of in enumerate(shapes)
+        ]
+        parameters.append(_pointer("%result", shape(result), "noalias"))
         self._module.define(f"internal ptr @{name}({', '.join(parameters)}) #1", self.into.text())
         self.into = outer
         return name, shape(result)
@@ -173,7 +175,7 @@ class _Kernel(Statements):
             self.frames.pop()
 
 
-def _pointer(register: str, of: Shape, attributes: str = "") -> str:
+def _pointer(register: str, of: Shape, attributes: str) -> str:
     """Return a parameter that points to a value of a shape, or to an array."""
-    behind = "" if of == POINTER else f" dereferenceable({8 * size(of)}) align 8"
-    return f"ptr noalias{attributes}{behind} {register}"
+    behind = "" if of == POINTER else f"dereferenceable({8 * size(of)}) align 8"
+    return f"ptr {attributes} {behind} {register}"

@@ -23,7 +23,6 @@ from forest_compile.ir.values import (
     Shape,
     Value,
     common_kind,
-    items,
     known,
     number,
     rebuilt,
@@ -202,9 +201,9 @@ class Function:
 
         Whether it is small enough for that is for others to see.
         """
-        constant = known(value)
         if value.kind == kind:
             return value
+        constant = known(value)
         if constant is not None and kind == INTEGER:
             return number(constant)
         if kind == BOOLEAN:
@@ -279,15 +278,3 @@ class Function:
     def _register(self, kind: str) -> Scalar:
         self._count += 1
         return Scalar(kind, f"%v{self._count}")
-
-
-def member(value: Value, index: int) -> Value:
-    """Return an item of a tuple.
-
-    Raises:
-        NotTranslatedError: it is none, or has no such item.
-    """
-    inner = items(value)
-    if not -len(inner) <= index < len(inner):
-        raise NotTranslatedError(f"there is no item {index} in a tuple of {len(inner)}")
-    return inner[index]

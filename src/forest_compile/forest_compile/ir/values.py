@@ -113,6 +113,18 @@ def items(value: Value) -> tuple[Value, ...]:
     return value.items
 
 
+def member(value: Value, index: int) -> Value:
+    """Return an item of a tuple.
+
+    Raises:
+        NotTranslatedError: it is none, or has no such item.
+    """
+    inner = items(value)
+    if not -len(inner) <= index < len(inner):
+        raise NotTranslatedError(f"there is no item {index} in a tuple of {len(inner)}")
+    return inner[index]
+
+
 def fields(value: Value) -> tuple[str, ...]:
     """Return the names of a NamedTuple's fields; none if it is something else."""
     return getattr(value.sort, "_fields", ()) if isinstance(value, Record) else ()

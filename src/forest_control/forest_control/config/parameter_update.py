@@ -1,17 +1,17 @@
-"""When parameters that were set while the crane moves take effect: one change fades before the next begins.
+"""Updates of parameters while the crane moves: one change fades before the next takes effect.
 
-A change keeps the command where it was and lets the difference fade (`handover`). Changes that come faster
-than that, from a slider that is dragged or a script that has gone mad, would hold the command up again and
-again, so that levers and servos hardly get through, and rock the crane. So they wait, and the newest counts.
+A change keeps the command where it was and lets the difference fade (`bumpless_transfer`). Changes
+that come faster, as from a slider that is dragged, would hold levers and servos off and rock the
+crane. So they wait, and the newest counts.
 """
 
 from forest_control.config.settings import Parameters
 
-SETTLED = 1.0  # [s] hand-overs fade in 0.2 s, the rocking of a swing in 1 s
+SETTLED = 1.0  # [s] between two changes: a transfer fades in 0.2 s, the rocking of a swing in 1 s
 
 
-class Retuning:
-    """The parameters in force.
+class ParameterUpdate:
+    """The parameters in force, and those that wait.
 
     Args:
         core: in force from the beginning.
@@ -19,22 +19,22 @@ class Retuning:
 
     def __init__(self, core: Parameters) -> None:
         self.core = core
-        self._wanted: Parameters | None = None
+        self._requested: Parameters | None = None
         self._since = SETTLED  # [s] since the last change
 
-    def want(self, core: Parameters) -> None:
-        """Note the parameters that shall be in force; what was noted before is forgotten."""
-        self._wanted = core
+    def request(self, core: Parameters) -> None:
+        """Request parameters; they replace those that wait."""
+        self._requested = core
 
-    def changes(self, resting: bool, dt: float) -> bool:
-        """Put what is wanted in force, if it is time; tell whether it was.
+    def apply_if_due(self, resting: bool, dt: float) -> bool:
+        """Put the requested parameters in force if it is time; tell whether that happened.
 
         Args:
             resting: nothing is commanded.
             dt: since the last time [s].
         """
         self._since += dt
-        if self._wanted is None or not (resting or self._since >= SETTLED):
+        if self._requested is None or not (resting or self._since >= SETTLED):
             return False
-        self.core, self._wanted, self._since = self._wanted, None, 0.0
+        self.core, self._requested, self._since = self._requested, None, 0.0
         return True

@@ -1,7 +1,7 @@
 """Operator profiles: stick curves, speeds, axis frame and mode of one person, in a file of theirs.
 
-A profile is a YAML mapping of some of the controller's settings (`KEYS`) to values; what it does not name is
-as in the shipped `default`. Shipped ones are named by their file, others by their path.
+A profile is a YAML mapping of some of the controller's settings (`KEYS`) to values; what it does
+not name is as in the shipped `default`. Shipped ones are named by their file, others by their path.
 """
 
 from typing import Any

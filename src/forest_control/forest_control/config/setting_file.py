@@ -1,7 +1,7 @@
-"""YAML files that people write for the controller, read while it may be moving a crane.
+"""YAML files of settings, read while the controller may be moving a crane.
 
-Whatever such a file is, a pipe, a picture, a page of brackets, the node goes on: one sentence says what is
-wrong with it.
+Whatever such a file is, be it a pipe, a picture or a page of brackets, the node goes on. One
+sentence says what is wrong with the file.
 """
 
 from importlib import resources
@@ -12,8 +12,8 @@ import yaml
 
 from forest_msgs_py.interfaces.yaml_text import parsed
 
-LARGEST = 1_000_000  # bytes
-SHOWN = 80  # characters of a value in a message
+LARGEST = 1_000_000  # [byte] of a file: a setting file has some hundred
+SHOWN = 80  # [1] characters of a value in a message: a line of a terminal
 
 
 class SettingFileError(ValueError):
@@ -27,7 +27,7 @@ def shipped_in(folder: str) -> tuple[str, ...]:
 
 
 def tree_of(kind: str, name: str, folder: str) -> Any:
-    """Return what stands in a shipped file, by its name, or in one of somebody's, by its path.
+    """Return the content of a shipped file, by its name, or of another, by its path.
 
     Args:
         kind: of file, as messages call it.

@@ -1,17 +1,17 @@
-"""What a user may set of the controller, and what its core makes of that and of the machine."""
+"""The controller's settings, and the parameters that its core takes from them and from the machine."""
 
 import math
 from typing import Annotated, NamedTuple
 
-from forest_control.limits.actuator_speed_limits import Capacity, capacity
+from forest_control.limits.actuator_speed_limits import SpeedLimitParameters, speed_limit_parameters
 from forest_control.limits.singularity import BENT
-from forest_control.limits.velocity_scaling import NO_AXIS, NO_STROKE, Axis, GovernorParameters, Pumps, Stroke
+from forest_control.limits.velocity_scaling import NO_AXIS, NO_STROKE, Axis, Pumps, Stroke, VelocityLimits
 from forest_control.limits.workspace import OPEN, Workspace
-from forest_control.operator.operator_profile import Frame, Hand, Mode
+from forest_control.operator.operator_profile import Frame, Mode, OperatorProfile
 from forest_control.servo.coordinated_servo import CoordinationParameters
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Gains, Scheme
-from forest_control.servo.swing_feedforward import swing_load
+from forest_control.servo.swing_feedforward import swing_model
 from forest_control.valve.valve_driver import axis_drivers
 from forest_control.valve.valve_driver_parameters import command_noise
 from forest_description.derived.actuator_kinematics import Linkages, displacements, rated_speeds
@@ -22,13 +22,14 @@ from forest_description.machine import Machine
 from forest_description.types import ZERO, Vec3
 from forest_msgs_py.runtime.parameter_table import tunable
 
-SMOOTHING = 0.01  # [s] of the reference's acceleration
-INTEGRAL_LIMIT = 0.1  # [rad/s] more than any valve is wrong by
-HOLD_ERROR = 1.5e-4  # [rad] above the resolvers' low-passed jitter; 1 mm of the tip
-RELEASE_ERROR = 3e-4  # [rad] 2 mm
-INCH, OVER_NOISE = 0.03, 1.25  # of the rated speed; of what the valve driver may take for noise
-CLOSEST = 0.03  # of the arm's length: how near the tip comes to the swing axis in tip schemes
-FLOW_RESERVE = 0.95  # of the pumps' flow: leakage and the loads' oil need the rest
+SMOOTHING = 0.01  # [s] time constant of the reference's acceleration: two periods; chosen
+INTEGRAL_LIMIT = 0.1  # [rad/s] of the integral: more than the error of any valve
+HOLD_ERROR = 1.5e-4  # [rad] at which a resting joint holds, 1 mm of the tip: above the resolvers' jitter
+RELEASE_ERROR = 3e-4  # [rad] at which it moves again: 2 mm of the tip
+INCH = 0.03  # [1] of the rated speed, for an inch: over the command's noise; chosen
+OVER_NOISE = 1.25  # [1] times the command's noise, at the least: the driver must take an inch for motion
+CLOSEST = 0.03  # [1] of the arm's length: how near the tip comes to the swing axis in tip schemes; chosen
+FLOW_RESERVE = 0.95  # [1] of the pumps' flow: leakage and the loads' oil need the rest; chosen
 
 
 class Settings(NamedTuple):
@@ -100,20 +101,20 @@ class Settings(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    """What the controller knows of machine and operator; numbers only, for a compiler."""
+    """Machine and settings, as the core takes them; numbers only, for a compiler."""
 
     scheme: int  # a `Scheme`
-    hand: Hand
+    profile: OperatorProfile
     gains: tuple[Gains, Gains, Gains]
     jacobian_at_joints: bool
-    governor: GovernorParameters
+    velocity_limits: VelocityLimits
     lead: float  # [rad] the reference may run ahead of the joint, so that a stalled joint does not wind up
     links: Links
     linkages: Linkages
     rated_speeds: Vec3  # [rad/s, m/s, m/s] of an ideal valve at its rated voltage
     rated_voltages: Vec3  # [V] of each axis' valve
     coordinated: CoordinationParameters
-    capacity: Capacity
+    speed_limits: SpeedLimitParameters
     workspace: Workspace
     position_source: int  # a `Source`
 
@@ -123,10 +124,10 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
     gains = _gains(settings, 0), _gains(settings, 1), _gains(settings, 2)
     return Parameters(
         scheme=int(settings.scheme),
-        hand=_hand(settings),
+        profile=_profile(settings),
         gains=gains,
         jacobian_at_joints=settings.jacobian_at_joints,
-        governor=_governor(machine, settings),
+        velocity_limits=_governor(machine, settings),
         lead=settings.lead,
         links=machine.manipulator.links,
         linkages=machine.linkages,
@@ -138,11 +139,11 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
         ),
         workspace=workspace,
         position_source=int(settings.position_source),
-        capacity=capacity(machine, axis_drivers(machine)),
+        speed_limits=speed_limit_parameters(machine, axis_drivers(machine)),
         coordinated=CoordinationParameters(
             gains=gains,
             integral=settings.integral_gain,
-            swing=swing_load(machine),
+            swing=swing_model(machine),
             load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
             smoothing=SMOOTHING,
             acceleration=settings.tip_acceleration,
@@ -162,9 +163,9 @@ def _inch(machine: Machine, axis: int) -> float:
     return share * rated_speeds(machine)[axis]
 
 
-def _hand(settings: Settings) -> Hand:
+def _profile(settings: Settings) -> OperatorProfile:
     v, most = settings.tip_speed, settings.axis_speed
-    return Hand(
+    return OperatorProfile(
         mode=int(settings.mode),
         frame=int(settings.axis_frame),
         deadzone=settings.deadzone,
@@ -186,7 +187,7 @@ def _gains(settings: Settings, i: int) -> Gains:
     )
 
 
-def _governor(machine: Machine, settings: Settings) -> GovernorParameters:
+def _governor(machine: Machine, settings: Settings) -> VelocityLimits:
     limits, margin = joint_limits(machine), settings.joint_margin
     lower, upper = [low + margin for low, _ in limits], [high - margin for _, high in limits]
     links, displaced = machine.manipulator.links, [displacements(machine, axis) for axis in range(3)]
@@ -200,7 +201,7 @@ def _governor(machine: Machine, settings: Settings) -> GovernorParameters:
         retracting=(displaced[0][1], displaced[1][1], displaced[2][1]),
         linkages=machine.linkages,
     )
-    return GovernorParameters(
+    return VelocityLimits(
         lower=(lower[0], lower[1], lower[2]),
         upper=(upper[0], upper[1], upper[2]),
         rates=settings.joint_rates,
@@ -223,7 +224,8 @@ def _stroke(lower: float, upper: float, linkage: Linkage) -> Stroke:
 def _regular(lower: float, upper: float) -> Interval:
     """Return the part of the stick's range [rad] on the side of the elbow that inverse kinematics takes.
 
-    A stick that can be straight or folded flat stops `BENT` before; a range that has none of that side stays.
+    A stick that can be straight or folded flat stops `BENT` before; a range that has none of that
+    side stays.
     """
     low, high = max(lower, -math.pi + BENT), min(upper, -BENT)
     return (low, high) if low < high else (lower, upper)

@@ -7,7 +7,7 @@
     margin: 0.1                                    # kept from all of them
     approach: 4                                    # 1/s, allowed speed per distance
 
-Every key may be absent; a file says beside each number where it comes from.
+Every key may be absent. Beside each number stands its source.
 """
 
 from typing import Any
@@ -16,9 +16,12 @@ from forest_control.config.setting_file import SettingFileError, is_number, ship
 from forest_control.limits.workspace import BOX, CYLINDER, MOST, NO_WALL, OPEN, PLANE, Wall, Workspace
 
 KEYS = ("ground", "stay_inside", "boxes", "cylinders", "margin", "approach", "description")
-FARTHEST = 1000.0  # [m]
-APPROACH = 4.0  # [1/s]
-LEAST_APPROACH, MOST_APPROACH = 0.1, 20.0  # [1/s]
+FARTHEST = 1000.0  # [m] of a coordinate: a number beyond has another unit
+WIDEST_MARGIN = 10.0  # [m] of the margin: a number beyond has another unit
+APPROACH = 4.0  # [1/s] allowed speed per distance to a wall where a file names none; chosen
+LEAST_APPROACH = 0.1  # [1/s] smallest of a file, as of the setting `approach`; chosen
+MOST_APPROACH = 20.0  # [1/s] greatest of a file, as of the setting `approach`; chosen
+LEAST_RADIUS = 0.001  # [m] of a cylinder: a smaller one is no obstacle
 
 
 def shipped() -> tuple[str, ...]:
@@ -45,7 +48,7 @@ class _Reader:
 
     def workspace(self, tree: Any) -> Workspace:
         self._keys(tree, KEYS, "")
-        margin = self._number(tree.get("margin", 0.0), "margin", 0.0, 10.0)
+        margin = self._number(tree.get("margin", 0.0), "margin", 0.0, WIDEST_MARGIN)
         approach = self._number(
             tree.get("approach", APPROACH), "approach", LEAST_APPROACH, MOST_APPROACH, "1/s"
         )
@@ -91,7 +94,7 @@ class _Reader:
     def _cylinder(self, tree: Any, key: str, margin: float) -> Wall:
         self._keys(tree, ("centre", "radius", "lower", "upper"), key, needed=True)
         x, y = self._point(tree["centre"], f"{key}.centre", 2)
-        radius = self._number(tree["radius"], f"{key}.radius", 0.001)
+        radius = self._number(tree["radius"], f"{key}.radius", LEAST_RADIUS)
         low, high = (self._number(tree[end], f"{key}.{end}") for end in ("lower", "upper"))
         if not low < high:
             self._refuse(f"{key}: lower {low:g} is not below upper {high:g}")

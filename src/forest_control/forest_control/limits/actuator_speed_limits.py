@@ -1,4 +1,4 @@
-"""How fast the valves can move the joints at a pose, against the crane's weight: what to ask for at most.
+"""Actuator speed limits: how fast the valves can move the joints at a pose, against the crane's weight.
 
 | symbol | name | unit |
 |---|---|---|
@@ -21,12 +21,12 @@ from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 
-RESERVE = 0.85  # of the greatest speed: feedback and another load than expected need the rest
-LEAST_SHARE = 0.1  # of the unloaded force, taken to remain under any load
+RESERVE = 0.85  # [1] of the greatest speed: feedback and another load than expected need the rest; chosen
+LEAST_SHARE = 0.1  # [1] of the unloaded force, taken to remain under any load: as the driver's minimum_drop
 
 
-class Capacity(NamedTuple):
-    """What the speeds depend on."""
+class SpeedLimitParameters(NamedTuple):
+    """What the greatest speeds depend on."""
 
     axes: tuple[AxisDriver, AxisDriver, AxisDriver]
     supply_pressure: float  # [Pa]
@@ -38,7 +38,7 @@ class Capacity(NamedTuple):
     linkages: Linkages
 
 
-def gravity_torques(q: Vec3, c: Capacity) -> tuple[float, float]:
+def gravity_torques(q: Vec3, c: SpeedLimitParameters) -> tuple[float, float]:
     """Return G of boom and stick [N m] on a level platform. Thesis eq. 3.15."""
     c_2, s_2 = math.cos(q[1]), math.sin(q[1])
     c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])
@@ -47,32 +47,36 @@ def gravity_torques(q: Vec3, c: Capacity) -> tuple[float, float]:
     return boom + c.stick_weight * c.boom_length * c_2 + stick, stick
 
 
-def greatest_rates(q: Vec3, wished: Vec3, c: Capacity, reach: Reach) -> Vec3:
-    """Return the joint rates [rad/s], not negative, that the valves can give in the wished directions.
+def joint_rate_limits(q: Vec3, rates: Vec3, c: SpeedLimitParameters, reach: Reach) -> Vec3:
+    """Return the joint rates [rad/s], not negative, that the valves can give in the commanded directions.
 
     Args:
         q: joint angles [rad].
-        wished: joint rates [rad/s]; their signs count.
+        rates: commanded joint rates [rad/s]; their signs count.
         c: what the speeds depend on.
         reach: parts of the file's openings that the valves reach.
     """
     boom_load, stick_load = gravity_torques(q, c)
     boom, stick = lever_arm(q[1], c.linkages[0]), lever_arm(q[2], c.linkages[1])
     return (
-        _greatest_rate(0, wished[0], 1.0, 0.0, c, reach),
-        _greatest_rate(1, wished[1], boom, boom_load, c, reach),
-        _greatest_rate(2, wished[2], stick, stick_load, c, reach),
+        _greatest_rate(0, rates[0], 1.0, 0.0, c, reach),
+        _greatest_rate(1, rates[1], boom, boom_load, c, reach),
+        _greatest_rate(2, rates[2], stick, stick_load, c, reach),
     )
 
 
-def _greatest_rate(i: int, wished: float, arm: float, torque: float, c: Capacity, reach: Reach) -> float:
-    """Return one joint's greatest rate [rad/s] in the wished direction, against a torque [N m]."""
-    direction = math.copysign(1.0, arm * wished)
+def _greatest_rate(
+    i: int, rate: float, arm: float, torque: float, c: SpeedLimitParameters, reach: Reach
+) -> float:
+    """Return one joint's greatest rate [rad/s] in its commanded direction, against a torque [N m]."""
+    direction = math.copysign(1.0, arm * rate)
     share = reach.forward[i] if direction > 0.0 else reach.backward[i]
     return RESERVE * _greatest_speed(direction, torque / arm, share, c.axes[i], c) / abs(arm)
 
 
-def _greatest_speed(direction: float, load: float, share: float, axis: AxisDriver, c: Capacity) -> float:
+def _greatest_speed(
+    direction: float, load: float, share: float, axis: AxisDriver, c: SpeedLimitParameters
+) -> float:
     """Return one actuator's speed [m/s; rad/s] at a share of the full opening: S goes with 1/share^2."""
     extends = direction > 0.0
     inlet = axis.displacement_1 if extends else axis.displacement_2
@@ -84,11 +88,13 @@ def _greatest_speed(direction: float, load: float, share: float, axis: AxisDrive
     return min(speed, c.flow_limit / inlet)
 
 
-def capacity(machine: Machine, axes: tuple[AxisDriver, AxisDriver, AxisDriver]) -> Capacity:
+def speed_limit_parameters(
+    machine: Machine, axes: tuple[AxisDriver, AxisDriver, AxisDriver]
+) -> SpeedLimitParameters:
     """Return the constants for a machine and its valve driver's axes."""
     m = machine.manipulator
     boom, stick = boom_body(m), stick_body(m)
-    return Capacity(
+    return SpeedLimitParameters(
         axes=axes,
         supply_pressure=machine.pump.supply_pressure,
         flow_limit=machine.pump.flow_limit,

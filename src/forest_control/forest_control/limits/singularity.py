@@ -1,8 +1,8 @@
 """The way out of a singular pose: joint rates where J has no inverse.
 
-On the swing axis no swing moves the tip sideways; with the stick straight or folded flat nothing moves it
-along the stick at first. A wish is then carried out as it would be at the nearest regular pose. The direction
-is not kept, but a joint moves, and a moment later J has its inverse again: nobody is trapped.
+On the swing axis no swing moves the tip sideways. With the stick straight or folded flat nothing
+moves the tip along the stick at first. A command is then carried out as at the nearest regular
+pose. The direction is not kept, but a joint moves, and J has its inverse again a moment later.
 
 | symbol | name | unit |
 |---|---|---|
@@ -15,11 +15,11 @@ import math
 from forest_description.geometry.kinematics import Links, is_singular, joint_rates
 from forest_description.types import Vec3
 
-BENT = 0.05  # [rad] of the stick from straight or flat, at the least
-ASIDE = 0.02  # |r| at the least, as a share of the arm's length
+BENT = 0.05  # [rad] least angle of the stick from straight or flat: 1/sin bounds J^-1 by 20; chosen
+ASIDE = 0.02  # [1] least |r| as a share of the arm's length; chosen, not measured
 
 
-def rates_anywhere(q: Vec3, velocity: Vec3, links: Links) -> Vec3:
+def rates_near_singularity(q: Vec3, velocity: Vec3, links: Links) -> Vec3:
     """Return J^-1(q) x' [rad/s] of a tip velocity x' [m/s]; if it is singular, that of the nearest pose."""
     if not is_singular(q, links):
         return joint_rates(q, velocity, links)

@@ -1,36 +1,40 @@
-"""What the machine can and may do, applied to the whole wish at once.
+"""Velocity scaling: what the machine can and may do, applied to all joint rates at once.
 
-One factor scales all joint rates together, so the tip slows down but keeps its direction. Moving away from a
-limit is never slowed.
+One factor scales all rates together, so the tip slows down but keeps its direction. Motion away
+from a limit is never slowed.
 
 | symbol | name | unit |
 |---|---|---|
-| a | wished joint rates | rad/s |
-| k | approach rate: allowed speed towards a limit per what is left of angle (swing) or stroke | 1/s |
+| a | commanded joint rates | rad/s |
+| k | approach rate: allowed speed towards a limit per angle (swing) or stroke left | 1/s |
 | alpha | the factor, 0..1 | |
 | x | length of a cylinder, pin to pin; its lever arm is dx/dq | m |
 | Q, A | flow of the pumps; area of an actuator's inlet (per angle: oil of the motor) | m^3/s; m^2, m^3/rad |
 | r | distance of the tip from the swing axis, negative behind it | m |
 
-Two singular places are kept like limits: the swing axis (no swing moves the tip sideways there), and a stick
-that is straight or folded flat; the latter bounds the stick's angles.
+Two singular places are kept like limits: the swing axis (no swing moves the tip sideways there),
+and a stick that is straight or folded flat; the latter bounds the stick's angles.
 """
 
 import math
 from enum import IntEnum
 from typing import NamedTuple
 
+from forest_control.limits.workspace import NEGLIGIBLE_SPEED
 from forest_description.derived.actuator_kinematics import Linkages
 from forest_description.geometry.kinematics import Links
 from forest_description.geometry.linkage import Linkage, length_and_arm, lever_arm
 from forest_description.types import Vec3
 
-NEGLIGIBLE_SPEED = 1e-6  # [m/s] likewise towards the swing axis
 NEGLIGIBLE_RATE = 1e-6  # [rad/s] up to this a joint does not count as moving: rounding must not stop others
+LEAST_ARM = 1e-3  # [m] of a cylinder's lever: beyond its dead point a linkage turns the other way
+CREEP = 2e-3  # [rad/s] no slower towards a limit: the joint arrives, and its valve can shut
+FAR_OFF = 2.5  # [1] times the command: a joint limit that allows more has no effect; chosen
+REACH_APPROACH = 2.0  # [1/s] k for the swing axis: that of boom and stick
 
 
 class Limit(IntEnum):
-    """What holds the wish back."""
+    """What scales the command down."""
 
     NONE = 0
     RATE = 1
@@ -38,7 +42,7 @@ class Limit(IntEnum):
     SINGULARITY = 3
     FLOW = 4  # of the pumps
     WALL = 5  # of the workspace
-    RELEASED = 6  # nobody holds the deadman, or the joystick is lost
+    RELEASED = 6  # the deadman is released, or the joystick is lost
 
 
 class Pumps(NamedTuple):
@@ -51,7 +55,7 @@ class Pumps(NamedTuple):
 
 
 class Stroke(NamedTuple):
-    """How far a cylinder may go; one that goes nowhere stands for a joint without."""
+    """The allowed lengths of a cylinder; an empty stroke stands for a joint without cylinder."""
 
     linkage: Linkage
     shortest: float  # x [m] at one of its joint's limits, margin included
@@ -69,13 +73,9 @@ _NO_LINKAGE = Linkage(1.0, 1.0, 0.0)
 ENOUGH = Pumps(math.inf, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (_NO_LINKAGE, _NO_LINKAGE))
 NO_STROKE = Stroke(_NO_LINKAGE, 0.0, 0.0)
 NO_AXIS = Axis(Links(0.0, 1.0, 1.0), 0.0)
-LEAST_ARM = 1e-3  # [m]
-CREEP = 2e-3  # [rad/s] no slower towards a limit: it arrives, and the valves can shut
-FAR_OFF = 2.5  # times the wish: a joint limit that allows more is not felt
-REACH_APPROACH = 2.0  # [1/s] k for the swing axis
 
 
-class GovernorParameters(NamedTuple):
+class VelocityLimits(NamedTuple):
     """Limits per joint, swing, boom, stick."""
 
     lower: Vec3  # [rad], margin included
@@ -87,46 +87,46 @@ class GovernorParameters(NamedTuple):
     strokes: tuple[Stroke, Stroke, Stroke] = (NO_STROKE, NO_STROKE, NO_STROKE)
 
 
-class Governed(NamedTuple):
+class VelocityScaling(NamedTuple):
     """The factor, and the limit that set it."""
 
     factor: float
     limit: Limit
 
 
-def govern(angles: Vec3, wished: Vec3, p: GovernorParameters) -> Governed:
-    """Return the factor 0..1 by which all wished joint rates [rad/s] must shrink at these angles [rad]."""
-    governed = Governed(1.0, Limit.NONE)
+def velocity_scaling(angles: Vec3, rates: Vec3, p: VelocityLimits) -> VelocityScaling:
+    """Return the factor 0..1 for all joint rates [rad/s] at joint angles [rad], and what sets it."""
+    scaling = VelocityScaling(1.0, Limit.NONE)
     for joint in range(3):
-        rate = wished[joint]
+        rate = rates[joint]
         if abs(rate) <= NEGLIGIBLE_RATE:
             continue
         room = p.upper[joint] - angles[joint] if rate > 0.0 else angles[joint] - p.lower[joint]
         towards_limit = p.approach[joint] * _way_left(room, angles[joint], rate > 0.0, p.strokes[joint])
         if towards_limit < CREEP:
             towards_limit = 0.0
-        governed = _at_most(governed, p.rates[joint], abs(rate), Limit.RATE)
-        governed = _at_most(governed, _softened(towards_limit, abs(rate)), abs(rate), Limit.JOINT)
-    governed = _at_most(governed, p.pumps.limit, flow_demand(angles, wished, p.pumps), Limit.FLOW)
+        scaling = _at_most(scaling, p.rates[joint], abs(rate), Limit.RATE)
+        scaling = _at_most(scaling, _softened(towards_limit, abs(rate)), abs(rate), Limit.JOINT)
+    scaling = _at_most(scaling, p.pumps.limit, flow_demand(angles, rates, p.pumps), Limit.FLOW)
     if p.axis.closest <= 0.0:
-        return governed
-    reach, inward = _towards_axis(angles, wished, p.axis.links)
+        return scaling
+    reach, inward = _towards_axis(angles, rates, p.axis.links)
     if inward <= NEGLIGIBLE_SPEED:
-        return governed
+        return scaling
     allowed = max(0.0, REACH_APPROACH * (reach - p.axis.closest))
-    return _at_most(governed, allowed, inward, Limit.SINGULARITY)
+    return _at_most(scaling, allowed, inward, Limit.SINGULARITY)
 
 
 def _way_left(room: float, angle: float, extends: bool, stroke: Stroke) -> float:
-    """Return the stroke that is left of a cylinder over its lever arm [rad]: what its end shall be damped by.
+    """Return the stroke that is left of a cylinder, over its lever arm [rad].
 
-    A cylinder slows down by its own stroke as in a damper at its end: x' = k (x_end - x). In angles alone it
-    would come too fast to an end near its dead point, where little stroke turns the joint far.
+    A cylinder slows down by its own stroke: x' = k (x_end - x). In angles alone it would come too
+    fast to an end near its dead point, where little stroke turns the joint far.
 
     Args:
         room: angle to the joint's limit [rad], which counts for a joint without cylinder.
         angle: of the joint [rad].
-        extends: the joint is wished upwards; its cylinder extends.
+        extends: the joint is commanded upwards; its cylinder extends.
         stroke: of its cylinder.
     """
     if stroke.longest <= stroke.shortest:
@@ -137,22 +137,22 @@ def _way_left(room: float, angle: float, extends: bool, stroke: Stroke) -> float
     return (stroke.longest - length if extends else length - stroke.shortest) / arm
 
 
-def _softened(allowed: float, wished: float) -> float:
-    """Return a rate [rad/s] below both: where a limit begins to count, a corner would make the crane rock."""
-    share = allowed / wished
+def _softened(allowed: float, rate: float) -> float:
+    """Return a rate [rad/s] below both, without the corner that would make the crane rock."""
+    share = allowed / rate
     if share >= FAR_OFF:
         return allowed
     # The cubic from (0, 0), slope 1, to (FAR_OFF, 1), slope 0.
     square = (2.0 * FAR_OFF - 3.0) / (FAR_OFF * FAR_OFF)
     cube = (2.0 * square * FAR_OFF - 1.0) / (3.0 * (FAR_OFF * FAR_OFF))
-    return wished * (share - square * share * share + cube * share * share * share)
+    return rate * (share - square * share * share + cube * share * share * share)
 
 
-def _at_most(governed: Governed, allowed: float, wished: float, limit: Limit) -> Governed:
-    """Return the stronger of a factor and the one that leaves of a wish what is allowed."""
-    if allowed < governed.factor * wished:
-        return Governed(allowed / wished, limit)
-    return governed
+def _at_most(scaling: VelocityScaling, allowed: float, asked: float, limit: Limit) -> VelocityScaling:
+    """Return the smaller of a factor and the one that leaves what is allowed of what is asked for."""
+    if allowed < scaling.factor * asked:
+        return VelocityScaling(allowed / asked, limit)
+    return scaling
 
 
 def flow_demand(q: Vec3, rates: Vec3, pumps: Pumps) -> float:

@@ -1,7 +1,7 @@
-"""A joystick's messages from a bag, to be said again.
+"""Joystick messages of a bag, to be published again.
 
-Time counts from the beginning of the recorded run: the first /clock if the bag has one (a run in lockstep),
-else the first joystick message. So a run in lockstep is repeated step by step, silences included.
+Time counts from the beginning of the recorded run: the first /clock of a run in lockstep, else the
+first joystick message. So a run in lockstep is repeated step by step, pauses included.
 """
 
 from bisect import bisect_right
@@ -19,7 +19,7 @@ SUFFIXES = (*READERS, ".zstd")
 
 
 class JoyRecord(NamedTuple):
-    """Serialized messages and when they were said [ns since the run began]."""
+    """Serialized messages and their times [ns since the run began]."""
 
     times_ns: tuple[int, ...]
     messages: tuple[bytes, ...]
@@ -42,7 +42,7 @@ def read_joy_record(path: Path) -> JoyRecord:
         LeverError: there is no bag, or no joystick in it.
     """
     stamps: dict[topics.Topic, list[int]] = {topics.JOY: [], topics.CLOCK: []}
-    said: list[bytes] = []
+    messages: list[bytes] = []
     try:
         with BagReader(path) as bag:
             rows = {name: topics.find(name) for name in bag.channels}
@@ -51,11 +51,11 @@ def read_joy_record(path: Path) -> JoyRecord:
                 assert row is not None
                 stamps[row].append(stamp_in(row.type, message.data))
                 if row == topics.JOY:
-                    said.append(message.data)
+                    messages.append(message.data)
     except (BagError, OSError) as error:
         raise LeverError(str(error)) from error
-    if not said:
+    if not messages:
         raise LeverError(f"{path} holds no message of a joystick on /joy; allowed: a bag with one")
     run = stamps[topics.CLOCK] or stamps[topics.JOY]
     times = tuple(stamp - run[0] for stamp in stamps[topics.JOY])
-    return JoyRecord(times, tuple(said), (run[-1] - run[0]) / NS_PER_S)
+    return JoyRecord(times, tuple(messages), (run[-1] - run[0]) / NS_PER_S)

@@ -1,16 +1,16 @@
-"""What goes wrong with a joystick, and when, as people write it: `lost from 3 s until 4 s; frozen from 6 s`.
+"""Faults of a joystick, as people write them: `lost from 3 s until 4 s; frozen from 6 s`.
 
 Faults stand one after the other, separated by `;` or a line's end. Each is a word
 
 | word | the joystick |
 |---|---|
-| `lost` | says nothing |
+| `lost` | publishes nothing |
 | `frozen` | repeats its last message under new stamps |
-| `released` | lets the deadman go, levers as they are |
+| `released` | releases the deadman, levers as they are |
 | `bad` | sends levers that are no numbers |
 
-and may end in `from NUMBER s`, `until NUMBER s` (or `to`), or both: time since the source's first message, in
-lockstep simulated time.
+and may end in `from NUMBER s`, `until NUMBER s` (or `to`), or both: time since the source's first
+message, in lockstep simulated time.
 """
 
 import math

@@ -1,11 +1,9 @@
 """Levers between the samples of a joystick that is slower than the controller.
 
-A joystick speaks 20 to 100 times a second, the controller steps 200 times, and neither on the dot. Levers
-held between two samples would be a staircase, and a scheme that looks at the wish's acceleration would throw
-the valves to and fro at every tread; so would a line to the newest sample, as often as that one is late. So
-the levers are read `DELAY` periods behind the present, where later samples are there already, on straight
-lines between the times at which the samples were said. The time that they are read at goes by the machine's
-stamps, which are even, and follows the clock slowly.
+A joystick publishes 20 to 100 times a second, the controller steps 200 times. Held levers would be
+a staircase: a scheme that feeds the command's acceleration forward would move the valves at every
+tread. So the levers are read `DELAY` periods in the past, on straight lines between the samples.
+The time t at which they are read goes by the machine's even stamps, and follows the clock slowly.
 
 | symbol | name | unit |
 |---|---|---|
@@ -13,7 +11,7 @@ stamps, which are even, and follows the clock slowly.
 | T | period of the joystick, averaged | s |
 | now | when the machine's state was sent, by the controller's clock | s |
 
-A joystick that speaks in every step, for that very step (lockstep), is followed at once.
+In lockstep a joystick publishes for the very step: it is followed without delay.
 """
 
 import math
@@ -21,74 +19,102 @@ from typing import NamedTuple
 
 from forest_control.operator.levers import REST, Levers
 
-LONGEST = 0.1  # [s] a lever that moves again after a pause must not creep
-DELAY = 2.0  # periods: a sample may be late by one
-AT_ONCE = 1.5  # controller periods: a joystick of this period or less may speak in every step
-AVERAGED = 0.2  # share of a new period in T
-FOLLOWING = 0.2  # [s] in which t comes back to where it should be
-ASTRAY = 0.3  # [s] off: the clock was set, or the controller stood still
-KNOTS = 6  # samples that are kept
+LONGEST_LINE = 0.1  # [s] longest line between two samples: a lever that moves after a pause must not creep
+DELAY = 2.0  # [1] periods T that t is behind: a sample may be late by one
+AT_ONCE = 1.5  # [1] controller periods: a joystick of at most this period may be one in lockstep
+PERIOD_WEIGHT = 0.2  # [1] weight of a new period in the average T: chosen; not measured
+CLOCK_LAG = 0.2  # [s] time constant with which t follows the clock: chosen; not measured
+ASTRAY = 0.3  # [s] error of t from which it is set anew: the clock was set, or the controller stalled
 
 
 class Knot(NamedTuple):
-    """A sample and when it was said [s]."""
+    """A sample and when it was sent [s]."""
 
     time: float
     levers: Levers
 
 
-class LeverHold(NamedTuple):
-    """Where the levers are between samples."""
+# Samples that are kept: more than `DELAY` periods hold.
+Knots = tuple[Knot, Knot, Knot, Knot, Knot, Knot]
+
+
+class InterpolatedLevers(NamedTuple):
+    """The levers between samples, and what they are read from."""
 
     levers: Levers
-    knots: tuple[Knot, ...] = ()  # oldest first
+    knots: Knots  # oldest first; of fewer samples the oldest stands several times
     period: float = 0.0  # T [s]
     at: float = -math.inf  # t [s]
 
 
-CENTRED = LeverHold(REST)
+NO_KNOT = Knot(-math.inf, REST)
+CENTRED = InterpolatedLevers(REST, (NO_KNOT, NO_KNOT, NO_KNOT, NO_KNOT, NO_KNOT, NO_KNOT))
 
 
-def advanced(hold: LeverHold, newest: Levers, said: float, now: float, dt: float) -> LeverHold:
+def interpolated(
+    before: InterpolatedLevers, newest: Levers, sent: float, now: float, dt: float
+) -> InterpolatedLevers:
     """Return the levers dt [s] on.
 
     Args:
-        hold: as it was.
+        before: as they were.
         newest: sample of the joystick.
-        said: when, by the controller's clock [s].
+        sent: when, by the controller's clock [s].
         now: when the machine's state was sent, by the same clock [s].
         dt: of the controller, by the machine's time [s].
     """
-    knots, period = hold.knots, hold.period
-    if not knots:
-        knots = (Knot(said, newest),)
-    elif said > knots[-1].time:
-        knots, period = _with(Knot(said, newest), knots, period)
-    elif newest != knots[-1].levers:  # it is not believed any more
-        knots = (*knots[:-1], Knot(knots[-1].time, newest))
-    if said == now and period <= AT_ONCE * dt:
-        return LeverHold(newest, knots, period, now)
+    knots, period, last = before.knots, before.period, before.knots[5]
+    if last.time == -math.inf:
+        knots = _filled(Knot(sent, newest))
+    elif sent > last.time:
+        period = _averaged(period, sent - last.time)
+        knots = _with(Knot(sent, newest), knots)
+    elif newest != last.levers:  # the watch does not believe the newest sample
+        one, two, three, four, five, six = knots
+        knots = (
+            _corrected(one, last, newest),
+            _corrected(two, last, newest),
+            _corrected(three, last, newest),
+            _corrected(four, last, newest),
+            _corrected(five, last, newest),
+            _corrected(six, last, newest),
+        )
+    if sent == now and period <= AT_ONCE * dt:
+        return InterpolatedLevers(newest, knots, period, now)
     aim = now - DELAY * period
-    off = aim - (hold.at + dt)
-    on_time = abs(off) < ASTRAY and hold.period > 0.0
-    at = hold.at + dt + dt / FOLLOWING * off if on_time else aim
-    return LeverHold(_read(knots, at), knots, period, at)
+    off = aim - (before.at + dt)
+    on_time = abs(off) < ASTRAY and before.period > 0.0
+    at = before.at + dt + dt / CLOCK_LAG * off if on_time else aim
+    return InterpolatedLevers(_read(knots, at), knots, period, at)
 
 
-def _with(knot: Knot, knots: tuple[Knot, ...], period: float) -> tuple[tuple[Knot, ...], float]:
-    """Return the knots with a new one, and the joystick's period [s]."""
-    gap = knot.time - knots[-1].time
-    lasted = min(gap, LONGEST)
-    if gap > LONGEST:  # what was said last held until shortly before
-        knots = (Knot(knot.time - LONGEST, knots[-1].levers),)
-    period = lasted if period == 0.0 else period + AVERAGED * (lasted - period)
-    return (*knots[1 - KNOTS :], knot), period
+def _averaged(period: float, gap: float) -> float:
+    """Return the joystick's period [s] after a gap [s] between two samples."""
+    lasted = min(gap, LONGEST_LINE)
+    return lasted if period == 0.0 else period + PERIOD_WEIGHT * (lasted - period)
 
 
-def _read(knots: tuple[Knot, ...], time: float) -> Levers:
+def _with(knot: Knot, knots: Knots) -> Knots:
+    """Return the knots with a new one."""
+    if knot.time - knots[5].time > LONGEST_LINE:  # the last sample held until shortly before this one
+        knots = _filled(Knot(knot.time - LONGEST_LINE, knots[5].levers))
+    return knots[1], knots[2], knots[3], knots[4], knots[5], knot
+
+
+def _filled(knot: Knot) -> Knots:
+    return knot, knot, knot, knot, knot, knot
+
+
+def _corrected(knot: Knot, last: Knot, newest: Levers) -> Knot:
+    """Return a knot, with other levers if it is the last one."""
+    return Knot(knot.time, newest) if knot.time == last.time else knot
+
+
+def _read(knots: Knots, time: float) -> Levers:
     """Return the levers at a time [s]; before the first sample and after the last one they stand still."""
     before = knots[0]
-    for after in knots:
+    for i in range(6):
+        after = knots[i]
         if after.time >= time:
             span = after.time - before.time
             share = (time - before.time) / span if span > 0.0 else 0.0

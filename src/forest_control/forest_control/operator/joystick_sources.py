@@ -1,25 +1,21 @@
-"""Joystick inputs as functions of time: the thesis' test input, and a person's recorded levers."""
+"""Levers as functions of time: the thesis' test input, and a person's recorded levers."""
 
 import math
 from bisect import bisect_right
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
-from forest_control.operator.joystick_interpolation import LONGEST as LONGEST_LINE
-from forest_control.operator.joystick_interpolation import between
+from forest_control.operator.joystick_interpolation import LONGEST_LINE, between
 from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, Levers, levers_for_tip_velocity
-from forest_description.types import Vec3
+from forest_description.types import AXES, Vec3
 from forest_msgs_py.interfaces.csv_text import Column, read_rows
 from forest_msgs_py.runtime.parameter_table import Parameter
 
-THESIS_DURATION = 10.0  # [s] of the figures
-LEAD_IN = 0.5  # [s] at rest, deadman held, before a source plays: recorders come late on a busy computer
-LEAD_OUT = 0.3  # [s] at rest with the deadman released, after it
-LONGEST = 86400.0  # [s]
-COLUMNS = (
-    Column("time_s", 0.0, LONGEST),
-    *(Column(axis, -1.0, 1.0) for axis in ("swing", "boom", "stick")),
-)
+THESIS_DURATION = 10.0  # [s] of the test input: the time axis of Thesis fig. 5.4 to 5.9
+LEAD_IN = 0.5  # [s] at rest, deadman held, before a source plays: a recorder may subscribe late
+LEAD_OUT = 0.3  # [s] at rest, deadman released, after it; chosen, not measured
+LONGEST = 86400.0  # [s] of a source: a day; a longer one has other units
+COLUMNS = (Column("time_s", 0.0, LONGEST), *(Column(axis, -1.0, 1.0) for axis in AXES))
 
 
 class LeverError(ValueError):
@@ -27,9 +23,10 @@ class LeverError(ValueError):
 
 
 def thesis_tip_velocity(time: float) -> Vec3:
-    """Return the wished tip velocity [m/s] of the thesis' evaluation at a time [s]. Thesis section 5.2.
+    """Return the tip velocity command [m/s] of the thesis' evaluation at a time [s]. Thesis section 5.2.
 
-    Steps in x and z at different times and a sinusoid in y; amplitudes: docs/explanation/equations.md.
+    Steps in x and z at different times and a sinusoid in y; amplitudes as read in
+    docs/explanation/equations.md.
     """
     x = 0.30 if 1.0 <= time < 4.0 else 0.0
     z = 0.25 if 2.5 <= time < 5.5 else 0.0
@@ -37,7 +34,7 @@ def thesis_tip_velocity(time: float) -> Vec3:
 
 
 def thesis_levers(time: float, tip_speed: float) -> Levers:
-    """Return the levers for the thesis' input; `tip_speed` [m/s] is what a full deflection wishes."""
+    """Return the levers for the thesis' input; a full deflection asks for `tip_speed` [m/s]."""
     return levers_for_tip_velocity(thesis_tip_velocity(time), tip_speed)
 
 
@@ -58,7 +55,7 @@ class JoystickParameters(NamedTuple):
 
 
 class LeverRecord(NamedTuple):
-    """Rows of a lever file: samples of a hand that moved between them, too."""
+    """Rows of a lever file."""
 
     times: tuple[float, ...]  # [s]
     levers: tuple[Levers, ...]
@@ -67,8 +64,8 @@ class LeverRecord(NamedTuple):
     def at(self, time: float) -> Levers:
         """Return the levers at a time [s]; rest before the first row and after the last.
 
-        They go on a line from row to row. A row that is followed late, as in a log of changes or a list of
-        steps, holds until `lever_hold.LONGEST` before the next.
+        They go on straight lines from row to row. Before a longer gap, as in a list of steps, a row
+        holds until `LONGEST_LINE` before the next.
         """
         row = bisect_right(self.times, time) - 1
         if row < 0 or time > self.times[-1]:
@@ -86,5 +83,5 @@ def read_levers(path: Path) -> LeverRecord:
     Raises:
         LeverError: the file cannot be read, or a line does not fit.
     """
-    numbers = read_rows(path, COLUMNS, LeverError)
-    return LeverRecord(tuple(n[0] for n in numbers), tuple(Levers(*n[1:]) for n in numbers))
+    rows = read_rows(path, COLUMNS, LeverError)
+    return LeverRecord(tuple(n[0] for n in rows), tuple(Levers(*n[1:]) for n in rows))

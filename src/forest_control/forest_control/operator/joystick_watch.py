@@ -1,19 +1,23 @@
-"""Whether a joystick may be believed: silent, frozen, or alive; and when its levers may move something.
+"""The watch over a joystick: silent, frozen or alive; and when its levers may move something.
 
-A sample counts as new when its stamp is later than the last one's (a stamp of zero is none) and, where its
-source counts a heartbeat, when the count has changed. No new sample for `timeout`: the joystick is lost.
+A sample counts as new when its stamp is later than the last one's (a stamp of zero is none) and,
+where its source counts a heartbeat, when the count has changed. No new sample for `joy_timeout`: the
+joystick is lost.
 
-A joystick without heartbeat that repeats one sample to the last bit is a hand that holds still, or a device
-that hangs. Its own past tells them apart. A converter with noise is restless: in play it never says the same
-for `HOLD`. In play means that a lever is off its rest and off its end, where a driver's deadzone and the
-clamp to 1 hide the noise. After R seconds of such play it is frozen when still for `EVIDENCE` / R, `QUICK` at
-the least. A joystick that ever held still for longer, and then moved, may do so again. It, and one not known
-yet, is frozen after `frozen_timeout`. Any axis or button that changes shows life. Still near the centre, the
-levers count as centred.
+A joystick without heartbeat that repeats one sample to the last bit is held still, or it hangs. Its
+own past tells them apart. A converter with noise is restless: in play it never repeats a sample for
+`HOLD`. In play means that a lever is off its rest and off its end, where a driver's deadzone and
+the clamp to 1 hide the noise.
 
-Levers move something only while armed. Arming needs a live joystick, the deadman held, and all levers
-centred; whatever stops the crane disarms. So a deadman that is pressed with a deflected lever, and a joystick
-that comes back deflected, move nothing until the levers have been centred.
+- After R seconds of restless play a joystick is frozen when still for `EVIDENCE` / R, `QUICK` at
+  the least.
+- One that ever held still for longer, and then moved, may do so again: it is frozen after
+  `frozen_timeout`. So is one that is not known yet.
+- Any axis or button that changes shows life. Still near the centre, the levers count as centred.
+
+Levers move something only while armed. Arming needs a live joystick, the deadman held, and all
+levers centred; whatever stops the crane disarms. So a deadman that is pressed with a deflected
+lever, and a joystick that comes back deflected, move nothing until the levers have been centred.
 
 | symbol | name | unit |
 |---|---|---|
@@ -22,8 +26,8 @@ that comes back deflected, move nothing until the levers have been centred.
 | heartbeat | the source's count; `NO_HEARTBEAT` where it has none | 1 |
 | centre | deflection up to which a lever counts as centred | 1 |
 
-A stamp that goes back is out of order: the sample is dropped, but a released deadman in it counts. Only a
-joystick that is lost may begin anew.
+A stamp that goes back is out of order: the sample is dropped, but a released deadman in it counts.
+Only a joystick that is lost may begin anew.
 """
 
 import math
@@ -34,13 +38,13 @@ from forest_control.operator.levers import REST as CENTRED
 from forest_control.operator.levers import Levers, levers_from_axes
 from forest_msgs_py.runtime.parameter_table import Parameter
 
-NO_HEARTBEAT = -1
-NO_STAMP = 0  # [ns]
+NO_HEARTBEAT = -1  # [1] count of a source without heartbeat: no count is negative
+NO_STAMP = 0  # [ns] stamp of a message without one: ROS's default
 HEARTBEAT = "heartbeat:"  # what a Joy's frame_id begins with; a decimal count follows
-HOLD = 0.25  # [s] still in play for longer: this joystick may hold still
-QUICK = 0.5  # [s] two holds
-EVIDENCE = 20.0  # [s^2] 10 s of restless play: frozen after 2 s; 40 s: after 0.5 s
-MAY_HOLD_STILL = -math.inf  # restless play of a joystick that did [s]
+HOLD = 0.25  # [s] stillness in play that noise never shows: five samples of a joystick at 20 Hz
+QUICK = 0.5  # [s] shortest stillness that counts as frozen: two holds
+EVIDENCE = 20.0  # [s^2] play times stillness: frozen after 2 s for 10 s of restless play; chosen
+MAY_HOLD_STILL = -math.inf  # [s] restless play of a joystick that held still: never enough
 
 
 class Joystick(IntEnum):
@@ -48,7 +52,7 @@ class Joystick(IntEnum):
 
     SILENT = 0  # nothing has come yet
     ALIVE = 1
-    LOST = 2  # nothing new for `timeout`
+    LOST = 2  # nothing new for `joy_timeout`
     FROZEN = 3  # deflected, and still for too long
     BAD = 4  # the last sample cannot be read
 
@@ -68,60 +72,48 @@ class Sample(NamedTuple):
     """One sample of a joystick."""
 
     received: float  # [s] when it was sent, by the local clock
-    stamp: int  # [ns]; `NO_STAMP`: it carries none
-    heartbeat: int
-    same: bool  # all axes and buttons as in the sample before, to the last bit
-    good: bool  # it could be read
-    levers: Levers
-    held: bool  # the deadman
+    stamp: int = NO_STAMP  # [ns]
+    heartbeat: int = NO_HEARTBEAT
+    same: bool = False  # all axes and buttons as in the sample before, to the last bit
+    good: bool = False  # it could be read
+    levers: Levers = CENTRED
+    held: bool = False  # the deadman
 
 
 class Watch(NamedTuple):
     """What is remembered between samples."""
 
-    joystick: Joystick
-    stamp: int  # [ns] of the newest sample
-    heartbeat: int
-    fresh_since: float  # [s] when the newest new sample was sent
-    moved: float  # [s] when axes or buttons last changed, or the heartbeat showed life
-    restless: float  # [s] in play without a hold, or `MAY_HOLD_STILL`
-    repeats: bool  # it has said the same twice: its driver has a clock of its own
-    levers: Levers
-    held: bool
-    armed: bool
-    out_of_order: int  # samples dropped so far
+    joystick: Joystick = Joystick.SILENT
+    stamp: int = NO_STAMP  # [ns] of the newest sample
+    heartbeat: int = NO_HEARTBEAT
+    fresh_since: float = -math.inf  # [s] when the newest new sample was sent
+    moved: float = -math.inf  # [s] when axes or buttons last changed, or the heartbeat showed life
+    restless: float = 0.0  # [s] in play without a hold, or `MAY_HOLD_STILL`
+    repeats: bool = False  # it has sent the same twice: its driver has a clock of its own
+    levers: Levers = CENTRED
+    held: bool = False
+    armed: bool = False
+    out_of_order: int = 0  # samples dropped so far
 
 
-REST = Watch(
-    joystick=Joystick.SILENT,
-    stamp=NO_STAMP,
-    heartbeat=NO_HEARTBEAT,
-    fresh_since=-math.inf,
-    moved=-math.inf,
-    restless=0.0,
-    repeats=False,
-    levers=CENTRED,
-    held=False,
-    armed=False,
-    out_of_order=0,
-)
+REST = Watch()
 
 
 class Operator(NamedTuple):
-    """What the controller may act on."""
+    """The levers that the controller may act on."""
 
     levers: Levers
     enabled: bool
 
 
-def heed(watch: Watch, sample: Sample) -> Watch:
+def updated_watch(watch: Watch, sample: Sample) -> Watch:
     """Take in one sample, oldest first."""
     if not sample.good:
         return watch._replace(
             joystick=Joystick.BAD, fresh_since=sample.received, levers=CENTRED, held=False, armed=False
         )
     stamped, beats = sample.stamp != NO_STAMP, sample.heartbeat != NO_HEARTBEAT
-    still_held = watch.held and sample.held  # a release is obeyed in any order
+    still_held = watch.held and sample.held  # a release counts in any order
     if (stamped and sample.stamp == watch.stamp) or (beats and sample.heartbeat == watch.heartbeat):
         return watch._replace(held=still_held, armed=watch.armed and still_held)
     if stamped and sample.stamp < watch.stamp and watch.joystick == Joystick.ALIVE:
@@ -138,11 +130,11 @@ def heed(watch: Watch, sample: Sample) -> Watch:
         repeats=watch.repeats or sample.same,
         levers=sample.levers,
         held=sample.held,
-        armed=watch.armed and sample.held,  # a release between two judgements counts
+        armed=watch.armed and sample.held,  # a release between two steps counts
     )
 
 
-def judge(watch: Watch, now: float, allowed: bool, p: WatchParameters) -> tuple[Watch, Operator]:
+def assessed_watch(watch: Watch, now: float, allowed: bool, p: WatchParameters) -> tuple[Watch, Operator]:
     """Return the watch at a time [s], and what the controller may act on.
 
     Args:
@@ -154,7 +146,7 @@ def judge(watch: Watch, now: float, allowed: bool, p: WatchParameters) -> tuple[
     watch = watch._replace(joystick=_judged(watch, now, p))
     if watch.joystick != Joystick.ALIVE or not watch.held or not allowed:
         return watch._replace(armed=False), Operator(CENTRED, False)
-    resting = _is_still(watch, now, p)  # and centred, or it were frozen
+    resting = _is_still(watch, now, p)  # and centred, or it would be frozen
     levers = CENTRED if resting else watch.levers
     if not watch.armed and not is_centred(levers, p.centre):
         return watch, Operator(CENTRED, False)
@@ -167,9 +159,10 @@ def is_centred(levers: Levers, centre: float) -> bool:
 
 
 def is_released(watch: Watch, centre: float) -> bool:
-    """Tell whether the joystick's last words were: deadman released, levers centred. A reset needs them.
+    """Tell whether the last sample has the deadman released and the levers centred, as a reset needs.
 
-    A joystick that has never spoken counts: before it can move anything, it must be centred, too.
+    A joystick that has never published counts: before it can move anything, it must be centred,
+    too.
     """
     believed = watch.joystick not in (Joystick.BAD, Joystick.FROZEN)
     return believed and not watch.held and is_centred(watch.levers, centre)
@@ -189,14 +182,14 @@ def _judged(watch: Watch, now: float, p: WatchParameters) -> Joystick:
 
 def _is_still(watch: Watch, now: float, p: WatchParameters) -> bool:
     """Tell whether nothing has changed for too long to be a hand on this joystick."""
-    patience = p.frozen_timeout
+    timeout = p.frozen_timeout
     if in_play(watch.levers) and watch.restless > 0.0:
-        patience = min(patience, max(QUICK, EVIDENCE / watch.restless))
-    return p.frozen_timeout > 0.0 and now - watch.moved >= patience
+        timeout = min(timeout, max(QUICK, EVIDENCE / watch.restless))
+    return p.frozen_timeout > 0.0 and now - watch.moved >= timeout
 
 
 def _learnt(watch: Watch, now: float) -> float:
-    """Return the restless play [s], now that axes or buttons have changed."""
+    """Return the restless play [s], after axes or buttons have changed."""
     if not in_play(watch.levers):
         return watch.restless
     if watch.joystick == Joystick.FROZEN:  # what hung may hang again: it has not shown that it may hold still
@@ -215,7 +208,7 @@ def _in_play(lever: float) -> bool:
     return 0.0 < abs(lever) < 1.0
 
 
-def problem_of(watch: Watch) -> str:
+def problem_text(watch: Watch) -> str:
     """Return what is wrong with the joystick, in one sentence; "": nothing."""
     silent_driver = watch.joystick == Joystick.LOST and not watch.repeats
     return PROBLEMS[watch.joystick] + (NEVER_REPEATS if silent_driver else "")
@@ -223,7 +216,7 @@ def problem_of(watch: Watch) -> str:
 
 NEVER_REPEATS = "; its driver never repeats a sample: let it (of joy: autorepeat_rate, 20 Hz or more)"
 PROBLEMS = {
-    Joystick.SILENT: "",  # before the first sample, and with the deadman released, nobody is missed
+    Joystick.SILENT: "",  # before the first sample, and with the deadman released, none is missed
     Joystick.ALIVE: "",
     Joystick.LOST: "joystick: nothing new for longer than joy_timeout",
     Joystick.FROZEN: "joystick: held still to the last bit for too long; a heartbeat in frame_id may",
@@ -231,7 +224,7 @@ PROBLEMS = {
 }
 
 
-def sample_of(
+def joystick_sample(
     stamp: int,
     frame: str,
     received: float,
@@ -262,17 +255,9 @@ def sample_of(
     )
 
 
-def bad_sample(received: float) -> Sample:
+def unreadable_sample(received: float) -> Sample:
     """Return what stands for a message that cannot be read."""
-    return Sample(
-        received=received,
-        stamp=NO_STAMP,
-        heartbeat=NO_HEARTBEAT,
-        same=False,
-        good=False,
-        levers=CENTRED,
-        held=False,
-    )
+    return Sample(received)
 
 
 def heartbeat_of(frame: str) -> int:

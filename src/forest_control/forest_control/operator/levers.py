@@ -6,17 +6,20 @@
 | left_y, up positive | tip away, +x | stick out |
 | right_y, up positive | tip up, +z | boom up |
 
-The deadman is a button that must be held (left shoulder by default): without it, everything stands still.
+The deadman is a button that must be held (left shoulder by default): without it, everything stands
+still.
 """
 
 from typing import NamedTuple
 
 from forest_description.types import Vec3
 
-LEFT_X, LEFT_Y, RIGHT_Y = 0, 1, 3
-AXIS_COUNT = 6
-BUTTON_COUNT = 21
-LEFT_SHOULDER = 9
+LEFT_X = 0  # [1] index in Joy.axes: order of ROS's game_controller_node
+LEFT_Y = 1  # [1] index in Joy.axes: order of ROS's game_controller_node
+RIGHT_Y = 3  # [1] index in Joy.axes: order of ROS's game_controller_node
+AXIS_COUNT = 6  # [1] axes of a Joy message: those of ROS's game_controller_node
+BUTTON_COUNT = 21  # [1] buttons of a Joy message: those of ROS's game_controller_node
+LEFT_SHOULDER = 9  # [1] index in Joy.buttons: order of ROS's game_controller_node
 
 
 class Levers(NamedTuple):
@@ -47,10 +50,10 @@ def axes_from_levers(levers: Levers) -> tuple[float, ...]:
 
 
 def levers_for_tip_velocity(velocity: Vec3, speed: float) -> Levers:
-    """Return the levers that wish a tip velocity [m/s]; straight stick curves, Cartesian frame."""
+    """Return the levers that ask for a tip velocity [m/s]; straight stick curves, Cartesian frame."""
     return Levers(velocity[1] / speed, velocity[2] / speed, velocity[0] / speed)
 
 
-def joint_rate_wish(levers: Levers, rates: Vec3) -> Vec3:
-    """Return the wished joint rates [rad/s]; a full deflection is the joint's entry in `rates`."""
+def rate_mode_rates(levers: Levers, rates: Vec3) -> Vec3:
+    """Return the joint rates [rad/s] of levers; a full deflection is the joint's entry in `rates`."""
     return levers.swing * rates[0], levers.boom * rates[1], levers.stick * rates[2]

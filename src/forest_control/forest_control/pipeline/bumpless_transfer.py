@@ -9,8 +9,8 @@ from forest_control.config.settings import Parameters
 from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, REST, Inputs, State, minus
 from forest_control.pipeline.stop_profile import NO_STOP
 from forest_control.servo import coordinated_servo
-from forest_control.servo.joint_angle_filter import Correction
-from forest_control.servo.schemes import Scheme, closes_on_position, decayed, reference_that_gives
+from forest_control.servo.joint_angle_filter import AngleCorrection
+from forest_control.servo.schemes import Scheme, closes_on_position, decayed, reference_for_rate
 from forest_description.geometry.kinematics import joint_rates, tip_velocity
 from forest_description.types import ZERO, Vec3
 
@@ -19,7 +19,9 @@ FADE_TIME = 0.2  # [s] in which the difference between two schemes' commands fad
 
 def begun(state: State, s: Vec3) -> State:
     """Return the state of a machine that begins to move from rest at measured angles [rad]."""
-    return REST._replace(reference=s, enabled=True, correction=state.correction, strains=state.strains)
+    return REST._replace(
+        reference=s, enabled=True, correction=state.correction, tracking_limits=state.tracking_limits
+    )
 
 
 def resumed(state: State) -> State:
@@ -29,11 +31,11 @@ def resumed(state: State) -> State:
 
 def clutched(state: State, s: Vec3, p: Parameters) -> State:
     """Return the state with the clutch where the machine is, if another mode was in force."""
-    if state.mode == p.hand.mode:
+    if state.mode == p.profile.mode:
         return state
     clutch = state.reference if closes_on_position(p.scheme) else s
     changed = state.changed or state.mode != NO_MODE
-    return state._replace(mode=p.hand.mode, clutch=clutch, changed=changed)
+    return state._replace(mode=p.profile.mode, clutch=clutch, changed=changed)
 
 
 def taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
@@ -43,9 +45,9 @@ def taken_over(state: State, inputs: Inputs, p: Parameters) -> State:
     r = s
     if closes_on_position(p.scheme) and (still or p.scheme != Scheme.COORDINATED):
         r = (
-            reference_that_gives(p.scheme, u[0], s[0], v[0], g[0]),
-            reference_that_gives(p.scheme, u[1], s[1], v[1], g[1]),
-            reference_that_gives(p.scheme, u[2], s[2], v[2], g[2]),
+            reference_for_rate(p.scheme, u[0], s[0], v[0], g[0]),
+            reference_for_rate(p.scheme, u[1], s[1], v[1], g[1]),
+            reference_for_rate(p.scheme, u[2], s[2], v[2], g[2]),
         )
     a = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
     velocity = tip_velocity(s, a, p.links) if state.scheme == Scheme.JOINT else state.memory.velocity
@@ -62,7 +64,7 @@ def _is_rest(memory: coordinated_servo.Memory) -> bool:
     return memory.swing.a == 0.0 and memory.boom.a == 0.0 and memory.stick.a == 0.0
 
 
-def relearnt(state: State, correction: Correction) -> State:
+def relearnt(state: State, correction: AngleCorrection) -> State:
     """Return the state whose resting reference goes with the correction: no tip moves for what is learnt."""
     if not (state.enabled and correction.used) or state.memory.velocity != ZERO:
         return state
@@ -108,5 +110,5 @@ def within_lead(r: Vec3, before: Vec3, s: Vec3, p: Parameters) -> Vec3:
 
 
 def _within_lead(r: float, before: float, s: float, i: int, p: Parameters) -> float:
-    lower, upper = min(p.governor.lower[i], before), max(p.governor.upper[i], before)
+    lower, upper = min(p.velocity_limits.lower[i], before), max(p.velocity_limits.upper[i], before)
     return max(lower, min(upper, max(s - p.lead, min(s + p.lead, r))))

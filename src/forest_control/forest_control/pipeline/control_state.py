@@ -3,17 +3,17 @@
 from enum import IntEnum
 from typing import NamedTuple
 
-from forest_control.limits.velocity_scaling import Governed
+from forest_control.limits.velocity_scaling import VelocityScaling
 from forest_control.operator.levers import Levers
 from forest_control.pipeline.stop_profile import NO_STOP, Stop
 from forest_control.safety.driver_response import DriverSample
 from forest_control.servo import coordinated_servo
 from forest_control.servo.joint_angle_filter import NONE as NO_CORRECTION
-from forest_control.servo.joint_angle_filter import UNREAD, Correction, Lengths
-from forest_control.valve.tracking_limit import FULL, RELAXED, Reach, Strains
+from forest_control.servo.joint_angle_filter import UNREAD, AngleCorrection, Lengths
+from forest_control.valve.tracking_limit import FULL, NO_TRACKING_LIMIT, Reach, TrackingLimits
 from forest_description.types import ZERO, Vec3
 
-NO_SCHEME = NO_MODE = -1
+NO_SCHEME = NO_MODE = -1  # [1] of an enumeration, before the first step: no member's number
 
 
 class State(NamedTuple):
@@ -29,8 +29,8 @@ class State(NamedTuple):
     clutch: Vec3 = ZERO  # [rad] the pose that position mode moves about
     changed: bool = False  # a parameter was changed: its effect on the command shall fade, too
     stop: Stop = NO_STOP  # along the path, under way or over
-    correction: Correction = NO_CORRECTION  # of the angles
-    strains: Strains = RELAXED  # joints that could not follow
+    correction: AngleCorrection = NO_CORRECTION  # of the angles
+    tracking_limits: TrackingLimits = NO_TRACKING_LIMIT  # joints that could not follow
 
 
 class Inputs(NamedTuple):
@@ -78,7 +78,7 @@ class Reference(NamedTuple):
 
     rates: Vec3  # a [rad/s]
     velocity: Vec3  # x' [m/s]
-    governed: Governed
+    scaling: VelocityScaling
 
 
 class Servo(NamedTuple):
@@ -95,8 +95,8 @@ class Output(NamedTuple):
     """What leaves in a step."""
 
     command: Vec3  # [V] of ideal valves, as applied
-    tip_wish: Vec3  # reference velocity of the tip [m/s]
-    governed: Governed
+    tip_reference: Vec3  # velocity of the tip that is aimed at [m/s]
+    scaling: VelocityScaling
 
 
 class Telemetry(NamedTuple):

@@ -35,9 +35,9 @@ from forest_control.pipeline.motion_command import motion_command
 from forest_control.pipeline.motion_limits import limited
 from forest_control.pipeline.stop_profile import NO_STOP
 from forest_control.servo import coordinated_servo
-from forest_control.servo.joint_angle_filter import corrected, latched, learnt
+from forest_control.servo.joint_angle_filter import corrected_angles, latched_correction, updated_correction
 from forest_control.servo.schemes import Scheme, moved
-from forest_control.valve.tracking_limit import RELAXED, Strains, Valves, strained
+from forest_control.valve.tracking_limit import NO_TRACKING_LIMIT, TrackingLimits, Valves, updated_limits
 from forest_description.derived.actuator_kinematics import joint_rates_to_actuator_speeds
 from forest_description.geometry.kinematics import tip_orientation, tip_position, tip_velocity
 from forest_description.types import ZERO, Vec3
@@ -47,7 +47,7 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
     """Advance the controller by dt [s]."""
     state, inputs = _estimate(state, inputs, p, dt)
     state, command = motion_command(state, inputs, p, dt)
-    reference = limited(command, Valves(inputs.reach, state.strains), inputs, p)
+    reference = limited(command, Valves(inputs.reach, state.tracking_limits), inputs, p)
     servo = joint_servo(command, reference, state, inputs, p, dt)
     return _output(command, reference, servo, state, inputs, p, dt)
 
@@ -55,29 +55,31 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
 def step_with_telemetry(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Telemetry]:
     """Do as `step`, and tell where the tip is and how it moves, by the angles that count."""
     state, output = step(state, inputs, p, dt)
-    angles = corrected(inputs.angles, state.correction)
+    angles = corrected_angles(inputs.angles, state.correction)
     velocity = tip_velocity(angles, inputs.rates, p.links)
     return state, Telemetry(output, tip_position(angles, p.links), tip_orientation(angles), velocity)
 
 
 def _estimate(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Inputs]:
     """Return the state with what is known of angles and valves, and the inputs with the angles that count."""
-    correction = learnt(state.correction, inputs.angles, inputs.cylinders, p.linkages, dt)
+    correction = updated_correction(state.correction, inputs.angles, inputs.cylinders, p.linkages, dt)
     if not state.enabled and stop_profile.is_over(state.stop):
-        correction = latched(correction, p.position_source)
-    inputs = inputs._replace(angles=corrected(inputs.angles, correction))
+        correction = latched_correction(correction, p.position_source)
+    inputs = inputs._replace(angles=corrected_angles(inputs.angles, correction))
     state = relearnt(state, correction)
-    return state._replace(correction=correction, strains=_strains(state, inputs, p, dt)), inputs
+    return state._replace(
+        correction=correction, tracking_limits=_tracking_limits(state, inputs, p, dt)
+    ), inputs
 
 
-def _strains(state: State, inputs: Inputs, p: Parameters, dt: float) -> Strains:
+def _tracking_limits(state: State, inputs: Inputs, p: Parameters, dt: float) -> TrackingLimits:
     """Return which joints cannot follow the reference; none of a scheme that does not hold one."""
     if state.scheme != Scheme.COORDINATED or p.scheme != Scheme.COORDINATED:
-        return RELAXED
+        return NO_TRACKING_LIMIT
     m = state.memory
     a, e = (m.swing.a, m.boom.a, m.stick.a), minus(state.reference, inputs.angles)
-    volts, axes = inputs.voltages, p.capacity.axes
-    return strained(state.strains, volts, p.rated_voltages, axes, a, e, inputs.rates, dt)
+    volts, axes = inputs.voltages, p.speed_limits.axes
+    return updated_limits(state.tracking_limits, volts, p.rated_voltages, axes, a, e, inputs.rates, dt)
 
 
 def _output(
@@ -91,7 +93,7 @@ def _output(
 ) -> tuple[State, Output]:
     """Return the state after a step, and the voltages of its rates."""
     if command.phase == Phase.STANDING:
-        return begun(state, inputs.angles)._replace(enabled=False), Output(ZERO, ZERO, reference.governed)
+        return begun(state, inputs.angles)._replace(enabled=False), Output(ZERO, ZERO, reference.scaling)
     enabled = command.phase == Phase.SETTLING or command.phase == Phase.MOVING
     after = state._replace(
         reference=servo.reference,
@@ -100,18 +102,18 @@ def _output(
         scheme=p.scheme,
         rates=servo.rates,
         offset=faded(servo.offset, dt),
-        mode=p.hand.mode if enabled else NO_MODE,
+        mode=p.profile.mode if enabled else NO_MODE,
         clutch=state.clutch if enabled else ZERO,
         changed=False,
         stop=NO_STOP if enabled else state.stop,
     )
     if command.phase == Phase.SETTLING:
-        return after._replace(clutch=servo.reference), Output(ZERO, ZERO, reference.governed)
+        return after._replace(clutch=servo.reference), Output(ZERO, ZERO, reference.scaling)
     # An inch is commanded, but not remembered: what takes over from it takes nothing of it over.
     rates = moved(servo.rates, coordinated_servo.inches(servo.memory), 1.0) if enabled else servo.rates
     voltage = to_voltage(rates, inputs.angles, p)
     velocity = ZERO if p.scheme == Scheme.JOINT else servo.velocity
-    return after, Output(voltage, velocity, reference.governed)
+    return after, Output(voltage, velocity, reference.scaling)
 
 
 def to_voltage(rates: Vec3, angles: Vec3, p: Parameters) -> Vec3:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from forest_control.config.settings import Parameters
-from forest_control.operator.joystick_watch import bad_sample, sample_of
+from forest_control.operator.joystick_watch import joystick_sample, unreadable_sample
 from forest_control.operator.levers import RIGHT_Y
 from forest_control.pipeline.control_state import Telemetry
 from forest_control.pipeline.guarded_controller import GuardedController
@@ -41,17 +41,21 @@ class ControllerInputs:
         for data, received in self.joy.arrivals():
             reading, frame = read_joy_data(data, RIGHT_Y + 1, self._deadman + 1)
             if reading.problem:
-                permission.hear(bad_sample(received), reading.problem)
+                permission.hear(unreadable_sample(received), reading.problem)
                 continue
             content, before = reading.values, self._before
             self._before = content
-            permission.hear(sample_of(reading.stamp_ns, frame, received, content, before, self._deadman))
+            permission.hear(
+                joystick_sample(reading.stamp_ns, frame, received, content, before, self._deadman)
+            )
 
     def machine_state(self, data: bytes, received: float) -> MachineState:
         """Return what a message of the joints says."""
         reading = self._joints.read(data)
         angles, rates = reading.values.position, reading.values.velocity
-        return MachineState(angles, rates, reading.stamp_ns, received, reading.problem)
+        return MachineState(
+            angles=angles, rates=rates, stamp=reading.stamp_ns, received=received, problem=reading.problem
+        )
 
     def cylinders(self, stamp: int, p: Parameters) -> Lengths:
         """Return the lengths [m] of boom and stick at a stamp [ns]; NaN where there are none to be used."""
@@ -99,7 +103,7 @@ class ControllerOutputs:
         self._pose.publish(stamp, (*telemetry.tip, *telemetry.tip_orientation))
         self._twist.publish(stamp, telemetry.tip_velocity)
         if controller.parameters.scheme != Scheme.JOINT:
-            self._reference.publish(stamp, output.tip_wish)
-        scaling = output.governed
+            self._reference.publish(stamp, output.tip_reference)
+        scaling = output.scaling
         codes = scaling.factor, scaling.limit, watch.armed, watch.joystick, override.emergency_stop
         self._status.publish(stamp, codes)

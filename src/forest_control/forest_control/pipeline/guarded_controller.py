@@ -5,7 +5,7 @@ joystick, state -> may the crane move? (`motion_permission`) -> `controller` -> 
 
 from collections.abc import Callable
 
-from forest_control.config.parameter_update import Retuning
+from forest_control.config.parameter_update import ParameterUpdate
 from forest_control.config.settings import Parameters
 from forest_control.pipeline.control_state import REST, Inputs, State, Telemetry, ValveFeedback
 from forest_control.pipeline.controller import step_with_telemetry
@@ -35,7 +35,7 @@ class GuardedController:
 
     def __init__(self, p: Parameters, guard: PermissionParameters, step: Step = step_with_telemetry) -> None:
         self.permission, self.command = MotionPermission(guard), ZERO  # [V] of ideal valves, the last one
-        self._tuning, self._state, self._step = Retuning(p), REST, step
+        self._tuning, self._state, self._step = ParameterUpdate(p), REST, step
 
     @property
     def parameters(self) -> Parameters:
@@ -44,7 +44,7 @@ class GuardedController:
 
     def tune(self, p: Parameters) -> None:
         """Follow parameters that were set while the machine may be moving."""
-        self._tuning.want(p)
+        self._tuning.request(p)
 
     def stop(self) -> None:
         """Forget all motion: the command is zero."""
@@ -78,7 +78,7 @@ class GuardedController:
         self.stops_without_state(now, override)  # after a stall of ours, before the watchdog tells
         p, command = self.parameters, self.command
         decision = self.permission.decide(machine, valves.driver, command, p, now, override)
-        if decision.dt > 0.0 and self._tuning.changes(command == ZERO, decision.dt):
+        if decision.dt > 0.0 and self._tuning.apply_if_due(command == ZERO, decision.dt):
             self._state = self._state._replace(changed=True)
         if not decision.believed:
             if decision.verdict == Verdict.STOP:

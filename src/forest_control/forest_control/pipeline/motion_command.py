@@ -5,14 +5,14 @@ they may not, the stop along the path (`stop_profile`) asks in their place, unti
 """
 
 from forest_control.config.settings import Parameters
-from forest_control.operator.levers import joint_rate_wish
+from forest_control.operator.levers import rate_mode_rates
 from forest_control.operator.operator_profile import (
     JOINT_ACCELERATION,
     Mode,
-    joint_following,
+    position_mode_rates,
+    position_mode_velocity,
+    rate_mode_velocity,
     shaped,
-    tip_following,
-    tip_rate,
 )
 from forest_control.pipeline import stop_profile
 from forest_control.pipeline.bumpless_transfer import begun, clutched, resumed, taken_over
@@ -59,12 +59,12 @@ def tip_velocity_command(state: State, pose: Vec3, inputs: Inputs, p: Parameters
     """Return the tip velocity [m/s] that the levers ask for; a ramp in position mode or coordinated."""
     if p.scheme == Scheme.JOINT:
         return ZERO
-    levers = shaped(inputs.levers, p.hand)
-    if p.hand.mode == Mode.POSITION:
+    levers = shaped(inputs.levers, p.profile)
+    if p.profile.mode == Mode.POSITION:
         here = state.reference if closes_on_position(p.scheme) else inputs.angles
-        asked = tip_following(levers, state.clutch, here, p.hand, p.links)
+        asked = position_mode_velocity(levers, state.clutch, here, p.profile, p.links)
     else:
-        asked = tip_rate(levers, pose, p.hand)
+        asked = rate_mode_velocity(levers, pose, p.profile)
         if p.scheme != Scheme.COORDINATED:
             return asked
     return ramped(state.memory.velocity, asked, p.coordinated.acceleration, dt)
@@ -72,10 +72,10 @@ def tip_velocity_command(state: State, pose: Vec3, inputs: Inputs, p: Parameters
 
 def joint_rate_command(state: State, inputs: Inputs, p: Parameters, dt: float) -> Vec3:
     """Return the joint rates [rad/s] that the levers ask for in the joint scheme; a ramp in position mode."""
-    levers = shaped(inputs.levers, p.hand)
-    if p.hand.mode == Mode.RATE:
-        return joint_rate_wish(levers, p.governor.rates)
-    asked = joint_following(levers, state.clutch, inputs.angles, p.hand, p.governor.rates)
+    levers = shaped(inputs.levers, p.profile)
+    if p.profile.mode == Mode.RATE:
+        return rate_mode_rates(levers, p.velocity_limits.rates)
+    asked = position_mode_rates(levers, state.clutch, inputs.angles, p.profile, p.velocity_limits.rates)
     before = state.memory.swing.a, state.memory.boom.a, state.memory.stick.a
     return ramped(before, asked, JOINT_ACCELERATION, dt)
 
@@ -90,8 +90,8 @@ def stop_command(state: State, s: Vec3, p: Parameters, dt: float) -> tuple[State
     if stop.duration != stop_profile.CLOSED_LOOP:
         rates, velocity = stop_profile.commanded(stop, s, p.links)
         return state, MotionCommand(phase=Phase.BRAKING, pose=s, velocity=velocity, rates=rates)
-    velocity = scaled(stop.wish, stop_profile.share(stop))
-    lagged = scaled(stop.wish, stop_profile.share_late(stop))
+    velocity = scaled(stop.reference, stop_profile.share(stop))
+    lagged = scaled(stop.reference, stop_profile.share_late(stop))
     return state, MotionCommand(phase=Phase.STOPPING, pose=r, velocity=velocity, lagged=lagged)
 
 

@@ -6,9 +6,9 @@ factor scales them all, so that the tip keeps its direction (`velocity_scaling`)
 
 from forest_control.config.settings import Parameters
 from forest_control.limits import workspace
-from forest_control.limits.actuator_speed_limits import greatest_rates
-from forest_control.limits.singularity import rates_anywhere
-from forest_control.limits.velocity_scaling import Governed, GovernorParameters, Limit, govern
+from forest_control.limits.actuator_speed_limits import joint_rate_limits
+from forest_control.limits.singularity import rates_near_singularity
+from forest_control.limits.velocity_scaling import Limit, VelocityLimits, VelocityScaling, velocity_scaling
 from forest_control.pipeline.control_state import Inputs, MotionCommand, Phase, Reference, scaled
 from forest_control.servo.schemes import Scheme, closes_on_position
 from forest_control.valve.tracking_limit import AS_FILED, Valves, ceiling
@@ -19,31 +19,33 @@ from forest_description.types import ZERO, Vec3
 def limited(command: MotionCommand, valves: Valves, inputs: Inputs, p: Parameters) -> Reference:
     """Return the reference that a command leaves, and what holds it back."""
     if command.phase == Phase.STANDING:
-        return Reference(ZERO, ZERO, Governed(0.0, Limit.RELEASED))
+        return Reference(ZERO, ZERO, VelocityScaling(0.0, Limit.RELEASED))
     if command.phase == Phase.SETTLING:
-        return Reference(ZERO, ZERO, Governed(1.0, Limit.NONE))
+        return Reference(ZERO, ZERO, VelocityScaling(1.0, Limit.NONE))
     if command.phase == Phase.BRAKING:
-        factor = govern(inputs.angles, command.rates, p.governor).factor
-        released = Governed(factor, Limit.RELEASED)
+        factor = velocity_scaling(inputs.angles, command.rates, p.velocity_limits).factor
+        released = VelocityScaling(factor, Limit.RELEASED)
         return Reference(scaled(command.rates, factor), scaled(command.velocity, factor), released)
     if command.phase == Phase.STOPPING:
         return _stopping(command, valves, inputs, p)
-    velocity = workspace.slid(tip_position(command.pose, p.links), command.velocity, p.workspace)
-    rates = command.rates if p.scheme == Scheme.JOINT else rates_anywhere(command.pose, velocity, p.links)
+    velocity = workspace.slide(tip_position(command.pose, p.links), command.velocity, p.workspace)
+    rates = (
+        command.rates if p.scheme == Scheme.JOINT else rates_near_singularity(command.pose, velocity, p.links)
+    )
     reference = scaled_reference(command.pose, rates, velocity, valves, inputs, p)
-    if velocity != command.velocity and reference.governed.limit == Limit.NONE:
-        return reference._replace(governed=Governed(reference.governed.factor, Limit.WALL))
+    if velocity != command.velocity and reference.scaling.limit == Limit.NONE:
+        return reference._replace(scaling=VelocityScaling(reference.scaling.factor, Limit.WALL))
     return reference
 
 
 def _stopping(command: MotionCommand, valves: Valves, inputs: Inputs, p: Parameters) -> Reference:
     """Return the reference of a stop: rates at once, the tip's velocity as late as the machine answers."""
     pose, tip = command.pose, tip_position(command.pose, p.links)
-    velocity = workspace.slid(tip, command.velocity, p.workspace)
+    velocity = workspace.slide(tip, command.velocity, p.workspace)
     reference = scaled_reference(pose, joint_rates(pose, velocity, p.links), velocity, valves, inputs, p)
-    factor = reference.governed.factor
-    lagged = scaled(workspace.slid(tip, command.lagged, p.workspace), factor)
-    return Reference(reference.rates, lagged, Governed(factor, Limit.RELEASED))
+    factor = reference.scaling.factor
+    lagged = scaled(workspace.slide(tip, command.lagged, p.workspace), factor)
+    return Reference(reference.rates, lagged, VelocityScaling(factor, Limit.RELEASED))
 
 
 def scaled_reference(
@@ -61,33 +63,35 @@ def scaled_reference(
     """
     angles = inputs.angles
     place = pose if closes_on_position(p.scheme) else angles
-    governed = govern(place, rates, governor_at(place, rates, p, valves))
+    scaling = velocity_scaling(place, rates, velocity_limits_at(place, rates, p, valves))
     if p.scheme == Scheme.JOINT:
-        left = workspace.share(
+        left = workspace.wall_scaling(
             tip_position(angles, p.links), tip_velocity(angles, rates, p.links), p.workspace
         )
-        if left < governed.factor:
-            governed = Governed(left, Limit.WALL)
-    a = scaled(rates, governed.factor)
+        if left < scaling.factor:
+            scaling = VelocityScaling(left, Limit.WALL)
+    a = scaled(rates, scaling.factor)
     if p.scheme != Scheme.JOINT and is_singular(pose, p.links):
         # Out of it the tip goes where the joints take it.
-        return Reference(a, tip_velocity(pose, a, p.links), Governed(governed.factor, Limit.SINGULARITY))
-    return Reference(a, scaled(velocity, governed.factor), governed)
+        return Reference(
+            a, tip_velocity(pose, a, p.links), VelocityScaling(scaling.factor, Limit.SINGULARITY)
+        )
+    return Reference(a, scaled(velocity, scaling.factor), scaling)
 
 
-def governor_at(angles: Vec3, rates: Vec3, p: Parameters, valves: Valves = AS_FILED) -> GovernorParameters:
+def velocity_limits_at(angles: Vec3, rates: Vec3, p: Parameters, valves: Valves = AS_FILED) -> VelocityLimits:
     """Return the limits at a pose [rad] for joint rates that are asked for [rad/s].
 
     The coordinated scheme asks the valves for no more than they can give against the crane's weight, where
     the others leave them saturated; and no joint to go faster than one that cannot follow.
     """
     if p.scheme != Scheme.COORDINATED:
-        return p.governor
-    most, highest = greatest_rates(angles, rates, p.capacity, valves.reach), p.governor.rates
-    strains = valves.strains
+        return p.velocity_limits
+    most, highest = joint_rate_limits(angles, rates, p.speed_limits, valves.reach), p.velocity_limits.rates
+    tracking_limits = valves.tracking_limits
     least = (
-        min(highest[0], most[0], ceiling(strains.swing, rates[0])),
-        min(highest[1], most[1], ceiling(strains.boom, rates[1])),
-        min(highest[2], most[2], ceiling(strains.stick, rates[2])),
+        min(highest[0], most[0], ceiling(tracking_limits.swing, rates[0])),
+        min(highest[1], most[1], ceiling(tracking_limits.boom, rates[1])),
+        min(highest[2], most[2], ceiling(tracking_limits.stick, rates[2])),
     )
-    return p.governor._replace(rates=least)
+    return p.velocity_limits._replace(rates=least)

@@ -37,23 +37,31 @@ class Stop(NamedTuple):
     duration: float  # T [s]
     velocity: Vec3  # x' [m/s]
     rates: Vec3  # u [rad/s] when it began, for where J has no inverse
-    wish: Vec3  # of the tip when it began [m/s], for a scheme that holds its reference
+    reference: Vec3  # velocity of the tip when it began [m/s], for a scheme that holds its reference
 
 
-NO_STOP = Stop(math.inf, OPEN_LOOP, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+NO_STOP = Stop(
+    elapsed=math.inf,
+    duration=OPEN_LOOP,
+    velocity=(0.0, 0.0, 0.0),
+    rates=(0.0, 0.0, 0.0),
+    reference=(0.0, 0.0, 0.0),
+)
 
 
-def begin(duration: float, u: Vec3, wish: Vec3, s: Vec3, links: Links) -> Stop:
-    """Return the stop within a duration [s] from commanded joint rates [rad/s] and the tip's wish [m/s].
+def begin(duration: float, u: Vec3, reference: Vec3, s: Vec3, links: Links) -> Stop:
+    """Return the stop within a duration [s] from commanded joint rates [rad/s] and the reference [m/s].
 
     Args:
         duration: `CLOSED_LOOP` or `OPEN_LOOP`.
         u: commanded last.
-        wish: governed, last.
+        reference: velocity of the tip that was aimed at last [m/s].
         s: measured angles [rad].
         links: of the crane.
     """
-    return Stop(0.0, duration, tip_velocity(s, u, links), u, wish)
+    return Stop(
+        elapsed=0.0, duration=duration, velocity=tip_velocity(s, u, links), rates=u, reference=reference
+    )
 
 
 def share(stop: Stop) -> float:
@@ -85,7 +93,7 @@ def _onwards(u: float, a: float) -> float:
 
 def advanced(stop: Stop, dt: float) -> Stop:
     """Return the stop one step on."""
-    return Stop(stop.elapsed + dt, stop.duration, stop.velocity, stop.rates, stop.wish)
+    return stop._replace(elapsed=stop.elapsed + dt)
 
 
 def is_over(stop: Stop) -> bool:

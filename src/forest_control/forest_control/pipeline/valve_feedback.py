@@ -16,7 +16,7 @@ LEARNT = tuple(
     f"{joint}_{way}_{what}" for way in WAYS for joint in topics.JOINTS for what in ("deadband", "gain")
 )
 STATUS_TIMEOUT = 1.0  # [s] at which what was learnt is forgotten; it comes at 10 Hz
-VOLTAGE_TIMEOUT = 0.1  # [s]
+VOLTAGE_TIMEOUT = 0.1  # [s] at which voltages count as none: as the driver's command_timeout
 
 
 class ValveReports:

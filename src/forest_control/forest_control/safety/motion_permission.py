@@ -33,7 +33,7 @@ from forest_control.operator.joystick_watch import (
     Watch,
     WatchParameters,
     is_released,
-    problem_of,
+    problem_text,
 )
 from forest_control.operator.levers import REST as CENTRED
 from forest_control.operator.levers import Levers
@@ -96,6 +96,7 @@ class PermissionParameters(NamedTuple):
     joystick: WatchParameters = WatchParameters()
     state_timeout: float = 0.1  # [s]
     period: float = PERIOD  # nominal, of the state [s]
+    noise_free: bool = False  # simulated sensors: a joint that stands still gives the same number again
 
 
 class Checks(NamedTuple):
@@ -106,7 +107,14 @@ class Checks(NamedTuple):
 
 
 def checked(
-    before: Checks, s: Vec3, driver: DriverSample, command: Vec3, p: Parameters, now: float, dt: float
+    before: Checks,
+    s: Vec3,
+    driver: DriverSample,
+    command: Vec3,
+    p: Parameters,
+    guard: PermissionParameters,
+    now: float,
+    dt: float,
 ) -> Checks:
     """Return the checks after a sample.
 
@@ -116,11 +124,12 @@ def checked(
         driver: its newest voltages.
         command: of ideal valves, since the last sample [V].
         p: the controller's parameters.
+        guard: what is set of the guard.
         now: local time [s].
         dt: since the last sample [s].
     """
     return Checks(
-        still=frozen_sensor.watched(before.still, s, command, p, dt),
+        still=before.still if guard.noise_free else frozen_sensor.watched(before.still, s, command, p, dt),
         driver=driver_response.response(before.driver, driver, command, now),
     )
 
@@ -156,7 +165,7 @@ class MotionPermission:
     def hear(self, sample: Sample, problem: str = "") -> None:
         """Take in one sample of the joystick, oldest first; `problem` says why it cannot be read."""
         dropped = self.joystick.out_of_order
-        self.joystick = joystick_watch.heed(self.joystick, sample)
+        self.joystick = joystick_watch.updated_watch(self.joystick, sample)
         in_order = self.joystick.out_of_order == dropped
         self._unreadable = problem or ("" if in_order else GOES_BACK)
 
@@ -200,7 +209,7 @@ class MotionPermission:
         dt = self._period.step(state.stamp, state.received)
         if dt == 0.0:
             return Decision(Verdict.SKIP, "joint state: too soon for a step")
-        self._checks = checked(self._checks, state.angles, driver, command, p, now, dt)
+        self._checks = checked(self._checks, state.angles, driver, command, p, self.p, now, dt)
         self.causes["machine"] = fault(self._checks, now)
         if self.causes["machine"]:
             self.disarm(now, override)
@@ -256,14 +265,16 @@ class MotionPermission:
         if not operator.enabled:
             return Decision(Verdict.HOLD, self.causes["joystick"], believed=True, dt=dt)
         said = self.joystick.fresh_since
-        self._hold = joystick_interpolation.advanced(self._hold, operator.levers, said, state.received, dt)
+        self._hold = joystick_interpolation.interpolated(
+            self._hold, operator.levers, said, state.received, dt
+        )
         return Decision(Verdict.MOVE, believed=True, levers=self._hold.levers, dt=dt)
 
     def _judge(self, now: float, allowed: bool, override: Override) -> Operator:
         """Return where the levers are, and whether they may move anything."""
-        self.joystick, operator = joystick_watch.judge(self.joystick, now, allowed, self.p.joystick)
+        self.joystick, operator = joystick_watch.assessed_watch(self.joystick, now, allowed, self.p.joystick)
         # A joystick that goes after the deadman was released is not missed.
-        gone = "" if self.is_nobody_there() else problem_of(self.joystick)
+        gone = "" if self.is_nobody_there() else problem_text(self.joystick)
         self.causes["joystick"] = self._unreadable or gone
         self.causes["emergency stop"] = PRESSED if override.emergency_stop else ""
         if not operator.enabled:
@@ -282,7 +293,7 @@ def armed_watch() -> Watch:
         levers=CENTRED,
         held=True,
     )
-    watch, _ = joystick_watch.judge(
-        joystick_watch.heed(joystick_watch.REST, heard), -PERIOD, True, WatchParameters()
+    watch, _ = joystick_watch.assessed_watch(
+        joystick_watch.updated_watch(joystick_watch.REST, heard), -PERIOD, True, WatchParameters()
     )
     return watch

@@ -10,7 +10,7 @@ FASTEST = 5.0  # [rad/s] no joint of such a crane moves faster
 def plausible(angles: Vec3, rates: Vec3, p: Parameters) -> bool:
     """Tell whether a measured state can be true; `implausible` says what of it cannot."""
     for i in range(3):
-        low, high = p.governor.lower[i] - BEYOND_LIMIT, p.governor.upper[i] + BEYOND_LIMIT
+        low, high = p.velocity_limits.lower[i] - BEYOND_LIMIT, p.velocity_limits.upper[i] + BEYOND_LIMIT
         if not low <= angles[i] <= high or not abs(rates[i]) <= FASTEST:
             return False
     return True
@@ -27,7 +27,7 @@ def implausible(angles: tuple[float, ...], rates: tuple[float, ...], p: Paramete
     if len(rates) != len(AXES):
         return "joint state: no finite velocity; allowed: rad/s of every joint"
     for i, name in enumerate(AXES):
-        low, high = p.governor.lower[i] - BEYOND_LIMIT, p.governor.upper[i] + BEYOND_LIMIT
+        low, high = p.velocity_limits.lower[i] - BEYOND_LIMIT, p.velocity_limits.upper[i] + BEYOND_LIMIT
         if not low <= angles[i] <= high:
             return f"joint state: {name} is {angles[i]:g} rad; allowed: {low:.3f} .. {high:.3f}"
         if not abs(rates[i]) <= FASTEST:

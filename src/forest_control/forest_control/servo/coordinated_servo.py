@@ -1,4 +1,4 @@
-"""What the coordinated scheme remembers between steps: a smooth reference, the integral, who holds still.
+"""The servo of the coordinated scheme: smooth reference, feedforward, integral, joints that hold.
 
 | symbol | name | unit |
 |---|---|---|
@@ -7,14 +7,15 @@
 | r, s | reference and measured joint angle | rad |
 | w | integral of K_i (r - s) | rad/s |
 
-The reference is the operator's wish with its steps turned into ramps, so that b is finite. While a joint's
-reference rests, be it that others move, a joint that is near it holds: its valve stays shut until the error
-has grown, or noise would open it back and forth through the overlap for ever. Where all references rest the
-joints are soon inched to their places instead (`inching`).
+The reference is the operator's command with its steps turned into ramps, so that b is finite. While
+a joint's reference rests, even if others move, a joint that is near it holds: its valve stays shut
+until the error has grown. Otherwise noise would move the valve through its overlap for ever. Where
+all references rest, the joints are soon inched to their places (`inching`).
 
-Boom and stick rock on their oil at some 8 Hz, and a valve that is open a little hardly damps that: a position
-error that is heard at once feeds it, and slow motion swings up. Through the low-pass of `ERROR_LAG` it comes
-late by more than a quarter of a turn and damps. Faster, up to `FULL_RATE`, the valve damps and all is heard.
+Boom and stick oscillate on their oil at some 8 Hz, which a valve that is open a little hardly
+damps. An unfiltered position error feeds that oscillation in slow motion. Behind the low-pass of
+`ERROR_LAG` the error lags by more than a quarter of a period, and damps. From `FULL_RATE` on the
+valve itself damps, and the error acts unfiltered.
 """
 
 import math
@@ -22,16 +23,18 @@ from typing import NamedTuple
 
 from forest_control.servo.inching import MOVING, Inching, inched, is_due, served
 from forest_control.servo.schemes import FULL_RATE, Gains, Signals, coordinated
-from forest_control.servo.swing_feedforward import SwingLoad, inertia
+from forest_control.servo.swing_feedforward import SwingModel, inertia
 from forest_description.derived.actuator_kinematics import Linkages, actuator_speeds_to_joint_rates
 from forest_description.types import ZERO, Vec3
 
-REST_RATE = 1e-4  # [rad/s] a reference slower than this rests
-ERROR_LAG = 0.05  # [s] of the low-pass through which an error decides about holding, or, slow, is heard
-HELD = 1e-9  # [rad/s] commanded to a joint that holds: no motion, but the valve driver may feed what leaks
-MOST_GATHERED = 2e-3  # [rad/s] of the integral at rest, while the valve is shut
-WIDEST, FORGOTTEN = 16.0, 20.0  # how far holding may widen; [s] in which that fades
-HIGHEST_ACCELERATION = 2.0  # [rad/s^2] a jump of the governor's must not kick the valves
+REST_RATE = 1e-4  # [rad/s] a reference slower than this rests: 0.6 mm/s of the tip; chosen
+ERROR_LAG = 0.05  # [s] time constant of the error's low-pass: over a quarter of a period at 8 Hz
+HELD = 1e-9  # [rad/s] command to a joint that holds: no motion, but the driver may feed its leakage
+MOST_GATHERED = 2e-3  # [rad/s] of the integral at rest, while the valve is shut; chosen, not measured
+WIDEST = 16.0  # [1] factor that holding may widen by: four turns of a cycle; chosen
+FORGOTTEN = 20.0  # [s] time constant with which the widening fades; chosen, not measured
+HIGHEST_ACCELERATION = 2.0  # [rad/s^2] of b: a jump of the velocity scaling must not kick the valves; chosen
+MOST_SAMPLES = 50  # [1] in the mean pose that the reference starts from: 0.25 s at rest
 
 
 class CoordinationParameters(NamedTuple):
@@ -39,7 +42,7 @@ class CoordinationParameters(NamedTuple):
 
     gains: tuple[Gains, Gains, Gains]
     integral: Vec3  # K_i [1/s^2]
-    swing: SwingLoad  # what is fed forward to it
+    swing: SwingModel  # what is fed forward to it
     load_bandwidth: float  # [rad/s] at which the valve driver learns a load
     smoothing: float  # [s] of b
     acceleration: float  # [m/s^2] of the tip's reference
@@ -70,53 +73,42 @@ AT_REST = Joint()
 class Memory(NamedTuple):
     """State between steps."""
 
-    velocity: Vec3  # x' [m/s], governed
+    velocity: Vec3  # x' [m/s]
     swing: Joint = AT_REST
     boom: Joint = AT_REST
     stick: Joint = AT_REST
-    torque: float = 0.0  # [N m] of the swing that the driver knows by now
+    torque: float = 0.0  # [N m] of the swing, as far as the driver has learnt it
     samples: int = 0  # in the mean pose that the reference starts from
 
 
 REST = Memory(ZERO)
-MOST_SAMPLES = 50
 
 
 def in_motion(velocity: Vec3, a: Vec3, samples: int) -> Memory:
     """Return the memory of a scheme that takes over at a tip velocity [m/s] and joint rates [rad/s]."""
-    return Memory(
-        velocity=velocity,
-        swing=_going(a[0]),
-        boom=_going(a[1]),
-        stick=_going(a[2]),
-        torque=0.0,
-        samples=samples,
-    )
-
-
-def _going(a: float) -> Joint:
-    return Joint(a=a, b=0.0, w=0.0, error=0.0, holding=True, wide=1.0, side=0.0, gathered=0.0, inching=MOVING)
+    swing, boom, stick = Joint(a=a[0]), Joint(a=a[1]), Joint(a=a[2])
+    return Memory(velocity=velocity, swing=swing, boom=boom, stick=stick, samples=samples)
 
 
 def going(memory: Memory, velocity: Vec3) -> Memory:
-    """Return the memory with the tip's governed velocity [m/s]: from now on the reference is not a mean."""
+    """Return the memory with the tip's reference velocity [m/s], which ends the averaging of the pose."""
     return memory._replace(velocity=velocity, samples=MOST_SAMPLES)
 
 
 def settle(reference: Vec3, s: Vec3, memory: Memory) -> tuple[Vec3, Memory]:
-    """Return the pose [rad] to start from: the mean of what was measured at rest; one sample is too noisy."""
+    """Return the pose [rad] to start from, the mean of noisy samples at rest, and the memory."""
     count = memory.samples + 1
     (r_1, r_2, r_3), (s_1, s_2, s_3) = reference, s
     q = r_1 + (s_1 - r_1) / count, r_2 + (s_2 - r_2) / count, r_3 + (s_3 - r_3) / count
     return q, memory._replace(samples=count)
 
 
-def ramped(velocity: Vec3, wish: Vec3, acceleration: float, dt: float) -> Vec3:
-    """Return the reference velocity [m/s] after dt [s] on the way to a wish, at most so accelerated."""
-    x, y, z = wish[0] - velocity[0], wish[1] - velocity[1], wish[2] - velocity[2]
+def ramped(velocity: Vec3, target: Vec3, acceleration: float, dt: float) -> Vec3:
+    """Return the reference velocity [m/s] after dt [s] on the way to a target, at most so accelerated."""
+    x, y, z = target[0] - velocity[0], target[1] - velocity[1], target[2] - velocity[2]
     size, most = math.sqrt(x * x + y * y + z * z), acceleration * dt
     if size <= most:
-        return wish
+        return target
     part = most / size
     return velocity[0] + part * x, velocity[1] + part * y, velocity[2] + part * z
 
@@ -135,7 +127,7 @@ def servo(
 
     Args:
         memory: before.
-        a: governed rates wished [rad/s].
+        a: reference rates [rad/s].
         r: reference angles [rad].
         s: measured angles [rad].
         v: measured rates [rad/s].
@@ -150,50 +142,41 @@ def servo(
     b_3, _ = _smooth_acceleration(m_3, a[2], p, dt)
     inch = actuator_speeds_to_joint_rates(s, p.inches, p.linkages)
     torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, inertia(r, p.swing), p, dt)
-    swing, u_1 = _joint_servo(
-        m_1,
-        Signals(a=a[0], b=b_1, r=r[0], s=s[0], v=v[0], w=extra),
-        volts[0] == 0.0,
-        still,
-        inch[0],
-        0,
-        p,
-        dt,
-    )
-    boom, u_2 = _joint_servo(
-        m_2, Signals(a=a[1], b=b_2, r=r[1], s=s[1], v=v[1], w=0.0), volts[1] == 0.0, still, inch[1], 1, p, dt
-    )
-    stick, u_3 = _joint_servo(
-        m_3, Signals(a=a[2], b=b_3, r=r[2], s=s[2], v=v[2], w=0.0), volts[2] == 0.0, still, inch[2], 2, p, dt
-    )
-    return memory._replace(swing=swing, boom=boom, stick=stick, torque=torque), (u_1, u_2, u_3)
+    x_1 = Signals(a=a[0], b=b_1, r=r[0], s=s[0], v=v[0], w=extra)
+    x_2 = Signals(a=a[1], b=b_2, r=r[1], s=s[1], v=v[1], w=0.0)
+    x_3 = Signals(a=a[2], b=b_3, r=r[2], s=s[2], v=v[2], w=0.0)
+    swing, u_1 = _joint_servo(m_1, x_1, volts[0] == 0.0, still, inch[0], 0, p, dt)
+    boom, u_2 = _joint_servo(m_2, x_2, volts[1] == 0.0, still, inch[1], 1, p, dt)
+    stick, u_3 = _joint_servo(m_3, x_3, volts[2] == 0.0, still, inch[2], 2, p, dt)
+    memory = memory._replace(swing=swing, boom=boom, stick=stick, torque=torque)
+    return memory, (u_1, u_2, u_3)
 
 
 def inches(memory: Memory) -> Vec3:
-    """Return the rates [rad/s] at which joints at rest are inched now."""
+    """Return the rates [rad/s] at which joints at rest are inched."""
     return memory.swing.inching.rate, memory.boom.inching.rate, memory.stick.inching.rate
 
 
 def rests(memory: Memory, a: Vec3) -> bool:
-    """Tell whether the reference rests: neither now nor a step ago any joint was wished to move [rad/s]."""
+    """Tell whether all joints' reference rates [rad/s] are zero, in this step and in the last one."""
     m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
     return max(abs(a[0]), abs(a[1]), abs(a[2]), abs(m_1.a), abs(m_2.a), abs(m_3.a)) < REST_RATE
 
 
 def _rests(memory: Joint, a: float) -> bool:
-    """Tell whether one joint's reference rests, be it that others move [rad/s]."""
+    """Tell whether one joint's reference rests, even if others move [rad/s]."""
     return max(abs(a), abs(memory.a)) < REST_RATE
 
 
 def held(
     memory: Joint, error: float, still: bool, p: CoordinationParameters, dt: float
 ) -> tuple[float, bool, float, float]:
-    """Return the low-passed error r - s [rad], whether the valve may stay shut, and what `_widened` says."""
-    seen = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
-    near = abs(seen) < memory.wide * (p.release_error if memory.holding else p.hold_error)
-    holds = still and (near or (not memory.holding and seen * memory.error < 0.0))
-    wide, side = _widened(memory, seen, still, holds, dt)
-    return seen, holds, wide, side
+    """Return the filtered error r - s [rad], whether the valve may stay shut, and `_widened`."""
+    filtered = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
+    near = abs(filtered) < memory.wide * (p.release_error if memory.holding else p.hold_error)
+    holds = still and (near or (not memory.holding and filtered * memory.error < 0.0))
+    wide, side = _widened(memory, filtered, still, holds, dt)
+    return filtered, holds, wide, side
 
 
 def _joint_servo(
@@ -220,12 +203,20 @@ def _joint_servo(
     """
     # A valve that is open, to feed what leaks, is better served by the servo than by holding.
     error, still = x.r - x.s, all_rest or (shut and _rests(memory, x.a))
-    seen, holds, wide, side = held(memory, error, still, p, dt)
+    filtered, holds, wide, side = held(memory, error, still, p, dt)
     if all_rest and is_due(memory.inching, shut):
         kept = 0.0 if shut else memory.gathered
         w, inching = memory.w - memory.gathered + kept, inched(memory.inching, error, shut, abs(inch), dt)
         return Joint(
-            a=x.a, b=x.b, w=w, error=seen, holding=True, wide=wide, side=side, gathered=kept, inching=inching
+            a=x.a,
+            b=x.b,
+            w=w,
+            error=filtered,
+            holding=True,
+            wide=wide,
+            side=side,
+            gathered=kept,
+            inching=inching,
         ), HELD
     gathered = _gathered(memory, dt * p.integral[i] * error, still, holds, shut)
     # What the integral has learnt of the valve at speed is kept while the joint holds.
@@ -233,20 +224,28 @@ def _joint_servo(
     w = max(-p.integral_limit, min(p.integral_limit, grown))
     part = x.a / FULL_RATE
     quick = 1.0 if i == 0 else min(1.0, part * part)
-    # At rest there is time to hear less noise.
-    heard = seen if still and shut else seen + quick * (error - seen)
-    u = HELD if holds else coordinated(x._replace(s=x.r - heard, w=x.w + w), p.gains[i])
+    # At rest there is time for less noise.
+    fed_back = filtered if still and shut else filtered + quick * (error - filtered)
+    u = HELD if holds else coordinated(x._replace(s=x.r - fed_back, w=x.w + w), p.gains[i])
     inching = served(memory.inching, dt) if all_rest else MOVING
     return Joint(
-        a=x.a, b=x.b, w=w, error=seen, holding=holds, wide=wide, side=side, gathered=gathered, inching=inching
+        a=x.a,
+        b=x.b,
+        w=w,
+        error=filtered,
+        holding=holds,
+        wide=wide,
+        side=side,
+        gathered=gathered,
+        inching=inching,
     ), u
 
 
 def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) -> float:
     """Return what the integral has gathered at rest [rad/s].
 
-    Of a valve that is open to feed what leaks, all. One that is shut it only helps to open: more would open
-    it wide, and the other way once the joint has moved.
+    It counts in full while the valve is open to feed leakage. A valve that is shut it only helps to
+    open: more would open it wide, and the other way once the joint has moved.
     """
     before = memory.gathered
     if not still or (holds and shut):
@@ -258,18 +257,19 @@ def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) 
     return max(min(before, -MOST_GATHERED), min(max(before, MOST_GATHERED), before + step))
 
 
-def _widened(memory: Joint, seen: float, still: bool, holds: bool, dt: float) -> tuple[float, float]:
+def _widened(memory: Joint, filtered: float, still: bool, holds: bool, dt: float) -> tuple[float, float]:
     """Return how much wider a joint holds than set, and the side that it was moved from last, at rest.
 
-    A valve whose deadband is thought too wide jumps open; what then overshoots would be sent back for ever.
-    So every time that a joint at rest is moved the other way than before, it holds twice as wide.
+    A valve whose deadband is estimated too wide jumps open, and the joint would overshoot to and
+    fro for ever. So every time that a joint at rest is moved the other way than before, it holds
+    twice as wide.
     """
     if not still:
         return 1.0, 0.0
     wide = 1.0 + (memory.wide - 1.0) * math.exp(-dt / FORGOTTEN)
     if not memory.holding or holds:
         return wide, memory.side
-    side = math.copysign(1.0, seen)
+    side = math.copysign(1.0, filtered)
     return (min(WIDEST, 2.0 * wide) if side * memory.side < 0.0 else wide), side
 
 
@@ -285,10 +285,11 @@ def _smooth_acceleration(
 def _swing_forward(
     known: float, a: float, b: float, jerk: float, m_11: float, p: CoordinationParameters, dt: float
 ) -> tuple[float, float]:
-    """Return the torque [N m] that the driver knows of by now, and the rate [rad/s] to add to the swing's.
+    """Return the torque [N m] that the driver has learnt, and the rate [rad/s] to add to the swing's.
 
-    The hoses yield under the torque M_11 b + B a, and take up oil as it grows. And the driver learns the load
-    slowly: what it does not know yet makes the valve slower by half its share of the valve's drop.
+    The hoses yield under the torque M_11 b + B a, and take up oil as it grows. The driver learns
+    the load slowly: what it has not learnt makes the valve slower by half its share of the valve's
+    drop.
     """
     torque = m_11 * b + p.swing.damping * a
     known += (1.0 - math.exp(-p.load_bandwidth * dt)) * (torque - known)

@@ -1,4 +1,4 @@
-"""Where boom and stick are: their resolvers, or these corrected by the cylinders' transducers.
+"""The angles of boom and stick: their resolvers', or these corrected by the cylinders' transducers.
 
 | symbol | name | unit |
 |---|---|---|
@@ -7,9 +7,9 @@
 | c | correction, the low-passed q(x) - s | rad |
 | T | time constant | s |
 
-What the control takes for the angle is s + c: slowly the transducer's, quickly the resolver's. c changes
-slowly, so nothing jumps when samples are lost or come back: the last c stays. Whether it counts is decided
-while the machine stands still, and then kept until it does so again.
+The filter is complementary: the angle s + c follows the transducer slowly and the resolver quickly.
+When samples are lost, the last c stays, so nothing jumps. Whether c is used is decided while the
+machine stands still, and kept until it does so again.
 """
 
 import math
@@ -22,8 +22,8 @@ from forest_description.types import Vec3
 
 Lengths = tuple[float, float]
 
-SMOOTHING = 5.0  # [s] T
-FARTHEST = 0.1  # [rad] by which both may differ; beyond, one of them is broken, and nobody knows which
+SMOOTHING = 5.0  # [s] T, in which the transducers' noise averages out; chosen, not measured
+FARTHEST = 0.1  # [rad] by which both may differ: beyond, one of them is broken, and nobody knows which
 
 
 class Source(IntEnum):
@@ -33,8 +33,8 @@ class Source(IntEnum):
     CYLINDERS = 1
 
 
-class Correction(NamedTuple):
-    """What has been learnt of the resolvers' errors."""
+class AngleCorrection(NamedTuple):
+    """The estimated errors of the resolvers."""
 
     boom: float = 0.0  # c [rad]
     stick: float = 0.0
@@ -42,11 +42,13 @@ class Correction(NamedTuple):
     used: bool = False
 
 
-UNREAD: Lengths = (math.nan, math.nan)
-NONE = Correction()
+UNREAD: Lengths = (math.nan, math.nan)  # [m] of cylinders that were not measured
+NONE = AngleCorrection()
 
 
-def learnt(c: Correction, s: Vec3, lengths: Lengths, linkages: Linkages, dt: float) -> Correction:
+def updated_correction(
+    c: AngleCorrection, s: Vec3, lengths: Lengths, linkages: Linkages, dt: float
+) -> AngleCorrection:
     """Return the correction after a sample of the resolvers [rad] and of both cylinders [m; NaN: none].
 
     Thesis App. A, first two equations.
@@ -57,14 +59,16 @@ def learnt(c: Correction, s: Vec3, lengths: Lengths, linkages: Linkages, dt: flo
         return c
     count = c.samples + 1
     share = max(1.0 / count, 1.0 - math.exp(-dt / SMOOTHING))  # the mean at first
-    return Correction(c.boom + share * (boom - c.boom), c.stick + share * (stick - c.stick), count, c.used)
+    return AngleCorrection(
+        c.boom + share * (boom - c.boom), c.stick + share * (stick - c.stick), count, c.used
+    )
 
 
-def latched(c: Correction, wanted: int) -> Correction:
+def latched_correction(c: AngleCorrection, wanted: int) -> AngleCorrection:
     """Return the correction of a machine at rest: from now on used, or not."""
-    return Correction(c.boom, c.stick, c.samples, wanted == Source.CYLINDERS and c.samples > 0)
+    return AngleCorrection(c.boom, c.stick, c.samples, wanted == Source.CYLINDERS and c.samples > 0)
 
 
-def corrected(s: Vec3, c: Correction) -> Vec3:
+def corrected_angles(s: Vec3, c: AngleCorrection) -> Vec3:
     """Return the angles [rad] to control by."""
     return (s[0], s[1] + c.boom, s[2] + c.stick) if c.used else s

@@ -1,6 +1,6 @@
 """The control schemes of Thesis fig. 5.2 and the one of ours, each a chain of the block diagram's blocks.
 
-    scheme                 the wish x' of the tip becomes        and the servo makes of it
+    scheme                 the tip velocity x' becomes           and the servo makes of it
     joint                  a, from the levers themselves         u = a
     (a) ik_velocity        r = IK(x_d), x_d = ∫x'; a = dr/dt      u = K_v (K* a - v)
     (b) ik_position        r = IK(x_d), x_d = ∫x'                 u = K_p (r - s) - K_d v
@@ -10,8 +10,8 @@
 
 | symbol | name | unit |
 |---|---|---|
-| x', x_d | wished tip velocity, governed; its integral | m/s, m |
-| a, b | wished joint rate, its rate of change | rad/s, rad/s^2 |
+| x', x_d | reference velocity of the tip; its integral | m/s, m |
+| a, b | reference joint rate, its rate of change | rad/s, rad/s^2 |
 | r | reference angle; FK(r) is x_d, so that all schemes remember the same | rad |
 | s, v | measured joint angle, rate | rad, rad/s |
 | u | commanded joint rate, to the valve driver | rad/s |
@@ -19,11 +19,12 @@
 | K_v | velocity servo gain | |
 | K_p, K_d | position servo gains | 1/s, 1 |
 | T | lead: what spool, hoses and sampling lag behind the command | s |
-| D | rate feedback: damps what rocks on its hoses; fades out where the wish changes sign | 1 |
+| D | rate feedback: damps what rocks on its hoses; fades out where a changes sign | 1 |
 | w | integral of K_i (r - s) | rad/s |
 
-The thesis writes its servos around a plant v' = -w_n v + k u; here the driver makes the plant's gain one (u
-is a rate, and the machine settles at it), so the servos' W_0/k is one and K* = (1 + K_v)/K_v.
+The thesis writes its servos around a plant v' = -w_n v + k u. Here the driver makes the plant's
+gain one: u is a rate, and the machine settles at it. So the servos' W_0/k is one and K* = (1 +
+K_v)/K_v.
 """
 
 import math
@@ -33,13 +34,13 @@ from typing import NamedTuple
 from forest_description.geometry.kinematics import Links, is_singular, joint_rates, nearest_pose, tip_position
 from forest_description.types import ZERO, Vec3
 
-FADED = 1e-3  # [rad/s] of an offset: less of it opens no valve for long enough to be felt, and keeps one open
-FULL_RATE = 0.1  # [rad/s] a wish from which the coordinated scheme hears all of the rate
-REST_RATE = 2e-3  # [rad/s] a smaller wish counts as none for a velocity servo
+FADED = 1e-3  # [rad/s] of an offset that counts as none: it would only keep a valve open
+FULL_RATE = 0.1  # [rad/s] reference rate from which D acts in full: slower, noise of v crosses the overlap
+REST_RATE = 2e-3  # [rad/s] reference rate that counts as none for a velocity servo: above sensor noise
 
 
 class Scheme(IntEnum):
-    """How a wish becomes joint rates."""
+    """How a command becomes joint rates."""
 
     JOINT = 0
     IK_VELOCITY = 1
@@ -109,13 +110,14 @@ def position_servo(x: Signals, g: Gains) -> float:
 def coordinated(x: Signals, g: Gains) -> float:
     """Reference velocity with lead, closed on the tip's position: u = a + T b + K_p (r - s) + D (a - v) + w.
 
-    The wish passes straight through, earlier by the lead; the error only carries what valve and model are
-    wrong by. r is the pose that holds the tip on its path, so an error of the tip is one of the joints. Near
-    a change of sign the noise of v would throw the valve across its overlap and back.
+    The reference rate is fed forward with the lead T; the feedback only corrects errors of valve
+    and model. r is the pose that holds the tip on its path, so an error of the tip is one of the
+    joints. Near a change of sign D fades out: the noise of v would throw the valve across its
+    overlap and back.
     """
     share = x.a / FULL_RATE
-    heard = g.rate * min(1.0, share * share)
-    return x.a + g.lead_time * x.b + g.feedback * (x.r - x.s) + heard * (x.a - x.v) + x.w
+    damping = g.rate * min(1.0, share * share)
+    return x.a + g.lead_time * x.b + g.feedback * (x.r - x.s) + damping * (x.a - x.v) + x.w
 
 
 def servo(scheme: int, x: Signals, g: Gains) -> float:
@@ -125,7 +127,7 @@ def servo(scheme: int, x: Signals, g: Gains) -> float:
     if scheme == Scheme.IK_POSITION or scheme == Scheme.JACOBIAN_POSITION:
         return position_servo(x, g)
     if scheme == Scheme.IK_VELOCITY or scheme == Scheme.JACOBIAN_VELOCITY:
-        # At rest the servo would chase what it hears of its own valve's opening, for ever.
+        # At rest the servo would follow the motion of its own valve's opening, for ever.
         return velocity_servo(x, g) if abs(x.a) > REST_RATE else 0.0
     return joint(x, g)
 
@@ -142,8 +144,8 @@ def jacobian_pose(scheme: int, r: Vec3, s: Vec3, at_joints: bool) -> Vec3:
         scheme: whose.
         r: reference angles.
         s: measured angles.
-        at_joints: scheme (d) takes it at the measured angles, as the thesis does. At its reference, it
-            integrates the wish free of the joints' lag.
+        at_joints: scheme (d) takes it at the measured angles, as the thesis does. At its reference,
+            it integrates the command free of the joints' lag.
     """
     measured = scheme == Scheme.JOINT or scheme == Scheme.JACOBIAN_VELOCITY
     return s if measured or (at_joints and scheme == Scheme.JACOBIAN_POSITION) else r
@@ -153,9 +155,9 @@ def advanced(scheme: int, r: Vec3, a: Vec3, velocity: Vec3, links: Links, dt: fl
     """Return the reference angles r [rad] one step on.
 
     Args:
-        scheme: (a) and (b) solve the inverse kinematics of the wished tip, the others integrate the rates.
-        r: reference angles now.
-        a: wished joint rates [rad/s].
+        scheme: (a) and (b) solve the inverse kinematics of the tip, the others integrate the rates.
+        r: reference angles before.
+        a: reference joint rates [rad/s].
         velocity: x' [m/s].
         links: lengths of the chain.
         dt: [s].
@@ -164,8 +166,8 @@ def advanced(scheme: int, r: Vec3, a: Vec3, velocity: Vec3, links: Links, dt: fl
         if velocity == ZERO:
             return r  # exactly
         x, y, z = tip_position(r, links)
-        wished = x + dt * velocity[0], y + dt * velocity[1], z + dt * velocity[2]
-        return nearest_pose(wished, r, links)
+        target = x + dt * velocity[0], y + dt * velocity[1], z + dt * velocity[2]
+        return nearest_pose(target, r, links)
     if scheme == Scheme.COORDINATED:
         # The rates half a step on: the tip's reference then stays on the integral of its velocity.
         middle = moved(r, a, 0.5 * dt)
@@ -179,7 +181,7 @@ def moved(q: Vec3, rates: Vec3, dt: float) -> Vec3:
     return q[0] + dt * rates[0], q[1] + dt * rates[1], q[2] + dt * rates[2]
 
 
-def reference_that_gives(scheme: int, u: float, s: float, v: float, g: Gains) -> float:
+def reference_for_rate(scheme: int, u: float, s: float, v: float, g: Gains) -> float:
     """Return the reference angle r [rad] at which a scheme commands u [rad/s] at rest, or s if none does."""
     if scheme == Scheme.COORDINATED:
         return s + u / g.feedback if g.feedback > 0.0 else s

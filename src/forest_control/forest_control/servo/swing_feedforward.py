@@ -1,7 +1,7 @@
-"""What swinging the crane takes: torque from the motor, and oil that its hoses take up first.
+"""Feedforward for the swing: the torque of its motion, and the oil that its hoses take up first.
 
-The swing carries the whole crane on two short hoses, so it is the one axis that rocks slowly (2.3 Hz) and
-whose load changes as it speeds up. Boom and stick carry mostly their weight, which the driver measures.
+The swing carries the whole crane on two short hoses: it alone rocks slowly (2.3 Hz), and its load
+changes as it speeds up. Boom and stick carry mostly their weight, which the valve driver measures.
 
 | symbol | name | unit |
 |---|---|---|
@@ -22,7 +22,7 @@ from forest_description.machine import Machine
 from forest_description.types import Vec3
 
 
-class SwingLoad(NamedTuple):
+class SwingModel(NamedTuple):
     """Constants of the crane as a load of its swing."""
 
     base_offset: float  # [m]
@@ -35,7 +35,7 @@ class SwingLoad(NamedTuple):
     valve_drop: float  # N [N m] of a crane that is not loaded
 
 
-def inertia(q: Vec3, load: SwingLoad) -> float:
+def inertia(q: Vec3, load: SwingModel) -> float:
     """Return M_11 [kg m^2] at joint angles [rad]. Thesis eq. 3.15."""
     c_2, s_2 = math.cos(q[1]), math.sin(q[1])
     c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])
@@ -51,11 +51,11 @@ def _link_inertia(offset: float, c: float, s: float, body: tuple[float, ...]) ->
     return mass * r * r + yy * c * c + xx * s * s - 2.0 * xy * s * c
 
 
-def swing_load(machine: Machine) -> SwingLoad:
+def swing_model(machine: Machine) -> SwingModel:
     """Return the constants for a machine."""
     m, oil = machine.manipulator, displacements(machine, 0)[0]
     capacitance = 0.5 * (machine.line(0, 1).capacitance + machine.line(0, 2).capacitance)
-    return SwingLoad(
+    return SwingModel(
         base_offset=m.base_offset,
         boom_length=m.boom_length,
         base_inertia=m.base_zz + m.base_mass * m.base_x**2,

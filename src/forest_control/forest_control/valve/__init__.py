@@ -1,1 +1,1 @@
-"""The valve driver: deadband, gain and pressure drop compensated, and learnt."""
+"""The valve driver: deadband, gain and pressure drop compensated and adapted."""

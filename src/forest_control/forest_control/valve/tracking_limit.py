@@ -1,40 +1,42 @@
-"""How far the valves go: the part of the file's opening that each reaches, and joints that cannot follow.
+"""Tracking limits: the opening that each valve reaches, and joints that cannot follow.
 
 | symbol | name | unit |
 |---|---|---|
 | V_r, V_d | rated voltage, deadband of the machine's file | V |
 | d, k | what the driver has learnt (`valve_adaptation`) | V, - |
 | R | reach: opening at V_r over the file's, (V_r - V_d - d) / ((1 + k) (V_r - V_d)) | - |
-| y | where a spool is by its first-order lag: the voltage that would hold it there | V |
-| a, v, e | wished and measured joint rate, error of the joint against its reference | rad/s, rad/s, rad |
-| c | ceiling: the wish that a joint whose valve is open wide can follow, abs v - h abs e | rad/s |
-| h | how quickly it comes back to its reference | 1/s |
+| y | position of a spool by its first-order lag: the voltage that would hold it there | V |
+| a, v, e | reference and measured joint rate, error of the joint against its reference | rad/s, rad/s, rad |
+| c | ceiling: the rate that a joint whose valve is fully open can follow, abs v - h abs e | rad/s |
+| h | catch-up rate: how quickly the joint comes back to its reference | 1/s |
 
-The governor plans with R. What nobody knows, a heavier load or a weak valve that is not learnt yet, shows
-in a valve that is open wide while its joint falls behind. Then all joints wait for that one, whose reference
-goes slower than it moves, by h e: so it comes back to it. When the valve is no longer short, c rises and
-vanishes. Open is what the spool is, not what its voltage asks for: a spool that is on its way is hurried by
-all the voltage there is, a slow one for seconds, and nobody would gain by waiting for it.
+The velocity scaling plans with R. What is not learnt, as a heavier load or a weak valve, shows in a
+valve that is fully open while its joint falls behind. Then all joints wait for that one: its
+reference goes slower than it moves, by h e, so it catches up. When the valve is no longer fully
+open, c rises and vanishes. The spool's position counts, not its voltage: a spool on its way gets
+all the voltage there is, and waiting would not help.
 """
 
 import math
 from typing import NamedTuple
 
-from forest_control.valve.valve_adaptation import Learner, WayEstimate, gain
+from forest_control.valve.valve_adaptation import DirectionEstimate, ValveEstimate, gain
 from forest_control.valve.valve_driver_parameters import Axes, AxisDriver, moved_spools
 from forest_description.components.valve_characteristic import Direction
 from forest_description.types import Vec3
 
 Flags = tuple[bool, bool, bool]
 
-LEAST, MOST = 0.2, 1.0  # R: the driver opens no valve wider than the file's
-CATCH_UP = 4.0  # [1/s] h
-FALL, RISE = 0.03, 0.5  # [s] in which a ceiling comes down, and grows by e
+LEAST = 0.2  # [1] smallest R that is believed: a weaker valve is a broken one; chosen
+MOST = 1.0  # [1] greatest R: the driver opens no valve wider than the file's
+CATCH_UP = 4.0  # [1/s] h, near the position gain of the coordinated scheme; chosen
+FALL = 0.03  # [s] time constant with which a ceiling comes down; chosen, not measured
+RISE = 0.5  # [s] in which a ceiling grows by the factor e; chosen, not measured
 LOWEST = 0.01  # [rad/s] of a ceiling: a joint that is stuck is still asked to move
-SPENT = 2.0  # [rad/s] a ceiling that has risen so far is none
-FAR = 1e-3  # [rad] of e: nearer, nothing is wrong
-SAID_EVERY = 20  # steps of the driver's node
-WIDE = 0.95  # of the rated voltage: noise lets a voltage come away from it, and a spool comes there slowly
+SPENT = 2.0  # [rad/s] of a ceiling that has risen so far that it counts as none; chosen
+FAR = 1e-3  # [rad] of e, 6 mm of the tip at 6 m: nearer, the joint follows
+STATUS_EVERY = 20  # [1] steps between two reports of the driver: 10 Hz
+WIDE = 0.95  # [1] of the rated voltage, from which a valve is fully open: noise and the lag keep it below 1
 
 
 class Reach(NamedTuple):
@@ -44,32 +46,32 @@ class Reach(NamedTuple):
     backward: Vec3
 
 
-class Strain(NamedTuple):
+class TrackingLimit(NamedTuple):
     """One joint's ceiling."""
 
     ceiling: float = math.inf  # c [rad/s]
-    side: float = 0.0  # direction of the wish that it holds for: 1, -1
+    side: float = 0.0  # direction of the rate that it holds for: 1, -1
 
 
-class Strains(NamedTuple):
-    """Of all joints, and where their spools are."""
+class TrackingLimits(NamedTuple):
+    """The ceilings of all joints, and where their spools are."""
 
-    swing: Strain = Strain()
-    boom: Strain = Strain()
-    stick: Strain = Strain()
+    swing: TrackingLimit = TrackingLimit()
+    boom: TrackingLimit = TrackingLimit()
+    stick: TrackingLimit = TrackingLimit()
     spools: Vec3 = (0.0, 0.0, 0.0)  # y [V]
 
 
 class Valves(NamedTuple):
-    """What the governor is told of the valves."""
+    """What the velocity scaling knows of the valves."""
 
     reach: Reach
-    strains: Strains
+    tracking_limits: TrackingLimits
 
 
 FULL = Reach((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
-RELAXED = Strains()
-AS_FILED = Valves(FULL, RELAXED)
+NO_TRACKING_LIMIT = TrackingLimits()
+AS_FILED = Valves(FULL, NO_TRACKING_LIMIT)
 
 
 def reached(deadband: float, gained: float, edge: Direction) -> float:
@@ -83,29 +85,29 @@ def bounded(share: float) -> float:
     return max(LEAST, min(MOST, share)) if math.isfinite(share) else 1.0
 
 
-def learnt_reach(learners: tuple[Learner, Learner, Learner], axes: Axes) -> Reach:
+def learnt_reach(estimates: tuple[ValveEstimate, ValveEstimate, ValveEstimate], axes: Axes) -> Reach:
     """Return R as the driver has learnt it."""
-    one, two, three = learners
+    one, two, three = estimates
     return Reach(
         (_ahead(one, axes[0]), _ahead(two, axes[1]), _ahead(three, axes[2])),
         (_back(one, axes[0]), _back(two, axes[1]), _back(three, axes[2])),
     )
 
 
-def _ahead(learner: Learner, axis: AxisDriver) -> float:
+def _ahead(learner: ValveEstimate, axis: AxisDriver) -> float:
     return _reached(learner.forward, axis.valve.forward)
 
 
-def _back(learner: Learner, axis: AxisDriver) -> float:
+def _back(learner: ValveEstimate, axis: AxisDriver) -> float:
     return _reached(learner.backward, axis.valve.backward)
 
 
-def _reached(way: WayEstimate, edge: Direction) -> float:
+def _reached(way: DirectionEstimate, edge: Direction) -> float:
     return reached(edge.deadband_voltage + way.deadband, gain(way), edge)
 
 
 def open_wide(spools: Vec3, rated: Vec3) -> Flags:
-    """Tell which valves are open as far as they go, by where their spools are and the rated voltages [V]."""
+    """Tell which valves are fully open, by the positions of their spools and the rated voltages [V]."""
     return (
         abs(spools[0]) >= WIDE * rated[0],
         abs(spools[1]) >= WIDE * rated[1],
@@ -113,45 +115,45 @@ def open_wide(spools: Vec3, rated: Vec3) -> Flags:
     )
 
 
-def strained(
-    strains: Strains, voltages: Vec3, rated: Vec3, axes: Axes, a: Vec3, e: Vec3, v: Vec3, dt: float
-) -> Strains:
+def updated_limits(
+    limits: TrackingLimits, voltages: Vec3, rated: Vec3, axes: Axes, a: Vec3, e: Vec3, v: Vec3, dt: float
+) -> TrackingLimits:
     """Return the joints' ceilings after dt [s].
 
     Args:
-        strains: before.
+        limits: before.
         voltages: of the valves in that time [V].
         rated: their greatest voltages [V].
         axes: by which the spools' lags are known.
-        a: governed rates wished last [rad/s].
+        a: reference rates of the last step [rad/s].
         e: references minus measured angles [rad].
         v: measured rates [rad/s].
         dt: [s].
     """
-    spools = moved_spools(strains.spools, voltages, axes, dt)
+    spools = moved_spools(limits.spools, voltages, axes, dt)
     wide = open_wide(spools, rated)
-    return Strains(
-        _strained(strains.swing, wide[0], a[0], e[0], v[0], dt),
-        _strained(strains.boom, wide[1], a[1], e[1], v[1], dt),
-        _strained(strains.stick, wide[2], a[2], e[2], v[2], dt),
+    return TrackingLimits(
+        _updated(limits.swing, wide[0], a[0], e[0], v[0], dt),
+        _updated(limits.boom, wide[1], a[1], e[1], v[1], dt),
+        _updated(limits.stick, wide[2], a[2], e[2], v[2], dt),
         spools,
     )
 
 
-def _strained(strain: Strain, wide: bool, a: float, e: float, v: float, dt: float) -> Strain:
+def _updated(limit: TrackingLimit, wide: bool, a: float, e: float, v: float, dt: float) -> TrackingLimit:
     """Return one joint's ceiling after dt [s]."""
     side = math.copysign(1.0, e)
     if wide and side * a > 0.0 and abs(e) > FAR:
         followed = max(LOWEST, side * v - CATCH_UP * abs(e))
-        before = min(strain.ceiling, abs(a)) if strain.side == side else abs(a)
+        before = min(limit.ceiling, abs(a)) if limit.side == side else abs(a)
         ceiling = followed + math.exp(-dt / FALL) * (before - followed)
-        return Strain(min(before, ceiling), side)
-    if strain.ceiling == math.inf:
-        return Strain(math.inf, 0.0)
-    risen = strain.ceiling * math.exp(dt / RISE)
-    return Strain(risen, strain.side) if risen < SPENT else Strain(math.inf, 0.0)
+        return TrackingLimit(min(before, ceiling), side)
+    if limit.ceiling == math.inf:
+        return TrackingLimit(math.inf, 0.0)
+    risen = limit.ceiling * math.exp(dt / RISE)
+    return TrackingLimit(risen, limit.side) if risen < SPENT else TrackingLimit(math.inf, 0.0)
 
 
-def ceiling(strain: Strain, wished: float) -> float:
-    """Return the greatest rate [rad/s] for a wish in its direction."""
-    return strain.ceiling if wished * strain.side > 0.0 else math.inf
+def ceiling(limit: TrackingLimit, rate: float) -> float:
+    """Return the greatest rate [rad/s] in the direction of a rate."""
+    return limit.ceiling if rate * limit.side > 0.0 else math.inf

@@ -1,7 +1,8 @@
-"""Learning a valve's deadband and gain from the motion that its voltage makes: recursive least squares.
+"""Adaptation of a valve's deadband and gain to its measured motion, by recursive least squares.
 
-The opening that lets a measured flow through at the measured drop is known (`valve_flow`), and so is the
-voltage that a valve as in the machine's file would need for it. The true one needs, in either direction,
+The opening that lets a measured flow through at the measured pressure drop is known (`valve_flow`).
+So is the voltage that the valve of the machine's file would need for it. The true valve needs, in
+either direction,
 
     V = V_d + d + (1 + k) x
 
@@ -14,11 +15,12 @@ voltage that a valve as in the machine's file would need for it. The true one ne
 | k | how much further than that the spool must move: 1/(1 + k) is the gain | - |
 | E, i | V - V_d of an open spool; 1 while it is open | V, - |
 
-All parts pass the same low-pass, so that transients are no error: it reads E = i d + (1 + k) x behind it. Its
-regressor holds x as the voltage lets expect it: the measured one is noisy, which would make k smaller.
+All parts pass the same low-pass, so that transients are no error: behind it E = i d + (1 + k) x.
+The regressor holds x as expected from the voltage: the measured x is noisy, which would bias k
+downwards.
 
-A spool beyond the known deadband that moves nothing tells that the overlap is wider, not how wide. So while
-that is still unsure, d is raised until something moves.
+A spool beyond the known deadband that moves nothing shows that the overlap is wider, but not how
+wide. So while the deadband is unsure, d is raised until something moves.
 """
 
 import math
@@ -26,14 +28,14 @@ from typing import NamedTuple
 
 from forest_control.valve.valve_flow import (
     BANDWIDTH,
-    NO_SIGHT,
+    NO_MEASUREMENT,
+    AxisMeasurement,
     FlowParameters,
     LowPassed,
-    Sight,
+    correlated_samples,
     low_passed,
+    opening_from_flow,
     opening_variance,
-    overlapping,
-    told_by_flow,
 )
 from forest_description.components.valve_characteristic import (
     LINEAR,
@@ -42,27 +44,29 @@ from forest_description.components.valve_characteristic import (
     voltage_for_opening,
 )
 
-DEADBAND_SPREAD, STRETCH_SPREAD = 0.15, 0.4  # [V], - of what a machine's file says, standard deviation
-LEAST_SHARE = 0.3  # of the low-pass' memory in which the spool was open
-PURITY = 0.95  # of that, in this one direction and measurable
-MODEL_VOLTS, MODEL_SHARE = 0.005, 0.02  # [V]; of x: how well the law itself is believed
-UNSURE = 0.25  # of the deadband's first variance: above, no motion is looked at as above
-CLEAR = 4.0  # standard deviations that a flow, or its absence, must show
-FINE = 0.35  # of DEADBAND_SPREAD: a flow noisier than that cannot tell its absence
-LAG_SPREAD = 0.006  # [s] by which a spool may be slower or quicker than its file says
-SEARCH = 1.0  # [V/s] at which d is raised: the low-pass is 30 ms late, and as much too far it goes
+DEADBAND_SPREAD = 0.15  # [V] standard deviation of the file's deadband; chosen, not measured
+STRETCH_SPREAD = 0.4  # [1] standard deviation of k: the file's gain is known to 40 %; chosen
+LEAST_SHARE = 0.3  # [1] of the low-pass' memory in which the spool must have been open; chosen
+PURITY = 0.95  # [1] of that, in this one direction and measurable: directions must not mix
+MODEL_VOLTS = 0.005  # [V] standard deviation of the valve's law itself; chosen, not measured
+MODEL_SHARE = 0.02  # [1] the same as a share of x; chosen, not measured
+UNSURE = 0.25  # [1] of the deadband's first variance: above it, d is searched, as above; chosen
+CLEAR = 4.0  # [1] standard deviations that a flow, or its absence, must show: one in 16 000 by chance
+FINE = 0.35  # [1] of DEADBAND_SPREAD: a noisier flow cannot tell its absence; chosen
+LAG_SPREAD = 0.006  # [s] by which a spool may be slower or quicker than its file says; chosen
+SEARCH = 1.0  # [V/s] at which d is raised: the low-pass is 30 ms late, so d ends 30 mV too wide
 
 
 class AdaptationParameters(NamedTuple):
-    """What a user may set."""
+    """Settings of the adaptation, from those of the driver."""
 
     forgetting_time: float  # [s]
     deadband_range: float  # [V] that d is kept within
     gain_range: float  # the gain is kept within 1/this and this
 
 
-class WayEstimate(NamedTuple):
-    """What is learnt of one direction; the covariance is relative to what it starts from."""
+class DirectionEstimate(NamedTuple):
+    """The estimate of one direction; the covariance is relative to what it starts from."""
 
     deadband: float = 0.0  # d [V]
     stretch: float = 0.0  # k
@@ -71,42 +75,47 @@ class WayEstimate(NamedTuple):
     p_kk: float = 1.0
 
 
-class Learner(NamedTuple):
+class ValveEstimate(NamedTuple):
     """State of one axis between periods."""
 
-    forward: WayEstimate = WayEstimate()
-    backward: WayEstimate = WayEstimate()
+    forward: DirectionEstimate = DirectionEstimate()
+    backward: DirectionEstimate = DirectionEstimate()
     low: LowPassed = LowPassed()
-    last: Sight = NO_SIGHT
-    primed: bool = False  # the last period was seen
+    last: AxisMeasurement = NO_MEASUREMENT
+    primed: bool = False  # the last period was measured
 
 
-UNLEARNT = Learner()
+NO_ESTIMATE = ValveEstimate()
 
 
-def blind(learner: Learner) -> Learner:
+def unmeasured(estimate: ValveEstimate) -> ValveEstimate:
     """Return the state after a period without measurements: what is learnt stays."""
-    return Learner(forward=learner.forward, backward=learner.backward)
+    return ValveEstimate(forward=estimate.forward, backward=estimate.backward)
 
 
-def learn(
-    learner: Learner, seen: Sight, law: ValveLaw, flow: FlowParameters, a: AdaptationParameters, dt: float
-) -> Learner:
+def updated_estimate(
+    estimate: ValveEstimate,
+    sample: AxisMeasurement,
+    law: ValveLaw,
+    flow: FlowParameters,
+    a: AdaptationParameters,
+    dt: float,
+) -> ValveEstimate:
     """Return the state after a period of dt [s]; law: the valve as in the machine's file."""
-    if not learner.primed or underlapped(law):
-        return blind(learner)._replace(last=seen, primed=True)
-    forward, backward = learner.forward, learner.backward
-    edge, known = (law.forward, forward) if seen.spool > 0.0 else (law.backward, backward)
-    told = told_by_flow(learner.last, seen, law, flow, dt)
-    excess = abs(seen.spool) - edge.deadband_voltage
-    low = low_passed(learner.low, told, seen.spool, excess, known.deadband, dt)
+    if not estimate.primed or underlapped(law):
+        return unmeasured(estimate)._replace(last=sample, primed=True)
+    forward, backward = estimate.forward, estimate.backward
+    edge, known = (law.forward, forward) if sample.spool > 0.0 else (law.backward, backward)
+    flowing = opening_from_flow(estimate.last, sample, law, flow, dt)
+    excess = abs(sample.spool) - edge.deadband_voltage
+    low = low_passed(estimate.low, flowing, sample.spool, excess, known.deadband, dt)
     share = abs(low.mark_2)
     if share > LEAST_SHARE and share > PURITY * low.open_2:
         if low.mark_2 > 0.0:
             forward = _update(forward, low, law.forward, law, flow, a, dt)
         else:
             backward = _update(backward, low, law.backward, law, flow, a, dt)
-    return Learner(forward=forward, backward=backward, low=low, last=seen, primed=True)
+    return ValveEstimate(forward=forward, backward=backward, low=low, last=sample, primed=True)
 
 
 def underlapped(law: ValveLaw) -> bool:
@@ -114,43 +123,43 @@ def underlapped(law: ValveLaw) -> bool:
     return law.forward.deadband_voltage + law.backward.deadband_voltage < 0.0
 
 
-def learnt_law(law: ValveLaw, learner: Learner) -> ValveLaw:
+def estimated_law(law: ValveLaw, estimate: ValveEstimate) -> ValveLaw:
     """Return the valve with the learnt deadbands and gains; its rated voltages may exceed the amplifier's."""
     return law._replace(
-        forward=_learnt(law.forward, learner.forward), backward=_learnt(law.backward, learner.backward)
+        forward=_learnt(law.forward, estimate.forward), backward=_learnt(law.backward, estimate.backward)
     )
 
 
-def _learnt(edge: Direction, way: WayEstimate) -> Direction:
+def _learnt(edge: Direction, way: DirectionEstimate) -> Direction:
     deadband = edge.deadband_voltage + way.deadband
     span = (1.0 + way.stretch) * (edge.rated_voltage - edge.deadband_voltage)
     return edge._replace(deadband_voltage=deadband, rated_voltage=deadband + span)
 
 
-def gain(way: WayEstimate) -> float:
-    """Return how much faster than told by its file a valve is beyond its deadband."""
+def gain(way: DirectionEstimate) -> float:
+    """Return how much faster than by its file a valve is beyond its deadband."""
     return 1.0 / (1.0 + way.stretch)
 
 
-def deadband_spread(way: WayEstimate) -> float:
+def deadband_spread(way: DirectionEstimate) -> float:
     """Return the standard deviation of the deadband [V]."""
     return DEADBAND_SPREAD * math.sqrt(way.p_dd)
 
 
-def gain_spread(way: WayEstimate) -> float:
+def gain_spread(way: DirectionEstimate) -> float:
     """Return the standard deviation of the gain."""
     return STRETCH_SPREAD * math.sqrt(way.p_kk) * gain(way) ** 2
 
 
 def _update(
-    way: WayEstimate,
+    way: DirectionEstimate,
     low: LowPassed,
     edge: Direction,
     law: ValveLaw,
     flow: FlowParameters,
     a: AdaptationParameters,
     dt: float,
-) -> WayEstimate:
+) -> DirectionEstimate:
     """Return the estimate after one more equation; all counts along the direction of `edge`."""
     sign = math.copysign(1.0, low.mark_2)
     share, excess = sign * low.mark_2, sign * low.excess_2
@@ -166,20 +175,26 @@ def _update(
             return way._replace(deadband=min(a.deadband_range, wider))
         return way
     model, slope = MODEL_VOLTS + MODEL_SHARE * abs(x), 1.0 + way.stretch
-    variance = ((noise * noise + model * model) * slope * slope + late * late) * overlapping(dt)
+    variance = ((noise * noise + model * model) * slope * slope + late * late) * correlated_samples(dt)
     error = excess - share * way.deadband - (1.0 + way.stretch) * x
     return _bounded(_least_squares(way, share, max(0.0, expected), error, variance, a, dt), edge, a)
 
 
 def _least_squares(
-    way: WayEstimate, i: float, x: float, error: float, variance: float, a: AdaptationParameters, dt: float
-) -> WayEstimate:
+    way: DirectionEstimate,
+    i: float,
+    x: float,
+    error: float,
+    variance: float,
+    a: AdaptationParameters,
+    dt: float,
+) -> DirectionEstimate:
     """Return recursive least squares' next estimate, with forgetting, for the regressor (i, x)."""
     f_d, f_k = i * DEADBAND_SPREAD, x * STRETCH_SPREAD
     g_d, g_k = way.p_dd * f_d + way.p_dk * f_k, way.p_dk * f_d + way.p_kk * f_k
     total = variance + f_d * g_d + f_k * g_k
     forget = math.exp(dt / a.forgetting_time)
-    return WayEstimate(
+    return DirectionEstimate(
         deadband=way.deadband + DEADBAND_SPREAD * g_d / total * error,
         stretch=way.stretch + STRETCH_SPREAD * g_k / total * error,
         p_dd=forget * (way.p_dd - g_d * g_d / total),
@@ -188,11 +203,11 @@ def _least_squares(
     )
 
 
-def _bounded(way: WayEstimate, edge: Direction, a: AdaptationParameters) -> WayEstimate:
+def _bounded(way: DirectionEstimate, edge: Direction, a: AdaptationParameters) -> DirectionEstimate:
     """Return an estimate within its ranges; its covariance, never wider than at the start, cannot wind up."""
     lowest = -min(a.deadband_range, max(0.0, edge.deadband_voltage))
     s_d, s_k = 1.0 / math.sqrt(max(1.0, way.p_dd)), 1.0 / math.sqrt(max(1.0, way.p_kk))
-    return WayEstimate(
+    return DirectionEstimate(
         deadband=max(lowest, min(a.deadband_range, way.deadband)),
         stretch=max(1.0 / a.gain_range - 1.0, min(a.gain_range - 1.0, way.stretch)),
         p_dd=way.p_dd * s_d * s_d,

@@ -1,8 +1,8 @@
-"""The deadband-compensating valve driver's core: it alone knows how a real valve differs from an ideal one.
+"""The core of the deadband-compensating valve driver: it alone knows real valves from ideal ones.
 
-An ideal valve has no lap, is linear, and always sees the nominal pressure drop; its command is a wished
-actuator speed. The real one opens only beyond its deadband, and its flow goes with the root of the pressure
-drop that the load leaves:
+An ideal valve has no lap, is linear, and always sees the nominal pressure drop: its command is an
+actuator speed. A real valve opens only beyond its deadband, and its flow goes with the root of the
+pressure drop that the load leaves:
 
 | symbol | name | unit (cylinder; motor) |
 |---|---|---|
@@ -15,14 +15,20 @@ drop that the load leaves:
 
 At steady speed and full opening N = S v^2 (`valve_inverse.required_opening`), hence the opening
 |v| sqrt(S / N). Beyond the valve, hoses take part of N, a motor leaks, its hoses fill after a rest, and the
-spool needs time to cross its overlap; `beyond_valve` allows for these. With `adapt` deadband and gain are
-those that `valve_adaptation` has learnt.
+spool needs time to cross its overlap: `beyond_valve` compensates these. With `adapt` deadband and
+gain are those that `valve_adaptation` has estimated.
 """
 
 import math
 from typing import NamedTuple
 
-from forest_control.valve.valve_adaptation import UNLEARNT, Learner, blind, learn, learnt_law
+from forest_control.valve.valve_adaptation import (
+    NO_ESTIMATE,
+    ValveEstimate,
+    estimated_law,
+    unmeasured,
+    updated_estimate,
+)
 from forest_control.valve.valve_driver_parameters import (
     AxisDriver,
     Parameters,
@@ -32,8 +38,8 @@ from forest_control.valve.valve_driver_parameters import (
     moved_spools,
     parameters,
 )
-from forest_control.valve.valve_flow import Sight
-from forest_control.valve.valve_hold import CALM, SHUT, Hold, obeyed
+from forest_control.valve.valve_flow import AxisMeasurement
+from forest_control.valve.valve_hold import CALM, SHUT, HoldState, held_command
 from forest_control.valve.valve_inverse import required_opening, spool_voltage
 from forest_description.types import Vec3
 
@@ -53,18 +59,18 @@ __all__ = [
     "step",
 ]
 
-Learners = tuple[Learner, Learner, Learner]
-Holds = tuple[Hold, Hold, Hold]
+ValveEstimates = tuple[ValveEstimate, ValveEstimate, ValveEstimate]
+Holds = tuple[HoldState, HoldState, HoldState]
 
-LOWEST_SUPPLY = 0.25  # of the idle supply pressure: below, the pump is off or its transducer broken
-HIGHEST = 2.0  # of the nominal supply pressure
-FILLING = 60.0  # [rad/s] low-pass of the ports' mean pressure
-HELD = 1e-6  # [V] a command below wishes that the actuator be held
-LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than nothing for a moment
-SOONEST = 0.0025  # [s] no command is expected sooner than this after another, whatever the stamps say
-FORGOTTEN = 0.3  # [s] in which it is expected again that voltages come in time
-BORNE = 1.5  # [rad/s] low-pass of the load that the swing has borne for long
-LASTING = 2.0  # times that, at the most, its load may be, or that its load, to be fed while it is held
+LOWEST_SUPPLY = 0.25  # [1] of the idle supply pressure: below, the pump is off or its transducer broken
+HIGHEST = 2.0  # [1] of the nominal supply pressure: above, a transducer is broken; chosen
+FILLING = 60.0  # [rad/s] low-pass of the ports' mean pressure, 10 Hz; chosen, not measured
+HELD = 1e-6  # [V] command below which the actuator is to be held: above the servo's `HELD` as a voltage
+LOWEST_PORT = 1e6  # [Pa] below tank: behind a long hose a port may read less than zero for a moment
+SOONEST = 0.0025  # [s] between two commands at the least, whatever the stamps say: half a period
+FORGOTTEN = 0.3  # [s] time constant with which a late voltage is forgotten; chosen, not measured
+BORNE = 1.5  # [rad/s] low-pass of the swing's steady load, slower than its rocking at 2.3 Hz
+LASTING = 2.0  # [1] greatest ratio, either way, of the swing's load to its steady load; beyond, it passes
 
 
 class State(NamedTuple):
@@ -77,15 +83,15 @@ class State(NamedTuple):
     strokes: Vec3 = (0.0, 0.0, 0.0)  # [V] where they were on average since the last step
     holds: Holds = (SHUT, SHUT, SHUT)
     voltages: Vec3 = (0.0, 0.0, 0.0)  # [V] given last, without dither
-    saturated: tuple[bool, bool, bool] = (False, False, False)  # a valve could not open as far as wished
+    saturated: tuple[bool, bool, bool] = (False, False, False)  # a valve could not open as far as commanded
     phase: float = 0.0  # of the dither, in turns
-    learners: Learners = (UNLEARNT, UNLEARNT, UNLEARNT)
+    estimates: ValveEstimates = (NO_ESTIMATE, NO_ESTIMATE, NO_ESTIMATE)
     ahead: float = 0.0  # [s] for how long a voltage may stay in force
     borne: float = 0.0  # swing's load, low-passed more slowly [N m]
 
 
 class Pressures(NamedTuple):
-    """What the transducers say [Pa]: at both actuator ports of each axis, and at the pump."""
+    """Pressures by the transducers [Pa]: at both actuator ports of each axis, and at the pump."""
 
     port_1: Vec3
     port_2: Vec3
@@ -93,7 +99,7 @@ class Pressures(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """What is measured for learning, too: actuator positions [rad, m, m], pressures at the valves [Pa]."""
+    """Measurements for the adaptation: actuator positions [rad, m, m], pressures at the valves [Pa]."""
 
     positions: Vec3
     valve_1: Vec3
@@ -103,20 +109,20 @@ class Motion(NamedTuple):
 class AxisMemory(NamedTuple):
     """What `State` holds of one axis, and what is given to its valve."""
 
-    hold: Hold
+    hold: HoldState
     voltage: float
     saturated: bool
 
 
 REST = State((0.0, 0.0, 0.0), False)
-_NOTHING: Vec3 = (math.nan, math.nan, math.nan)
+_NOTHING: Vec3 = (math.nan, math.nan, math.nan)  # [Pa; rad, m, m] of what was not measured
 UNSEEN, STILL = Pressures(_NOTHING, _NOTHING, math.nan), Motion(_NOTHING, _NOTHING, _NOTHING)
 
 
 def at_rest(state: State) -> State:
-    """Return the state of a driver whose valves were centred without it; what it has learnt stays."""
-    one, two, three = state.learners
-    return REST._replace(learners=(blind(one), blind(two), blind(three)), ahead=state.ahead)
+    """Return the state of a driver whose valves were centred without it; its estimates stay."""
+    one, two, three = state.estimates
+    return REST._replace(estimates=(unmeasured(one), unmeasured(two), unmeasured(three)), ahead=state.ahead)
 
 
 def step(
@@ -131,30 +137,30 @@ def step(
 
     Args:
         state: what the last step returned; `REST` at first.
-        command: wished actuator speeds, swing, boom, stick, as voltages of ideal valves [V].
-        pressures: None when no fresh measurement is there: the nominal drop is assumed, as it is for
-            pressures that cannot be true.
-        p: what the driver knows of the machine.
-        dt: for how long the last voltages were in force [s], by the machine's time; 0 where these commands
-            come so close behind others that those were never obeyed.
-        motion: None when no fresh measurement is there: nothing is learnt.
+        command: actuator speeds, swing, boom, stick, as voltages of ideal valves [V].
+        pressures: None when no fresh measurement is there: the nominal drop is assumed, as it is
+            for pressures that cannot be true.
+        p: machine and settings.
+        dt: for how long the last voltages were in force [s], by the machine's time; 0 where these
+            commands come so close behind others that those never took effect.
+        motion: None when no fresh measurement is there: nothing is adapted.
     """
-    seen = UNSEEN if pressures is None else pressures
-    return step_seen(state, command, seen, STILL if motion is None else motion, p, dt)
+    measured = UNSEEN if pressures is None else pressures
+    return step_measured(state, command, measured, STILL if motion is None else motion, p, dt)
 
 
-def step_seen(
+def step_measured(
     state: State, command: Vec3, pressures: Pressures, motion: Motion, p: Parameters, dt: float
 ) -> tuple[State, Vec3]:
     """Do as `step`; what is not measured is NaN (`UNSEEN`, `STILL`), for a compiler knows no None."""
-    seen = plausible(pressures, p)
-    state = _filter_loads(state, pressures, seen, p, dt)
+    measured = plausible(pressures, p)
+    state = _filter_loads(state, pressures, measured, p, dt)
     if dt > 0.0:
         state = _moved_on(state, p, dt)
     if p.adapt and dt > 0.0:
-        state = state._replace(learners=_learn(state, pressures, motion, seen, p, dt))
+        state = state._replace(estimates=_learn(state, pressures, motion, measured, p, dt))
     supply, mean = p.idle_pressure, -1.0
-    if seen:
+    if measured:
         supply = pressures.supply
         mean = max(0.0, state.means[0]) if p.beyond_valve else -1.0
     swing = _axis(0, command[0], mean, supply, state, p, dt)
@@ -178,8 +184,8 @@ def step_seen(
 def _moved_on(state: State, p: Parameters, dt: float) -> State:
     """Return the state with the spools where the last voltages have brought them in dt [s].
 
-    A voltage that was in force for longer than usual lets expect that the next ones may be, too: the longest
-    time, forgotten in `FORGOTTEN`.
+    After a voltage that was in force for longer than usual, the next ones may be, too: the longest
+    time counts, and is forgotten with `FORGOTTEN`.
     """
     before, after = state.spools, moved_spools(state.spools, state.voltages, p.axes, dt)
     return state._replace(
@@ -200,26 +206,28 @@ def _axis(
     low = axis.valve.backward.rated_voltage
     hold, wanted, saturated = state.holds[i], command, False
     if p.compensate:
-        # A leaking motor under load must be fed to stand still, be the command ever so small; none is none.
-        # While the swing is held its weight on a slope counts, not how it was stopped, nor how it rocks.
-        load = _weight(state.loads[0], state.borne) if i == 0 and abs(command) < HELD else state.loads[i]
+        # A leaking motor under load must be fed to stand still, by however small a command; zero is zero.
+        # While the swing is held its weight on a slope counts, not its rocking after a stop.
+        load = _steady_load(state.loads[0], state.borne) if i == 0 and abs(command) < HELD else state.loads[i]
         leaked = rated * axis.slip * load / axis.rated_speed
         fed = command + leaked if command != 0.0 else 0.0
         least = axis.least_fed
-        opens = p.hold_zone if abs(leaked) <= _worth(leaked, spool, least) else min(least, p.hold_zone)
-        hold, fed = obeyed(
+        opens = (
+            p.hold_zone if abs(leaked) <= _least_leakage(leaked, spool, least) else min(least, p.hold_zone)
+        )
+        hold, fed = held_command(
             hold, fed, p.hold_zone, opens, p.command_noises[i], abs(command) < HELD, p.adapt, dt
         )
-        law = learnt_law(axis.valve, state.learners[i]) if p.adapt else axis.valve
+        law = estimated_law(axis.valve, state.estimates[i]) if p.adapt else axis.valve
         wanted = spool_voltage(fed, state.loads[i], mean, supply, axis, law, p) if fed != 0.0 else 0.0
         saturated = not -low < wanted < rated
         edge = (law.forward if wanted > 0.0 else law.backward).deadband_voltage
         gently = hold.calm_for >= CALM and hold.wide > 2.0
         crosses = p.beyond_valve and wanted != 0.0 and state.ahead > 0.0 and not gently
         if crosses and math.copysign(1.0, wanted) * spool < edge:
-            # A first-order spool comes to just beyond the overlap only after some time constants; asked for
-            # more, it is there in one period; in force for longer, that would throw the valve wide open.
-            # Outside the overlap the command's lead makes up for the lag; at rest there is time.
+            # A first-order spool needs some time constants to just beyond the overlap. With more voltage it
+            # is there in one period; in force for longer, that voltage would open the valve wide. Outside
+            # the overlap the command's lead makes up for the lag; at rest there is time.
             wanted = spool + (wanted - spool) / (1.0 - left(axis, max(SOONEST, state.ahead)))
     most = p.slew_limit * dt if dt > 0.0 or p.slew_limit < math.inf else math.inf  # not inf * 0
     slewed = max(state.voltages[i] - most, min(state.voltages[i] + most, wanted))
@@ -227,13 +235,13 @@ def _axis(
     return AxisMemory(hold, voltage, saturated)
 
 
-def _weight(load: float, borne: float) -> float:
-    """Return a load [N m] that has been borne for long, within `LASTING`; none that comes and goes."""
+def _steady_load(load: float, borne: float) -> float:
+    """Return a load [N m] that is steady within `LASTING`, else 0."""
     return load if load * borne > 0.0 and 1.0 / LASTING < load / borne < LASTING else 0.0
 
 
-def _worth(leaked: float, spool: float, least: float) -> float:
-    """Return what must leak [V] to be fed; 3/4 of it keep a valve open, so that it does not chatter."""
+def _least_leakage(leaked: float, spool: float, least: float) -> float:
+    """Return the leakage [V] from which it is fed; less where it is fed already, against chatter."""
     return least if spool * leaked <= 0.0 else 0.75 * least
 
 
@@ -254,8 +262,8 @@ def plausible(pressures: Pressures, p: Parameters) -> bool:
     return True
 
 
-def _filter_loads(state: State, pressures: Pressures, seen: bool, p: Parameters, dt: float) -> State:
-    if not seen:
+def _filter_loads(state: State, pressures: Pressures, measured: bool, p: Parameters, dt: float) -> State:
+    if not measured:
         return state._replace(loads=REST.loads, primed=False, means=REST.means, borne=REST.borne)
     weight = 1.0 - math.exp(-p.load_bandwidth * dt) if state.primed else 1.0
     fast = 1.0 - math.exp(-FILLING * dt) if state.primed else 1.0
@@ -284,12 +292,12 @@ def _filtered(
 
 
 def _learn(
-    state: State, pressures: Pressures, motion: Motion, seen: bool, p: Parameters, dt: float
-) -> Learners:
-    """Return what is known of the valves after another period's measurements."""
-    if not seen:
-        one, two, three = state.learners
-        return blind(one), blind(two), blind(three)
+    state: State, pressures: Pressures, motion: Motion, measured: bool, p: Parameters, dt: float
+) -> ValveEstimates:
+    """Return the estimates after another period's measurements."""
+    if not measured:
+        one, two, three = state.estimates
+        return unmeasured(one), unmeasured(two), unmeasured(three)
     return (
         _learn_axis(0, state, pressures, motion, p, dt),
         _learn_axis(1, state, pressures, motion, p, dt),
@@ -299,8 +307,8 @@ def _learn(
 
 def _learn_axis(
     i: int, state: State, pressures: Pressures, motion: Motion, p: Parameters, dt: float
-) -> Learner:
-    seen = Sight(
+) -> ValveEstimate:
+    sample = AxisMeasurement(
         position=motion.positions[i],
         valve_1=motion.valve_1[i],
         valve_2=motion.valve_2[i],
@@ -309,6 +317,6 @@ def _learn_axis(
         supply=pressures.supply,
         spool=state.strokes[i],
     )
-    if not math.isfinite(seen.position + seen.valve_1 + seen.valve_2):
-        return blind(state.learners[i])
-    return learn(state.learners[i], seen, p.axes[i].valve, p.flows[i], p.adaptation, dt)
+    if not math.isfinite(sample.position + sample.valve_1 + sample.valve_2):
+        return unmeasured(state.estimates[i])
+    return updated_estimate(state.estimates[i], sample, p.axes[i].valve, p.flows[i], p.adaptation, dt)

@@ -1,6 +1,7 @@
-"""What the valve driver knows of a machine, and what a user may set.
+"""The valve driver's parameters: the machine, as far as it matters here, and what a user may set.
 
-Known once, from the machine's file, for swing, boom and stick; units as in `valve_driver`, cylinder; motor.
+Known once, from the machine's file, for swing, boom and stick; units as in `valve_driver`,
+cylinder; motor.
 """
 
 import math
@@ -15,13 +16,13 @@ from forest_description.types import Vec3
 from forest_msgs_py.runtime.parameter_table import Parameter, tunable
 from forest_msgs_py.types import PERIOD
 
-LEAST_FED = 0.001  # [V] lets the tip sink by under 1 mm/s
-MISJUDGED = 0.2  # [V] by which an overlap may be thought too wide, twice over
+LEAST_FED = 0.001  # [V] leakage that is not fed: it lets the tip sink by under 1 mm/s
+MISJUDGED = 0.2  # [V] twice the error of an overlap that feeding must bear; chosen, not measured
 NOISY_SERVO = 35.0  # [1/s] seven standard deviations of the position through a servo's gain of 5 1/s
 
 
 class AxisDriver(NamedTuple):
-    """What the driver knows of one actuator."""
+    """One actuator, as far as the driver knows it."""
 
     displacement_1: float
     displacement_2: float
@@ -30,7 +31,7 @@ class AxisDriver(NamedTuple):
     hose_linear: float = 0.0  # [N s/m; N m s] both hoses' loss that goes with the speed, at the actuator
     hose_square: float = 0.0  # [N s^2/m^2; N m s^2] and with its square
     slip: float = 0.0  # [rad/s per N m] speed that the motor's leakage takes under load
-    least_fed: float = 0.0  # [V] leakage under this is not worth an open valve
+    least_fed: float = 0.0  # [V] leakage from which it is fed
     spool_lag: float = 0.0  # [s]; 0: the spool follows at once
 
 
@@ -72,11 +73,11 @@ class DriverParameters(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    """What the driver knows of the machine."""
+    """Machine and settings, as the core takes them."""
 
     axes: Axes
     supply_pressure: float  # [Pa], the highest that the pump keeps
-    idle_pressure: float  # [Pa], the least, while nobody draws; taken where it is not measured
+    idle_pressure: float  # [Pa], without flow; taken where it is not measured
     compensate: bool
     beyond_valve: bool
     hold_zone: float  # [V]
@@ -119,7 +120,7 @@ def parameters(machine: Machine, settings: Settings) -> Parameters:
 
 
 def axis_drivers(machine: Machine, beyond_valve: bool = True) -> Axes:
-    """Return what a driver knows of a machine's actuators, of the valve alone or of what lies beyond, too."""
+    """Return the actuators of a machine, with the valve alone or with what lies beyond it, too."""
     speeds = rated_speeds(machine)
     return (
         _axis_driver(machine, 0, speeds[0], beyond_valve),
@@ -138,7 +139,7 @@ def moved_spools(spools: Vec3, voltages: Vec3, axes: Axes, dt: float) -> Vec3:
 
 
 def left(axis: AxisDriver, dt: float) -> float:
-    """Return the part of its way that a spool has still to go after dt [s]."""
+    """Return the part of its way that a spool has left after dt [s]."""
     return 0.0 if axis.spool_lag == 0.0 else math.exp(-dt / axis.spool_lag)
 
 
@@ -188,7 +189,7 @@ def _slip(machine: Machine, axis: int) -> float:
 def _least_fed(machine: Machine, axis: int) -> float:
     """Return from how much leakage on [V] an actuator is fed that is held.
 
-    Friction, too, is a load: it must not seem to leak what drives against it. Else a valve that a misjudged
+    Friction is a load, too, which must not be taken for leakage. Otherwise a valve that a wrong
     overlap opens too wide would keep itself open.
     """
     feigned = _slip(machine, axis) * machine.swing.damping if axis == 0 else 0.0
@@ -196,7 +197,7 @@ def _least_fed(machine: Machine, axis: int) -> float:
 
 
 def command_noise(machine: Machine, axis: int) -> float:
-    """Return what a servo may make of its position's noise [V]."""
+    """Return the command [V] that a servo may make of its position's noise."""
     noise = _position_noise(machine, axis) * NOISY_SERVO
     return machine.valve_of(axis).rated_voltage * noise / rated_speeds(machine)[axis]
 
@@ -208,7 +209,7 @@ def _position_noise(machine: Machine, axis: int) -> float:
 
 
 def _flow(machine: Machine, axis: int) -> FlowParameters:
-    """Return what an axis' measured flow is made of."""
+    """Return the parameters of an axis' measured flow."""
     one, two = displacements(machine, axis)
     swing = machine.swing
     return FlowParameters(

@@ -1,15 +1,16 @@
-"""The valve driver's measurements from topics, and what it reports of itself."""
+"""The valve driver's measurements from topics, and its status."""
 
 import math
 from typing import Any
 
 from forest_control.valve import valve_adaptation as adaptation
+from forest_control.valve.tracking_limit import STATUS_EVERY
 from forest_control.valve.valve_driver import STILL, UNSEEN, Motion, Parameters, Pressures, State
 from forest_description.types import Vec3
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader
 
-LATEST_NS = 100_000_000  # pressures that are newer by more have another clock
+LATEST_NS = 100_000_000  # [ns] pressures that are newer than the command by more have another clock
 
 
 def _labels(place: str, port: int) -> tuple[str, ...]:
@@ -17,6 +18,29 @@ def _labels(place: str, port: int) -> tuple[str, ...]:
 
 
 PORTS, VALVES = [[_labels(place, port) for port in (1, 2)] for place in ("actuator", "valve")]
+
+
+class Outputs:
+    """The driver's topics.
+
+    Args:
+        voltages: publishes them; None: a driver in shadow has none.
+        status: publishes the driver's.
+    """
+
+    def __init__(self, voltages: Any, status: Any) -> None:
+        self._voltages, self._status, self._steps = voltages, status, 0
+
+    def say(self, stamp: int, voltages: Vec3) -> None:
+        """Publish the voltages [V] under a stamp [ns]."""
+        if self._voltages is not None:
+            self._voltages.publish(stamp, voltages)
+
+    def report(self, stamp: int, state: State, p: Parameters) -> None:
+        """Publish the status of every `STATUS_EVERY` th step."""
+        if self._steps % STATUS_EVERY == 0:
+            self._status.publish(stamp, status(state, p))
+        self._steps += 1
 
 
 class Measurements:
@@ -45,7 +69,7 @@ class Measurements:
         self._received = dict.fromkeys(("ports", "valves", "supply", *topics.ACTUATORS), -math.inf)
 
     def read(self, learning: bool) -> str:
-        """Take the newest samples, to learn all of them; return what is wrong with the pressures, or ""."""
+        """Read the newest samples, all if learning; return what is wrong with the pressures, or ""."""
         problem = ""
         pressures, supply, actuators = (box.newest() for box in self.boxes)
         if pressures:
@@ -70,12 +94,13 @@ class Measurements:
     def machine_time(self, stamp_ns: int) -> int:
         """Return how far the machine is [ns] when the command for a state with this stamp is carried out.
 
-        A late command meets a machine that is further than the state it answers: the newest pressures tell.
+        A late command meets a machine that is further than the state it answers: the newest
+        pressures tell.
         """
         return self._stamp if 0 < self._stamp - stamp_ns < LATEST_NS else stamp_ns
 
     def pressures(self) -> Pressures:
-        """Return what the transducers say, or `UNSEEN`: then the driver takes the nominal pressure drop."""
+        """Return the pressures, or `UNSEEN`: then the driver takes the nominal pressure drop."""
         if self.are_missing():
             return UNSEEN
         return Pressures(
@@ -83,11 +108,11 @@ class Measurements:
         )
 
     def are_missing(self) -> bool:
-        """Tell whether there are no pressures that may be believed."""
+        """Tell whether there are no fresh pressures."""
         return not self._fresh("ports")
 
     def motion(self) -> Motion:
-        """Return what the driver may learn from; of an actuator whose position is not measured, NaN."""
+        """Return the measurements for the adaptation; NaN for an actuator whose position is not measured."""
         if not (self._fresh("valves") and self._fresh("supply")):
             return STILL
         swing, boom, stick = (
@@ -109,7 +134,7 @@ def _arrays(data: bytes, readers: list[ArrayReader]) -> tuple[list[Vec3], str, i
 def status(state: State, p: Parameters) -> list[float]:
     """Return the values of `topics.VALVE_DRIVER_STATUS`."""
     values = [float(saturated) for saturated in state.saturated]
-    for axis, learner in zip(p.axes, state.learners, strict=True):
+    for axis, learner in zip(p.axes, state.estimates, strict=True):
         for edge, way in ((axis.valve.forward, learner.forward), (axis.valve.backward, learner.backward)):
             values += [edge.deadband_voltage + way.deadband, adaptation.deadband_spread(way)]
             values += [adaptation.gain(way), adaptation.gain_spread(way)]

@@ -1,11 +1,11 @@
-"""What a valve's flow tells of its opening: from motion, compression and leakage at the measured drops.
+"""A valve's opening from its flow: from motion, compression and leakage at the measured pressure drops.
 
 | symbol | name | unit |
 |---|---|---|
 | V, V_d | voltage at which the spool stands, along its direction; deadband of the machine's file | V |
 | Q_1, Q_2 | flow through the valve into port 1, out of port 2: displacement, compression, leakage | m^3/s |
 | A_1, A_2 | displacement of port 1, 2 | m^2; m^3/rad |
-| S, N | `valve_driver`'s, of the orifices whose flow can be told, with the drops measured at the valve | |
+| S, N | `valve_driver`'s, of the orifices whose flow is known, with the drops measured at the valve | |
 | y | actuator speed, mean of Q_1/A_1 and Q_2/A_2 weighted by the orifices' shares of S | m/s; rad/s |
 
 The opening is y sqrt(S / N). Flows, openings and V count along the positive direction here.
@@ -16,11 +16,13 @@ from typing import NamedTuple
 
 from forest_description.components.valve_characteristic import ValveLaw
 
-BANDWIDTH = 2.0 * math.pi * 10.0  # [rad/s] of both stages of the low-pass: a jump must be learnt in time
-CUBED_BANDWIDTH = BANDWIDTH**3
-EMPTY = 1e5  # [Pa] below, anti-cavitation checks may feed a port past the valve
-ABOVE_SUPPLY = 1.1  # of the supply pressure: above, a port's relief valve may open
-LEAST_DROP = 0.02  # of the supply pressure, at an orifice, to tell its flow
+BANDWIDTH = (
+    2.0 * math.pi * 10.0
+)  # [rad/s] of both stages of the low-pass, 10 Hz; chosen: a jump must be learnt in time
+CUBED_BANDWIDTH = BANDWIDTH**3  # [rad^3/s^3] of the low-pass' noise (`opening_variance`), computed once
+EMPTY = 1e5  # [Pa] port pressure below which anti-cavitation checks may feed it past the valve
+ABOVE_SUPPLY = 1.1  # [1] of the supply pressure: above, a port's relief valve may open
+LEAST_DROP = 0.02  # [1] of the supply pressure: a smaller drop at an orifice is the transducers' noise
 
 
 class FlowParameters(NamedTuple):
@@ -36,7 +38,7 @@ class FlowParameters(NamedTuple):
     supply_pressure: float  # [Pa]
 
 
-class Sight(NamedTuple):
+class AxisMeasurement(NamedTuple):
     """What is measured of one axis after a period."""
 
     position: float  # of the actuator [m; rad]
@@ -48,8 +50,8 @@ class Sight(NamedTuple):
     spool: float  # [V] mean of the period, from the driver's own voltage
 
 
-class Told(NamedTuple):
-    """What one period's measurements tell of the valve."""
+class FlowOpening(NamedTuple):
+    """The valve's opening by one period's measurements."""
 
     opening: float
     gradient: float  # d(opening)/dy [s/m; s/rad]
@@ -57,13 +59,13 @@ class Told(NamedTuple):
 
 
 class LowPassed(NamedTuple):
-    """Behind the low-pass' first, second stage."""
+    """Signals behind the low-pass' first and second stage."""
 
-    opening_1: float = 0.0  # told
+    opening_1: float = 0.0
     opening_2: float = 0.0
     excess_1: float = 0.0  # V - V_d of an open spool [V]
     excess_2: float = 0.0
-    mark_1: float = 0.0  # +1, -1 while it is open and the flow can be told
+    mark_1: float = 0.0  # +1, -1 while it is open and the flow is known
     mark_2: float = 0.0
     open_1: float = 0.0  # 1 while it is open
     open_2: float = 0.0
@@ -71,31 +73,33 @@ class LowPassed(NamedTuple):
     gradient_2: float = 0.0
 
 
-NO_SIGHT = Sight(position=0.0, valve_1=0.0, valve_2=0.0, port_1=0.0, port_2=0.0, supply=0.0, spool=0.0)
+NO_MEASUREMENT = AxisMeasurement(
+    position=0.0, valve_1=0.0, valve_2=0.0, port_1=0.0, port_2=0.0, supply=0.0, spool=0.0
+)
 
 
 def low_passed(
-    old: LowPassed, told: Told, spool: float, excess: float, widened: float, dt: float
+    old: LowPassed, flow: FlowOpening, spool: float, excess: float, widened: float, dt: float
 ) -> LowPassed:
     """Return the low-pass a period of dt [s] later.
 
     Args:
         old: what it was.
-        told: by the period's flow.
+        flow: opening by the period's flow.
         spool: V, with its direction's sign [V].
         excess: V - V_d [V].
         widened: what the overlap is known to be wider than V_d [V].
         dt: period [s].
     """
     is_open = excess > widened
-    # A shut valve's flow is none but for the noise, which the low-pass must have seen before it opens.
-    mark = math.copysign(1.0, spool) if is_open and told.known else 0.0
+    # The flow of a shut valve is noise, which the low-pass must have seen before the valve opens.
+    mark = math.copysign(1.0, spool) if is_open and flow.known else 0.0
     share = 1.0 - math.exp(-BANDWIDTH * dt)
-    opening = old.opening_1 + share * (told.opening - old.opening_1)
+    opening = old.opening_1 + share * (flow.opening - old.opening_1)
     beyond = old.excess_1 + share * (mark * excess - old.excess_1)
     marked = old.mark_1 + share * (mark - old.mark_1)
     opened = old.open_1 + share * ((1.0 if is_open else 0.0) - old.open_1)
-    gradient = old.gradient_1 + share * (told.gradient - old.gradient_1)
+    gradient = old.gradient_1 + share * (flow.gradient - old.gradient_1)
     return LowPassed(
         opening_1=opening,
         opening_2=old.opening_2 + share * (opening - old.opening_2),
@@ -110,36 +114,38 @@ def low_passed(
     )
 
 
-def told_by_flow(last: Sight, seen: Sight, law: ValveLaw, a: FlowParameters, dt: float) -> Told:
+def opening_from_flow(
+    last: AxisMeasurement, sample: AxisMeasurement, law: ValveLaw, a: FlowParameters, dt: float
+) -> FlowOpening:
     """Return the opening that lets the measured flow through at the measured drops.
 
     Thesis eq. 3.1, 3.7, 3.14, 4.8. Differs: both orifices are taken at once.
     """
-    speed = (seen.position - last.position) / dt
-    between = a.internal_leakage * (seen.port_1 - seen.port_2)
-    flow_1 = a.displacement_1 * speed + between + a.external_leakage * seen.port_1
-    flow_1 += a.capacitance_1 * (seen.port_1 - last.port_1) / dt
-    flow_2 = a.displacement_2 * speed + between - a.external_leakage * seen.port_2
-    flow_2 -= a.capacitance_2 * (seen.port_2 - last.port_2) / dt
-    forward = seen.spool > 0.0
+    speed = (sample.position - last.position) / dt
+    between = a.internal_leakage * (sample.port_1 - sample.port_2)
+    flow_1 = a.displacement_1 * speed + between + a.external_leakage * sample.port_1
+    flow_1 += a.capacitance_1 * (sample.port_1 - last.port_1) / dt
+    flow_2 = a.displacement_2 * speed + between - a.external_leakage * sample.port_2
+    flow_2 -= a.capacitance_2 * (sample.port_2 - last.port_2) / dt
+    forward = sample.spool > 0.0
     way = law.forward if forward else law.backward
-    drop_1 = seen.supply - seen.valve_1 if forward else seen.valve_1
-    drop_2 = seen.valve_2 if forward else seen.supply - seen.valve_2
-    tells_1, tells_2 = _tells(seen.port_1, drop_1, a), _tells(seen.port_2, drop_2, a)
-    if seen.port_1 <= EMPTY and seen.port_2 <= EMPTY:
+    drop_1 = sample.supply - sample.valve_1 if forward else sample.valve_1
+    drop_2 = sample.valve_2 if forward else sample.supply - sample.valve_2
+    known_1, known_2 = _is_known(sample.port_1, drop_1, a), _is_known(sample.port_2, drop_2, a)
+    if sample.port_1 <= EMPTY and sample.port_2 <= EMPTY:
         # Both empty after a rest: nothing moves yet that a check valve might feed.
-        tells_1, tells_2 = forward, not forward
-    s_1 = way.resistance_1 * a.displacement_1**3 if tells_1 else 0.0
-    s_2 = way.resistance_2 * a.displacement_2**3 if tells_2 else 0.0
-    force = (a.displacement_1 * drop_1 if tells_1 else 0.0) + (a.displacement_2 * drop_2 if tells_2 else 0.0)
+        known_1, known_2 = forward, not forward
+    s_1 = way.resistance_1 * a.displacement_1**3 if known_1 else 0.0
+    s_2 = way.resistance_2 * a.displacement_2**3 if known_2 else 0.0
+    force = (a.displacement_1 * drop_1 if known_1 else 0.0) + (a.displacement_2 * drop_2 if known_2 else 0.0)
     if s_1 + s_2 == 0.0 or force <= 0.0:
-        return Told(0.0, 0.0, False)
+        return FlowOpening(0.0, 0.0, False)
     y = (s_1 * flow_1 / a.displacement_1 + s_2 * flow_2 / a.displacement_2) / (s_1 + s_2)
     gradient = math.sqrt((s_1 + s_2) / force)
-    return Told(y * gradient, gradient, True)
+    return FlowOpening(y * gradient, gradient, True)
 
 
-def _tells(port: float, drop: float, a: FlowParameters) -> bool:
+def _is_known(port: float, drop: float, a: FlowParameters) -> bool:
     """Tell whether pressures [Pa] tell a port's flow: nothing else feeds it, and the drop is not noise."""
     return EMPTY < port < ABOVE_SUPPLY * a.supply_pressure and drop > LEAST_DROP * a.supply_pressure
 
@@ -147,13 +153,13 @@ def _tells(port: float, drop: float, a: FlowParameters) -> bool:
 def opening_variance(low: LowPassed, a: FlowParameters, dt: float) -> float:
     """Return the variance of the low-passed opening.
 
-    White noise of the position, differentiated behind the low-pass of corner w, has the variance w^3 dt / 4
-    times its own.
+    White noise of the position, differentiated behind the low-pass of corner w, has the variance
+    w^3 dt / 4 times its own.
     """
     noise = a.position_noise * low.gradient_2
     return noise * noise * CUBED_BANDWIDTH * dt / 4.0
 
 
-def overlapping(dt: float) -> float:
+def correlated_samples(dt: float) -> float:
     """Return how many samples in a row have mostly the same noise behind the low-pass."""
     return max(1.0, 4.0 / (BANDWIDTH * dt))

@@ -1,4 +1,4 @@
-"""The valve's inverse: from a wished actuator speed to the voltage at which the spool shall stand.
+"""The valve's inverse: from an actuator speed to the voltage at which the spool shall stand.
 
 Symbols and units: `valve_driver`.
 """
@@ -8,7 +8,7 @@ import math
 from forest_control.valve.valve_driver_parameters import AxisDriver, Parameters
 from forest_description.components.valve_characteristic import ValveLaw, voltage_for_opening
 
-LEAST_PART = 0.1  # of a port's usual root of the drop, taken to remain
+LEAST_PART = 0.1  # [1] of a port's usual root of the pressure drop, taken to remain; chosen
 
 
 def spool_voltage(
@@ -19,7 +19,7 @@ def spool_voltage(
     Args:
         fed: command, with what leaks.
         load: low-passed [N; N m].
-        mean: of both ports' pressures [Pa] of a motor, see `_while_filling`; negative: not known.
+        mean: of both ports' pressures [Pa] of a motor, see `_filling_factor`; negative: not known.
         supply: pressure [Pa].
         axis: what is known of the actuator.
         law: the valve, as known by now.
@@ -28,7 +28,7 @@ def spool_voltage(
     speed = axis.rated_speed * fed / axis.valve.forward.rated_voltage
     opening = required_opening(speed, load, supply, axis, p)
     if mean >= 0.0:
-        opening *= _while_filling(math.copysign(1.0, speed) * load, mean, supply, axis)
+        opening *= _filling_factor(math.copysign(1.0, speed) * load, mean, supply, axis)
     return voltage_for_opening(opening, law)
 
 
@@ -47,11 +47,12 @@ def required_opening(speed: float, load: float, supply: float, axis: AxisDriver,
     return max(-1.0, min(1.0, speed * math.sqrt(orifices / drive)))
 
 
-def _while_filling(opposing: float, mean: float, supply: float, axis: AxisDriver) -> float:
+def _filling_factor(opposing: float, mean: float, supply: float, axis: AxisDriver) -> float:
     """Return how much further a motor's valve must open while its hoses are not at their usual pressure.
 
-    The mean of inlet and outlet flow moves the load, and goes with sqrt(P_s - P_in) + sqrt(P_out). Both
-    roots are equal when the ports' mean pressure is half the supply's; after a rest it is less.
+    The mean of inlet and outlet flow moves the load, and goes with sqrt(P_s - P_in) + sqrt(P_out).
+    Both roots are equal when the ports' mean pressure is half the supply's; after a rest it is
+    less.
     """
     half = 0.5 * opposing / axis.displacement_1
     usual = max(LEAST_PART * supply, 0.5 * supply - half)

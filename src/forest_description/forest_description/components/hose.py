@@ -3,8 +3,8 @@
 Symbols:
     L, D, A  length [m], bore [m] and its area [m²]
     Q        flow [m³/s]; Q_n the nominal one
-    R, I, C  resistance [Pa·s/m³ laminar, Pa·s²/m⁶ turbulent], inertance [Pa·s²/m³], capacitance [m³/Pa]
-    ρ, μ     density [kg/m³] and absolute viscosity [Pa·s] of the oil
+    R, I, C  resistance [Pa·s/m³ laminar, Pa·s²/m⁶ turbulent], inertance [Pa·s²/m³], capacitance
+    [m³/Pa] ρ, μ     density [kg/m³] and absolute viscosity [Pa·s] of the oil
     β, K     bulk modulus of the oil; what the wall adds to it, 1/β_eff = 1/β + 1/K [Pa]
 
 One lump per hose is an approximation; ``line_bandwidth.py`` says up to which frequency.
@@ -26,8 +26,8 @@ BORE_DOC = "inside diameter"
 class Line(NamedTuple):
     """One hose as lumped elements.
 
-    The resistance is that of ΔP = R Q (laminar) [Pa·s/m³] or ΔP = R Q|Q| (turbulent) [Pa·s²/m⁶]; inertance
-    [Pa·s²/m³]; capacitance [m³/Pa].
+    The resistance is that of ΔP = R Q (laminar) [Pa·s/m³] or ΔP = R Q|Q| (turbulent) [Pa·s²/m⁶];
+    inertance [Pa·s²/m³]; capacitance [m³/Pa].
     """
 
     resistance: float
@@ -82,7 +82,8 @@ class MeasuredHose(ParameterSet):
 class GeometricHose(ParameterSet):
     """A hose known by its bore and its wall; the machine's oil gives the rest. Thesis section 4.3.3, 4.3.4.
 
-    It is smooth and straight, without fittings. docs/explanation/equations.md compares the measured one.
+    It is smooth and straight, without fittings. docs/explanation/equations.md tells how far the
+    measured one is from it.
     """
 
     kind: ClassVar[str] = "geometric"
@@ -105,8 +106,8 @@ class GeometricHose(ParameterSet):
             turbulent  R = α μ^0.25 ρ^0.75 L D^-4.75 Q_n^-0.25
             I = ρ L/A,  C = A L (1/β + 1/K)
 
-        Thesis eq. 4.3, 4.4, 4.5b. Differs: the thesis replaces Q^1.75 by Q|Q| and fits R anew; here both
-        agree at Q_n (a quarter of Q_n loses 29 % too little, four times Q_n 41 % too much).
+        Thesis eq. 4.3, 4.4, 4.5b. Differs: the thesis replaces Q^1.75 by Q|Q| and fits R anew; here
+        both agree at Q_n (a quarter of Q_n loses 29 % too little, four times Q_n 41 % too much).
 
         Args:
             length: L [m].

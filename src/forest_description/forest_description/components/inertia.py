@@ -6,8 +6,9 @@
 | I_xy | product about it, the integral of x y dm; the body is symmetric about the plane of x and y | kg m^2 |
 | S_xx, S_yy | integrals of x^2 dm, y^2 dm: (I_yy + I_zz - I_xx)/2, (I_xx + I_zz - I_yy)/2 | kg m^2 |
 
-A mass distribution has S_xx, S_yy, S_zz >= 0 (no moment is above the other two together) and I_xy^2 <= S_xx
-S_yy. A plane body, of no width across the crane's plane, has S_zz = 0, which is I_zz = I_xx + I_yy.
+A mass distribution has S_xx, S_yy, S_zz >= 0 (no moment is above the other two together) and I_xy^2
+<= S_xx S_yy. A plane body, of no width across the crane's plane, has S_zz = 0, which is I_zz = I_xx
++ I_yy.
 """
 
 import math
@@ -26,7 +27,7 @@ def require_rigid(link: str, mass: float, moments: Vec3, product: float, unknown
         mass: [kg].
         moments: I_xx, I_yy, I_zz [kg m^2].
         product: I_xy [kg m^2].
-        unknown_xx: whether an I_xx of 0 says that it is not told, as in Thesis App. B.
+        unknown_xx: whether an I_xx of 0 means that it is unknown, as in Thesis App. B.
 
     Raises:
         MachineError: it cannot; the message names the keys and what is allowed.
@@ -37,13 +38,13 @@ def require_rigid(link: str, mass: float, moments: Vec3, product: float, unknown
         raise MachineError(f"{link}_mass is 0 kg: a body without mass has no inertia; allowed: above 0 kg")
     if xx == 0.0 and unknown_xx:
         xx = max(0.0, zz - yy)
-    told = {f"{link}_xx": xx, f"{link}_yy": yy, f"{link}_zz": zz}
-    for name, value in told.items():
-        others = [other for other in told if other != name]
-        most = sum(told[other] for other in others)
+    moments_by_name = {f"{link}_xx": xx, f"{link}_yy": yy, f"{link}_zz": zz}
+    for name, value in moments_by_name.items():
+        others = [other for other in moments_by_name if other != name]
+        most = sum(moments_by_name[other] for other in others)
         if value > most + slack:
-            least = value - most + min(told[other] for other in others)
-            smaller = min(others, key=lambda other: told[other])
+            least = value - most + min(moments_by_name[other] for other in others)
+            smaller = min(others, key=lambda other: moments_by_name[other])
             raise MachineError(
                 f"{name} ({value:.7g} kg*m2) must not be above {' + '.join(others)} ({most:.7g} kg*m2): no "
                 f"rigid body has such moments of inertia; allowed: {smaller} of {least:.7g} kg*m2 or more"

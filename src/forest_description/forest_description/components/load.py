@@ -1,7 +1,8 @@
 """What hangs on the stick's tip besides the head's bare mass: a log in it, a joint that lets it swing.
 
-Both are optional sections of the manipulator. A log sits still in the head. Without a pendulum, head and log
-are rigid parts of the stick; with one, both hang from a passive joint with two axes at the tip.
+Both are optional sections of the manipulator. A log sits still in the head. Without a pendulum,
+head and log are rigid parts of the stick; with one, both hang from a passive joint with two axes at
+the tip.
 """
 
 from dataclasses import dataclass

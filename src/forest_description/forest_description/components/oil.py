@@ -6,15 +6,15 @@ Symbols:
     β       bulk modulus [Pa]
     ν, μ    kinematic [m²/s] and absolute viscosity μ = ρ ν [Pa·s]
 
-Every number of a machine holds at the oil's reference temperature; ``temperature.at_temperature`` gives the
-machine at another one. Pressure has no influence on the oil here.
+Every number of a machine holds at the oil's reference temperature; ``temperature.at_temperature``
+gives the machine at another one. Pressure has no influence on the oil here.
 """
 
 import dataclasses
 import math
 from dataclasses import dataclass
 
-from forest_description.config.parameter import ParameterSet, derived, parameter, require_order
+from forest_description.config.parameter import ParameterSet, parameter, replace_unchecked, require_order
 
 WALTHER_OFFSET = 0.7  # [mm²/s] added to the viscosity in ASTM D341, from 2 mm²/s upwards
 SQUARE_MILLIMETRES = 1e6  # in a square metre
@@ -85,7 +85,7 @@ class Oil(ParameterSet):
         """
         density = self.density_at(temperature)
         softer = self.bulk_modulus + self.bulk_modulus_slope * (temperature - self.reference_temperature)
-        return derived(
+        return replace_unchecked(
             dataclasses.replace(self, reference_temperature=temperature),
             density=density,
             bulk_modulus=max(SOFTEST, softer),  # a straight line ends somewhere: no oil has less than none

@@ -1,10 +1,11 @@
 """The sorts of pump that a machine may have; their laws are in ``forest_sim.hydraulics.supply``.
 
-A sort of pump is a class below, in the union `Pump`; `forest_sim.hydraulics.supply.supply` makes its constants.
-`identifiable` names the numbers that an identification finds from motions with a transducer in the supply.
+A sort of pump is a class below, in the union `Pump`; `forest_sim.hydraulics.supply.supply` makes
+its constants. `identifiable` names the numbers that an identification finds from motions with a
+transducer in the supply.
 
-All but the ideal one deliver into a manifold between pump and valves, whose pressure is a state: what the
-three axes draw and what the pump can give meet there, and nowhere is it said who gets how much.
+All but the ideal one deliver into a manifold between pump and valves. Its pressure is a state: it
+settles where what the three axes draw equals what the pump can give.
 """
 
 import math

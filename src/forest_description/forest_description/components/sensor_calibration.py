@@ -3,10 +3,11 @@
 | symbol | name | unit |
 |---|---|---|
 | y, x | reading, true value | the sensor's |
-| g | gain, told as ``gain`` | 1 |
-| b | told as ``offset``: reading at no pressure, no flow, melting ice, less the true value | the sensor's |
+| g | ``gain`` | 1 |
+| b | ``offset``: reading at no pressure, no flow, melting ice, less the true value | the sensor's |
 
-A unit reads y = g x + b; a thermocouple y − 273.15 K = g (x − 273.15 K) + b. A unit that is None was not
+A unit reads y = g x + b; a thermocouple y − 273.15 K = g (x − 273.15 K) + b. A unit that is None
+was not
 calibrated: its error lies somewhere within the accuracy of its kind.
 """
 

@@ -7,8 +7,8 @@
 | full scale, lowest, highest | what can be shown; beyond it a reading stands at the end |
 | resolution | smallest step of the reading |
 
-A kind that is None is not on the machine. An accuracy or a noise that is None is not known and counts as
-zero.
+A kind that is None is not on the machine. An accuracy or a noise that is None is not known and
+counts as zero.
 """
 
 from dataclasses import dataclass

@@ -8,9 +8,10 @@ Symbols:
     s       stroke of the spool beyond the overlap, (V − V_d)/(V_r − V_d), clipped to 0..1
     u       opening 0..1, in proportion to the orifice area: u = sqrt(C_Rmin / C_R)
 
-Sign: V > V_d connects port 1 to the supply and port 2 to the tank; V < −V_d the reverse. Each direction has
-its own overlap and gain. Figure 4.4, which shows the measured curve C_R(V), is lost; an area linear in the
-voltage beyond the overlap, u = s, is assumed unless the machine gives a polynomial or a table.
+Sign: V > V_d connects port 1 to the supply and port 2 to the tank; V < −V_d the reverse. Each
+direction has its own overlap and gain. Figure 4.4, which shows the measured curve C_R(V), is lost;
+an area linear in the voltage beyond the overlap, u = s, is assumed unless the machine gives a
+polynomial or a table.
 """
 
 import math
@@ -36,8 +37,8 @@ Knots = tuple[float, float, float, float, float, float, float, float, float, flo
 class Curve(NamedTuple):
     """u(s): linear; C_R/C_Rmin a polynomial of s; or a table, straight in between.
 
-    A table has its s in ``knots`` and its u in ``values``; a polynomial its coefficients in ``values``,
-    lowest power first. Unused places repeat a table's end and are zero in a polynomial.
+    A table has its s in ``knots`` and its u in ``values``; a polynomial its coefficients in
+    ``values``, lowest power first. Unused places repeat a table's end and are zero in a polynomial.
     """
 
     sort: int
@@ -80,22 +81,22 @@ def symmetric_valve(deadband_voltage: float, rated_voltage: float, minimum_resis
         rated_voltage: V_r [V].
         minimum_resistance: C_Rmin [Pa·s²/m⁶].
     """
-    way = Direction(deadband_voltage, rated_voltage, minimum_resistance, minimum_resistance)
-    return ValveLaw(way, way, LINEAR_AREA, 0.0)
+    direction = Direction(deadband_voltage, rated_voltage, minimum_resistance, minimum_resistance)
+    return ValveLaw(direction, direction, LINEAR_AREA, 0.0)
 
 
-def stroke(voltage: float, way: Direction) -> float:
+def stroke(voltage: float, direction: Direction) -> float:
     """Return s = (V − V_d)/(V_r − V_d), clipped to 0..1. A voltage that is not a number closes the valve.
 
     Args:
         voltage: Spool position, counted along the direction [V].
-        way: The direction.
+        direction: The direction.
     """
-    if not voltage > way.deadband_voltage:  # written so that NaN, too, ends here
+    if not voltage > direction.deadband_voltage:  # written so that NaN, too, ends here
         return 0.0
-    if voltage >= way.rated_voltage:
+    if voltage >= direction.rated_voltage:
         return 1.0
-    return (voltage - way.deadband_voltage) / (way.rated_voltage - way.deadband_voltage)
+    return (voltage - direction.deadband_voltage) / (direction.rated_voltage - direction.deadband_voltage)
 
 
 def opening_at(s: float, curve: Curve) -> float:
@@ -127,8 +128,9 @@ def _curved_opening(s: float, curve: Curve) -> float:
 def resistance_at(opening: float, minimum_resistance: float) -> float:
     """Return C_R = C_Rmin / u² [Pa·s²/m⁶]; infinite when shut. Thesis eq. 3.1, 3.2, 4.1, 4.2.
 
-    An opening below ``SHUT`` is shut. A lagging spool that is centred without overlap comes ever nearer to
-    shut and never there: u² would vanish in rounding, and C_R Q|Q| be made of what is left of a flow.
+    An opening below ``SHUT`` is shut. A lagging spool that is centred without overlap comes ever
+    nearer to shut and never there: u² would vanish in rounding, and C_R Q|Q| be made of what is
+    left of a flow.
     """
     if opening < SHUT:
         return math.inf
@@ -138,8 +140,8 @@ def resistance_at(opening: float, minimum_resistance: float) -> float:
 def edges(spool_voltage: float, law: ValveLaw) -> Edges:
     """Return the four orifices at a spool position; all shut inside the overlap.
 
-    Thesis eq. 3.1, 3.2, 4.1, 4.2, fig. 2.5. Differs: the curve C_R(V) of fig. 4.4 is lost; this one is
-    assumed.
+    Thesis eq. 3.1, 3.2, 4.1, 4.2, fig. 2.5. Differs: the curve C_R(V) of fig. 4.4 is lost; this one
+    is assumed.
 
     Args:
         spool_voltage: Voltage that the spool's position stands for, either sign [V].
@@ -158,8 +160,8 @@ def edges(spool_voltage: float, law: ValveLaw) -> Edges:
 def voltage_for_opening(opening: float, law: ValveLaw) -> float:
     """Return the spool voltage that gives an opening with a direction [V].
 
-    No opening is 0 V, the middle of the overlap. On an underlapped valve, where both directions are open at
-    the centre, an opening is what one direction has more than the other.
+    No opening is 0 V, the middle of the overlap. On an underlapped valve, where both directions are
+    open at the centre, an opening is what one direction has more than the other.
 
     Args:
         opening: Wished opening, −1..1 (beyond is clipped); its sign is the direction.
@@ -168,12 +170,12 @@ def voltage_for_opening(opening: float, law: ValveLaw) -> float:
     magnitude = min(abs(opening), 1.0)
     if not magnitude > 0.0:
         return 0.0
-    way = law.forward if opening > 0.0 else law.backward
+    direction = law.forward if opening > 0.0 else law.backward
     if law.forward.deadband_voltage + law.backward.deadband_voltage < 0.0:
         return _underlapped_voltage(math.copysign(magnitude, opening), law)
     s = _stroke_for(magnitude, law.curve)
     return math.copysign(1.0, opening) * (
-        way.deadband_voltage + s * (way.rated_voltage - way.deadband_voltage)
+        direction.deadband_voltage + s * (direction.rated_voltage - direction.deadband_voltage)
     )
 
 

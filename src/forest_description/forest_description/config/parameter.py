@@ -77,7 +77,8 @@ def choice_of(field: dataclasses.Field[Any]) -> Choice | None:
 class ParameterSet:
     """Base of the machine dataclasses: every parameter becomes a float and is checked against its range.
 
-    This also guards ``dataclasses.replace``, with which identification and studies make their variants.
+    This also guards ``dataclasses.replace``, with which identification and studies make their
+    variants.
     """
 
     def __post_init__(self) -> None:
@@ -110,11 +111,11 @@ def fields_of(part: ParameterSet, prefix: str = "") -> Iterator[tuple[str, datac
 _Set = TypeVar("_Set", bound=ParameterSet)
 
 
-def derived(base: _Set, **changes: Any) -> _Set:
+def replace_unchecked(base: _Set, **changes: Any) -> _Set:
     """Return a copy with numbers that physics makes of checked ones; they may lie beyond the ranges.
 
-    The ranges are for what somebody writes down. A machine at the edge of one must not stop because its oil
-    warms.
+    The ranges are for what somebody writes down. A machine at the edge of one must not stop because
+    its oil warms.
     """
     copy = object.__new__(type(base))
     for field in dataclasses.fields(base):

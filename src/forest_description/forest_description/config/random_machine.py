@@ -1,12 +1,12 @@
 """A machine that nobody knows: ``unknown``, ``unknown:SEED`` or ``unknown:SEED:BASE`` in place of a name.
 
-What identification is there to find is drawn within 40 % of what the base (c180) says, each number on its
-own, evenly; a valve that the base tells once gets two unlike directions. What a person reads off a gauge, a
-plate or a drawing stays: pump, geometry, masses, sensors. An overlap stays below the voltages at which a
-valve's curve was measured.
+What identification is there to find is drawn within 40 % of what the base (c180) says, each number
+on its own, evenly; a valve that the base tells once gets two unlike directions. What a person reads
+off a gauge, a plate or a drawing stays: pump, geometry, masses, sensors. An overlap stays below the
+voltages at which a valve's curve was measured.
 
-Equal seeds (0, if none is told) give equal machines, everywhere: a record, a fit and a run along a path may
-each name ``unknown:7`` and mean one crane.
+Equal seeds (0, if none is given) give equal machines, everywhere: a record, a fit and a run along a
+path may each name ``unknown:7`` and mean one crane.
 
 What is drawn is written as a machine file, so that it is read, checked and shown as any other.
 """
@@ -30,7 +30,7 @@ DRAWN = (
     *("turbulent_resistance", "laminar_resistance", "inertance", "capacitance"),
     *("internal_leakage_resistance", "external_leakage_resistance", "damping"),
 )
-LAW = DRAWN[:2]  # by direction
+BY_DIRECTION = DRAWN[:2]
 OVERLAP, MEASURED = "deadband_voltage", "curve.voltages"
 BELOW = 0.95  # of the lowest voltage at which a valve was measured, where an overlap would reach it
 
@@ -87,7 +87,7 @@ def text(name: str, numbers: Mapping[str, Number]) -> str:
 
 def _drawn(seed: int, numbers: Mapping[str, Number]) -> dict[str, Number]:
     found = {}
-    for key, number in _sought(numbers):
+    for key, number in _drawn_keys(numbers):
         share = np.random.default_rng([seed, zlib.crc32(key.encode())]).uniform(-WITHIN, WITHIN)
         found[key] = number._replace(value=number.value * (1.0 + float(share)))
     lowest = min((n.value for key, n in numbers.items() if key.endswith(MEASURED)), default=math.inf)
@@ -97,12 +97,12 @@ def _drawn(seed: int, numbers: Mapping[str, Number]) -> dict[str, Number]:
     }
 
 
-def _sought(numbers: Mapping[str, Number]) -> Iterator[tuple[str, Number]]:
+def _drawn_keys(numbers: Mapping[str, Number]) -> Iterator[tuple[str, Number]]:
     for key, number in numbers.items():
         sections, _, last = key.rpartition(".")
         if last not in DRAWN or key.partition(".")[0] not in SECTIONS:
             continue
         yield key, number
         other = f"{sections}.backward.{last}"
-        if last in LAW and not sections.endswith("backward") and other not in numbers:
+        if last in BY_DIRECTION and not sections.endswith("backward") and other not in numbers:
             yield other, number

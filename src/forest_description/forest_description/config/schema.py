@@ -1,8 +1,10 @@
 """From the tree of a machine file to the machine dataclasses; keys, numbers, units and sources are checked.
 
+Kept instead of a schema library, because every complaint names file, line, unit and source of a number.
+
 Every number of a file is written ``{value: 3000, unit: psi, source: "Thesis 3.1"}``, a row of them
-``{values: [1, 2], unit: V, source: "..."}``. A component of which there are several sorts says which under
-``kind``. What is allowed, the dataclasses declare.
+``{values: [1, 2], unit: V, source: "..."}``. A component of which there are several sorts says
+which under ``kind``. What is allowed, the dataclasses declare.
 """
 
 import dataclasses
@@ -89,8 +91,9 @@ def _value(key: str, tree: Branch, name: str, field: FieldKind) -> object:
 def _place_of(complaint: str, tree: Branch) -> str:
     """Return the place of the first key that a complaint names and that its section says itself.
 
-    Values that contradict each other may come from two places, one of them inherited: from the machine that
-    the file is based on, or from what all axes share. Who came later made the contradiction.
+    Values that contradict each other may come from two places, one of them inherited: from the
+    machine that the file is based on, or from what all axes share. Who came later made the
+    contradiction.
     """
     file, _, start = tree.place.rpartition(":")
     for word in re.findall(r"[a-z_0-9.]+", complaint):
@@ -137,7 +140,8 @@ def sort_of(key: str, item: Branch, kinds: tuple[type, ...]) -> type:
     """Return the dataclass that a section is of; of several, the one whose ``kind`` it names.
 
     Raises:
-        MachineError: ``kind`` is missing, or none of the known ones, or there are none to choose from.
+        MachineError: ``kind`` is missing, or none of the known ones, or there are none to choose
+            from.
     """
     sorts = {getattr(kind, "kind", ""): kind for kind in kinds}
     named = item.children.get("kind")

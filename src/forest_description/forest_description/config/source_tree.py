@@ -1,8 +1,8 @@
 """Reading machine files: YAML to a tree that remembers files and lines, laid over the machine it is based on.
 
-A file may say ``based_on: c180_thesis`` and then give only what differs. ``null`` removes an optional
-component. The YAML is read as nodes, not as plain values, because every complaint names the line that it is
-about. The file of an `unknown` machine is drawn.
+A file may say ``based_on: c180_thesis`` and then give only what differs. ``null`` removes an
+optional component. The YAML is read as nodes, not as plain values, because every complaint names
+the line that it is about. The file of an `unknown` machine is drawn.
 """
 
 import functools
@@ -59,7 +59,8 @@ def read(name_or_path: str | Path) -> Branch:
     """Return the tree of a machine file, laid over the machine that it is based on.
 
     Args:
-        name_or_path: A shipped name (no suffix, no folder), one that is drawn (`unknown`), or a file.
+        name_or_path: A shipped name (no suffix, no folder), one that is drawn (`unknown`), or a
+            file.
 
     Raises:
         MachineError: No such machine, unreadable file, not YAML, or a circle of ``based_on``.

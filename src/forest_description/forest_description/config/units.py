@@ -1,9 +1,10 @@
 """Units that a machine file may use, each with its factor to SI.
 
-The table is explicit and short on purpose: a unit that is not here is refused with the list of those that
-are. A unit is a factor and nothing else: temperatures are in K, because degrees Celsius have an offset.
-``psi`` is the 6894.7 Pa of the thesis' program (Appendix B), not 6894.757 Pa, so that 3000 psi is its pump
-pressure; ``hp`` is the thesis' 745.7 W, ``gal`` the US gallon of its flow meters.
+The table is explicit and short on purpose: a unit that is not here is refused with the list of
+those that are. A unit is a factor and nothing else: temperatures are in K, because degrees Celsius
+have an offset. ``psi`` is the 6894.7 Pa of the thesis' program (Appendix B), not 6894.757 Pa, so
+that 3000 psi is its pump pressure; ``hp`` is the thesis' 745.7 W, ``gal`` the US gallon of its flow
+meters.
 """
 
 import math

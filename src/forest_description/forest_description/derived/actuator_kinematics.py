@@ -9,8 +9,8 @@ Symbols:
     P_m     margin of a load-sensing pump [Pa]; Q_max greatest flow of the pump [m³/s]
     x, q    cylinder length [m], joint angle [rad]
 
-Actuator speeds are (swing [rad/s], boom cylinder [m/s], stick cylinder [m/s]). The swing's is that of the
-joint, behind the gear train, not of the motor shaft. Extending is positive.
+Actuator speeds are (swing [rad/s], boom cylinder [m/s], stick cylinder [m/s]). The swing's is that
+of the joint, behind the gear train, not of the motor shaft. Extending is positive.
 """
 
 import math
@@ -27,10 +27,11 @@ Linkages = tuple[Linkage, Linkage]
 def rated_speeds(machine: Machine) -> Vec3:
     """Return the unloaded actuator speeds of the fully open valve, one axis alone (rad/s, m/s, m/s).
 
-    Hoses, leakage and friction are left out. Both orifices share the pump's P_s: D1 P_1 = D2 P_2 gives
-    sqrt(D1 P_s / (C_R1 D1³ + C_R2 D2³)). A load-sensing pump keeps P_m over the inlet's orifice whatever the
-    outlet's takes: sqrt(P_m/C_R1)/D1. No axis gets more than Q_max. This is the scale of /valve_commands: the
-    rated voltage of the ideal valve wishes this speed. Positive direction.
+    Hoses, leakage and friction are left out. Both orifices share the pump's P_s: D1 P_1 = D2 P_2
+    gives sqrt(D1 P_s / (C_R1 D1³ + C_R2 D2³)). A load-sensing pump keeps P_m over the inlet's
+    orifice whatever the outlet's takes: sqrt(P_m/C_R1)/D1. No axis gets more than Q_max. This is
+    the scale of /valve_commands: the rated voltage of the ideal valve wishes this speed. Positive
+    direction.
 
     Thesis eq. 3.1, 3.9, 3.13 at rest of pressures and flows.
     """
@@ -71,8 +72,8 @@ def joint_rates_to_actuator_speeds(q: Vec3, rates: Vec3, linkages: Linkages) -> 
 def actuator_speeds_to_joint_rates(q: Vec3, speeds: Vec3, linkages: Linkages) -> Vec3:
     """Return the joint rates [rad/s] of actuator speeds, the inverse of ``joint_rates_to_actuator_speeds``.
 
-    At a dead point of a linkage (no lever arm; outside every stroke that a machine file may have) the rate is
-    0.
+    At a dead point of a linkage (no lever arm; outside every stroke that a machine file may have)
+    the rate is 0.
 
     Thesis eq. 3.16, 3.18, App. A.
 

@@ -1,7 +1,7 @@
 """Rigid bodies of boom and stick with what the stick carries: one source for the dynamics and for the URDF.
 
-Every body is symmetric about the crane's plane. Frames as in Appendix B: x along the link from its joint, y
-across, upwards when the link points forward, z the joint axis.
+Every body is symmetric about the crane's plane. Frames as in Appendix B: x along the link from its
+joint, y across, upwards when the link points forward, z the joint axis.
 
 | symbol | name | unit |
 |---|---|---|
@@ -71,8 +71,8 @@ def boom_body(m: Manipulator) -> PlanarBody:
 def stick_body(m: Manipulator) -> PlanarBody:
     """Return the stick with all that is rigidly part of it: head and log, unless they hang. Thesis App. B.
 
-    Differs: Appendix B leaves I_xx and I_xy at zero when it folds the head's point mass into the stick
-    (`head_folding: thesis`); `full` gives the stick the shares that a point off its axis has.
+    Differs: Appendix B leaves I_xx and I_xy at zero when it folds the head's point mass into the
+    stick (`head_folding: thesis`); `full` gives the stick the shares that a point off its axis has.
     """
     stick = PlanarBody(
         mass=m.stick_mass,

@@ -44,7 +44,8 @@ def pose_at(tip: Vec3, machine: Machine) -> Vec3:
         machine: Whose links and limits count.
 
     Raises:
-        ValueError: The tip is out of reach, or a joint would have to leave its limits; the text says which.
+        ValueError: The tip is out of reach, or a joint would have to leave its limits; the text
+            says which.
     """
     angles = inverse_kinematics(tip, machine.manipulator.links)
     for name, angle, limits in zip(AXES, angles, joint_limits(machine), strict=True):
@@ -57,9 +58,9 @@ def pose_at(tip: Vec3, machine: Machine) -> Vec3:
 def start_tip(machine: Machine) -> Vec3:
     """Return where a session begins unless somebody says otherwise, the tip [m].
 
-    That is the start of Thesis section 5.2 if the machine reaches it, or else where boom and stick are in the
-    middle of their ranges (of the stick's, what is folded) and the swing is straight ahead, or as near to
-    that as it goes.
+    That is the start of Thesis section 5.2 if the machine reaches it, or else where boom and stick
+    are in the middle of their ranges (of the stick's, what is folded) and the swing is straight
+    ahead, or as near to that as it goes.
     """
     try:
         pose_at(THESIS_START, machine)
@@ -73,10 +74,10 @@ def start_tip(machine: Machine) -> Vec3:
 def workspace_limits(machine: Machine) -> WorkspaceLimits:
     """Return the least and greatest reach r and height z of the tip within the joint limits.
 
-    Exact: r and z are sines of q2 and q3, so their extremes lie at corners of the box of angles or where a
-    derivative along an edge (or both, with the stick straight or folded flat) is zero; all these angles are
-    tried. The ground is not known here: the least reach of the c180 belongs to a tip folded back under the
-    boom, 4.1 m below its pivot.
+    Exact: r and z are sines of q2 and q3, so their extremes lie at corners of the box of angles or
+    where a derivative along an edge (or both, with the stick straight or folded flat) is zero; all
+    these angles are tried. The ground is not known here: the least reach of the c180 belongs to a
+    tip folded back under the boom, 4.1 m below its pivot.
     """
     links = machine.manipulator.links
     _, boom, stick = joint_limits(machine)

@@ -8,7 +8,8 @@ Symbols:
 
 A soft wall, or an inertance measured with its fittings, makes the wave slower than C_0.
 
-docs/explanation/equations.md ("One lump") compares the shipped machine's oscillations with these limits.
+docs/explanation/equations.md ("One lump") has the shipped machine's oscillations beside the limits of its
+hoses.
 """
 
 import math
@@ -30,9 +31,9 @@ def lump_frequency(wave_speed: float, length: float) -> float:
 def lump_limit(machine: Machine, axis: int, port: int) -> float:
     """Return the frequency [Hz] below which one lump stands for a hose of a machine. Thesis eq. 3.3.
 
-    The lower of two: from the hose's own I and C, 1/(2π sqrt(I C)), where the length has gone; and from the
-    oil's C_0 where the machine has oil. Differs: the thesis takes C_0 alone, which leaves the wall out, and
-    has 51 Hz for the 4 m that its own I and C limit to 23 Hz.
+    The lower of two: from the hose's own I and C, 1/(2π sqrt(I C)), where the length has gone; and
+    from the oil's C_0 where the machine has oil. Differs: the thesis takes C_0 alone, which leaves
+    the wall out, and has 51 Hz for the 4 m that its own I and C limit to 23 Hz.
 
     Args:
         machine: At the temperature of interest.

@@ -1,10 +1,11 @@
 """Joints that nothing drives: where the cylinders lie, for drawing, and how a head hangs from the stick.
 
-The thesis gives a cylinder's linkage by two distances and an angle, and no drawing of it is left: its two
-pivots may be turned about the joint together. Assumed: the rod's eye lies on the driven link's own axis, and
-the whole angle φ is on the parent's side. Appendix A splits the boom's into delta (platform, likely) and si2
-(boom): the boom's eye is then drawn 10 mm too low, and nothing else depends on it. So the boom's cylinder
-stands in front of the column, and the stick's lies under the boom.
+The thesis gives a cylinder's linkage by two distances and an angle, and no drawing of it is left:
+its two pivots may be turned about the joint together. Assumed: the rod's eye lies on the driven
+link's own axis, and the whole angle φ is on the parent's side. Appendix A splits the boom's into
+delta (platform, likely) and si2 (boom): the boom's eye is then drawn 10 mm too low, and nothing
+else depends on it. So the boom's cylinder stands in front of the column, and the stick's lies under
+the boom.
 
 | symbol | name | unit |
 |---|---|---|
@@ -12,8 +13,8 @@ stands in front of the column, and the stick's lies under the boom.
 | φ | angle_offset | rad |
 | q | joint angle | rad |
 
-In the parent's frame at the joint, x along the parent and z up: barrel's pivot a (cos φ, -sin φ), rod's eye
-b (cos q, sin q).
+In the parent's frame at the joint, x along the parent and z up: barrel's pivot a (cos φ, -sin φ),
+rod's eye b (cos q, sin q).
 """
 
 import math
@@ -67,7 +68,8 @@ def head_joint_positions(q: Vec3, angles: tuple[float, float]) -> tuple[float, f
 
     Args:
         q: Joint angles (swing, boom, stick) [rad].
-        angles: α, β of the head from the platform's vertical [rad], as in ``forest_sim.mechanics.pendulum``.
+        angles: α, β of the head from the platform's vertical [rad], as in
+            ``forest_sim.mechanics.pendulum``.
     """
     return angles[0] - q[1] - q[2], angles[1]
 
@@ -75,7 +77,8 @@ def head_joint_positions(q: Vec3, angles: tuple[float, float]) -> tuple[float, f
 def cylinder_followers(machine: Machine) -> tuple[Follower, Follower, Follower, Follower]:
     """Return the straight lines that come nearest to `cylinder_joint_positions` over the strokes.
 
-    For viewers that know only swing, boom and stick: URDF can let a joint follow another one only linearly.
+    For viewers that know only swing, boom and stick: URDF can let a joint follow another one only
+    linearly.
     """
     _, boom, stick = joint_limits(machine)
     boom_line = np.linspace(*boom, 101)

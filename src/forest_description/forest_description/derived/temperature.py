@@ -25,7 +25,7 @@ from forest_description.components.hose import Hose, MeasuredHose
 from forest_description.components.oil import Oil
 from forest_description.components.pump import IdealPump, Pump
 from forest_description.components.valve_parameters import Valve
-from forest_description.config.parameter import MachineError, derived
+from forest_description.config.parameter import MachineError, replace_unchecked
 from forest_description.machine import CylinderDrive, Machine, SwingDrive
 
 
@@ -49,14 +49,14 @@ def at_temperature(machine: Machine, temperature: float) -> Machine:
         temperature: Of the oil, everywhere the same [K].
 
     Raises:
-        MachineError: The temperature is outside its range; other numbers may leave theirs (`derived`).
+        MachineError: The temperature is outside its range; other numbers may leave theirs.
     """
     oil = machine.oil
     if oil is None or temperature == oil.reference_temperature:
         return machine
     try:
         change = change_of(oil, oil.at(temperature))
-        return derived(
+        return replace_unchecked(
             machine,
             oil=oil.at(temperature),
             pump=_pump(machine.pump, change),
@@ -84,7 +84,7 @@ def change_of(was: Oil, now: Oil) -> Change:
 def _pump(pump: Pump, change: Change) -> Pump:
     if isinstance(pump, IdealPump):
         return pump
-    return derived(
+    return replace_unchecked(
         pump,
         leakage_resistance=pump.leakage_resistance * change.viscosity,
         manifold_capacitance=pump.manifold_capacitance / change.bulk_modulus,
@@ -95,8 +95,8 @@ def _valve(valve: Valve, change: Change) -> Valve:
     backward = valve.backward
     if backward is not None:
         c_r = backward.minimum_resistance * change.density
-        backward = derived(backward, minimum_resistance=c_r)
-    return derived(
+        backward = replace_unchecked(backward, minimum_resistance=c_r)
+    return replace_unchecked(
         valve,
         minimum_resistance=valve.minimum_resistance * change.density,
         leakage_conductance=valve.leakage_conductance / change.viscosity,
@@ -110,7 +110,7 @@ def _hose(hose: Hose, change: Change) -> Hose:
         return hose
     share = hose.oil_share(change.was.bulk_modulus)
     turbulent = change.viscosity**0.25 * change.density**0.75
-    return derived(
+    return replace_unchecked(
         hose,
         turbulent_resistance=hose.turbulent_resistance * turbulent,
         laminar_resistance=hose.laminar_resistance * change.viscosity,
@@ -120,7 +120,7 @@ def _hose(hose: Hose, change: Change) -> Hose:
 
 
 def _swing(drive: SwingDrive, change: Change) -> SwingDrive:
-    return derived(
+    return replace_unchecked(
         drive,
         internal_leakage_resistance=drive.internal_leakage_resistance * change.viscosity,
         external_leakage_resistance=drive.external_leakage_resistance * change.viscosity,
@@ -132,8 +132,8 @@ def _swing(drive: SwingDrive, change: Change) -> SwingDrive:
 def _cylinder(drive: CylinderDrive, change: Change) -> CylinderDrive:
     cushion = drive.cushion
     if cushion is not None:
-        cushion = derived(cushion, resistance=cushion.resistance * change.density)
-    return derived(
+        cushion = replace_unchecked(cushion, resistance=cushion.resistance * change.density)
+    return replace_unchecked(
         drive,
         valve=None if drive.valve is None else _valve(drive.valve, change),
         hose=None if drive.hose is None else _hose(drive.hose, change),

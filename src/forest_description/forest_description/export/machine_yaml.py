@@ -1,7 +1,7 @@
 """A machine as the text of a machine file: every number in SI, so that reading it gives the same machine.
 
-For machines that are made by a program, as a test rig of a crane's parts, and shall be simulated by a node,
-which knows machines by their files.
+For machines that are made by a program, as a test rig of a crane's parts, and shall be simulated by
+a node, which knows machines by their files.
 """
 
 import dataclasses
@@ -19,7 +19,8 @@ def machine_text(machine: Machine, source: str) -> str:
     """Return the text of a machine's file.
 
     Args:
-        machine: any; its numbers may be beyond the ranges for files, which is noticed when it is read.
+        machine: any; its numbers may be beyond the ranges for files, which is noticed when it is
+            read.
         source: of every number, as the file tells it.
     """
     return "\n".join(_lines(machine, json.dumps(source, ensure_ascii=False), 0)) + "\n"
@@ -48,6 +49,6 @@ def _lines(part: Any, source: str, depth: int) -> Iterator[str]:
 def _number(value: Any, allowed: Parameter, source: str) -> str:
     """Return a number, or a row of them, with unit and source."""
     row = isinstance(value, tuple)
-    told = ", ".join(repr(float(one)) for one in value) if row else repr(float(value))
-    key, text = ("values", f"[{told}]") if row else ("value", told)
+    numbers = ", ".join(repr(float(one)) for one in value) if row else repr(float(value))
+    key, text = ("values", f"[{numbers}]") if row else ("value", numbers)
     return f'{{{key}: {text}, unit: "{allowed.unit}", source: {source}}}'

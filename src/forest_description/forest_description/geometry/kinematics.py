@@ -6,9 +6,9 @@ Symbols:
     r             distance of the tip from the swing axis, l1 + l2 c2 + l3 c23 [m]
     p = (x, y, z) tip position [m]
 
-Frame: origin on the swing axis at the height of the boom pivot, x forward, y left, z up.
-Signs: swing to the left, boom above the horizontal, stick unfolding are positive; a folded stick is negative.
-Everything is a closed form on floats, tuples and NamedTuples of floats.
+Frame: origin on the swing axis at the height of the boom pivot, x forward, y left, z up. Signs:
+swing to the left, boom above the horizontal, stick unfolding are positive; a folded stick is
+negative. Everything is a closed form on floats, tuples and NamedTuples of floats.
 """
 
 import math
@@ -44,8 +44,9 @@ def tip_position(q: Vec3, links: Links) -> Vec3:
 def tip_orientation(q: Vec3) -> Quaternion:
     """Return the orientation of the stick, and so of the frame at its tip, as a unit quaternion (x, y, z, w).
 
-    A turn by q1 about z, then by −(q2 + q3) about the y axis that turned with it: x points along the stick
-    towards the tip, y stays level. With s, c of q1/2 and s', c' of (q2 + q3)/2: (s s', −c s', s c', c c').
+    A turn by q1 about z, then by −(q2 + q3) about the y axis that turned with it: x points along
+    the stick towards the tip, y stays level. With s, c of q1/2 and s', c' of (q2 + q3)/2: (s s', −c
+    s', s c', c c').
 
     Args:
         q: Joint angles (swing, boom, stick) [rad].
@@ -116,7 +117,8 @@ def joint_rates(q: Vec3, velocity: Vec3, links: Links) -> Vec3:
     q̇1 = v_t / r, q̇2 = (c23 v_r + s23 v_z) / (l2 s3),
     q̇3 = −((l2 c2 + l3 c23) v_r + (l2 s2 + l3 s23) v_z) / (l2 l3 s3).
 
-    Where ``is_singular`` no finite rates exist for every velocity: the result is (0, 0, 0), stand still.
+    Where ``is_singular`` no finite rates exist for every velocity: the result is (0, 0, 0), stand
+    still.
 
     Args:
         q: Joint angles (swing, boom, stick) [rad].
@@ -141,17 +143,17 @@ def joint_rates(q: Vec3, velocity: Vec3, links: Links) -> Vec3:
 def inverse_kinematics(position: Vec3, links: Links) -> Vec3:
     """Return the joint angles q that put the tip at a position, elbow up (stick angle in [−π, 0]) [rad].
 
-    The law of cosines in the triangle of boom, stick and the line from boom pivot to tip; swing and boom in
-    (−π, π]. Joint limits are not regarded; ``limits.joint_limits`` has them. On the swing axis the swing
-    angle is taken as 0.
+    The law of cosines in the triangle of boom, stick and the line from boom pivot to tip; swing and
+    boom in (−π, π]. Joint limits are not regarded; ``limits.joint_limits`` has them. On the swing
+    axis the swing angle is taken as 0.
 
     Args:
         position: Tip position (x, y, z) [m].
         links: Link lengths.
 
     Raises:
-        ValueError: The tip is further from the boom pivot than l2 + l3, nearer than |l2 − l3|, or not a
-            number.
+        ValueError: The tip is further from the boom pivot than l2 + l3, nearer than |l2 − l3|, or
+            not a number.
     """
     l1, l2, l3 = links.base_offset, links.boom, links.stick
     outward = math.hypot(position[0], position[1]) - l1
@@ -172,29 +174,29 @@ def inverse_kinematics(position: Vec3, links: Links) -> Vec3:
     return (math.atan2(position[1], position[0]), boom, stick)
 
 
-def nearest_pose(position: Vec3, like: Vec3, links: Links) -> Vec3:
+def nearest_pose(position: Vec3, near: Vec3, links: Links) -> Vec3:
     """Return the joint angles q that put the tip at a position, on the branch of a pose [rad].
 
-    The branch is the elbow's side, the tip's side of the swing axis and the swing's and boom's whole turns. A
-    position out of reach counts as the nearest of the same direction from the boom pivot: a loop needs an
-    answer.
+    The branch is the elbow's side, the tip's side of the swing axis and the swing's and boom's
+    whole turns. A position out of reach counts as the nearest of the same direction from the boom
+    pivot: a loop needs an answer.
 
     Args:
         position: Tip position (x, y, z) [m].
-        like: Joint angles near the wanted [rad].
+        near: Joint angles near the wanted [rad].
         links: Link lengths.
     """
     l1, l2, l3 = links.base_offset, links.boom, links.stick
-    side = 1.0 if l1 + l2 * math.cos(like[1]) + l3 * math.cos(like[1] + like[2]) >= 0.0 else -1.0
+    side = 1.0 if l1 + l2 * math.cos(near[1]) + l3 * math.cos(near[1] + near[2]) >= 0.0 else -1.0
     outward = side * math.sqrt(position[0] * position[0] + position[1] * position[1]) - l1
     distance = math.sqrt(outward * outward + position[2] * position[2])
     cosine = (distance * distance - l2 * l2 - l3 * l3) / (2.0 * l2 * l3)
-    stick = math.copysign(math.acos(min(1.0, max(-1.0, cosine))), math.sin(like[2]))
+    stick = math.copysign(math.acos(min(1.0, max(-1.0, cosine))), math.sin(near[2]))
     boom = math.atan2(position[2], outward) - math.atan2(l3 * math.sin(stick), l2 + l3 * math.cos(stick))
     swing = math.atan2(side * position[1], side * position[0])
-    return (_same_turn(swing, like[0]), _same_turn(boom, like[1]), _same_turn(stick, like[2]))
+    return (_same_turn(swing, near[0]), _same_turn(boom, near[1]), _same_turn(stick, near[2]))
 
 
-def _same_turn(angle: float, like: float) -> float:
+def _same_turn(angle: float, near: float) -> float:
     """Return an angle plus the whole turns that bring it nearest to another one [rad]."""
-    return angle + 2.0 * math.pi * math.floor((like - angle) / (2.0 * math.pi) + 0.5)
+    return angle + 2.0 * math.pi * math.floor((near - angle) / (2.0 * math.pi) + 0.5)

@@ -7,8 +7,9 @@ Symbols:
     q  joint angle [rad]
     x  cylinder length, pin to pin [m]
 
-One law serves both joints: the angle between a and b is q + φ, so x² = a² + b² − 2 a b cos(q + φ). The boom
-has φ = δ + si2; the stick's printed "+ 2 l1s l2s cos(q + si1)" is the same law with φ = π + si1.
+One law serves both joints: the angle between a and b is q + φ, so x² = a² + b² − 2 a b cos(q + φ).
+The boom has φ = δ + si2; the stick's printed "+ 2 l1s l2s cos(q + si1)" is the same law with φ = π
++ si1.
 
 Sign: for q + φ in (0, π) the cylinder extends when the joint angle grows (boom up, stick out).
 """
@@ -74,9 +75,9 @@ def angle_at(length: float, linkage: Linkage) -> float:
 def lever_arm(angle: float, linkage: Linkage) -> float:
     """Return the lever arm dx/dq = a b sin(q + φ) / x [m]; joint torque = lever arm · cylinder force.
 
-    Thesis eq. 3.16, App. A, B (J is this arm). Differs: Appendix A's j is dq/dx, the reciprocal; Appendix
-    B's ``arm`` is the absolute value, equal to this one only while q + φ is in (0, π), as it is over the
-    whole stroke.
+    Thesis eq. 3.16, App. A, B (J is this arm). Differs: Appendix A's j is dq/dx, the reciprocal;
+    Appendix B's ``arm`` is the absolute value, equal to this one only while q + φ is in (0, π), as
+    it is over the whole stroke.
 
     Args:
         angle: Joint angle q [rad].

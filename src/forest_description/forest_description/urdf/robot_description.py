@@ -1,19 +1,21 @@
 """The machine as URDF, for viewers and for whatever else reads /robot_description.
 
-Frames: base_link is fixed to the carrier, origin on the swing axis at the height of the boom pivot, x
-forward, y left, z up. Every link frame has x along the link and z up when the link is horizontal; boom and
-stick turn about −y, so that a positive angle lifts. The joints are named as in /joint_states: swing, boom,
-stick.
+Frames: base_link is fixed to the carrier, origin on the swing axis at the height of the boom pivot,
+x forward, y left, z up. Every link frame has x along the link and z up when the link is horizontal;
+boom and stick turn about −y, so that a positive angle lifts. The joints are named as in
+/joint_states: swing, boom, stick.
 
-Inertias are those of the dynamics, exactly: head and log are in the stick's unless they hang. The thesis'
-link frames have z along the joint axis and y across, so its I_zz is iyy here, its I_yy izz and its product
-I_xy -ixz. Appendix B's I_xx = 0, which no body can have, stays zero in `c180_thesis`. Of the platform only
-the inertia about the vertical is known; half of it is the least there can be about x and y.
+Inertias are those of the dynamics, exactly: head and log are in the stick's unless they hang. The
+thesis' link frames have z along the joint axis and y across, so its I_zz is iyy here, its I_yy izz
+and its product I_xy -ixz. Appendix B's I_xx = 0, which no body can have, stays zero in
+`c180_thesis`. Of the platform only the inertia about the vertical is known; half of it is the least
+there can be about x and y.
 
-Cylinders are drawn, without mass. URDF has no closed loops: barrel and rod hang in the tree by joints of
-their own (`passive_joints.CYLINDER_JOINTS`). Their positions may stand in the same message as swing, boom and
-stick; where they do not, they follow boom and stick about (mimic; the rod's eye is up to 0.17 m off). The two
-joints of a hanging head (`HEAD_JOINTS`) need their positions told.
+Cylinders are drawn, without mass. URDF has no closed loops: barrel and rod hang in the tree by
+joints of their own (`passive_joints.CYLINDER_JOINTS`). Their positions may stand in the same
+message as swing, boom and stick; where they do not, they follow boom and stick about (mimic; the
+rod's eye is up to 0.17 m off). The two joints of a hanging head (`HEAD_JOINTS`) need their
+positions in the message.
 """
 
 import math
@@ -49,14 +51,15 @@ LOG_LENGTH, LOG_DENSITY = 4.0, 850.0
 WALL, EYE = 0.01, 0.1
 """Of a cylinder's barrel, and the length of its eye [m]."""
 PASSIVE_SPEED = 10.0
-"""Greatest speed told of joints that nothing drives [rad/s, m/s]."""
+"""Greatest speed of joints that nothing drives [rad/s, m/s]."""
 
 
 def robot_description(machine: Machine) -> str:
     """Return the URDF text of a machine.
 
-    Links base_link, platform, boom, stick, head and tip; revolute joints swing, boom, stick with the limits
-    of the strokes; the tip frame at the end of the stick; barrels and rods of the two cylinders.
+    Links base_link, platform, boom, stick, head and tip; revolute joints swing, boom, stick with
+    the limits of the strokes; the tip frame at the end of the stick; barrels and rods of the two
+    cylinders.
     """
     parts, robot = machine.manipulator, ElementTree.Element("robot", name=machine.name)
     link(robot, "base_link")

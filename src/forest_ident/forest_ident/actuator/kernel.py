@@ -13,7 +13,7 @@ from forest_compile import flat_layout
 from forest_compile.entry import Entry
 from forest_compile.kernel_cache import CachedKernel, can_compile
 from forest_description.types import Floats
-from forest_ident.actuator import model, steps
+from forest_ident.actuator import steps
 from forest_ident.actuator.model import Parameters
 from forest_ident.actuator.steps import SUBSTEPS
 
@@ -75,9 +75,10 @@ def _compiled() -> Callable[[Floats, int, Parameters, Floats, Floats], None]:
 
 _EXAMPLE = Parameters(*(1.0 for _ in Parameters._fields))
 _ENTRY = Entry(
-    *(_TEXT, {"run": steps.run}, _LETTERS),
-    {"p": ("parameters", _EXAMPLE)},
-    (model.rate, model.sensed_pressure),
+    text=_TEXT,
+    names={"run": steps.run},
+    arguments=_LETTERS,
+    tuples={"p": ("parameters", _EXAMPLE)},
 )
 KERNEL = CachedKernel("actuator", lambda: _ENTRY)
 """The actuator's simulation as machine code."""

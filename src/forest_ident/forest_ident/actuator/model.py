@@ -5,7 +5,7 @@
 
 | symbol | name | unit |
 |---|---|---|
-| s, u | spool position; what the valve is told, dead time passed | V |
+| s, u | spool position; valve signal after the dead time | V |
 | P_1, P_2 | pressures in the chambers, 1 extends | P |
 | P_s | supply pressure | P |
 | Q_1, Q_2 | flow into chamber 1, out of chamber 2 | X/n |
@@ -14,7 +14,7 @@
 | a | area of chamber 2 over that of chamber 1 | 1 |
 | C_1, C_2 | capacitance of chamber with its hose | X/P |
 
-A record whose scales nobody knows is in its own units: V of the signal, P of pressure, X of position, n the
+A record of unknown scales is in its own units: V of the signal, P of pressure, X of position, n the
 time between two samples. Areas are shares of chamber 1's, so that a flow is a speed, a force a pressure and a
 mass P n^2/X. Pressures count from the tank. Positive: s opens chamber 1 to the pump; x grows as 1 fills.
 
@@ -28,7 +28,7 @@ mass P n^2/X. Pressures count from the tank. Positive: s opens chamber 1 to the 
 F_0 holds the arm at rest. Edges pass k o sqrt(drop) at an opening o, up to the flow that a direction's
 compensator lets through; a load check lets nothing back to the pump. The sensor sits upstream of the hose.
 
-Everything here is in the subset that `forest_compile.translate` turns into machine code.
+Everything here is in the subset that `forest_compile.frontend` turns into machine code.
 """
 
 import math

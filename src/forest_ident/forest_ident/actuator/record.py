@@ -50,7 +50,7 @@ def read(path: Path, whole: bool = True) -> Record:
     """Return a file's columns.
 
     Args:
-        path: the CSV file; columns beside the four are not looked at.
+        path: the CSV file; other columns than the four are ignored.
         whole: whether pressure and position must be there, too.
 
     Raises:
@@ -82,7 +82,13 @@ def read(path: Path, whole: bool = True) -> Record:
         for name in head
         if name in MEASURED and (name in wanted or not any(row.is_empty(name) for row in body))
     }
-    return Record(path, _samples(body), columns["valve"], columns.get("pressure"), columns.get("position"))
+    return Record(
+        path=path,
+        samples=_samples(body),
+        valve=columns["valve"],
+        pressure=columns.get("pressure"),
+        position=columns.get("position"),
+    )
 
 
 def _text(item: Any) -> str:

@@ -10,8 +10,8 @@ Rosenbrock's W-method of second order, with gamma = 1 - 1/sqrt(2):
     (1 - gamma h A) k_1 = f(y),   (1 - gamma h A) k_2 = f(y + h k_1) - 2 k_1,   y + h (3 k_1 + k_2)/2
 
 Its order does not depend on A, its stability does: an edge that opens wide on a small chamber would need
-steps of a hundredth of a sample otherwise, and with longer ones stands at pressures that no equation has.
-Everything here, too, is in the subset that `forest_compile.translate` turns into machine code.
+steps of a hundredth of a sample otherwise, and would settle at wrong pressures with longer ones.
+Everything here, too, is in the subset that `forest_compile.frontend` turns into machine code.
 """
 
 import math

@@ -13,7 +13,6 @@ import numpy as np
 from forest_bag.read.bag_reader import FILE_KINDS, SUFFIXES
 from forest_description.machine import Machine, load_machine
 from forest_ident.estimators.calibration import Offset
-from forest_ident.estimators.parameter_estimate import NORMAL_95
 from forest_ident.experiments import experiment_plan
 from forest_ident.measurements import session_bag
 from forest_ident.measurements.session import Session, SessionError
@@ -160,7 +159,7 @@ def _is_bag(path: Path) -> bool:
 
 
 def text_table(result: Result) -> str:
-    """Return what was found as text: old, new, interval, warning; sensors."""
+    """Return the estimates as text: start, value, interval, warning; sensors."""
     lines = [f"  {'parameter':<42} {'told':>11} {'found':>13}  95 % interval"]
     for e, before in table(result):
         value, low, high = e.formatted()
@@ -172,28 +171,25 @@ def text_table(result: Result) -> str:
 
 
 def against(result: Result, truth: Machine) -> str:
-    """Return how far every estimate is from the truth, and whether its interval holds that."""
-    lines, held = [], 0
-    for e, _ in table(result):
-        true = value_in(truth, e.key)
-        if true is None:
-            continue
-        holds = e.contains(true)
-        held += holds
-        off = f"{100.0 * (e.value / true - 1.0):+.5f} %" if true != 0.0 and e.positive else ""
-        off = off or f"{e.value - true:+.7f} {e.unit}"
-        lines.append(f"  {e.key:<42} truth {true:<11.6g} off by {off}{'' if holds else ', interval misses'}")
+    """Return the error of every estimate, and whether its interval contains the truth."""
+    pairs = [(e, value_in(truth, e.key)) for e, _ in table(result)]
+    known = [(e, true) for e, true in pairs if true is not None]
+    held = sum(e.contains(true) for e, true in known)
+    lines = []
+    for e, true in known:
+        off = f"{e.value - true:+.7f} {e.unit}"
+        if true != 0.0 and e.positive:
+            off = f"{100.0 * (e.value / true - 1.0):+.5f} %"
+        missed = "" if e.contains(true) else ", interval misses"
+        lines.append(f"  {e.key:<42} truth {true:<11.6g} off by {off}{missed}")
     return "\n".join([*lines, f"  {held} of {len(lines)} 95 % intervals hold the truth"])
 
 
 def _calibrated(o: Offset) -> str:
-    """Return what was found of a sensor; an error of 0 is of what was not looked for."""
-    parts = []
-    if o.offset_error > 0.0:
-        parts.append(f"offset {o.offset:.4g} ± {NORMAL_95 * o.offset_error:.2g} {o.unit}")
-    if o.gain_error > 0.0:
-        parts.append(f"gain {o.gain:.6f} ± {NORMAL_95 * o.gain_error:.1g}")
-    return f"  sensors.calibration.{o.channel:<26} {', '.join(parts)}"
+    """Return offset and gain of a sensor as text."""
+    pairs = zip(("offset", "gain"), o.formatted(), strict=True)
+    parts = ", ".join(f"{name} {text}" for name, text in pairs if text)
+    return f"  sensors.calibration.{o.channel:<26} {parts}"
 
 
 class Bar:

@@ -32,21 +32,16 @@ def main(
 
     Args:
         arguments: default: the command line's.
-        more_verbs: modules of verbs, told before those of this package.
+        more_verbs: modules of verbs, listed before those of this package.
         more_errors: exceptions of theirs whose text is the sentence for the user.
     """
-    options = _parser([*more_verbs, *VERBS]).parse_args(arguments)
-    return command_line.run(PROGRAM, options, (*ERRORS, *more_errors))
-
-
-def _parser(modules: Sequence[Any]) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=PROGRAM, description="Learn a crane's parameters from its records, and check them."
     )
     verbs = parser.add_subparsers(title="verbs", required=True, metavar="VERB")
-    for verb in modules:
+    for verb in (*more_verbs, *VERBS):
         verb.add_parser(verbs)
-    return parser
+    return command_line.run(PROGRAM, parser.parse_args(arguments), (*ERRORS, *more_errors))
 
 
 if __name__ == "__main__":

@@ -64,11 +64,11 @@ def bounds(plan: Plan, programme: Programme) -> Bounds:
     ranges = [_swing(m, programme.tracks[0]), *(cylinder_range(drive, MARGIN) for drive in m.drives[1:])]
     relief = m.port_valves.relief_pressure if m.port_valves is not None else 0.0
     return Bounds(
-        (joints[0], joints[1], joints[2]),
-        (ranges[0][0], ranges[1][0], ranges[2][0]),
-        (ranges[0][1], ranges[1][1], ranges[2][1]),
-        OVERLOAD * max(m.pump.supply_pressure, relief),
-        STARVED * m.pump.idle_pressure,
+        driven=(joints[0], joints[1], joints[2]),
+        low=(ranges[0][0], ranges[1][0], ranges[2][0]),
+        high=(ranges[0][1], ranges[1][1], ranges[2][1]),
+        pressure=OVERLOAD * max(m.pump.supply_pressure, relief),
+        supply=STARVED * m.pump.idle_pressure,
     )
 
 

@@ -2,8 +2,8 @@
 
 It does what the graph in lockstep does, much faster: row k is step k + 1, and with exact sensors voltages and
 states are the same to the last bit, what is derived of them to rounding. With noise they are not: the
-operator reads the true angles here, and the sensors draw in another order. The oil warms as in
-`forest_sim.run.simulation`; a rig's is kept at one temperature by its cooler.
+operator sees the true angles here, and the sensors draw in another order. The oil warms as it does in
+`forest_sim.simulation.open_loop`; a bench's is kept at one temperature by its cooler.
 """
 
 import dataclasses
@@ -23,9 +23,14 @@ from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_suite import Suite, sensor_suite
 from forest_sim.solver.compiled_plant import FlatPlant
 from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.oil_temperature import (
+    UPDATE_PERIOD,
+    dissipated_power,
+    parameters_at,
+    temperature_after,
+)
 from forest_sim.solver.plant_parameters import plant_parameters
-from forest_sim.solver.power import power_flows
-from forest_sim.solver.thermal import UPDATE_PERIOD, heat, parameters_at, temperature_after
+from forest_sim.solver.power_flows import power_flows
 
 SUBSTEPS = 5
 LOSS_SAMPLES = 10  # of the power that warms the oil, in an update of its temperature
@@ -90,7 +95,13 @@ def run(plan: Plan, suite: Suite) -> Session:
     metadata = dict(plan.metadata)
     if not plan.bench and "case_drain" in true:
         metadata["case_drain_volume"] = float(np.sum(true["case_drain"]) * PERIOD)
-    return Session(plan.name, PERIOD * np.arange(count, dtype=np.float64), voltages, readings, metadata)
+    return Session(
+        name=plan.name,
+        time=PERIOD * np.arange(count, dtype=np.float64),
+        voltages=voltages,
+        readings=readings,
+        metadata=metadata,
+    )
 
 
 class _Trace:
@@ -125,7 +136,7 @@ class _Trace:
         per_update, count = round(UPDATE_PERIOD / PERIOD), len(self._rows) - 1
         if self._oil is None or count % (per_update // LOSS_SAMPLES) != 0:
             return
-        self._losses.append(heat(power_flows(self._flat.simulation, self._plants[-1][1])))
+        self._losses.append(dissipated_power(power_flows(self._flat.simulation, self._plants[-1][1])))
         if count % per_update != 0:
             return
         mean = sum(self._losses) / len(self._losses)

@@ -1,6 +1,6 @@
 """Calibration of the sensors before the first experiment. Thesis section 4.3.1.
 
-| sensor | against | tells |
+| sensor | against | estimates |
 |---|---|---|
 | pressure transducers | atmosphere: pump off, lines vented | offset |
 | flow meters | each other, in series on the valve's rig | gain of the second over the first |
@@ -30,6 +30,7 @@ from forest_description.components.sensor_calibration import (
 )
 from forest_description.machine import Machine
 from forest_description.types import Floats
+from forest_ident.estimators.parameter_estimate import NORMAL_95
 from forest_ident.experiments import test_rig
 from forest_ident.measurements.readings import read
 from forest_ident.measurements.session import Session, SessionError
@@ -55,9 +56,15 @@ class Offset(NamedTuple):
     channel: str
     offset: float
     offset_error: float
-    gain: float
-    gain_error: float
     unit: str
+    gain: float = 1.0
+    gain_error: float = 0.0
+
+    def formatted(self) -> tuple[str, str]:
+        """Return offset and gain with their 95 % intervals; "" for one that was not estimated."""
+        offset = f"{self.offset:.4g} ± {NORMAL_95 * self.offset_error:.2g} {self.unit}"
+        gain = f"{self.gain:.6f} ± {NORMAL_95 * self.gain_error:.1g}"
+        return offset if self.offset_error > 0.0 else "", gain if self.gain_error > 0.0 else ""
 
 
 def updated(machine: Machine, offsets: Sequence[Offset]) -> Calibration | None:
@@ -118,7 +125,9 @@ def _transducer(machine: Machine, session: Session, name: str) -> Offset:
             f"{1e-6 * VENTED:g} MPa, with the pump off and the lines open to the air"
         )
     if np.ptp(y) == 0.0:
-        return Offset(name, float(y[0]), 0.0 if y[0] > 0.0 else math.inf, 1.0, 0.0, "Pa")
+        return Offset(
+            channel=name, offset=float(y[0]), offset_error=0.0 if y[0] > 0.0 else math.inf, unit="Pa"
+        )
     noise = channel(machine, session, name)._replace(offset=0.0)
     start = float(np.mean(y))
 
@@ -127,7 +136,9 @@ def _transducer(machine: Machine, session: Session, name: str) -> Offset:
 
     unknown = Unknown("offset", start, positive=False, difference=1.0)
     result = fit(model, {name: y}, [noise], [unknown])
-    return Offset(name, result.values["offset"], result.errors["offset"], 1.0, 0.0, "Pa")
+    return Offset(
+        channel=name, offset=result.values["offset"], offset_error=result.errors["offset"], unit="Pa"
+    )
 
 
 def _thermocouple(session: Session, name: str) -> Offset:
@@ -166,7 +177,9 @@ def meter_gain(session: Session, floor: float) -> Offset | None:
     x, y = one[seen], two[seen]
     gain = float(x @ y / (x @ x))
     error = float(np.std(y - gain * x) / math.sqrt(x @ x))
-    return Offset("stick_flow", 0.0, 0.0, gain, error, "m3/s")
+    return Offset(
+        channel="stick_flow", offset=0.0, offset_error=0.0, gain=gain, gain_error=error, unit="m3/s"
+    )
 
 
 def lines(machine: Machine) -> dict[str, tuple[float, float]]:

@@ -1,4 +1,4 @@
-"""Whether load and masses are as the machine file tells: forces of the cylinders at rest in several poses.
+"""Check masses against the cylinders' forces at rest in several poses.
 
 | symbol | name | unit |
 |---|---|---|
@@ -8,8 +8,8 @@
 
     F J - G_rest(q) = G_m(q) m       boom and stick, at every pose
 
-Rests tell two sums along the links and two across them (`moments`), not every mass. Not in the thesis, which
-has its masses from drawings (section 4.4.1).
+Rests identify two sums along the links and two across them (`moments`), not every mass. Not in the thesis,
+which has its masses from drawings (section 4.4.1).
 """
 
 import dataclasses
@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_description.config.parameter import derived
+from forest_description.config.parameter import replace_unchecked
 from forest_description.machine import Machine, Manipulator
 from forest_description.types import AXES, Floats
 from forest_ident.estimators.least_squares import LinearFit, solve
@@ -55,17 +55,17 @@ def _pose(machine: Machine, session: Session, rows: slice) -> list[float]:
 
 
 class Moment(NamedTuple):
-    """A sum of masses times distances that forces at rest tell."""
+    """A sum of masses times distances that forces at rest identify."""
 
     name: str
     value: float  # [kg m]
     error: float  # [kg m]
-    told: float  # [kg m] by the machine file
+    known: float  # [kg m] by the machine file
     condition: float
 
 
 def moments(machine: Machine, session: Session) -> list[Moment]:
-    """Return the four sums that forces at rest tell; nothing for fewer than three poses, or with a log.
+    """Return the four sums that forces at rest identify; none for fewer than three poses, or with a log.
 
         stick: g ((m3 x3 + m4 l3) cos(q2 + q3) - m3 y3 sin(q2 + q3))
         boom:  g ((m2 x2 + (m3 + m4) l2) cos q2 - m2 y2 sin q2) + the stick's
@@ -85,22 +85,22 @@ def moments(machine: Machine, session: Session) -> list[Moment]:
     of_boom = [down * np.cos(boom), -down * np.sin(boom)]
     of_stick = [down * np.cos(stick), -down * np.sin(stick)]
     rows = [np.column_stack([column, none]).ravel() for column in of_boom]
-    line = solve([*rows, *(np.repeat(column, 2) for column in of_stick)], torques.ravel(), block=2)
-    told = {
+    fit = solve([*rows, *(np.repeat(column, 2) for column in of_stick)], torques.ravel(), block=2)
+    known = {
         "m2 x2 + (m3 + m4) l2": m.boom_mass * m.boom_x + (m.stick_mass + m.head_mass) * m.boom_length,
         "m2 y2": m.boom_mass * m.boom_y,
         "m3 x3 + m4 l3": m.stick_mass * m.stick_x + m.head_mass * m.stick_length,
         "m3 y3": m.stick_mass * m.stick_y,
     }
-    pairs = zip(told, line.values.tolist(), line.errors.tolist(), strict=True)
+    pairs = zip(known, fit.values.tolist(), fit.errors.tolist(), strict=True)
     return [
-        Moment(name=name, value=value, error=error, told=told[name], condition=line.condition)
+        Moment(name=name, value=value, error=error, known=known[name], condition=fit.condition)
         for name, value, error in pairs
     ]
 
 
 def masses(machine: Machine, session: Session, names: tuple[str, ...] = ("head_mass",)) -> LinearFit:
-    """Return some masses [kg] that forces at rest tell, the others as told; three or more poses, no log.
+    """Return some masses [kg] from forces at rest, the others from the file; three or more poses, no log.
 
     Args:
         machine: whose geometry, other masses and areas hold.
@@ -109,9 +109,11 @@ def masses(machine: Machine, session: Session, names: tuple[str, ...] = ("head_m
     """
     m = dataclasses.replace(machine.manipulator, pendulum=None)  # what hangs at rest pulls at the tip
     angles, torques = poses(machine, session)
-    empty = derived(m, **dict.fromkeys(names, 0.0))  # no link, but what is linear in the masses
+    empty = replace_unchecked(m, **dict.fromkeys(names, 0.0))  # no link, but what is linear in the masses
     without = _torques(empty, angles)
-    columns = [(_torques(derived(empty, **{name: 1.0}), angles) - without).ravel() for name in names]
+    columns = [
+        (_torques(replace_unchecked(empty, **{name: 1.0}), angles) - without).ravel() for name in names
+    ]
     return solve(columns, (torques - without).ravel(), block=2)
 
 

@@ -62,8 +62,8 @@ def external(machine: Machine, session: Session) -> LinearFit:
 def internal(machine: Machine, session: Session, external_conductance: float) -> LinearFit:
     """Return 1/R_in [m^3/(s Pa)] from the creep on the tilted platform.
 
-    Where the unloaded chamber's transducer stands at its zero, its pressure is not known to be zero; what
-    the drain tells, P_1 + P_2 = Q_ex R_ex, gives it. Thesis eq. 4.7, 4.9, section 4.3.5.2.
+    Where the unloaded chamber's transducer reads zero, its pressure need not be zero. The drain's flow gives
+    it: P_1 + P_2 = Q_ex R_ex. Thesis eq. 4.7, 4.9, section 4.3.5.2.
 
     Args:
         machine: whose D counts.

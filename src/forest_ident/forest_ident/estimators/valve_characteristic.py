@@ -60,7 +60,7 @@ def points(session: Session, highest: float = math.inf) -> Points:
 
     Args:
         session: on the rig.
-        highest: of the meter [m^3/s]; a hold in which it stands there is left out.
+        highest: of the meter [m^3/s]; a hold in which it reads that is left out.
     """
     voltage = session.voltages[:, 0]
     supply = session.column("supply_pressure")
@@ -78,7 +78,7 @@ def points(session: Session, highest: float = math.inf) -> Points:
 
 
 def resistance(point: Points, floor: float) -> Floats:
-    """Return C_R = dP/(Q|Q|) [Pa s^2/m^6] of port 1's edge; NaN where the meter stands at its floor.
+    """Return C_R = dP/(Q|Q|) [Pa s^2/m^6] of port 1's edge; NaN where the meter reads its floor.
 
     Thesis eq. 4.2a.
     """
@@ -132,8 +132,8 @@ def with_law(valve: Valve, values: Mapping[str, float]) -> Valve:
 def law(point: Points, start: Valve, floor: float, noise: float) -> output_error.Fit:
     """Return overlap and C_Rmin of both directions and the ratio of the ports' areas.
 
-    A maximum-likelihood fit of `flows` to the flow read: what stands at the meter's floor says that the flow
-    is below it, no more (Tobit), so that neither the floor is taken for the overlap, nor the reverse.
+    A maximum-likelihood fit of `flows` to the flow read. A reading at the meter's floor is censored: it only
+    shows that the flow is below (Tobit). So neither the floor is taken for the overlap, nor the reverse.
 
     Thesis section 4.3.2.4. Differs: the thesis draws the floor as flow.
 

@@ -1,7 +1,7 @@
-"""What is done or read by hand in an experiment, and no sensor tells: names, units, what can be.
+"""Facts of an experiment that no sensor measures: names, units and ranges.
 
-A person writes them into a bag's `experiment.yaml`, in any unit that a machine file may use. A fact that
-nobody would look at, of another quantity, or beyond what any crane has, is refused: it is a slip.
+A person writes them into a bag's `experiment.yaml`, in any unit that a machine file may use. An unknown fact,
+another quantity, or a value out of range is refused: it is a slip.
 """
 
 import math
@@ -12,7 +12,7 @@ from forest_description.config.units import UNITS
 
 
 class Fact(NamedTuple):
-    """A quantity by hand: its SI unit and its bounds in it; ``whole``: a count or a yes (1) or no (0)."""
+    """A quantity: its SI unit and its bounds; ``whole``: a count, or yes (1) or no (0)."""
 
     unit: str
     low: float
@@ -32,26 +32,26 @@ FACTS = {
 }
 
 
-def value(name: str, told: Any) -> float:
+def value(name: str, entry: Any) -> float:
     """Return a fact in its SI unit.
 
     Args:
         name: of the fact.
-        told: what the file has there, {value: .., unit: ..}.
+        entry: of the file, {value: .., unit: ..}.
 
     Raises:
-        ValueError: there is no such fact, or this cannot be its value; the text says what is allowed.
+        ValueError: there is no such fact, or its value is not allowed; the text names what is allowed.
     """
     fact = FACTS.get(name)
     if fact is None:
         raise ValueError(f"no fact {name!r}; allowed: {', '.join(FACTS)}")
-    if not (isinstance(told, Mapping) and set(told) == {"value", "unit"}):
-        raise ValueError(f"{name}: {told!r}; allowed: {{value: 1.0, unit: {fact.unit}}}")
-    unit = UNITS.get(str(told["unit"]))
+    if not (isinstance(entry, Mapping) and set(entry) == {"value", "unit"}):
+        raise ValueError(f"{name}: {entry!r}; allowed: {{value: 1.0, unit: {fact.unit}}}")
+    unit = UNITS.get(str(entry["unit"]))
     if unit is None or unit.si != fact.unit:
         allowed = ", ".join(text for text, known in UNITS.items() if known.si == fact.unit)
-        raise ValueError(f"{name}: unit {told['unit']!r}; allowed: {allowed}")
-    return checked(name, told["value"], unit.factor)
+        raise ValueError(f"{name}: unit {entry['unit']!r}; allowed: {allowed}")
+    return checked(name, entry["value"], unit.factor)
 
 
 def checked(name: str, number: Any, factor: float = 1.0) -> float:

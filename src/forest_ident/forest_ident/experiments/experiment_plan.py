@@ -144,7 +144,15 @@ def _bench(
     duration = total or 2.0 * sum(row.duration for row in rows) + 2.0
     track = Track(rows, -ENDLESS, ENDLESS, alternate=True)
     programme = Programme((track, None, None), duration)
-    return Plan(name, rig, programme, _start(machine), setup, metadata={}, bench=True)
+    return Plan(
+        name=name,
+        machine=rig,
+        programme=programme,
+        angles=_start(machine),
+        setup=setup,
+        metadata={},
+        bench=True,
+    )
 
 
 def _valve(name: str, machine: Machine, axis: int) -> Plan:
@@ -201,7 +209,7 @@ def _crane(
     )
     tracks = [Track(rows[axis], *ranges[axis], alternate) if axis in rows else None for axis in range(3)]
     programme = Programme((tracks[0], tracks[1], tracks[2]), duration)
-    return Plan(name, machine, programme, start, setup, metadata={})
+    return Plan(name=name, machine=machine, programme=programme, angles=start, setup=setup, metadata={})
 
 
 def _motor_internal(machine: Machine) -> Plan:

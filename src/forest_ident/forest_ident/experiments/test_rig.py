@@ -25,7 +25,7 @@ from forest_description.machine import Machine, Manipulator, Sensors, load_machi
 
 DISPLACEMENT = 0.05  # [m^3/rad] D
 INERTIA = 25.0  # [kg m^2] of the meter: an inertance of 1e4 Pa s^2/m^3, three thousandths of the hose's
-WEIGHTLESS = 1e-6  # [kg] of boom and stick, whose inertia about the swing axis is not told
+WEIGHTLESS = 1e-6  # [kg] of boom and stick, whose inertia about the swing axis is left out
 TIGHT = 1e18  # [Pa s/m^3] leakage of the meter: none
 SHORT = 0.3  # [m] of hose between valve and load
 VALVE_LOAD, HOSE_LOAD = 1e8, 1.5e9  # [Pa s/m^3] R_L
@@ -119,10 +119,10 @@ def _usual() -> Sensors:
 
 
 def meters(machine: Machine) -> Sensors:
-    """Return what reads on a bench: the machine's sensors, and what it lacks as Table 4.2 says.
+    """Return the sensors of a bench: the machine's, and those of Table 4.2 that it lacks.
 
-    Whoever judges a bench's record must ask here: a crane without flow meters has none to be judged by, and
-    the floor that the bench's stand at would be taken for flow.
+    A bench's record must be fitted with these. Without flow meters in the machine file, the floor of the
+    bench's meters would be taken for flow.
     """
     usual, own = _usual(), machine.sensors
     wanted = ("pressure", "flow_meter", "spool_sensor", "thermocouple")

@@ -1,8 +1,8 @@
 """Derivatives of sampled signals without phase error, and without more noise than a bandwidth lets through.
 
-A signal is smoothed with a Gaussian g and differentiated by convolution with g' and g''. Whatever stands in
-one equation is put through the same Gaussian: as smoothing and differentiation commute, the equation holds
-for the smoothed signals exactly, and no phase lies between its terms.
+A signal is smoothed with a Gaussian g and differentiated by convolution with g' and g''. All
+terms of an equation get the same Gaussian. Smoothing and differentiation commute: so the equation holds for
+the smoothed signals exactly, and no phase lies between its terms.
 
 | symbol | name | unit |
 |---|---|---|

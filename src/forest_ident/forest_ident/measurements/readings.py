@@ -30,7 +30,7 @@ from forest_description.geometry.linkage import Linkage
 from forest_description.types import AXES, Floats
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.port import Port, port_pressure
-from forest_sim.sensors.sensor_model import ABSENT, Channel
+from forest_sim.sensors.sensor_model import ABSENT, SensorModel
 from forest_sim.sensors.sensor_readings import Surroundings
 from forest_sim.sensors.sensor_suite import CHANNELS, Suite
 from forest_sim.sensors.signal_processing import SPEED_BANDWIDTH
@@ -189,7 +189,7 @@ def lagged(true: Floats, time_constant: float, period: float) -> Floats:
     return np.asarray(filtered, dtype=np.float64)
 
 
-def _sampled(true: Floats, c: Channel, period: float, normal: Floats) -> Floats:
+def _sampled(true: Floats, c: SensorModel, period: float, normal: Floats) -> Floats:
     """Return one channel's readings. Thesis table 4.2, section 4.3.2.4."""
     if c.mode == ABSENT:
         return np.full(len(true), math.nan)

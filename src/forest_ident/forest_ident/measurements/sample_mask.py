@@ -1,4 +1,4 @@
-"""Which rows of a record count in a refinement: what is not read, or tells nothing, becomes NaN."""
+"""Mask the rows of a record that a refinement does not use: they become NaN."""
 
 from collections.abc import Mapping
 
@@ -39,13 +39,12 @@ def while_open(
 ) -> dict[str, Floats]:
     """Return a bench's columns without the rows in which the valve is next to shut, or has just moved.
 
-    What a closing valve traps in the hoses depends on the last millisecond before, and tells nothing; nor
-    does a shut valve stand out where the meter's floor is all it shows. How the flow gets from one level to
-    the next is the hoses' matter, not the valve's.
+    The pressure that a closing valve traps in the hoses depends on its last millisecond: it is of no use, nor
+    is a flow below the meter's floor. How the flow changes from one level to the next depends on the hoses.
 
     Args:
         measured: columns by channel, a value a row.
-        session: whose flow and voltages tell when the valve was shut or moved.
+        session: whose flow and voltages show when the valve was shut or moved.
         settled: time after a change of voltage that does not count [s].
         floor: of the flow meter [m^3/s].
     """

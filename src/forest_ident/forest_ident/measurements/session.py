@@ -1,7 +1,7 @@
-"""A recorded session as the estimators take it: readings on one time base, voltages, what was set by hand.
+"""A recorded session for the estimators: readings on one time base, voltages, metadata.
 
-A session comes from a bag (`session_bag`) or from a simulated experiment (`simulated`), and nobody
-downstream can tell which. Ground truth is in neither.
+A session comes from a bag (`session_bag`) or from a simulated experiment (`simulated_experiment`), and is the
+same to the estimators. Ground truth is in neither.
 
 | array | shape | unit |
 |---|---|---|
@@ -33,14 +33,14 @@ class Session:
     """One experiment, or any other record of the machine."""
 
     name: str
-    """Of the experiment (`experiments.CATALOGUE`); "motion" for any other record."""
+    """Of the experiment (`experiment_plan.names`); "motion" for any other record."""
     time: Floats
     voltages: Floats
     readings: Mapping[str, Floats]
     metadata: Mapping[str, float] = field(default_factory=dict)
-    """What the sensors do not tell: by hand set or read, SI."""
+    """Facts that no sensor measures: set or read by hand, SI."""
     whole: bool = True
-    """False: its recorder was killed, or the file was cut; this is what is whole of it."""
+    """False: its recorder was killed, or the file was cut off; this is the part that is left."""
 
     @property
     def period(self) -> float:

@@ -1,8 +1,8 @@
-"""Sessions on disk: a bag of the graph's topics, and beside it what was done by hand.
+"""Sessions on disk: a bag of the graph's topics, and an `experiment.yaml` beside it.
 
-The bag is what the recorder writes of a session: what the machine can know, commands and voltages; the ground
-truth that a simulator tells beside is not read. `experiment.yaml` in its directory names the experiment and
-the facts that no sensor tells, with units; a person who runs the experiment otherwise writes it by hand.
+The bag is the recorder's: sensors, commands and voltages. A simulator's ground truth is not read.
+`experiment.yaml` in its directory names the experiment and the facts that no sensor measures, with units; a
+person who runs the experiment otherwise writes it by hand.
 Without that file a bag is a "motion".
 """
 
@@ -39,10 +39,11 @@ FILE = "experiment.yaml"
 SAME_CLOCK = 1_000_000_000  # [ns] by which a message may be sent later than it is stamped
 TICK = 1000  # [ns]
 CHUNK_BYTES = 1024 * 1024
+POSITION = ".position"  # ends a label of topics with positions and speeds
 # Channel of the sensors to (topic, label), for what is written and read alike.
 PLACES: dict[str, tuple[Topic, str]] = {
-    **{f"{axis}_resolver": (JOINT_STATES, f"{axis}.position") for axis in AXES},
-    **{f"{axis}_transducer": (ACTUATOR_STATES, f"{axis}_cylinder.position") for axis in AXES[1:]},
+    **{f"{axis}_resolver": (JOINT_STATES, f"{axis}{POSITION}") for axis in AXES},
+    **{f"{axis}_transducer": (ACTUATOR_STATES, f"{axis}_cylinder{POSITION}") for axis in AXES[1:]},
     **{
         f"{axis}_pressure_{port}_{place}": (PRESSURES, f"{axis}_{port}_{place}")
         for axis in AXES
@@ -90,13 +91,13 @@ def write(session: Session, directory: Path) -> None:
 
 
 def write_metadata(directory: Path, experiment: str, facts: Mapping[str, float]) -> None:
-    """Write what no topic tells of an experiment into its bag's directory.
+    """Write an experiment's name and facts into its bag's directory.
 
     Raises:
         OSError: it cannot be written.
     """
-    told = {key: {"value": float(value), "unit": FACTS[key].unit} for key, value in sorted(facts.items())}
-    text = yaml.safe_dump({"experiment": experiment, "facts": told}, sort_keys=False)
+    entries = {key: {"value": float(facts[key]), "unit": FACTS[key].unit} for key in sorted(facts)}
+    text = yaml.safe_dump({"experiment": experiment, "facts": entries}, sort_keys=False)
     (directory / FILE).write_text(text, encoding="utf-8")
 
 
@@ -105,27 +106,22 @@ def _tables(session: Session) -> list[tuple[Topic, tuple[str, ...], Floats]]:
     tables: list[tuple[Topic, tuple[str, ...], Floats]] = [
         (topic, AXES, session.voltages) for topic in (VALVE_COMMANDS, VALVE_VOLTAGES)
     ]
-    for topic in (PRESSURES, FLOWS, SUPPLY, AUXILIARY):
-        there = [
-            (label, name) for name, (where, label) in PLACES.items() if where is topic and session.has(name)
-        ]
-        if there:
-            labels = tuple(label for label, _ in there)
-            tables.append((topic, labels, np.column_stack([session.readings[name] for _, name in there])))
-    joints = tuple(axis for axis in AXES if session.has(f"{axis}_resolver"))
-    if joints:
-        tables.append((JOINT_STATES, joints, _motion(session, [f"{axis}_resolver" for axis in joints])))
-    rods = [axis for axis in AXES[1:] if session.has(f"{axis}_transducer")]
-    if rods:
-        labels = tuple(f"{axis}_cylinder" for axis in rods)
-        tables.append((ACTUATOR_STATES, labels, _motion(session, [f"{axis}_transducer" for axis in rods])))
+    for topic in (PRESSURES, FLOWS, SUPPLY, AUXILIARY, JOINT_STATES, ACTUATOR_STATES):
+        columns = {
+            label.removesuffix(POSITION): session.readings[channel]
+            for channel, (where, label) in PLACES.items()
+            if where is topic and session.has(channel)
+        }
+        if columns:
+            values = np.column_stack(list(columns.values()))
+            moves = topic in (JOINT_STATES, ACTUATOR_STATES)
+            tables.append((topic, tuple(columns), _motion(values, session.period) if moves else values))
     return tables
 
 
-def _motion(session: Session, names: list[str]) -> Floats:
+def _motion(positions: Floats, period: float) -> Floats:
     """Return positions and the speeds a machine would publish; efforts, which are derived, as zero."""
-    positions = np.column_stack([session.readings[name] for name in names])
-    rates = np.column_stack([speeds(column, session.period) for column in positions.T])
+    rates = np.column_stack([speeds(column, period) for column in positions.T])
     return np.hstack([positions, rates, np.zeros_like(positions)])
 
 
@@ -207,7 +203,7 @@ def _experiment(path: Path) -> tuple[str, dict[str, float]]:
     try:
         content = parsed(file.read_text("utf-8"))
         name = str(content["experiment"])
-        facts = {str(key): value(str(key), told) for key, told in (content.get("facts") or {}).items()}
+        facts = {str(key): value(str(key), entry) for key, entry in (content.get("facts") or {}).items()}
     except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError) as error:
         raise SessionError(
             f"{file}: not usable ({error}); allowed: experiment: NAME and "

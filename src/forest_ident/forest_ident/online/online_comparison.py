@@ -20,7 +20,7 @@ class Comparison(NamedTuple):
 
     record: str
     name: str
-    told: float
+    start: float
     online: float
     standard_error: float
     offline: float
@@ -47,7 +47,12 @@ def estimates(machine: Machine, session: Session) -> dict[str, float]:
     supply = session.column("supply_pressure").tolist()
     for q, u, p_1, p_2, volts, p_s in zip(*columns, supply, strict=True):
         state = online_estimator.step(
-            state, online_estimator.Sample(q, u, p_1, p_2, p_s, volts), p, session.period
+            state,
+            online_estimator.Sample(
+                angles=q, rates=u, pressures_1=p_1, pressures_2=p_2, supply=p_s, voltages=volts
+            ),
+            p,
+            session.period,
         )
     return dict(zip(online_estimator.LABELS, online_estimator.report(state), strict=True))
 
@@ -67,16 +72,26 @@ def compare(start: Machine, found: Machine, session: Session) -> list[Comparison
     """
     axis = AXES.index(session.own_axis)
     running, rows = estimates(start, session), []
-    told, offline = _quantities(start, axis), _quantities(found, axis)
-    for part in told:
+    known, offline = _quantities(start, axis), _quantities(found, axis)
+    for part in known:
         name = f"{AXES[axis]}_{part}"
         error, unit = running[f"{name}_spread"], UNITS.get(part.partition("_")[0], DAMPING[axis])
-        rows.append(Comparison(session.name, name, told[part], running[name], error, offline[part], unit))
+        rows.append(
+            Comparison(
+                record=session.name,
+                name=name,
+                start=known[part],
+                online=running[name],
+                standard_error=error,
+                offline=offline[part],
+                unit=unit,
+            )
+        )
     return rows
 
 
 def _quantities(machine: Machine, axis: int) -> dict[str, float]:
-    """Return a machine's numbers as the on-line estimation speaks of them."""
+    """Return a machine's numbers by the names of the on-line estimation."""
     law, found = machine.valve_of(axis).law, {}
     for way, edge in (("forward", law.forward), ("backward", law.backward)):
         reach = edge.rated_voltage - edge.deadband_voltage

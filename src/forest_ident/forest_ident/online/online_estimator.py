@@ -26,11 +26,11 @@ from forest_sim.mechanics.manipulator import Body, dynamics, fold_head
 
 LABELS = IDENTIFICATION.labels
 MARGIN = 0.15  # of the rated voltage, beyond which the law of the valve is fitted
-SETTLED = 0.3  # [s] that a voltage has stood still
+SETTLED = 0.3  # [s] for which a voltage has been held
 WINDOW = 0.6  # [s] of steady motion that counts as one sample
-LEAST_DROP = 1e5  # [Pa] over an edge: less tells nothing
+LEAST_DROP = 1e5  # [Pa] over an edge, at least
 SCALE = 1e6  # gains are some 1e-7: scaled to about one, P stays in its bound
-STANDSTILL = 0.02  # share of the rated speed under which an axis stands
+STANDSTILL = 0.02  # share of the rated speed under which an axis counts as at rest
 
 
 class Sample(NamedTuple):

@@ -81,19 +81,20 @@ class Problem:
         self._block = block
         self._channels, self._unknowns = channels, unknowns
         self._y = {c.name: np.asarray(measured[c.name], dtype=np.float64) for c in channels}
-        self._nuisances = [(c.name, "b", c.offset) for c in channels if c.offset > 0.0]
-        self._nuisances += [(c.name, "g", c.gain) for c in channels if c.gain > 0.0]
-        start = [math.log(u.start) if u.positive else u.start for u in unknowns]
-        spread = np.array([*(u.prior for u in unknowns), *(sd for _, _, sd in self._nuisances)])
-        runs = {c.name: f".{c.run}" if c.run else "" for c in channels}
-        nuisances = (f"{name}.{kind}{runs[name] if kind == 'b' else ''}" for name, kind, _ in self._nuisances)
-        self.names = (*(u.key for u in unknowns), *nuisances)
-        begin = np.array([*start, *(0.0 for _ in self._nuisances)])
-        self.mean, self.known = prior_information(prior, self.names, begin, spread)
-        self.count = len(unknowns)
+        offsets = [c for c in channels if c.offset > 0.0]
+        gains = [c for c in channels if c.gain > 0.0]
+        self._nuisances = [*((c.name, "b") for c in offsets), *((c.name, "g") for c in gains)]
+        everything = [
+            *unknowns,
+            *(Unknown(f"{c.name}.b{f'.{c.run}' if c.run else ''}", 0.0, c.offset, False) for c in offsets),
+            *(Unknown(f"{c.name}.g", 0.0, c.gain, False) for c in gains),
+        ]
+        start = np.array([math.log(u.start) if u.positive else u.start for u in everything])
+        spread = np.array([u.prior for u in everything])
+        self.names, self.count = tuple(u.key for u in everything), len(unknowns)
+        self.mean, self.known = prior_information(prior, self.names, start, spread)
         # Derivatives do not hold for a logarithm that moves by more than a half.
-        bounds = [0.5 if u.positive else math.inf for u in unknowns]
-        self.reach = np.array([*bounds, *(math.inf for _ in self._nuisances)])
+        self.reach = np.array([0.5 if u.positive else math.inf for u in everything])
         self.sigma = {c.name: c.noise for c in channels}
 
     def values(self, theta: Floats) -> dict[str, float]:
@@ -107,7 +108,7 @@ class Problem:
 
     def _static(self, theta: Floats, name: str, kind: str) -> float:
         """Return a channel's b or g, 0 if it has none."""
-        places = (i for i, (n, k, _) in enumerate(self._nuisances) if (n, k) == (name, kind))
+        places = (i for i, nuisance in enumerate(self._nuisances) if nuisance == (name, kind))
         return next((float(theta[self.count + i]) for i in places), 0.0)
 
     def row(self, c: Channel, reading: Floats) -> tuple[Floats, Floats, Bools]:
@@ -174,7 +175,7 @@ class Problem:
             shown = slope * (1.0 + self._static(theta, c.name, "g"))
             for place, derivative in enumerate(jacobian):
                 j[:, place] = shown * derivative[c.name]
-            for place, (name, kind, _) in enumerate(self._nuisances):
+            for place, (name, kind) in enumerate(self._nuisances):
                 if name == c.name:
                     j[:, self.count + place] = slope * (column if kind == "g" else 1.0)
             yield c, residual, j

@@ -75,7 +75,7 @@ def fit(
         prior: what earlier fits found, of parameters and of the sensors' static errors.
         redrawn: the model again, each time with the noise of its inputs drawn once more.
     """
-    problem = Problem(measured, channels, unknowns, block, prior)
+    problem = Problem(measured=measured, channels=channels, unknowns=unknowns, block=block, prior=prior)
     return _Search(model, problem, unknowns, channels, progress).fit(prior, redrawn)
 
 

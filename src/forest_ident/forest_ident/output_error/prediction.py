@@ -25,10 +25,10 @@ from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.solver.compiled_plant import fastest_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.oil_temperature import parameters_at
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.solver.state_recording import STATE, store
 from forest_sim.solver.step_schedule import even
-from forest_sim.solver.thermal import parameters_at
 
 BLOCK = 1.0  # [s] over which the oil has one temperature
 STEP = 1e-3  # [s] of the integrator
@@ -111,11 +111,11 @@ def plants_at(machine: Machine, temperatures: Sequence[float]) -> list[PlantPara
     made = {k: parameters_at(machine, k * GRID) for k in {*below, *(k + 1 for k in below)}}
     pack, unpack = _layout()
     rows = {k: np.array(pack(p), dtype=np.float64) for k, p in made.items()}
-    between = (_mixed(rows[k], rows[k + 1], place - k) for k, place in zip(below, places, strict=True))
+    between = (_interpolated(rows[k], rows[k + 1], place - k) for k, place in zip(below, places, strict=True))
     return [unpack(row.tolist()) for row in between]
 
 
-def _mixed(low: Floats, high: Floats, share: float) -> Floats:
+def _interpolated(low: Floats, high: Floats, share: float) -> Floats:
     # Infinite ones, and whole numbers, stay as they are.
     apart = np.subtract(high, low, out=np.zeros(len(low)), where=low != high)
     return np.asarray(low + share * apart, dtype=np.float64)

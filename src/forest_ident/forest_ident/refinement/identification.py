@@ -126,7 +126,9 @@ def _offsets_of_file(start: Machine, sessions: Sequence[Session]) -> list[calibr
         return []
     error = part.noise or part.full_scale * (part.accuracy or 1e-4)
     return [
-        calibration.Offset(name, bias, error, gain, 0.0, "Pa")
+        calibration.Offset(
+            channel=name, offset=bias, offset_error=error, gain=gain, gain_error=0.0, unit="Pa"
+        )
         for name, (gain, bias) in calibration.lines(start).items()
         if noise_model.KIND[name].unit == "Pa"
     ]
@@ -161,9 +163,14 @@ def _refine(
     if session.kind == "deadband" and not _takes_own_valve(result, session.own_axis, known, fit):
         return known
     for key in work.free:
-        positive = not key.endswith("deadband_voltage")
         result.estimates[key] = Estimate(
-            *(key, fit.values[key], fit.errors[key], unit_of(key), fit.condition, "output error", positive)
+            key=key,
+            value=fit.values[key],
+            standard_error=fit.errors[key],
+            unit=unit_of(key),
+            condition=fit.condition,
+            method="output error",
+            positive=not key.endswith("deadband_voltage"),
         )
     _update(result, fit.posterior)
     return fit.posterior
@@ -179,7 +186,15 @@ def _takes_own_valve(result: Result, axis: str, known: GaussianEstimate, fit: Fi
         value, error = fit.values[f"{own}.{key}"], fit.errors[f"{own}.{key}"]
         away = abs(value - value_of(joint, f"{shared}.{key}"))
         differs |= away > OWN_VALVE[0] * error and away > OWN_VALVE[1]
-        estimate = Estimate(f"{own}.{key}", value, error, "V", fit.condition, "joint motion", initial=False)
+        estimate = Estimate(
+            key=f"{own}.{key}",
+            value=value,
+            standard_error=error,
+            unit="V",
+            condition=fit.condition,
+            method="joint motion",
+            initial=False,
+        )
         result.linear.append(estimate)
     estimated = shared in {name.rpartition(".")[0] for name in known.names}
     if not differs and (estimated or not had_own):

@@ -9,8 +9,7 @@ from forest_description.machine import Machine
 from forest_description.types import AXES
 from forest_ident.estimators import (
     damping,
-    hose_dynamics,
-    hose_resistance,
+    hose_estimators,
     motor_leakage,
     valve_characteristic,
 )
@@ -97,7 +96,15 @@ def _require(session: Session, there: bool, holds: str, allowed: str) -> None:
 def _estimate(
     key: str, value: float, error: float, condition: float, method: str, initial: bool = True
 ) -> Estimate:
-    return Estimate(key, value, error, unit_of(key), condition, method, initial=initial)
+    return Estimate(
+        key=key,
+        value=value,
+        standard_error=error,
+        unit=unit_of(key),
+        condition=condition,
+        method=method,
+        initial=initial,
+    )
 
 
 def _valve(machine: Machine, session: Session) -> list[Estimate]:
@@ -124,18 +131,18 @@ def _hose(machine: Machine, session: Session) -> list[Estimate]:
     laminar, axis = session.metadata["laminar"] > 0.0, int(session.metadata["hose_axis"])
     section, length = hose_section(machine, axis), test_rig.as_measured(machine, machine.hose_of(axis)).length
     piece = session.metadata.get("hose_length", length)
-    told = f"the {length:g} m of {section}.length, in whose numbers R, I and C are told"
-    _require(session, math.isclose(piece, length, rel_tol=1e-3), f"a piece of {piece:g} m", told)
+    allowed = f"the {length:g} m of {section}.length, in whose numbers R, I and C are told"
+    _require(session, math.isclose(piece, length, rel_tol=1e-3), f"a piece of {piece:g} m", allowed)
     low, high = floor(machine, session), highest(machine, session)
-    flow, drop = hose_resistance.steady(session, low, high)
+    flow, drop = hose_estimators.steady(session, low, high)
     _require(session, len(flow) >= ENOUGH, f"{len(flow)} steady flows", f"{ENOUGH} or more")
-    fit = hose_resistance.resistance(flow, drop, laminar)
+    fit = hose_estimators.resistance(flow, drop, laminar)
     key = f"{section}.{'laminar' if laminar else 'turbulent'}_resistance"
     found = [_estimate(key, *fit.first, fit.condition, "least squares (4.4)")]
     read, value = meter(machine, session), fit.first[0]
     lag = read.time_constant if read else 0.0
-    fits = hose_dynamics.joint(session, value, laminar, lag, low, high)
-    groups = hose_dynamics.four_group_means(session, value, laminar)
+    fits = hose_estimators.joint(session, value, laminar, lag, low, high)
+    groups = hose_estimators.four_group_means(session, value, laminar)
     for name, fit, means in zip(("inertance", "capacitance"), fits, groups, strict=True):
         key, error = f"{section}.{name}", float(np.std(means, ddof=1) / math.sqrt(len(means)))
         mean, method = float(np.mean(means)), "four-group means (4.3.4.4)"

@@ -24,14 +24,22 @@ def check_masses(result: Result, session: Session) -> None:
         result.remarks.append("load: no check; it takes three or more poses at rest, head without log")
         return
     result.linear += [
-        Estimate(f"gravity: {m.name}", m.value, m.error, "kg*m", m.condition, METHOD, initial=False)
+        Estimate(
+            key=f"gravity: {m.name}",
+            value=m.value,
+            standard_error=m.error,
+            unit="kg*m",
+            condition=m.condition,
+            method=METHOD,
+            initial=False,
+        )
         for m in sums
     ]
-    told = ", ".join(
-        f"{s.name} = {s.value:.5g} kg m (standard error {s.error:.2g}, told {s.told:.5g})" for s in sums
+    estimates = ", ".join(
+        f"{s.name} = {s.value:.5g} kg m (standard error {s.error:.2g}, told {s.known:.5g})" for s in sums
     )
     result.remarks.append(
-        f"masses: rests tell {told}; stick and head are not told apart: weigh the head for that"
+        f"masses: rests tell {estimates}; stick and head are not told apart: weigh the head for that"
     )
     if any(drive.friction is not None for drive in (result.machine.boom, result.machine.stick)):
         result.remarks.append("masses: dry friction holds the crane at rest, too; none is corrected by it")
@@ -51,19 +59,28 @@ def check_masses(result: Result, session: Session) -> None:
 def _estimates(fit: LinearFit, *keys: str) -> list[Estimate]:
     pairs = zip(keys, fit.values.tolist(), fit.errors.tolist(), strict=True)
     return [
-        Estimate(key, value, error, "kg", fit.condition, METHOD, initial=False) for key, value, error in pairs
+        Estimate(
+            key=key,
+            value=value,
+            standard_error=error,
+            unit="kg",
+            condition=fit.condition,
+            method=METHOD,
+            initial=False,
+        )
+        for key, value, error in pairs
     ]
 
 
 def _differs(result: Result, e: Estimate) -> bool:
-    told = value_of(result.start, e.key)
-    away = abs(e.value - told)
-    return e.value > 0.0 and away > DIFFERS[0] * e.standard_error and away > DIFFERS[1] * told
+    known = value_of(result.start, e.key)
+    away = abs(e.value - known)
+    return e.value > 0.0 and away > DIFFERS[0] * e.standard_error and away > DIFFERS[1] * known
 
 
 def _correct(result: Result, masses: tuple[Estimate, ...]) -> None:
     for e in masses:
-        told = value_of(result.start, e.key)
+        known = value_of(result.start, e.key)
         result.machine = with_values(result.machine, {e.key: e.value})
         result.estimates[e.key] = e.checked()
-        result.remarks.append(f"{e.key}: the forces at rest say {e.value:.1f} kg, told were {told:.1f} kg")
+        result.remarks.append(f"{e.key}: the forces at rest say {e.value:.1f} kg, told were {known:.1f} kg")

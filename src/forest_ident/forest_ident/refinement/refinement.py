@@ -112,7 +112,11 @@ def _start_pressures(
         if f"{name}.b" in known.names:  # calibrated: the record is corrected by that
             _, offset = known.of(f"{name}.b")
         spread = math.hypot(offset, START_NOISE)
-        found.append(Unknown(f"{START}{name}.{session.name}", 0.0, spread, False, 100.0))
+        found.append(
+            Unknown(
+                key=f"{START}{name}.{session.name}", start=0.0, prior=spread, positive=False, difference=100.0
+            )
+        )
     return found
 
 

@@ -1,1 +1,1 @@
-"""What was found, as a page, pictures and a machine file."""
+"""The results as a page, plots and a machine file."""

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from matplotlib.figure import Figure
 
 from forest_ident.estimators.parameter_estimate import NORMAL_95
 
@@ -36,7 +35,7 @@ def write(file: Path, template: str, **content: Any) -> Path:
     return file
 
 
-def image(figure: Figure) -> str:
+def image(figure: Any) -> str:
     """Return a figure as the source of an image inside the page."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=110)

@@ -77,7 +77,15 @@ def _channels(result: Result) -> list[ChannelNoise]:
             residual = r.fit.residuals[name]
             correlation = report_plots.autocorrelation(residual)
             lag_1 = None if correlation is None else correlation[0]
-            found.append(ChannelNoise(r.session.name, name, noise, int(np.isfinite(residual).sum()), lag_1))
+            found.append(
+                ChannelNoise(
+                    experiment=r.session.name,
+                    channel=name,
+                    noise=noise,
+                    samples=int(np.isfinite(residual).sum()),
+                    correlation=lag_1,
+                )
+            )
     return found
 
 

@@ -1,4 +1,4 @@
-"""An identified machine as a file: what was found, its source and interval, laid over the start's file."""
+"""Write an identified machine as a file: estimates with source and interval, laid over the start's file."""
 
 import dataclasses
 import json
@@ -10,16 +10,15 @@ from typing import Any
 from forest_description.components.hose import GeometricHose, MeasuredHose
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES
-from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate
-from forest_ident.measurements.parameter_path import value_of
-from forest_ident.refinement.result import Result
+from forest_ident.estimators.parameter_estimate import NORMAL_95, Estimate, unit_of
+from forest_ident.measurements.parameter_path import SECTIONS, part_of, value_of
+from forest_ident.refinement.result import VALVE, Result
 
-HOSE_PARTS = ("length", "bore", "turbulent_resistance", "laminar_resistance", "inertance", "capacitance")
-HOSE_UNITS = ("m", "m", "Pa*s2/m6", "Pa*s/m3", "Pa*s2/m3", "m3/Pa")
+HOSE = ("length", "bore", "turbulent_resistance", "laminar_resistance", "inertance", "capacitance")
 
 
 def write(result: Result, start: str, file: Path) -> Machine:
-    """Write the identified machine and return it as the file gives it back.
+    """Write the identified machine; return it as it is read back from the file.
 
     Args:
         result: of the identification.
@@ -33,92 +32,95 @@ def write(result: Result, start: str, file: Path) -> Machine:
     based_on = start
     if Path(start).suffix:
         based_on = os.path.relpath(Path(start).resolve(), file.resolve().parent)
-    tree = _tree(result)
     lines = [
         f"# Identified from records; what is not here is as in {Path(based_on).name}.",
         f"based_on: {based_on}",
         f"description: {json.dumps(f'{result.start.description}, identified', ensure_ascii=False)}",
         "",
-        *_lines(tree, 0),
+        *_lines(_tree(_entries(result)), 0),
     ]
     file.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return load_machine(file)
 
 
-def _tree(result: Result) -> dict[str, Any]:
-    tree: dict[str, Any] = {}
-    for key, estimate in result.estimates.items():
-        _put(tree, key, _quantity(estimate))
+def _entries(result: Result) -> dict[str, str]:
+    """Return the text of each number by its dotted key, in the order of the file."""
+    entries = {key: _estimate(estimate) for key, estimate in result.estimates.items()}
     for section in ("hose", *(f"{axis}.hose" for axis in AXES)):
-        _measured(tree, section, result)
-    _calibrated(tree, result)
-    for section in ("valve", *(f"{axis}.valve" for axis in AXES)):
-        _both_ways(tree, section, result)
-    return tree
+        entries |= _measured_hose(section, result)
+    entries |= _calibration(result)
+    for section in SECTIONS:
+        entries |= _other_direction(section, result)
+    return entries
 
 
-def _calibrated(tree: dict[str, Any], result: Result) -> None:
-    """Tell the sensors' offsets and gains; a start without any gets all keys. Thesis section 4.3.1."""
-    now, was = result.machine.sensors.calibration, result.start.sensors.calibration
-    if now is None or now == was:
-        return
-    found = {o.channel: o for o in result.calibration if math.isfinite(o.offset_error)}
-    for field in dataclasses.fields(now):
-        key = f"sensors.calibration.{field.name}"
-        if field.name in found:
-            o = found[field.name]
-            for part, unit, error in (("offset", o.unit, o.offset_error), ("gain", "1", o.gain_error)):
-                value, reach = getattr(o, part), NORMAL_95 * error
-                how = (
-                    f"95 % interval {value - reach:.5g} .. {value + reach:.5g}"
-                    if error > 0.0
-                    else "not looked for"
-                )
-                text = f'{{value: {value:.9g}, unit: {unit}, source: "calibrated: {how}"}}'
-                _put(tree, f"{key}.{part}", text)
-        elif was is None:
-            _put(tree, key, "null")
+def _quantity(value: float, unit: str, source: str) -> str:
+    return f'{{value: {value:.9g}, unit: {unit}, source: "{source}"}}'
 
 
-def _both_ways(tree: dict[str, Any], section: str, result: Result) -> None:
-    """Complete a backward direction of which only one number was found."""
-    if not any(key.startswith(f"{section}.backward.") for key in result.estimates):
-        return
-    for part, unit in (("deadband_voltage", "V"), ("minimum_resistance", "Pa*s2/m6")):
-        key = f"{section}.backward.{part}"
-        if key not in result.estimates:
-            value = value_of(result.machine, key)
-            _put(tree, key, f'{{value: {value:.9g}, unit: {unit}, source: "as told before"}}')
-
-
-def _measured(tree: dict[str, Any], section: str, result: Result) -> None:
-    """Tell a hose that was known by its bore as the measured one it is now."""
-    axis = section.partition(".")[0] if "." in section else ""
-    was = getattr(result.start, axis).hose if axis else result.start.hose
-    now = getattr(result.machine, axis).hose if axis else result.machine.hose
-    found = any(key.startswith(f"{section}.") for key in result.estimates)
-    if not (found and isinstance(was, GeometricHose) and isinstance(now, MeasuredHose)):
-        return
-    _put(tree, f"{section}.kind", "measured")
-    for part, unit in zip(HOSE_PARTS, HOSE_UNITS, strict=True):
-        if f"{section}.{part}" not in result.estimates:
-            value = getattr(now, part)
-            source = "as the bore had it" if part != "length" else "length of the measured piece"
-            _put(tree, f"{section}.{part}", f'{{value: {value:.9g}, unit: {unit}, source: "{source}"}}')
-
-
-def _quantity(e: Estimate) -> str:
+def _estimate(e: Estimate) -> str:
     _, low, high = e.formatted()
-    doubt = f"; {e.warning}" if e.warning else ""
-    source = f"identified: {e.method}, 95 % interval {low} .. {high}{doubt}"
-    return f'{{value: {e.value:.9g}, unit: {e.unit}, source: "{source}"}}'
+    warning = f"; {e.warning}" if e.warning else ""
+    source = f"identified: {e.method}, 95 % interval {low} .. {high}{warning}"
+    return _quantity(e.value, e.unit, source)
 
 
-def _put(tree: dict[str, Any], key: str, text: str) -> None:
-    *sections, last = key.split(".")
-    for name in sections:
-        tree = tree.setdefault(name, {})
-    tree[last] = text
+def _measured_hose(section: str, result: Result) -> dict[str, str]:
+    """Return the other numbers of a hose that the start describes by its bore, and that is estimated."""
+    before, now = part_of(result.start, section), part_of(result.machine, section)
+    estimated = any(key.startswith(f"{section}.") for key in result.estimates)
+    if not (estimated and isinstance(before, GeometricHose) and isinstance(now, MeasuredHose)):
+        return {}
+    entries = {f"{section}.kind": "measured"}
+    for part in HOSE:
+        key = f"{section}.{part}"
+        if key not in result.estimates:
+            source = "as the bore had it" if part != "length" else "length of the measured piece"
+            entries[key] = _quantity(getattr(now, part), unit_of(key), source)
+    return entries
+
+
+def _calibration(result: Result) -> dict[str, str]:
+    """Return the sensors' offsets and gains; a start without any gets all keys. Thesis section 4.3.1."""
+    now, before = result.machine.sensors.calibration, result.start.sensors.calibration
+    if now is None or now == before:
+        return {}
+    found = {o.channel: o for o in result.calibration if math.isfinite(o.offset_error)}
+    entries = {}
+    for field in dataclasses.fields(now):
+        key, o = f"sensors.calibration.{field.name}", found.get(field.name)
+        if o is not None:
+            entries[f"{key}.offset"] = _calibrated(o.offset, o.unit, o.offset_error)
+            entries[f"{key}.gain"] = _calibrated(o.gain, "1", o.gain_error)
+        elif before is None:
+            entries[key] = "null"
+    return entries
+
+
+def _calibrated(value: float, unit: str, error: float) -> str:
+    reach = NORMAL_95 * error
+    interval = f"95 % interval {value - reach:.5g} .. {value + reach:.5g}"
+    return _quantity(value, unit, f"calibrated: {interval if error > 0.0 else 'not looked for'}")
+
+
+def _other_direction(section: str, result: Result) -> dict[str, str]:
+    """Return the other number of a backward direction of which only one was estimated."""
+    keys = [f"{section}.backward.{part}" for part in VALVE]
+    if not any(key in result.estimates for key in keys):
+        return {}
+    missing = [key for key in keys if key not in result.estimates]
+    return {key: _quantity(value_of(result.machine, key), unit_of(key), "as told before") for key in missing}
+
+
+def _tree(entries: dict[str, str]) -> dict[str, Any]:
+    tree: dict[str, Any] = {}
+    for key, text in entries.items():
+        *sections, last = key.split(".")
+        branch = tree
+        for name in sections:
+            branch = branch.setdefault(name, {})
+        branch[last] = text
+    return tree
 
 
 def _lines(tree: dict[str, Any], depth: int) -> list[str]:

@@ -13,8 +13,7 @@ from forest_description.machine import Machine, MeasuredHose
 from forest_description.types import AXES, Floats
 from forest_ident.estimators import (
     damping,
-    hose_dynamics,
-    hose_resistance,
+    hose_estimators,
     motor_leakage,
     valve_characteristic,
 )
@@ -25,7 +24,7 @@ from forest_ident.measurements.session import Session
 from forest_ident.refinement import linear_estimates
 from forest_ident.refinement.result import Refined
 
-PERCENTILE = 99.5  # [%] of the samples that a plot's scale must hold
+PERCENTILE = 99.5  # [%] of the samples that a plot's scale must show
 MEASURED, FITTED = {"color": "C0"}, {"color": "k", "linestyle": ":", "linewidth": 1.8}
 NOTHING = np.zeros(0)
 
@@ -72,7 +71,7 @@ def hose(axes: Any, machine: Machine, session: Session) -> None:
     """Plot the pressure drop over the flow. Thesis fig. 4.6."""
     laminar = session.metadata.get("laminar", 0.0) > 0.0
     low, high = linear_estimates.floor(machine, session), linear_estimates.highest(machine, session)
-    q, drop = hose_resistance.steady(session, low, high)
+    q, drop = hose_estimators.steady(session, low, high)
     of = machine.hose_of(int(session.metadata.get("hose_axis", 0.0)))
     r = getattr(of, "laminar_resistance" if laminar else "turbulent_resistance", math.nan)
     x = np.linspace(q.min(), q.max(), 100)
@@ -101,7 +100,7 @@ def _dynamics(machine: Machine, session: Session) -> tuple[MeasuredHose, tuple[F
     r = of.laminar_resistance if laminar else of.turbulent_resistance
     meter = linear_estimates.meter(machine, session)
     lag = meter.time_constant if meter else 0.0
-    *terms, rows = hose_dynamics.terms(session, r, laminar, lag)
+    *terms, rows = hose_estimators.terms(session, r, laminar, lag)
     part = slice(rows.start, rows.stop, 5)
     return of, tuple(term[part] for term in terms)
 

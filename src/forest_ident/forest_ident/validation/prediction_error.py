@@ -99,7 +99,7 @@ def _pressure(axis: str, port: int, session: Session, predicted: dict[str, Float
     channel = f"{axis}_pressure_{port}_actuator"
     measured = session.column(channel)
     shown = np.maximum(predicted[channel], 0.0) if measured.min() >= 0.0 else predicted[channel]
-    return Signal(axis, f"pressure {port}", "Pa", measured, shown)
+    return Signal(axis=axis, name=f"pressure {port}", unit="Pa", measured=measured, predicted=shown)
 
 
 def text_table(found: list[Signal]) -> str:

@@ -1,7 +1,7 @@
-"""Two questions that the thesis' validation leaves open, asked of simulated machines.
+"""Effects that a model lacks, on simulated machines: two questions that the thesis' validation leaves open.
 
-A crane has one thing that its model lacks; both get the validation's voltages, and what the model says is
-held against what the crane's sensors read. One case after another:
+A crane has one effect that its model lacks. Both get the validation's voltages, and the model's prediction is
+compared with the readings of the crane's sensors. The cases:
 
 | case | the crane has, and the model lacks |
 |---|---|
@@ -53,7 +53,7 @@ class Case(NamedTuple):
 
 
 class Score(NamedTuple):
-    """How far the model is off in one signal of an axis while its valve is open one way, or either way."""
+    """Error of one signal of an axis, while its valve is open one way, or either way."""
 
     axis: str
     signal: str  # angle, velocity, flow, driving, return
@@ -69,7 +69,7 @@ class Score(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """A case that was played through."""
+    """A simulated case."""
 
     case: Case
     session: Session
@@ -92,7 +92,7 @@ def cases(machine: Machine) -> tuple[Case, ...]:
 
 
 def answer(case: Case, seed: int = 0, noise: bool = True, longest: float = math.inf) -> Answer:
-    """Play the validation on a case's crane, and return how far its model is off.
+    """Simulate the validation on a case's crane; return the errors of its model's prediction.
 
     Args:
         case: of `cases`.
@@ -116,7 +116,7 @@ def scores(model: Machine, session: Session, found: list[Signal]) -> list[Score]
     """Return the scores of every axis: signals throughout, pressures while the valve is open.
 
     Args:
-        model: whose overlap tells when a valve is open.
+        model: whose overlap defines when a valve is open.
         session: that was predicted.
         found: its signals.
 
@@ -145,7 +145,7 @@ def scores(model: Machine, session: Session, found: list[Signal]) -> list[Score]
 
 
 def _open(model: Machine, session: Session, axis: int) -> tuple[Bools, Bools]:
-    """Return where an axis' valve is told to be open either way."""
+    """Return the rows in which an axis' valve is commanded open, by direction."""
     volts, law = session.voltages[:, axis], model.valve_of(axis).law
     return volts > law.forward.deadband_voltage, volts < -law.backward.deadband_voltage
 
@@ -153,9 +153,8 @@ def _open(model: Machine, session: Session, axis: int) -> tuple[Bools, Bools]:
 def _score(axis: str, name: str, way: str, parts: list[tuple[Signal, Bools]]) -> Score:
     measured = np.concatenate([s.measured[rows] for s, rows in parts])
     wrong = measured - np.concatenate([s.predicted[rows] for s, rows in parts])
-    if len(measured) == 0:
-        return Score(axis, name, way, parts[0][0].unit, 0.0, 0.0)
-    return Score(axis, name, way, parts[0][0].unit, rms(wrong), float(np.ptp(measured)))
+    size, span = (rms(wrong), float(np.ptp(measured))) if len(measured) else (0.0, 0.0)
+    return Score(axis=axis, signal=name, way=way, unit=parts[0][0].unit, rms=size, span=span)
 
 
 def _damped_as(model: Machine, session: Session) -> Machine:

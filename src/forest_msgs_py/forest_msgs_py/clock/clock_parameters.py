@@ -1,7 +1,5 @@
 """Parameters that decide what a node's clock is: the time of day, or steps in lockstep."""
 
-from __future__ import annotations
-
 from typing import Annotated, NamedTuple
 
 from forest_msgs_py.clock.step_topics import LATE

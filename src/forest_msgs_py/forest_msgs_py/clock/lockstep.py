@@ -21,8 +21,6 @@ node waits for a message as long as the guard allows [s, wall clock]; then it en
 the first step it waits for 20 s at least: the others may be starting.
 """
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

@@ -17,8 +17,6 @@ of a clock               live                             in lockstep
 Messages come as bytes; see :mod:`forest_msgs_py.serialization.unpacking`.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from typing import Any

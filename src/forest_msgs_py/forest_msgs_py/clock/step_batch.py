@@ -14,8 +14,6 @@ each message     place of its topic in the announcement [4], step [4], size [4],
 ===============  ===========================================================================================
 """
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Iterator
 

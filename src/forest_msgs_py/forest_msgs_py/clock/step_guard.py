@@ -1,7 +1,5 @@
 """When a node in lockstep has waited too long, and the failure that it ends with; see `lockstep`."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from forest_msgs_py.clock.step_topics import STEP_NS, StepSubscription

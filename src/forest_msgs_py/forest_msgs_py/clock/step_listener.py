@@ -6,8 +6,6 @@ said in the graph is heard beside it, as ever, at the time of the last complete 
 far everything was taken, and stays near.
 """
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence

@@ -5,8 +5,6 @@ Complete steps come out one after the other, their messages in the order of the 
 transient-local topics that are announced belong to step 0. See :mod:`forest_msgs_py.clock.lockstep`.
 """
 
-from __future__ import annotations
-
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache

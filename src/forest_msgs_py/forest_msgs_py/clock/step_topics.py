@@ -1,7 +1,5 @@
 """What a node reads and publishes in lockstep, step by step; see :mod:`forest_msgs_py.clock.lockstep`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any

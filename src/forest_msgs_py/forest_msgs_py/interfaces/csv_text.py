@@ -1,7 +1,5 @@
 """Numbers over time from a CSV file that somebody else wrote; a problem is named with its line."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Texts of message types as they are installed: what makes a bag readable where they are not."""
 
-from __future__ import annotations
-
 import os
 import re
 import sys

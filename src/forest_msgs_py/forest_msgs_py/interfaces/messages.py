@@ -13,8 +13,6 @@ with a ``problem``, and no values, instead. SI units throughout, volts at the va
 :mod:`forest_msgs_py.interfaces.topics`.
 """
 
-from __future__ import annotations
-
 import math
 from array import array
 from collections.abc import Sequence

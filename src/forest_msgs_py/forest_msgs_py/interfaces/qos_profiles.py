@@ -7,8 +7,6 @@ A depth of 0 or a history ``unknown`` is what publishers told before DDS said mo
 No ROS in here.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import yaml

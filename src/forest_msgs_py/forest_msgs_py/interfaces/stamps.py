@@ -3,8 +3,6 @@
 Offsets count from behind the four bytes of the encapsulation; see :mod:`forest_msgs_py.serialization.cdr`.
 """
 
-from __future__ import annotations
-
 import struct
 
 from forest_msgs_py.interfaces.topics import FLOAT_ARRAY, JOINT_STATE, JOY_TYPE, POSE, TWIST

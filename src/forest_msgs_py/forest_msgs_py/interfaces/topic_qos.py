@@ -3,8 +3,6 @@
 This module imports no ROS: ``qos`` does so when it is called.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any
 
 from forest_msgs_py.interfaces.topics import Topic
@@ -25,7 +23,7 @@ def queue_depth(topic: Topic) -> int:
     return STREAM_DEPTH if topic.rate_hz >= STREAM_RATE_HZ else EVENT_DEPTH
 
 
-def qos(topic: Topic, reading: bool = False) -> QoSProfile:
+def qos(topic: Topic, reading: bool = False) -> "QoSProfile":
     """Publishers are reliable; transient-local topics keep their last message for those who come late.
 
     A subscription to what is sensed is best-effort: it hears reliable publishers and best-effort ones, and a

@@ -1,7 +1,5 @@
 """The table of topics as docs/reference/topics.md shows it."""
 
-from __future__ import annotations
-
 from forest_msgs_py.interfaces.topic_qos import queue_depth
 from forest_msgs_py.interfaces.topics import TOPICS, Topic
 

@@ -1,8 +1,9 @@
 """The one table of topics: name, type, values with units, rate, publishers and subscribers.
 
-Nodes, recorder, bag reader, plots and ``docs/reference/topics.md`` are made from this table; see `topic_qos`
-and `topic_reference`. Names are relative where a crane owns the topic, so that a namespace moves the whole
-graph; ``/clock``, ``/diagnostics`` and ``/rosout`` belong to the ROS graph and are absolute.
+Nodes, recorder, bag reader, plots and ``docs/reference/topics.md`` are made from this table; see
+`topic_qos` and `topic_reference`. Names are relative where a crane owns the topic, so that a
+namespace moves the whole graph; ``/clock``, ``/diagnostics`` and ``/rosout`` belong to the ROS graph
+and are absolute.
 
 ====================  ======================================================================================
 symbol                meaning
@@ -16,8 +17,6 @@ valve, actuator       place of a pressure transducer: at the valve's port, at th
 
 This module imports no ROS: ``message_class`` does so when it is called.
 """
-
-from __future__ import annotations
 
 import importlib
 from typing import Any, NamedTuple
@@ -76,168 +75,178 @@ _RATE = SENSOR_RATE_HZ
 
 # fmt: off
 JOY = Topic(
-    "joy", JOY_TYPE, JOY_AXES, ("1",) * 6, JOY_RATE_HZ,
-    "Levers -1..1 and buttons in game_controller order; any joystick node, or a replay.",
-    (_JOYSTICK,), (_CONTROLLER,), sensed=True,
+    name="joy", type=JOY_TYPE, labels=JOY_AXES, units=("1",) * 6, rate_hz=JOY_RATE_HZ,
+    doc="Levers -1..1 and buttons in game_controller order; any joystick node, or a replay.",
+    publishers=(_JOYSTICK,), subscribers=(_CONTROLLER,), sensed=True,
 )
 JOINT_STATES = Topic(
-    "joint_states", JOINT_STATE, JOINTS, ("rad, rad/s, N·m",) * 3, _RATE,
-    "Joints as a machine can know them: sampled angle, causal speed estimate, torque from pressures.",
-    (_SIMULATOR,), (_CONTROLLER,), sensed=True,
+    name="joint_states", type=JOINT_STATE, labels=JOINTS, units=("rad, rad/s, N·m",) * 3, rate_hz=_RATE,
+    doc="Joints as a machine can know them: sampled angle, causal speed estimate, torque from pressures.",
+    publishers=(_SIMULATOR,), subscribers=(_CONTROLLER,), sensed=True,
 )
 ACTUATOR_STATES = Topic(
-    "actuator_states", JOINT_STATE, ACTUATORS, ("rad, rad/s, N·m", "m, m/s, N", "m, m/s, N"), _RATE,
-    "Swing motor and cylinders as a machine can know them.",
-    (_SIMULATOR,), (_CONTROLLER, _DRIVER), sensed=True,
+    name="actuator_states", type=JOINT_STATE, labels=ACTUATORS,
+    units=("rad, rad/s, N·m", "m, m/s, N", "m, m/s, N"), rate_hz=_RATE,
+    doc="Swing motor and cylinders as a machine can know them.",
+    publishers=(_SIMULATOR,), subscribers=(_CONTROLLER, _DRIVER), sensed=True,
 )
 PRESSURES = Topic(
-    "hydraulics/pressures", FLOAT_ARRAY, _PRESSURE_LABELS, ("Pa",) * 12, _RATE,
-    "Gauge pressure by axis, port and place: the twelve transducers of the thesis.",
-    (_SIMULATOR,), (_DRIVER,), sensed=True,
+    name="hydraulics/pressures", type=FLOAT_ARRAY, labels=_PRESSURE_LABELS, units=("Pa",) * 12, rate_hz=_RATE,
+    doc="Gauge pressure by axis, port and place: the twelve transducers of the thesis.",
+    publishers=(_SIMULATOR,), subscribers=(_DRIVER,), sensed=True,
 )
 FLOWS = Topic(
-    "hydraulics/flows", FLOAT_ARRAY, ("swing_1", "stick_1"), ("m³/s",) * 2, _RATE,
-    "Flow into port 1, where a meter is (Table 4.2).",
-    (_SIMULATOR,), _NOBODY, sensed=True,
+    name="hydraulics/flows", type=FLOAT_ARRAY, labels=("swing_1", "stick_1"),
+    units=("m³/s",) * 2, rate_hz=_RATE,
+    doc="Flow into port 1, where a meter is (Table 4.2).",
+    publishers=(_SIMULATOR,), subscribers=_NOBODY, sensed=True,
 )
 SUPPLY = Topic(
-    "hydraulics/supply", FLOAT_ARRAY, ("pressure", "flow", "saturation"), ("Pa", "m³/s", "1"), _RATE,
-    "Pump: pressure, flow, and the part of its flow limit in use (1 is saturated; the ideal pump: 0).",
-    (_SIMULATOR,), (_DRIVER,), sensed=True,
+    name="hydraulics/supply", type=FLOAT_ARRAY, labels=("pressure", "flow", "saturation"),
+    units=("Pa", "m³/s", "1"), rate_hz=_RATE,
+    doc="Pump: pressure, flow, and the part of its flow limit in use (1 is saturated; the ideal pump: 0).",
+    publishers=(_SIMULATOR,), subscribers=(_DRIVER,), sensed=True,
 )
 AUXILIARY = Topic(
-    "hydraulics/auxiliary", FLOAT_ARRAY,
-    (
+    name="hydraulics/auxiliary", type=FLOAT_ARRAY,
+    labels=(
         *("swing_spool", "boom_spool", "stick_spool", "case_drain_flow"),
         *("tank_temperature", "pump_temperature", "motor_temperature"),
         *("engine_speed", "platform_pitch", "platform_roll", "relief_openings"),
         *("anticavitation_openings", "unconverged_stages", "missed_deadlines"),
     ),
-    ("V", "V", "V", "m³/s", "K", "K", "K", "rad/s", "rad", "rad", "1", "1", "1", "1"), _RATE,
-    "Spools as the voltage that holds them, case drain, oil temperatures, engine, tilt; counts since start.",
-    (_SIMULATOR,), _NOBODY, sensed=True,
+    units=("V", "V", "V", "m³/s", "K", "K", "K", "rad/s", "rad", "rad", "1", "1", "1", "1"), rate_hz=_RATE,
+    doc="Spools as the voltage that holds them, case drain, oil temperatures, engine, tilt; counts "
+    "since start.",
+    publishers=(_SIMULATOR,), subscribers=_NOBODY, sensed=True,
 )
 VALVE_COMMANDS = Topic(
-    "valve_commands", FLOAT_ARRAY, JOINTS, ("V",) * 3, _RATE,
-    "Voltage of an ideal valve (no lap, linear, nominal pressure drop): an actuator speed.",
-    (_CONTROLLER,), (_DRIVER,),
+    name="valve_commands", type=FLOAT_ARRAY, labels=JOINTS, units=("V",) * 3, rate_hz=_RATE,
+    doc="Voltage of an ideal valve (no lap, linear, nominal pressure drop): an actuator speed.",
+    publishers=(_CONTROLLER,), subscribers=(_DRIVER,),
 )
 VALVE_VOLTAGES = Topic(
-    "valve_voltages", FLOAT_ARRAY, JOINTS, ("V",) * 3, _RATE,
-    "Voltage at the valve amplifier, with the deadband divided out.",
-    (_DRIVER,), (_SIMULATOR, _CONTROLLER),
+    name="valve_voltages", type=FLOAT_ARRAY, labels=JOINTS, units=("V",) * 3, rate_hz=_RATE,
+    doc="Voltage at the valve amplifier, with the deadband divided out.",
+    publishers=(_DRIVER,), subscribers=(_SIMULATOR, _CONTROLLER),
 )
 VALVE_DRIVER_STATUS = Topic(
-    "valve_driver/status", FLOAT_ARRAY,
-    (
+    name="valve_driver/status", type=FLOAT_ARRAY,
+    labels=(
         *(f"{axis}_saturated" for axis in JOINTS),
         *(f"{axis}_{way}_{what}" for axis in JOINTS for way in ("forward", "backward")
           for what in ("deadband", "deadband_spread", "gain", "gain_spread")),
     ),
-    ("1",) * 3 + ("V", "V", "1", "1") * 6, 10.0,
-    "1 where a valve cannot open as commanded; deadband and gain (1: the file's) as known, with spread.",
-    (_DRIVER,), (_CONTROLLER,), late=True,
+    units=("1",) * 3 + ("V", "V", "1", "1") * 6, rate_hz=10.0,
+    doc="1 where a valve cannot open as commanded; deadband and gain (1: the file's) as known, with spread.",
+    publishers=(_DRIVER,), subscribers=(_CONTROLLER,), late=True,
 )
 TIP_POSE = Topic(
-    "tip/pose", POSE, _POSE, _POSE_UNITS, _RATE,
-    "Tip by the measured joints: the URDF's frame `tip`; z up from the boom pivot, turned as the stick is.",
-    (_CONTROLLER,), _NOBODY,
+    name="tip/pose", type=POSE, labels=_POSE, units=_POSE_UNITS, rate_hz=_RATE,
+    doc="Tip by the measured joints: the URDF's frame `tip`; z up from the boom pivot, turned as "
+    "the stick is.",
+    publishers=(_CONTROLLER,), subscribers=_NOBODY,
 )
 TIP_TWIST = Topic(
-    "tip/twist", TWIST, _XYZ, ("m/s",) * 3, _RATE,
-    "Tip velocity from the measured joints.",
-    (_CONTROLLER,), _NOBODY,
+    name="tip/twist", type=TWIST, labels=_XYZ, units=("m/s",) * 3, rate_hz=_RATE,
+    doc="Tip velocity from the measured joints.",
+    publishers=(_CONTROLLER,), subscribers=_NOBODY,
 )
 TIP_TWIST_COMMAND = Topic(
-    "tip/twist_command", TWIST, _XYZ, ("m/s",) * 3, _RATE,
-    "Commanded tip velocity, after every limit; absent in joint mode.",
-    (_CONTROLLER,), _NOBODY,
+    name="tip/twist_command", type=TWIST, labels=_XYZ, units=("m/s",) * 3, rate_hz=_RATE,
+    doc="Commanded tip velocity, after every limit; absent in joint mode.",
+    publishers=(_CONTROLLER,), subscribers=_NOBODY,
 )
 CONTROLLER_STATUS = Topic(
-    "controller/status", FLOAT_ARRAY,
-    ("factor", "limit", "armed", "joystick", "emergency_stop"), ("1",) * 5, _RATE,
-    "What limits the command: factor 0..1; codes of limit and joystick: explanation/safety.md; 0 or 1.",
-    (_CONTROLLER,), _NOBODY,
+    name="controller/status", type=FLOAT_ARRAY,
+    labels=("factor", "limit", "armed", "joystick", "emergency_stop"), units=("1",) * 5, rate_hz=_RATE,
+    doc="What limits the command: factor 0..1; codes of limit and joystick: explanation/safety.md; 0 or 1.",
+    publishers=(_CONTROLLER,), subscribers=_NOBODY,
 )
 EMERGENCY_STOP = Topic(
-    "emergency_stop", "std_msgs/msg/Bool", (), (), 0.0,
-    "True, from anybody, stops everything until it is reset on purpose; false asks for that.",
-    (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER),
+    name="emergency_stop", type="std_msgs/msg/Bool", labels=(), units=(), rate_hz=0.0,
+    doc="True, from anybody, stops everything until it is reset on purpose; false asks for that.",
+    publishers=(_CONTROLLER, _DRIVER), subscribers=(_CONTROLLER, _DRIVER),
 )
 IDENTIFICATION = Topic(
-    "identification/estimates", FLOAT_ARRAY, _ESTIMATES, _ESTIMATE_UNITS, 1.0,
-    "What the on-line identification believes, each with its standard error.",
-    ("online_identification",), _NOBODY,
+    name="identification/estimates", type=FLOAT_ARRAY, labels=_ESTIMATES, units=_ESTIMATE_UNITS, rate_hz=1.0,
+    doc="What the on-line identification believes, each with its standard error.",
+    publishers=("online_identification",), subscribers=_NOBODY,
 )
 EMERGENCY_STOPPED = Topic(
-    "emergency_stopped", "std_msgs/msg/Bool", (), (), 0.0,
-    "Whether a node stands still after an emergency stop, from its start on; true stops the others, too.",
-    (_CONTROLLER, _DRIVER), (_CONTROLLER, _DRIVER), transient_local=True,
+    name="emergency_stopped", type="std_msgs/msg/Bool", labels=(), units=(), rate_hz=0.0,
+    doc="Whether a node stands still after an emergency stop, from its start on; true stops the others, too.",
+    publishers=(_CONTROLLER, _DRIVER), subscribers=(_CONTROLLER, _DRIVER), transient_local=True,
 )
 GROUND_TRUTH_JOINT_STATES = Topic(
-    "ground_truth/joint_states", JOINT_STATE, JOINTS, ("rad, rad/s, N·m",) * 3, _RATE,
-    "True joints of the simulator; for evaluation only.",
-    (_SIMULATOR,), _NOBODY,
+    name="ground_truth/joint_states", type=JOINT_STATE, labels=JOINTS,
+    units=("rad, rad/s, N·m",) * 3, rate_hz=_RATE,
+    doc="True joints of the simulator; for evaluation only.",
+    publishers=(_SIMULATOR,), subscribers=_NOBODY,
 )
 GROUND_TRUTH_TIP_POSE = Topic(
-    "ground_truth/tip/pose", POSE, _POSE, _POSE_UNITS, _RATE,
-    "True tip of the simulator, turned as the stick is; for evaluation only.",
-    (_SIMULATOR,), _NOBODY,
+    name="ground_truth/tip/pose", type=POSE, labels=_POSE, units=_POSE_UNITS, rate_hz=_RATE,
+    doc="True tip of the simulator, turned as the stick is; for evaluation only.",
+    publishers=(_SIMULATOR,), subscribers=_NOBODY,
 )
 GROUND_TRUTH_TIP_TWIST = Topic(
-    "ground_truth/tip/twist", TWIST, _XYZ, ("m/s",) * 3, _RATE,
-    "True tip velocity of the simulator; for evaluation only.",
-    (_SIMULATOR,), _NOBODY,
+    name="ground_truth/tip/twist", type=TWIST, labels=_XYZ, units=("m/s",) * 3, rate_hz=_RATE,
+    doc="True tip velocity of the simulator; for evaluation only.",
+    publishers=(_SIMULATOR,), subscribers=_NOBODY,
 )
 ROBOT_DESCRIPTION = Topic(
-    "robot_description", "std_msgs/msg/String", (), (), 0.0,
-    "URDF made from the machine file.",
-    (_SIMULATOR,), _NOBODY, transient_local=True,
+    name="robot_description", type="std_msgs/msg/String", labels=(), units=(), rate_hz=0.0,
+    doc="URDF made from the machine file.",
+    publishers=(_SIMULATOR,), subscribers=_NOBODY, transient_local=True,
 )
 EVENTS = Topic(
-    "events", "std_msgs/msg/String", (), (), 0.0,
-    "What the operator wants to be remembered; the recorder's service `mark` says it, anybody may.",
-    ("recorder",), _NOBODY,
+    name="events", type="std_msgs/msg/String", labels=(), units=(), rate_hz=0.0,
+    doc="What the operator wants to be remembered; the recorder's service `mark` says it, anybody may.",
+    publishers=("recorder",), subscribers=_NOBODY,
 )
 DIAGNOSTICS = Topic(
-    "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", (), (), 1.0,
-    "Health of the nodes' inputs, of hardware and others where somebody tells it.",
-    (_CONTROLLER, _DRIVER, _SIMULATOR), _NOBODY,
+    name="/diagnostics", type="diagnostic_msgs/msg/DiagnosticArray", labels=(), units=(), rate_hz=1.0,
+    doc="Health of the nodes' inputs, of hardware and others where somebody tells it.",
+    publishers=(_CONTROLLER, _DRIVER, _SIMULATOR), subscribers=_NOBODY,
 )
 CLOCK = Topic(
-    "/clock", "rosgraph_msgs/msg/Clock", ("time",), ("s",), _RATE,
-    "Simulated time, in lockstep or where somebody publishes it. Live, our nodes run on the system's clock.",
-    ("simulator in lockstep",), ("joystick in lockstep",),
+    name="/clock", type="rosgraph_msgs/msg/Clock", labels=("time",), units=("s",), rate_hz=_RATE,
+    doc="Simulated time, in lockstep or where somebody publishes it. Live, our nodes run on the "
+    "system's clock.",
+    publishers=("simulator in lockstep",), subscribers=("joystick in lockstep",),
 )
 ROSOUT = Topic(
-    "/rosout", "rcl_interfaces/msg/Log", (), (), 0.0,
-    "What the nodes log.",
-    ("every node",), _NOBODY,
+    name="/rosout", type="rcl_interfaces/msg/Log", labels=(), units=(), rate_hz=0.0,
+    doc="What the nodes log.",
+    publishers=("every node",), subscribers=_NOBODY,
 )
 ANNOUNCEMENT = Topic(
-    "lockstep/roll", "std_msgs/msg/String", (), (), 0.0,
-    "In lockstep: a node's name and the topics on which it will speak in every step, line by line.",
-    ("every node in lockstep",), ("recorder in lockstep",), transient_local=True, recorded=False,
+    name="lockstep/roll", type="std_msgs/msg/String", labels=(), units=(), rate_hz=0.0,
+    doc="In lockstep: a node's name and the topics on which it will speak in every step, line by line.",
+    publishers=("every node in lockstep",), subscribers=("recorder in lockstep",),
+    transient_local=True, recorded=False,
 )
 NO_OUTPUT = Topic(
-    "lockstep/silence", "std_msgs/msg/Header", (), (), _RATE,
-    "In lockstep: topics on which a node said nothing in a step; 'end' when the step was the last.",
-    ("every node in lockstep",), ("every node in lockstep",), recorded=False,
+    name="lockstep/silence", type="std_msgs/msg/Header", labels=(), units=(), rate_hz=_RATE,
+    doc="In lockstep: topics on which a node said nothing in a step; 'end' when the step was the last.",
+    publishers=("every node in lockstep",), subscribers=("every node in lockstep",), recorded=False,
 )
 IDLE = Topic(
-    "lockstep/quiet", "std_msgs/msg/Header", (), (), _RATE,
-    "As lockstep/silence, of topics that no node reads.",
-    ("every node in lockstep",), ("nodes in lockstep that read what comes late",), recorded=False,
+    name="lockstep/quiet", type="std_msgs/msg/Header", labels=(), units=(), rate_hz=_RATE,
+    doc="As lockstep/silence, of topics that no node reads.",
+    publishers=("every node in lockstep",), subscribers=("nodes in lockstep that read what comes late",),
+    recorded=False,
 )
 STEP_BATCH = Topic(
-    "lockstep/said", "std_msgs/msg/UInt8MultiArray", (), (), _RATE,
-    "In lockstep: a node's messages of many steps, with their topics; see `forest_msgs_py.clock.step_batch`.",
-    ("every node in lockstep",), ("recorder in lockstep",), recorded=False,
+    name="lockstep/said", type="std_msgs/msg/UInt8MultiArray", labels=(), units=(), rate_hz=_RATE,
+    doc="In lockstep: a node's messages of many steps, with their topics; see "
+    "`forest_msgs_py.clock.step_batch`.",
+    publishers=("every node in lockstep",), subscribers=("recorder in lockstep",), recorded=False,
 )
 RECORDED = Topic(
-    "lockstep/recorded", "rosgraph_msgs/msg/Clock", ("time",), ("s",), _RATE,
-    "In lockstep: how far everything is in the bag; the machine stays near it.",
-    ("recorder in lockstep",), ("simulator in lockstep",), recorded=False,
+    name="lockstep/recorded", type="rosgraph_msgs/msg/Clock", labels=("time",), units=("s",), rate_hz=_RATE,
+    doc="In lockstep: how far everything is in the bag; the machine stays near it.",
+    publishers=("recorder in lockstep",), subscribers=("simulator in lockstep",), recorded=False,
 )
 # fmt: on
 
@@ -247,7 +256,9 @@ TOPICS = tuple(row for row in list(globals().values()) if isinstance(row, Topic)
 
 def unlisted(name: str, type_name: str) -> Topic:
     """A row for a topic that is not in the table: somebody else's, or in a bag."""
-    return Topic(name, type_name, (), (), 0.0, "", (), ())
+    return Topic(
+        name=name, type=type_name, labels=(), units=(), rate_hz=0.0, doc="", publishers=(), subscribers=()
+    )
 
 
 def message_class(topic: Topic) -> Any:

@@ -1,7 +1,5 @@
 """YAML from files that somebody else wrote: whatever is wrong with one, it is told as a `yaml.YAMLError`."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import yaml

@@ -1,7 +1,5 @@
 """Hears the topics of a graph as raw bytes, whoever publishes them and whenever they appear."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Sequence
 from operator import itemgetter

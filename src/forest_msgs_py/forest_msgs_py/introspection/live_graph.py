@@ -3,8 +3,6 @@
 Calls wait for their answer, and spin a node of their own meanwhile: none of the caller's callbacks runs.
 """
 
-from __future__ import annotations
-
 import os
 import time
 from collections.abc import Callable, Mapping, Sequence

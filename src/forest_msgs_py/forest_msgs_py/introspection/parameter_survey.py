@@ -1,7 +1,5 @@
 """Asks every node of a graph for its parameters, once, without waiting for any of them."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Collection

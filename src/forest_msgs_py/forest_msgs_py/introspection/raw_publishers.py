@@ -1,7 +1,5 @@
 """Publishers that send messages as the bytes they were recorded as, of any type that is installed."""
 
-from __future__ import annotations
-
 import contextlib
 import time
 from collections.abc import Callable, Mapping

@@ -3,8 +3,6 @@
 Imports no ROS, so that a supervisor can have its nodes starting before it starts ROS itself.
 """
 
-from __future__ import annotations
-
 import ctypes
 import os
 import signal

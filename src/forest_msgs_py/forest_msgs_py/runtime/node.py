@@ -16,8 +16,6 @@ executor is left with parameters and timers. When it returns, which it does soon
 is set, the node ends; what it raises counts as raised in a callback.
 """
 
-from __future__ import annotations
-
 import difflib
 import signal
 import socket

@@ -1,7 +1,5 @@
 """Tables of parameters on a node: declared, checked, refused in one line, and followed when they are set."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 from collections.abc import Callable, Mapping

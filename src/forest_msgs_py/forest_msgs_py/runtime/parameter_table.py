@@ -20,8 +20,6 @@ none          computed by the node before it declares the table
 ============  =================================================================================
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from enum import EnumMeta, IntEnum

@@ -5,8 +5,6 @@ topic reads its other inputs here, at the moment of the step: the newest state o
 the cost.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator

@@ -4,8 +4,6 @@ The middleware says a message's number but not whose it is. Publishers count up 
 "last number heard" per publisher suffices: a message that follows on one of them belongs there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 

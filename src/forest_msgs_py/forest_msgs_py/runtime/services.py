@@ -1,7 +1,5 @@
 """What a running node lets others do to it: Trigger services, and parameters that act when they are set."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Whether a message is newer than those before it: what overtook it must not be undone."""
 
-from __future__ import annotations
-
 NO_STAMP = 0  # [ns]
 
 

@@ -6,8 +6,6 @@ So what comes sooner than half the nominal period is no step, and all steps toge
 passed since the first, but for `LONGEST`.
 """
 
-from __future__ import annotations
-
 LONGEST = 0.05  # [s]; a machine slower than 20 Hz is not followed
 NO_STAMP = 0  # [ns]
 

@@ -16,8 +16,6 @@ ERROR   something is wrong with it, and the node has drawn the consequence
 STALE is not said: it is what a display makes of a node that has fallen silent.
 """
 
-from __future__ import annotations
-
 import re
 import time
 from collections.abc import Callable, Mapping, Sequence

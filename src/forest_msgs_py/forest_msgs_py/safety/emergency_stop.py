@@ -19,8 +19,6 @@ of a reliable publisher's, and only a transient-local one hears what was said be
 that comes twice counts once; of the past only a stop counts.
 """
 
-from __future__ import annotations
-
 import time
 from collections import deque
 from collections.abc import Callable

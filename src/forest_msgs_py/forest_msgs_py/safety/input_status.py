@@ -1,7 +1,5 @@
 """What a node hears on a topic, as /diagnostics tells it: how often, how old, and whom it cannot hear."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -14,8 +14,6 @@ Kept beside rosbags' typestore, whose bytes are the same: 0.7 µs a message inst
 (`benchmarks/serialization.py`).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

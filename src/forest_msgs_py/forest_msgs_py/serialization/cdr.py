@@ -8,8 +8,6 @@ and reads no IDL. What a node does in each step is in `packing` and `unpacking`,
 (`benchmarks/serialization.py`).
 """
 
-from __future__ import annotations
-
 import struct
 from array import array
 from functools import cache

@@ -5,8 +5,6 @@ into the bytes of an earlier message. Gaps between fields, in which ROS' seriali
 memory, are zero here, so that a run that repeats, repeats to the byte.
 """
 
-from __future__ import annotations
-
 import math
 import struct
 from collections.abc import Callable, Sequence

@@ -13,8 +13,6 @@ place        offset of the first number in the bytes
 ===========  ===============================================================================================
 """
 
-from __future__ import annotations
-
 import math
 import struct
 from collections.abc import Callable, Sequence
@@ -105,7 +103,9 @@ class ArrayReader:
         names = [name.strip() for name in text.split(",")] if text else list(self._topic.labels)
         numbers = struct.Struct(f"<{len(message.data)}d")
         pick = _picker([""] * STAMP_SIZE + names, self._labels)
-        return _Layout(((0, data[:end]),), numbers, (place,), place + numbers.size, pick)
+        return _Layout(
+            fixed=((0, data[:end]),), numbers=numbers, places=(place,), size=place + numbers.size, pick=pick
+        )
 
 
 class JointReader:
@@ -153,7 +153,13 @@ class JointReader:
             places.append(place if count else 0)
             place += DOUBLE * count
         numbers = struct.Struct(f"<{n}d")
-        return _Layout(tuple(fixed), numbers, tuple(places), place, _picker(message.name, self._names))
+        return _Layout(
+            fixed=tuple(fixed),
+            numbers=numbers,
+            places=tuple(places),
+            size=place,
+            pick=_picker(message.name, self._names),
+        )
 
 
 def read_joy_data(data: bytes, min_axes: int = 4, min_buttons: int = 1) -> tuple[Reading, str]:

@@ -7,9 +7,9 @@ import numpy as np
 from forest_description.derived.limits import workspace_limits
 from forest_description.machine import Machine
 from forest_description.types import AXES
-from forest_sim.analysis.friction_ends import without_dry_friction
+from forest_sim.analysis.friction_linearisation import without_dry_friction
 from forest_sim.analysis.modes import SHUT, Mode, modes, slow_modes
-from forest_sim.run.simulation import RunError, start_angles
+from forest_sim.simulation.open_loop import RunError, start_angles
 from forest_sim.solver.plant_parameters import plant_parameters
 
 
@@ -49,12 +49,12 @@ def map_csv(points: list[MapPoint]) -> str:
     ]
     lines = [",".join(("reach[m]", "height[m]", *names))]
     for point in points:
-        told = [
+        cells = [
             "," if mode is None else f"{mode.frequency:.6g},{mode.damping:.6g}"
             for found in (point.modes, point.sliding)
             for mode in (found[axis] for axis in AXES)
         ]
-        lines.append(",".join((f"{point.reach:.4f}", f"{point.height:.4f}", *told)))
+        lines.append(",".join((f"{point.reach:.4f}", f"{point.height:.4f}", *cells)))
     return "\n".join(lines) + "\n"
 
 

@@ -7,14 +7,16 @@
 | lambda | eigenvalue, -zeta w_n + j w_n sqrt(1 - zeta^2) | 1/s |
 | p | participation of a state in a mode, abs(left eigenvector times right one); sums to 1 | 1 |
 
-Behind a shut valve a hose's flow is zero and stays so: it is no state. With the valves open x_0 is the steady
-motion with the joints held at the pose: each of them moves through the pose rather than resting in it.
+Behind a shut valve a hose's flow is zero and stays so: it is no state. With the valves open x_0 is
+the steady motion with the joints held at the pose: each of them moves through the pose rather than
+resting in it.
 
-Relief and anti-cavitation valves, end stops and cushions are left out: they are off in the middle of the
-working range, but an emptied hose lies right at the edge of an anti-cavitation valve.
+Relief and anti-cavitation valves, end stops and cushions are left out: they are off in the middle
+of the working range, but an emptied hose lies right at the edge of an anti-cavitation valve.
 
-Dry friction is linearised like all else. At rest that is a strong damper, which holds for small oscillations
-only; `friction_ends` tells for which, and gives the parameters for large ones.
+Dry friction is linearised like all else. At rest that is a strong damper, which holds for small
+oscillations only; `friction_linearisation` tells for which, and gives the parameters for large
+ones.
 """
 
 import math
@@ -95,7 +97,7 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
 
 
 def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int, ...]]:
-    """Return A [n, n] about an operating point and the places of its n states in `recording.STATE`."""
+    """Return A [n, n] about an operating point and the places of its n states in `state_recording.STATE`."""
     ports = ports_at(point.spools, p)
     kept = [i for i in range(18) if i % 6 < 4 or not is_shut(ports[i // 6][i % 6 - 4])]
     if not p.supply.ideal:
@@ -181,7 +183,7 @@ def _shaped(x: Floats) -> PlantState:
     return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]))
 
 
-def told(found: list[Mode]) -> list[dict[str, Any]]:
+def as_json(found: list[Mode]) -> list[dict[str, Any]]:
     """Return the modes for JSON."""
     return [
         {
@@ -201,7 +203,11 @@ def table(found: list[Mode]) -> str:
     lines = [f"  {'Hz':>8} {'damping':>8}  {'axis':<6} {'kind':<13} participation"]
     for mode in found:
         shares = {**dict(zip(AXES, mode.axes, strict=True)), **mode.parts}
-        told = ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares.items() if share >= 0.05)
+        participation = ", ".join(
+            f"{name} {100 * share:.0f} %" for name, share in shares.items() if share >= 0.05
+        )
         axis = mode.axis if max(mode.axes) > mode.parts["pump"] + mode.parts["head"] else "-"
-        lines.append(f"  {mode.frequency:8.2f} {mode.damping:8.3f}  {axis:<6} {mode.kind:<13} {told}")
+        lines.append(
+            f"  {mode.frequency:8.2f} {mode.damping:8.3f}  {axis:<6} {mode.kind:<13} {participation}"
+        )
     return "\n".join(lines)

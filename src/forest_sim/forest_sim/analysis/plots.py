@@ -15,9 +15,9 @@ from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.serialization.packing import columns
 from forest_sim.analysis.mode_map import MapPoint
-from forest_sim.run.energy import Account
-from forest_sim.run.sensor_log import OBSERVED
-from forest_sim.run.trajectory_files import Rows
+from forest_sim.simulation.energy_account import Account
+from forest_sim.simulation.sensor_log import LOGGED_TOPICS
+from forest_sim.simulation.trajectory_files import Rows
 
 L_MIN_PER_M3_S = 60_000.0
 # Each entry of the account keeps its colour in every picture.
@@ -45,7 +45,8 @@ def draw_run(kept: Rows, machine: Machine, out: Path) -> list[Path]:
     """Draw all pictures of a run.
 
     Args:
-        kept: "time" [N] s, "power" [N, 10] W in the order of `Account`, and each observed topic's columns.
+        kept: "time" [N] s, "power" [N, 10] W in the order of `Account`, and each observed topic's
+            columns.
         machine: what was simulated.
         out: directory for the files.
     """
@@ -72,7 +73,7 @@ def _bag(kept: Rows) -> Bag:
                 units=(),
                 incomplete=0,
             )
-            for topic in OBSERVED
+            for topic in LOGGED_TOPICS
         }
     )
 
@@ -158,8 +159,8 @@ def _bars(axes: Axes, energies: Mapping[str, Mapping[str, float]], paths: Mappin
         axes.barh(names, values, left=left, color=colour, label=label_of(entry), height=0.6)
         ends, starts = ends + np.maximum(values, 0.0), starts + np.minimum(values, 0.0)
     for row, name in enumerate(names):
-        told = f"  {energies[name]['engine'] / 1e3:.0f} kJ, tip {paths[name]:.1f} m"
-        axes.text(ends[row], row, told, va="center", fontsize="small")
+        label = f"  {energies[name]['engine'] / 1e3:.0f} kJ, tip {paths[name]:.1f} m"
+        axes.text(ends[row], row, label, va="center", fontsize="small")
     axes.axvline(0.0, color="k", linewidth=0.8)
     axes.invert_yaxis()
     axes.set_xlim(right=1.3 * float(np.max(ends)))

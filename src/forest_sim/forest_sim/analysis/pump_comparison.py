@@ -1,8 +1,9 @@
 """The same machine with each of the four sorts of pump. Thesis section 2.2, fig. 2.3.
 
-What a sort needs and the machine's own pump does not say comes from the default machine and from the files in
-`pumps/`, where every number has its source. The voltages are the same, the motion is not: a load-sensing pump
-leaves the valve no more than its margin, and less goes through at the same opening. Hence the tip's path.
+What a sort needs and the machine's own pump does not say comes from the default machine and from
+the files in `pumps/`, where every number has its source. The voltages are the same, the motion is
+not: a load-sensing pump leaves the valve no more than its margin, and less goes through at the same
+opening. Hence the tip's path.
 """
 
 import dataclasses
@@ -20,10 +21,10 @@ from forest_description.components.pump import (
 )
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
-from forest_sim.analysis.summary import Summary
-from forest_sim.run.energy import Account, account
-from forest_sim.run.inputs import Voltages
-from forest_sim.run.simulation import Run, blocks
+from forest_sim.analysis.run_summary import Summary
+from forest_sim.simulation.energy_account import Account, account
+from forest_sim.simulation.open_loop import Run, blocks
+from forest_sim.simulation.voltage_profiles import Voltages
 
 FILES = Path(__file__).resolve().parents[1] / "pumps"
 SORTS: dict[type[Any], str] = {

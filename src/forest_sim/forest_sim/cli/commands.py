@@ -16,20 +16,25 @@ from forest_compile.kernel_cache import can_compile
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_description.types import AXES, Vec3
-from forest_sim.analysis import check, mode_map, modes, pump_comparison, summary
-from forest_sim.analysis.friction_ends import large_heading, rubbing_axes, small_heading, without_dry_friction
-from forest_sim.run.disturbance import UNDISTURBED, Disturbance
-from forest_sim.run.energy import account
-from forest_sim.run.inputs import Voltages
-from forest_sim.run.sensor_log import EXACT, Observer, Sensing
-from forest_sim.run.simulation import Run, RunError, blocks, substeps
-from forest_sim.run.trajectory_files import Thinned, TrajectoryFiles, naming
+from forest_sim.analysis import machine_check, mode_map, modes, pump_comparison, run_summary
+from forest_sim.analysis.friction_linearisation import (
+    axes_with_friction,
+    large_heading,
+    small_heading,
+    without_dry_friction,
+)
 from forest_sim.sensors.sensor_readings import true_joints
+from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
+from forest_sim.simulation.energy_account import account
+from forest_sim.simulation.open_loop import Run, RunError, blocks, substeps
+from forest_sim.simulation.sensor_log import EXACT, Sensing, SensorLog
+from forest_sim.simulation.trajectory_files import DecimatedRows, TrajectoryFiles, path_in_errors
+from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant_parameters import plant_parameters
 
 QUIET = 2.0  # [s] after which a run begins to say how far it is
-TOLD_EVERY = 1.0  # [s] on a terminal; elsewhere ten times rarer
+REPORT_EVERY = 1.0  # [s] on a terminal; elsewhere ten times rarer
 
 
 class Progress:
@@ -39,7 +44,7 @@ class Progress:
         self._duration = duration
         self._began = time.monotonic()
         self._next = self._began + QUIET
-        self._every = TOLD_EVERY if sys.stdout.isatty() else 10.0 * TOLD_EVERY
+        self._every = REPORT_EVERY if sys.stdout.isatty() else 10.0 * REPORT_EVERY
 
     def __call__(self, simulated: float) -> None:
         """Tell the simulated time [s] when it is time to."""
@@ -67,7 +72,7 @@ def new_directory(out: Path) -> None:
 
 
 @contextlib.contextmanager
-def _stops_noted() -> Iterator[list[int]]:
+def _deferred_stop_signals() -> Iterator[list[int]]:
     """Note SIGINT and SIGTERM instead of stopping at once, which might be in the middle of a bag's record."""
     noted: list[int] = []
     numbers = signal.SIGINT, signal.SIGTERM
@@ -91,34 +96,35 @@ def simulate(
     """Run a machine over an input; write trajectory, pictures and `summary.json`."""
     substeps(run)
     new_directory(out)
-    _tell_about_the_compiler()
-    observer, kept, total = Observer(machine, run.rate, sensing), Thinned(), summary.Summary(machine)
+    _warn_if_interpreted()
+    log, kept = SensorLog(machine, run.rate, sensing), DecimatedRows()
+    summary = run_summary.Summary(machine)
     progress = Progress(run.duration)
     with (
-        naming(out),
-        _stops_noted() as stopped,
+        path_in_errors(out),
+        _deferred_stop_signals() as stopped,
         contextlib.closing(TrajectoryFiles(out, machine, run.rate)) as files,
     ):
         for block in blocks(machine, voltages, angles, run, disturbance):
-            observed = observer.observe(block)
+            observed = log.observe(block)
             files.write(block, observed)
             power = np.column_stack(account(block.energies)) * run.rate
             kept.add({"time": block.time, "power": power, **observed})
-            total.add(block)
+            summary.add(block)
             progress(float(block.time[-1]))
             if stopped:
                 raise KeyboardInterrupt
-    result = total.result(run, voltages.name, angles)
+    result = summary.result(run, voltages.name, angles)
     from forest_sim.analysis.plots import (
         draw_run,  # matplotlib takes half a second: no bad argument waits for it
     )
 
-    with naming(out):
+    with path_in_errors(out):
         (out / "summary.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
         drawn = draw_run(kept.columns(), machine, out)
-    print(summary.table(result))
-    for doubt in summary.doubts(result):
-        print(f"forest-sim: {doubt}", file=sys.stderr)
+    print(run_summary.table(result))
+    for warning in run_summary.run_warnings(result):
+        print(f"forest-sim: {warning}", file=sys.stderr)
     print("\n".join(f"  {path}" for path in (files.bag, files.csv, out / "summary.json", *drawn)))
     return 0
 
@@ -127,7 +133,7 @@ def compare_pumps(machine: Machine, voltages: Voltages, angles: Vec3, run: Run, 
     """Run the same input on the four sorts of pump; write table, picture and `pumps.json`."""
     substeps(run)
     new_directory(out)
-    _tell_about_the_compiler()
+    _warn_if_interpreted()
     comparison = pump_comparison.compare(machine, voltages, angles, run)
     from forest_sim.analysis.plots import draw_pumps
 
@@ -188,11 +194,11 @@ def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
 def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> int:
     """Print frequencies and damping ratios at a pose; with dry friction, of small and large oscillations."""
     p = plant_parameters(machine)
-    ends = rubbing_axes(p)
+    ends = axes_with_friction(p)
     small = modes.modes(angles, spools, p)
     large = modes.modes(angles, spools, without_dry_friction(p)) if ends else small
     if as_json:
-        told = {
+        result = {
             "machine": machine.name,
             "angles_rad": list(angles),
             "dry_friction_speeds_m_s": {
@@ -202,10 +208,10 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
                 }
                 for axis, end in ends.items()
             },
-            "modes": modes.told(small),
-            "modes_without_dry_friction": modes.told(large),
+            "modes": modes.as_json(small),
+            "modes_without_dry_friction": modes.as_json(large),
         }
-        print(json.dumps(told, indent=2))
+        print(json.dumps(result, indent=2))
         return 0
     pose = ", ".join(f"{axis} {math.degrees(q):.1f}" for axis, q in zip(AXES, angles, strict=True))
     volts = ", ".join(f"{v:g}" for v in spools)
@@ -221,7 +227,7 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
 def map_modes(machine: Machine, spacing: float, out: Path) -> int:
     """Write the slow modes over the workspace as CSV and picture."""
     new_directory(out)
-    ends = rubbing_axes(plant_parameters(machine))
+    ends = axes_with_friction(plant_parameters(machine))
     points = mode_map.mode_map(machine, spacing)
     from forest_sim.analysis.plots import draw_map
 
@@ -239,11 +245,11 @@ def map_modes(machine: Machine, spacing: float, out: Path) -> int:
 
 def show_check(machine: Machine) -> int:
     """Print what a machine file amounts to."""
-    print(check.report(machine))
+    print(machine_check.report(machine))
     return 0
 
 
-def _tell_about_the_compiler() -> None:
+def _warn_if_interpreted() -> None:
     if not can_compile():
         print(
             "llvmlite is not installed, so the equations are interpreted, some hundred times slower than "

@@ -1,6 +1,7 @@
 """`forest-sim`: the simulator without a graph, from the command line.
 
-Every error is one sentence on standard error. Exit codes: 0 well, 1 failed, 2 wrong arguments, 130 stopped.
+Every error is one sentence on standard error. Exit codes: 0 well, 1 failed, 2 wrong arguments, 130
+stopped.
 """
 
 import argparse
@@ -17,9 +18,9 @@ from forest_description.machine import Machine, MachineError, load_machine
 from forest_description.types import Vec3
 from forest_msgs_py.runtime import command_line
 from forest_msgs_py.runtime.command_line import number, whole
-from forest_sim.run import inputs
-from forest_sim.run.inputs import InputError, Voltages
-from forest_sim.run.simulation import Run, RunError, checked_angles, start_angles
+from forest_sim.simulation import voltage_profiles
+from forest_sim.simulation.open_loop import Run, RunError, require_within_limits, start_angles
+from forest_sim.simulation.voltage_profiles import InputError, Voltages
 
 PROGRAM = "forest-sim"
 ZERO_CELSIUS = 273.15  # [K]
@@ -34,12 +35,12 @@ START = "5.5 0 1, or the middle of its range for a crane that does not reach the
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one subcommand; return its exit code."""
     options = _parser().parse_args(arguments)
-    with _stopped_alike():
+    with _sigterm_stops():
         return command_line.run(PROGRAM, options, (InputError, MachineError, RunError))
 
 
 @contextlib.contextmanager
-def _stopped_alike() -> Iterator[None]:
+def _sigterm_stops() -> Iterator[None]:
     """Let SIGTERM (`timeout`, a batch system) stop a run as Ctrl-C does, so that its bag is closed, too."""
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
@@ -90,7 +91,7 @@ def _parser() -> argparse.ArgumentParser:
     modes.add_argument(
         "--voltages",
         nargs=3,
-        type=number(-inputs.GREATEST, inputs.GREATEST, "V"),
+        type=number(-voltage_profiles.GREATEST, voltage_profiles.GREATEST, "V"),
         default=(0.0, 0.0, 0.0),
         metavar=("SWING", "BOOM", "STICK"),
         help="spool positions [V], the crane moving steadily through the pose; default: shut",
@@ -124,7 +125,7 @@ def _command(
 
 
 def _add_run(parser: argparse.ArgumentParser) -> None:
-    volts, hertz = number(0.0, inputs.GREATEST, "V"), command_line.number(1e-3, 1000.0, "Hz")
+    volts, hertz = number(0.0, voltage_profiles.GREATEST, "V"), command_line.number(1e-3, 1000.0, "Hz")
     parser.add_argument(
         "--voltages",
         default="step",
@@ -183,9 +184,9 @@ def _add_pose(parser: argparse.ArgumentParser) -> None:
 
 def _simulate(options: argparse.Namespace) -> int:
     from forest_sim.cli.commands import simulate
-    from forest_sim.run.disturbance import Disturbance, parse_stuck_spools
-    from forest_sim.run.sensor_log import Sensing
     from forest_sim.sensors.sensor_faults import parse_faults
+    from forest_sim.simulation.disturbance import Disturbance, parse_stuck_spools
+    from forest_sim.simulation.sensor_log import Sensing
 
     machine, voltages, angles, run = _run(options)
     try:
@@ -256,20 +257,21 @@ def _run(options: argparse.Namespace) -> tuple[Machine, Voltages, Vec3, Run]:
 def _voltages(options: argparse.Namespace) -> Voltages:
     name, amplitude = options.voltages, options.amplitude
     if name == "step":
-        return inputs.steps(4.0 if amplitude is None else amplitude)
+        return voltage_profiles.steps(4.0 if amplitude is None else amplitude)
     if name == "chirp":
         length = options.duration or 60.0
-        return inputs.chirp(
+        return voltage_profiles.chirp(
             4.0 if amplitude is None else amplitude, options.chirp_from, options.chirp_to, length
         )
     if name == "thesis":
-        return inputs.thesis(5.0 if amplitude is None else amplitude)
+        return voltage_profiles.thesis(5.0 if amplitude is None else amplitude)
     path = Path(name)
     if not path.is_file():
         options.parser.error(
-            f"argument --voltages: no file {name!r}; allowed: {', '.join(inputs.NAMES)} or a CSV file"
+            f"argument --voltages: no file {name!r}; "
+            f"allowed: {', '.join(voltage_profiles.NAMES)} or a CSV file"
         )
-    return inputs.read_voltages(path)
+    return voltage_profiles.read_voltages(path)
 
 
 def _tip(given: Sequence[float] | None) -> Vec3 | None:
@@ -279,7 +281,7 @@ def _tip(given: Sequence[float] | None) -> Vec3 | None:
 def _pose(options: argparse.Namespace, machine: Machine) -> Vec3:
     if options.angles is not None:
         a, b, c = (math.radians(angle) for angle in options.angles)
-        return checked_angles(machine, (a, b, c))
+        return require_within_limits(machine, (a, b, c))
     return start_angles(machine, _tip(options.tip))
 
 

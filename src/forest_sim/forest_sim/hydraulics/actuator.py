@@ -1,7 +1,7 @@
 """One law for cylinders and motor: what flows through an actuator and how hard it pushes.
 
-Thesis section 3.2.4, 3.2.5, 3.4, 3.5. Both actuators sit between the two hose capacitances of their axis,
-and after their inner nodes are eliminated both obey
+Thesis section 3.2.4, 3.2.5, 3.4, 3.5. Both actuators sit between the two hose capacitances of their
+axis, and after their inner nodes are eliminated both obey
 
     q_1 = d_1 u + g_11 P_1 - g_12 P_2 - e_1 u|u|   flow out of hose 1 into the actuator
     q_2 = d_2 u + g_12 P_1 - g_22 P_2 - e_2 u|u|   flow out of the actuator into hose 2
@@ -17,8 +17,8 @@ and after their inner nodes are eliminated both obey
 | b, c | linear, quadratic resistance to motion | N s/m, N s^2/m^2; N m s, N m s^2 |
 | F | force; torque | N; N m |
 
-A turbulent hose's loss is taken at the flow D u that moves the load; what leakage adds to it would be under
-100 Pa. Port 1 feeds the piston head (extending) or turns the swing left.
+A turbulent hose's loss is taken at the flow D u that moves the load; what leakage adds to it would
+be under 100 Pa. Port 1 feeds the piston head (extending) or turns the swing left.
 """
 
 from typing import NamedTuple
@@ -79,8 +79,8 @@ def actuator_force(speed: float, pressure_1: float, pressure_2: float, a: Actuat
 def port_pressures(speed: float, pressure_1: float, pressure_2: float, a: Actuator) -> tuple[float, float]:
     """Return the pressures [Pa] at the actuator's own ports, behind the hoses' resistance.
 
-    Thesis eq. 3.8, 3.14. Differs: 3.14 prints a plus in front of the inlet's drop, which would inject
-    energy.
+    Thesis eq. 3.8, 3.14. Differs: 3.14 prints a plus in front of the inlet's drop, which would
+    inject energy.
     """
     q_1 = inlet_flow(speed, pressure_1, pressure_2, a)
     q_2 = outlet_flow(speed, pressure_1, pressure_2, a)
@@ -124,13 +124,14 @@ def _actuator(
 ) -> Actuator:
     """Return the law of an actuator with internal and external leakage behind two hoses.
 
-    Its ports p_1, p_2 are the inner nodes (D_1, D_2 displacements; g_i internal, g_e external leakage):
+    Its ports p_1, p_2 are the inner nodes (D_1, D_2 displacements; g_i internal, g_e external
+    leakage):
 
         (P_1 - p_1)/R_1 = D_1 u + (p_1 - p_2) g_i + p_1 g_e
         (p_2 - P_2)/R_2 = D_2 u + (p_1 - p_2) g_i - p_2 g_e
 
-    They are linear, so their elimination gives constants; the network is reciprocal, hence one g_12. A
-    turbulent hose has no R there, but lowers P_1 by R D_1^2 u|u| and raises P_2 alike.
+    They are linear, so their elimination gives constants; the network is reciprocal, hence one
+    g_12. A turbulent hose has no R there, but lowers P_1 by R D_1^2 u|u| and raises P_2 alike.
     """
     r_1, r_2 = (line_1.resistance, line_2.resistance) if laminar else (0.0, 0.0)
     t_1, t_2 = (0.0, 0.0) if laminar else (line_1.resistance, line_2.resistance)

@@ -8,9 +8,9 @@
 | P_s | supply pressure; the tank is at zero | Pa |
 | C_R | an edge's resistance, inf when shut | Pa s^2/m^6 |
 
-A load check sits between supply and spool. Without it, oil goes back into the manifold whenever the pumps
-cannot keep its pressure above the load's: a heavy axis sinks while a light one moves. Where the spool is
-underlapped, each port has a check of its own here.
+A load check sits between supply and spool. Without it, oil goes back into the manifold whenever the
+pumps cannot keep its pressure above the load's: a heavy axis sinks while a light one moves. Where
+the spool is underlapped, each port has a check of its own here.
 """
 
 import math
@@ -57,8 +57,8 @@ def port_pressure(pressure: float, flow: float, port: Port, supply: float) -> fl
 def apply_load_check(flow: float, port: Port, supply: float) -> Port:
     """Return a port as its load check leaves it: shut towards the supply where oil would go back.
 
-    Oil goes back where p would have to be above P_s; at p = P_s the port passes what the other ways take.
-    What leaks past the lands leaks past the check.
+    Oil goes back where p would have to be above P_s; at p = P_s the port passes what the other ways
+    take. What leaks past the lands leaks past the check.
 
     Args:
         flow: what the hose takes at p = P_s [m^3/s].
@@ -87,7 +87,8 @@ def port_flow(p: float, port: Port, supply: float) -> float:
 def edge_flows(flow: float, p: float, port: Port, supply: float) -> tuple[float, float]:
     """Return what comes from the supply and what goes to the tank [m^3/s]; their difference is the flow.
 
-    The one that has to pass an open edge alone is taken from the flow, which is exact where the drop is tiny.
+    The one that has to pass an open edge alone is taken from the flow, which is exact where the
+    drop is tiny.
 
     Args:
         flow: Q [m^3/s].
@@ -113,9 +114,9 @@ def edge_flow(drop: float, resistance: float) -> float:
 def solve_port(intercept: float, admittance: float, port: Port, supply: float) -> PortSolution:
     """Return the pressure at which the port passes the flow of the hose, intercept + admittance p.
 
-    With one edge open, o through it obeys o + (2 g + y) C_R o|o| = Y, whose root 2 Y/(1 + sqrt(1 + 4 (2 g +
-    y) C_R |Y|)) holds at zero flow too (g: leakage, y: admittance). With both edges open p is found by Newton
-    within a bracket.
+    With one edge open, o through it obeys o + (2 g + y) C_R o|o| = Y, whose root 2 Y/(1 + sqrt(1 +
+    4 (2 g + y) C_R |Y|)) holds at zero flow too (g: leakage, y: admittance). With both edges open p
+    is found by Newton within a bracket.
 
     Args:
         intercept: the hose's flow at p = 0 [m^3/s].

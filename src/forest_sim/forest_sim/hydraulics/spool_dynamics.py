@@ -5,8 +5,8 @@
 | x, v | spool position, as the voltage that it stands for; its rate | V, V/s |
 | w, zeta | natural frequency (first order: the cut-off); damping ratio | rad/s, 1 |
 
-The laws are linear, so that a step under a held voltage is exact. Thesis section 3.2.2 leaves the lag out and
-names the cut-off, 10 to 15 Hz.
+The laws are linear, so that a step under a held voltage is exact. Thesis section 3.2.2 leaves the
+lag out and names the cut-off, 10 to 15 Hz.
 """
 
 import math
@@ -44,7 +44,8 @@ def spool_lag(valve: Valve) -> SpoolLag:
 def spool_after(spool: Spool, voltage: float, time: float, lag: SpoolLag) -> Spool:
     """Return a spool after a time [s] under a held voltage [V].
 
-    Thesis section 3.2.2. Differs: the thesis takes the spool to follow at once; so does a frequency of inf.
+    Thesis section 3.2.2. Differs: the thesis takes the spool to follow at once; so does a frequency
+    of inf.
     """
     if lag.frequency == 0.0:
         return spool

@@ -10,8 +10,9 @@
 
     C dP_s/dt = Q_d - P_s/R_leak - relief(P_s) - S
 
-Displacement and engine limit the flow, min(Q_max, W/P_s); a compensator takes it back to zero within a narrow
-band under P_r. Thesis section 2.2, 3.2.1, fig. 2.3, 3.4. An ideal pump has none of this: P_s stands still.
+Displacement and engine limit the flow, min(Q_max, W/P_s); a compensator takes it back to zero
+within a narrow band under P_r. Thesis section 2.2, 3.2.1, fig. 2.3, 3.4. An ideal pump has none of
+this: P_s stands still.
 """
 
 import math

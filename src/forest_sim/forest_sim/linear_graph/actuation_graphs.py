@@ -1,8 +1,9 @@
 """The thesis' circuits of swing, boom and stick as linear graphs, and changed ones.
 
-Port 1 is connected to the supply and port 2 to the tank, the thesis' only case. Hose 1 counts from the valve
-to the actuator, hose 2 from the actuator to the valve. Node names are those of the crane's places. What the
-graph leaves to the manipulator is a velocity source: its through variable is the torque or force on the load.
+Port 1 is connected to the supply and port 2 to the tank, the thesis' only case. Hose 1 counts from
+the valve to the actuator, hose 2 from the actuator to the valve. Node names are those of the
+crane's places. What the graph leaves to the manipulator is a velocity source: its through variable
+is the torque or force on the load.
 
 `page` draws them and writes what follows from them into docs/explanation/linear-graphs.md.
 
@@ -59,9 +60,9 @@ def swing() -> LinearGraph:
 def cylinder(name: str = "boom") -> LinearGraph:
     """Return boom or stick: valve, two turbulent T hoses, a single-ended cylinder as two gyrators.
 
-    Thesis section 3.4, fig. 3.9, eq. 3.10-3.12. Branches 1-2 are the head side, 4-3 the rod side. Branch 3
-    points from the frame to the piston, so that P_4 is the pressure at port 2 and pushes the piston back; Q_4
-    is the flow into the rod side, as in 3.11.
+    Thesis section 3.4, fig. 3.9, eq. 3.10-3.12. Branches 1-2 are the head side, 4-3 the rod side.
+    Branch 3 points from the frame to the piston, so that P_4 is the pressure at port 2 and pushes
+    the piston back; Q_4 is the flow into the rod side, as in 3.11.
     """
     translation = Domain.TRANSLATION
     return LinearGraph(

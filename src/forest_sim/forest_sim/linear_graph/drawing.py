@@ -1,8 +1,8 @@
 """Drawings of linear graphs as SVG.
 
-Nodes are dots, references bars; a branch is a curve with its arrow in the middle and its element's symbol
-beside it. Branches of the normal tree are bold. Each domain has its colour, and what is not hydraulic stands
-on a panel of its own; a dashed line couples the two ports of a two-port.
+Nodes are dots, references bars; a branch is a curve with its arrow in the middle and its element's
+symbol beside it. Branches of the normal tree are bold. Each domain has its colour, and what is not
+hydraulic stands on a panel of its own; a dashed line couples the two ports of a two-port.
 """
 
 import math

@@ -1,8 +1,8 @@
 """Geometry of a drawn linear graph: nodes, curves and labels, from coordinates that a layout gives.
 
-Nodes are points, or a rail for a reference (tank, frame). Coordinates are pixels, x to the right, y down. A
-bend is how far [px] the middle of a branch stands off the straight line, upwards or to the right positive;
-its label stands on that side.
+Nodes are points, or a rail for a reference (tank, frame). Coordinates are pixels, x to the right, y
+down. A bend is how far [px] the middle of a branch stands off the straight line, upwards or to the
+right positive; its label stands on that side.
 """
 
 import math

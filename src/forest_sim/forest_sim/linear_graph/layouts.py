@@ -1,7 +1,7 @@
-"""Where the nodes of the drawn circuits stand, in pixels; `graph_geometry` tells how they are read.
+"""Where the nodes of the drawn circuits stand, in pixels; `drawing_geometry` tells how they are read.
 
-All circuits run from left to right: supply, valve edge, hose 1, actuator, hose 2, valve edge, with the tank
-below; the actuator's mechanical side stands on a panel in the middle.
+All circuits run from left to right: supply, valve edge, hose 1, actuator, hose 2, valve edge, with
+the tank below; the actuator's mechanical side stands on a panel in the middle.
 """
 
 from collections.abc import Callable

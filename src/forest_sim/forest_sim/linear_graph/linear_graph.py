@@ -1,9 +1,9 @@
 """Linear graphs: a circuit of lumped elements, in any energy domain, as data.
 
-A branch goes from node to node. Along its arrow the across variable is the drop a = φ(start) - φ(end), and
-the through variable f flows from start to end; for sources, too, so that a pump's own flow counts negative
-while it delivers. `normal_tree` chooses the states, `state_equations` derives their equations,
-`graph_drawing` draws, `actuation_graphs` holds the thesis' circuits.
+A branch goes from node to node. Along its arrow the across variable is the drop a = φ(start) -
+φ(end), and the through variable f flows from start to end; for sources, too, so that a pump's own
+flow counts negative while it delivers. `normal_tree` chooses the states, `state_equations` derives
+their equations, `drawing` draws, `actuation_graphs` holds the thesis' circuits.
 
 | domain | across variable a | through variable f | storage and loss |
 |---|---|---|---|
@@ -18,8 +18,8 @@ while it delivers. `normal_tree` chooses the states, `state_equations` derives t
 | D-type | a = R f | f = B a |
 | quadratic D-type | a = R f abs(f) | f = B a abs(a) |
 
-Two-ports are pairs of branches 1, 2 that take in as much power as they give: a transformer of ratio n,
-a_1 = n a_2 and f_2 = -n f_1; a gyrator of ratio r, f_1 = r a_2 and f_2 = -r a_1.
+Two-ports are pairs of branches 1, 2 that take in as much power as they give: a transformer of ratio
+n, a_1 = n a_2 and f_2 = -n f_1; a gyrator of ratio r, f_1 = r a_2 and f_2 = -r a_1.
 """
 
 from collections import Counter
@@ -70,8 +70,9 @@ TWO_PORTS = (Kind.TRANSFORMER, Kind.GYRATOR)
 class Branch:
     """One element, or one port of a two-port.
 
-    The parameter is the element's constant, or the input of a source; two branches with one parameter share
-    it. Of a two-port both branches name each other as partner, and the one that is listed first is port 1.
+    The parameter is the element's constant, or the input of a source; two branches with one
+    parameter share it. Of a two-port both branches name each other as partner, and the one that is
+    listed first is port 1.
     """
 
     name: str

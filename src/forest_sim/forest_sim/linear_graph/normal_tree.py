@@ -1,14 +1,14 @@
 """The normal tree of a linear graph, and with it the independent energy storages: the states.
 
-The classical rule: a tree is filled in the order across sources, A-type storages, two-ports, D-types, T-type
-storages; through sources stay outside. Of a transformer exactly one branch is in the tree, of a gyrator both
-or none, and among these choices the one is taken that leaves most A-types inside and most T-types outside. An
-A-type that finds no place in the tree, or a T-type that is needed to complete it, depends on the others: it
-has no state of its own, and is refused.
+The classical rule: a tree is filled in the order across sources, A-type storages, two-ports,
+D-types, T-type storages; through sources stay outside. Of a transformer exactly one branch is in
+the tree, of a gyrator both or none, and among these choices the one is taken that leaves most
+A-types inside and most T-types outside. An A-type that finds no place in the tree, or a T-type that
+is needed to complete it, depends on the others: it has no state of its own, and is refused.
 
-What is outside is a link. A link closes one loop of tree branches (compatibility: its across variable is the
-sum along the path), and cutting a tree branch leaves one set of links to cross (continuity). The tree of a
-graph with several domains is one tree per domain.
+What is outside is a link. A link closes one loop of tree branches (compatibility: its across
+variable is the sum along the path), and cutting a tree branch leaves one set of links to cross
+(continuity). The tree of a graph with several domains is one tree per domain.
 
 | symbol | name |
 |---|---|
@@ -42,8 +42,8 @@ class NormalTree:
     def continuity(self) -> dict[str, dict[str, int]]:
         """Return for every tree branch the links that add up to its through variable.
 
-        f_b = - sum over l of s_lb f_l, from the same signs, because no circuit makes power (Tellegen).
-        Thesis eq. 3.5, 3.11.
+        f_b = - sum over l of s_lb f_l, from the same signs, because no circuit makes power
+        (Tellegen). Thesis eq. 3.5, 3.11.
         """
         return {
             b.name: {link: -signs[b.name] for link, signs in self.loops.items() if b.name in signs}
@@ -55,8 +55,8 @@ def normal_tree(graph: LinearGraph) -> NormalTree:
     """Return the normal tree. Thesis section 3.3, 3.4: so its states are chosen, without saying so.
 
     Raises:
-        GraphError: a loop of across sources, a cut-set of through sources, two-ports that leave no choice, or
-            a storage that depends on others.
+        GraphError: a loop of across sources, a cut-set of through sources, two-ports that leave no
+            choice, or a storage that depends on others.
     """
     _check_sources(graph)
     candidates = [tree for chosen in _two_port_choices(graph) if (tree := _filled(graph, chosen)) is not None]
@@ -123,14 +123,14 @@ def _dependent(graph: LinearGraph, tree: Iterable[Branch]) -> list[Branch]:
 
 
 def _refuse_dependent(tree: NormalTree) -> None:
-    told = []
+    dependent = []
     continuity = tree.continuity()
     for branch in _dependent(tree.graph, tree.tree):
         others = tree.loops if branch.kind is Kind.A_TYPE else continuity
-        told.append(f"{branch.name} (bound by {', '.join(others[branch.name])})")
-    if told:
+        dependent.append(f"{branch.name} (bound by {', '.join(others[branch.name])})")
+    if dependent:
         raise GraphError(
-            f"{tree.graph.name}: dependent energy storage {', '.join(told)}; merge it with "
+            f"{tree.graph.name}: dependent energy storage {', '.join(dependent)}; merge it with "
             "what binds it, or put a D-type between"
         )
 

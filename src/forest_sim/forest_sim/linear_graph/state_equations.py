@@ -1,11 +1,12 @@
 """State equations of a linear graph, derived: element laws, continuity and compatibility, elimination.
 
-States are the across variables of the A-types in the normal tree and the through variables of the T-types in
-the links. Continuity and compatibility express every variable by the primary ones, across variables of tree
-branches and through variables of links; the element laws then form one equation for each primary variable
-that is neither state nor input. All but the quadratic ones are linear and are solved together. A quadratic
-law is explicit where its argument is known: Q of a D-type in the tree (an orifice in series with an
-inertance, a hose in series with a piston), P of one in the links (an orifice between two capacitances).
+States are the across variables of the A-types in the normal tree and the through variables of the
+T-types in the links. Continuity and compatibility express every variable by the primary ones,
+across variables of tree branches and through variables of links; the element laws then form one
+equation for each primary variable that is neither state nor input. All but the quadratic ones are
+linear and are solved together. A quadratic law is explicit where its argument is known: Q of a
+D-type in the tree (an orifice in series with an inertance, a hose in series with a piston), P of
+one in the links (an orifice between two capacitances).
 
 | symbol | name |
 |---|---|
@@ -81,7 +82,8 @@ def state_equations(graph: LinearGraph) -> StateEquations:
     """Derive the state equations. Thesis eq. 3.7, 3.13 are what it gives for the thesis' circuits.
 
     Raises:
-        GraphError: the circuit has no normal tree, or an element's law cannot be eliminated explicitly.
+        GraphError: the circuit has no normal tree, or an element's law cannot be eliminated
+            explicitly.
     """
     tree = normal_tree(graph)
     across, through = primary_variables(tree)
@@ -105,8 +107,8 @@ def state_equations(graph: LinearGraph) -> StateEquations:
 def primary_variables(tree: NormalTree) -> tuple[dict[str, Expr], dict[str, Expr]]:
     """Return every branch's across and through variable in terms of the primary ones.
 
-    Compatibility gives the links' across variables, continuity the tree branches' through variables.
-    Thesis eq. 3.5, 3.6, 3.11, 3.12. Differs: 3.11 prints Q3 for Q4 in its last line.
+    Compatibility gives the links' across variables, continuity the tree branches' through
+    variables. Thesis eq. 3.5, 3.6, 3.11, 3.12. Differs: 3.11 prints Q3 for Q4 in its last line.
     """
     across = {branch.name: across_symbol(branch) for branch in tree.tree}
     through = {branch.name: through_symbol(branch) for branch in tree.links}

@@ -27,8 +27,8 @@ class EndStop(NamedTuple):
 def end_stop_force(position: float, speed: float, stop: EndStop) -> float:
     """Return the stop's force [N; N m], positive towards larger positions; zero off the ends.
 
-    The damper grips over the first small part of the way in, or the force would jump when the piston arrives,
-    and an implicit step that ends there would have no solution.
+    The damper grips over the first small part of the way in, or the force would jump when the
+    piston arrives, and an implicit step that ends there would have no solution.
     """
     if position < stop.lower:
         return _push(stop.lower - position, -speed, stop)

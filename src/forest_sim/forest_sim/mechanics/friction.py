@@ -8,8 +8,8 @@
 
     F = (F_c + (F_s - F_c) exp(-(u/u_s)^2)) u/sqrt(u^2 + u_0^2)
 
-The thesis takes viscous friction alone (section 3.2.4). Smoothing keeps the law a function: at rest under a
-load the piston creeps at a small share of u_0 instead of sticking.
+The thesis takes viscous friction alone (section 3.2.4). Smoothing keeps the law a function: at rest
+under a load the piston creeps at a small share of u_0 instead of sticking.
 """
 
 import math

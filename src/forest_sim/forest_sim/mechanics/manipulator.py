@@ -10,12 +10,12 @@
 | I_xx, I_yy, I_zz | moments of inertia about the centre of mass | kg m^2 |
 | I_xy | product of inertia about it, the integral of x y dm | kg m^2 |
 
-In these words Appendix B's long sums are short: M_11 = m_3 r_s^2 + m_2 r_b^2 + ..., and V follows from its
-derivatives. The swing axis is inertially decoupled (M_12 = M_13 = 0), because every body is symmetric about
-the crane's plane.
+In these words Appendix B's long sums are short: M_11 = m_3 r_s^2 + m_2 r_b^2 + ..., and V follows
+from its derivatives. The swing axis is inertially decoupled (M_12 = M_13 = 0), because every body
+is symmetric about the crane's plane.
 
-The base frame has x forward, y left, z up, origin on the swing axis at the height of the boom's pivot; a tilt
-of the platform turns it about its x axis, so that gravity pulls along -z and -y.
+The base frame has x forward, y left, z up, origin on the swing axis at the height of the boom's
+pivot; a tilt of the platform turns it about its x axis, so that gravity pulls along -z and -y.
 """
 
 import math

@@ -1,7 +1,7 @@
 """The head as a passive pendulum with two axes at the tip: what it adds to the crane's equations of motion.
 
-Thesis section 4.4: such a head hung on its machine, and its model had none. Coordinates are q_1, q_2, q_3 of
-swing, boom and stick, and
+Thesis section 4.4: such a head hung on its machine, and its model had none. Coordinates are q_1,
+q_2, q_3 of swing, boom and stick, and
 
 | symbol | name | unit |
 |---|---|---|
@@ -11,17 +11,17 @@ swing, boom and stick, and
 | m, L | mass of head and log; distance of their centre from the joint | kg; m |
 | I_t | their inertia about that centre, across the head's axis | kg m^2 |
 
-All vectors stand in the frame that turns with the swing: x away from the swing axis, y left, z up. The head
-is a body of revolution that does not spin: T = 1/2 m |p'|^2 + 1/2 I_t |d'|^2 with p = tip + L d. With t_i and
-d_i, the columns of the tip's and of d's Jacobian,
+All vectors stand in the frame that turns with the swing: x away from the swing axis, y left, z up.
+The head is a body of revolution that does not spin: T = 1/2 m |p'|^2 + 1/2 I_t |d'|^2 with p = tip
++ L d. With t_i and d_i, the columns of the tip's and of d's Jacobian,
 
     M_ij = m t_i·t_j + m L (t_i·d_j + d_i·t_j) + (m L^2 + I_t) d_i·d_j
 
-and the bias is the same sum with t_j, d_j replaced by the accelerations that are there when no joint
-accelerates, less gravity. At β = ±π/2 the angles are singular: α has no inertia there.
+and the bias is the same sum with t_j, d_j replaced by the accelerations that are there when no
+joint accelerates, less gravity. At β = ±π/2 the angles are singular: α has no inertia there.
 
-Everything in this module but `hanging_head` is in the subset of Python that Numba compiles, and what the
-plant needs in that of `translate`.
+Everything in this module but `hanging_head` is in the subset of Python that Numba compiles, and
+what the plant needs in that of `translate`.
 """
 
 import math
@@ -64,8 +64,8 @@ class PendulumDynamics(NamedTuple):
 class PendulumDamping(NamedTuple):
     """Torques of the joint's viscous damping on swing, boom, stick and on α, β [N m].
 
-    Their derivative by (q_1', q_2', q_3', α', β') is -damping (n n^T + e e^T), n = (0, -1, -1, 1, 0) and
-    e = (0, 0, 0, 0, 1).
+    Their derivative by (q_1', q_2', q_3', α', β') is -damping (n n^T + e e^T), n = (0, -1, -1, 1,
+    0) and e = (0, 0, 0, 0, 1).
     """
 
     crane: Vec3

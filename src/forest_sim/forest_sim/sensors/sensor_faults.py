@@ -1,6 +1,7 @@
 """What is wrong with which sensor, as people write it: `boom_resolver: frozen from 2 s; swing_flow: absent`.
 
-Faults stand one after the other, separated by `;` or a line's end. Each names a channel, a colon and
+Faults stand one after the other, separated by `;` or a line's end. Each names a channel, a colon
+and
 
 | words | the channel |
 |---|---|
@@ -9,8 +10,8 @@ Faults stand one after the other, separated by `;` or a line's end. Each names a
 | `bias NUMBER UNIT` | reads too much by that |
 | `drop`, `drop NUMBER %` | loses every sample, or that share of them |
 
-and may end in `from NUMBER s`, `until NUMBER s`, or both: time since the machine started. Units are those of
-machine files. A channel may have several faults.
+and may end in `from NUMBER s`, `until NUMBER s`, or both: time since the machine started. Units are
+those of machine files. A channel may have several faults.
 """
 
 import math
@@ -37,19 +38,20 @@ def parse_faults(text: str) -> tuple[Fault, ...]:
     """Return the faults that a text names; an empty text names none.
 
     Raises:
-        ValueError: unknown channel, fault or unit, a number that does not fit; the text says what is allowed.
+        ValueError: unknown channel, fault or unit, a number that does not fit; the text says what
+            is allowed.
     """
     entries = (entry.strip() for entry in re.split(r"[;\n]", text))
     return tuple(_fault(entry) for entry in entries if entry)
 
 
 def _fault(entry: str) -> Fault:
-    name, _, said = (part.strip() for part in entry.partition(":"))
+    name, _, fault = (part.strip() for part in entry.partition(":"))
     if name not in CHANNELS:
         raise ValueError(f"'{entry}': there is no sensor '{name}'; there are {', '.join(CHANNELS)}")
-    form = FORM.fullmatch(said)
+    form = FORM.fullmatch(fault)
     if form is None or form["word"] not in MODES:
-        raise ValueError(f"'{entry}': '{said}' is no fault; allowed: {ALLOWED}")
+        raise ValueError(f"'{entry}': '{fault}' is no fault; allowed: {ALLOWED}")
     start = float(form["start"]) if form["start"] else 0.0
     end = float(form["end"]) if form["end"] else math.inf
     if not 0.0 <= start < end:

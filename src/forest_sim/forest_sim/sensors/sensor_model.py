@@ -7,13 +7,13 @@
 | g, b | gain and static bias of this unit | 1; the channel's |
 | sigma, n | standard deviation of a sample; a draw from the standard normal distribution | the channel's; 1 |
 
-A reading is g x + b + sigma n, at least as large as the floor, in whole steps of the resolution, between the
-ends of the range. No reading is told as NaN: sensors.py leaves the quantity out of what the machine says.
+A reading is g x + b + sigma n, at least as large as the floor, in whole steps of the resolution,
+between the ends of the range. NaN stands for a missing reading.
 
-A turbine's blades do not tell which way the oil goes. The floor keeps the sign of the true flow, as a data
-acquisition that knows the spool's side would; oil at rest reads plus the floor.
+A turbine's blades do not tell which way the oil goes. The floor keeps the sign of the true flow, as
+a data acquisition that knows the spool's side would; oil at rest reads plus the floor.
 
-Everything here is pure and stays in the subset of Python that `forest_compile.translate` takes.
+Everything here is pure and stays in the subset of Python that `forest_compile.frontend` takes.
 """
 
 import math
@@ -27,8 +27,8 @@ ABSENT = 3  # is not there
 WHOLE = 2.0**53  # from here on every float is a whole number
 
 
-class Channel(NamedTuple):
-    """One sensor; the defaults are an exact one."""
+class SensorModel(NamedTuple):
+    """Constants of one sensor; the defaults are those of an exact one."""
 
     time_constant: float = 0.0
     gain: float = 1.0
@@ -41,17 +41,19 @@ class Channel(NamedTuple):
     mode: int = WORKS
 
 
-class ChannelState(NamedTuple):
+class SensorMemory(NamedTuple):
     """What a sensor remembers: the lagged true value and the last reading."""
 
     lagged: float
     reading: float
 
 
-EXACT = Channel()
+EXACT = SensorModel()
 
 
-def sample(c: Channel, s: ChannelState, true: float, dt: float, normal: float) -> tuple[ChannelState, float]:
+def sample(
+    c: SensorModel, s: SensorMemory, true: float, dt: float, normal: float
+) -> tuple[SensorMemory, float]:
     """Return a sensor's state and reading, `dt` [s] after the last call; NaN: there is none.
 
     Thesis table 4.2, section 4.3.2.4: a flow below the meter's floor reads as the floor.
@@ -67,9 +69,9 @@ def sample(c: Channel, s: ChannelState, true: float, dt: float, normal: float) -
     if c.time_constant > 0.0:
         lagged = true + (s.lagged - true) * math.exp(-dt / c.time_constant)
     if c.mode == FROZEN:
-        return ChannelState(lagged, s.reading), s.reading
+        return SensorMemory(lagged, s.reading), s.reading
     if c.mode != WORKS:
-        return ChannelState(lagged, s.reading), math.nan
+        return SensorMemory(lagged, s.reading), math.nan
     reading = c.gain * lagged + c.bias + c.noise * normal
     if c.floor > 0.0:
         size = max(abs(reading), c.floor)
@@ -79,21 +81,21 @@ def sample(c: Channel, s: ChannelState, true: float, dt: float, normal: float) -
         if abs(steps) < WHOLE:  # floor() would raise for what is not finite
             reading = c.resolution * math.floor(steps)
     reading = max(c.low, min(c.high, reading))
-    return ChannelState(lagged, reading), reading
+    return SensorMemory(lagged, reading), reading
 
 
 def sample_if(
-    due: bool, c: Channel, s: ChannelState, true: float, dt: float, normal: float
-) -> tuple[ChannelState, float]:
+    due: bool, c: SensorModel, s: SensorMemory, true: float, dt: float, normal: float
+) -> tuple[SensorMemory, float]:
     """Do as `sample` where a sample is due; between its samples a sensor holds what it read last."""
     if due and c == EXACT:
-        return exactly(true)
+        return sample_exactly(true)
     if not due and c.mode != ABSENT:
         c = c._replace(mode=FROZEN)
     return sample(c, s, true, dt, normal)
 
 
-def exactly(true: float) -> tuple[ChannelState, float]:
+def sample_exactly(true: float) -> tuple[SensorMemory, float]:
     """What `sample` returns of an `EXACT` channel, whose arithmetic changes nothing but the sign of zero."""
     reading = true + 0.0
-    return ChannelState(true, reading), reading
+    return SensorMemory(true, reading), reading

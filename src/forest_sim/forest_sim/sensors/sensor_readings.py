@@ -1,8 +1,9 @@
 """What the machine's sensors report of its true state.
 
-The true values go through one law per channel (`channel`), with the errors, the noise and the faults of a
-suite (`sensor_suite`, `sensor_faults`); the default suite is exact. What no sensor measures is derived from
-what they read (`measurement`). NaN stands for what there is no reading of.
+The true values go through one law per channel (`sensor_model`), with the errors, the noise and the
+faults of a suite (`sensor_suite`, `sensor_faults`); the default suite is exact. What no sensor
+measures is derived from their readings (`signal_processing`). NaN stands for what there is no
+reading of.
 
 The pump's own flow passes unmeasured: table 4.2 has no meter there.
 """
@@ -18,7 +19,7 @@ from forest_description.types import Vec3
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.port import port_pressure
 from forest_sim.hydraulics.supply import saturation
-from forest_sim.sensors.sensor_model import WORKS, Channel, ChannelState, sample, sample_if
+from forest_sim.sensors.sensor_model import WORKS, SensorMemory, SensorModel, sample, sample_if
 from forest_sim.sensors.sensor_suite import (
     CHANNELS,
     EXACT_SUITE,
@@ -32,10 +33,10 @@ from forest_sim.sensors.signal_processing import (
     Measurement,
     Motion,
     SpeedEstimate,
-    estimated,
     force,
     measurement,
     positions,
+    updated_estimates,
 )
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant import AxisState, Ports, Transmission, ports_at, supply_draw, transmissions
@@ -58,14 +59,14 @@ CHANNEL_COUNT = len(CHANNELS)
 class SensorState(NamedTuple):
     """What the sensors and the estimators of the 6 speeds, joints then actuators, remember."""
 
-    channels: tuple[ChannelState, ...]
+    channels: tuple[SensorMemory, ...]
     estimates: tuple[SpeedEstimate, ...]
     time: float  # [s] since the start
     next_sample: float  # [s]
 
 
 def surroundings(machine: Machine) -> Surroundings:
-    """Return the nominal surroundings of a machine: engine at its governed speed, oil warm, tilt as told."""
+    """Return the surroundings of a machine at work: governed speed, warm oil, tilt as in its file."""
     pump, tilt, oil = machine.pump, (0.0, machine.manipulator.platform_tilt), machine.oil
     speed = NOMINAL.engine_speed if isinstance(pump, IdealPump) else pump.shaft_speed
     warm = NOMINAL.temperatures if oil is None else (oil.reference_temperature,) * 3
@@ -80,7 +81,7 @@ def at_rest(
 ) -> SensorState:
     """Return sensors and estimators that have seen the machine stand still at this state."""
     states = [
-        sample(c._replace(mode=WORKS), ChannelState(x, x), x, 0.0, 0.0)[0]
+        sample(c._replace(mode=WORKS), SensorMemory(x, x), x, 0.0, 0.0)[0]
         for c, x in zip(suite.channels, true_values(simulation, p, around), strict=True)
     ]
     seen = positions(tuple([state.reading for state in states]))
@@ -92,7 +93,7 @@ class Sensors(NamedTuple):
     """What stays from one sample to the next."""
 
     plant: PlantParameters
-    channels: tuple[Channel, ...]  # as they work now
+    channels: tuple[SensorModel, ...]  # as they work now
     period: float  # [s] between samples; 0: whenever asked
     around: Surroundings
 
@@ -147,15 +148,15 @@ def sampled(
     due = time > state.next_sample - TIME_TOLERANCE
     ports, before = ports_at(simulation.spools, s.plant), state.channels
     true = _true_values(simulation, ports, s.plant, s.around)
-    said = tuple(
+    samples = tuple(
         [sample_if(due, s.channels[i], before[i], true[i], dt, normals[i]) for i in range(CHANNEL_COUNT)]
     )
-    read = tuple([said[i][1] for i in range(CHANNEL_COUNT)])
-    estimates = estimated(state.estimates, read, dt, due)
+    readings = tuple([samples[i][1] for i in range(CHANNEL_COUNT)])
+    estimates = updated_estimates(state.estimates, readings, dt, due)
     next_sample = max(time, state.next_sample + s.period) if due else state.next_sample
-    after = SensorState(tuple([said[i][0] for i in range(CHANNEL_COUNT)]), estimates, time, next_sample)
+    after = SensorState(tuple([samples[i][0] for i in range(CHANNEL_COUNT)]), estimates, time, next_sample)
     flow, used = _supply(simulation, ports, s.plant)
-    return after, measurement(read, estimates, s.plant, flow, used)
+    return after, measurement(readings, estimates, s.plant, flow, used)
 
 
 def true_joints(simulation: Simulation, p: PlantParameters) -> Motion:
@@ -183,7 +184,7 @@ def _true_values(
 ) -> tuple[float, ...]:
     plant, supply, spools = simulation.plant, simulation.plant.supply.pressure, simulation.spools
     t_1, t_2, t_3 = _transmissions(simulation, p)
-    second = _entering(plant.swing, p.swing) if around.rig else plant.stick.flow_1
+    second = _motor_inflow(plant.swing, p.swing) if around.rig else plant.stick.flow_1
     return (
         *(plant.swing.angle, plant.boom.angle, plant.stick.angle),
         *(t_2.position, t_3.position),
@@ -232,9 +233,9 @@ def _supply(
 
 def _case_drain_flow(s: AxisState, axis: Axis) -> float:
     """Return the motor's external leakage [m^3/s]: what goes in and does not come out. Thesis eq. 4.8."""
-    return _entering(s, axis) - outlet_flow(s.rate, s.pressure_1, s.pressure_2, axis.actuator)
+    return _motor_inflow(s, axis) - outlet_flow(s.rate, s.pressure_1, s.pressure_2, axis.actuator)
 
 
-def _entering(s: AxisState, axis: Axis) -> float:
+def _motor_inflow(s: AxisState, axis: Axis) -> float:
     """Return the flow into the motor at port 1 [m^3/s]."""
     return inlet_flow(s.rate, s.pressure_1, s.pressure_2, axis.actuator)

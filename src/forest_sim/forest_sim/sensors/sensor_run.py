@@ -1,7 +1,7 @@
 """The sensors of one machine along a run: their suite, the draws of chance, and what they remember.
 
-`sensors.report` runs as machine code where that has been made (`python -m forest_sim.compiled`), and
-interpreted otherwise, with the same readings to the last bit.
+`sensor_readings.report` runs as machine code where that has been made (`python -m
+forest_sim.compiled`), and interpreted otherwise, with the same readings to the last bit.
 """
 
 from functools import lru_cache
@@ -44,24 +44,24 @@ class SensorRun:
         run: str = "",
     ) -> None:
         self._suite, self._links = suite, links
-        by_chance = suite.faults or any(channel.noise for channel in suite.channels)
-        self._generator = noise_generator(suite, run) if by_chance else None
+        is_random = suite.faults or any(channel.noise for channel in suite.channels)
+        self._generator = noise_generator(suite, run) if is_random else None
         self._state = sensor_readings.at_rest(simulation, plant, suite, around)
-        self._known = Sensors(plant, suite.channels, suite.period, around), links
+        self._constants = Sensors(plant, suite.channels, suite.period, around), links
         kernel = KERNEL.ready()
         self._report = CompiledStep(kernel, _example()) if kernel else sensor_readings.report
 
-    def learn(self, plant: PlantParameters, around: Surroundings) -> None:
+    def set_plant(self, plant: PlantParameters, around: Surroundings) -> None:
         """From now on the plant, or what is around it, is another."""
-        self._known = self._known[0]._replace(plant=plant, around=around), self._links
+        self._constants = self._constants[0]._replace(plant=plant, around=around), self._links
 
     def sample(self, simulation: Simulation, dt: float) -> Report:
         """Return what the sensors say of a machine, `dt` [s] after the last time, and what is true."""
         draws = draw(self._generator) if self._generator else NO_DRAWS
         if self._suite.faults:
             channels = conditions(self._suite, self._state.time + dt, draws.uniform)
-            self._known = self._known[0]._replace(channels=channels), self._links
-        self._state, report = self._report(self._state, simulation, draws.normal, self._known, dt)
+            self._constants = self._constants[0]._replace(channels=channels), self._links
+        self._state, report = self._report(self._state, simulation, draws.normal, self._constants, dt)
         return report
 
 
@@ -82,4 +82,4 @@ def _entry() -> Entry:
 
 
 KERNEL = CachedKernel("sensors", _entry)
-"""`sensors.report` as machine code."""
+"""`sensor_readings.report` as machine code."""

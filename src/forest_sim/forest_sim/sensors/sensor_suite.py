@@ -1,10 +1,12 @@
 """Which sensors the machine has, in one fixed order, and what each unit of them is worth.
 
-A suite is made once, from the machine's file, a seed and faults. The seed gives every unit its static error,
-uniform within its accuracy unless the file tells what the unit's calibration found, and starts the generator
-of the samples' noise. Every channel has its own place in both, so that taking one away changes no other.
+A suite is made once, from the machine's file, a seed and faults. The seed gives every unit its
+static error, uniform within its accuracy unless the file tells what the unit's calibration found,
+and starts the generator of the samples' noise. Every channel has its own place in both, so that
+taking one away changes no other.
 
-Without noise a suite is exact: no error, lag, floor, resolution, range or sampling; absences and faults hold.
+Without noise a suite is exact: no error, lag, floor, resolution, range or sampling; absences and
+faults hold.
 """
 
 import math
@@ -18,7 +20,7 @@ from forest_description.components.sensor_calibration import Unit, line_of
 from forest_description.components.sensors import FlowMeter, LinearTransducer
 from forest_description.machine import CylinderDrive, Machine
 from forest_description.types import AXES
-from forest_sim.sensors.sensor_model import ABSENT, EXACT, Channel
+from forest_sim.sensors.sensor_model import ABSENT, EXACT, SensorModel
 
 PORTS = tuple(f"{port}_{place}" for port in (1, 2) for place in ("valve", "actuator"))
 TIME_TOLERANCE = 1e-9  # [s] by which sums of periods may be off
@@ -69,7 +71,7 @@ class Fault(NamedTuple):
 class Suite(NamedTuple):
     """All sensors of a machine; channels in the order of `CHANNELS`."""
 
-    channels: tuple[Channel, ...]
+    channels: tuple[SensorModel, ...]
     period: float = 0.0  # [s] between samples; 0: whenever asked
     faults: tuple[Fault, ...] = ()
     seed: int = 0
@@ -93,18 +95,18 @@ def sensor_suite(
 
     Thesis section 4.2.2: the rate of the data acquisition.
     """
-    luck = iter(np.random.default_rng([seed, 0]).uniform(-1.0, 1.0, len(CHANNELS)).tolist())
+    shares = iter(np.random.default_rng([seed, 0]).uniform(-1.0, 1.0, len(CHANNELS)).tolist())
     channels = []
     for kind in KINDS:
-        there = getattr(machine.sensors, kind.name) is not None
+        fitted = getattr(machine.sensors, kind.name) is not None
         for name in kind.channels:
-            share = next(luck)
+            share = next(shares)
             made = (
                 _calibrated(_channel(kind.name, name, machine, share), name, machine)
-                if there and noise
+                if fitted and noise
                 else EXACT
             )
-            channels.append(made if there else made._replace(mode=ABSENT))
+            channels.append(made if fitted else made._replace(mode=ABSENT))
     return Suite(tuple(channels), 1.0 / machine.sensors.sample_rate if noise else 0.0, faults, seed)
 
 
@@ -129,7 +131,7 @@ def draw(generator: np.random.Generator) -> Draws:
     return Draws(generator.standard_normal(count).tolist(), generator.random(count).tolist())
 
 
-def conditions(suite: Suite, time: float, uniform: Sequence[float]) -> tuple[Channel, ...]:
+def conditions(suite: Suite, time: float, uniform: Sequence[float]) -> tuple[SensorModel, ...]:
     """Return the channels as they work at a time [s]; the suite's own while it has no faults."""
     if not suite.faults:
         return suite.channels
@@ -143,7 +145,7 @@ def conditions(suite: Suite, time: float, uniform: Sequence[float]) -> tuple[Cha
     return tuple(channels)
 
 
-def _channel(kind: str, name: str, machine: Machine, share: float) -> Channel:
+def _channel(kind: str, name: str, machine: Machine, share: float) -> SensorModel:
     """Return one unit, off by a share (-1 .. 1) of what its accuracy allows. Thesis table 4.2."""
     sensors = machine.sensors
     if kind == "flow_meter" and sensors.flow_meter is not None:
@@ -153,7 +155,7 @@ def _channel(kind: str, name: str, machine: Machine, share: float) -> Channel:
         return _linear_transducer(sensors.linear_transducer, drive)
     part = getattr(sensors, kind)
     error, low, high = (part.accuracy or 0.0) * share, -math.inf, math.inf
-    exact = Channel(noise=part.noise or 0.0)
+    exact = SensorModel(noise=part.noise or 0.0)
     if kind == "case_drain":
         return exact._replace(gain=1.0 + error)
     if kind == "resolver":
@@ -165,7 +167,7 @@ def _channel(kind: str, name: str, machine: Machine, share: float) -> Channel:
     return exact._replace(bias=error, low=low, high=high)
 
 
-def _calibrated(channel: Channel, name: str, machine: Machine) -> Channel:
+def _calibrated(channel: SensorModel, name: str, machine: Machine) -> SensorModel:
     """Return one unit, off as its calibration found it, if there was one. Thesis section 4.3.1."""
     unit: Unit | None = getattr(machine.sensors.calibration, name, None)
     if unit is None:
@@ -174,9 +176,9 @@ def _calibrated(channel: Channel, name: str, machine: Machine) -> Channel:
     return channel._replace(gain=gain, bias=bias)
 
 
-def _flow_meter(meter: FlowMeter, share: float) -> Channel:
+def _flow_meter(meter: FlowMeter, share: float) -> SensorModel:
     """Return a turbine; its range counts either way. Thesis table 4.2, section 4.3.2.4."""
-    return Channel(
+    return SensorModel(
         time_constant=meter.time_constant,
         gain=1.0 + (meter.accuracy or 0.0) * share,
         noise=meter.noise or 0.0,
@@ -186,10 +188,10 @@ def _flow_meter(meter: FlowMeter, share: float) -> Channel:
     )
 
 
-def _linear_transducer(transducer: LinearTransducer, drive: CylinderDrive) -> Channel:
+def _linear_transducer(transducer: LinearTransducer, drive: CylinderDrive) -> SensorModel:
     """Return a transducer whose range reaches as far beyond either end of the stroke. Thesis table 4.2."""
     low = drive.retracted_length - 0.5 * (transducer.full_scale - drive.stroke)
-    return Channel(
+    return SensorModel(
         resolution=transducer.full_scale * (transducer.resolution or 0.0),
         noise=transducer.noise or 0.0,
         low=low,

@@ -1,7 +1,8 @@
 """From the channels' readings to quantities, and to what is derived from them as on a real machine.
 
-- Speeds: backward difference of the positions read, behind a first-order low-pass (`SPEED_BANDWIDTH`);
-  causal, so it lags. Over the time since the last sample, so that a lost one does not look like a jump.
+- Speeds: backward difference of the positions read, behind a first-order low-pass
+  (`SPEED_BANDWIDTH`); causal, so it lags. Over the time since the last sample, so that a lost one
+  does not look like a jump.
 - Forces and torques: from the pressures read at the actuators and, for torques, the angles read.
 
 NaN stands for what there is no reading of, and for what would be derived from it.
@@ -81,10 +82,10 @@ def estimate_speed(e: SpeedEstimate, position: float, dt: float, due: bool) -> S
     return SpeedEstimate(position, speed, 0.0)
 
 
-def estimated(before: Estimates, read: Readings, dt: float, due: bool) -> Estimates:
+def updated_estimates(before: Estimates, readings: Readings, dt: float, due: bool) -> Estimates:
     """Return the estimates of all six speeds `dt` [s] later."""
-    seen = positions(read)
-    return tuple([estimate_speed(before[i], seen[i], dt, due) for i in range(6)])
+    position = positions(readings)
+    return tuple([estimate_speed(before[i], position[i], dt, due) for i in range(6)])
 
 
 def force(pressure_1: float, pressure_2: float, a: Actuator) -> float:
@@ -93,39 +94,39 @@ def force(pressure_1: float, pressure_2: float, a: Actuator) -> float:
 
 
 def measurement(
-    read: Readings, estimates: Estimates, p: PlantParameters, supply_flow: float, supply_saturation: float
+    readings: Readings, estimates: Estimates, p: PlantParameters, supply_flow: float, supply_saturation: float
 ) -> Measurement:
     """Return readings, in the order of `CHANNELS`, by quantity, with what is derived from them."""
-    seen, at = positions(read), tuple([read[PRESSURES + i] for i in range(12)])
-    speeds = tuple([_known_speed(estimates[i], seen[i]) for i in range(6)])
+    position, at = positions(readings), tuple([readings[PRESSURES + i] for i in range(12)])
+    speeds = tuple([_speed_or_nan(estimates[i], position[i]) for i in range(6)])
     forces = (
         force(at[1], at[3], p.swing.actuator),
         force(at[5], at[7], p.boom.actuator),
         force(at[9], at[11], p.stick.actuator),
     )
-    arms = 1.0, lever_arm(seen[1], p.boom_linkage), lever_arm(seen[2], p.stick_linkage)
+    arms = 1.0, lever_arm(position[1], p.boom_linkage), lever_arm(position[2], p.stick_linkage)
     torques = forces[0] * arms[0], forces[1] * arms[1], forces[2] * arms[2]
     return Measurement(
-        joints=Motion((seen[0], seen[1], seen[2]), (speeds[0], speeds[1], speeds[2]), torques),
-        actuators=Motion((seen[3], seen[4], seen[5]), (speeds[3], speeds[4], speeds[5]), forces),
+        joints=Motion((position[0], position[1], position[2]), (speeds[0], speeds[1], speeds[2]), torques),
+        actuators=Motion((position[3], position[4], position[5]), (speeds[3], speeds[4], speeds[5]), forces),
         pressures=at,
-        flows=(read[FLOWS], read[FLOWS + 1]),
-        supply_pressure=read[PRESSURES + 12],
+        flows=(readings[FLOWS], readings[FLOWS + 1]),
+        supply_pressure=readings[PRESSURES + 12],
         supply_flow=supply_flow,
         supply_saturation=supply_saturation,
-        case_drain_flow=read[CASE_DRAIN],
-        spools=(read[SPOOLS], read[SPOOLS + 1], read[SPOOLS + 2]),
-        temperatures=(read[TEMPERATURES], read[TEMPERATURES + 1], read[TEMPERATURES + 2]),
-        engine_speed=read[ENGINE_SPEED],
-        tilt=(read[TILT], read[TILT + 1]),
+        case_drain_flow=readings[CASE_DRAIN],
+        spools=(readings[SPOOLS], readings[SPOOLS + 1], readings[SPOOLS + 2]),
+        temperatures=(readings[TEMPERATURES], readings[TEMPERATURES + 1], readings[TEMPERATURES + 2]),
+        engine_speed=readings[ENGINE_SPEED],
+        tilt=(readings[TILT], readings[TILT + 1]),
     )
 
 
-def positions(read: Readings) -> tuple[float, ...]:
+def positions(readings: Readings) -> tuple[float, ...]:
     """Return the positions read of 3 joints and 3 actuators; the swing's resolver serves both."""
-    return read[0], read[1], read[2], read[0], read[3], read[4]
+    return readings[0], readings[1], readings[2], readings[0], readings[3], readings[4]
 
 
-def _known_speed(e: SpeedEstimate, position: float) -> float:
+def _speed_or_nan(e: SpeedEstimate, position: float) -> float:
     """Return an estimate's speed; there is none of a position that has no sample now."""
     return math.nan if math.isnan(position) else e.speed

@@ -1,7 +1,8 @@
 """One axis within an implicit stage: both hoses solved exactly at a guessed joint rate.
 
-The hoses feel each other through the actuator's cross leakage alone, which is small: it is taken to first
-order. After Newton's last correction the hoses follow it to first order, too, so that no oil is lost.
+The hoses feel each other through the actuator's cross leakage alone, which is small: it is taken to
+first order. After Newton's last correction the hoses follow it to first order, too, so that no oil
+is lost.
 """
 
 from typing import NamedTuple
@@ -38,8 +39,8 @@ def solve_axis(
 ) -> AxisSolution:
     """Solve both hoses of an axis at a guessed joint rate.
 
-    The motor's small cross leakage is taken at the stage's known pressures, and its change after that to
-    first order: it couples the hoses by a thousandth.
+    The motor's small cross leakage is taken at the stage's known pressures, and its change after
+    that to first order: it couples the hoses by a thousandth.
     """
     a = axis.actuator
     speed, p_1, p_2 = t.arm * rate, base.pressure_1, base.pressure_2
@@ -52,7 +53,12 @@ def solve_axis(
         one, two = _both_with_outflow(one, two, more_1, more_2, a.leakage_12)
     force = actuator_force(speed, one.pressure, two.pressure, a) + passive_force(t.position, speed, axis)
     return AxisSolution(
-        rate, t.arm, one, two, t.arm * force, t.arm * t.arm * _resistance(speed, t, one, two, axis, h)
+        rate=rate,
+        arm=t.arm,
+        one=one,
+        two=two,
+        torque=t.arm * force,
+        resistance=t.arm * t.arm * _resistance(speed, t, one, two, axis, h),
     )
 
 
@@ -115,7 +121,8 @@ def _both_with_outflow(
 ) -> tuple[LineSolution, LineSolution]:
     """Return both hoses after the actuator takes more by small flows [m^3/s], as they leak into each other.
 
-    dP_1 = -z_1 (dq_1 - g dP_2) and dP_2 = -z_2 (dq_2 - g dP_1), z their stiffness, g the cross leakage.
+    dP_1 = -z_1 (dq_1 - g dP_2) and dP_2 = -z_2 (dq_2 - g dP_1), z their stiffness, g the cross
+    leakage.
     """
     if leakage != 0.0:
         z_1, z_2 = leakage * one.stiffness, leakage * two.stiffness

@@ -1,8 +1,8 @@
 """The plant's steps, compiled: for studies that take millions of them, for control loops and for the node.
 
-Compiled and interpreted steps agree to the last bit. `compiled_advance` and `compiled_record` take and give a
-`Simulation`, as the interpreted functions do. Packing one costs more than some steps: a control loop that
-looks at few of its numbers keeps a `FlatPlant` instead.
+Compiled and interpreted steps agree to the last bit. `compiled_advance` and `compiled_record` take
+and give a `Simulation`, as the interpreted functions do. Packing one costs more than some steps: a
+control loop that looks at few of its numbers keeps a `FlatPlant` instead.
 """
 
 import ctypes

@@ -16,9 +16,9 @@ PRELOAD = 0.1  # pressure in the less loaded chamber, as a share of the supply's
 def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
     """Return the machine at rest at the joint angles [rad], valves shut.
 
-    The trapped volumes leave one pressure per cylinder free: the less loaded chamber gets `PRELOAD` of the
-    supply pressure. The swing's hoses have leaked empty; on a tilted platform the swing cannot rest and
-    starts to creep, and so does every axis whose valve leaks or is underlapped.
+    The trapped volumes leave one pressure per cylinder free: the less loaded chamber gets `PRELOAD`
+    of the supply pressure. The swing's hoses have leaked empty; on a tilted platform the swing
+    cannot rest and starts to creep, and so does every axis whose valve leaks or is underlapped.
     """
     angles = float(angles[0]), float(angles[1]), float(angles[2])  # compiled kernels know no whole numbers
     head = HeadState(*hanging_angles(angles[0], p.body), 0.0, 0.0) if p.head.mass > 0.0 else HANGING_STILL

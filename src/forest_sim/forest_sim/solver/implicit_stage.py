@@ -1,8 +1,8 @@
 """One implicit stage of the plant, Y = base + h f(Y): hoses solved exactly, joint rates by Newton.
 
-The stiffness comes from the orifices (C_R = inf inside the overlap) and the hoses, so a stage eliminates
-flows and pressures exactly (`line.solve_line`) and is left with three joint rates, a real pump's pressure and
-a hanging head's two rates.
+The stiffness comes from the orifices (C_R = inf inside the overlap) and the hoses, so a stage
+eliminates flows and pressures exactly (`hydraulic_line.solve_line`) and is left with three joint
+rates, a real pump's pressure and a hanging head's two rates.
 """
 
 import math
@@ -31,7 +31,7 @@ ITERATIONS = 60
 DAMPED, FULL = 12, 24  # iterations between which kinks (dry friction, a relief valve) are met by half steps
 
 
-class Guess(NamedTuple):
+class Iterate(NamedTuple):
     """What Newton looks for: the rates and the supply's pressure at a stage's end."""
 
     rates: Vec3  # of the joints [rad/s]
@@ -39,8 +39,8 @@ class Guess(NamedTuple):
     supply: SupplyState
 
 
-class Trial(NamedTuple):
-    """A stage's equations at a guess."""
+class StageEquations(NamedTuple):
+    """A stage's equations at an iterate."""
 
     swing: AxisSolution
     boom: AxisSolution
@@ -61,51 +61,58 @@ def solve_stage(
 ) -> tuple[PlantState, int]:
     """Return Y with Y = base + h f(Y), and 1 if Newton did not converge. The hoses are solved inside.
 
-    Newton starts from the joint rates given and from all else of `start`. Its matrix leaves out what the
-    configuration's change contributes (of order h), so that it converges by about three decimal places an
-    iteration at 1 ms. From rates that follow the last accelerations, off by order h^2, the first correction
-    is mostly the last: the next would be of order h^3, as the step's own error is.
+    Newton starts from the joint rates given and from all else of `start`. Its matrix leaves out
+    what the configuration's change contributes (of order h), so that it converges by about three
+    decimal places an iteration at 1 ms. From rates that follow the last accelerations, off by order
+    h^2, the first correction is mostly the last: the next would be of order h^3, as the step's own
+    error is.
     """
-    guess = Guess(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply)
-    trial = _try(base, guess, ports, h, p)
-    after, size, supply_change = _correct(guess, trial, 1.0, UNBOUNDED, p)
-    if _is_small(size, supply_change, trial.supply.state.reference - guess.supply.reference):
-        return _finished(base, after, trial, h, p), 0
-    return _solve_further(base, after, ports, h, p)
+    iterate = Iterate(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply)
+    equations = _equations_at(base, iterate, ports, h, p)
+    after, size, supply_change = _newton_step(iterate, equations, 1.0, UNBOUNDED, p)
+    if _has_converged(size, supply_change, equations.supply.state.reference - iterate.supply.reference):
+        return _stage_end(base, after, equations, h, p), 0
+    return _iterate_further(base, after, ports, h, p)
 
 
-def _solve_further(
-    base: PlantState, guess: Guess, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
+def _iterate_further(
+    base: PlantState, iterate: Iterate, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
 ) -> tuple[PlantState, int]:
-    """Return what `solve_stage` does, from the second iteration on; seldom, hence apart when compiled."""
+    """Return what `solve_stage` does, from the second iteration on; seldom, hence not inlined."""
     failed, bounds = 1, UNBOUNDED
-    trial = _try_again(base, guess, ports, h, p)
+    equations = _equations_at_again(base, iterate, ports, h, p)
     for iteration in range(1, ITERATIONS):
-        before, share = guess.supply.pressure, 0.5 if DAMPED <= iteration < FULL else 1.0
-        reference_change = trial.supply.state.reference - guess.supply.reference
-        guess, size, supply_change = _correct(guess, trial, share, bounds, p)
-        if share == 1.0 and _is_small(size, supply_change, reference_change):
+        before, share = iterate.supply.pressure, 0.5 if DAMPED <= iteration < FULL else 1.0
+        reference_change = equations.supply.state.reference - iterate.supply.reference
+        iterate, size, supply_change = _newton_step(iterate, equations, share, bounds, p)
+        if share == 1.0 and _has_converged(size, supply_change, reference_change):
             failed = 0
             break
         if iteration >= BOUNDED:
             bounds = tightened_bounds(bounds, before, supply_change)
-        trial = _try_again(base, guess, ports, h, p)
-    return _finished(base, guess, trial, h, p), failed
+        equations = _equations_at_again(base, iterate, ports, h, p)
+    return _stage_end(base, iterate, equations, h, p), failed
 
 
-def _finished(base: PlantState, guess: Guess, trial: Trial, h: float, p: PlantParameters) -> PlantState:
-    """Return the state at a stage's end, from the last guess and the equations one correction before it."""
-    supply_change, feeds = guess.supply.pressure - trial.supply.state.pressure, trial.supply.feeds
+def _stage_end(
+    base: PlantState, iterate: Iterate, equations: StageEquations, h: float, p: PlantParameters
+) -> PlantState:
+    """Return the state at a stage's end, from the last iterate and the equations one correction before it."""
+    supply_change, feeds = iterate.supply.pressure - equations.supply.state.pressure, equations.supply.feeds
     return PlantState(
-        corrected_axis(base.swing, guess.rates[0], trial.swing, feeds[0], supply_change, p.swing, h),
-        corrected_axis(base.boom, guess.rates[1], trial.boom, feeds[1], supply_change, p.boom, h),
-        corrected_axis(base.stick, guess.rates[2], trial.stick, feeds[2], supply_change, p.stick, h),
-        guess.supply,
-        _head_at(base.head, guess.head_rates, h),
+        swing=corrected_axis(
+            base.swing, iterate.rates[0], equations.swing, feeds[0], supply_change, p.swing, h
+        ),
+        boom=corrected_axis(base.boom, iterate.rates[1], equations.boom, feeds[1], supply_change, p.boom, h),
+        stick=corrected_axis(
+            base.stick, iterate.rates[2], equations.stick, feeds[2], supply_change, p.stick, h
+        ),
+        supply=iterate.supply,
+        head=_head_at(base.head, iterate.head_rates, h),
     )
 
 
-def _is_small(rates: float, supply: float, reference: float) -> bool:
+def _has_converged(rates: float, supply: float, reference: float) -> bool:
     """Tell whether corrections [rad/s; Pa; Pa] leave nothing to speak of for the next iteration."""
     if not rates < TOLERANCE:
         return False
@@ -116,15 +123,15 @@ def _head_at(base: HeadState, rates: Pair, h: float) -> HeadState:
     return HeadState(base.alpha + h * rates[0], base.beta + h * rates[1], rates[0], rates[1])
 
 
-def _try(
+def _equations_at(
     base: PlantState,
-    guess: Guess,
+    iterate: Iterate,
     ports: tuple[Ports, Ports, Ports],
     h: float,
     p: PlantParameters,
-) -> Trial:
-    """Return a stage's equations, M (rates - base) + h (bias - torque) = 0 and the supply's, at a guess."""
-    u, w, supply = guess.rates, guess.head_rates, guess.supply.pressure
+) -> StageEquations:
+    """Return M (rates - base) + h (bias - torque) = 0 and the supply's equation at an iterate."""
+    u, w, supply = iterate.rates, iterate.head_rates, iterate.supply.pressure
     angles = base.swing.angle + h * u[0], base.boom.angle + h * u[1], base.stick.angle + h * u[2]
     t_1, t_2, t_3 = transmissions(angles[0], angles[1], angles[2], p)
     swing = solve_axis(base.swing, u[0], t_1, ports[0], supply, p.swing, p.guard, h)
@@ -136,12 +143,14 @@ def _try(
         (u[0] - base.swing.rate, u[1] - base.boom.rate, u[2] - base.stick.rate),
         (w[0] - base.head.alpha_rate, w[1] - base.head.beta_rate),
     )
-    error = SupplyError(0.0, 1.0, (0.0, 0.0, 0.0), NO_FEEDS, guess.supply)
+    error = SupplyError(
+        residual=0.0, slope=1.0, by_rate=(0.0, 0.0, 0.0), feeds=NO_FEEDS, state=iterate.supply
+    )
     if not p.supply.ideal:
         error = supply_error(
             base.supply, supply, (swing, boom, stick), ports, (t_1.arm, t_2.arm, t_3.arm), h, p
         )
-    return Trial(
+    return StageEquations(
         swing=swing,
         boom=boom,
         stick=stick,
@@ -156,40 +165,40 @@ def _try(
     )
 
 
-def _try_again(
-    base: PlantState, guess: Guess, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
-) -> Trial:
-    """Return what `_try` does; kept apart when compiled."""
-    return _try(base, guess, ports, h, p)
+def _equations_at_again(
+    base: PlantState, iterate: Iterate, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
+) -> StageEquations:
+    """Return what `_equations_at` does; not inlined."""
+    return _equations_at(base, iterate, ports, h, p)
 
 
-def _correct(
-    guess: Guess, trial: Trial, share: float, bounds: Pair, p: PlantParameters
-) -> tuple[Guess, float, float]:
-    """Return the guess after a share of Newton's correction, its size, and the supply's change [rad/s; Pa].
+def _newton_step(
+    iterate: Iterate, equations: StageEquations, share: float, bounds: Pair, p: PlantParameters
+) -> tuple[Iterate, float, float]:
+    """Return the iterate after a share of Newton's correction, its size, and the supply's change [rad/s; Pa].
 
     Where that change would leave the bounds, they are halved instead.
     """
-    c, d = solve(trial.matrix, trial.residual, trial.head_residual)
+    c, d = solve(equations.matrix, equations.residual, equations.head_residual)
     pressure = change = 0.0
     if not p.supply.ideal:
-        s = trial.supply
+        s = equations.supply
         b = s.by_rate
-        z, y = solve(trial.matrix, b, (0.0, 0.0))
+        z, y = solve(equations.matrix, b, (0.0, 0.0))
         pressure = (s.residual - b[0] * c[0] - b[1] * c[1] - b[2] * c[2]) / (
             s.slope + b[0] * z[0] + b[1] * z[1] + b[2] * z[2]
         )
         change = -pressure
-        here = guess.supply.pressure
+        here = iterate.supply.pressure
         middle = 0.5 * (bounds[0] + bounds[1])
         if math.isfinite(middle) and not bounds[0] < here - pressure < bounds[1]:
             pressure = here - middle
         c = c[0] + z[0] * pressure, c[1] + z[1] * pressure, c[2] + z[2] * pressure
         d = d[0] + y[0] * pressure, d[1] + y[1] * pressure
-    u, w = guess.rates, guess.head_rates
-    after = Guess(
+    u, w = iterate.rates, iterate.head_rates
+    after = Iterate(
         (u[0] - share * c[0], u[1] - share * c[1], u[2] - share * c[2]),
         (w[0] - share * d[0], w[1] - share * d[1]),
-        SupplyState(guess.supply.pressure - share * pressure, trial.supply.state.reference),
+        SupplyState(iterate.supply.pressure - share * pressure, equations.supply.state.reference),
     )
     return after, max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1])), change

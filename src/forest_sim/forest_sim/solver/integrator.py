@@ -1,10 +1,12 @@
 """One time step of the plant, through shut valves and water hammer alike.
 
-An L-stable, stiffly accurate, two-stage SDIRK of order 2 (gamma = 1 - 1/sqrt 2): each stage solves Y = y +
-step f(Y) for the f of `plant.state_derivative` (`stage.solve_stage`). A stage's derivative is read off its
-increment, (Y - y)/step, never from f: f has no value when an orifice shuts on a flow.
+An L-stable, stiffly accurate, two-stage SDIRK of order 2 (gamma = 1 - 1/sqrt 2): each stage solves
+Y = y + step f(Y) for the f of `plant.state_derivative` (`implicit_stage.solve_stage`). A stage's
+derivative is read off its increment, (Y - y)/step, never from f: f has no value when an orifice
+shuts on a flow.
 
-The step assumes that commands stand still over it. The spools' lags are linear and are advanced exactly.
+The step assumes that commands stand still over it. The spools' lags are linear and are advanced
+exactly.
 """
 
 import math

@@ -6,7 +6,8 @@
 | M | mass matrix: the crane's 3x3 block, the head's diagonal 2x2 block, 3x2 in between | kg m^2 |
 | bias | V + G, less the outer force's torques, less the head joint's damping | N m |
 
-Without a hanging head the swing is on its own (M_12 = M_13 = 0), and its equations stay as short as that.
+Without a hanging head the swing is on its own (M_12 = M_13 = 0), and its equations stay as short as
+that.
 """
 
 from typing import NamedTuple

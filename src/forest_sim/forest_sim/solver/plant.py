@@ -1,16 +1,17 @@
 """The machine's equations of motion, Thesis eq. 3.20 and App. B, for both directions of every valve.
 
-State, in Appendix B's order, for swing, boom and stick in turn: joint angle [rad], joint rate [rad/s],
-pressure in hose 1 and in hose 2 [Pa], flow through hose 1 from the valve and through hose 2 to the valve
-[m^3/s]. A real pump adds the pressure in its manifold, a hanging head its two angles and their rates.
+State, in Appendix B's order, for swing, boom and stick in turn: joint angle [rad], joint rate
+[rad/s], pressure in hose 1 and in hose 2 [Pa], flow through hose 1 from the valve and through hose
+2 to the valve [m^3/s]. A real pump adds the pressure in its manifold, a hanging head its two angles
+and their rates.
 
-A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only case); a
-negative one the reverse. Tank is zero pressure. Actuator coordinates are the swing angle and the two
-cylinders' lengths.
+A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only
+case); a negative one the reverse. Tank is zero pressure. Actuator coordinates are the swing angle
+and the two cylinders' lengths.
 
-The laws of the parts live in `line`, `actuator`, `supply`, `mechanics`, `friction` and `end_stop`; here they
-are put together. Everything in this module is pure and stays in the subset of Python that `translate` makes
-machine code of.
+The laws of the parts live in `hydraulic_line`, `actuator`, `supply`, `multibody`, `friction` and
+`end_stop`; here they are put together. Everything in this module is pure and stays in the subset of
+Python that `translate` makes machine code of.
 """
 
 import math
@@ -256,7 +257,8 @@ def thesis_state_derivative(x: ArrayLike, c_r: ArrayLike, p_s: float, machine: M
         xdot, shape (18,), in x's units per second.
 
     Raises:
-        ValueError: wrong shape, or a value that is not finite (c_r may be inf where the flow is zero).
+        ValueError: wrong shape, or a value that is not finite (c_r may be inf where the flow is
+            zero).
     """
     resistances = np.asarray(c_r, dtype=np.float64)
     if resistances.shape != (6,) or not np.all(resistances >= 0.0):

@@ -1,8 +1,8 @@
 """The machine code of the plant's steps: what it is made of, and where it is kept.
 
-The laws stay ordinary Python; here, and only here, they are handed to a compiler. Making the machine code
-takes some two seconds (`python -m forest_sim.compiled`). Loading it (`forest_compile.kernel_cache`) takes
-some milliseconds. `compiled_plant` calls it.
+The laws stay ordinary Python; here, and only here, they are handed to a compiler. Making the
+machine code takes some two seconds (`python -m forest_sim.compiled`). Loading it
+(`forest_compile.kernel_cache`) takes some milliseconds. `compiled_plant` calls it.
 """
 
 from functools import lru_cache
@@ -14,21 +14,21 @@ from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
 from forest_sim.hydraulics import port, spool_dynamics
 from forest_sim.mechanics import pendulum
-from forest_sim.solver import implicit_stage, integrator, plant, power
+from forest_sim.solver import implicit_stage, integrator, plant, power_flows
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 
-# What is seldom called, or only with the energy account: written out, it would make the whole larger.
+# What is seldom called, or only with the energy account: inlined, it would make the whole larger.
 NOINLINE = (
     port._two_edges,
     pendulum.pendulum_dynamics,
     spool_dynamics._second_order,
     valve_characteristic._curved_opening,
-    implicit_stage._solve_further,
-    implicit_stage._try_again,
-    power.power_flows,
-    power._axis_power,
+    implicit_stage._iterate_further,
+    implicit_stage._equations_at_again,
+    power_flows.power_flows,
+    power_flows._axis_power,
     plant._axis_derivative,
 )
 # state, voltages and their stride, length and count of each row's steps and their stride, rows, recorded (0:
@@ -40,8 +40,8 @@ NAMES = "state, voltages, stride, steps, counts, schedules, rows, recorded, para
 def entry() -> Entry:
     """Return what the kernel is made of: it steps a machine that lies flat, and records it if asked to."""
     simulation, p = example()
-    none = power.power_flows(simulation, p)
-    names = {"step": integrator.step, "power_flows": power.power_flows, "NOTHING": none}
+    none = power_flows.power_flows(simulation, p)
+    names = {"step": integrator.step, "power_flows": power_flows.power_flows, "NOTHING": none}
     state = [path for path, _ in flat_layout.leaves(simulation, "simulation")]
     flows = [path for path, _ in flat_layout.leaves(none, "")]
     lines = [
@@ -67,9 +67,11 @@ def entry() -> Entry:
         *(f"    state[{i}] = {path}" for i, path in enumerate(state)),
     ]
     return Entry(
-        *("\n".join(lines), names, ARGUMENTS),
-        {"simulation": ("state", simulation), "p": ("parameters", p)},
-        NOINLINE,
+        text="\n".join(lines),
+        names=names,
+        arguments=ARGUMENTS,
+        tuples={"simulation": ("state", simulation), "p": ("parameters", p)},
+        noinline=NOINLINE,
     )
 
 

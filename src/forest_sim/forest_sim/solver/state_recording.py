@@ -1,7 +1,7 @@
 """Steps with a record: the state after every period, and the energy that passed through every part within it.
 
-`compiled_plant` has the same as machine code; without llvmlite `record` is interpreted. The power flows of
-`power` are integrated over the integrator's own steps with the trapezoidal rule.
+`compiled_plant` has the same as machine code; without llvmlite `record` is interpreted. The power
+flows of `power_flows` are integrated over the integrator's own steps with the trapezoidal rule.
 
 | array | shape | holds |
 |---|---|---|
@@ -21,7 +21,7 @@ from forest_sim.solver.integrator import Events, Simulation, step
 from forest_sim.solver.multibody import HANGING_STILL, HeadState
 from forest_sim.solver.plant import AxisState, PlantState
 from forest_sim.solver.plant_parameters import PlantParameters
-from forest_sim.solver.power import AxisPower, SupplyPower, power_flows
+from forest_sim.solver.power_flows import AxisPower, SupplyPower, power_flows
 from forest_sim.solver.step_schedule import StepSchedule, schedule_of
 
 STATE = (
@@ -48,7 +48,8 @@ def record(
 ) -> Simulation:
     """Advance the machine by one step for each row of voltages; fill `states` and `energies`.
 
-    Without an array for them the energies, which take as long as the steps themselves, are left out.
+    Without an array for them the energies, which take as long as the steps themselves, are left
+    out.
     """
     schedule = schedule_of(schedule, len(states), len(voltages))
     after_row = np.cumsum(schedule.counts).astype(int).tolist()

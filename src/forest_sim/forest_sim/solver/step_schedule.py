@@ -1,9 +1,10 @@
 """How finely a machine is stepped: long steps mostly, short ones after a command has jumped.
 
-What an even step of 1 ms gets wrong is the ring of the hoses (91 Hz) after a jump of a spool; elsewhere the
-motion is slow, and steps of 1.67 ms do as well. On the work of `benchmarks/`, 12 400 steps so spent leave
-3.3e-6 rad and 0.028 MPa, 20 000 even ones 7.2e-6 rad and 0.036 MPa. The jumps are those of the commands: what
-else makes hoses ring, a piston on its stop or a relief valve that opens, meets the long steps.
+What an even step of 1 ms gets wrong is the ring of the hoses (91 Hz) after a jump of a spool;
+elsewhere the motion is slow, and steps of 1.67 ms do as well. On the work of `benchmarks/`, 12 400
+steps so spent leave 3.3e-6 rad and 0.028 MPa, 20 000 even ones 7.2e-6 rad and 0.036 MPa. The jumps
+are those of the commands: what else makes hoses ring, a piston on its stop or a relief valve that
+opens, meets the long steps.
 """
 
 import math

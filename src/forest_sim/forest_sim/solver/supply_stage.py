@@ -35,7 +35,7 @@ class SupplyError(NamedTuple):
     slope: float  # by P_s [m^3/Pa]
     by_rate: Vec3  # by the joint rates [m^3 s], which is also -d(residual of the joints)/dP_s
     feeds: tuple[Pair, Pair, Pair]  # d(flow into hose 1, 2)/dP_s of swing, boom, stick [m^3/(s Pa)]
-    state: SupplyState  # P_s [Pa] of the guess, and the P_r that follows from it
+    state: SupplyState  # P_s [Pa] of the iterate, and the P_r that follows from it
 
 
 def supply_error(
@@ -47,7 +47,7 @@ def supply_error(
     h: float,
     p: PlantParameters,
 ) -> SupplyError:
-    """Return the manifold's equation, C (P_s - base) = h (delivered - drawn), at a guess."""
+    """Return the manifold's equation, C (P_s - base) = h (delivered - drawn), at an iterate."""
     one = _axis_draw(axes[0], ports[0], supply, p.swing, h)
     two = _axis_draw(axes[1], ports[1], supply, p.boom, h)
     three = _axis_draw(axes[2], ports[2], supply, p.stick, h)
@@ -73,14 +73,21 @@ def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, a: Axis, h: floa
         sensed_load(axis.one.port_pressure, ports.port_1), sensed_load(axis.two.port_pressure, ports.port_2)
     )
     feeds = one.feed, two.feed
-    return AxisDraw(one.draw + two.draw, one.conductance + two.conductance, gain, load, feeds)
+    return AxisDraw(
+        flow=one.draw + two.draw,
+        conductance=one.conductance + two.conductance,
+        gain=gain,
+        load=load,
+        feeds=feeds,
+    )
 
 
 def tightened_bounds(bounds: Pair, pressure: float, change: float) -> Pair:
     """Return the bounds of the supply's pressure after Newton has pointed up or down from one [Pa].
 
-    Its equation rises with the pressure, but with the kinks of a pump's characteristic, across which Newton
-    alone may jump to and fro. The rates move meanwhile: bounds that have closed on nothing are dropped.
+    Its equation rises with the pressure, but with the kinks of a pump's characteristic, across
+    which Newton alone may jump to and fro. The rates move meanwhile: bounds that have closed on
+    nothing are dropped.
     """
     low, high = (pressure, bounds[1]) if change > 0.0 else (bounds[0], pressure)
     return (low, high) if high - low > SUPPLY_TOLERANCE else UNBOUNDED

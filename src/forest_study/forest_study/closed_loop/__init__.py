@@ -1,1 +1,8 @@
-"""Machine, controller and driver in one loop without ROS, interpreted or compiled."""
+"""Machine, guarded controller and driver in one loop without ROS, interpreted or compiled.
+
+- `closed_loop`: The loop, interpreted, with links and late answers around the cores.
+- `link_model`: Transport: links that delay, jitter and lose, and reports as they come in lockstep.
+- `loop_core`: One period in numbers alone, for machine code.
+- `loop_kernel`: That as machine code, for thousands of runs.
+- `model_mismatch`: Machines that differ from what the controller believes.
+"""

@@ -5,7 +5,8 @@ the voltages act over the next one. Before the first report a period passes unde
 is the node's, guard included: joystick watch and interpolation, order and age of states, sensor checks. A
 session begins with the deadman held and the levers centred, so that the first deflection counts.
 
-Sensors are exact unless a suite is given. The driver takes the nominal load while a pressure has no reading.
+Sensors are exact unless a suite is given. Without noise a joint that stands reads the same number again, so
+such resolvers are not taken for frozen. The driver takes the nominal load while a pressure has no reading.
 Links between the cores (`link_model`) may delay, jitter and lose what passes. A joystick, a state or a
 command that is older than its timeout, by arrival, means zero.
 """
@@ -24,7 +25,6 @@ from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import (
     MachineState,
-    PermissionParameters,
     Verdict,
     armed_watch,
 )
@@ -43,7 +43,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop.link_model import Link, Quality, Reports, reported
-from forest_study.closed_loop.loop_core import PERIOD_NS, SUBSTEPS, Happened, Seen, driver_inputs
+from forest_study.closed_loop.loop_core import PERIOD_NS, SUBSTEPS, Happened, driver_inputs, guard_of, sample
 
 COMMAND_TIMEOUT = 0.1  # [s] as the valve driver's default
 
@@ -173,7 +173,7 @@ class ClosedLoop:
         self._suite, self._generator = suite, noise_generator(suite)
         self._sensors = sensor_readings.at_rest(rest, p, suite)
         self._simulation, self._advance = until_first_report(rest, p), compiled_advance()
-        self.controller = GuardedController(control, PermissionParameters())
+        self.controller = GuardedController(control, guard_of(suite))
         self.controller.permission.joystick = armed_watch()
         self._driver, self._reports, self._reference = valve_driver.REST, Reports(), ZERO
         self._joystick: Link[Sample] = Link(ways.joystick, 3 * ways.seed)
@@ -197,8 +197,8 @@ class ClosedLoop:
         self._states.send(heard, ((self._count + 1) * PERIOD_NS, seen))
         self._control(heard)
         command = self._command(heard)
-        volts = self._in_force(command, _seen(seen))
-        self._reports = reported(self._reports, learnt_reach(self._driver.learners, self._drive.axes))
+        volts = self._in_force(command, seen)
+        self._reports = reported(self._reports, learnt_reach(self._driver.estimates, self._drive.axes))
         self._simulation = self._advance(self._simulation, volts, PERIOD / SUBSTEPS, SUBSTEPS, p)
         self._count += 1
         return Happened(
@@ -213,23 +213,11 @@ class ClosedLoop:
     def _hear(self, joystick: Joystick, now: float) -> None:
         """Have the controller hear what has come of the joystick."""
         if isinstance(joystick, Operator):
-            number = self._count + 1
-            self._joystick.send(
-                now,
-                Sample(
-                    received=now,
-                    stamp=number * PERIOD_NS,
-                    heartbeat=number,
-                    same=False,
-                    good=True,
-                    levers=joystick.levers,
-                    held=joystick.enabled,
-                ),
-            )
+            self._joystick.send(now, sample(joystick.levers, joystick.enabled, self._count))
             joystick = None
-        arrived = [sample._replace(received=now) for sample in self._joystick.arrived(now)]
-        for sample in (*arrived, *(joystick or ())):
-            self.controller.permission.hear(sample)
+        arrived = [one._replace(received=now) for one in self._joystick.arrived(now)]
+        for one in (*arrived, *(joystick or ())):
+            self.controller.permission.hear(one)
 
     def _control(self, now: float) -> None:
         """Have the controller answer the states that have arrived, or their absence."""
@@ -241,7 +229,7 @@ class ClosedLoop:
             decision, telemetry = self.controller.advance(machine, valves, now, cylinders)
             if decision.verdict != Verdict.SKIP:
                 self._commands.send(now, (now, self.controller.command))
-                self._reference = telemetry.output.tip_wish if telemetry else ZERO
+                self._reference = telemetry.output.tip_reference if telemetry else ZERO
         if self.controller.stops_without_state(now):
             self._commands.send(now, (now, ZERO))
             self._reference = ZERO
@@ -253,7 +241,7 @@ class ClosedLoop:
                 self._newest, self._command_received = command, now
         return self._newest[1] if now - self._command_received <= COMMAND_TIMEOUT else ZERO
 
-    def _in_force(self, command: Vec3, seen: Seen) -> Vec3:
+    def _in_force(self, command: Vec3, seen: Measurement) -> Vec3:
         """Return the voltages under which the machine moves over this period; a held-up driver's last."""
         self._waiting.append(command)
         self._held += 1
@@ -261,14 +249,8 @@ class ClosedLoop:
         while len(self._waiting) > behind:
             pressures, motion = driver_inputs(seen, self._drive.idle_pressure)
             command, dt = self._waiting.pop(0), self._held * PERIOD
-            self._driver, self._volts = valve_driver.step_seen(
+            self._driver, self._volts = valve_driver.step_measured(
                 self._driver, command, pressures, motion, self._drive, dt
             )
             self._held = 0
         return self._volts
-
-
-def _seen(m: Measurement) -> Seen:
-    """Return what the driver hears of a measurement."""
-    cylinders = m.actuators.position[1], m.actuators.position[2]
-    return Seen(m.joints.position, m.joints.speed, cylinders, m.pressures, m.supply_pressure)

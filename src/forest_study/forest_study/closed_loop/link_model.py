@@ -15,7 +15,7 @@ from typing import Annotated, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from forest_control.valve.tracking_limit import FULL, SAID_EVERY, Reach
+from forest_control.valve.tracking_limit import FULL, STATUS_EVERY, Reach
 from forest_msgs_py.runtime.parameter_table import Parameter, table_rows
 
 T = TypeVar("T")
@@ -101,9 +101,9 @@ class Reports(NamedTuple):
 def reported(r: Reports, now: Reach) -> Reports:
     """Return the reports after another step of the driver, by which it knows its reach.
 
-    It says it every `SAID_EVERY` steps, and in lockstep two such spans later that is heard.
+    It says it every `STATUS_EVERY` steps, and in lockstep two such spans later that is heard.
     """
-    step = (r.step + 1) % SAID_EVERY
+    step = (r.step + 1) % STATUS_EVERY
     if step == 1:
         return Reports(r.reach, r.older, now, step)
     return Reports(r.older, r.newer, r.newer, step) if step == 0 else Reports(r.reach, r.older, r.newer, step)

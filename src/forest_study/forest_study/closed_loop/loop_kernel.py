@@ -21,22 +21,15 @@ from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
 from forest_sim.sensors import sensor_readings, sensor_suite
-from forest_sim.sensors.sensor_suite import CHANNELS, Suite, noise_generator
+from forest_sim.sensors.sensor_readings import CHANNEL_COUNT, NOMINAL, Sensors
+from forest_sim.sensors.sensor_suite import Suite, noise_generator
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop import closed_loop, loop_core
 from forest_study.closed_loop.closed_loop import Joystick, Operator, Trajectory
 from forest_study.closed_loop.link_model import Reports
-from forest_study.closed_loop.loop_core import (
-    CHANNEL_COUNT,
-    Guarded,
-    Happened,
-    Knowledge,
-    Loop,
-    Senses,
-    Sensing,
-)
+from forest_study.closed_loop.loop_core import Guarded, Happened, Knowledge, Loop
 
 # What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
 NOINLINE = (*plant_kernel.NOINLINE, *control_compiled.NOINLINE)
@@ -132,7 +125,7 @@ def prepared(
     if table.ndim != 2 or table.shape[1] != 4:
         raise ValueError(f"levers have shape {table.shape}; allowed: a row of 4 a period")
     k = knowledge(machine, machine if model is None else model, control, drive, suite)
-    k = k if plant is None else k._replace(plant=plant)
+    k = k if plant is None else k._replace(sensors=k.sensors._replace(plant=plant))
     loop = begin(k, start, suite)
     state, flat_k = _pack("loop", loop), _pack("knowledge", k)
     return Prepared(state, flat_k, table, draws(suite, len(table)))
@@ -147,34 +140,34 @@ def knowledge(
 ) -> Knowledge:
     """Return all that stays in a run."""
     return Knowledge(
-        plant_parameters(machine),
-        machine.manipulator.links,
-        Sensing(suite.channels[:CHANNEL_COUNT], suite.period),
-        control_settings.parameters(model, control),
-        valve_driver.parameters(model, drive),
+        sensors=Sensors(plant_parameters(machine), suite.channels, suite.period, NOMINAL),
+        links=machine.manipulator.links,
+        control=control_settings.parameters(model, control),
+        drive=valve_driver.parameters(model, drive),
+        guard=loop_core.guard_of(suite),
     )
 
 
 def begin(k: Knowledge, start: Vec3, suite: Suite) -> Loop:
     """Return the loop as it first reports, having been at rest at joint angles [rad]."""
-    simulation = equilibrium(start, k.plant)
-    seen = sensor_readings.at_rest(simulation, k.plant, suite)
-    one, two, three, *_ = seen.estimates
-    senses = Senses(seen.channels[:CHANNEL_COUNT], (one, two, three), seen.time, seen.next_sample)
-    simulation = closed_loop.until_first_report(simulation, k.plant)
-    return Loop(simulation, senses, Guarded(), valve_driver.REST, Reports())
+    rest = equilibrium(start, k.sensors.plant)
+    sensors = sensor_readings.at_rest(rest, k.sensors.plant, suite)
+    simulation = closed_loop.until_first_report(rest, k.sensors.plant)
+    return Loop(
+        simulation=simulation, sensors=sensors, control=Guarded(), drive=valve_driver.REST, reports=Reports()
+    )
 
 
 def draws(suite: Suite, rows: int) -> Floats:
     """Return the noise of a run [rows, channels]: what `sensor_suite.draw` would draw row by row."""
     if not any(channel.noise for channel in suite.channels):
         return np.zeros((rows, CHANNEL_COUNT))
-    generator, normals = noise_generator(suite), np.empty((rows, len(CHANNELS)))
-    unused = np.empty(len(CHANNELS))
+    generator, normals = noise_generator(suite), np.empty((rows, CHANNEL_COUNT))
+    unused = np.empty(CHANNEL_COUNT)
     for row in normals:
         generator.standard_normal(out=row)
         generator.random(out=unused)
-    return np.ascontiguousarray(normals[:, :CHANNEL_COUNT])
+    return normals
 
 
 def _pack(kind: str, value: Loop | Knowledge) -> Floats:
@@ -193,7 +186,15 @@ def entry() -> Entry:
     names: dict[str, Any] = {"period": loop_core.period, "Levers": levers.Levers}
     after = [path for path, _ in flat_layout.leaves(loop, "after")]
     zero = (0.0, 0.0, 0.0)
-    out = [p for p, _ in flat_layout.leaves(Happened(zero, zero, zero, zero, zero, (0.0,) * 12), "happened")]
+    out = [
+        p
+        for p, _ in flat_layout.leaves(
+            Happened(
+                angles=zero, tip=zero, tip_wish=zero, command=zero, voltages=zero, pressures=(0.0,) * 12
+            ),
+            "happened",
+        )
+    ]
     lines = [
         "def kernel(state, knowledge, levers, normals, recorded, rows):",
         "    for row in range(rows):",
@@ -204,7 +205,8 @@ def entry() -> Entry:
         *(f"        state[{i}] = {path}" for i, path in enumerate(after)),
         *(f"        recorded[{RECORDED} * row + {i}] = {path}" for i, path in enumerate(out)),
     ]
-    return Entry("\n".join(lines), names, ARGUMENTS, {"k": ("knowledge", k)}, NOINLINE)
+    tuples = {"k": ("knowledge", k)}
+    return Entry(text="\n".join(lines), names=names, arguments=ARGUMENTS, tuples=tuples, noinline=NOINLINE)
 
 
 @lru_cache(maxsize=1)

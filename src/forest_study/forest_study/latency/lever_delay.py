@@ -97,7 +97,7 @@ def _read_ns(bag: Bag) -> Times:
             continue
         levers = levers_from_axes(tuple(joy.values[newest[k]].tolist()))
         times = (int(said[newest[k]]) - begun) * 1e-9, (int(sent[k]) - begun) * 1e-9
-        hold = joystick_interpolation.advanced(hold, levers, *times, float(steps[k]))
+        hold = joystick_interpolation.interpolated(hold, levers, *times, float(steps[k]))
         found.append(begun + round(hold.at * 1e9))
     return np.array(found, dtype=np.int64)
 

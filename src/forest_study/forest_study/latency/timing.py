@@ -86,7 +86,8 @@ def replayed(session: Session, timing: Timing, machine: Machine) -> Trajectory:
         return [_sample(session, timing.said[n], n, session.armed[k]) for n in range(before, heard)]
 
     settings, drive = control_settings.Settings(), valve_driver.Settings()
-    duration, late = len(session.armed) * PERIOD, Lateness(timing.behind, timing.late)
+    duration = len(session.armed) * PERIOD
+    late = Lateness(timing.behind, timing.late if timing.said else ())
     return run_loop(machine, joystick, duration, session.start, settings, drive, late=late)
 
 

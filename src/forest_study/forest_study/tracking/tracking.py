@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_control.config import settings as control_settings
-from forest_control.limits.velocity_scaling import govern
+from forest_control.limits.velocity_scaling import velocity_scaling
 from forest_control.operator.levers import levers_for_tip_velocity
-from forest_control.pipeline.motion_limits import governor_at
+from forest_control.pipeline.motion_limits import velocity_limits_at
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver
@@ -177,7 +177,7 @@ def _limit(place: Vec3, along: Vec3, path: TipPath, p: control_settings.Paramete
 def _allowed(angles: Vec3, along: Vec3, p: control_settings.Parameters) -> float:
     fast = 100.0  # [m/s] more than any limit: what the governor leaves of it is the limit
     rates = joint_rates(angles, (fast * along[0], fast * along[1], fast * along[2]), p.links)
-    return fast * govern(angles, rates, governor_at(angles, rates, p)).factor
+    return fast * velocity_scaling(angles, rates, velocity_limits_at(angles, rates, p)).factor
 
 
 def _angles(place: Vec3, path: TipPath, machine: Machine) -> Vec3:

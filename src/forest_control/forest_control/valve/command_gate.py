@@ -1,0 +1,76 @@
+"""Whether a command reaches the valves: what the valve driver's node does with each of them.
+
+| what happens | verdict |
+|---|---|
+| the command is older than the timeout when it is read: left over from a stall | SKIP |
+| it is not zero, and its stamp stands still or goes back | REFUSE |
+| it cannot be read | CENTRE |
+| the emergency stop is pressed | CENTRE |
+| no command for the timeout (`is_lost`) | CENTRE |
+| none of these | STEP |
+"""
+
+import math
+from collections.abc import Callable
+from enum import IntEnum
+from typing import NamedTuple
+
+from forest_description.types import ZERO, Vec3
+from forest_msgs_py.runtime.stamp_order import StampOrder
+
+PRESSED = "emergency stop pressed"
+NOT_ZERO = "a command is not zero; release the deadman"
+
+
+class Verdict(IntEnum):
+    """What the driver does."""
+
+    SKIP = 0  # the command counts for nothing
+    REFUSE = 1  # nor does it, but /diagnostics tells why
+    CENTRE = 2  # zero voltage at once
+    STEP = 3  # the driver steps with the command
+
+
+class Command(NamedTuple):
+    """A message on /valve_commands."""
+
+    values: Vec3  # [V] of ideal valves
+    stamp: int  # [ns]
+    sent: float  # [s] local clock
+    problem: str = ""  # why it cannot be read
+
+
+class CommandGate:
+    """The newest command, and what follows from each.
+
+    Args:
+        timeout: age at which a command is lost [s].
+        now: the local time [s].
+    """
+
+    def __init__(self, timeout: float, now: Callable[[], float]) -> None:
+        self.timeout, self._now = timeout, now
+        self.problem = ""  # of the newest command, in one sentence
+        self._order, self._sent, self._values = StampOrder(timeout), -math.inf, ZERO
+
+    def decide(self, command: Command, pressed: bool) -> Verdict:
+        """Return what follows from a command that was just read; `pressed`: the emergency stop is."""
+        if self._now() - command.sent > self.timeout:
+            return Verdict.SKIP  # `is_lost` acts meanwhile
+        self.problem = command.problem
+        if not self.problem and command.values != ZERO:  # zero counts in any order
+            self.problem = self._order.problem("valve_commands", command.stamp, command.sent)
+            if self.problem:
+                return Verdict.REFUSE  # what is past moves nothing; `is_lost` acts if nothing newer comes
+        if self.problem:
+            return Verdict.CENTRE
+        self._sent, self._values = command.sent, command.values
+        return Verdict.CENTRE if pressed else Verdict.STEP
+
+    def is_lost(self) -> bool:
+        """Tell whether no good command has come for the timeout."""
+        return self._now() - self._sent > self.timeout
+
+    def against_reset(self) -> str:
+        """Return why the emergency stop may not be reset, or ""."""
+        return NOT_ZERO if self._values != ZERO and not self.is_lost() else ""

@@ -1,0 +1,184 @@
+"""What a machine file amounts to: the components it chooses, and figures that tell whether they fit."""
+
+import dataclasses
+import math
+from collections.abc import Iterator
+
+from forest_description.config.parameter import choice_of, fields_of, parameter_of
+from forest_description.derived.actuator_kinematics import rated_speeds
+from forest_description.derived.limits import joint_limits, workspace_limits
+from forest_description.derived.line_bandwidth import one_lump_warnings
+from forest_description.machine import Machine
+from forest_description.types import AXES, Vec3
+from forest_sim.analysis.friction_linearisation import (
+    axes_with_friction,
+    large_heading,
+    small_heading,
+    without_dry_friction,
+)
+from forest_sim.analysis.modes import SHUT, Mode, modes, operating_point, slow_modes, unguarded
+from forest_sim.simulation.open_loop import start_angles
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.plant_parameters import plant_parameters
+
+MPA = 1e6
+GRID = 8  # poses of boom and of stick, less one
+
+
+def components(machine: Machine) -> Iterator[tuple[str, str]]:
+    """Yield every component that a machine could choose otherwise, and what it has: kind, word, or none."""
+    for key, field, value in fields_of(machine):
+        parameter, optional = parameter_of(field), "None" in str(field.type)
+        if key.startswith("sensors.") and key.count(".") > 1:  # what a sensor is like is a table of its own
+            continue
+        if choice_of(field) is not None:
+            yield key, str(value)
+        elif value is None:
+            yield key, "none"
+        elif parameter is not None and optional:
+            yield key, f"{value:g} {parameter.unit}"
+        elif dataclasses.is_dataclass(value) and (optional or hasattr(value, "kind")):
+            yield key, str(getattr(value, "kind", "yes"))
+
+
+def full_speeds(machine: Machine, angles: Vec3) -> dict[str, tuple[float, float]]:
+    """Return the steady joint speeds [rad/s] at a pose, each axis alone at full voltage to both sides."""
+    p = unguarded(plant_parameters(machine))
+    speeds = {}
+    for place, axis in enumerate(AXES):
+        rated = machine.valve_of(place).rated_voltage
+        both = []
+        for sign in (1.0, -1.0):
+            spools = tuple(sign * rated if i == place else 0.0 for i in range(len(AXES)))
+            point = operating_point(angles, (spools[0], spools[1], spools[2]), p)
+            both.append(point.plant.axes[place].rate)
+        speeds[axis] = (both[0], both[1])
+    return speeds
+
+
+def warnings(machine: Machine) -> list[str]:
+    """Return what is allowed but not wise; each a sentence."""
+    p = plant_parameters(machine)
+    found = []
+    for place, name in ((1, "boom"), (2, "stick")):
+        highest, boom, stick = max(_holding_pressures(machine, place))
+        where = f"with the boom at {math.degrees(boom):.0f} and the stick at {math.degrees(stick):.0f} deg"
+        for limit, whose in (
+            (p.supply.set_pressure, "the pump's"),
+            (p.guard.relief_pressure, "the relief valve's"),
+        ):
+            if highest > limit:
+                found.append(
+                    f"{name}: holding the crane still takes {highest / MPA:.1f} MPa {where}, "
+                    f"more than {whose} {limit / MPA:.1f} MPa"
+                )
+    return found + _sensor_warnings(machine) + _inertia_warnings(machine) + _hose_warnings(machine)
+
+
+def _sensor_warnings(machine: Machine) -> list[str]:
+    """Return a sentence for each sensor whose reading ends before what it measures does."""
+    sensors, found = machine.sensors, []
+    if sensors.resolver is not None:
+        half = math.degrees(0.5 * sensors.resolver.full_scale)
+        for axis, limits in zip(AXES, joint_limits(machine), strict=True):
+            low, high = (math.degrees(limit) for limit in limits)
+            if low < -half or high > half:
+                found.append(
+                    f"{axis}: its resolver shows -{half:.0f} .. {half:.0f} deg, the joint goes from "
+                    f"{low:.1f} to {high:.1f} deg: beyond, the reading stands still"
+                )
+    if sensors.linear_transducer is not None:
+        shown = sensors.linear_transducer.full_scale
+        found += [
+            f"{axis}: its linear transducer shows {shown:g} m of a stroke of {drive.stroke:g} m"
+            for axis, drive in (("boom", machine.boom), ("stick", machine.stick))
+            if shown < drive.stroke
+        ]
+    if sensors.pressure is not None and sensors.pressure.full_scale < machine.pump.supply_pressure:
+        found.append(
+            f"the pressure transducers end at {sensors.pressure.full_scale / MPA:.1f} MPa, below the pump's "
+            f"{machine.pump.supply_pressure / MPA:.1f} MPa"
+        )
+    return found
+
+
+def _inertia_warnings(machine: Machine) -> list[str]:
+    """Return a sentence for each link whose mass would have to reach beyond its two ends.
+
+    Between joint and end, l apart, the integral of (x - x_c)^2 dm is at most m x_c (l - x_c).
+    Moments about the joint, taken for those about the centre of mass, exceed that.
+    """
+    m, found = machine.manipulator, []
+    for link, mass, x, length, (xx, yy, zz) in (
+        ("boom", m.boom_mass, m.boom_x, m.boom_length, (m.boom_xx, m.boom_yy, m.boom_zz)),
+        ("stick", m.stick_mass, m.stick_x, m.stick_length, (m.stick_xx, m.stick_yy, m.stick_zz)),
+    ):
+        along, most = 0.5 * (yy + zz - xx), mass * x * (length - x)
+        if along > most > 0.0:
+            found.append(
+                f"{link}_yy, {link}_zz: about its centre of mass, {mass:g} kg within the {link}'s length "
+                f"have at most {most:.4g} kg*m2 along it, not {along:.4g}: are they about the joint?"
+            )
+    return found
+
+
+def _holding_pressures(machine: Machine, place: int) -> Iterator[Vec3]:
+    """Give a resting cylinder's greater pressure [Pa] over the joint limits, with boom and stick angle."""
+    p, (_, boom, stick) = plant_parameters(machine), joint_limits(machine)
+    for q_2 in (boom[0] + (boom[1] - boom[0]) * k / GRID for k in range(GRID + 1)):
+        for q_3 in (stick[0] + (stick[1] - stick[0]) * k / GRID for k in range(GRID + 1)):
+            state = equilibrium((0.0, q_2, q_3), p).plant
+            axis = state.axes[place]
+            yield max(axis.pressure_1, axis.pressure_2), q_2, q_3
+
+
+def _hose_warnings(machine: Machine) -> list[str]:
+    """Return a sentence for each hose that one lump does not describe up to the crane's fastest mode."""
+    p = without_dry_friction(plant_parameters(machine))
+    found = modes(start_angles(machine), SHUT, p)
+    fastest = max((mode.frequency for mode in found if mode.kind == "links on oil"), default=0.0)
+    return one_lump_warnings(machine, fastest)
+
+
+def _oscillation(mode: Mode | None) -> str:
+    """Return a mode in words."""
+    return "no oscillation" if mode is None else f"{mode.frequency:.2f} Hz, damping ratio {mode.damping:.3f}"
+
+
+def report(machine: Machine) -> str:
+    """Return the machine in words and numbers."""
+    angles = start_angles(machine)
+    limits, w = joint_limits(machine), workspace_limits(machine)
+    p = plant_parameters(machine)
+    small = slow_modes(modes(angles, SHUT, p))
+    large = slow_modes(modes(angles, SHUT, without_dry_friction(p)))
+    rubbing = axes_with_friction(p)
+    speeds, rated = full_speeds(machine, angles), rated_speeds(machine)
+    lines = [f"{machine.name}: {machine.description}", "components"]
+    lines += [f"  {name:<24} {what}" for name, what in components(machine)]
+    lines.append("joints")
+    for place, axis in enumerate(AXES):
+        low, high = (math.degrees(limit) for limit in limits[place])
+        plus, minus = speeds[axis]
+        oscillation = _oscillation(small[axis])
+        if axis in rubbing:
+            oscillation = f"{_oscillation(large[axis])} (small: {oscillation})"
+        lines.append(
+            f"  {axis:<6} {low:7.1f} .. {high:6.1f} deg, {plus:+.2f}/{minus:+.2f} rad/s, {oscillation}"
+        )
+    lines.append(
+        f"  speeds at full voltage, oscillations with shut valves; boom at {math.degrees(angles[1]):.1f}, "
+        f"stick at {math.degrees(angles[2]):.1f} deg"
+    )
+    if rubbing:
+        lines += [f"  {small_heading(rubbing)}", f"  {large_heading(rubbing)}"]
+    lines += [
+        "workspace",
+        f"  reach  {w.reach_min:.2f} .. {w.reach_max:.2f} m from the swing axis",
+        f"  height {w.height_min:.2f} .. {w.height_max:.2f} m over the boom pivot",
+        "actuators without load at full voltage",
+        f"  swing {rated[0]:.2f} rad/s, boom {rated[1]:.2f} m/s, stick {rated[2]:.2f} m/s",
+    ]
+    told_warnings = warnings(machine)
+    lines += ["warnings", *(f"  {text}" for text in told_warnings)] if told_warnings else ["no warnings"]
+    return "\n".join(lines)

@@ -1,1 +1,0 @@
-"""Runs without a graph: inputs, disturbances, energy account, records on disk, many runs at once."""

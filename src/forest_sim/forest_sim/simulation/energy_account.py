@@ -1,0 +1,113 @@
+"""The energy account of a run: what the engine gave and where it went. Thesis section 2.2, fig. 2.3.
+
+| entry | is |
+|---|---|
+| engine | work of the shaft |
+| pump | lost in the pump: friction, leakage, main relief valve |
+| throttling | lost in the valves' edges |
+| port_valves | lost over relief and anti-cavitation valves |
+| hoses | lost to the hoses' resistance |
+| leakage | lost in the swing motor |
+| friction | lost to viscous and dry friction and in cushions |
+| stops | taken by the end stops |
+| mechanical | handed to the links, less what they gave back on their way down |
+| stored | in the pressure and the motion of the oil, less what was there at the start |
+
+The recorded flows of `power_flows` close at every instant, so their integrals close whatever the
+states do: their sum tests nothing of a run. `with_stored_energy` therefore computes `stored` from
+the oil's states at both ends. What the account then leaves open, `unaccounted`, is the error of the
+integration.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from forest_description.machine import Line
+from forest_description.types import AXES, Floats
+from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.plant_parameters import PlantParameters
+from forest_sim.solver.state_recording import ENERGY
+
+
+class Account(NamedTuple):
+    """Energies [J], or powers [W]; shape () or [N]."""
+
+    engine: Floats
+    pump: Floats
+    throttling: Floats
+    port_valves: Floats
+    hoses: Floats
+    leakage: Floats
+    friction: Floats
+    stops: Floats
+    mechanical: Floats
+    stored: Floats
+
+
+_PARTS = {
+    "engine": ("pump_engine",),
+    "pump": ("pump_pump_friction", "pump_pump_leakage", "pump_main_relief"),
+    "throttling": ("throttling",),
+    "port_valves": ("port_valves",),
+    "hoses": ("resistance",),
+    "leakage": ("leakage",),
+    "friction": ("damping", "dry_friction", "cushion"),
+    "stops": ("stop",),
+    "mechanical": ("joint",),
+    "stored": ("pump_manifold", "hose"),
+}
+
+
+def dissipated_energy(energies: Floats) -> float:
+    """Return what rows of energies turned into heat [J]: all but work on the links and what is stored."""
+    total = account(np.sum(energies, axis=0))
+    return float(total.engine - total.mechanical - total.stops - total.stored)
+
+
+def account(energies: Floats) -> Account:
+    """Return the account of recorded energies [..., 42], `state_recording.ENERGY`."""
+    parts = {
+        entry: sum(energies[..., place] for name in names for place in _places(name))
+        for entry, names in _PARTS.items()
+    }
+    return Account(**parts)  # type: ignore[arg-type]
+
+
+def _places(name: str) -> list[int]:
+    """Return the columns of a flow: of the pump, or of all three axes."""
+    if name in ENERGY:
+        return [ENERGY.index(name)]
+    return [ENERGY.index(f"{axis}_{name}") for axis in AXES]
+
+
+def with_stored_energy(total: Account, first: Simulation, last: Simulation, p: PlantParameters) -> Account:
+    """Return a run's account with `stored` from the states at both ends instead of by integrated power.
+
+    Args:
+        total: the integrals over the run [J].
+        first: the machine at the start.
+        last: the machine at the end.
+        p: its parameters.
+    """
+    return total._replace(stored=np.asarray(oil_energy(last, p) - oil_energy(first, p)))
+
+
+def unaccounted(total: Account) -> float:
+    """Return what an account leaves open [J]: the engine's work less the sum of all other entries."""
+    return float(total.engine) - float(sum(total[1:]))
+
+
+def oil_energy(simulation: Simulation, p: PlantParameters) -> float:
+    """Return the energy [J] in manifold and hoses, C P^2/2 and I Q^2/2."""
+    plant = simulation.plant
+    supply = 0.0 if p.supply.ideal else 0.5 * p.supply.capacitance * plant.supply.pressure**2
+    return supply + sum(
+        _hose(axis.line_1, state.pressure_1, state.flow_1)
+        + _hose(axis.line_2, state.pressure_2, state.flow_2)
+        for state, axis in zip(plant.axes, p.axes, strict=True)
+    )
+
+
+def _hose(line: Line, pressure: float, flow: float) -> float:
+    return 0.5 * line.capacitance * pressure**2 + 0.5 * line.inertance * flow**2

@@ -1,0 +1,193 @@
+"""A machine driven by given voltages, without a graph: in blocks, so that a day of it fits into memory.
+
+One row per sampling period, at its end, and one for the start. Times are multiples of the period.
+The oil warms from block to block by what the machine loses.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from forest_description.derived.limits import joint_limits, start_tip, workspace_limits
+from forest_description.geometry.kinematics import inverse_kinematics
+from forest_description.machine import Machine
+from forest_description.types import AXES, Floats, Vec3
+from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance, disturbed
+from forest_sim.simulation.energy_account import dissipated_energy
+from forest_sim.simulation.voltage_profiles import Voltages
+from forest_sim.solver import step_schedule
+from forest_sim.solver.compiled_plant import fastest_record
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.oil_temperature import UPDATE_PERIOD, parameters_at, temperature_after
+from forest_sim.solver.plant_parameters import plant_parameters
+from forest_sim.solver.state_recording import ENERGY, STATE, store
+from forest_sim.solver.step_schedule import StepSchedule
+
+BLOCK = UPDATE_PERIOD  # [s]
+LIMIT_TOLERANCE = 1e-9  # [rad]
+
+
+class RunError(ValueError):
+    """A run that cannot be: the message names the value and what is allowed."""
+
+
+class Run(NamedTuple):
+    """How long and how finely a machine is simulated."""
+
+    duration: float  # [s]
+    rate: float = 200.0  # [Hz] of the rows
+    step: float = 1e-3  # [s] of the integrator
+    short_after_jumps: bool = False  # long steps, and short ones after a command jumps (`step_schedule`)
+
+
+class Block(NamedTuple):
+    """Some rows of a run; `state_recording` names the columns of states and energies."""
+
+    time: Floats  # [N] s
+    voltages: Floats  # [N, 3] V, that act from the row's time on
+    states: Floats  # [N, 36]
+    energies: Floats  # [N, 42] J, over the period before the row
+    temperature: Floats  # [N] K, of the oil; NaN for a machine without
+
+
+def start_angles(machine: Machine, tip: Vec3 | None = None) -> Vec3:
+    """Return the joint angles [rad] that put the tip at a place [m]; by default as the simulator node starts.
+
+    Raises:
+        RunError: the crane does not reach it; the message says what it reaches.
+    """
+    if tip is None:
+        tip = start_tip(machine)
+    given = f"tip at ({', '.join(f'{x:g}' for x in tip)}) m"
+    w = workspace_limits(machine)
+    reach = (
+        f"allowed: reach {w.reach_min:.2f} .. {w.reach_max:.2f} m from the swing axis, "
+        f"height {w.height_min:.2f} .. {w.height_max:.2f} m over the boom pivot"
+    )
+    try:
+        angles = inverse_kinematics(tip, machine.manipulator.links)
+    except ValueError as error:
+        raise RunError(f"{given} is out of reach; {reach}") from error
+    try:
+        return require_within_limits(machine, angles)
+    except RunError as error:
+        raise RunError(f"{given} is out of reach: it needs the {error}") from error
+
+
+def require_within_limits(machine: Machine, angles: Vec3) -> Vec3:
+    """Return joint angles [rad] if they lie within the joints' limits.
+
+    Raises:
+        RunError: one does not; the message names it with its limits.
+    """
+    for name, angle, (low, high) in zip(AXES, angles, joint_limits(machine), strict=True):
+        if not low - LIMIT_TOLERANCE <= angle <= high + LIMIT_TOLERANCE:
+            needed, least, most = (f"{math.degrees(a):.1f}" for a in (angle, low, high))
+            raise RunError(f"{name} at {needed} deg, allowed there: {least} .. {most} deg")
+    return angles
+
+
+def substeps(run: Run) -> int:
+    """Return how many steps a period has.
+
+    Raises:
+        RunError: it has no whole number of steps.
+    """
+    count = 1.0 / (run.rate * run.step)
+    if round(count) < 1 or abs(count - round(count)) > 1e-6:
+        raise RunError(
+            f"a step of {run.step:g} s at {run.rate:g} Hz; allowed: steps of which a whole number makes "
+            f"the period, {1.0 / run.rate:g} s"
+        )
+    return round(count)
+
+
+def blocks(
+    machine: Machine,
+    voltages: Voltages,
+    angles: Vec3,
+    run: Run,
+    disturbance: Disturbance = UNDISTURBED,
+) -> Iterator[Block]:
+    """Simulate, and give the rows as they come; the first block is the start alone.
+
+    Args:
+        machine: what is simulated, at rest at the start.
+        voltages: what drives it.
+        angles: joint angles at the start [rad].
+        run: how long and how finely.
+        disturbance: what else acts on it, all the time.
+
+    Raises:
+        RunError: step and rate do not fit.
+    """
+    p, oil = disturbed(plant_parameters(machine), disturbance), machine.oil
+    temperature = math.nan if oil is None else oil.reference_temperature
+    rows = round(run.duration * run.rate)
+    commanded = _short_after_jumps if run.short_after_jumps else _even
+    per_block = max(1, round(BLOCK * run.rate))
+    simulation, advance = equilibrium(angles, p), fastest_record()
+    # Compiled here, so that whoever times the rows times the simulation alone.
+    first = step_schedule.even(run.step, 1, 1)
+    advance(simulation, np.zeros((1, 3)), first, p, np.zeros((1, len(STATE))), np.zeros((1, len(ENERGY))))
+    yield _start(simulation, voltages, temperature)
+    for begin in range(0, rows, per_block):
+        count = min(per_block, rows - begin)
+        given, volts = commanded(voltages, run, begin, count)
+        states, energies = np.zeros((count, len(STATE))), np.zeros((count, len(ENERGY)))
+        simulation = advance(simulation, volts, given, p, states, energies)
+        after = np.arange(begin + 1, begin + count + 1) / run.rate
+        yield Block(
+            time=after,
+            voltages=voltages.at(after),
+            states=states,
+            energies=energies,
+            temperature=np.full(count, temperature),
+        )
+        if oil is not None:
+            time = count / run.rate
+            temperature = temperature_after(temperature, dissipated_energy(energies) / time, oil, time)
+            p = disturbed(parameters_at(machine, temperature), disturbance)
+
+
+def _even(voltages: Voltages, run: Run, begin: int, rows: int) -> tuple[StepSchedule, Floats]:
+    """Return even steps for some rows, and the voltages at their beginnings [V]."""
+    per_row = substeps(run)
+    times = np.arange(begin * per_row, (begin + rows) * per_row) / (per_row * run.rate)
+    return step_schedule.even(run.step, rows, per_row), voltages.at(times)
+
+
+def _short_after_jumps(voltages: Voltages, run: Run, begin: int, rows: int) -> tuple[StepSchedule, Floats]:
+    """Return long and short steps for some rows, and the voltages in their middles [V]."""
+    period = 1.0 / run.rate
+    early = min(begin, step_schedule.ringing_rows(period))  # rows before, whose jumps may still ring
+    count = step_schedule.long_steps(period)
+    even = step_schedule.even(period / count, early + rows, count)
+    table = voltages.at(step_schedule.middles(even, (begin - early) * period))
+    before = voltages.at(np.array([(begin - early) * period - 0.5 * period / count]))[0]
+    jumped = step_schedule.jumps(table, before if begin > early else np.zeros(3), early + rows)
+    whole = step_schedule.after_jumps(jumped, period)
+    kept = StepSchedule(whole.steps[early:], whole.counts[early:])
+    return kept, voltages.at(step_schedule.middles(kept, begin * period))
+
+
+def _start(simulation: Simulation, voltages: Voltages, temperature: float) -> Block:
+    states = np.zeros((1, len(STATE)))
+    store(simulation, states[0])
+    time = np.zeros(1)
+    return Block(
+        time=time,
+        voltages=voltages.at(time),
+        states=states,
+        energies=np.zeros((1, len(ENERGY))),
+        temperature=np.full(1, temperature),
+    )
+
+
+def whole(machine: Machine, voltages: Voltages, angles: Vec3, run: Run) -> Block:
+    """Return a whole run as one block, for runs that fit into memory."""
+    parts = list(blocks(machine, voltages, angles, run))
+    return Block(*(np.concatenate(column) for column in zip(*parts, strict=True)))

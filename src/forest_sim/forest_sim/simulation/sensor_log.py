@@ -1,0 +1,100 @@
+"""What the topics of a graph would carry during a run: the sensors' reports and the simulator's truth.
+
+The one place of offline runs that knows the sensors; columns as
+`forest_msgs_py.serialization.packing.columns` has them.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from forest_description.geometry.kinematics import tip_orientation
+from forest_description.machine import Machine
+from forest_description.types import Floats
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.topics import Topic
+from forest_sim.sensors import sensor_readings
+from forest_sim.sensors.sensor_readings import Report
+from forest_sim.sensors.sensor_run import SensorRun
+from forest_sim.sensors.sensor_suite import Fault, sensor_suite
+from forest_sim.sensors.signal_processing import Motion
+from forest_sim.simulation.open_loop import Block
+from forest_sim.solver.integrator import Events, Simulation
+from forest_sim.solver.oil_temperature import parameters_at
+from forest_sim.solver.plant_parameters import plant_parameters
+from forest_sim.solver.state_recording import restore
+
+TopicTables = dict[Topic, Floats]
+TopicValues = dict[Topic, tuple[float, ...]]
+
+SIMULATED_TOPICS = tuple(t for t in topics.TOPICS if "simulator" in t.publishers and t.labels)
+"""What the simulator publishes as numbers; `topic_values` gives them."""
+LOGGED_TOPICS = (*SIMULATED_TOPICS, topics.VALVE_VOLTAGES)
+
+
+class Sensing(NamedTuple):
+    """How the sensors work: exact or as the machine file says of them, and what is wrong with them."""
+
+    noise: bool = False
+    seed: int = 0
+    faults: tuple[Fault, ...] = ()
+
+
+EXACT = Sensing()
+
+
+class SensorLog:
+    """Sensors along a run; they remember, so blocks come in order. NaN: there is no reading."""
+
+    def __init__(self, machine: Machine, rate: float, sensing: Sensing = EXACT) -> None:
+        self._machine, self._links = machine, machine.manipulator.links
+        self._plant = plant_parameters(machine)
+        self._period = 1.0 / rate
+        self._suite = sensor_suite(machine, sensing.noise, sensing.seed, sensing.faults)
+        self._around = sensor_readings.surroundings(machine)
+        self._sensors: SensorRun | None = None
+
+    def observe(self, block: Block) -> TopicTables:
+        """Return the numbers of every topic, one row per row of the block."""
+        temperature = float(block.temperature[0])
+        if math.isfinite(temperature):
+            self._plant = parameters_at(self._machine, temperature)
+            self._around = self._around._replace(temperatures=(temperature,) * 3)
+            if self._sensors is not None:
+                self._sensors.set_plant(self._plant, self._around)
+        rows = [self._sample(restore(row)) for row in block.states]
+        observed = {topic: np.array([row[topic] for row in rows], dtype=np.float64) for topic in rows[0]}
+        return observed | {topics.VALVE_VOLTAGES: block.voltages}
+
+    def _sample(self, simulation: Simulation) -> TopicValues:
+        """Return one row of every topic but the voltages."""
+        if self._sensors is None:
+            self._sensors = SensorRun(simulation, self._plant, self._links, self._suite, self._around)
+        report = self._sensors.sample(simulation, self._period)
+        return topic_values(report, simulation.events)
+
+
+def topic_values(report: Report, events: Events, missed_deadlines: int = 0) -> TopicValues:
+    """Return the numbers of every topic that the machine's sensors and the simulator's truth have.
+
+    In the order in which a node publishes them: the valve driver's inputs stand before
+    /joint_states, which makes the controller step.
+    """
+    seen = report.seen
+    auxiliary = (*seen.spools, seen.case_drain_flow, *seen.temperatures, seen.engine_speed, *seen.tilt)
+    return {
+        topics.PRESSURES: seen.pressures,
+        topics.SUPPLY: (seen.supply_pressure, seen.supply_flow, seen.supply_saturation),
+        topics.ACTUATOR_STATES: _motion(seen.actuators),
+        topics.JOINT_STATES: _motion(seen.joints),
+        topics.FLOWS: seen.flows,
+        topics.AUXILIARY: (*auxiliary, *map(float, events), float(missed_deadlines)),
+        topics.GROUND_TRUTH_JOINT_STATES: _motion(report.joints),
+        topics.GROUND_TRUTH_TIP_POSE: (*report.tip, *tip_orientation(report.joints.position)),
+        topics.GROUND_TRUTH_TIP_TWIST: report.tip_velocity,
+    }
+
+
+def _motion(motion: Motion) -> tuple[float, ...]:
+    return (*motion.position, *motion.speed, *motion.effort)

@@ -1,0 +1,100 @@
+"""A machine that runs on and on: plant, oil and sensors together, one sampling period at a time.
+
+What the simulator node wraps. Faults and the force on the tip may change between two periods.
+"""
+
+from forest_description.machine import Machine
+from forest_description.types import Vec3
+from forest_sim.sensors import sensor_readings
+from forest_sim.sensors.sensor_readings import Report
+from forest_sim.sensors.sensor_run import SensorRun
+from forest_sim.sensors.sensor_suite import Suite
+from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance, disturbed
+from forest_sim.solver.compiled_plant import ready_advance
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.integrator import Events, advance
+from forest_sim.solver.oil_temperature import (
+    UPDATE_PERIOD,
+    dissipated_power,
+    parameters_at,
+    temperature_after,
+)
+from forest_sim.solver.plant_parameters import plant_parameters
+from forest_sim.solver.power_flows import power_flows
+
+STEP = 1e-3  # [s] of the integrator
+LOSS_SAMPLES = 10  # in an update of the oil's temperature
+
+
+class SimulatedMachine:
+    """State of plant, oil and sensors."""
+
+    def __init__(
+        self,
+        machine: Machine,
+        angles: Vec3,
+        suite: Suite,
+        period: float,
+        warms: bool = True,
+        rig: bool = False,
+        run: str = "",
+    ) -> None:
+        """Start at rest at the joint angles [rad].
+
+        Args:
+            machine: what is simulated.
+            angles: [rad].
+            suite: of sensors.
+            period: [s], a whole number of steps.
+            warms: its oil does, if it is described.
+            rig: it is a test rig, see `sensors.Surroundings`.
+            run: name of the run, see `noise_generator`.
+        """
+        self.machine, self._period = machine, period
+        self._substeps = round(period / STEP)
+        compiled = ready_advance()
+        self.is_compiled = compiled is not None
+        self._advance = compiled or advance
+        self._undisturbed = self._plant = plant_parameters(machine)
+        self._disturbance = UNDISTURBED
+        self._simulation = equilibrium(angles, self._plant)
+        self._around = sensor_readings.surroundings(machine)._replace(rig=rig)
+        links = machine.manipulator.links
+        self._sensors = SensorRun(self._simulation, self._plant, links, suite, self._around, run)
+        self._temperature = machine.oil.reference_temperature if machine.oil and warms else None
+        self._losses: list[float] = []
+        self._periods = 0
+
+    @property
+    def events(self) -> Events:
+        """What has been counted since the start."""
+        return self._simulation.events
+
+    def disturb(self, disturbance: Disturbance) -> None:
+        """Let spools be stuck and a force act on the tip, from now on."""
+        self._disturbance = disturbance
+        self._plant = disturbed(self._undisturbed, disturbance)
+        self._sensors.set_plant(self._plant, self._around)
+
+    def step(self, voltages: Vec3) -> Report:
+        """Move on by a period under held voltages [V]; return what the sensors say then, and the truth."""
+        self._simulation = self._advance(self._simulation, voltages, STEP, self._substeps, self._plant)
+        self._periods += 1
+        report = self._sensors.sample(self._simulation, self._period)
+        if self._temperature is not None:
+            self._warm(self._temperature)  # for the periods to come
+        return report
+
+    def _warm(self, temperature: float) -> None:
+        """Sample what the machine loses; every UPDATE_PERIOD the oil is warmer by that."""
+        oil, periods = self.machine.oil, round(UPDATE_PERIOD / self._period)
+        if oil is None or self._periods % (periods // LOSS_SAMPLES) != 0:
+            return
+        self._losses.append(dissipated_power(power_flows(self._simulation, self._plant)))
+        if self._periods % periods == 0:
+            mean = sum(self._losses) / len(self._losses)
+            self._losses.clear()
+            self._temperature = temperature_after(temperature, mean, oil, UPDATE_PERIOD)
+            self._undisturbed = parameters_at(self.machine, self._temperature)
+            self._around = self._around._replace(temperatures=(self._temperature,) * 3)
+            self.disturb(self._disturbance)

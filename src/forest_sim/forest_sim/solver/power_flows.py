@@ -1,0 +1,165 @@
+"""Where the power goes: from the engine's shaft through pump, valves and hoses to the links.
+
+Every entry is a power at one state [W], positive in the direction that its name says. The entries
+of a part
+close: what flows in equals what is lost, stored and handed on. That they do is a test of the laws'
+signs, and their integrals over a run are its energy account.
+
+| part | flows in | lost | stored | handed on |
+|---|---|---|---|---|
+| pump | engine | pump_friction, pump_leakage, main_relief | manifold | supply |
+| valve | supply | throttling | | hose inlets |
+| hose | its inlet | port_valves, resistance | hose | actuator |
+| actuator | | leakage, damping, dry_friction, cushion | stop | joint |
+| links | joint, external | | kinetic and potential energy | |
+"""
+
+from typing import NamedTuple
+
+from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
+from forest_sim.hydraulics.hydraulic_line import flow_rate, guard_flow, pressure_rate
+from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
+from forest_sim.hydraulics.supply import pump_flow
+from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
+from forest_sim.mechanics.friction import friction_force
+from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.plant import (
+    AxisState,
+    Ports,
+    Transmission,
+    axis_draw,
+    joint_torque,
+    ports_at,
+    state_derivative,
+    transmissions,
+)
+from forest_sim.solver.plant_parameters import Axis, PlantParameters
+
+
+class SupplyPower(NamedTuple):
+    """The pump and its manifold [W]."""
+
+    engine: float  # taken from the shaft
+    pump_friction: float
+    pump_leakage: float
+    main_relief: float
+    manifold: float  # stored
+    supply: float  # handed to the axes
+
+
+class AxisPower(NamedTuple):
+    """One axis from its valve to its joint [W]."""
+
+    supply: float  # drawn from the manifold
+    throttling: float  # lost in the valve's edges, leakage past them included
+    inlets: float  # handed to the hoses
+    hose: float  # stored in inertances and capacitances
+    port_valves: float  # lost over relief and anti-cavitation valves
+    resistance: float  # lost in the hoses
+    leakage: float  # lost inside the motor and to its case drain
+    damping: float  # lost to viscous friction
+    dry_friction: float
+    cushion: float
+    stop: float  # stored and lost in the end stop
+    joint: float  # handed to the joint
+
+
+class PowerFlows(NamedTuple):
+    """The whole machine [W]."""
+
+    pump: SupplyPower
+    swing: AxisPower
+    boom: AxisPower
+    stick: AxisPower
+
+
+def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
+    """Return where the power goes at a state. Thesis section 2.2, fig. 2.3."""
+    state, ports = simulation.plant, ports_at(simulation.spools, p)
+    t_1, t_2, t_3 = transmissions(state.swing.angle, state.boom.angle, state.stick.angle, p)
+    pressure = state.supply.pressure
+    swing = _axis_power(state.swing, t_1, ports[0], pressure, p.swing, p)
+    boom = _axis_power(state.boom, t_2, ports[1], pressure, p.boom, p)
+    stick = _axis_power(state.stick, t_3, ports[2], pressure, p.stick, p)
+    drawn = swing.supply + boom.supply + stick.supply
+    if p.supply.ideal:
+        return PowerFlows(
+            SupplyPower(
+                engine=drawn, pump_friction=0.0, pump_leakage=0.0, main_relief=0.0, manifold=0.0, supply=drawn
+            ),
+            swing,
+            boom,
+            stick,
+        )
+    pump = pump_flow(pressure, state.supply.reference, p.supply)
+    hydraulic = pressure * pump.displaced
+    leakage = p.supply.leakage * pressure
+    rate = state_derivative(state, ports, p).supply.pressure
+    return PowerFlows(
+        SupplyPower(
+            engine=hydraulic / p.supply.efficiency,
+            pump_friction=hydraulic / p.supply.efficiency - hydraulic,
+            pump_leakage=pressure * leakage,
+            main_relief=pressure * (pump.displaced - leakage - pump.delivered),
+            manifold=p.supply.capacitance * pressure * rate,
+            supply=drawn,
+        ),
+        swing,
+        boom,
+        stick,
+    )
+
+
+def _axis_power(
+    s: AxisState, t: Transmission, ports: Ports, supply: float, axis: Axis, p: PlantParameters
+) -> AxisPower:
+    a, u = axis.actuator, t.arm * s.rate
+    q_1 = inlet_flow(u, s.pressure_1, s.pressure_2, a)
+    q_2 = outlet_flow(u, s.pressure_1, s.pressure_2, a)
+    p_1, p_2 = port_pressures(u, s.pressure_1, s.pressure_2, a)
+    lost_1, in_1 = _valve(s.pressure_1, s.flow_1, ports.port_1, supply)
+    lost_2, in_2 = _valve(s.pressure_2, -s.flow_2, ports.port_2, supply)
+    return AxisPower(
+        supply=supply * axis_draw(s, ports, supply).flow,
+        throttling=lost_1 + lost_2,
+        inlets=in_1 + in_2,
+        hose=_stored(s.pressure_1, s.flow_1, q_1, ports.port_1, supply, axis, 1, p)
+        + _stored(s.pressure_2, -s.flow_2, -q_2, ports.port_2, supply, axis, 2, p),
+        port_valves=-s.pressure_1 * guard_flow(s.pressure_1, p.guard)
+        - s.pressure_2 * guard_flow(s.pressure_2, p.guard),
+        resistance=(s.pressure_1 - p_1) * q_1 + (p_2 - s.pressure_2) * q_2,
+        leakage=a.internal_leakage * ((p_1 - p_2) * (p_1 - p_2))
+        + a.external_leakage * (p_1 * p_1 + p_2 * p_2),
+        damping=a.damping * u * u,
+        dry_friction=friction_force(u, axis.friction) * u,
+        cushion=cushion_resistance(t.position, u, axis.cushion) * abs(u) * u * u,
+        stop=-end_stop_force(t.position, u, axis.stop) * u,
+        joint=joint_torque(s, t, axis) * s.rate,
+    )
+
+
+def _valve(pressure: float, flow: float, port: Port, supply: float) -> tuple[float, float]:
+    """Return what a port's edges lose and what it hands to its hose [W]."""
+    if is_shut(port):
+        return 0.0, 0.0
+    p = port_pressure(pressure, flow, port, supply)
+    from_supply, to_tank = edge_flows(flow, p, port, supply)
+    return (supply - p) * from_supply + p * to_tank, p * flow
+
+
+def _stored(
+    pressure: float,
+    flow: float,
+    actuator_flow: float,
+    port: Port,
+    supply: float,
+    axis: Axis,
+    number: int,
+    p: PlantParameters,
+) -> float:
+    """Return what a hose's inertance and capacitance take up [W]."""
+    line = axis.line_1 if number == 1 else axis.line_2
+    inertial = line.inertance * flow * flow_rate(pressure, flow, port, supply, line)
+    return inertial + line.capacitance * pressure * pressure_rate(
+        pressure, flow, actuator_flow, line, p.guard
+    )

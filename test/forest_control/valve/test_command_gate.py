@@ -1,0 +1,90 @@
+"""Claims about the driver's gate: which commands reach the valves."""
+
+import math
+
+import pytest
+
+from forest_control.valve.command_gate import Command, CommandGate, Verdict
+
+ASKED, ZERO = (2.0, 0.0, -1.0), (0.0, 0.0, 0.0)
+MS = 1_000_000  # [ns]
+
+
+class Clock:
+    def __init__(self):
+        self.now = 10.0
+
+    def __call__(self):
+        return self.now
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def gate(clock):
+    return CommandGate(0.1, clock)
+
+
+def command(values=ASKED, stamp=5 * MS, age=0.0, problem=""):
+    return Command(values, stamp, 10.0 - age, problem)
+
+
+def test_a_good_command_makes_the_driver_step(gate):
+    assert gate.decide(command(), False) == Verdict.STEP
+    assert gate.problem == ""
+    assert not gate.is_lost()
+
+
+def test_before_the_first_command_it_is_lost(gate):
+    assert gate.is_lost()
+    assert gate.against_reset() == ""
+
+
+@pytest.mark.parametrize(("age", "verdict"), [(0.09, Verdict.STEP), (0.11, Verdict.SKIP)])
+def test_a_command_left_over_from_a_stall_counts_for_nothing(gate, age, verdict):
+    assert gate.decide(command(age=age), False) == verdict
+    assert gate.is_lost() == (verdict == Verdict.SKIP)
+
+
+def test_a_command_is_lost_after_the_timeout(gate, clock):
+    gate.decide(command(), False)
+    clock.now = 10.09
+    assert not gate.is_lost()
+    clock.now = 10.11
+    assert gate.is_lost()
+
+
+@pytest.mark.parametrize(("stamp", "said"), [(5 * MS, "stands still"), (4 * MS, "goes back by 0.001 s")])
+def test_a_command_out_of_order_moves_nothing_and_is_told(gate, stamp, said):
+    gate.decide(command(), False)
+    assert gate.decide(command(stamp=stamp), False) == Verdict.REFUSE
+    assert said in gate.problem
+
+
+def test_zero_counts_in_any_order(gate):
+    gate.decide(command(), False)
+    assert gate.decide(command(ZERO, stamp=4 * MS), False) == Verdict.STEP
+    assert gate.problem == ""
+    assert gate.against_reset() == ""
+
+
+def test_a_command_that_cannot_be_read_centres_and_does_not_count(gate):
+    assert gate.decide(command((), problem="bad"), False) == Verdict.CENTRE
+    assert gate.problem == "bad"
+    assert gate.is_lost()
+    assert (
+        gate.decide(command((math.nan,) * 3, problem=""), False) == Verdict.STEP
+    )  # `step` gives zero for it
+
+
+def test_the_emergency_stop_centres_and_is_not_reset_while_a_command_is_not_zero(gate, clock):
+    assert gate.decide(command(), True) == Verdict.CENTRE
+    assert gate.against_reset() == "a command is not zero; release the deadman"
+    clock.now = 10.11
+    assert gate.against_reset() == ""
+    clock.now = 10.0
+    assert gate.decide(command(ZERO, stamp=6 * MS), True) == Verdict.CENTRE
+    assert gate.against_reset() == ""

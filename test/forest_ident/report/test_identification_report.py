@@ -1,0 +1,47 @@
+"""The page of an identification: its numbers, its text escaped, nothing beside it."""
+
+import re
+
+import pytest
+
+from forest_description.machine import load_machine
+from forest_ident.estimators.calibration import Offset
+from forest_ident.estimators.parameter_estimate import Estimate
+from forest_ident.refinement.result import Result
+from forest_ident.report import identification_report
+
+C180 = load_machine("c180")
+
+
+@pytest.fixture
+def page(tmp_path):
+    key = "valve.deadband_voltage"
+    estimate = Estimate(key, 1.01, 0.01, "V", 12.34, "output error", positive=False)
+    result = Result(C180, C180, {key: estimate})
+    result.linear = [estimate]
+    result.remarks = ["a remark with <b> & more"]
+    result.calibration = [Offset("supply_pressure", 1234.5, 20.0, "Pa")]
+    return identification_report.write(result, tmp_path / "report").read_text("utf-8")
+
+
+def rows(page):
+    """The cells of every row of every table."""
+    return [re.findall(r"<t[dh]>(.*?)</t[dh]>", row) for row in re.findall(r"<tr>(.*?)</tr>", page)]
+
+
+def test_an_estimate_stands_beside_the_start_with_its_interval(page):
+    method = ["12.3", "output error", ""]
+    assert ["valve.deadband_voltage", "1", "1.01", "0.9904 .. 1.0296", "V", *method] in rows(page)
+    assert ["valve.deadband_voltage", "1.01", "0.01", "12.3", "output error"] in rows(page)
+
+
+def test_a_sensor_has_an_offset_and_no_gain_that_was_not_estimated(page):
+    assert ["supply_pressure", "1234 ± 39 Pa", "-"] in rows(page)
+
+
+def test_text_is_escaped_and_missing_records_are_said(page):
+    assert '<p class="warning">a remark with &lt;b&gt; &amp; more</p>' in page
+    assert "hose.inertance: as told; it takes steps of flow" in page
+    assert "Nothing was held out" in page
+    assert "<link" not in page
+    assert "<script" not in page
