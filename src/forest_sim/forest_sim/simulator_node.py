@@ -33,7 +33,7 @@ from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
 from forest_sim.simulation.deadlines import Deadlines
 from forest_sim.simulation.disturbance import parse_disturbance
-from forest_sim.simulation.sensor_log import topic_values
+from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, topic_values
 from forest_sim.simulation.simulator_parameters import SimulatorParameters, simulated_machine
 from forest_sim.simulation.voltage_command import VoltageInput
 
@@ -64,8 +64,7 @@ class SimulatorNode(Node):
             topic: number_publisher(
                 self._node_clock, topic, FRAME if topic.type in FRAMED else "", p.plain_arrays
             )
-            for topic in topics.TOPICS
-            if "simulator" in topic.publishers and topic not in (topics.DIAGNOSTICS, topics.ROBOT_DESCRIPTION)
+            for topic in SIMULATED_TOPICS
         }
         publisher = self._node_clock.publisher(topics.DIAGNOSTICS)
         self._diagnostics = Diagnostics(self, ("voltages", "machine"), "valves centred", publisher)

@@ -15,9 +15,11 @@ from forest_control.servo.schemes import (
     Gains,
     Scheme,
     Signals,
+    closes_on_position,
     joint,
     position_servo,
     scheme_named,
+    servo,
     velocity_servo,
 )
 
@@ -120,6 +122,21 @@ def test_velocity_servo_passes_a_wish_that_is_met():
 
 def test_joint_scheme_passes_the_wish_open_loop():
     assert joint(Signals(0.3, 0.1, 1.0, 0.9, 0.2, 0.1), Gains(0.3, 5.0, 1.0, 5.0, 0.1)) == 0.3
+
+
+MOVING = Signals(a=0.3, b=0.1, r=1.0, s=0.9, v=0.2, w=0.1)
+GAINS = Gains(velocity=0.3, position=5.0, damping=1.0, feedback=5.0, lead_time=0.1)
+
+
+@pytest.mark.parametrize("scheme", list(Scheme)[1:])
+def test_no_scheme_runs_the_open_loop_for_want_of_a_law(scheme):
+    assert servo(scheme, MOVING, GAINS) != joint(MOVING, GAINS)
+
+
+@pytest.mark.parametrize("scheme", Scheme)
+def test_a_scheme_closes_on_position_exactly_if_its_law_hears_the_reference(scheme):
+    further = MOVING._replace(r=MOVING.r + 0.1)
+    assert closes_on_position(scheme) == (servo(scheme, further, GAINS) != servo(scheme, MOVING, GAINS))
 
 
 def test_schemes_have_the_names_that_users_type():

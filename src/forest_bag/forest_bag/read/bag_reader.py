@@ -9,7 +9,7 @@ import contextlib
 import re
 import tempfile
 from bisect import bisect_left
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from operator import itemgetter
 from pathlib import Path
 from types import TracebackType
@@ -24,8 +24,10 @@ from forest_bag.storage.raw_messages import BagFile, Channel, Damaged, Piece, Ra
 from forest_bag.storage.sqlite_reader import SqlitePieces
 from forest_msgs_py.interfaces.yaml_text import parsed
 
-SUFFIXES = (".mcap", ".db3", ".mcap.zstd", ".db3.zstd")
-FILE_KINDS = "a directory of rosbag2's, .mcap, .db3, or one of these with .zstd"
+READERS: dict[str, Callable[[Path, Path], BagFile]] = {".mcap": McapPieces, ".db3": SqlitePieces}
+"""What reads a file, by its suffix; called with the file and its decompressed copy."""
+SUFFIXES = (*READERS, *(f"{suffix}.zstd" for suffix in READERS))
+FILE_KINDS = f"a directory of rosbag2's, {', '.join(READERS)}, or one of these with .zstd"
 _log_time = itemgetter(0)
 
 
@@ -198,9 +200,9 @@ class BagReader:
 
     def _open(self, path: Path) -> None:
         plain = self._without_zstd(path)
-        kind = McapPieces if plain.suffix == ".mcap" else SqlitePieces
+        read = READERS.get(plain.suffix, SqlitePieces)  # metadata.yaml may name a file of any suffix
         try:
-            file: BagFile = kind(path, plain)
+            file = read(path, plain)
         except Damaged as error:
             self._note(str(error))
             return

@@ -8,14 +8,14 @@ from bisect import bisect_right
 from pathlib import Path
 from typing import NamedTuple
 
-from forest_bag.read.bag_reader import BagReader
+from forest_bag.read.bag_reader import READERS, BagReader
 from forest_bag.storage.bag_files import BagError
 from forest_control.operator.joystick_sources import LeverError
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.stamps import stamp_in
 from forest_msgs_py.types import NS_PER_S
 
-SUFFIXES = (".mcap", ".db3", ".zstd")
+SUFFIXES = (*READERS, ".zstd")
 
 
 class JoyRecord(NamedTuple):

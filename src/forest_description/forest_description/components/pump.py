@@ -1,5 +1,9 @@
 """The sorts of pump that a machine may have; their laws are in ``forest_sim.hydraulics.supply``.
 
+A sort of pump is a class below, in the union `Pump`; `forest_sim.hydraulics.supply.supply` makes
+its constants. `identifiable` names the numbers that an identification finds from motions with a
+transducer in the supply.
+
 All but the ideal one deliver into a manifold between pump and valves. Its pressure is a state: it
 settles where what the three axes draw equals what the pump can give.
 """
@@ -16,6 +20,7 @@ class IdealPump(ParameterSet):
     """Source of constant pressure at any flow. Thesis section 3.2.1, fig. 3.4."""
 
     kind: ClassVar[str] = "ideal"
+    identifiable: ClassVar[tuple[str, ...]] = ("supply_pressure",)
 
     supply_pressure: float = parameter("Pa", 1e5, 5e7, "pump pressure P_s, constant")
 
@@ -33,6 +38,8 @@ class IdealPump(ParameterSet):
 @dataclass(frozen=True)
 class _RealPump(ParameterSet):
     """What every real pump has: a shaft with limited power, leakage, friction, a manifold behind it."""
+
+    identifiable: ClassVar[tuple[str, ...]] = ("supply_pressure",)
 
     supply_pressure: float = parameter("Pa", 1e5, 5e7, "pressure that the pump keeps, at no flow")
     count: float = parameter("1", 1.0, 20.0, "number of equal pumps on one manifold")
@@ -108,6 +115,7 @@ class PressureCompensatedPump(_ControlledPump):
     """Constant pressure as far as displacement and engine reach. Thesis section 3.2.1, fig. 3.4."""
 
     kind: ClassVar[str] = "pressure_compensated"
+    identifiable: ClassVar[tuple[str, ...]] = ("supply_pressure", "compensator_band")
 
 
 @dataclass(frozen=True)
@@ -115,6 +123,8 @@ class LoadSensingPump(_ControlledPump):
     """Pressure a margin above the greatest load, reached with a lag. Thesis section 2.2, fig. 2.3."""
 
     kind: ClassVar[str] = "load_sensing"
+    # No experiment loads it up to its greatest pressure.
+    identifiable: ClassVar[tuple[str, ...]] = ("margin", "response_time")
 
     margin: float = parameter("Pa", 1e4, 2e7, "by which the pump stays above the greatest load")
     response_time: float = parameter("s", 1e-3, 10.0, "time constant with which it follows the load")

@@ -15,7 +15,6 @@ Pure: `step` is called with every sample.
 import math
 from typing import NamedTuple
 
-from forest_description.components.pump import LoadSensingPump
 from forest_description.derived.limits import joint_limits
 from forest_description.machine import Machine
 from forest_description.types import AXES, Vec3
@@ -64,13 +63,12 @@ def bounds(plan: Plan, programme: Programme) -> Bounds:
     m, joints = plan.machine, [track is not None and not plan.bench for track in programme.tracks]
     ranges = [_swing(m, programme.tracks[0]), *(cylinder_range(drive, MARGIN) for drive in m.drives[1:])]
     relief = m.port_valves.relief_pressure if m.port_valves is not None else 0.0
-    idle = m.pump.margin if isinstance(m.pump, LoadSensingPump) else m.pump.supply_pressure
     return Bounds(
         driven=(joints[0], joints[1], joints[2]),
         low=(ranges[0][0], ranges[1][0], ranges[2][0]),
         high=(ranges[0][1], ranges[1][1], ranges[2][1]),
         pressure=OVERLOAD * max(m.pump.supply_pressure, relief),
-        supply=STARVED * idle,
+        supply=STARVED * m.pump.idle_pressure,
     )
 
 

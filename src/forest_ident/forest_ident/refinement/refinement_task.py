@@ -13,7 +13,6 @@ Names of unknowns that are no parameters of the machine:
 
 from typing import NamedTuple
 
-from forest_description.components.pump import LoadSensingPump, PressureCompensatedPump
 from forest_description.machine import Machine
 from forest_description.types import AXES
 from forest_ident.experiments import experiment_plan
@@ -43,7 +42,8 @@ def task(machine: Machine, session: Session) -> Task | None:
     """Return what a session's refinement estimates; None for a session that is only checked."""
     axis = _axis(machine, session)
     name, drive = AXES[axis], machine.drives[axis]
-    valve, hose, pump = valve_section(machine, axis), hose_section(machine, axis), _pump_keys(machine)
+    valve, hose = valve_section(machine, axis), hose_section(machine, axis)
+    pump = tuple(f"pump.{key}" for key in machine.pump.identifiable)
     ways = [
         (f"{part}.deadband_voltage", f"{part}.minimum_resistance") for part in (valve, f"{valve}.backward")
     ]
@@ -93,14 +93,6 @@ def _axis(machine: Machine, session: Session) -> int:
     if session.own_axis:
         return AXES.index(session.own_axis)
     return experiment_plan.shared_valve_axis(machine) if session.name == "valve" else 0
-
-
-def _pump_keys(machine: Machine) -> tuple[str, ...]:
-    if isinstance(machine.pump, PressureCompensatedPump):
-        return ("pump.supply_pressure", "pump.compensator_band")
-    if isinstance(machine.pump, LoadSensingPump):  # no experiment loads it up to its greatest pressure
-        return ("pump.margin", "pump.response_time")
-    return ("pump.supply_pressure",)
 
 
 def _spool_keys(machine: Machine, section: str) -> tuple[str, ...]:

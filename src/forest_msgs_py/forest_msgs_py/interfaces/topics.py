@@ -1,9 +1,9 @@
 """The one table of topics: name, type, values with units, rate, publishers and subscribers.
 
-Nodes, recorder, bag reader, plots and ``docs/topics.md`` are made from this table; see `topic_qos` and
-`topic_reference`. Names are relative
-where a crane owns the topic, so that a namespace moves the whole graph; ``/clock``, ``/diagnostics`` and
-``/rosout`` belong to the ROS graph and are absolute.
+Nodes, recorder, bag reader, plots and ``docs/reference/topics.md`` are made from this table; see
+`topic_qos` and `topic_reference`. Names are relative where a crane owns the topic, so that a
+namespace moves the whole graph; ``/clock``, ``/diagnostics`` and ``/rosout`` belong to the ROS graph
+and are absolute.
 
 ====================  ======================================================================================
 symbol                meaning
@@ -168,15 +168,15 @@ EMERGENCY_STOP = Topic(
     doc="True, from anybody, stops everything until it is reset on purpose; false asks for that.",
     publishers=(_CONTROLLER, _DRIVER), subscribers=(_CONTROLLER, _DRIVER),
 )
-EMERGENCY_STOPPED = Topic(
-    name="emergency_stopped", type="std_msgs/msg/Bool", labels=(), units=(), rate_hz=0.0,
-    doc="Whether a node stands still after an emergency stop, from its start on; true stops the others, too.",
-    publishers=(_CONTROLLER, _DRIVER), subscribers=(_CONTROLLER, _DRIVER), transient_local=True,
-)
 IDENTIFICATION = Topic(
     name="identification/estimates", type=FLOAT_ARRAY, labels=_ESTIMATES, units=_ESTIMATE_UNITS, rate_hz=1.0,
     doc="What the on-line identification believes, each with its standard error.",
     publishers=("online_identification",), subscribers=_NOBODY,
+)
+EMERGENCY_STOPPED = Topic(
+    name="emergency_stopped", type="std_msgs/msg/Bool", labels=(), units=(), rate_hz=0.0,
+    doc="Whether a node stands still after an emergency stop, from its start on; true stops the others, too.",
+    publishers=(_CONTROLLER, _DRIVER), subscribers=(_CONTROLLER, _DRIVER), transient_local=True,
 )
 GROUND_TRUTH_JOINT_STATES = Topic(
     name="ground_truth/joint_states", type=JOINT_STATE, labels=JOINTS,
@@ -250,25 +250,8 @@ RECORDED = Topic(
 )
 # fmt: on
 
-TOPICS: tuple[Topic, ...] = (
-    *(
-        JOY,
-        JOINT_STATES,
-        ACTUATOR_STATES,
-        PRESSURES,
-        FLOWS,
-        SUPPLY,
-        AUXILIARY,
-        VALVE_COMMANDS,
-        VALVE_VOLTAGES,
-        VALVE_DRIVER_STATUS,
-    ),
-    *(TIP_POSE, TIP_TWIST, TIP_TWIST_COMMAND, CONTROLLER_STATUS, EMERGENCY_STOP),
-    IDENTIFICATION,
-    *(EMERGENCY_STOPPED, GROUND_TRUTH_JOINT_STATES, GROUND_TRUTH_TIP_POSE),
-    *(GROUND_TRUTH_TIP_TWIST, ROBOT_DESCRIPTION, EVENTS, DIAGNOSTICS, CLOCK, ROSOUT),
-    *(ANNOUNCEMENT, NO_OUTPUT, IDLE, STEP_BATCH, RECORDED),
-)
+TOPICS = tuple(row for row in list(globals().values()) if isinstance(row, Topic))
+"""Every row above, in its order."""
 
 
 def unlisted(name: str, type_name: str) -> Topic:

@@ -28,18 +28,9 @@ from forest_sim.solver.state_recording import restore
 TopicTables = dict[Topic, Floats]
 TopicValues = dict[Topic, tuple[float, ...]]
 
-LOGGED_TOPICS = (
-    topics.JOINT_STATES,
-    topics.ACTUATOR_STATES,
-    topics.PRESSURES,
-    topics.FLOWS,
-    topics.SUPPLY,
-    topics.AUXILIARY,
-    topics.GROUND_TRUTH_JOINT_STATES,
-    topics.GROUND_TRUTH_TIP_POSE,
-    topics.GROUND_TRUTH_TIP_TWIST,
-    topics.VALVE_VOLTAGES,
-)
+SIMULATED_TOPICS = tuple(t for t in topics.TOPICS if "simulator" in t.publishers and t.labels)
+"""What the simulator publishes as numbers; `topic_values` gives them."""
+LOGGED_TOPICS = (*SIMULATED_TOPICS, topics.VALVE_VOLTAGES)
 
 
 class Sensing(NamedTuple):
