@@ -1,5 +1,7 @@
 """The scripted operator beside a machine and a driver that the test plays: it ends at zero, all put back."""
 
+import re
+
 import pytest
 
 pytest.importorskip("rclpy")
@@ -63,7 +65,8 @@ def press(crane):
 @pytest.mark.parametrize(
     ("experiment", "trouble", "sentence"),
     [
-        ("damping_boom", silence, "nothing good of the machine's state for 1 s"),
+        # State and pressures fall silent within milliseconds: either may be missed first.
+        ("damping_boom", silence, r"nothing good (of the machine's state|on hydraulics/pressures) for 1 s"),
         ("damping_boom", go_beyond, "the boom stands at 71.6 deg; allowed in this experiment"),
         ("damping_boom", press, "emergency stop pressed"),
         ("valve", go_beyond, "the boom moves: valve or hose are still on the crane"),
@@ -79,6 +82,6 @@ def test_in_trouble_it_ends_at_zero_and_the_driver_compensates_again(
     trouble(crane)
     peer.until(lambda: crane.operator.poll() is not None)
     assert crane.operator.returncode == 1
-    assert sentence in crane.operator.text().splitlines()[-1]
+    assert re.search(sentence, crane.operator.text().splitlines()[-1])
     assert crane.compensates()
     peer.until(lambda: crane.last() == ZERO)
