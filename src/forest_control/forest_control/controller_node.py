@@ -15,6 +15,7 @@ from forest_control.config.controller_configuration import ControllerConfigurati
 from forest_control.pipeline.controller_topics import ControllerInputs, ControllerOutputs
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.motion_permission import Override, PermissionParameters, Verdict
+from forest_description.types import ZERO
 from forest_description.urdf.robot_description import robot_description
 from forest_msgs_py.clock.node_clock import node_clock
 from forest_msgs_py.interfaces import topics
@@ -72,6 +73,7 @@ class ControllerNode(Node):
         self._inputs.read_joystick(self._permission)
         cylinders = self._inputs.cylinders(machine.stamp, self._controller.parameters)
         valves, now = self._inputs.valves.read(), self._node_clock.now()
+        self._stops_without_state(now, override)  # after a stall of ours this may come before the watchdog
         decision, telemetry = self._controller.advance(machine, valves, now, cylinders, override)
         self._note_causes()
         if telemetry is not None:
@@ -83,14 +85,22 @@ class ControllerNode(Node):
     def _on_watchdog(self) -> None:
         self._inputs.read_joystick(self._permission)
         now, override = self._node_clock.now(), self._override()
-        lost = self._controller.stops_without_state(now, override)
-        if not self._permission.has_begun():  # nobody else would tell
+        if self._stops_without_state(now, override):
+            return
+        if self._permission.has_begun():
+            self._note_causes()
+        else:  # nobody else would tell
             self._permission.disarm(now, override)
-        self._note_causes()
-        if lost:
-            self._say_zero()
-        elif not self._permission.has_begun():
+            self._note_causes()
             self._diagnostics.publish(self._node_clock.stamp())
+
+    def _stops_without_state(self, now: float, override: Override) -> bool:
+        """Stop, say so and why, if the machine's state has not come for too long; tell whether that is so."""
+        lost = self._controller.stops_without_state(now, override)
+        if lost:
+            self._note_causes()
+            self._say_zero()
+        return lost
 
     def _stand_still(self) -> None:
         self._controller.stop()
@@ -98,7 +108,7 @@ class ControllerNode(Node):
 
     def _say_zero(self) -> None:
         now = self._node_clock.stamp()
-        self._outputs.say_command(now, self._controller.command, self._override())
+        self._outputs.say_command(now, ZERO, self._override())
         self._diagnostics.publish(now)
 
     def _note_causes(self) -> None:

@@ -125,6 +125,7 @@ def test_the_kernels_guard_decides_as_the_nodes_does(seed):
         node.permission.hear(loop_core.sample(levers, held, row))
         machine = MachineState(seen.joints.position, seen.joints.speed, (row + 1) * PERIOD_NS, now)
         valves = ValveFeedback(voltages=volts, driver=DriverSample(volts, now))
+        node.stops_without_state(now)
         _, telemetry = node.advance(machine, valves, now)
         assert kernel.command == node.command
         assert velocity == (telemetry.output.tip_reference if telemetry else ZERO)

@@ -68,6 +68,8 @@ class GuardedController:
     ) -> tuple[Decision, Telemetry | None]:
         """Return what follows from a state of the machine; of one that is not believed, no telemetry.
 
+        The caller asks `stops_without_state` before, since after a stall this may come before its watchdog.
+
         Args:
             machine: its state, just come.
             valves: what the driver reports.
@@ -75,7 +77,6 @@ class GuardedController:
             cylinders: lengths [m] of boom and stick, of the same moment; NaN: no sample.
             override: who else forbids motion.
         """
-        self.stops_without_state(now, override)  # after a stall of ours, before the watchdog tells
         p, command = self.parameters, self.command
         decision = self.permission.decide(machine, valves.driver, command, p, now, override)
         if decision.dt > 0.0 and self._tuning.apply_if_due(command == ZERO, decision.dt):

@@ -226,6 +226,7 @@ class ClosedLoop:
         """Have the controller answer the states that have arrived, or their absence."""
         driver = DriverSample(self._driver.voltages, now)
         valves = ValveFeedback(self._reports.reach, self._driver.voltages, driver)
+        lost = self.controller.stops_without_state(now)
         for stamp, seen in self._states.arrived(now):
             machine = MachineState(seen.joints.position, seen.joints.speed, stamp, now)
             cylinders = seen.actuators.position[1], seen.actuators.position[2]
@@ -233,7 +234,8 @@ class ClosedLoop:
             if decision.verdict != Verdict.SKIP:
                 self._commands.send(now, (now, self.controller.command))
                 self._reference = telemetry.output.tip_reference if telemetry else ZERO
-        if self.controller.stops_without_state(now):
+                lost = False
+        if lost:
             self._commands.send(now, (now, ZERO))
             self._reference = ZERO
 
