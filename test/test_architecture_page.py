@@ -108,7 +108,7 @@ class Crane:
         at, supply = seen.pressures, seen.supply_pressure
         pressures = valve_driver.Pressures((at[1], at[5], at[9]), (at[3], at[7], at[11]), supply)
         motion = valve_driver.Motion(seen.actuators.position, (at[0], at[4], at[8]), (at[2], at[6], at[10]))
-        self.drive, self.voltages = valve_driver.step_measured(
+        self.drive, self.voltages = valve_driver.step(
             self.drive, told.output.command, pressures, motion, self.driver, PERIOD
         )
 

@@ -250,7 +250,7 @@ class ClosedLoop:
         while len(self._waiting) > behind:
             pressures, motion = driver_inputs(seen, self._drive.idle_pressure)
             command, dt = self._waiting.pop(0), self._held * PERIOD
-            self._driver, self._volts = valve_driver.step_measured(
+            self._driver, self._volts = valve_driver.step(
                 self._driver, command, pressures, motion, self._drive, dt
             )
             self._held = 0

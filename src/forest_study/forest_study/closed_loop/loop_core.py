@@ -113,7 +113,7 @@ def period(
     sensors, seen = sampled(loop.sensors, loop.simulation, drawn, k.sensors, PERIOD)
     control, velocity = guarded(loop, levers, held, seen, k, row)
     pressures, motion = driver_inputs(seen, k.drive.idle_pressure)
-    drive, volts = valve_driver.step_measured(loop.drive, control.command, pressures, motion, k.drive, PERIOD)
+    drive, volts = valve_driver.step(loop.drive, control.command, pressures, motion, k.drive, PERIOD)
     simulation = loop.simulation
     for _ in range(SUBSTEPS):
         simulation = integrator.step(simulation, volts, PERIOD / SUBSTEPS, k.sensors.plant)
