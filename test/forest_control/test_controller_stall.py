@@ -77,7 +77,7 @@ class Stalling:
             controller_topics, "number_publisher", lambda clock, topic, *_, **__: clock.publisher(topic)
         )
         monkeypatch.setattr(compiled, "controller_step", lambda: controller.step_with_telemetry)
-        monkeypatch.setattr(controller_node, "InputStatus", lambda *_: Quiet())
+        monkeypatch.setattr(controller_topics, "InputStatus", lambda *_: Quiet())
         self.node = controller_node.ControllerNode()
         self.node._inputs.joy = self.joystick
 
