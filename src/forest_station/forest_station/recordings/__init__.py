@@ -1,0 +1,1 @@
+"""Bags: started, stopped, listed, and cut into frames for a replay."""

@@ -1,0 +1,19 @@
+"""Build of forest_viewers for colcon; pip users install the root pyproject.toml."""
+
+from setuptools import find_packages, setup
+
+package = "forest_viewers"
+
+setup(
+    name=package,
+    version="0.2.0",
+    description="How other tools see the crane: transforms, markers, Foxglove, layouts",
+    license="Apache-2.0",
+    packages=find_packages(include=[package, f"{package}.*"]),
+    package_data={package: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
+        (f"share/{package}", ["package.xml"]),
+    ],
+    zip_safe=False,
+)
