@@ -3,10 +3,12 @@
 //
 // Hears: start, size, camera, scene, signals, frame, ghost, visible. Says: drawn, failed.
 
-import { PerspectiveCamera, Vector3, WebGLRenderer } from "../vendor/three.js";
+import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Vector3, WebGLRenderer } from "../vendor/three.js";
 import { Picture } from "./picture.js";
 import { Resolution } from "./resolution.js";
 import { Signals } from "./signals.js";
+
+ColorManagement.enabled = false; // colours as written: no power function for each pixel
 
 const state = { renderer: null, picture: null, signals: new Signals(), ghost: null, visible: true, waiting: false };
 const camera = new PerspectiveCamera(45, 1, 0.2, 300);
@@ -15,7 +17,9 @@ const size = { width: 1, height: 1, ratio: 1 };
 
 const hear = {
   start({ canvas, scene }) {
-    state.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: "high-performance" });
+    state.renderer = new WebGLRenderer({ canvas, antialias: false });
+    state.renderer.outputColorSpace = LinearSRGBColorSpace;
+    resolution.begin(state.renderer.getContext());
     state.picture = new Picture(scene);
   },
   size(message) {

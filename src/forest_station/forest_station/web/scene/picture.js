@@ -14,7 +14,7 @@ import { Walls } from "./walls.js";
 import { Wish } from "./wish.js";
 import { WorkArea } from "./work_area.js";
 
-const LIGHT = new Vector3(0.35, -0.5, 1);
+const LIGHT = new Vector3(0.4, -0.75, 1);
 const COMMAND = "tip/twist_command";
 const LONGEST_S = 0.2; // between two pictures that count as one motion, for what runs by itself
 
@@ -34,7 +34,7 @@ export class Picture {
     this.wish = new Wish();
     this.ghost = null;
     const parts = [this.crane, this.shadow, this.walls, this.hoses, this.area, this.reach, this.trail, this.wish];
-    this.root.add(...lights(), new Surroundings(scene).root, ...parts.map(({ root }) => root));
+    this.root.add(...lights(), new Surroundings(scene, LIGHT).root, ...parts.map(({ root }) => root));
     this.pose(new Signals());
   }
 
@@ -88,5 +88,5 @@ export class Picture {
 function lights() {
   const sun = new DirectionalLight(0xfff2dd, 2.4);
   sun.position.copy(LIGHT);
-  return [sun, new HemisphereLight(0xa9c3d6, 0x2b2f2c, 1.5)];
+  return [sun, new HemisphereLight(0xdfe9f0, 0x77716a, 2.3)];
 }

@@ -7,6 +7,7 @@ import { legend, viewButtons } from "./overlay.js";
 
 const FINEST = 2; // pixels of the screen per pixel of the page: more cannot be seen at 1 m
 const LONGEST_S = 0.1; // of a step of the cameras
+const STILL = 1e-4; // [m], [1], [deg] by which a camera that stands may differ
 
 // Draws a scene in an element, which then tells where the drawn tip is: `element.tipPosition()` [m] in the base frame.
 export async function drawScene(element, station, scene) {
@@ -47,7 +48,8 @@ class View {
     this.#signals();
     this.#resize();
     this.then = performance.now();
-    requestAnimationFrame((now) => this.#tick(now));
+    this.cameras.addEventListener("view", () => this.#stepSoon());
+    this.#stepSoon();
   }
 
   #say(message) {
@@ -73,20 +75,28 @@ class View {
     const { clientWidth: width, clientHeight: height } = this.element;
     if (!width || !height) return;
     this.cameras.resize(width, height);
+    this.labels.resize();
     this.#say({ kind: "size", width, height, ratio: Math.min(FINEST, devicePixelRatio) });
   }
 
-  // The camera moves with the screen, and is told only when it has moved.
-  #tick(now) {
+  // Has the cameras step once: after each picture, for the painter needs no more, and when somebody moves them.
+  #stepSoon() {
+    if (this.stepping) return;
+    this.stepping = true;
+    requestAnimationFrame((now) => this.#step(now));
+  }
+
+  #step(now) {
+    this.stepping = false;
     const seconds = Math.min(LONGEST_S, (now - this.then) / 1000);
     this.then = now;
     const swing = this.station.value("joint_states/swing.position");
     this.cameras.step(seconds, Number.isFinite(swing) ? swing : 0, this.tip.every(Number.isFinite) ? this.tip : null);
     const pose = this.cameras.pose();
-    const told = JSON.stringify(pose, (_, value) => (typeof value === "number" ? Number(value.toFixed(4)) : value));
-    if (told !== this.told) this.#say({ kind: "camera", ...pose });
+    const told = [...pose.position, ...pose.quaternion, pose.fov];
+    if (this.told?.every((value, i) => Math.abs(value - told[i]) < STILL)) return;
     this.told = told;
-    requestAnimationFrame((next) => this.#tick(next));
+    this.#say({ kind: "camera", ...pose });
   }
 
   #hear(message) {
@@ -95,6 +105,7 @@ class View {
     this.labels.show(message.labels);
     this.rate.textContent = `${message.rate} pictures/s · ${Math.round(100 * message.share)} %`;
     this.element.dataset.rate = message.rate;
+    this.#stepSoon();
   }
 
   #fail(text) {
