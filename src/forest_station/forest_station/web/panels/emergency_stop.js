@@ -9,7 +9,7 @@ export const title = "";
 
 export function mount(element, station) {
   const view = {
-    stop: makeButton("EMERGENCY STOP", () => stop(), "stop"),
+    stop: makeButton("EMERGENCY STOP", ({ detail }) => detail === 0 && stop(), "stop"), // a pointer has acted already
     reset: makeButton("Reset", () => reset(station, view)),
     state: make("p", { role: "status" }),
     sources: make("ul", { className: "sources" }),
@@ -26,7 +26,7 @@ export function mount(element, station) {
     else setText(view.state, `Emergency stop not confirmed: ${text}`);
   }
 
-  view.stop.addEventListener("pointerdown", stop); // a click comes only with the release
+  view.stop.addEventListener("pointerdown", stop); // its click comes only with the release
   listenToKeys(stop);
   station.on("open", () => wanted && stop());
   station.on("emergency_stop", (message) => show(element, view, message));
