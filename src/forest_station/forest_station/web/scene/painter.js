@@ -13,7 +13,7 @@ ColorManagement.enabled = false; // colours as written: no power function for ea
 const state = { renderer: null, picture: null, signals: new Signals(), ghost: null, visible: true, waiting: false };
 const camera = new PerspectiveCamera(45, 1, 0.2, 300);
 const resolution = new Resolution();
-const size = { width: 1, height: 1, ratio: 1 };
+const size = { width: 1, height: 1, ratio: 1, fresh: true };
 
 const hear = {
   start({ canvas, scene }) {
@@ -23,8 +23,7 @@ const hear = {
     state.picture = new Picture(scene);
   },
   size(message) {
-    Object.assign(size, message);
-    resize();
+    Object.assign(size, message, { fresh: true });
   },
   camera({ position, quaternion, fov }) {
     camera.position.set(...position);
@@ -64,7 +63,9 @@ self.onmessage = ({ data }) => {
   }
 };
 
+// Takes a new size, or another resolution. It empties the canvas, so a picture follows at once.
 function resize() {
+  size.fresh = false;
   state.renderer.setPixelRatio(size.ratio * resolution.share);
   state.renderer.setSize(size.width, size.height, false);
   camera.aspect = size.width / size.height;
@@ -81,11 +82,12 @@ function drawSoon() {
 function draw() {
   state.waiting = false;
   if (!state.visible) return;
+  if (size.fresh) resize();
   const began = performance.now();
   const labels = state.picture.pose(state.signals);
   state.renderer.render(state.picture.root, camera);
   finish(state.renderer.getContext());
-  if (resolution.drawn(began, performance.now())) resize();
+  size.fresh ||= resolution.drawn(began, performance.now());
   self.postMessage({
     kind: "drawn", labels: labels.map(onScreen), tip: state.picture.tip().toArray(), rate: resolution.rate, share: resolution.share,
   });

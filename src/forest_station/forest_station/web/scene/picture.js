@@ -9,6 +9,7 @@ import { Reach } from "./reach.js";
 import { Shadow } from "./shadow.js";
 import { Signals } from "./signals.js";
 import { Surroundings } from "./surroundings.js";
+import { sway } from "./sway.js";
 import { Trail } from "./trail.js";
 import { Walls } from "./walls.js";
 import { Wish } from "./wish.js";
@@ -55,7 +56,7 @@ export class Picture {
     this.trail.draw();
     const tip = this.tip();
     this.wish.pose(tip, signals.point(COMMAND));
-    return [...this.reach.pose(tip), ...this.limits.pose(signals, tip)];
+    return [...this.reach.pose(tip), ...sway(this.crane, signals), ...this.limits.pose(signals, tip)];
   }
 
   // The drawn tip in the base frame [m].

@@ -6,9 +6,9 @@ import {
 } from "../vendor/three.js";
 import { COLOURS } from "./colours.js";
 
-const CALM = 0.1; // opacity of a wall
+const CALM = 0.07; // opacity of a wall
 const LIT = 0.42;
-const SLOW = 0.05;
+const SLOW = 0.04;
 const EDGE = 0.45;
 const SIZE = 20; // [m] of a plane's patch
 
