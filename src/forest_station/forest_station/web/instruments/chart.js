@@ -38,10 +38,10 @@ export class Chart {
   #drawWhenIdle() {
     if (this.waiting) return;
     this.waiting = true;
-    requestIdleCallback(() => {
+    whenIdle(() => {
       this.waiting = false;
       this.draw();
-    }, { timeout: LATEST_MS });
+    });
   }
 
   // Draws the newest minute, if somebody can see it.
@@ -144,6 +144,12 @@ export class Chart {
     this.element.classList.toggle("paused", this.pause.paused);
     this.draw();
   }
+}
+
+// Not every browser tells when it is idle.
+function whenIdle(act) {
+  if (globalThis.requestIdleCallback) requestIdleCallback(act, { timeout: LATEST_MS });
+  else setTimeout(act);
 }
 
 function withGaps(values) {
