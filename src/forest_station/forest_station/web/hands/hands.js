@@ -27,6 +27,7 @@ class Hands extends EventTarget {
     this.sticks = new Map(); // name → axes of a stick on the page
     this.keyboard = new Keyboard(() => this.update());
     this.number = 0;
+    this.pong = 0; // number of the newest answer: by it the server knows how slow the network is
     this.pads = []; // keys of the gamepads that were there
     this.state = ""; // of the last look
     this.sent = { at: -Infinity, state: "", held: false };
@@ -94,7 +95,7 @@ class Hands extends EventTarget {
 
   #send(now, state, held) {
     const number = ++this.number;
-    const bytes = handsMessage({ number, time: now, held, axes: this.axes, buttons: this.buttons });
+    const bytes = handsMessage({ number, time: now, held, axes: this.axes, buttons: this.buttons, pong: this.pong });
     if (this.station.sendHands(bytes)) this.asked.set(number, now);
     this.sent = { at: now, state, held };
   }
@@ -106,6 +107,7 @@ class Hands extends EventTarget {
   }
 
   #measure(number) {
+    this.pong = number;
     if (!this.asked.has(number)) return;
     this.roundTrip = performance.now() - this.asked.get(number);
     for (const older of this.asked.keys()) if (older <= number) this.asked.delete(older);
