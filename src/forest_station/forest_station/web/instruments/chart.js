@@ -8,6 +8,7 @@ import { pauseOf } from "./pause.js";
 const SPAN_S = 60;
 const PERIOD_MS = 100; // between two drawings
 const LATEST_MS = 500; // after which it is drawn, idle or not
+const STRIDE = 2; // of 30 frames a second
 const HEIGHT = 96; // [px]
 const COLOURS = ["#5ec8ff", "#ffb454", "#7dff9f", "#ff7ab8", "#c4a7ff", "#f4f7f5"];
 const SHADE = "rgb(255 212 121 / 22%)";
@@ -61,7 +62,8 @@ export class Chart {
     return this.station.history.series(this.station.signals.get(name));
   }
 
-  // Seconds before the newest frame, and each line's values; null where nothing is known.
+  // Seconds before the newest frame, and each line's values; null where nothing is known. Every other frame is enough for
+  // the few pixels of a chart; always the same ones, or lines would tremble.
   #minute() {
     const { times } = this.station.history.series(0);
     const newest = times.at(-1);
@@ -69,7 +71,9 @@ export class Chart {
       if (!this.#known(line.signals)) return times.map(() => NaN);
       return lineValues(line, times, line.signals.map((name) => this.#column(name).values));
     });
-    return [Array.from(times, (time) => time - newest), ...lines.map(withGaps)];
+    const isDrawn = (_, i) => (this.station.history.count - times.length + i) % STRIDE === 0 || i === times.length - 1;
+    const thinned = (values) => Array.prototype.filter.call(values, isDrawn);
+    return [Array.from(thinned(times), (time) => time - newest), ...lines.map((values) => withGaps(thinned(values)))];
   }
 
   #readings() {
