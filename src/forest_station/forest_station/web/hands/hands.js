@@ -32,11 +32,12 @@ class Hands extends EventTarget {
     this.state = ""; // of the last look
     this.sent = { at: -Infinity, state: "", held: false };
     this.asked = new Map(); // number → when [ms]
+    this.pong = 0; // number of the newest one heard
     this.looked = performance.now();
     watchDoubts((why) => this.release(why));
     station.on("seat", ({ you_drive: drives }) => this.#sit(drives));
     station.on("pong", ({ number }) => this.#measure(number));
-    station.on("close", () => this.release("the connection was lost"));
+    station.on("close", () => this.#disconnect());
     setInterval(() => this.update(), PERIOD_MS);
   }
 
@@ -104,6 +105,12 @@ class Hands extends EventTarget {
     if (drives !== this.drives) this.deadman.release(drives ? "control was taken over" : "control was handed over");
     this.drives = drives;
     this.dispatchEvent(new Event("change"));
+  }
+
+  #disconnect() {
+    this.pong = 0;
+    this.asked.clear();
+    this.release("the connection was lost");
   }
 
   #measure(number) {
