@@ -3,7 +3,11 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from forest_control.config.controller_parameters import ControllerParameters, ProfileParameter
+from forest_control.config.controller_parameters import (
+    ControllerParameters,
+    ProfileParameter,
+    WorkspaceParameter,
+)
 from forest_control.config.profile_file import load_profile
 from forest_control.config.settings import Parameters, Settings, parameters
 from forest_control.config.workspace_file import load_workspace
@@ -33,14 +37,17 @@ class ControllerConfiguration:
         profile = load_profile(self._tunables.declare(ProfileParameter).profile)
         settings = self._tunables.declare(Settings, profile)
         self.node, self.joystick = declare(node, ControllerParameters), declare(node, WatchParameters)
-        self._workspace = load_workspace(self.node.workspace)
+        self._workspace = load_workspace(self._tunables.declare(WorkspaceParameter).workspace)
         self.parameters = parameters(self.machine, settings, self._workspace)
 
     def watch(self, changed: Callable[[Parameters], None]) -> None:
         """Call with the controller's parameters whenever settings are set."""
 
         def on_set(values: Mapping[str, Any]) -> None:
-            changed(parameters(self.machine, table_of(Settings, values), self._workspace))
+            same = values["workspace"] == self._tunables.values["workspace"]
+            workspace = self._workspace if same else load_workspace(values["workspace"])
+            changed(parameters(self.machine, table_of(Settings, values), workspace))
+            self._workspace = workspace
 
         self._tunables.watch(on_set)
 

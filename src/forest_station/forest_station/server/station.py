@@ -11,6 +11,7 @@ from forest_station.graph.crane_graph import CraneGraph
 from forest_station.graph.node_settings import NODES
 from forest_station.graph.service_calls import NoAnswer
 from forest_station.operator.cab import Cab
+from forest_station.recordings.recordings import Recordings
 from forest_station.server.driving import Driving
 from forest_station.server.outbox import Outbox
 
@@ -44,7 +45,7 @@ class Station:
 
     def __init__(self, graph: CraneGraph, options: StationParameters) -> None:
         self.graph, self.options = graph, options
-        self.bags = Path(options.bags)
+        self.recordings = Recordings(Path(options.bags), graph.node.get_namespace(), graph.machine)
         self.pages: dict[str, Outbox] = {}  # of each open page, by its id
         self.cab = Cab(options.deadman_button)
         self.driving = Driving(graph, self.cab, self.tell)
