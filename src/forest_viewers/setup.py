@@ -16,4 +16,9 @@ setup(
         (f"share/{package}", ["package.xml"]),
     ],
     zip_safe=False,
+    entry_points={
+        "console_scripts": [
+            "foxglove_node = forest_viewers.foxglove_node:main",
+        ]
+    },
 )

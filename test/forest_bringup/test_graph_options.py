@@ -74,9 +74,9 @@ def test_every_option_reaches_its_nodes(started, tmp_path, monkeypatch):
         "--joystick",
         "levers.csv",
     ]
-    assert graph.main([*options, "--record", "bag", "--shadow"]) == 0
+    assert graph.main([*options, "--record", "bag", "--shadow", "--foxglove", "8765"]) == 0
     nodes = started.nodes
-    assert list(nodes) == ["joystick", "controller", "valve_driver", "simulator", "recorder"]
+    assert list(nodes) == ["joystick", "controller", "valve_driver", "simulator", "foxglove", "recorder"]
     assert (started.namespace, started.may_publish) == ("/crane", False)
     assert started.until[0] == "joystick"
     assert parameters(nodes["joystick"]) == {
@@ -92,7 +92,8 @@ def test_every_option_reaches_its_nodes(started, tmp_path, monkeypatch):
     }
     assert parameters(nodes["valve_driver"])["shadow"] == "true"
     assert parameters(nodes["recorder"]) == {"output": f'"{tmp_path}/bag"'}
-    assert [name for name, node in nodes.items() if not node.needed] == ["recorder"]
+    assert [name for name, node in nodes.items() if not node.needed] == ["foxglove", "recorder"]
+    assert parameters(nodes["foxglove"]) == {"port": "8765"}
 
 
 def test_without_a_simulator_the_controller_describes_the_machine(started):

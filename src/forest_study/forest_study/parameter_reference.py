@@ -24,6 +24,7 @@ from forest_msgs_py.clock.clock_parameters import ClockParameters, LeaderParamet
 from forest_msgs_py.runtime.parameter_table import MachineParameter, Parameter, table_rows
 from forest_sim.simulation.simulator_parameters import CommanderParameters, SimulatorParameters
 from forest_study.closed_loop.link_model import DelayParameters, Quality
+from forest_viewers.server.server_parameters import ServerParameters
 
 # Node's name: how it is started, its tables.
 NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
@@ -59,6 +60,7 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         "ros2 run forest_ident online_identification_node",
         (MachineParameter, OnlineParameters, ClockParameters),
     ),
+    "foxglove": ("ros2 run forest_viewers foxglove_node", (ServerParameters,)),
     "delay": ("ros2 run forest_study delay_node", (DelayParameters, Quality)),
 }
 HEAD = """# Parameters
