@@ -10,6 +10,7 @@ from forest_bag.play.player_parameters import PlayerParameters, StepPlayerParame
 from forest_bag.record.recorder_parameters import RecorderParameters
 from forest_control.config.controller_parameters import ControllerParameters, ProfileParameter
 from forest_control.config.settings import Settings
+from forest_control.operator.device_joystick import DeviceParameters
 from forest_control.operator.joystick_sources import JoystickParameters
 from forest_control.operator.joystick_watch import WatchParameters
 from forest_control.valve.valve_driver_parameters import DriverParameters
@@ -28,7 +29,10 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         (MachineParameter, SimulatorParameters, ClockParameters, LeaderParameters),
     ),
     "commander": ("ros2 run forest_sim commander_node", (CommanderParameters, ClockParameters)),
-    "joystick": ("ros2 run forest_control joystick_node", (JoystickParameters, ClockParameters)),
+    "joystick": (
+        "ros2 run forest_control joystick_node",
+        (JoystickParameters, DeviceParameters, ClockParameters),
+    ),
     "controller": (
         "ros2 run forest_control controller_node",
         (
