@@ -14,6 +14,7 @@ from forest_control.config.controller_parameters import (
     WorkspaceParameter,
 )
 from forest_control.config.settings import Settings
+from forest_control.operator.device_joystick import DeviceParameters
 from forest_control.operator.joystick_sources import JoystickParameters
 from forest_control.operator.joystick_watch import WatchParameters
 from forest_control.valve.valve_driver_parameters import DriverParameters
@@ -33,7 +34,10 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         (MachineParameter, SimulatorParameters, ClockParameters, LeaderParameters),
     ),
     "commander": ("ros2 run forest_sim commander_node", (CommanderParameters, ClockParameters)),
-    "joystick": ("ros2 run forest_control joystick_node", (JoystickParameters, ClockParameters)),
+    "joystick": (
+        "ros2 run forest_control joystick_node",
+        (JoystickParameters, DeviceParameters, ClockParameters),
+    ),
     "controller": (
         "ros2 run forest_control controller_node",
         (
