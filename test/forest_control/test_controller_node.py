@@ -222,6 +222,7 @@ def test_a_bad_state_gives_zero_and_the_node_lives(rig, peer):
         r.joints = joints
         r.push()
     assert r.process.poll() is None
+    assert "joint state: no finite velocity; allowed: rad/s of every joint" in r.process.text()
 
 
 def test_a_joint_without_a_sensor_gives_zero_and_is_named(rig, peer):

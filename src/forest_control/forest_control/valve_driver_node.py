@@ -19,10 +19,10 @@ from forest_description.machine import Machine, load_machine
 from forest_description.types import ZERO
 from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
+from forest_msgs_py.runtime import stamped_period
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import Tunables, declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter
-from forest_msgs_py.runtime.stamped_period import TimeInForce
 from forest_msgs_py.safety.diagnostics import Diagnostics, beyond, rating_values
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
@@ -41,7 +41,8 @@ class ValveDriverNode(Node):
         self._use(machine, self._tunables.declare(valve_driver_parameters.Settings)._asdict())
         self._tunables.watch(partial(self._use, machine))
         p = declare(self, DriverParameters)
-        self._gate, self._period = CommandGate(p.command_timeout, self._node_clock.now), TimeInForce(p.period)
+        self._gate, self._nominal = CommandGate(p.command_timeout, self._node_clock.now), p.period
+        self._period = stamped_period.BEGIN
         self._state, self._step, self._shadow = valve_driver.REST, compiled.driver_step(), p.shadow
         told = self._node_clock.publisher(topics.DIAGNOSTICS)
         self._diagnostics = Diagnostics(
@@ -102,7 +103,8 @@ class ValveDriverNode(Node):
     def _advance(self, command: Command) -> None:
         problem = self._measured.read(self._core.adapt)
         self._diagnostics.note("pressures", problem and f"{problem}; the nominal load is taken")
-        dt = self._period.since(self._measured.machine_time(command.stamp))
+        moved = self._measured.machine_time(command.stamp)
+        self._period, dt = stamped_period.time_in_force(self._period, moved, self._nominal)
         pressures, motion = self._measured.pressures(), self._measured.motion()
         self._state, voltages = self._step(self._state, command.values, pressures, motion, self._core, dt)
         self._out.say(command.stamp, voltages)

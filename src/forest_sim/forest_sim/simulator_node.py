@@ -31,6 +31,7 @@ from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_msgs_py.safety.diagnostics import Diagnostics, beyond, rating_values
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
+from forest_msgs_py.types import PERIOD, PERIOD_NS
 from forest_sim.simulation.deadlines import Deadlines
 from forest_sim.simulation.disturbance import parse_disturbance
 from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, topic_values
@@ -39,7 +40,6 @@ from forest_sim.simulation.voltage_command import VoltageInput
 
 FRAME = "base_link"
 FRAMED = (topics.POSE, topics.TWIST)  # types
-PERIOD_NS = 5_000_000
 
 
 class SimulatorNode(Node):
@@ -51,7 +51,7 @@ class SimulatorNode(Node):
         self.run = self._node_clock.run or self._keep_time
         machine = load_machine(declare(self, MachineParameter).machine)
         p = declare(self, SimulatorParameters, initial_tip=start_tip(machine))
-        self._machine = simulated_machine(machine, p, PERIOD_NS * 1e-9)
+        self._machine = simulated_machine(machine, p, PERIOD)
         if not self._machine.is_compiled:
             self.get_logger().info(
                 "the plant is interpreted; `python -m forest_sim.compiled` makes it fast, once"

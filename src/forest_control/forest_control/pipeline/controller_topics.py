@@ -8,7 +8,8 @@ from forest_control.operator.levers import RIGHT_Y
 from forest_control.pipeline.control_state import Telemetry
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.pipeline.valve_feedback import ValveReports
-from forest_control.safety.motion_permission import MachineState, MotionPermission, Override
+from forest_control.safety.motion_guard import MotionGuard
+from forest_control.safety.motion_permission import MachineState, Override
 from forest_control.servo.joint_angle_filter import UNREAD, Lengths, Source
 from forest_control.servo.schemes import Scheme
 from forest_description.machine import Machine
@@ -19,6 +20,7 @@ from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.serialization.unpacking import JointReader, read_joy_data
 
 FRAME = "base_link"
+NO_RATES = "joint state: no finite velocity; allowed: rad/s of every joint"
 
 
 class ControllerInputs:
@@ -36,26 +38,26 @@ class ControllerInputs:
         self._joints, self._lengths = JointReader(topics.JOINTS), JointReader(topics.ACTUATORS)
         self._deadman, self._before = deadman, None  # axes and buttons of the sample before
 
-    def read_joystick(self, permission: MotionPermission) -> None:
+    def read_joystick(self, guard: MotionGuard) -> None:
         """Have the guard hear every joystick sample that waits, oldest first."""
         for data, received in self.joy.arrivals():
             reading, frame = read_joy_data(data, RIGHT_Y + 1, self._deadman + 1)
             if reading.problem:
-                permission.hear(unreadable_sample(received), reading.problem)
+                guard.hear(unreadable_sample(received), reading.problem)
                 continue
             content, before = reading.values, self._before
             self._before = content
-            permission.hear(
-                joystick_sample(reading.stamp_ns, frame, received, content, before, self._deadman)
-            )
+            guard.hear(joystick_sample(reading.stamp_ns, frame, received, content, before, self._deadman))
 
-    def machine_state(self, data: bytes, received: float) -> MachineState:
-        """Return what a message of the joints says."""
+    def machine_state(self, data: bytes, received: float) -> tuple[MachineState, str]:
+        """Return what a message of the joints says, and why it cannot be read, or ""."""
         reading = self._joints.read(data)
         angles, rates = reading.values.position, reading.values.velocity
-        return MachineState(
-            angles=angles, rates=rates, stamp=reading.stamp_ns, received=received, problem=reading.problem
+        problem = reading.problem or ("" if rates else NO_RATES)
+        state = MachineState(
+            angles=angles, rates=rates, stamp=reading.stamp_ns, received=received, readable=not problem
         )
+        return state, problem
 
     def cylinders(self, stamp: int, p: Parameters) -> Lengths:
         """Return the lengths [m] of boom and stick at a stamp [ns]; NaN where there are none to be used."""
@@ -98,7 +100,7 @@ class ControllerOutputs:
         self, stamp: int, telemetry: Telemetry, controller: GuardedController, override: Override
     ) -> None:
         """Say a step's command, where the tip is, how it moves and shall, and what holds it back."""
-        output, watch = telemetry.output, controller.permission.joystick
+        output, watch = telemetry.output, controller.guard.permission.joystick
         self.say_command(stamp, output.command, override)
         self._pose.publish(stamp, (*telemetry.tip, *telemetry.tip_orientation))
         self._twist.publish(stamp, telemetry.tip_velocity)
