@@ -109,6 +109,6 @@ def _lines(steps: tuple[Step, ...]) -> Iterator[str]:
             yield f"{step.number:>2}  {step.name:<16} grapple {step.grapple.action}, {wait}"
         else:
             stops = len(step.path.stops) - 2
-            corners = f", {stops} corners" if stops else ""
+            corners = f", stops on the way: {stops}" if stops else ""
             length = f"{step.path.length:.2f} m, {step.duration:.1f} s"
             yield f"{step.number:>2}  {step.name:<16} {length}{corners}"
