@@ -1,4 +1,4 @@
-"""The operator's page in a real browser: it shows the crane, drives it, and stops it however the browser ends.
+"""The operator's page in a real browser: it shows the crane, drives it, and stops it when the browser ends.
 
 The real station, controller, valve driver and simulator; the page in Chromium.
 """
@@ -15,7 +15,8 @@ from stall import Stall
 BEGINS_S, SHUTS_S, MET_S = 0.1, 0.25, 30.0
 GAMEPAD = """
     const pad = { index: 0, id: "scripted", connected: true, mapping: "standard", timestamp: 0,
-                  axes: [0, 0, 0, 0], buttons: Array.from({ length: 17 }, () => ({ pressed: false, value: 0 })) };
+                  axes: [0, 0, 0, 0],
+                  buttons: Array.from({ length: 17 }, () => ({ pressed: false, value: 0 })) };
     window.pad = pad;
     navigator.getGamepads = () => [pad];
 """
@@ -114,8 +115,10 @@ def test_the_page_shows_the_crane_as_it_stands(crane, open_page, wait, viewport)
     assert told["machine"] == "c180"
     assert math.hypot(*drawn_tip(page)) > 1.0
     stop = page.locator("#emergency_stop button").first.bounding_box()
-    assert 0 <= stop["x"] and stop["x"] + stop["width"] <= viewport["width"]
-    assert 0 <= stop["y"] and stop["y"] + stop["height"] <= viewport["height"]
+    assert stop["x"] >= 0
+    assert stop["y"] >= 0
+    assert stop["x"] + stop["width"] <= viewport["width"]
+    assert stop["y"] + stop["height"] <= viewport["height"]
     assert min(stop["width"], stop["height"]) >= 44
 
 
