@@ -1,7 +1,7 @@
 // A worker: draws the scene on its own thread. Where pixels are drawn by the processor a picture takes longer than
 // a heartbeat of the deadman; the page's own thread never waits for it.
 //
-// Hears: start, size, camera, scene, signals, frame, ghost, visible. Says: drawn, failed.
+// Hears: start, size, camera, scene, signals, frame, ghost, exercise, visible. Says: drawn, failed.
 
 import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Vector3, WebGLRenderer } from "../vendor/three.js";
 import { Picture } from "./picture.js";
@@ -48,6 +48,9 @@ const hear = {
       state.ghost.signals.show(0, ghost.values);
     }
     state.picture.showGhost(state.ghost?.signals ?? null, state.ghost?.scene);
+  },
+  exercise({ exercise }) {
+    state.picture.exercise.show(exercise);
   },
   visible({ visible }) {
     state.visible = visible;
