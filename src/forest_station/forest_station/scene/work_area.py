@@ -38,7 +38,7 @@ def _limit(joints: list[Joint], name: str) -> list[float]:
 
 def _edges(boom: list[float], stick: list[float]) -> list[tuple[float, float]]:
     """Return angles once around the box, without the first pose again."""
-    up, out = np.linspace(*boom, STEPS).tolist(), np.linspace(*stick, STEPS).tolist()
+    up, out = (np.linspace(low, high, STEPS).tolist() for low, high in (boom, stick))
     around = [(angle, stick[1]) for angle in up[:-1]]
     around += [(boom[1], angle) for angle in out[:0:-1]]
     around += [(angle, stick[0]) for angle in up[:0:-1]]

@@ -5,7 +5,8 @@ const FRAME_HZ = 30;
 const FRAME_HEADER = 16; // [bytes]
 const RETRY_MS = 500;
 
-// Emits "frame" (a Frame: {time, values}), each kind of message of the protocol, "open" and "close".
+// Emits "frame" (a Frame: {time, values}), "signals" when they change, each kind of message of the protocol, "open" and
+// "close".
 export class Station extends EventTarget {
   constructor() {
     super();
@@ -75,6 +76,7 @@ export class Station extends EventTarget {
     this.signals = new Map(signals.map(([name], column) => [name, column]));
     this.units = signals.map(([, unit]) => unit);
     this.history = new History(signals.length);
+    this.emit("signals", signals);
   }
 
   #hear(message) {

@@ -1,0 +1,92 @@
+// Everything that is drawn of one scene, and how it follows the signals.
+
+import { DirectionalLight, Fog, HemisphereLight, Scene, Vector3 } from "../vendor/three.js";
+import { COLOURS } from "./colours.js";
+import { Crane, plain } from "./crane.js";
+import { Hoses } from "./hoses.js";
+import { Limits } from "./limits.js";
+import { Reach } from "./reach.js";
+import { Shadow } from "./shadow.js";
+import { Signals } from "./signals.js";
+import { Surroundings } from "./surroundings.js";
+import { Trail } from "./trail.js";
+import { Walls } from "./walls.js";
+import { Wish } from "./wish.js";
+import { WorkArea } from "./work_area.js";
+
+const LIGHT = new Vector3(0.35, -0.5, 1);
+const COMMAND = "tip/twist_command";
+const LONGEST_S = 0.2; // between two pictures that count as one motion, for what runs by itself
+
+export class Picture {
+  constructor(scene) {
+    this.scene = scene;
+    this.root = new Scene();
+    this.root.fog = new Fog(COLOURS.horizon, 25, 100);
+    this.crane = new Crane(scene);
+    this.shadow = new Shadow(scene, LIGHT);
+    this.walls = new Walls(scene.walls, scene.slow_zone);
+    this.limits = new Limits(this.crane, this.walls);
+    this.hoses = new Hoses(scene.hoses, this.crane);
+    this.area = new WorkArea(scene.work_area, scene.ground);
+    this.reach = new Reach(scene.ground);
+    this.trail = new Trail();
+    this.wish = new Wish();
+    this.ghost = null;
+    const parts = [this.crane, this.shadow, this.walls, this.hoses, this.area, this.reach, this.trail, this.wish];
+    this.root.add(...lights(), new Surroundings(scene).root, ...parts.map(({ root }) => root));
+    this.pose(new Signals());
+  }
+
+  // Follows a frame; drawn or not, for the trail has every one.
+  push(signals) {
+    this.crane.pose(signals);
+    this.trail.push(signals.time, this.#tip(signals).toArray(), signals.point(COMMAND));
+  }
+
+  // Makes everything ready for drawing; returns the labels.
+  pose(signals) {
+    const seconds = Math.min(LONGEST_S, Math.max(0, signals.time - this.time || 0));
+    this.time = signals.time;
+    this.crane.pose(signals);
+    this.shadow.pose(signals);
+    this.hoses.pose(signals, seconds);
+    this.area.pose(this.crane.position("swing"));
+    this.trail.draw();
+    const tip = this.tip();
+    this.wish.pose(tip, signals.point(COMMAND));
+    return [...this.reach.pose(tip), ...this.limits.pose(signals, tip)];
+  }
+
+  // The drawn tip in the base frame [m].
+  tip() {
+    return this.crane.place("tip");
+  }
+
+  // A second, translucent crane at the signals of another bag; null: none.
+  showGhost(signals, scene = this.scene) {
+    if (this.ghost && (!signals || this.ghost.scene !== scene)) {
+      this.root.remove(this.ghost.crane.root);
+      this.ghost.crane.dispose();
+      this.ghost = null;
+    }
+    if (!signals) return;
+    if (!this.ghost) {
+      this.ghost = { scene, crane: new Crane(scene, plain(COLOURS.ghost, 0.4)) };
+      this.root.add(this.ghost.crane.root);
+    }
+    this.ghost.crane.pose(signals);
+  }
+
+  // As measured; by the joints where nobody tells it.
+  #tip(signals) {
+    const told = signals.point("tip/pose");
+    return told ? new Vector3(...told) : this.tip();
+  }
+}
+
+function lights() {
+  const sun = new DirectionalLight(0xfff2dd, 2.4);
+  sun.position.copy(LIGHT);
+  return [sun, new HemisphereLight(0xa9c3d6, 0x2b2f2c, 1.5)];
+}
