@@ -8,7 +8,11 @@ from typing import Any
 
 from forest_bag.play.player_parameters import PlayerParameters, StepPlayerParameters
 from forest_bag.record.recorder_parameters import RecorderParameters
-from forest_control.config.controller_parameters import ControllerParameters, ProfileParameter
+from forest_control.config.controller_parameters import (
+    ControllerParameters,
+    ProfileParameter,
+    WorkspaceParameter,
+)
 from forest_control.config.settings import Settings
 from forest_control.operator.joystick_sources import JoystickParameters
 from forest_control.operator.joystick_watch import WatchParameters
@@ -34,7 +38,7 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         "ros2 run forest_control controller_node",
         (
             *(MachineParameter, ProfileParameter, Settings, ControllerParameters, WatchParameters),
-            ClockParameters,
+            *(WorkspaceParameter, ClockParameters),
         ),
     ),
     "valve_driver": (

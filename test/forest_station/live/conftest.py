@@ -1,4 +1,4 @@
-"""A graph with the simulator, and a station that has joined it, for all tests of a module."""
+"""A graph with the simulator, and a station that has joined it, for all tests of this folder."""
 
 import contextlib
 import os
@@ -18,8 +18,10 @@ rclpy = pytest.importorskip("rclpy")
 from crane_ears import CraneEars
 from graph_processes import nodes_of
 from rclpy.node import Node
+from stall import Stall
 
 STARTED_S, ENDED_S = 60.0, 20.0
+BEGINS_S, SHUTS_S = 0.1, 0.25
 
 
 class Crane(NamedTuple):
@@ -29,6 +31,17 @@ class Crane(NamedTuple):
     port: int
     ears: CraneEars
     pids: dict[str, int]  # of the nodes
+    node: Node  # of the tests
+
+    def stall(self):
+        """What the host takes away from the nodes and from the test, from now on."""
+        return Stall(*self.pids.values())
+
+    def assert_it_stopped(self, stall):
+        """The newest stop began and ended in time."""
+        stop, lost = self.ears.stop(), stall.seconds()
+        assert stop.released - stop.heartbeat < BEGINS_S + lost
+        assert stop.shut - stop.released < SHUTS_S + lost
 
 
 def free_port() -> int:
@@ -67,7 +80,7 @@ def wait_for_text(process: subprocess.Popen, log: Path, text: str) -> None:
         time.sleep(0.02)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def crane(tmp_path_factory, session_domain_id):
     folder, port = tmp_path_factory.mktemp("station"), free_port()
     context = rclpy.Context()
@@ -83,7 +96,7 @@ def crane(tmp_path_factory, session_domain_id):
             wait_for_text(station, station_log, "the page is at")
             wait_for_text(graph, graph_log, "waiting for a joystick")
             pids = nodes_of(graph) | nodes_of(station)
-            yield Crane(f"http://127.0.0.1:{port}", port, CraneEars(node), pids)
+            yield Crane(f"http://127.0.0.1:{port}", port, CraneEars(node), pids, node)
     finally:
         node.destroy_node()
         context.try_shutdown()

@@ -9,6 +9,7 @@ from forest_station.graph.crane_graph import CraneGraph
 from forest_station.graph.node_settings import NODES
 from forest_station.graph.service_calls import NoAnswer
 from forest_station.operator.cab import Cab
+from forest_station.scene.scene_description import TIP_SPEED
 from forest_station.server.driving import Driving
 from forest_station.server.outbox import Outbox
 from forest_station.server.station_parameters import StationParameters
@@ -81,6 +82,12 @@ class Station:
         known = {node: told for node, told in known.items() if told}
         if known != self._told.get("parameters", {}).get("nodes"):
             self.tell("parameters", {"nodes": known})
+
+    def walls(self) -> tuple[str, float]:
+        """Return which workspace the controller keeps to, and its greatest tip speed [m/s]."""
+        told = self._told.get("parameters", {}).get("nodes", {}).get("controller", {})
+        values = {name: one["value"] for name, one in told.items()}
+        return values.get("workspace", ""), values.get("tip_speed", TIP_SPEED)
 
     async def _settings_of(self, node: str) -> dict[str, dict[str, Any]]:
         """Return a node's parameters; {} if it is not there."""
