@@ -24,6 +24,7 @@ from forest_ident.online.online_parameters import OnlineParameters
 from forest_msgs_py.clock.clock_parameters import ClockParameters, LeaderParameters, ListenerParameters
 from forest_msgs_py.runtime.parameter_table import MachineParameter, Parameter, table_rows
 from forest_sim.simulation.simulator_parameters import CommanderParameters, SimulatorParameters
+from forest_station.server.station_parameters import StationParameters
 from forest_study.closed_loop.link_model import DelayParameters, Quality
 from forest_viewers.server.server_parameters import ServerParameters
 
@@ -65,6 +66,7 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         (MachineParameter, OnlineParameters, ClockParameters),
     ),
     "foxglove": ("ros2 run forest_viewers foxglove_node", (ServerParameters,)),
+    "station": ("ros2 run forest_station station_node", (MachineParameter, StationParameters)),
     "delay": ("ros2 run forest_study delay_node", (DelayParameters, Quality)),
 }
 HEAD = """# Parameters
