@@ -42,7 +42,7 @@ class View {
     document.addEventListener("visibilitychange", () => this.#say({ kind: "visible", visible: !document.hidden }));
     addEventListener("pagehide", () => this.cameras.keep());
     this.station.on("signals", () => this.#signals());
-    this.station.on("frame", ({ time, values }) => this.#say({ kind: "frame", time, values }));
+    this.station.on("frame", ({ time, values }) => this.#sayValues({ kind: "frame", time }, values));
     this.station.on("ghost", (detail) => this.#ghost(detail));
     this.station.on("scene", (detail) => this.#change(detail ?? this.home));
     this.#signals();
@@ -60,9 +60,22 @@ class View {
     this.#say({ kind: "signals", names: [...this.station.signals.keys()] });
   }
 
+  // Values may be a window into many frames: only they go, and without a copy on the way.
+  #sayValues(message, values) {
+    const own = Float32Array.from(values);
+    this.painter.postMessage({ ...message, values: own }, [own.buffer]);
+  }
+
+  // Its scene goes once: a copy of each one would be another machine to the painter.
   #ghost(detail) {
-    const ghost = detail && { names: detail.signals.map(([name]) => name), values: detail.values, scene: detail.scene };
-    this.#say({ kind: "ghost", ghost });
+    if (!detail) {
+      this.ghostScene = null;
+      return this.#say({ kind: "ghost" });
+    }
+    const fresh = detail.scene && detail.scene !== this.ghostScene;
+    if (fresh) this.ghostScene = detail.scene;
+    const names = detail.signals.map(([name]) => name);
+    return this.#sayValues({ kind: "ghost", names, scene: fresh ? detail.scene : null }, detail.values);
   }
 
   #change(scene) {
@@ -110,6 +123,7 @@ class View {
 
   #fail(text) {
     this.rate.textContent = `The crane cannot be drawn: ${text}`;
+    this.rate.classList.add("failed");
     this.element.dataset.failed = text;
   }
 }
