@@ -10,12 +10,12 @@ from typing import Any
 
 from aiohttp import web
 
-from forest_station.scene.scene_description import scene_of
 from forest_station.server import access
 from forest_station.server.access import COOKIE, HEADERS, Access
 from forest_station.server.additions import ADDITIONS
 from forest_station.server.page_socket import PageSocket
 from forest_station.server.requests import REQUESTS
+from forest_station.server.scene_page import current_scene
 from forest_station.server.station import Station
 
 WEB = Path(str(importlib.resources.files("forest_station") / "web"))
@@ -63,7 +63,6 @@ async def _first_done(*tasks: "asyncio.Future[None]") -> None:
 
 def _app(station: Station, who: Access, sockets: PageSocket) -> web.Application:
     app = web.Application(middlewares=[_gate(who)])
-    scene = scene_of(station.graph.machine)
 
     async def page(_request: web.Request) -> web.StreamResponse:
         return web.FileResponse(WEB / "index.html")
@@ -72,7 +71,7 @@ def _app(station: Station, who: Access, sockets: PageSocket) -> web.Application:
         return web.json_response(_panels())
 
     async def scene_page(_request: web.Request) -> web.StreamResponse:
-        return web.json_response(scene)
+        return web.json_response(current_scene(station))
 
     app.router.add_get("/", page)
     app.router.add_get("/panels.json", panels)

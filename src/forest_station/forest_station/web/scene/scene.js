@@ -6,6 +6,7 @@ import { Labels } from "./labels.js";
 import { legend, viewButtons } from "./overlay.js";
 
 const FINEST = 2; // pixels of the screen per pixel of the page: more cannot be seen at 1 m
+const WALLS = ["workspace", "tip_speed"]; // parameters of the controller that the scene depends on
 const LONGEST_S = 0.1; // of a step of the cameras
 const STILL = 1e-4; // [m], [1], [deg] by which a camera that stands may differ
 
@@ -44,6 +45,7 @@ class View {
     this.station.on("signals", () => this.#signals());
     this.station.on("frame", ({ time, values }) => this.#sayValues({ kind: "frame", time }, values));
     this.station.on("ghost", (detail) => this.#ghost(detail));
+    this.station.on("parameters", ({ nodes }) => this.#settings(nodes.controller ?? {}));
     this.station.on("scene", (detail) => this.#change(detail ?? this.home));
     this.#signals();
     this.#resize();
@@ -76,6 +78,17 @@ class View {
     if (fresh) this.ghostScene = detail.scene;
     const names = detail.signals.map(([name]) => name);
     return this.#sayValues({ kind: "ghost", names, scene: fresh ? detail.scene : null }, detail.values);
+  }
+
+  // Walls and slow zones are as the controller is set; the server draws up the scene anew when that changes.
+  async #settings(controller) {
+    const set = WALLS.map((name) => controller[name]?.value);
+    if (set.includes(undefined) || set.join() === this.set) return;
+    this.set = set.join();
+    const response = await fetch("/scene.json");
+    if (!response.ok) return;
+    this.home = await response.json();
+    if (this.station.live) this.#change(this.home);
   }
 
   #change(scene) {
