@@ -76,6 +76,11 @@ class Station:
         for outbox in self.pages.values():
             outbox.put_frame(frame)
 
+    def setting(self, node: str, name: str) -> Any:
+        """Return a parameter as last told to the pages; None if nobody knows it."""
+        told = self._told.get("parameters", {}).get("nodes", {})
+        return told.get(node, {}).get(name, {}).get("value")
+
     async def tell_settings(self, *nodes: str) -> None:
         """Tell every page the parameters of some nodes; without arguments: of all."""
         found = {node: await self._settings_of(node) for node in nodes or NODES}

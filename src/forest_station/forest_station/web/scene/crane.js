@@ -43,8 +43,10 @@ export class Crane {
   }
 
   dispose() {
-    this.root.traverse((part) => part.geometry?.dispose());
-    for (const material of this.materials.values()) material.dispose();
+    this.root.traverse((part) => {
+      part.geometry?.dispose();
+      part.material?.dispose();
+    });
   }
 
   #hang(joint) {

@@ -10,14 +10,14 @@ import { Signals } from "./signals.js";
 
 ColorManagement.enabled = false; // colours as written: no power function for each pixel
 
-const state = { renderer: null, picture: null, signals: new Signals(), ghost: null, visible: true, waiting: false };
+const state = { renderer: null, picture: null, signals: new Signals(), ghost: null, visible: true, waiting: false, failed: false };
 const camera = new PerspectiveCamera(45, 1, 0.2, 300);
 const resolution = new Resolution();
 const size = { width: 1, height: 1, ratio: 1, fresh: true };
 
 const hear = {
   start({ canvas, scene }) {
-    state.renderer = new WebGLRenderer({ canvas, antialias: false });
+    state.renderer = new WebGLRenderer({ canvas, antialias: true });
     state.renderer.outputColorSpace = LinearSRGBColorSpace;
     resolution.begin(state.renderer.getContext());
     state.picture = new Picture(scene);
@@ -32,7 +32,9 @@ const hear = {
     camera.updateProjectionMatrix();
   },
   scene({ scene }) {
+    state.picture.dispose();
     state.picture = new Picture(scene);
+    state.picture.showGhost(state.ghost);
   },
   signals({ names }) {
     state.signals = new Signals(names);
@@ -41,13 +43,10 @@ const hear = {
     state.signals.show(time, values);
     state.picture.push(state.signals);
   },
-  ghost({ ghost }) {
-    if (!ghost) state.ghost = null;
-    else {
-      state.ghost = { scene: ghost.scene ?? state.ghost?.scene, signals: new Signals(ghost.names) };
-      state.ghost.signals.show(0, ghost.values);
-    }
-    state.picture.showGhost(state.ghost?.signals ?? null, state.ghost?.scene);
+  ghost({ names, values, scene }) {
+    state.ghost = names ? { scene: scene ?? state.ghost?.scene, signals: new Signals(names) } : null;
+    state.ghost?.signals.show(NaN, values);
+    state.picture.showGhost(state.ghost);
   },
   exercise({ exercise }) {
     state.picture.exercise.show(exercise);
@@ -58,10 +57,12 @@ const hear = {
 };
 
 self.onmessage = ({ data }) => {
+  if (state.failed) return;
   try {
     hear[data.kind](data);
     drawSoon();
   } catch (error) {
+    state.failed = true;
     self.postMessage({ kind: "failed", text: error.message });
   }
 };

@@ -18,6 +18,7 @@ import { WorkArea } from "./work_area.js";
 
 const LIGHT = new Vector3(0.4, -0.75, 1);
 const COMMAND = "tip/twist_command";
+const GHOSTLY = 0.45; // opacity
 const LONGEST_S = 0.2; // between two pictures that count as one motion, for what runs by itself
 
 export class Picture {
@@ -68,19 +69,27 @@ export class Picture {
     return this.crane.place("tip");
   }
 
-  // A second, translucent crane at the signals of another bag; null: none.
-  showGhost(signals, scene = this.scene) {
-    if (this.ghost && (!signals || this.ghost.scene !== scene)) {
+  // A second, translucent crane: of a scene, or of this one, at the signals of another bag; null: none.
+  showGhost(ghost) {
+    const scene = ghost?.scene ?? this.scene;
+    if (this.ghost && (!ghost || this.ghost.scene !== scene)) {
       this.root.remove(this.ghost.crane.root);
       this.ghost.crane.dispose();
       this.ghost = null;
     }
-    if (!signals) return;
+    if (!ghost) return;
     if (!this.ghost) {
-      this.ghost = { scene, crane: new Crane(scene, plain(COLOURS.ghost, 0.4)) };
+      this.ghost = { scene, crane: new Crane(scene, plain(COLOURS.ghost, GHOSTLY)) };
       this.root.add(this.ghost.crane.root);
     }
-    this.ghost.crane.pose(signals);
+    this.ghost.crane.pose(ghost.signals);
+  }
+
+  dispose() {
+    this.root.traverse((part) => {
+      part.geometry?.dispose();
+      part.material?.dispose();
+    });
   }
 
   // As measured; by the joints where nobody tells it.
