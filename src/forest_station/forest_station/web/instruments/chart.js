@@ -82,7 +82,8 @@ export class Chart {
       swatch.style.background = this.#colour(i);
       return make("label", {}, swatch, `${label} `, this.values[i]);
     });
-    return make("div", { className: "readings" }, ...entries, this.moment);
+    const unit = make("span", { className: "unit" }, this.definition.unit);
+    return make("div", { className: "readings" }, ...entries, unit, this.moment);
   }
 
   #colour(i) {
@@ -140,8 +141,7 @@ export class Chart {
   }
 
   #text(value) {
-    const { digits = 0, unit } = this.definition;
-    return `${Number.isFinite(value) ? value.toFixed(digits) : "–"} ${unit}`;
+    return Number.isFinite(value) ? value.toFixed(this.definition.digits ?? 0) : "–";
   }
 
   #showPause() {

@@ -7,7 +7,7 @@ const SUPPLY = { label: "supply", signals: ["hydraulics/supply/pressure"], value
 
 function ofAxis(axis) {
   const line = (port, where, dashed) => ({
-    label: dashed ? `${port} at the actuator` : `${axis} ${port}`,
+    label: dashed ? `${port} actuator` : `${axis} ${port}`,
     signals: [`hydraulics/pressures/${axis}_${port}_${where}`],
     value: bar,
     colour: port === 1 ? "#5ec8ff" : "#ffb454",
