@@ -41,7 +41,7 @@ def imported(source: str) -> set[str]:
 
 
 def may_know_ros(package: str, path: Path) -> bool:
-    """The nodes, the package of messages, the bag's reader, the graph's monitor, the station's room graph."""
+    """The nodes, the package of messages, the reader of any message, the graph's monitor, a room."""
     if (package, path.parent.name) in ROOMS:
         return True
     return package == "forest_msgs_py" or path.stem.endswith("_node") or (package, path.stem) in SHELLS

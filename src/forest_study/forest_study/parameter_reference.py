@@ -23,6 +23,7 @@ from forest_ident.online.online_parameters import OnlineParameters
 from forest_msgs_py.clock.clock_parameters import ClockParameters, LeaderParameters, ListenerParameters
 from forest_msgs_py.runtime.parameter_table import MachineParameter, Parameter, table_rows
 from forest_sim.simulation.simulator_parameters import CommanderParameters, SimulatorParameters
+from forest_station.server.station_parameters import StationParameters
 from forest_study.closed_loop.link_model import DelayParameters, Quality
 
 # Node's name: how it is started, its tables.
@@ -59,6 +60,7 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         "ros2 run forest_ident online_identification_node",
         (MachineParameter, OnlineParameters, ClockParameters),
     ),
+    "station": ("ros2 run forest_station station_node", (MachineParameter, StationParameters)),
     "delay": ("ros2 run forest_study delay_node", (DelayParameters, Quality)),
 }
 HEAD = """# Parameters

@@ -2,7 +2,6 @@
 
 import asyncio
 import importlib.resources
-import ssl
 import time
 from collections.abc import Awaitable, Callable
 from pathlib import Path
@@ -14,6 +13,7 @@ from forest_station.scene.scene_description import scene_of
 from forest_station.server import access
 from forest_station.server.access import COOKIE, HEADERS, Access
 from forest_station.server.additions import ADDITIONS
+from forest_station.server.entrance import Entrance
 from forest_station.server.page_socket import PageSocket
 from forest_station.server.requests import REQUESTS
 from forest_station.server.station import Station
@@ -27,7 +27,7 @@ ENDS = 1.0  # [s] for which pages may take leave
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
-async def serve(station: Station, who: Access, tls: ssl.SSLContext | None, ended: Awaitable[None]) -> None:
+async def serve(station: Station, way: Entrance, ended: Awaitable[None]) -> None:
     """Serve pages until `ended` is done.
 
     Raises:
@@ -37,14 +37,15 @@ async def serve(station: Station, who: Access, tls: ssl.SSLContext | None, ended
     for addition in ADDITIONS:
         requests |= addition.requests
     sockets = PageSocket(station, requests)
-    runner = web.AppRunner(_app(station, who, sockets), access_log=None, shutdown_timeout=ENDS)
+    runner = web.AppRunner(_app(station, way.access, sockets), access_log=None, shutdown_timeout=ENDS)
     await runner.setup()
     jobs = [station.driving.run(), _frames(station), _latency(station), _settings(station)]
     jobs += [addition.run(station) for addition in ADDITIONS if addition.run is not None]
     tasks = [asyncio.ensure_future(job) for job in jobs]
     try:
-        await web.TCPSite(runner, station.options.host, station.options.port, ssl_context=tls).start()
-        print(f"the page is at {who.scheme}://{station.options.host}:{who.port}/", flush=True)
+        await web.TCPSite(runner, station.options.host, station.options.port, ssl_context=way.tls).start()
+        for line in (*way.notes, f"the page is at {way.address}"):
+            print(line, flush=True)  # not logged: a token belongs neither on /rosout nor into bags
         await _first_done(asyncio.ensure_future(ended), *tasks)
     finally:
         for task in tasks:

@@ -3,10 +3,8 @@
 import asyncio
 import struct
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Any
 
-from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER
-from forest_msgs_py.runtime.parameter_table import Parameter
 from forest_station.graph.crane_graph import CraneGraph
 from forest_station.graph.node_settings import NODES
 from forest_station.graph.service_calls import NoAnswer
@@ -14,25 +12,11 @@ from forest_station.operator.cab import Cab
 from forest_station.recordings.recordings import Recordings
 from forest_station.server.driving import Driving
 from forest_station.server.outbox import Outbox
+from forest_station.server.station_parameters import StationParameters
 
 FRAME_KIND = 2
 FRAME_HEAD = struct.Struct("<B3xId")
 LINES = ("log", "answer")  # kinds of which the newest does not stand for those before
-
-
-class StationParameters(NamedTuple):
-    """Of `station_node`."""
-
-    host: Annotated[str, Parameter("address to listen on; beyond loopback with a token over TLS")] = (
-        "127.0.0.1"
-    )
-    port: Annotated[int, Parameter("port to listen on", low=1, high=65535)] = 8080
-    bags: Annotated[str, Parameter("directory of the bags")] = "bags"
-    certificate: Annotated[str, Parameter("file of a TLS certificate; empty: one is made")] = ""
-    key: Annotated[str, Parameter("file of its key")] = ""
-    deadman_button: Annotated[int, Parameter("button of joy to hold", low=0, high=BUTTON_COUNT - 1)] = (
-        LEFT_SHOULDER
-    )
 
 
 class Station:
