@@ -19,6 +19,7 @@ setup(
     entry_points={
         "console_scripts": [
             "foxglove_node = forest_viewers.foxglove_node:main",
+            "viewer_node = forest_viewers.viewer_node:main",
         ]
     },
 )

@@ -55,6 +55,7 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         "ros2 run forest_ident online_identification_node",
         (MachineParameter, OnlineParameters, ClockParameters),
     ),
+    "viewer": ("ros2 run forest_viewers viewer_node", (MachineParameter,)),
     "foxglove": ("ros2 run forest_viewers foxglove_node", (ServerParameters,)),
     "delay": ("ros2 run forest_study delay_node", (DelayParameters, Quality)),
 }
