@@ -144,6 +144,11 @@ def recorder(bag: Path) -> NodeSpec:
     return NodeSpec("recorder", "forest_bag.recorder_node", output, needed=False)
 
 
+def viewer(machine: str) -> NodeSpec:
+    """Return the node that draws the crane for viewers."""
+    return NodeSpec("viewer", "forest_viewers.viewer_node", machine_arguments(machine), needed=False)
+
+
 def foxglove(port: int) -> NodeSpec:
     """Return the server for Foxglove and Lichtblick."""
     return NodeSpec("foxglove", "forest_viewers.foxglove_node", parameter("port", port), needed=False)
@@ -174,10 +179,13 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
         "default: /joy is yours",
     )
     parser.add_argument(
+        "--viewer", action="store_true", help="publish all joints, frames and markers for RViz and the like"
+    )
+    parser.add_argument(
         "--foxglove",
         type=tcp_port,
         metavar="PORT",
-        help="serve Foxglove and Lichtblick at ws://127.0.0.1:PORT (usual: 8765)",
+        help="--viewer, and serve Foxglove and Lichtblick at ws://127.0.0.1:PORT (usual: 8765)",
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag there")
     return parser.parse_args(arguments)
@@ -192,6 +200,8 @@ def graph_nodes(options: argparse.Namespace) -> list[NodeSpec]:
         nodes.insert(0, device_joystick(source) if is_device(source) else joystick(source, 0.0, 1))
     if not options.no_simulator:
         nodes.append(simulator(options.machine))
+    if options.viewer or options.foxglove:
+        nodes.append(viewer(options.machine))
     if options.foxglove:
         nodes.append(foxglove(options.foxglove))
     if options.record:

@@ -67,6 +67,8 @@ class SimulatorNode(Node):
             for topic in SIMULATED_TOPICS
         }
         publisher = self._node_clock.publisher(topics.DIAGNOSTICS)
+        hangs = machine.manipulator.pendulum is not None
+        self._head = number_publisher(self._node_clock, topics.GROUND_TRUTH_HEAD) if hangs else None
         self._diagnostics = Diagnostics(self, ("voltages", "machine"), "valves centred", publisher)
         self._description = self._node_clock.publisher(topics.ROBOT_DESCRIPTION)
         text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
@@ -144,6 +146,8 @@ class SimulatorNode(Node):
         values = topic_values(report, self._machine.events, self._deadlines.missed)
         for topic, numbers in values.items():
             self._number_publishers[topic].publish(self._stamp, numbers)
+        if self._head is not None:
+            self._head.publish(self._stamp, self._machine.head_joints)
         self._diagnostics.publish(self._stamp)  # last: nobody waits for it
 
 

@@ -65,6 +65,7 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         "ros2 run forest_ident online_identification_node",
         (MachineParameter, OnlineParameters, ClockParameters),
     ),
+    "viewer": ("ros2 run forest_viewers viewer_node", (MachineParameter,)),
     "foxglove": ("ros2 run forest_viewers foxglove_node", (ServerParameters,)),
     "station": ("ros2 run forest_station station_node", (MachineParameter, StationParameters)),
     "delay": ("ros2 run forest_study delay_node", (DelayParameters, Quality)),

@@ -7,6 +7,7 @@ still holds them.
 """
 
 import sys
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -17,6 +18,7 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.introspection.graph_listener import DiscoveredTopic, GraphListener
 from forest_msgs_py.introspection.parameter_mirror import ParameterMirror
+from forest_msgs_py.introspection.raw_publishers import is_installed
 from forest_msgs_py.introspection.raw_services import RawServices
 from forest_msgs_py.runtime.node import NodeFailure, publisher, run_node, timer
 from forest_msgs_py.runtime.node_parameters import declare
@@ -24,6 +26,7 @@ from forest_msgs_py.serialization.cdr import CdrError, cdr_type
 from forest_viewers.server import client_requests
 from forest_viewers.server.client_requests import CallFailed, ClientRequests, Published, Request
 from forest_viewers.server.client_view import ClientView, ServerError
+from forest_viewers.server.frame_channels import FrameChannels
 from forest_viewers.server.server_parameters import ServerParameters
 
 TURN, LOOK = 0.02, 0.25  # [s] between two hand-overs of messages, and between two looks at the graph
@@ -44,7 +47,8 @@ class FoxgloveNode(Node):
             raise NodeFailure(str(error)) from error
         self._mirror = ParameterMirror(self, self._view.tell_parameters)
         self._calls = RawServices(self)
-        self._listener = GraphListener(self, lambda name, _: self._view.wanted(name), _nothing, self._refused)
+        self._frames = None if is_installed(topics.TF.type) else FrameChannels(self.resolve_topic_name)
+        self._listener = GraphListener(self, self._wanted, _nothing, self._refused)
         self._stop = publisher(self, topics.EMERGENCY_STOP)
         self._told: set[str] = set()
         timer(self, TURN, self._turn)
@@ -59,6 +63,8 @@ class FoxgloveNode(Node):
         """Offer what there is."""
         found = dict(self.get_topic_names_and_types())
         shown = {name: types[0] for name, types in found.items() if len(types) == 1 and "/_" not in name}
+        if self._frames is not None:
+            shown |= self._frames.offered(shown)
         for name in self._view.offer(shown):
             self._refused(name, f"is of {shown[name]}, which is not installed here")
         self._view.offer_services(self._calls.look())
@@ -71,18 +77,23 @@ class FoxgloveNode(Node):
             self._do(request)
         for message in self._listener.take():
             self._view.say(message.name, message.data, message.received_ns)
+            if self._frames is not None:
+                for name, data in self._frames.answer(message.name, message.data):
+                    self._view.say(name, data, message.received_ns)
+
+    def _wanted(self, name: str, _types: Sequence[str]) -> bool:
+        made = () if self._frames is None else self._frames.made_from(name)
+        return any(map(self._view.wanted, (name, *made)))
 
     def _do(self, request: Request) -> None:
         match request:
             case client_requests.Subscribed(topic):
                 self._view.want(topic)
-                if self._is_latched(topic):  # anew, so that who comes late gets what was said before
-                    self._listener.forget(topic)
-                self._listener.look()
+                self._again(topic)
             case client_requests.Unsubscribed(topic):
                 self._view.leave(topic)
                 if not self._view.wanted(topic):
-                    self._listener.forget(topic)
+                    self._forget_unwanted(topic)
             case client_requests.ParametersSet(values):
                 self._set(values)
             case client_requests.ServiceCalled(name, data, answer):
@@ -93,6 +104,20 @@ class FoxgloveNode(Node):
                     self._view.warn(f"{topic} is not taken from here; allowed: {self._stop.topic_name}")
             case client_requests.Published():
                 self._stop_if_asked(request)
+
+    def _again(self, topic: str) -> None:
+        """Hear a topic; what is latched anew, so that who comes late gets what was said before."""
+        sources = () if self._frames is None else self._frames.sources(topic)
+        for name in (topic, *sources):
+            if self._is_latched(name):
+                self._listener.forget(name)
+        self._listener.look()
+
+    def _forget_unwanted(self, topic: str) -> None:
+        sources = () if self._frames is None else self._frames.sources(topic)
+        for name in (topic, *sources):
+            if not self._wanted(name, ()):
+                self._listener.forget(name)
 
     def _set(self, values: dict[str, Any]) -> None:
         if self._read_only:
