@@ -52,6 +52,11 @@ def modules(package: str) -> list[Path]:
     return sorted((ROOT / "src" / package / package).rglob("*.py"))
 
 
+@pytest.mark.parametrize("shell", sorted(ROOT.glob("src/*/*/*_node.py")), ids=lambda path: path.stem)
+def test_a_shell_has_no_more_than_120_lines(shell):
+    assert shell.read_text("utf-8").count("\n") <= 120
+
+
 def imported_by(package: str) -> set[str]:
     return set().union(*(imported(path.read_text("utf-8")) for path in modules(package)))
 

@@ -4,7 +4,6 @@ It steps when the machine's state arrives. Whether the crane may move, `motion_p
 """
 
 import sys
-from functools import partial
 from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
@@ -22,7 +21,6 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
-from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.types import WATCHDOG_PERIOD
 
 
@@ -48,25 +46,10 @@ class ControllerNode(Node):
         if p.publish_description:
             self._outputs.say_description(robot_description(configuration.machine))
         self._inputs = ControllerInputs(self._node_clock, configuration.machine, p.deadman_button)
-        self._watch_inputs(self._node_clock.on(topics.JOINT_STATES, self._on_joint_states))
-        self._node_clock.every(WATCHDOG_PERIOD, self._on_watchdog)
-
-    def _watch_inputs(self, joints: Any) -> None:
-        """Have /diagnostics tell of what the controller hears."""
-        heard, guard, inputs = (
-            partial(InputStatus, self, self._node_clock),
-            self._guard,
-            self._inputs,
-        )
-
-        def limits() -> dict[str, Any]:
-            return self._configuration.limits(self._override().hands_off)
-
-        joystick = heard(inputs.joy, "a joystick", guard.is_nobody_there)
-        self._diagnostics.watch("joystick", joystick, values=guard.joystick_values)
-        others = map(heard, (inputs.actuators, inputs.valves.volts, inputs.valves.status))
-        self._diagnostics.watch("machine", heard(joints, "the machine's state"), *others, values=limits)
+        joints = self._node_clock.on(topics.JOINT_STATES, self._on_joint_states)
+        self._inputs.watch(self, self._diagnostics, joints, self._guard, configuration.limits)
         self._diagnostics.watch("emergency stop", self._stop)
+        self._node_clock.every(WATCHDOG_PERIOD, self._on_watchdog)
 
     def _on_joint_states(self, data: bytes, sent: float) -> None:
         (machine, problem), override = self._inputs.machine_state(data, sent), self._override()
@@ -121,7 +104,7 @@ class ControllerNode(Node):
         return SetParametersResult(successful=not refused, reason="the deadman is held" if refused else "")
 
     def _override(self) -> Override:
-        return Override(self._stop.pressed, bool(self.get_parameter("hands_off").value))
+        return Override(self._stop.pressed, self._configuration.hands_off())
 
     def stop(self) -> None:
         """Last words: zero."""

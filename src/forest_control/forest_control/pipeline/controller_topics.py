@@ -1,5 +1,7 @@
 """The controller's inputs from topics and its output to topics: conversions only, which decide nothing."""
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from forest_control.config.settings import Parameters
@@ -17,6 +19,8 @@ from forest_description.types import Vec3
 from forest_msgs_py.clock.node_clock import number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
+from forest_msgs_py.safety.diagnostics import Diagnostics
+from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import JointReader, read_joy_data
 
 FRAME = "base_link"
@@ -33,10 +37,34 @@ class ControllerInputs:
     """
 
     def __init__(self, pace: Any, machine: Machine, deadman: int) -> None:
+        self._node_clock = pace
         self.joy, self.valves = pace.polled_subscription(topics.JOY), ValveReports(pace, machine)
         self.actuators = pace.polled_subscription(topics.ACTUATOR_STATES)
         self._joints, self._lengths = JointReader(topics.JOINTS), JointReader(topics.ACTUATORS)
         self._deadman, self._before = deadman, None  # axes and buttons of the sample before
+
+    def watch(
+        self,
+        node: Any,
+        diagnostics: Diagnostics,
+        joints: Any,
+        guard: MotionGuard,
+        limits: Callable[[], dict[str, Any]],
+    ) -> None:
+        """Have /diagnostics tell of what the controller hears.
+
+        Args:
+            node: whose inputs they are.
+            diagnostics: of the node.
+            joints: what its clock's `on` gave for the joints.
+            guard: knows the joystick.
+            limits: gives what limits the motion, by names with units.
+        """
+        heard = partial(InputStatus, node, self._node_clock)
+        joystick = heard(self.joy, "a joystick", guard.is_nobody_there)
+        diagnostics.watch("joystick", joystick, values=guard.joystick_values)
+        others = map(heard, (self.actuators, self.valves.volts, self.valves.status))
+        diagnostics.watch("machine", heard(joints, "the machine's state"), *others, values=limits)
 
     def read_joystick(self, guard: MotionGuard) -> None:
         """Have the guard hear every joystick sample that waits, oldest first."""
