@@ -37,7 +37,7 @@ class ControllerNode(Node):
         guard = PermissionParameters(configuration.joystick, p.state_timeout, p.period)
         self._controller = GuardedController(configuration.parameters, guard, compiled.controller_step())
         self._guard = self._controller.guard
-        configuration.watch(self._controller.tune)
+        configuration.watch(self._controller.tune, self._controller.moves)
         said = self._node_clock.publisher(topics.DIAGNOSTICS)
         self._diagnostics = Diagnostics(self, tuple(self._guard.causes), "standing still", said)
         stopped = self._node_clock.publisher(topics.EMERGENCY_STOPPED)

@@ -50,7 +50,8 @@ class SimulatorNode(Node):
             )
         self._changing = threading.Lock()  # parameters come in the executor's thread
         self.add_on_set_parameters_callback(self._on_parameters)
-        self._outputs = SimulatorOutputs(self._node_clock, p.plain_arrays)
+        self._hangs = machine.manipulator.pendulum is not None
+        self._outputs = SimulatorOutputs(self._node_clock, p.plain_arrays, self._hangs)
         publisher = self._node_clock.publisher(topics.DIAGNOSTICS)
         self._diagnostics = Diagnostics(self, (PART, "machine"), "valves centred", publisher)
         self._outputs.say_description(machine)
@@ -98,6 +99,8 @@ class SimulatorNode(Node):
         with self._changing:
             report = self._machine.step(voltages)
         values = topic_values(report, self._machine.events, self._deadlines.missed)
+        if self._hangs:
+            values[topics.GROUND_TRUTH_HEAD] = self._machine.head_joints
         self._outputs.say(self._stamp, values)
         self._diagnostics.publish(self._stamp)  # last: nobody waits for it
 

@@ -68,6 +68,10 @@ class GuardedController:
         """The controller's parameters that are in force."""
         return self._tuning.core
 
+    def moves(self) -> bool:
+        """Tell whether somebody drives the crane, or it has not come to rest since."""
+        return self.guard.permission.joystick.armed or self.command != ZERO
+
     def tune(self, p: Parameters) -> None:
         """Follow parameters that were set while the machine may be moving."""
         self._tuning.request(p)

@@ -3,6 +3,9 @@
 What the simulator node wraps. Faults and the force on the tip may change between two periods.
 """
 
+import math
+
+from forest_description.derived.passive_joints import head_joint_positions
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 from forest_sim.sensors import sensor_readings
@@ -60,6 +63,14 @@ class SimulatedMachine:
     def events(self) -> Events:
         """What has been counted since the start."""
         return self._simulation.events
+
+    @property
+    def head_joints(self) -> tuple[float, ...]:
+        """Position [rad] and rate [rad/s] of a hanging head's joints, and NaN for their efforts."""
+        plant = self._simulation.plant
+        head, angles = plant.head, (plant.swing.angle, plant.boom.angle, plant.stick.angle)
+        rates = head.alpha_rate - plant.boom.rate - plant.stick.rate, head.beta_rate
+        return (*head_joint_positions(angles, (head.alpha, head.beta)), *rates, math.nan, math.nan)
 
     def disturb(self, disturbance: Disturbance) -> None:
         """Let spools be stuck and a force act on the tip, from now on."""

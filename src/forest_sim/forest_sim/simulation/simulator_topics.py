@@ -67,12 +67,13 @@ class SimulatorOutputs:
     Args:
         clock: of the node, whose publishers are used.
         plain: arrays carry no stamp.
+        hanging: the machine's head hangs, and its joints are told.
     """
 
-    def __init__(self, clock: Any, plain: bool) -> None:
+    def __init__(self, clock: Any, plain: bool, hanging: bool) -> None:
         self._publishers = {
             topic: number_publisher(clock, topic, FRAME if topic.type in FRAMED else "", plain)
-            for topic in SIMULATED_TOPICS
+            for topic in (*SIMULATED_TOPICS, *([topics.GROUND_TRUTH_HEAD] if hanging else []))
         }
         self._description = clock.publisher(topics.ROBOT_DESCRIPTION)
 

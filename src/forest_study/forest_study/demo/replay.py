@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
         with BagReader(bag) as reader:
             last = reader.span[1]
             topics = list(reader.channels)
-            attached = {name: data for file in reader.files for name, data in file.attachments}
+            attached = {a.name: a.data for file in reader.files for a in file.attachments}
     except (BagError, OSError) as error:
         raise GraphError(str(error)) from error
     steps, rest = divmod(last, PERIOD_NS)
