@@ -19,11 +19,11 @@ import aiohttp
 from forest_station.operator.hands import Hands, encode_hands
 
 PERIOD = 0.02  # [s]
-MET_S, PLAYED_S = 30.0, 60.0
+MET_S, PLAYED_S = 60.0, 120.0
 CENTRED = (0.0,) * 6
 UP, DOWN = (0.0, 0.0, 0.0, 0.5, 0.0, 0.0), (0.0, 0.0, 0.0, -0.5, 0.0, 0.0)
 STICKS = itertools.cycle((UP, DOWN))  # one after the other, or the crane comes to its end
-PRESSED_AFTER, MOVED_AFTER, SETTLED = 5, 10, 15  # messages
+PRESSED_AFTER, MOVED_AFTER, SETTLED = 5, 10, 10  # messages
 
 
 class StandInPage:
