@@ -10,7 +10,7 @@ import time
 import aiohttp
 import pytest
 from stall import Stall
-from stand_in_page import CENTRED, StandInPage, driving, play
+from stand_in_page import CENTRED, StandInPage, driving, opposite, play
 
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import publisher
@@ -42,7 +42,7 @@ def test_a_second_page_looks_on_and_its_hands_count_for_nothing(crane):
             assert not (await other.ask("leave_seat"))["ok"]
             await crane.ears.until(lambda: len(crane.ears.joy) > 50)
             assert is_undisturbed(page)
-            assert {joy.axes for joy in crane.ears.joy} <= {page.stick, CENTRED}
+            assert {joy.axes for joy in crane.ears.joy} <= {page.stick, opposite(page.stick), CENTRED}
 
     play(scenario())
 
@@ -79,7 +79,7 @@ def test_a_flood_of_another_page_ends_its_socket_and_does_not_reach_joy(crane):
             assert other.socket.close_code == 1008
             await crane.ears.until(lambda: len(crane.ears.joy) > 50)
             assert is_undisturbed(page)
-            assert {joy.axes for joy in crane.ears.joy} <= {page.stick, CENTRED}
+            assert {joy.axes for joy in crane.ears.joy} <= {page.stick, opposite(page.stick), CENTRED}
 
     play(scenario())
 

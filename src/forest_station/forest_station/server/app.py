@@ -46,7 +46,7 @@ async def serve(station: Station, way: Entrance, ended: Awaitable[None]) -> None
     jobs += [addition.run(station) for addition in ADDITIONS if addition.run is not None]
     tasks = [asyncio.ensure_future(job) for job in jobs]
     try:
-        await web.TCPSite(runner, station.options.host, station.options.port, ssl_context=way.tls).start()
+        await web.TCPSite(runner, station.options.host, way.access.port, ssl_context=way.tls).start()
         for line in (*way.notes, f"the page is at {way.address}"):
             print(line, flush=True)  # not logged: a token belongs neither on /rosout nor into bags
         await _first_done(asyncio.ensure_future(ended), *tasks)
