@@ -32,6 +32,7 @@ class ControllerConfiguration:
 
     def __init__(self, node: Any) -> None:
         self.machine = load_machine(declare(node, MachineParameter).machine)
+        self._get = node.get_parameter
         # An operator's profile gives what is not set.
         self._tunables = Tunables(node, {"profile": load_profile})
         profile = load_profile(self._tunables.declare(ProfileParameter).profile)
@@ -61,7 +62,11 @@ class ControllerConfiguration:
 
         self._tunables.watch(on_set)
 
-    def limits(self, hands_off: bool) -> dict[str, Any]:
+    def hands_off(self) -> bool:
+        """Tell whether somebody else has the valves."""
+        return bool(self._get("hands_off").value)
+
+    def limits(self) -> dict[str, Any]:
         """Return what limits the motion, for /diagnostics."""
         settings = {name + unit: self._tunables.values[name] for name, unit in LIMITS.items()}
-        return {"state_timeout [s]": self.node.state_timeout, "hands_off": hands_off} | settings
+        return {"state_timeout [s]": self.node.state_timeout, "hands_off": self.hands_off()} | settings

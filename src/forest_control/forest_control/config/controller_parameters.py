@@ -21,7 +21,7 @@ class ProfileParameter(NamedTuple):
 
 
 class WorkspaceParameter(NamedTuple):
-    """The walls."""
+    """Walls that the tip keeps out of."""
 
     workspace: Annotated[
         str, tunable(f"walls: {', '.join(workspace_file.shipped())}, or path of a file; empty: none")

@@ -11,6 +11,7 @@ from typing import Any
 from rclpy.node import Node
 
 from forest_description.machine import Machine
+from forest_station.graph.events import Events
 from forest_station.graph.joystick_output import JoystickOutput
 from forest_station.graph.latency import Latency
 from forest_station.graph.node_settings import NodeSettings
@@ -36,6 +37,7 @@ class CraneGraph:
         self.calls = ServiceCalls(node)
         self.signals, self.latency = Signals(node, machine), Latency(node)
         self.joystick, self.settings = JoystickOutput(node), NodeSettings(self.calls)
+        self.events = Events(node)
         self.stop_button = StopButton(node, self.calls, self._tell_stop)
         self._notices = Notices(node, self._hear_part, self._hear_log)
         self._prefix = node.get_namespace().strip("/")

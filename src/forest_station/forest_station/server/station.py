@@ -9,6 +9,7 @@ from forest_station.graph.crane_graph import CraneGraph
 from forest_station.graph.node_settings import NODES
 from forest_station.graph.service_calls import NoAnswer
 from forest_station.operator.cab import Cab
+from forest_station.recordings.recordings import Recordings
 from forest_station.scene.scene_description import TIP_SPEED
 from forest_station.server.driving import Driving
 from forest_station.server.outbox import Outbox
@@ -29,7 +30,7 @@ class Station:
 
     def __init__(self, graph: CraneGraph, options: StationParameters) -> None:
         self.graph, self.options = graph, options
-        self.bags = Path(options.bags)
+        self.recordings = Recordings(Path(options.bags), graph.node.get_namespace(), graph.machine)
         self.pages: dict[str, Outbox] = {}  # of each open page, by its id
         self.cab = Cab(options.deadman_button)
         self.driving = Driving(graph, self.cab, self.tell)
@@ -74,6 +75,11 @@ class Station:
         frame = head + struct.pack(f"<{len(values)}f", *values)
         for outbox in self.pages.values():
             outbox.put_frame(frame)
+
+    def setting(self, node: str, name: str) -> Any:
+        """Return a parameter as last told to the pages; None if nobody knows it."""
+        told = self._told.get("parameters", {}).get("nodes", {})
+        return told.get(node, {}).get(name, {}).get("value")
 
     async def tell_settings(self, *nodes: str) -> None:
         """Tell every page the parameters of some nodes; without arguments: of all."""
