@@ -71,7 +71,7 @@ def _app(station: Station, who: Access, sockets: PageSocket) -> web.Application:
         return web.json_response(_panels())
 
     async def scene_page(_request: web.Request) -> web.StreamResponse:
-        return web.json_response(current_scene(station))
+        return web.json_response(current_scene(station.graph.machine, station.setting, station.warn))
 
     app.router.add_get("/", page)
     app.router.add_get("/panels.json", panels)

@@ -95,6 +95,10 @@ class Station:
         told = self._told.get("parameters", {}).get("nodes", {})
         return told.get(node, {}).get(name, {}).get("value")
 
+    def warn(self, text: str) -> None:
+        """Tell every page what the server itself has to complain of."""
+        self.tell("log", {"node": "station", "level": "warning", "text": text})
+
     async def tell_settings(self, *nodes: str) -> None:
         """Tell every page the parameters of some nodes; without arguments: of all."""
         found = {node: await self._settings_of(node) for node in nodes or NODES}
