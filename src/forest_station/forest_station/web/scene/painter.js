@@ -1,7 +1,7 @@
 // A worker: draws the scene on its own thread. Where pixels are drawn by the processor a picture takes longer than
 // a heartbeat of the deadman; the page's own thread never waits for it.
 //
-// Hears: start, size, camera, scene, signals, frame, ghost, visible. Says: drawn, failed.
+// Hears: start, size, camera, scene, signals, frame, ghost, exercise, visible. Says: drawn, failed.
 
 import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Vector3, WebGLRenderer } from "../vendor/three.js";
 import { Picture } from "./picture.js";
@@ -10,7 +10,9 @@ import { Signals } from "./signals.js";
 
 ColorManagement.enabled = false; // colours as written: no power function for each pixel
 
-const state = { renderer: null, picture: null, signals: new Signals(), ghost: null, visible: true, waiting: false, failed: false };
+const state = {
+  renderer: null, picture: null, signals: new Signals(), ghost: null, exercise: null, visible: true, waiting: false, failed: false,
+};
 const camera = new PerspectiveCamera(45, 1, 0.2, 300);
 const resolution = new Resolution();
 const size = { width: 1, height: 1, ratio: 1, fresh: true };
@@ -35,6 +37,7 @@ const hear = {
     state.picture.dispose();
     state.picture = new Picture(scene);
     state.picture.showGhost(state.ghost);
+    state.picture.exercise.show(state.exercise);
   },
   signals({ names }) {
     state.signals = new Signals(names);
@@ -47,6 +50,10 @@ const hear = {
     state.ghost = names ? { scene: scene ?? state.ghost?.scene, signals: new Signals(names) } : null;
     state.ghost?.signals.show(NaN, values);
     state.picture.showGhost(state.ghost);
+  },
+  exercise({ exercise }) {
+    state.exercise = exercise;
+    state.picture.exercise.show(exercise);
   },
   visible({ visible }) {
     state.visible = visible;

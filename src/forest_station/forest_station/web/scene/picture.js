@@ -3,6 +3,7 @@
 import { DirectionalLight, Fog, HemisphereLight, Scene, Vector3 } from "../vendor/three.js";
 import { COLOURS } from "./colours.js";
 import { Crane, plain } from "./crane.js";
+import { Exercise } from "./exercise.js";
 import { Hoses } from "./hoses.js";
 import { Limits } from "./limits.js";
 import { Reach } from "./reach.js";
@@ -34,8 +35,10 @@ export class Picture {
     this.reach = new Reach(scene.ground);
     this.trail = new Trail();
     this.wish = new Wish();
+    this.exercise = new Exercise();
     this.ghost = null;
-    const parts = [this.crane, this.shadow, this.walls, this.hoses, this.area, this.reach, this.trail, this.wish];
+    const moving = [this.crane, this.shadow, this.hoses, this.reach, this.trail, this.wish];
+    const parts = [...moving, this.walls, this.area, this.exercise];
     this.root.add(...lights(), new Surroundings(scene, LIGHT).root, ...parts.map(({ root }) => root));
     this.pose(new Signals());
   }
@@ -57,7 +60,8 @@ export class Picture {
     this.trail.draw();
     const tip = this.tip();
     this.wish.pose(tip, signals.point(COMMAND));
-    return [...this.reach.pose(tip), ...sway(this.crane, signals), ...this.limits.pose(signals, tip)];
+    const said = [...this.reach.pose(tip), ...this.exercise.labels(), ...sway(this.crane, signals)];
+    return [...said, ...this.limits.pose(signals, tip)];
   }
 
   // The drawn tip in the base frame [m].
