@@ -1,4 +1,4 @@
-"""The page's instruments in a real browser: units, charts, a pause, diagnostics, and one more that is dropped in."""
+"""The page's instruments in a real browser: units, charts, a pause, diagnostics, and one dropped in."""
 
 import math
 import re
@@ -22,30 +22,8 @@ SIGNALS = (
     *((f"tip/{kind}/{axis}", "") for kind in ("pose", "twist", "twist_command") for axis in "xyz"),
 )
 RATE = 30.0  # [Hz] of the frames
-FRAME = dict(
-    zip(
-        (name for name, _ in SIGNALS),
-        (
-            18e6,
-            5e-4,
-            2.5,
-            1.25,
-            1.5,
-            313.15,
-            math.pi / 6,
-            4.0,
-            0.0,
-            1.0,
-            0.3,
-            0.0,
-            0.4,
-            math.nan,
-            math.nan,
-            math.nan,
-        ),
-        strict=True,
-    )
-)
+UNKNOWN = (math.nan,) * 3  # the tip's command, as in the joint scheme
+FRAME = [18e6, 5e-4, 2.5, 1.25, 1.5, 313.15, math.pi / 6, 4.0, 0.0, 1.0, 0.3, 0.0, 0.4, *UNKNOWN]
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +92,8 @@ def test_the_deadband_is_shaded_where_the_driver_knows_it(met: PageStandIn) -> N
           const canvas = document.querySelector("#spools .chart:not([hidden]) canvas");
           const context = canvas.getContext("2d");
           const [x, height] = [canvas.width / 2, canvas.height];
-          return [0.385, 0.15].map((share) => context.getImageData(x, Math.round(share * height), 1, 1).data[3]);
+          const alpha = (share) => context.getImageData(x, Math.round(share * height), 1, 1).data[3];
+          return [0.385, 0.15].map(alpha);
         }"""
     )
     assert inside > 0
