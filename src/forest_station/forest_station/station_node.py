@@ -11,9 +11,10 @@ from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_station.graph.crane_graph import CraneGraph
-from forest_station.server.access import Access, is_loopback
 from forest_station.server.app import serve
-from forest_station.server.station import Station, StationParameters
+from forest_station.server.entrance import entrance
+from forest_station.server.station import Station
+from forest_station.server.station_parameters import StationParameters
 
 
 class StationNode(Node):
@@ -23,8 +24,7 @@ class StationNode(Node):
         super().__init__("station")
         machine = load_machine(declare(self, MachineParameter).machine)
         self._options = declare(self, StationParameters)
-        if not is_loopback(self._options.host):
-            raise ValueError(f"parameter 'host' is {self._options.host!r}; allowed: an address of loopback")
+        self._entrance = entrance(self._options)
         self._graph = CraneGraph(self, machine)
 
     def run(self, stopping: threading.Event) -> None:
@@ -32,9 +32,7 @@ class StationNode(Node):
         asyncio.run(self._serve(stopping))
 
     async def _serve(self, stopping: threading.Event) -> None:
-        p = self._options
-        station, access = Station(self._graph, p), Access(p.port)
-        await serve(station, access, None, _set(stopping))
+        await serve(Station(self._graph, self._options), self._entrance, _set(stopping))
 
 
 async def _set(event: threading.Event) -> None:

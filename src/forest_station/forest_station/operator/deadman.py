@@ -52,7 +52,7 @@ class Deadman(NamedTuple):
     heartbeat: float = -math.inf  # when the last one was received [s]
     heartbeats: int = 0
     fastest: float = math.inf  # least way of a message: receive time minus the page's time [s]
-    heard: float = math.inf  # when the newest message was received [s]
+    heard: float = -math.inf  # when the newest message was received [s]
 
 
 REST = Deadman()

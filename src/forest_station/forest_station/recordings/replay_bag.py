@@ -22,8 +22,10 @@ from forest_bag.read.survey import string_text
 from forest_bag.read.timeseries import series_of
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage
-from forest_msgs_py.interfaces.topics import EVENTS, ROBOT_DESCRIPTION, find
+from forest_description.machine import Machine
+from forest_msgs_py.interfaces.topics import EVENTS, JOINT_STATES, JOINTS, ROBOT_DESCRIPTION, find
 from forest_msgs_py.types import NS_PER_S
+from forest_station.recordings.replay_crane import recorded_crane
 
 SAMPLES = 9  # places, evenly over the bag, where labels are looked for: a sensor may come late
 FIRST_MESSAGES = 20_000  # in which each topic's first message is looked for
@@ -37,8 +39,12 @@ LARGEST_URDF = 1 << 20
 class ReplayBag:
     """An open bag; close it."""
 
-    def __init__(self, path: str | Path) -> None:
+    def __init__(self, path: str | Path, own: Machine) -> None:
         """Open a bag, damaged or not, of any kind that `BagReader` reads.
+
+        Args:
+            path: of the bag.
+            own: the station's machine, where the bag does not tell.
 
         Raises:
             BagError: it is no bag, or has no message.
@@ -56,7 +62,12 @@ class ReplayBag:
             self._samples = self.first | self.reader.newest(late, self.end_ns)  # one message of each topic
             self.units: dict[str, str] = {}  # of every signal, in the order of a frame
             self.topics: dict[str, dict[str, int]] = {}  # recorded name → label → column
+            self.angles: list[
+                int
+            ] = []  # columns of swing, boom and stick, where the passive joints are computed
             self._find_signals()
+            self.crane = recorded_crane(self._urdf(), own)
+            self._add_crane()
         except BaseException:
             self.close()
             raise
@@ -78,12 +89,12 @@ class ReplayBag:
             "signals": list(self.units.items()),
             "events": list(self._events()),
             "first": {self.names[name]: self._since(message) for name, message in self.first.items()},
-            "problems": [problem[:LONGEST_TEXT] for problem in self.reader.problems],
-            "notes": self.notes,
+            "scene": self.crane.scene,
+            "notes": [note[:LONGEST_TEXT] for note in (*self.reader.problems, *self.notes)],
         }
 
-    def urdf(self) -> str:
-        """Return the recorded crane; "" where there is none of a reasonable size."""
+    def _urdf(self) -> str:
+        """The recorded robot description; "" where there is none of a reasonable size."""
         message = next((m for name, m in self._samples.items() if find(name) == ROBOT_DESCRIPTION), None)
         return string_text(message.data) if message and len(message.data) <= LARGEST_URDF else ""
 
@@ -127,6 +138,16 @@ class ReplayBag:
             if signal not in self.units and len(signal) <= 2 * LONGEST_TEXT:
                 columns[label] = len(self.units)
                 self.units[signal] = unit
+
+    def _add_crane(self) -> None:
+        """Add the passive joints' signals behind all others."""
+        places = {name: place for place, name in enumerate(self.units)}
+        angles = [places.get(f"{JOINT_STATES.name}/{joint}.position") for joint in JOINTS]
+        if self.crane.note:
+            self.notes.append(self.crane.note)
+        if self.crane.machine is not None and None not in angles:
+            self.angles = [place for place in angles if place is not None]
+            self.units |= self.crane.signals
 
     def _events(self) -> Iterator[tuple[float, str]]:
         names = {name for name in self.names if find(name) == EVENTS}

@@ -80,6 +80,9 @@ def matrix(bag: ReplayBag, wanted: Window) -> NDArray[np.float64]:
     values = np.full((wanted.end - wanted.first, len(bag.units)), np.nan)
     for name, picked in _picked(bag, wanted).items():
         _fill(bag, name, picked, values)
+    if bag.angles:
+        places = slice(values.shape[1] - len(bag.crane.signals), None)
+        values[:, places] = bag.crane.positions([values[:, column] for column in bag.angles])
     return values
 
 

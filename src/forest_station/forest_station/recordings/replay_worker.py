@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from forest_bag.storage.bag_files import BagError
+from forest_description.machine import Machine
 from forest_station.recordings.replay_bag import ReplayBag
 from forest_station.recordings.replay_frames import frames, window
 
@@ -28,10 +29,15 @@ NICE = 10
 
 
 class ReplayWorker:
-    """Asks the process, one question after the other; starts it with the first, and again when it died."""
+    """Asks the process, one question after the other; starts it with the first, and again when it died.
 
-    def __init__(self, longest_answer: float = LONGEST_ANSWER_S) -> None:
-        self._longest_answer = longest_answer  # s
+    Args:
+        own: the station's machine.
+        longest_answer: [s], after which the process is ended.
+    """
+
+    def __init__(self, own: Machine, longest_answer: float = LONGEST_ANSWER_S) -> None:
+        self._own, self._longest_answer = own, longest_answer
         self._thread = ThreadPoolExecutor(1, "replay")
         self._process: subprocess.Popen[bytes] | None = None
         self._pipe: Connection | None = None
@@ -85,6 +91,7 @@ class ReplayWorker:
                 argv = [sys.executable, "-m", __name__, str(number)]
                 self._process = subprocess.Popen(argv, pass_fds=[number], start_new_session=True)
             self._pipe = Connection(ours.detach())
+            self._pipe.send(self._own)
         return self._pipe
 
     def _end(self) -> None:
@@ -99,13 +106,14 @@ class ReplayWorker:
 class _OpenBags:
     """The bags that were asked for last; one that has grown is opened anew."""
 
-    def __init__(self) -> None:
+    def __init__(self, own: Machine) -> None:
+        self._own = own
         self._bags: dict[tuple[Any, ...], ReplayBag] = {}
 
     def get(self, path: str) -> ReplayBag:
         files = sorted(Path(path).iterdir()) if Path(path).is_dir() else [Path(path)]
         key = (path, *((file.name, file.stat().st_size, file.stat().st_mtime_ns) for file in files))
-        bag = self._bags.pop(key, None) or ReplayBag(path)
+        bag = self._bags.pop(key, None) or ReplayBag(path, self._own)
         self._bags[key] = bag  # the newest last
         while len(self._bags) > MOST_OPEN:
             self._bags.pop(next(iter(self._bags))).close()
@@ -128,8 +136,8 @@ class _OpenBags:
 
 def _serve(pipe: Connection) -> None:
     """Answer until the station is gone."""
-    bags = _OpenBags()
     with contextlib.suppress(EOFError, OSError):
+        bags = _OpenBags(pipe.recv())
         while True:
             pipe.send(bags.answer(*pipe.recv()))
 

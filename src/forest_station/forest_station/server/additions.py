@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from aiohttp import web
 
+from forest_station.server import bag_pages
 from forest_station.server.requests import Request
 from forest_station.server.station import Station
 
@@ -19,4 +20,4 @@ class Addition(NamedTuple):
     """Runs while the server does, and is cancelled at its end."""
 
 
-ADDITIONS: tuple[Addition, ...] = ()
+ADDITIONS: tuple[Addition, ...] = (Addition(bag_pages.routes, bag_pages.REQUESTS, bag_pages.run),)

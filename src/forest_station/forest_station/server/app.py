@@ -1,8 +1,8 @@
 """The server: its pages, who may open them, and what runs while it does."""
 
 import asyncio
+import functools
 import importlib.resources
-import ssl
 import time
 from collections.abc import Awaitable, Callable
 from pathlib import Path
@@ -10,10 +10,16 @@ from typing import Any
 
 from aiohttp import web
 
+from forest_control.config.setting_file import SettingFileError
+from forest_control.config.workspace_file import load_workspace
+from forest_control.limits.workspace import OPEN
+from forest_description.machine import Machine
+from forest_station.scene.elements import Scene
 from forest_station.scene.scene_description import scene_of
 from forest_station.server import access
 from forest_station.server.access import COOKIE, HEADERS, Access
 from forest_station.server.additions import ADDITIONS
+from forest_station.server.entrance import Entrance
 from forest_station.server.page_socket import PageSocket
 from forest_station.server.requests import REQUESTS
 from forest_station.server.station import Station
@@ -27,7 +33,7 @@ ENDS = 1.0  # [s] for which pages may take leave
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
-async def serve(station: Station, who: Access, tls: ssl.SSLContext | None, ended: Awaitable[None]) -> None:
+async def serve(station: Station, way: Entrance, ended: Awaitable[None]) -> None:
     """Serve pages until `ended` is done.
 
     Raises:
@@ -37,14 +43,15 @@ async def serve(station: Station, who: Access, tls: ssl.SSLContext | None, ended
     for addition in ADDITIONS:
         requests |= addition.requests
     sockets = PageSocket(station, requests)
-    runner = web.AppRunner(_app(station, who, sockets), access_log=None, shutdown_timeout=ENDS)
+    runner = web.AppRunner(_app(station, way.access, sockets), access_log=None, shutdown_timeout=ENDS)
     await runner.setup()
     jobs = [station.driving.run(), _frames(station), _latency(station), _settings(station)]
     jobs += [addition.run(station) for addition in ADDITIONS if addition.run is not None]
     tasks = [asyncio.ensure_future(job) for job in jobs]
     try:
-        await web.TCPSite(runner, station.options.host, station.options.port, ssl_context=tls).start()
-        print(f"the page is at {who.scheme}://{station.options.host}:{who.port}/", flush=True)
+        await web.TCPSite(runner, station.options.host, station.options.port, ssl_context=way.tls).start()
+        for line in (*way.notes, f"the page is at {way.address}"):
+            print(line, flush=True)  # not logged: a token belongs neither on /rosout nor into bags
         await _first_done(asyncio.ensure_future(ended), *tasks)
     finally:
         for task in tasks:
@@ -63,7 +70,7 @@ async def _first_done(*tasks: "asyncio.Future[None]") -> None:
 
 def _app(station: Station, who: Access, sockets: PageSocket) -> web.Application:
     app = web.Application(middlewares=[_gate(who)])
-    scene = scene_of(station.graph.machine)
+    scene = functools.lru_cache(maxsize=1)(functools.partial(_scene, station.graph.machine))
 
     async def page(_request: web.Request) -> web.StreamResponse:
         return web.FileResponse(WEB / "index.html")
@@ -72,7 +79,7 @@ def _app(station: Station, who: Access, sockets: PageSocket) -> web.Application:
         return web.json_response(_panels())
 
     async def scene_page(_request: web.Request) -> web.StreamResponse:
-        return web.json_response(scene)
+        return web.json_response(await asyncio.to_thread(scene, *station.walls()))
 
     app.router.add_get("/", page)
     app.router.add_get("/panels.json", panels)
@@ -112,6 +119,15 @@ async def _admitted(who: Access, request: web.Request, handler: Handler) -> web.
     if not access.knows_token(who, request.cookies.get(COOKIE)):
         raise web.HTTPUnauthorized(text="The token is missing: open the address that the station printed.")
     return await handler(request)
+
+
+def _scene(machine: Machine, walls: str, tip_speed: float) -> Scene:
+    """Return the scene with the walls of a name; without them where the file cannot be read here."""
+    try:
+        workspace = load_workspace(walls)
+    except SettingFileError:
+        workspace = OPEN
+    return scene_of(machine, workspace, tip_speed)
 
 
 def _panels() -> dict[str, list[str]]:

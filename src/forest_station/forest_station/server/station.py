@@ -3,35 +3,21 @@
 import asyncio
 import struct
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Any
 
-from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER
-from forest_msgs_py.runtime.parameter_table import Parameter
 from forest_station.graph.crane_graph import CraneGraph
 from forest_station.graph.node_settings import NODES
 from forest_station.graph.service_calls import NoAnswer
 from forest_station.operator.cab import Cab
+from forest_station.recordings.recordings import Recordings
+from forest_station.scene.scene_description import TIP_SPEED
 from forest_station.server.driving import Driving
 from forest_station.server.outbox import Outbox
+from forest_station.server.station_parameters import StationParameters
 
 FRAME_KIND = 2
 FRAME_HEAD = struct.Struct("<B3xId")
 LINES = ("log", "answer")  # kinds of which the newest does not stand for those before
-
-
-class StationParameters(NamedTuple):
-    """Of `station_node`."""
-
-    host: Annotated[str, Parameter("address to listen on; beyond loopback with a token over TLS")] = (
-        "127.0.0.1"
-    )
-    port: Annotated[int, Parameter("port to listen on", low=1, high=65535)] = 8080
-    bags: Annotated[str, Parameter("directory of the bags")] = "bags"
-    certificate: Annotated[str, Parameter("file of a TLS certificate; empty: one is made")] = ""
-    key: Annotated[str, Parameter("file of its key")] = ""
-    deadman_button: Annotated[int, Parameter("button of joy to hold", low=0, high=BUTTON_COUNT - 1)] = (
-        LEFT_SHOULDER
-    )
 
 
 class Station:
@@ -44,7 +30,7 @@ class Station:
 
     def __init__(self, graph: CraneGraph, options: StationParameters) -> None:
         self.graph, self.options = graph, options
-        self.bags = Path(options.bags)
+        self.recordings = Recordings(Path(options.bags), graph.node.get_namespace(), graph.machine)
         self.pages: dict[str, Outbox] = {}  # of each open page, by its id
         self.cab = Cab(options.deadman_button)
         self.driving = Driving(graph, self.cab, self.tell)
@@ -90,6 +76,11 @@ class Station:
         for outbox in self.pages.values():
             outbox.put_frame(frame)
 
+    def setting(self, node: str, name: str) -> Any:
+        """Return a parameter as last told to the pages; None if nobody knows it."""
+        told = self._told.get("parameters", {}).get("nodes", {})
+        return told.get(node, {}).get(name, {}).get("value")
+
     async def tell_settings(self, *nodes: str) -> None:
         """Tell every page the parameters of some nodes; without arguments: of all."""
         found = {node: await self._settings_of(node) for node in nodes or NODES}
@@ -97,6 +88,12 @@ class Station:
         known = {node: told for node, told in known.items() if told}
         if known != self._told.get("parameters", {}).get("nodes"):
             self.tell("parameters", {"nodes": known})
+
+    def walls(self) -> tuple[str, float]:
+        """Return which workspace the controller keeps to, and its greatest tip speed [m/s]."""
+        told = self._told.get("parameters", {}).get("nodes", {}).get("controller", {})
+        values = {name: one["value"] for name, one in told.items()}
+        return values.get("workspace", ""), values.get("tip_speed", TIP_SPEED)
 
     async def _settings_of(self, node: str) -> dict[str, dict[str, Any]]:
         """Return a node's parameters; {} if it is not there."""

@@ -66,8 +66,8 @@ function list(station) {
 }
 
 function row({ name, bytes, modified, seconds }, replay) {
-  const when = new Date(1000 * modified).toLocaleString();
-  const told = [when, seconds === null ? "" : clock(seconds), size(bytes)].filter(Boolean).join(", ");
+  const when = new Date(1000 * modified).toLocaleString([], { dateStyle: "short", timeStyle: "short" });
+  const told = [when, seconds === null ? "" : clock(seconds), size(bytes)].filter(Boolean).join(" · ");
   return make(
     "li",
     {},

@@ -13,9 +13,9 @@ export const title = "";
 export function mount(element, station) {
   const replay = replayOf(station);
   const bags = bagsOf(station);
-  const names = () => bags.entries.map(({ name }) => name).filter((name) => name !== replay.bag?.name);
-  const overlay = makeOverlay(replay, names);
-  element.append(banner(replay), controls(replay), makeTimeBar(replay), overlay, notes(replay));
+  const overlay = makeOverlay(replay, bags);
+  document.getElementById("scene").append(banner(replay));
+  element.append(controls(replay), makeTimeBar(replay), overlay, notes(replay));
   element.title = KEYS_TEXT;
   const section = element.parentElement;
   section.hidden = true;
@@ -31,7 +31,10 @@ function banner(replay) {
   const name = make("span", { className: "name" });
   replay.addEventListener("change", () => setText(name, replay.bag?.name ?? ""));
   const text = make("span", {}, make("strong", {}, "REPLAY"), " of ", name, ". The live crane goes on without you.");
-  return make("div", { className: "banner", role: "status" }, text, makeButton("Back to live", () => replay.leave()));
+  const back = makeButton("Back to live", () => replay.leave());
+  const element = make("div", { id: "replay_banner", role: "status", hidden: true }, text, back);
+  replay.addEventListener("change", () => (element.hidden = !replay.active));
+  return element;
 }
 
 function controls(replay) {

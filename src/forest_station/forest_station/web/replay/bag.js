@@ -21,7 +21,7 @@ export class Bag {
     this.events = told.events; // [time, text]
     this.first = told.first; // topic → time of its first message
     this.scene = told.scene;
-    this.notes = [...told.problems, ...told.notes];
+    this.notes = told.notes;
     this.lastFrame = Math.floor(this.seconds * RATE);
     this.trouble = ""; // why a window did not come
     this.columns = new Map(told.signals.map(([signal], column) => [signal, column]));

@@ -13,7 +13,7 @@ class Bags extends EventTarget {
       if (recorded !== null && active !== recorded) this.read();
       recorded = active;
     });
-    station.on("open", () => this.read());
+    station.on("open", () => this.read()); // whatever was missed while the connection was lost
   }
 
   async read() {

@@ -4,7 +4,7 @@ import { make, setText } from "../elements.js";
 
 const STARTS = "";
 
-// Returns the element; `bags` names the bags that can be laid over.
+// Returns the element; `bags` are those that can be laid over.
 export function makeOverlay(replay, bags) {
   const choice = make("select", { onchange: () => replay.lay(choice.value) });
   const offset = make("input", { type: "number", step: 0.05, className: "offset" });
@@ -21,7 +21,10 @@ export function makeOverlay(replay, bags) {
   const follow = () => {
     if (!replay.active) return;
     details.hidden = !replay.over;
-    setOptions(choice, [["", "no other bag"], ...bags().map((name) => [name, name])], replay.over?.name ?? "");
+    const over = replay.over?.name ?? "";
+    const names = new Set([over, ...bags.entries.map(({ name }) => name)].filter(Boolean));
+    names.delete(replay.bag.name);
+    setOptions(choice, [["", "no other bag"], ...[...names].map((name) => [name, name])], over);
     if (!replay.over) return;
     setOptions(align, [[STARTS, "starts"], ...shared(replay).map((topic) => [topic, `first ${topic}`])], align.value);
     if (document.activeElement !== offset) offset.value = Number(replay.offset.toFixed(3));
@@ -32,6 +35,7 @@ export function makeOverlay(replay, bags) {
     setText(distance, Number.isFinite(apart) ? `tips ${apart.toFixed(2)} m apart` : "");
   };
   replay.addEventListener("change", follow);
+  bags.addEventListener("change", follow);
   replay.addEventListener("moment", measure);
   return make("div", { className: "overlay" }, make("label", {}, "ghost ", choice), details);
 }

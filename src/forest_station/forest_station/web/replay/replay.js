@@ -85,7 +85,7 @@ class Replay extends EventTarget {
     handsOf(this.station).release("a replay was shown"); // what was pressed meanwhile is to be pressed anew
     this.station.live = true;
     this.station.setSignals(this.liveSignals);
-    for (const kind of ["signals", "scene", "ghost", "replay"]) this.station.emit(kind, null);
+    for (const kind of ["scene", "ghost", "replay"]) this.station.emit(kind, null);
     history.replaceState(null, "", location.pathname + location.search);
     this.#changed();
   }
@@ -170,7 +170,6 @@ class Replay extends EventTarget {
   #forget() {
     this.shown = -1;
     this.station.setSignals(this.bag.signals);
-    this.station.emit("signals", null);
   }
 
   #repaint() {
