@@ -16,8 +16,8 @@ from foxglove.websocket import Capability
 
 from forest_msgs_py.interfaces.definitions import message_definition, service_definitions
 from forest_viewers.server.client_requests import ClientRequests, told
+from forest_viewers.server.relay import LOOPBACK, Relay
 
-LOOPBACK = "127.0.0.1"
 BACKLOG = 4096  # messages to each client: about a second of a whole graph
 CDR, ROS2MSG = "cdr", "ros2msg"
 
@@ -45,24 +45,27 @@ class ClientView:
         self._services: set[str] = set()
         self._wanted: Counter[str] = Counter()
         more = [] if read_only else [Capability.Services, Capability.ClientPublish]
+        self._server = foxglove.start_server(
+            name="forest crane",
+            host=LOOPBACK,
+            port=0,
+            capabilities=[Capability.Parameters, *more],
+            server_listener=requests,
+            supported_encodings=[CDR],
+            context=self._context,
+            message_backlog_size=BACKLOG,
+        )
         try:
-            self._server = foxglove.start_server(
-                name="forest crane",
-                host=LOOPBACK,
-                port=port,
-                capabilities=[Capability.Parameters, *more],
-                server_listener=requests,
-                supported_encodings=[CDR],
-                context=self._context,
-                message_backlog_size=BACKLOG,
-            )
-        except Exception as error:
-            raise ServerError(f"parameter 'port' is {port}: {error}; allowed: a free port") from error
+            self._relay = Relay(port, self._server.port)
+        except OSError as error:
+            raise ServerError(
+                f"parameter 'port' is {port}: {error.strerror}; allowed: a free port"
+            ) from error
 
     @property
     def port(self) -> int:
-        """The port on which the server listens."""
-        return self._server.port
+        """The port on which clients are let in."""
+        return self._relay.port
 
     def offer(self, topics: Mapping[str, str]) -> list[str]:
         """Offer these topics and no others.
@@ -126,6 +129,7 @@ class ClientView:
 
     def close(self) -> None:
         """Stop serving."""
+        self._relay.close()
         self._server.stop()
 
     def _service(self, name: str, kind: str) -> Service:
