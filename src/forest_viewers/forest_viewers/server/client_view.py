@@ -31,14 +31,10 @@ class ClientView:
 
     Args:
         requests: takes what they ask for.
-        port: on the loopback address; 0: a free one.
         read_only: they may ask for topics and parameters' values only.
-
-    Raises:
-        ServerError: the port cannot be had.
     """
 
-    def __init__(self, requests: ClientRequests, port: int, read_only: bool) -> None:
+    def __init__(self, requests: ClientRequests, read_only: bool) -> None:
         self._requests, self._read_only = requests, read_only
         self._context = Context()
         self._channels: dict[str, Channel] = {}
@@ -55,6 +51,16 @@ class ClientView:
             context=self._context,
             message_backlog_size=BACKLOG,
         )
+
+    def open(self, port: int) -> None:
+        """Let clients in.
+
+        Args:
+            port: on the loopback address; 0: a free one.
+
+        Raises:
+            ServerError: the port cannot be had.
+        """
         try:
             self._relay = Relay(port, self._server.port)
         except OSError as error:
@@ -124,8 +130,8 @@ class ClientView:
         self._server.publish_parameter_values(told(dict(values), []))
 
     def warn(self, sentence: str) -> None:
-        """Show a sentence to every client."""
-        self._server.publish_status(sentence, StatusLevel.Warning)
+        """Show a sentence to every client; one that is said again takes its own place."""
+        self._server.publish_status(sentence, StatusLevel.Warning, sentence)
 
     def close(self) -> None:
         """Stop serving."""
