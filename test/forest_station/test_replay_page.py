@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -14,13 +13,13 @@ pytest.importorskip("rclpy")
 pytest.importorskip("playwright")
 
 from browser import new_page
+from running_graph import free_port, running, wait_for_text
 
 from forest_bag.read.timeseries import read_bag
 from forest_msgs_py.interfaces import topics
 
 BAGS = Path("bags")
 SHOWN_S = 60_000  # [ms] in which a page shows what it is to show, on a busy computer
-STARTED_S = 90.0
 SETTLED = 0.02  # [m] between the drawn tip and the recorded one: the frame of the bar is up to 5 ms older
 
 
@@ -33,13 +32,13 @@ def bags(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def address(bags, tmp_path_factory, session_domain_id, module_process):
-    """A station, on a port of its own."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    module_process(["-m", "forest_station.station", "--port", str(port), "--no-browser", "--bags", str(bags)])
-    return f"http://127.0.0.1:{port}/"
+def address(bags, tmp_path_factory, session_domain_id):
+    """A station with a simulated crane."""
+    port, log = free_port(), tmp_path_factory.mktemp("station") / "log"
+    options = ("--port", str(port), "--no-browser", "--bags", str(bags))
+    with running("forest_station.station", log, session_domain_id, *options) as station:
+        wait_for_text(station, log, "the page is at")
+        yield f"http://127.0.0.1:{port}/"
 
 
 @pytest.fixture(scope="module")

@@ -1,14 +1,5 @@
 """A graph with the simulator, and a station that has joined it, for all tests of this folder."""
 
-import contextlib
-import os
-import signal
-import socket
-import subprocess
-import sys
-import time
-from collections.abc import Iterator
-from pathlib import Path
 from typing import NamedTuple
 
 import pytest
@@ -18,9 +9,9 @@ rclpy = pytest.importorskip("rclpy")
 from crane_ears import CraneEars
 from graph_processes import nodes_of
 from rclpy.node import Node
+from running_graph import free_port, running, wait_for_text
 from stall import Stall
 
-STARTED_S, ENDED_S = 60.0, 20.0
 BEGINS_S, SHUTS_S = 0.1, 0.25
 
 
@@ -42,42 +33,6 @@ class Crane(NamedTuple):
         stop, lost = self.ears.stop(), stall.seconds()
         assert stop.released - stop.heartbeat < BEGINS_S + lost
         assert stop.shut - stop.released < SHUTS_S + lost
-
-
-def free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
-
-
-@contextlib.contextmanager
-def running(module: str, log: Path, domain: int, *options: str) -> Iterator[subprocess.Popen]:
-    """A supervisor with its nodes; it ends with the block."""
-    with log.open("w") as output:
-        process = subprocess.Popen(
-            [sys.executable, "-m", module, *options],
-            stdout=output,
-            stderr=output,
-            start_new_session=True,
-            env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
-        )
-    try:
-        yield process
-    finally:
-        process.send_signal(signal.SIGINT)
-        try:
-            process.wait(ENDED_S)
-        finally:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-
-
-def wait_for_text(process: subprocess.Popen, log: Path, text: str) -> None:
-    end = time.monotonic() + STARTED_S
-    while text not in log.read_text():
-        assert process.poll() is None, log.read_text()
-        assert time.monotonic() < end, log.read_text()
-        time.sleep(0.02)
 
 
 @pytest.fixture(scope="package")

@@ -12,7 +12,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 from typing import NamedTuple
@@ -50,11 +49,11 @@ class RecorderProcess:
     def __init__(self, bags: BagDirectory, namespace: str = "/") -> None:
         self._bags, self._namespace = bags, namespace
         self._process: subprocess.Popen[bytes] | None = None
-        self._log = tempfile.TemporaryFile()  # noqa: SIM115 - of the process's lines, as long as this object
+        self._log = os.memfd_create("recorder")  # of its lines: a full disk must not swallow its last words
         self._read = 0  # bytes of the log
         self._path: Path | None = None  # of the bag, or of the last one
         self._begun = self._ended = 0.0  # monotonic [s]
-        self._text = "Nothing is recorded."
+        self._text, self._heard = "Nothing is recorded.", False  # whether it is the recorder's own
         self._changing = asyncio.Lock()
 
     @property
@@ -107,7 +106,7 @@ class RecorderProcess:
         if self.active:
             with contextlib.suppress(BagError):
                 await self.stop()
-        self._log.close()
+        os.close(self._log)
 
     def state(self) -> RecordingState:
         """Return how it is going; notices a recorder that ended by itself."""
@@ -146,7 +145,7 @@ class RecorderProcess:
         with contextlib.suppress(BrokenPipeError), self._process.stdin as go:
             go.write(b"1")
         self._path, self._begun = path, time.monotonic()
-        self._text = "The recorder starts."
+        self._text, self._heard = "The recorder starts.", False
 
     async def _end(self) -> None:
         """Ask the process to end; kill it only if it does not: its bag is readable even then."""
@@ -165,14 +164,17 @@ class RecorderProcess:
             what_is_left = f"All but the last {FLUSH_PERIOD_S:g} s of {self._name} can be read"
             killed = f"The recorder was ended by {signal.Signals(-code).name}."
             self._text = f"{killed} {what_is_left}; `forest-bag recover` makes it whole."
+        elif code > 0 and not self._heard:
+            self._text = f"The recorder ended with exit code {code}."
 
     def _take_lines(self) -> None:
         """Keep the recorder's last line: it says how it goes and, at the end, what the bag holds."""
-        data = os.pread(self._log.fileno(), 1 << 16, self._read)
+        data = os.pread(self._log, 1 << 16, self._read)
         whole = data[: data.rfind(b"\n") + 1]
         self._read += len(whole)
         for line in whole.decode("utf-8", "replace").splitlines():
             if text := _LOG_LINE.sub("", line).strip():
+                self._heard = True
                 self._text = text.replace(str(self._path), self._name)
 
     def _sentence(self) -> str:
