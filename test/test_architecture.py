@@ -24,6 +24,7 @@ ROS = {
     "sensor_msgs",
     "std_msgs",
     "std_srvs",
+    "visualization_msgs",
 }
 
 
@@ -49,6 +50,11 @@ def may_know_ros(package: str, path: Path) -> bool:
 
 def modules(package: str) -> list[Path]:
     return sorted((ROOT / "src" / package / package).rglob("*.py"))
+
+
+@pytest.mark.parametrize("shell", sorted(ROOT.glob("src/*/*/*_node.py")), ids=lambda path: path.stem)
+def test_a_shell_has_no_more_than_120_lines(shell):
+    assert shell.read_text("utf-8").count("\n") <= 120
 
 
 def imported_by(package: str) -> set[str]:
@@ -147,7 +153,7 @@ def test_colcon_and_pip_install_the_same_executables():
         colcon |= re.findall(
             r'"([\w-]+) = ([\w.]+:main)"', (ROOT / "src" / package / "setup.py").read_text("utf-8")
         )
-    assert len(pip) == 15
+    assert len(pip) == 16
     assert colcon == pip
 
 

@@ -222,6 +222,7 @@ def test_a_bad_state_gives_zero_and_the_node_lives(rig, peer):
         r.joints = joints
         r.push()
     assert r.process.poll() is None
+    assert "joint state: no finite velocity; allowed: rad/s of every joint" in r.process.text()
 
 
 def test_a_joint_without_a_sensor_gives_zero_and_is_named(rig, peer):
@@ -498,11 +499,15 @@ def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig,
         ("lead_time", (0.1, 0.1)): "allowed: 3 numbers",
         ("profile", "nobody"): "profile 'nobody': neither shipped",
         ("workspace", "nowhere"): "workspace 'nowhere': neither shipped",
+        ("workspace", "c180"): "the crane is driven; allowed: with the deadman released",
     }
     for (name, value), said in refused.items():
         found = answer(name, value)
         assert not found.successful
         assert said in found.reason
+    r.joy_timer.cancel()
+    peer.until(r.standing)
+    assert answer("workspace", "c180").successful
     assert r.process.poll() is None
 
 

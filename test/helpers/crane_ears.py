@@ -14,6 +14,7 @@ from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.serialization.unpacking import ArrayReader, read_joy_data
 
 KEPT = 5000  # messages
+DRIVEN = 50  # messages
 DEADMAN = 9  # button
 MET_S = 30.0
 
@@ -68,7 +69,12 @@ class CraneEars:
             self.read()
 
     async def moving(self) -> None:
-        await self.until(lambda: self.voltages and any(self.voltages[-1][1]))
+        """Wait until the crane is driven, and has been for a while."""
+        await self.until(
+            lambda: (
+                self.voltages and any(self.voltages[-1][1]) and all(joy.held for joy in self.joy[-DRIVEN:])
+            )
+        )
 
     async def still(self) -> None:
         await self.until(lambda: self.voltages and not any(self.voltages[-1][1]))

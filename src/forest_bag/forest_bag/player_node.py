@@ -14,7 +14,7 @@ from rclpy.parameter import Parameter
 from forest_bag.play.keyboard import Keyboard
 from forest_bag.play.play_options import PlayOptions, plan, select
 from forest_bag.play.playback import Player
-from forest_bag.play.player_parameters import PlayerParameters
+from forest_bag.play.player_parameters import DESCRIPTIONS
 from forest_bag.play.read_ahead import BagSource
 from forest_bag.play.remote_control import KEYS, RemoteControl
 from forest_bag.read.bag_reader import BagReader
@@ -22,7 +22,6 @@ from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage
 from forest_msgs_py.introspection.raw_publishers import RawPublishers, is_installed
 from forest_msgs_py.runtime.node import Finished, NodeFailure
-from forest_msgs_py.runtime.parameter_table import table_rows
 from forest_msgs_py.runtime.services import offer_parameters, offer_triggers
 
 SWITCH_S = 2e-4  # how long another Python thread may keep the interpreter; by default 5 ms
@@ -58,9 +57,8 @@ class PlayerNode(Node):
         self._remote = RemoteControl(self._player, self._reader.span, self._set_rate, self.get_logger().info)
         offer_triggers(self, self._remote.services)
         values = {"rate": options.rate, "seek": 0.0}
-        texts = {row.name: row.description for row in table_rows(PlayerParameters)}
-        highest = self._remote.highest
-        offer_parameters(self, values, texts, highest, self._remote.refuse, self._remote.apply)
+        remote = self._remote
+        offer_parameters(self, values, DESCRIPTIONS, remote.highest, remote.refuse, remote.apply)
         self._done = self.create_guard_condition(self._finish)
         sys.setswitchinterval(SWITCH_S)
         gc.freeze()

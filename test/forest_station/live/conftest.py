@@ -1,14 +1,5 @@
-"""A graph with the simulator, and a station that has joined it, for all tests of a module."""
+"""A graph with the simulator, and a station that has joined it, for all tests of this folder."""
 
-import contextlib
-import os
-import signal
-import socket
-import subprocess
-import sys
-import time
-from collections.abc import Iterator
-from pathlib import Path
 from typing import NamedTuple
 
 import pytest
@@ -19,6 +10,9 @@ from crane_ears import CraneEars
 from graph_processes import nodes_of
 from rclpy.node import Node
 from running_graph import free_port, running, wait_for_text
+from stall import Stall
+
+BEGINS_S, SHUTS_S = 0.1, 0.25
 
 
 class Crane(NamedTuple):
@@ -28,9 +22,20 @@ class Crane(NamedTuple):
     port: int
     ears: CraneEars
     pids: dict[str, int]  # of the nodes
+    node: Node  # of the tests
+
+    def stall(self):
+        """What the host takes away from the nodes and from the test, from now on."""
+        return Stall(*self.pids.values())
+
+    def assert_it_stopped(self, stall):
+        """The newest stop began and ended in time."""
+        stop, lost = self.ears.stop(), stall.seconds()
+        assert stop.released - stop.heartbeat < BEGINS_S + lost
+        assert stop.shut - stop.released < SHUTS_S + lost
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def crane(tmp_path_factory, session_domain_id):
     folder, port = tmp_path_factory.mktemp("station"), free_port()
     context = rclpy.Context()
@@ -46,7 +51,7 @@ def crane(tmp_path_factory, session_domain_id):
             wait_for_text(station, station_log, "the page is at")
             wait_for_text(graph, graph_log, "waiting for a joystick")
             pids = nodes_of(graph) | nodes_of(station)
-            yield Crane(f"http://127.0.0.1:{port}", port, CraneEars(node), pids)
+            yield Crane(f"http://127.0.0.1:{port}", port, CraneEars(node), pids, node)
     finally:
         node.destroy_node()
         context.try_shutdown()

@@ -34,19 +34,20 @@ _log_time = itemgetter(0)
 class BagReader:
     """The files of a bag, open; a context manager."""
 
-    def __init__(self, path: str | Path, lenient: bool = False) -> None:
+    def __init__(self, path: str | Path, lenient: bool = False, by_metadata: bool = True) -> None:
         """Open a bag.
 
         Args:
             path: directory or file.
             lenient: take of a damaged bag what is whole; ``problems`` then says what is not.
+            by_metadata: believe metadata.yaml; False: only the files.
 
         Raises:
             BagError: this is no bag, or (not lenient) a damaged one.
             OSError: it cannot be read.
         """
         self.path = Path(path)
-        self.lenient = lenient
+        self.lenient, self._by_metadata = lenient, by_metadata
         self.problems: list[str] = []
         self._unpacked: tempfile.TemporaryDirectory[str] | None = None
         self.information = self._information()
@@ -191,7 +192,7 @@ class BagReader:
             if not (self.path.name.endswith(SUFFIXES) and self.path.is_file()):
                 raise BagError(f"{self.path} is no bag; allowed: {FILE_KINDS}")
             return [self.path]
-        listed = self.information.get("relative_file_paths")
+        listed = self.information.get("relative_file_paths") if self._by_metadata else None
         listed = listed if isinstance(listed, list) else []
         files = list(dict.fromkeys(self.path / Path(str(name)).name for name in listed))
         missing = [file.name for file in files if not file.is_file()]
@@ -213,7 +214,8 @@ class BagReader:
         try:
             content = parsed(file.read_text(encoding="utf-8"))
         except (yaml.YAMLError, UnicodeDecodeError) as error:
-            self._note(f"{file} is not YAML: {' '.join(str(error).split())}")
+            if self._by_metadata:
+                self._note(f"{file} is not YAML: {' '.join(str(error).split())}")
             return {}
         information = content.get("rosbag2_bagfile_information") if isinstance(content, dict) else None
         return information if isinstance(information, dict) else {}

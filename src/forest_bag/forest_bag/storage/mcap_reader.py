@@ -32,7 +32,15 @@ from forest_bag.storage.mcap_records import (
     records,
     whole_records,
 )
-from forest_bag.storage.raw_messages import BagFile, Channel, Damaged, Piece, RawMessage, full_type
+from forest_bag.storage.raw_messages import (
+    Attachment,
+    BagFile,
+    Channel,
+    Damaged,
+    Piece,
+    RawMessage,
+    full_type,
+)
 
 LOOSE_BYTES = 1 << 20  # of loose messages make one piece
 _SPAN = struct.Struct("<QQ")  # of a chunk: first and last log time; of an index: offset and length
@@ -185,7 +193,7 @@ class McapPieces(BagFile):
                 self._declare(opcode, body)
             elif opcode == Opcode.ATTACHMENT:
                 found = parsed(opcode, body)
-                self.attachments.append((found.name, found.data))
+                self.attachments.append(Attachment(found.name, found.data, found.media_type, found.log_time))
             elif opcode == Opcode.METADATA:
                 found = parsed(opcode, body)
                 self.metadata.append((found.name, found.metadata))
@@ -226,7 +234,7 @@ class McapPieces(BagFile):
         if record.id in self.channels:
             return
         schema = self._schemas.get(record.schema_id)
-        name, text = ("", b"") if schema is None else (schema.name, schema.data)
+        name, form, text = ("", "", b"") if schema is None else (schema.name, schema.encoding, schema.data)
         self.channels[record.id] = Channel(
             topic=record.topic,
             type=full_type(name, record.message_encoding),
@@ -234,4 +242,5 @@ class McapPieces(BagFile):
             qos=record.metadata.get("offered_qos_profiles", ""),
             type_hash=record.metadata.get("topic_type_hash", ""),
             definition=text.decode("utf-8", "replace"),
+            definition_format=form,
         )

@@ -53,6 +53,24 @@ def offered(qos: Any) -> list[Qos]:
     return [_profile(entry) for entry in _entries(qos)]
 
 
+def in_words(qos: Any) -> list[dict[str, Any]]:
+    """Return the profiles of a topic's publishers with the words of rosbag2's metadata version 9.
+
+    Args:
+        qos: as of `offered`.
+    """
+    words = {
+        "history": HISTORY,
+        "reliability": RELIABILITY,
+        "durability": DURABILITY,
+        "liveliness": LIVELINESS,
+    }
+    return [
+        {key: _word(value, words[key]) if key in words else value for key, value in entry.items()}
+        for entry in _entries(qos)
+    ]
+
+
 def for_replay(profiles: list[Qos]) -> Qos:
     """One profile that serves every reader which the recorded publishers together served.
 

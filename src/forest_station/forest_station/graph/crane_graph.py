@@ -15,7 +15,7 @@ from forest_station.graph.events import Events
 from forest_station.graph.joystick_output import JoystickOutput
 from forest_station.graph.latency import Latency
 from forest_station.graph.node_settings import NodeSettings
-from forest_station.graph.notices import Notices, PartStatus
+from forest_station.graph.notices import STALE, Notices, PartStatus
 from forest_station.graph.service_calls import ServiceCalls
 from forest_station.graph.signals import Signals
 from forest_station.graph.stop_button import PART, StopButton
@@ -51,12 +51,17 @@ class CraneGraph:
         """Return whether there are new signals, and the value of each; NaN where nothing fresh is known."""
         new = self.signals.read()
         self.latency.read()
-        return new, self.signals.values(time.monotonic())
+        now = time.monotonic()
+        self._notices.look(now)
+        return new, self.signals.values(now)
 
     def _hear_part(self, part: PartStatus) -> None:
         node, _, what = part.name.removeprefix(f"{self._prefix}/").partition(": ")
         if what == PART and part.name.startswith(self._prefix):
-            self.stop_button.hear(node, part.values)
+            if part.level == STALE:
+                self.stop_button.forget(node)
+            else:
+                self.stop_button.hear(node, part.values)
         self.tell("diagnostics", {"parts": [one._asdict() for one in self._notices.parts.values()]})
 
     def _hear_log(self, node: str, level: str, text: str) -> None:

@@ -68,3 +68,9 @@ class StopButton:
         if self.sources.get(source) != pressed:
             self.sources = {**self.sources, source: pressed}
             self._changed()
+
+    def forget(self, source: str) -> None:
+        """Forget a node that has fallen silent: a stop that it knew of is not ours to keep."""
+        if source in self.sources:
+            self.sources = {name: pressed for name, pressed in self.sources.items() if name != source}
+            self._changed()

@@ -1,6 +1,7 @@
 """The server: its pages, who may open them, and what runs while it does."""
 
 import asyncio
+import functools
 import importlib.resources
 import time
 from collections.abc import Awaitable, Callable
@@ -9,6 +10,11 @@ from typing import Any
 
 from aiohttp import web
 
+from forest_control.config.setting_file import SettingFileError
+from forest_control.config.workspace_file import load_workspace
+from forest_control.limits.workspace import OPEN
+from forest_description.machine import Machine
+from forest_station.scene.elements import Scene
 from forest_station.scene.scene_description import scene_of
 from forest_station.server import access
 from forest_station.server.access import COOKIE, HEADERS, Access
@@ -64,7 +70,7 @@ async def _first_done(*tasks: "asyncio.Future[None]") -> None:
 
 def _app(station: Station, who: Access, sockets: PageSocket) -> web.Application:
     app = web.Application(middlewares=[_gate(who)])
-    scene = scene_of(station.graph.machine)
+    scene = functools.lru_cache(maxsize=1)(functools.partial(_scene, station.graph.machine))
 
     async def page(_request: web.Request) -> web.StreamResponse:
         return web.FileResponse(WEB / "index.html")
@@ -73,7 +79,7 @@ def _app(station: Station, who: Access, sockets: PageSocket) -> web.Application:
         return web.json_response(_panels())
 
     async def scene_page(_request: web.Request) -> web.StreamResponse:
-        return web.json_response(scene)
+        return web.json_response(await asyncio.to_thread(scene, *station.walls()))
 
     app.router.add_get("/", page)
     app.router.add_get("/panels.json", panels)
@@ -113,6 +119,15 @@ async def _admitted(who: Access, request: web.Request, handler: Handler) -> web.
     if not access.knows_token(who, request.cookies.get(COOKIE)):
         raise web.HTTPUnauthorized(text="The token is missing: open the address that the station printed.")
     return await handler(request)
+
+
+def _scene(machine: Machine, walls: str, tip_speed: float) -> Scene:
+    """Return the scene with the walls of a name; without them where the file cannot be read here."""
+    try:
+        workspace = load_workspace(walls)
+    except SettingFileError:
+        workspace = OPEN
+    return scene_of(machine, workspace, tip_speed)
 
 
 def _panels() -> dict[str, list[str]]:

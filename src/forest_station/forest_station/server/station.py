@@ -10,6 +10,7 @@ from forest_station.graph.node_settings import NODES
 from forest_station.graph.service_calls import NoAnswer
 from forest_station.operator.cab import Cab
 from forest_station.recordings.recordings import Recordings
+from forest_station.scene.scene_description import TIP_SPEED
 from forest_station.server.driving import Driving
 from forest_station.server.outbox import Outbox
 from forest_station.server.station_parameters import StationParameters
@@ -75,6 +76,11 @@ class Station:
         for outbox in self.pages.values():
             outbox.put_frame(frame)
 
+    def setting(self, node: str, name: str) -> Any:
+        """Return a parameter as last told to the pages; None if nobody knows it."""
+        told = self._told.get("parameters", {}).get("nodes", {})
+        return told.get(node, {}).get(name, {}).get("value")
+
     async def tell_settings(self, *nodes: str) -> None:
         """Tell every page the parameters of some nodes; without arguments: of all."""
         found = {node: await self._settings_of(node) for node in nodes or NODES}
@@ -82,6 +88,12 @@ class Station:
         known = {node: told for node, told in known.items() if told}
         if known != self._told.get("parameters", {}).get("nodes"):
             self.tell("parameters", {"nodes": known})
+
+    def walls(self) -> tuple[str, float]:
+        """Return which workspace the controller keeps to, and its greatest tip speed [m/s]."""
+        told = self._told.get("parameters", {}).get("nodes", {}).get("controller", {})
+        values = {name: one["value"] for name, one in told.items()}
+        return values.get("workspace", ""), values.get("tip_speed", TIP_SPEED)
 
     async def _settings_of(self, node: str) -> dict[str, dict[str, Any]]:
         """Return a node's parameters; {} if it is not there."""

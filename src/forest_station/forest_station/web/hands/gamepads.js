@@ -1,7 +1,6 @@
 // Gamepads and joysticks, each with the mapping that this browser keeps for it.
 
-import { mergeAxes } from "./joy.js";
-import { DEADMAN } from "./joy.js";
+import { DEADMAN, mergeAxes } from "./joy.js";
 import { checkedMapping, joystickMapping, mappedAxes, mappedButtons, standardMapping } from "./mapping.js";
 
 const STORED = "forest_station.mapping.";
@@ -37,9 +36,9 @@ export class Gamepads {
     localStorage.removeItem(STORED + key);
   }
 
-  // What all devices say together: axes, buttons, and for each device whether its deadman is pressed.
-  read() {
-    const said = this.connected().map((one) => {
+  // What devices say together: axes, buttons, and for each device whether its deadman is pressed.
+  read(devices = this.connected()) {
+    const said = devices.map((one) => {
       const mapping = this.mapping(one);
       return { ...one, axes: mappedAxes(one.device, mapping), pressed: mappedButtons(one.device, mapping) };
     });

@@ -32,11 +32,12 @@ class Hands extends EventTarget {
     this.state = ""; // of the last look
     this.sent = { at: -Infinity, state: "", held: false };
     this.asked = new Map(); // number → when [ms]
+    this.pong = 0; // number of the newest one heard
     this.looked = performance.now();
     watchDoubts((why) => this.release(why));
     station.on("seat", ({ you_drive: drives }) => this.#sit(drives));
     station.on("pong", ({ number }) => this.#measure(number));
-    station.on("close", () => this.release("the connection was lost"));
+    station.on("close", () => this.#disconnect());
     setInterval(() => this.update(), PERIOD_MS);
   }
 
@@ -62,6 +63,7 @@ class Hands extends EventTarget {
   update() {
     const now = performance.now();
     if (hung(this.looked, now)) this.deadman.release("the page hung");
+    if (!this.station.live) this.deadman.release("a replay is shown");
     if (document.hidden || !document.hasFocus()) this.deadman.release("the page is not in front");
     const pads = this.gamepads.read();
     this.deadman.set(KEY, this.keyboard.holdsDeadman);
@@ -104,6 +106,12 @@ class Hands extends EventTarget {
     if (drives !== this.drives) this.deadman.release(drives ? "control was taken over" : "control was handed over");
     this.drives = drives;
     this.dispatchEvent(new Event("change"));
+  }
+
+  #disconnect() {
+    this.pong = 0;
+    this.asked.clear();
+    this.release("the connection was lost");
   }
 
   #measure(number) {

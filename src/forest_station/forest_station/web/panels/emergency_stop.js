@@ -10,7 +10,7 @@ export const title = "";
 export function mount(element, station) {
   const view = {
     stop: makeButton("EMERGENCY STOP", ({ detail }) => detail === 0 && stop(), "stop"), // a pointer has acted already
-    reset: makeButton("Reset", () => reset(station, view)),
+    reset: Object.assign(makeButton("Reset", () => reset(station, view)), { hidden: true }),
     state: make("p", { role: "status" }),
     sources: make("ul", { className: "sources" }),
   };
@@ -35,8 +35,10 @@ export function mount(element, station) {
 
 function show(element, view, { active, sources }) {
   element.classList.toggle("active", active);
-  setText(view.state, active ? "EMERGENCY STOP is active. Nothing moves until it is reset." : "");
-  view.sources.replaceChildren(...sources.map(({ name, state }) => make("li", {}, `${name}: ${state}`)));
+  setText(view.state, active ? "STOPPED: nothing moves until it is reset." : "");
+  view.sources.replaceChildren(
+    ...(active ? sources : []).map(({ name, state }) => make("li", { className: state }, `${name}: ${state}`)),
+  );
   view.reset.hidden = !active;
 }
 

@@ -1,83 +1,89 @@
-// Who drives, whether the deadman is held, and why nothing moves.
+// Who drives, whether the deadman is held, and why nothing moves. Who looks on asks for control; the driver hands over.
 
 import { make, makeButton, setText } from "../elements.js";
 import { handsOf } from "../hands/hands.js";
+import { deadmanState, driverText, whyText } from "../hands/why.js";
 
 export const place = "top";
 export const title = "";
 
+const PERIOD_MS = 200; // the controller's status comes with the frames
+
 export function mount(element, station) {
-  const hands = handsOf(station);
   const view = {
     driver: make("strong", { className: "driver" }),
     deadman: make("span", { className: "deadman" }),
     why: make("span", { className: "why" }),
     buttons: make("span", { className: "buttons" }),
-    answer: make("span", { className: "answer", role: "status" }),
+    answer: make("span", { className: "answer" }),
   };
-  element.append(view.driver, view.deadman, view.buttons, view.why, view.answer);
-  view.why.setAttribute("role", "status");
-  const state = { you: null, seat: null, first: true };
-  const paint = () => show(view, state, hands, station);
-  station.on("welcome", ({ you }) => {
-    state.you = you;
-    paint();
-  });
-  station.on("seat", (seat) => {
-    state.seat = seat;
-    setText(view.answer, "");
-    paint();
-    if (state.first && seat.driver === null) ask(view, station, "take_seat"); // who opens the page wants to drive
-    state.first = false;
-  });
-  station.on("close", () => {
-    state.seat = null;
-    paint();
-  });
-  hands.addEventListener("change", paint);
-  paint();
+  for (const spoken of [view.driver, view.why, view.answer]) spoken.setAttribute("role", "status");
+  element.append(view.driver, view.deadman, view.why, view.answer, view.buttons);
+  const seat = new Seat(station, handsOf(station), view);
+  setInterval(() => seat.paint(), PERIOD_MS);
+  seat.paint();
 }
 
-function show(view, { you, seat }, hands, station) {
-  const { held } = hands.deadman;
-  setText(view.driver, driverText(seat));
-  view.driver.dataset.drives = Boolean(seat?.you_drive);
-  setText(view.deadman, held ? "Deadman held" : "Deadman released");
-  view.deadman.dataset.held = held;
-  setText(view.why, whyText(seat, hands));
-  const wanted = seat ? choices(seat, you) : [];
-  const key = JSON.stringify(wanted);
-  if (view.buttons.dataset.key === key) return; // a button that is replaced while it is pressed hears no click
-  view.buttons.dataset.key = key;
-  view.buttons.replaceChildren(
-    ...wanted.map(({ text, what, args }) => makeButton(text, () => ask(view, station, what, args))),
-  );
-}
-
-function driverText(seat) {
-  if (!seat) return "No connection";
-  if (seat.you_drive) return "You drive";
-  return seat.driver === null ? "Nobody drives" : `${seat.driver} drives, you look on`;
-}
-
-function whyText(seat, hands) {
-  if (!seat) return "The connection to the crane is lost: it stands still. The page goes on trying.";
-  if (seat.why_not) return seat.why_not;
-  if (seat.you_drive && !hands.deadman.held) return `Hold the deadman: ${hands.deadman.why}.`;
-  return "";
-}
-
-// What this page can do about the seat.
-function choices(seat, you) {
-  if (seat.you_drive) {
-    const handOver = seat.asking.map((to) => ({ text: `Hand over to ${to}`, what: "leave_seat", args: { to } }));
-    return [...handOver, { text: "Leave the seat", what: "leave_seat", args: {} }];
+class Seat {
+  constructor(station, hands, view) {
+    Object.assign(this, { station, hands, view, you: null, seat: null, stopped: false, isNew: true });
+    const hear = (kind, act) =>
+      station.on(kind, (detail) => {
+        act(detail);
+        this.paint();
+      });
+    hear("welcome", ({ you }) => (this.you = you));
+    hear("seat", (seat) => this.#hear(seat));
+    hear("emergency_stop", ({ active }) => (this.stopped = active));
+    hear("close", () => (this.seat = null));
+    hands.addEventListener("change", () => this.paint());
   }
-  if (seat.asking.includes(you)) return [];
-  return [{ text: seat.driver === null ? "Take the seat" : "Ask for control", what: "take_seat", args: {} }];
-}
 
-async function ask(view, station, what, args) {
-  const { text } = await station.ask(what, args);
-  setText(view.answer, text);
+  paint() {
+    const { seat, view } = this;
+    const { held, why } = this.hands.deadman;
+    const deadman = deadmanState(seat, held);
+    setText(view.driver, driverText(seat));
+    view.driver.dataset.drives = Boolean(seat?.you_drive);
+    setText(view.deadman, deadman.text);
+    view.deadman.dataset.state = deadman.state;
+    setText(view.why, whyText(seat, { held, why }, this.stopped, this.#status()));
+    this.#offer(seat ? this.#choices(seat) : []);
+  }
+
+  #hear(seat) {
+    this.seat = seat;
+    setText(this.view.answer, "");
+    if (this.isNew && seat.driver === null) this.#ask("take_seat"); // who opens the page wants to drive
+    this.isNew = false;
+  }
+
+  #status() {
+    const value = (label) => this.station.value(`controller/status/${label}`);
+    return { armed: value("armed"), factor: value("factor"), limit: value("limit") };
+  }
+
+  // What this page can do about the seat.
+  #choices(seat) {
+    if (seat.you_drive) {
+      const heirs = seat.asking.map((to) => ({ text: `Hand over to ${to}`, what: "leave_seat", args: { to }, urgent: true }));
+      return [...heirs, { text: "Leave the seat", what: "leave_seat" }];
+    }
+    if (seat.asking.includes(this.you)) return [];
+    return [{ text: seat.driver === null ? "Take the seat" : "Ask for control", what: "take_seat", urgent: true }];
+  }
+
+  #offer(choices) {
+    const key = JSON.stringify(choices);
+    if (this.offered === key) return; // a button that is replaced while it is pressed hears no click
+    this.offered = key;
+    const button = ({ text, what, args, urgent }) =>
+      makeButton(text, () => this.#ask(what, args), urgent ? "urgent" : "");
+    this.view.buttons.replaceChildren(...choices.map(button));
+  }
+
+  async #ask(what, args) {
+    const { text } = await this.station.ask(what, args);
+    setText(this.view.answer, text);
+  }
 }

@@ -5,6 +5,8 @@ import { OrbitControls, PerspectiveCamera, Vector3 } from "../vendor/three.js";
 const KEPT = "forest.camera";
 const SETTLE_S = 0.22; // time constant of a change of view
 const HEAD_TURN = 0.55; // share of the swing that the operator's head follows
+const FREE_FOV = 42; // [deg]
+const ARRIVED = 0.02; // [m]
 const UP = new Vector3(0, 0, 1);
 
 export const VIEWS = ["cab", "side", "top", "free"];
@@ -18,11 +20,14 @@ export class Cameras extends EventTarget {
     this.controls = new OrbitControls(this.camera, element);
     this.controls.enableDamping = true;
     this.controls.maxPolarAngle = 0.52 * Math.PI;
-    this.controls.addEventListener("start", () => this.choose("free"));
+    this.controls.addEventListener("start", () => this.#take());
+    this.controls.addEventListener("change", () => this.dispatchEvent(new Event("view")));
     this.frame(scene);
     const kept = recall();
     this.view = kept.view;
-    this.free = kept.free ?? { position: [this.reach, -1.1 * this.reach, 0.35 * this.reach], target: [0.4 * this.reach, 0, 0] };
+    this.free = kept.free ?? {
+      position: [1.25 * this.reach, -1.0 * this.reach, 0.3 * this.reach], target: [0.25 * this.reach, 0.08 * this.reach, 0],
+    };
     this.#jump();
   }
 
@@ -37,10 +42,9 @@ export class Cameras extends EventTarget {
   }
 
   choose(view) {
-    if (view === this.view) return;
-    if (view === "free" && this.view !== "free") this.controls.target.copy(this.target);
+    this.keep();
     this.view = view;
-    this.settledAt = null;
+    this.arriving = view === "free"; // on the way to where the free camera was left
     this.keep();
     this.dispatchEvent(new Event("view"));
   }
@@ -52,7 +56,7 @@ export class Cameras extends EventTarget {
 
   // Moves on by some seconds; the crane stands at a swing angle [rad] with its tip somewhere [m].
   step(seconds, swing, tip) {
-    if (this.view === "free") {
+    if (this.view === "free" && !this.arriving) {
       this.controls.update();
       this.target.copy(this.controls.target);
       return;
@@ -63,6 +67,7 @@ export class Cameras extends EventTarget {
     this.target.lerp(wanted.target, share);
     this.camera.fov += share * (wanted.fov - this.camera.fov);
     this.camera.lookAt(this.target);
+    if (this.arriving && this.camera.position.distanceTo(wanted.position) < ARRIVED) this.#take();
   }
 
   // What the painter needs.
@@ -72,7 +77,7 @@ export class Cameras extends EventTarget {
   }
 
   keep() {
-    if (this.view === "free") this.free = { position: this.camera.position.toArray(), target: this.target.toArray() };
+    if (this.view === "free" && !this.arriving) this.free = { position: this.camera.position.toArray(), target: this.target.toArray() };
     try {
       localStorage.setItem(KEPT, JSON.stringify({ view: this.view, free: this.free }));
     } catch {
@@ -83,7 +88,18 @@ export class Cameras extends EventTarget {
   #wanted(swing, tip) {
     if (this.view === "cab") return this.#cab(swing, tip);
     if (this.view === "top") return this.#top();
-    return this.#side(swing);
+    if (this.view === "side") return this.#side(swing);
+    const [position, target] = [this.free.position, this.free.target].map((xyz) => new Vector3(...xyz));
+    return { position, target, fov: FREE_FOV };
+  }
+
+  // From here on a person's hand moves the camera: a drag in any view begins where that view is.
+  #take() {
+    if (this.view === "free" && !this.arriving) return;
+    this.view = "free";
+    this.arriving = false;
+    this.controls.target.copy(this.target);
+    this.dispatchEvent(new Event("view"));
   }
 
   // From the operator's eyes, who looks where the tip is.
@@ -92,7 +108,7 @@ export class Cameras extends EventTarget {
     const looked = new Vector3(0.62 * this.reach, 0, -0.1 * this.reach);
     if (tip) looked.lerp(new Vector3(Math.hypot(tip[0], tip[1]), 0, tip[2]), 0.5);
     looked.applyAxisAngle(UP, HEAD_TURN * swing);
-    return { position: new Vector3(-1.5 * scale, 0.5 * scale, 1.0 * scale), target: looked, fov: this.#wide(58, 70) };
+    return { position: new Vector3(-1.7 * scale, 0.5 * scale, 0.6 * scale), target: looked, fov: this.#wide(58, 70) };
   }
 
   // Square to the crane's plane, the whole reach in sight.
@@ -118,10 +134,8 @@ export class Cameras extends EventTarget {
   }
 
   #jump() {
-    if (this.view === "free") {
-      this.camera.position.set(...this.free.position);
-      this.controls.target.set(...this.free.target);
-    } else this.step(100, 0, null);
+    this.arriving = this.view === "free";
+    this.step(100, 0, null);
   }
 }
 

@@ -29,4 +29,5 @@ export const COLOURS = {
   rubber: 0x15191c,
   tree: 0x1c3327,
   trunk: 0x2c241d,
+  exercise: 0xffe14d,
 };

@@ -1,7 +1,8 @@
 // The crane: links as nested groups, one for each joint of the scene, moved by the joints' signals.
 
-import { Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, Quaternion, Vector3 } from "../vendor/three.js";
+import { Group, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, Quaternion, Vector3 } from "../vendor/three.js";
 import { COLOURS } from "./colours.js";
+import { merged } from "./merge.js";
 import { parts } from "./shapes.js";
 
 const BASE = "base_link";
@@ -13,9 +14,9 @@ export class Crane {
     this.root = new Group();
     this.links = new Map([[BASE, this.root]]);
     this.joints = scene.joints.map((joint) => this.#hang(joint));
-    this.materials = new Map(); // link → its materials, so that a link can glow alone
+    this.materials = new Map(); // link → its material
     for (const [name, visuals] of Object.entries(scene.links)) {
-      for (const visual of visuals) this.#draw(name, visual, plain);
+      if (visuals.length > 0) this.#draw(name, visuals, plain);
     }
   }
 
@@ -38,14 +39,14 @@ export class Crane {
   }
 
   glow(link, on) {
-    for (const material of this.materials.get(link) ?? []) {
-      material.emissive.setHex(on ? COLOURS.alarm : 0).multiplyScalar(GLOW);
-    }
+    this.materials.get(link)?.emissive.setHex(on ? COLOURS.alarm : 0).multiplyScalar(GLOW);
   }
 
   dispose() {
-    this.root.traverse((part) => part.geometry?.dispose());
-    for (const materials of this.materials.values()) materials.forEach((material) => material.dispose());
+    this.root.traverse((part) => {
+      part.geometry?.dispose();
+      part.material?.dispose();
+    });
   }
 
   #hang(joint) {
@@ -56,23 +57,15 @@ export class Crane {
     return { ...joint, group, fixed, along: new Vector3(...joint.axis), position: 0 };
   }
 
-  #draw(link, visual, plain) {
-    const place = new Group();
-    place.position.set(...visual.xyz);
-    place.quaternion.copy(turned(visual.rpy));
-    for (const [geometry, colour] of parts(link, visual)) {
-      place.add(new Mesh(geometry, plain ?? this.#material(link, colour)));
-    }
-    this.links.get(link).add(place);
-  }
-
-  #material(link, colour) {
-    const own = this.materials.get(link) ?? this.materials.set(link, []).get(link);
-    const found = own.find((material) => material.name === colour);
-    if (found) return found;
-    const material = new MeshLambertMaterial({ color: COLOURS[colour], name: colour });
-    own.push(material);
-    return material;
+  // One mesh for a link, with a material of its own, so that it can glow alone.
+  #draw(link, visuals, plain) {
+    const drawn = visuals.flatMap((visual) => {
+      const place = new Matrix4().compose(new Vector3(...visual.xyz), turned(visual.rpy), new Vector3(1, 1, 1));
+      return parts(link, visual).map(([geometry, colour]) => [geometry.applyMatrix4(place), COLOURS[colour]]);
+    });
+    const mesh = new Mesh(merged(drawn), plain ?? new MeshLambertMaterial({ vertexColors: true }));
+    if (!plain) this.materials.set(link, mesh.material);
+    this.links.get(link).add(mesh);
   }
 
   #position(joint, signals) {

@@ -44,10 +44,6 @@ export class Hoses {
     oil.line.material.color.setHex(share > 0 ? COLOURS.flowOut : COLOURS.flowBack);
     oil.line.material.dashOffset -= Math.sign(share) * SPEED * Math.sqrt(Math.min(1, Math.abs(share))) * seconds;
   }
-
-  dispose() {
-    for (const { rubber, oil } of this.hoses) [rubber, oil].forEach((line) => line.dispose());
-  }
 }
 
 // Share of full flow towards the actuator, -1 to 1; 0 where nobody tells it.

@@ -1,9 +1,18 @@
 // Text over the picture: the painter tells where, the page writes it, sharp at every resolution.
 
+const EDGE = [48, 24]; // [px] that a label's middle keeps from the sides, from top and bottom
+
 export class Labels {
   constructor(element) {
     this.element = element;
     this.shown = new Map(); // key → its element
+    this.resize();
+  }
+
+  // Remembers the size: to ask for it between two writes would lay the page out anew each time.
+  resize() {
+    this.right = this.element.clientWidth - EDGE[0];
+    this.bottom = this.element.clientHeight - EDGE[1];
   }
 
   show(labels) {
@@ -18,11 +27,10 @@ export class Labels {
 
   #place({ key, text, kind, x, y }) {
     const element = this.shown.get(key) ?? this.#make(key);
-    element.className = `label ${kind}`;
+    if (element.className !== `label ${kind}`) element.className = `label ${kind}`;
     if (element.textContent !== text) element.textContent = text;
-    const [right, bottom] = [this.element.clientWidth - 40, this.element.clientHeight - 20];
-    const inside = [Math.min(right, Math.max(40, x)), Math.min(bottom, Math.max(20, y))];
-    element.style.transform = `translate(${inside[0].toFixed(1)}px, ${inside[1].toFixed(1)}px)`;
+    const inside = [Math.min(this.right, Math.max(EDGE[0], x)), Math.min(this.bottom, Math.max(EDGE[1], y))];
+    element.style.transform = `translate(${inside[0].toFixed(0)}px, ${inside[1].toFixed(0)}px)`;
   }
 
   #make(key) {

@@ -1,26 +1,29 @@
 // A worker: draws the scene on its own thread. Where pixels are drawn by the processor a picture takes longer than
 // a heartbeat of the deadman; the page's own thread never waits for it.
 //
-// Hears: start, size, camera, scene, signals, frame, ghost, visible. Says: drawn, failed.
+// Hears: start, size, camera, scene, signals, frame, ghost, exercise, visible. Says: drawn, failed.
 
-import { PerspectiveCamera, Vector3, WebGLRenderer } from "../vendor/three.js";
+import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Vector3, WebGLRenderer } from "../vendor/three.js";
 import { Picture } from "./picture.js";
 import { Resolution } from "./resolution.js";
 import { Signals } from "./signals.js";
 
-const state = { renderer: null, picture: null, signals: new Signals(), ghost: null, visible: true, waiting: false };
+ColorManagement.enabled = false; // colours as written: no power function for each pixel
+
+const state = { renderer: null, picture: null, signals: new Signals(), ghost: null, visible: true, waiting: false, failed: false };
 const camera = new PerspectiveCamera(45, 1, 0.2, 300);
 const resolution = new Resolution();
-const size = { width: 1, height: 1, ratio: 1 };
+const size = { width: 1, height: 1, ratio: 1, fresh: true };
 
 const hear = {
   start({ canvas, scene }) {
-    state.renderer = new WebGLRenderer({ canvas, antialias: false, powerPreference: "high-performance" });
+    state.renderer = new WebGLRenderer({ canvas, antialias: true });
+    state.renderer.outputColorSpace = LinearSRGBColorSpace;
+    resolution.begin(state.renderer.getContext());
     state.picture = new Picture(scene);
   },
   size(message) {
-    Object.assign(size, message);
-    resize();
+    Object.assign(size, message, { fresh: true });
   },
   camera({ position, quaternion, fov }) {
     camera.position.set(...position);
@@ -29,7 +32,9 @@ const hear = {
     camera.updateProjectionMatrix();
   },
   scene({ scene }) {
+    state.picture.dispose();
     state.picture = new Picture(scene);
+    state.picture.showGhost(state.ghost);
   },
   signals({ names }) {
     state.signals = new Signals(names);
@@ -38,13 +43,13 @@ const hear = {
     state.signals.show(time, values);
     state.picture.push(state.signals);
   },
-  ghost({ ghost }) {
-    if (!ghost) state.ghost = null;
-    else {
-      state.ghost = { scene: ghost.scene ?? state.ghost?.scene, signals: new Signals(ghost.names) };
-      state.ghost.signals.show(0, ghost.values);
-    }
-    state.picture.showGhost(state.ghost?.signals ?? null, state.ghost?.scene);
+  ghost({ names, values, scene }) {
+    state.ghost = names ? { scene: scene ?? state.ghost?.scene, signals: new Signals(names) } : null;
+    state.ghost?.signals.show(NaN, values);
+    state.picture.showGhost(state.ghost);
+  },
+  exercise({ exercise }) {
+    state.picture.exercise.show(exercise);
   },
   visible({ visible }) {
     state.visible = visible;
@@ -52,15 +57,19 @@ const hear = {
 };
 
 self.onmessage = ({ data }) => {
+  if (state.failed) return;
   try {
     hear[data.kind](data);
     drawSoon();
   } catch (error) {
+    state.failed = true;
     self.postMessage({ kind: "failed", text: error.message });
   }
 };
 
+// Takes a new size, or another resolution. It empties the canvas, so a picture follows at once.
 function resize() {
+  size.fresh = false;
   state.renderer.setPixelRatio(size.ratio * resolution.share);
   state.renderer.setSize(size.width, size.height, false);
   camera.aspect = size.width / size.height;
@@ -77,11 +86,12 @@ function drawSoon() {
 function draw() {
   state.waiting = false;
   if (!state.visible) return;
+  if (size.fresh) resize();
   const began = performance.now();
   const labels = state.picture.pose(state.signals);
   state.renderer.render(state.picture.root, camera);
   finish(state.renderer.getContext());
-  if (resolution.drawn(began, performance.now())) resize();
+  size.fresh ||= resolution.drawn(began, performance.now());
   self.postMessage({
     kind: "drawn", labels: labels.map(onScreen), tip: state.picture.tip().toArray(), rate: resolution.rate, share: resolution.share,
   });

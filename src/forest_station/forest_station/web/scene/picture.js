@@ -3,19 +3,22 @@
 import { DirectionalLight, Fog, HemisphereLight, Scene, Vector3 } from "../vendor/three.js";
 import { COLOURS } from "./colours.js";
 import { Crane, plain } from "./crane.js";
+import { Exercise } from "./exercise.js";
 import { Hoses } from "./hoses.js";
 import { Limits } from "./limits.js";
 import { Reach } from "./reach.js";
 import { Shadow } from "./shadow.js";
 import { Signals } from "./signals.js";
 import { Surroundings } from "./surroundings.js";
+import { sway } from "./sway.js";
 import { Trail } from "./trail.js";
 import { Walls } from "./walls.js";
 import { Wish } from "./wish.js";
 import { WorkArea } from "./work_area.js";
 
-const LIGHT = new Vector3(0.35, -0.5, 1);
+const LIGHT = new Vector3(0.4, -0.75, 1);
 const COMMAND = "tip/twist_command";
+const GHOSTLY = 0.45; // opacity
 const LONGEST_S = 0.2; // between two pictures that count as one motion, for what runs by itself
 
 export class Picture {
@@ -32,9 +35,11 @@ export class Picture {
     this.reach = new Reach(scene.ground);
     this.trail = new Trail();
     this.wish = new Wish();
+    this.exercise = new Exercise();
     this.ghost = null;
-    const parts = [this.crane, this.shadow, this.walls, this.hoses, this.area, this.reach, this.trail, this.wish];
-    this.root.add(...lights(), new Surroundings(scene).root, ...parts.map(({ root }) => root));
+    const moving = [this.crane, this.shadow, this.hoses, this.reach, this.trail, this.wish];
+    const parts = [...moving, this.walls, this.area, this.exercise];
+    this.root.add(...lights(), new Surroundings(scene, LIGHT).root, ...parts.map(({ root }) => root));
     this.pose(new Signals());
   }
 
@@ -55,7 +60,8 @@ export class Picture {
     this.trail.draw();
     const tip = this.tip();
     this.wish.pose(tip, signals.point(COMMAND));
-    return [...this.reach.pose(tip), ...this.limits.pose(signals, tip)];
+    const said = [...this.reach.pose(tip), ...this.exercise.labels(), ...sway(this.crane, signals)];
+    return [...said, ...this.limits.pose(signals, tip)];
   }
 
   // The drawn tip in the base frame [m].
@@ -63,19 +69,27 @@ export class Picture {
     return this.crane.place("tip");
   }
 
-  // A second, translucent crane at the signals of another bag; null: none.
-  showGhost(signals, scene = this.scene) {
-    if (this.ghost && (!signals || this.ghost.scene !== scene)) {
+  // A second, translucent crane: of a scene, or of this one, at the signals of another bag; null: none.
+  showGhost(ghost) {
+    const scene = ghost?.scene ?? this.scene;
+    if (this.ghost && (!ghost || this.ghost.scene !== scene)) {
       this.root.remove(this.ghost.crane.root);
       this.ghost.crane.dispose();
       this.ghost = null;
     }
-    if (!signals) return;
+    if (!ghost) return;
     if (!this.ghost) {
-      this.ghost = { scene, crane: new Crane(scene, plain(COLOURS.ghost, 0.4)) };
+      this.ghost = { scene, crane: new Crane(scene, plain(COLOURS.ghost, GHOSTLY)) };
       this.root.add(this.ghost.crane.root);
     }
-    this.ghost.crane.pose(signals);
+    this.ghost.crane.pose(ghost.signals);
+  }
+
+  dispose() {
+    this.root.traverse((part) => {
+      part.geometry?.dispose();
+      part.material?.dispose();
+    });
   }
 
   // As measured; by the joints where nobody tells it.
@@ -88,5 +102,5 @@ export class Picture {
 function lights() {
   const sun = new DirectionalLight(0xfff2dd, 2.4);
   sun.position.copy(LIGHT);
-  return [sun, new HemisphereLight(0xa9c3d6, 0x2b2f2c, 1.5)];
+  return [sun, new HemisphereLight(0xdfe9f0, 0x77716a, 2.3)];
 }

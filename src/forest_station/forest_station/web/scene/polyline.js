@@ -43,9 +43,4 @@ export class Polyline {
     }
     ways.needsUpdate = true;
   }
-
-  dispose() {
-    this.line.geometry.dispose();
-    this.line.material.dispose();
-  }
 }

@@ -12,8 +12,7 @@ export class Shadow {
   // `light`: direction from which light comes.
   constructor(scene, light) {
     this.root = new Group();
-    this.material = plain(COLOURS.shadow);
-    this.crane = new Crane(scene, this.material);
+    this.crane = new Crane(scene, plain(COLOURS.shadow));
     this.root.add(this.crane.root);
     this.root.matrixAutoUpdate = false;
     const [a, b, up] = [light.x / light.z, light.y / light.z, scene.ground + ABOVE];
@@ -24,10 +23,5 @@ export class Shadow {
   pose(signals) {
     this.crane.pose(signals);
     this.root.updateMatrixWorld(true);
-  }
-
-  dispose() {
-    this.crane.dispose();
-    this.material.dispose();
   }
 }

@@ -1,7 +1,7 @@
 // Shapes of the crane's parts, made to look like steel from the plain visuals of a URDF.
 
 import {
-  BoxGeometry, BufferGeometry, CylinderGeometry, ExtrudeGeometry, Shape, SphereGeometry, TorusGeometry,
+  BoxGeometry, CylinderGeometry, ExtrudeGeometry, Shape, TorusGeometry,
 } from "../vendor/three.js";
 
 const SLENDER = 6; // length over width from which a box is a beam
@@ -10,7 +10,7 @@ const AROUND = 20; // faces of what is round
 // Parts of a visual: [geometry, name of its colour].
 export function parts(link, visual) {
   if (visual.shape === "box") return visual.size[0] > SLENDER * visual.size[1] ? beam(visual.size) : box(visual.size);
-  if (visual.shape === "sphere") return head(visual.size[0]);
+  if (visual.shape === "sphere") return [...head(visual.size[0]), ...hanger(visual.size[0], -visual.xyz[2])];
   if (link.endsWith("_rod")) return rod(visual.size);
   if (link.endsWith("_barrel")) return barrel(visual.size);
   if (link === "platform") return column(visual.size);
@@ -78,18 +78,34 @@ function rod([radius, length]) {
   return [[tube(radius, length), "rod"], [boss(1.9 * radius, 3 * radius).translate(0, 0, length / 2), "cast"]];
 }
 
-// A rotator over a grapple's two curved jaws, about as big as the ball that stands for it.
+// A rotator with a grapple's two jaws, about as big as the ball that stands for it.
 function head(radius) {
-  const jaw = (turned) =>
-    new TorusGeometry(0.8 * radius, 0.17 * radius, 8, 14, 0.78 * Math.PI)
-      .rotateZ(0.72 * Math.PI).scale(1, 1, 2.2).rotateX(Math.PI / 2).translate(0.12 * radius, 0, -0.75 * radius).rotateZ(turned);
   return [
-    [tube(0.42 * radius, 0.9 * radius).translate(0, 0, -0.1 * radius), "barrel"],
-    [boss(0.28 * radius, 0.9 * radius).translate(0, 0, 0.45 * radius), "cast"],
-    [new SphereGeometry(0.5 * radius, AROUND, 12).translate(0, 0, -0.45 * radius), "head"],
-    [jaw(0), "head"],
-    [jaw(Math.PI), "head"],
+    [boss(0.26 * radius, 0.8 * radius).translate(0, 0, 0.35 * radius), "cast"],
+    [tube(0.34 * radius, 0.7 * radius), "barrel"],
+    [new BoxGeometry(1.1 * radius, 0.7 * radius, 0.34 * radius).translate(0, 0, -0.42 * radius), "head"],
+    [jaw(radius), "head"],
+    [jaw(radius).rotateZ(Math.PI), "head"],
   ];
+}
+
+// What a head hangs from, up to its joint.
+function hanger(radius, length) {
+  if (length <= radius) return [];
+  return [[tube(0.16 * radius, length).translate(0, 0, length / 2), "barrel"],
+    [boss(0.28 * radius, 0.8 * radius).translate(0, 0, length), "cast"]];
+}
+
+// A curved claw in the plane of the beam, wide across it.
+function jaw(radius) {
+  const claw = new Shape();
+  claw.moveTo(0.42 * radius, -0.4 * radius);
+  claw.bezierCurveTo(1.15 * radius, -0.7 * radius, 1.05 * radius, -1.4 * radius, 0.1 * radius, -1.62 * radius);
+  claw.bezierCurveTo(0.75 * radius, -1.3 * radius, 0.75 * radius, -0.85 * radius, 0.2 * radius, -0.5 * radius);
+  claw.closePath();
+  const width = 0.62 * radius;
+  const geometry = new ExtrudeGeometry(claw, { depth: width, bevelEnabled: false, curveSegments: 8 });
+  return geometry.translate(0, 0, -width / 2).rotateX(Math.PI / 2);
 }
 
 function log([radius, length]) {
@@ -100,6 +116,3 @@ function log([radius, length]) {
     [cut().translate(0, 0, -length / 2), "log"],
   ];
 }
-
-// An empty geometry where a link draws nothing.
-export const NOTHING = new BufferGeometry();

@@ -1,12 +1,12 @@
 // What the tip keeps out of, and the slow zone in which it brakes. The wall that holds it back lights up.
 
 import {
-  BoxGeometry, CylinderGeometry, DoubleSide, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh,
+  BoxGeometry, CylinderGeometry, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh,
   MeshBasicMaterial, PlaneGeometry, Quaternion, Vector3,
 } from "../vendor/three.js";
 import { COLOURS } from "./colours.js";
 
-const CALM = 0.1; // opacity of a wall
+const CALM = 0.07; // opacity of a wall
 const LIT = 0.42;
 const SLOW = 0.04;
 const EDGE = 0.45;
@@ -44,7 +44,7 @@ export class Walls {
     surface.calm = flat ? 0 : CALM;
     const edges = new LineSegments(
       new EdgesGeometry(surface.geometry, 30),
-      new LineBasicMaterial({ color: COLOURS.wall, transparent: true, opacity: flat ? 0.15 : EDGE }),
+      new LineBasicMaterial({ color: COLOURS.wall, transparent: true, opacity: flat ? 0 : EDGE }),
     );
     surface.add(edges);
     this.root.add(surface);
@@ -55,7 +55,7 @@ export class Walls {
 
 function mesh(wall, wider, opacity) {
   const material = new MeshBasicMaterial({
-    color: COLOURS.wall, transparent: true, opacity, side: DoubleSide, depthWrite: false,
+    color: COLOURS.wall, transparent: true, opacity, depthWrite: false, // seen from outside: the cab has a clear view
   });
   const body = new Mesh(geometry(wall, wider), material);
   if (wall.kind === "plane") {
