@@ -20,6 +20,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
+            "forest-viewers = forest_viewers.cli:main",
             "foxglove_node = forest_viewers.foxglove_node:main",
             "viewer_node = forest_viewers.viewer_node:main",
         ]

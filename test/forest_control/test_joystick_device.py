@@ -9,14 +9,11 @@ from input_events import held_file, stream
 
 pytest.importorskip("rclpy")
 
-from evdev import AbsInfo, UInput, ecodes
-
 from forest_control.operator.levers import LEFT_SHOULDER, LEFT_X
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import read_joy, stamp_to_ns
 
 NODE = Path(input_events.__file__).with_name("piped_joystick_node.py")
-NEEDED = "this kernel has no uinput that may be written to"
 
 
 class Cable:
@@ -123,35 +120,3 @@ def test_what_is_not_allowed_ends_the_node_with_one_line(domain_id, start_node, 
         assert process.ended() == 2
         assert process.text().count("\n") == 1
         assert said in process.text()
-
-
-@pytest.mark.skipif(not os.access("/dev/uinput", os.W_OK), reason=NEEDED)
-def test_a_virtual_device_of_the_kernel_is_found_read_lost_and_found_again(peer, start_node):
-    heard = peer.hear(topics.JOY)
-    process = start_node("joystick_node", "-p", "device:=auto")
-    with virtual_gamepad() as pad:
-        peer.until(lambda: heard)
-        move(pad, BTN_TL=1)
-        move(pad, ABS_X=0)
-        peer.until(lambda: moves(heard, 1.0))
-    peer.until(lambda: at_rest(heard[-1]))
-    peer.until(lambda: "no device fits gamepad" in process.text())
-    with virtual_gamepad() as pad:
-        count = len(heard)
-        peer.until(lambda: len(heard) > count)
-        move(pad, BTN_TL=1)
-        move(pad, ABS_X=255)
-        peer.until(lambda: moves(heard, -1.0))
-    assert process.stop() == 0
-    assert "Traceback" not in process.text()
-
-
-def virtual_gamepad():
-    axes = [(code, AbsInfo(*info)) for code, info in input_events.GAMEPAD_AXES.items()]
-    return UInput({ecodes.EV_KEY: input_events.GAMEPAD_KEYS, ecodes.EV_ABS: axes}, name="Virtual pad")
-
-
-def move(pad, **values):
-    for name, value in values.items():
-        pad.write(ecodes.EV_ABS if name.startswith("ABS_") else ecodes.EV_KEY, ecodes.ecodes[name], value)
-    pad.syn()

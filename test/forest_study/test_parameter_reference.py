@@ -55,7 +55,7 @@ def made(request, domain_id, tmp_path):
     switch_interval = sys.getswitchinterval()
     try:
         if request.param == "player":
-            node = PlayerNode(PlayOptions(bag=BAG, delay=1e6))
+            node = PlayerNode(PlayOptions(bags=(BAG,), delay=1e6))
         else:
             module, _, name = MADE[request.param].rpartition(".")
             node = getattr(importlib.import_module(module), name)()

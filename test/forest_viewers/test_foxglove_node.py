@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 
+import aiohttp
 import pytest
 
 pytest.importorskip("rclpy")
@@ -145,6 +146,33 @@ def test_a_client_that_does_not_read_delays_nobody(graph, port):
                 await fast.until(lambda count=count: len(fast.messages[name]) > count)
 
     asyncio.run(session())
+
+
+@pytest.mark.parametrize(
+    ("protocol", "origin", "status"),
+    [
+        ("foxglove.websocket.v1", None, 101),
+        ("foxglove.sdk.v1", "https://app.foxglove.dev", 101),
+        ("foxglove.sdk.v1", "http://localhost:8080", 101),
+        ("foxglove.sdk.v1", "file://", 101),
+        ("foxglove.sdk.v1", "https://app.foxglove.dev.example.org", 403),
+        ("foxglove.sdk.v1", "null", 403),
+        ("rosbridge", None, 400),
+    ],
+)
+def test_both_names_of_the_protocol_are_let_in_and_strange_web_pages_are_not(port, protocol, origin, status):
+    async def session():
+        url, headers = f"ws://127.0.0.1:{port}", {"Origin": origin} if origin else {}
+        async with aiohttp.ClientSession() as client:
+            try:
+                async with client.ws_connect(url, protocols=[protocol], headers=headers) as socket:
+                    assert socket.protocol == protocol
+                    assert (await socket.receive_json(timeout=LIMIT_S))["op"] == "serverInfo"
+                    return 101
+            except aiohttp.WSServerHandshakeError as error:
+                return error.status
+
+    assert asyncio.run(session()) == status
 
 
 def test_parameters_are_told_and_set_and_a_refusal_is_shown(graph, port):

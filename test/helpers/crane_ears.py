@@ -14,9 +14,9 @@ from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.serialization.unpacking import ArrayReader, read_joy_data
 
 KEPT = 5000  # messages
-DRIVEN = 50  # messages
+DRIVEN = 30  # messages
 DEADMAN = 9  # button
-MET_S = 30.0
+MET_S = 60.0
 
 
 class Joy(NamedTuple):

@@ -40,14 +40,15 @@ class PageStandIn:
         self.asked: list[dict[str, Any]] = []  # every request, oldest first
         self.refusals: dict[str, str] = {}  # why a request is refused, by what it asks for
         self._socket: WebSocketRoute | None = None
+        self._driver: str | None = None
+        page.set_default_timeout(60_000)  # [ms] at which a test fails rather than hangs
         page.route(f"{ADDRESS}/**", self._serve)
         page.route_web_socket("ws://station.test/socket", self._connect)
 
     def open(self) -> None:
         """Open the page, and wait for its hands."""
         self.page.goto(ADDRESS)
-        self.page.wait_for_selector("#left_stick")
-        self.page.wait_for_function("document.querySelector('.driver').textContent === 'You drive'")
+        self.page.wait_for_selector(".driver[data-drives=true]")
 
     def tell(self, kind: str, **content: Any) -> None:
         """Send a message."""
@@ -67,6 +68,7 @@ class PageStandIn:
         why_not: str = "",
     ) -> None:
         """Tell who drives, and how the deadman is."""
+        self._driver = driver
         state = dict(zip(("state", "text"), deadman, strict=True))
         self.tell(
             "seat", driver=driver, you_drive=driver == YOU, asking=asking, deadman=state, why_not=why_not
@@ -115,5 +117,5 @@ class PageStandIn:
         self.asked.append(request)
         refusal = self.refusals.get(request["do"], "")
         self.tell("answer", to=request["number"], ok=not refusal, text=refusal or "done")
-        if request["do"] == "take_seat" and not refusal:
+        if request["do"] == "take_seat" and self._driver is None:
             self.tell_seat()

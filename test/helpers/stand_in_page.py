@@ -19,11 +19,17 @@ import aiohttp
 from forest_station.operator.hands import Hands, encode_hands
 
 PERIOD = 0.02  # [s]
-MET_S, PLAYED_S = 30.0, 60.0
+MET_S, PLAYED_S = 60.0, 120.0
 CENTRED = (0.0,) * 6
 UP, DOWN = (0.0, 0.0, 0.0, 0.5, 0.0, 0.0), (0.0, 0.0, 0.0, -0.5, 0.0, 0.0)
-STICKS = itertools.cycle((UP, DOWN))  # one after the other, or the crane comes to its end
-PRESSED_AFTER, MOVED_AFTER, SETTLED = 5, 10, 15  # messages
+STICKS = itertools.cycle((UP, DOWN))
+PRESSED_AFTER, MOVED_AFTER, SETTLED = 5, 10, 10  # messages
+TURNED_AFTER = 100  # messages, or the crane comes to its end
+
+
+def opposite(stick: tuple[float, ...]) -> tuple[float, ...]:
+    """The stick on the other side."""
+    return tuple(0.0 - axis for axis in stick)
 
 
 class StandInPage:
@@ -84,7 +90,8 @@ class StandInPage:
         """
         k = held = 0
         while True:
-            await self.send(k >= PRESSED_AFTER, self.stick if k >= MOVED_AFTER else CENTRED)
+            stick = self.stick if self.number // TURNED_AFTER % 2 == 0 else opposite(self.stick)
+            await self.send(k >= PRESSED_AFTER, stick if k >= MOVED_AFTER else CENTRED)
             await asyncio.sleep(PERIOD)
             k += 1
             held = held + 1 if self.seat["deadman"]["state"] == "held" else 0

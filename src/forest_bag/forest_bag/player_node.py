@@ -1,7 +1,7 @@
 """The player node: raw bytes from a bag onto their topics, with the QoS they were recorded with.
 
-Playing runs in a thread of its own; the executor serves Trigger services (pause, resume, toggle_paused,
-play_next) and the parameters rate and seek.
+Playing runs in a thread of its own; the executor serves rosbag2's services, or Triggers (pause, resume,
+toggle_paused, play_next) where its interfaces are not installed, and the parameters rate and seek.
 """
 
 import gc
@@ -12,12 +12,13 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from forest_bag.play.keyboard import Keyboard
-from forest_bag.play.play_options import PlayOptions, plan, select
+from forest_bag.play.play_options import PlayOptions, as_fast_as_possible, plan, select
 from forest_bag.play.playback import Player
 from forest_bag.play.player_parameters import DESCRIPTIONS
 from forest_bag.play.read_ahead import BagSource
 from forest_bag.play.remote_control import KEYS, RemoteControl
-from forest_bag.read.bag_reader import BagReader
+from forest_bag.play.rosbag2_services import rosbag2_services
+from forest_bag.read.merged_bags import MergedBags
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage
 from forest_msgs_py.introspection.raw_publishers import RawPublishers, is_installed
@@ -31,7 +32,7 @@ REMINDER_POLLS = 100
 
 
 class PlayerNode(Node):
-    """Plays one bag, then ends."""
+    """Plays one bag, or several as one, then ends."""
 
     def __init__(self, options: PlayOptions) -> None:
         super().__init__("player")
@@ -40,7 +41,7 @@ class PlayerNode(Node):
         self._given_up = 0
         self._failure: Exception | None = None
         try:
-            self._reader = BagReader(options.bag)
+            self._reader = MergedBags(options.bags)
             chosen = select(self._reader, options, is_installed)
             source = BagSource(self._reader, chosen.profiles)
             whole = plan(self._reader, options)
@@ -49,13 +50,20 @@ class PlayerNode(Node):
         for warning in chosen.warnings:
             self.get_logger().warning(warning)
         self._out = RawPublishers(
-            self, chosen.names, chosen.types, chosen.profiles, bool(options.clock), options.rate == 0.0
+            self,
+            chosen.names,
+            chosen.types,
+            chosen.profiles,
+            bool(options.clock),
+            as_fast_as_possible(options),
         )
         for topic in self._out.redefined(chosen.hashes):
             self.get_logger().warning(f"{topic}: {chosen.types[topic]} was recorded with another definition")
         self._player = Player(source, self, whole)
+        if options.burst is not None:
+            self._player.begin_burst(options.burst)
         self._remote = RemoteControl(self._player, self._reader.span, self._set_rate, self.get_logger().info)
-        offer_triggers(self, self._remote.services)
+        self._offer_services()
         values = {"rate": options.rate, "seek": 0.0}
         remote = self._remote
         offer_parameters(self, values, DESCRIPTIONS, remote.highest, remote.refuse, remote.apply)
@@ -64,6 +72,17 @@ class PlayerNode(Node):
         gc.freeze()
         self._thread = threading.Thread(target=self._play, name="player", daemon=True)
         self._thread.start()
+
+    def _offer_services(self) -> None:
+        """Offer rosbag2's services by their types, or some as Triggers where those are not installed."""
+        try:
+            from rosbag2_interfaces import srv
+        except ImportError:
+            offer_triggers(self, self._remote.services)
+            return
+        offered = rosbag2_services(self._player, self._reader.span, self._set_rate)
+        for name, (kind, answer) in offered.items():
+            self.create_service(getattr(srv, kind), f"~/{name}", answer)
 
     def publish(self, message: RawMessage) -> None:
         """Send a message of the bag."""

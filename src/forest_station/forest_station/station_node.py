@@ -7,7 +7,7 @@ import threading
 from rclpy.node import Node
 
 from forest_description.machine import load_machine
-from forest_msgs_py.runtime.node import run_node
+from forest_msgs_py.runtime.node import NodeFailure, run_node
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_station.graph.crane_graph import CraneGraph
@@ -29,7 +29,12 @@ class StationNode(Node):
 
     def run(self, stopping: threading.Event) -> None:
         """Serve until told to stop."""
-        asyncio.run(self._serve(stopping))
+        p = self._options
+        try:
+            asyncio.run(self._serve(stopping))
+        except OSError as error:
+            text = f"port {p.port} of {p.host!r} cannot be had: {error.strerror}; allowed: one that is free"
+            raise NodeFailure(text) from error
 
     async def _serve(self, stopping: threading.Event) -> None:
         await serve(Station(self._graph, self._options), self._entrance, _set(stopping))

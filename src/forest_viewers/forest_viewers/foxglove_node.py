@@ -7,7 +7,7 @@ still holds them.
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -41,18 +41,19 @@ class FoxgloveNode(Node):
         self._read_only = p.read_only
         self._mirror: ParameterMirror
         self._requests = ClientRequests(lambda: self._mirror.values)
-        try:
-            self._view = ClientView(self._requests, p.port, p.read_only)
-        except ServerError as error:
-            raise NodeFailure(str(error)) from error
+        self._view = ClientView(self._requests, p.read_only)
         self._mirror = ParameterMirror(self, self._view.tell_parameters)
         self._calls = RawServices(self)
-        self._frames = None if is_installed(topics.TF.type) else FrameChannels(self.resolve_topic_name)
+        self._frames = FrameChannels(self.resolve_topic_name, not is_installed(topics.TF.type))
         self._listener = GraphListener(self, self._wanted, _nothing, self._refused)
         self._stop = publisher(self, topics.EMERGENCY_STOP)
         self._told: set[str] = set()
         timer(self, TURN, self._turn)
         timer(self, LOOK, self._look)
+        try:
+            self._view.open(p.port)
+        except ServerError as error:
+            raise NodeFailure(str(error)) from error
         self.get_logger().info(f"Foxglove and Lichtblick: open ws://127.0.0.1:{self._view.port}")
 
     def stop(self) -> None:
@@ -63,8 +64,7 @@ class FoxgloveNode(Node):
         """Offer what there is."""
         found = dict(self.get_topic_names_and_types())
         shown = {name: types[0] for name, types in found.items() if len(types) == 1 and "/_" not in name}
-        if self._frames is not None:
-            shown |= self._frames.offered(shown)
+        shown |= self._frames.offered(shown)
         for name in self._view.offer(shown):
             self._refused(name, f"is of {shown[name]}, which is not installed here")
         self._view.offer_services(self._calls.look())
@@ -77,60 +77,43 @@ class FoxgloveNode(Node):
             self._do(request)
         for message in self._listener.take():
             self._view.say(message.name, message.data, message.received_ns)
-            if self._frames is not None:
-                for name, data in self._frames.answer(message.name, message.data):
-                    self._view.say(name, data, message.received_ns)
+            for name, data in self._frames.answer(message.name, message.data):
+                self._view.say(name, data, message.received_ns)
 
-    def _wanted(self, name: str, _types: Sequence[str]) -> bool:
-        made = () if self._frames is None else self._frames.made_from(name)
-        return any(map(self._view.wanted, (name, *made)))
+    def _wanted(self, name: str, _types: Sequence[str] = ()) -> bool:
+        return any(map(self._view.wanted, (name, *self._frames.made_from(name))))
 
     def _do(self, request: Request) -> None:
         match request:
             case client_requests.Subscribed(topic):
                 self._view.want(topic)
-                self._again(topic)
+                self._forget(topic, self._is_latched)  # to hear anew what was said before this client came
+                self._listener.look()
             case client_requests.Unsubscribed(topic):
                 self._view.leave(topic)
-                if not self._view.wanted(topic):
-                    self._forget_unwanted(topic)
+                self._forget(topic, lambda name: not self._wanted(name))
+            case client_requests.ParametersSet() if self._read_only:
+                self._view.warn("this server is read-only: no parameter is set")
             case client_requests.ParametersSet(values):
-                self._set(values)
+                self._mirror.set(values, self._view.warn)
             case client_requests.ServiceCalled(name, data, answer):
                 failed = partial(_fail, answer)
                 self._calls.call(name, data, answer.set_result, failed)
-            case client_requests.Advertised(topic):
-                if topic != self._stop.topic_name:
-                    self._view.warn(f"{topic} is not taken from here; allowed: {self._stop.topic_name}")
             case client_requests.Published():
                 self._stop_if_asked(request)
 
-    def _again(self, topic: str) -> None:
-        """Hear a topic; what is latched anew, so that who comes late gets what was said before."""
-        sources = () if self._frames is None else self._frames.sources(topic)
-        for name in (topic, *sources):
-            if self._is_latched(name):
+    def _forget(self, topic: str, due: Callable[[str], bool]) -> None:
+        for name in (topic, *self._frames.sources(topic)):
+            if due(name):
                 self._listener.forget(name)
-        self._listener.look()
-
-    def _forget_unwanted(self, topic: str) -> None:
-        sources = () if self._frames is None else self._frames.sources(topic)
-        for name in (topic, *sources):
-            if not self._wanted(name, ()):
-                self._listener.forget(name)
-
-    def _set(self, values: dict[str, Any]) -> None:
-        if self._read_only:
-            self._view.warn("this server is read-only: no parameter is set")
-        else:
-            self._mirror.set(values, self._view.warn)
 
     def _stop_if_asked(self, said: Published) -> None:
         """Pass an emergency stop on."""
-        if said.topic != self._stop.topic_name or said.type != topics.EMERGENCY_STOP.type:
+        if said.topic != self._stop.topic_name:
+            self._view.warn(f"{said.topic} is not taken from here; allowed: {self._stop.topic_name}")
             return
         try:
-            pressed = bool(cdr_type(said.type).decode(said.data).data)
+            pressed = bool(cdr_type(topics.EMERGENCY_STOP.type).decode(said.data).data)
         except CdrError as error:
             self._view.warn(f"{said.topic}: {error}")
             return

@@ -1,10 +1,12 @@
 """Claims about input devices: events that python-evdev reads of a pipe, and who is who."""
 
+import itertools
 import os
 import pty
 import tty
 
 import pytest
+from evdev import AbsInfo, UInput, ecodes
 from input_events import DROPPED, GAMEPAD_AXES, GAMEPAD_KEYS, Hand, PipedDevice, event, stream
 
 from forest_control.config.joystick_file import load_devices
@@ -163,6 +165,40 @@ def test_a_device_that_fits_two_roles_is_refused_even_when_it_comes_first(tmp_pa
     assert "fits left and right; name their paths, phys or uniq" in devices.problem
     plugged.hands.append(Hand())
     assert devices.read(1.0) == {"left": None, "right": None}
+
+
+@pytest.mark.skipif(
+    not os.access("/dev/uinput", os.W_OK), reason="this kernel has no uinput that may be used"
+)
+def test_a_virtual_device_of_the_kernel_is_found_read_lost_and_found_again(wait_until):
+    devices, searches = InputDevices(AUTO, LEFT_SHOULDER), itertools.count()
+
+    def reads(swung):  # each look is a search: the kernel takes its time to show a device
+        return left_x(devices, next(searches) * SEARCH_PERIOD) == swung
+
+    assert left_x(devices, -1.0) is None
+    for _ in range(2):
+        with virtual_gamepad() as pad:
+            wait_until(lambda: reads(0.0))
+            move(pad, BTN_TL=1, ABS_X=0)
+            wait_until(lambda: reads(1.0))
+            for k in range(3000):  # more than the kernel keeps
+                move(pad, ABS_X=k % 255)
+            move(pad, ABS_X=255)
+            wait_until(lambda: reads(-1.0))
+            assert devices.read(0.0)["gamepad"].buttons == {LEFT_SHOULDER}
+        wait_until(lambda: reads(None))
+
+
+def virtual_gamepad():
+    axes = [(code, AbsInfo(*info)) for code, info in GAMEPAD_AXES.items()]
+    return UInput({ecodes.EV_KEY: GAMEPAD_KEYS, ecodes.EV_ABS: axes}, name="Virtual pad")
+
+
+def move(pad, **values):
+    for name, value in values.items():
+        pad.write(ecodes.EV_ABS if name.startswith("ABS_") else ecodes.EV_KEY, ecodes.ecodes[name], value)
+    pad.syn()
 
 
 def test_the_devices_of_this_computer_can_be_listed():

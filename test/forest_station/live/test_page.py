@@ -13,6 +13,7 @@ from browser import DESKTOP, PHONE, launch_process, new_page
 from stall import Stall
 
 BEGINS_S, SHUTS_S, MET_S = 0.1, 0.25, 30.0
+CONNECTED = "#seat .driver:not(:text('No connection'))"
 GAMEPAD = """
     const pad = { index: 0, id: "scripted", connected: true, mapping: "standard", timestamp: 0,
                   axes: [0, 0, 0, 0],
@@ -46,7 +47,7 @@ def open_page(crane, browser):
         opened.append((page, errors))
         page.add_init_script(script)
         page.goto(crane.address)
-        page.wait_for_selector("#seat .driver:not(:text('No connection'))")
+        page.wait_for_selector(CONNECTED, state="attached")
         return page
 
     yield open_
@@ -61,7 +62,7 @@ def driver(crane, open_page, wait):
 
     def open_(viewport=DESKTOP, script=""):
         page = open_page(viewport, script)
-        wait(page, lambda: page.inner_text("#seat .driver") == "You drive" or take_seat(page))
+        wait(page, lambda: page.text_content("#seat .driver") == "You drive" or take_seat(page))
         crane.ears.forget()
         return page
 
@@ -203,8 +204,8 @@ def test_a_browser_that_is_killed_or_frozen_stops_the_crane(
     looker = open_page()
     with launch_process(playwright, tmp_path) as (page, processes):
         page.goto(crane.address)
-        page.wait_for_selector("#seat .driver:not(:text('No connection'))")
-        wait(page, lambda: page.inner_text("#seat .driver") == "You drive" or take_seat(page))
+        page.wait_for_selector(CONNECTED, state="attached")
+        wait(page, lambda: page.text_content("#seat .driver") == "You drive" or take_seat(page))
         crane.ears.forget()
         hold_and_press(page, "w")
         wait(page, moves(crane))
@@ -217,14 +218,14 @@ def test_a_browser_that_is_killed_or_frozen_stops_the_crane(
 
 def test_of_two_browsers_one_drives_until_it_hands_over(crane, driver, open_page, wait):
     page, other = driver(), open_page()
-    assert "you look on" in other.inner_text("#seat .driver")
+    assert "you look on" in other.text_content("#seat .driver")
     hold_and_press(other, "w")
     wait(other, lambda: len(crane.ears.joy) > 50)
     assert not any(joy.held for joy in crane.ears.joy)
     let_go(other, "w")
     other.click("#seat button:text('Ask for control')")
     page.click("#seat button:text('Hand over')")
-    wait(other, lambda: other.inner_text("#seat .driver") == "You drive")
+    wait(other, lambda: other.text_content("#seat .driver") == "You drive")
     hold_and_press(other, "w")
     wait(other, moves(crane))
     let_go(other, "w")

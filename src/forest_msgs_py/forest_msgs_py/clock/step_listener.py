@@ -8,7 +8,7 @@ far everything was taken, and stays near.
 
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 
 from rclpy.node import Node
@@ -21,6 +21,7 @@ from forest_msgs_py.clock.step_order import StepOrder
 from forest_msgs_py.clock.step_topics import DEPTH, lockstep_qos, no_output_subscription
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import stamp_to_ns
+from forest_msgs_py.interfaces.qos_profiles import Qos
 from forest_msgs_py.interfaces.topic_qos import offered_qos, qos
 from forest_msgs_py.interfaces.topics import find, message_class, unlisted
 from forest_msgs_py.introspection.graph_listener import DiscoveredTopic, GraphListener, ReceivedMessage
@@ -181,11 +182,25 @@ class StepListener:
 
 
 def listener(
-    node: Node, wanted: Wanted, offered: Offered, refused: Refused, settled: Settled
+    node: Node,
+    wanted: Wanted,
+    offered: Offered,
+    refused: Refused,
+    settled: Settled,
+    overrides: Mapping[str, Qos] | None = None,
 ) -> GraphListener | StepListener:
-    """The listener that a node's parameters ask for: live, or of a run in lockstep."""
+    """The listener that a node's parameters ask for: live, or of a run in lockstep.
+
+    Args:
+        node: that subscribes.
+        wanted: see `GraphListener`.
+        offered: see `GraphListener`.
+        refused: see `GraphListener`.
+        settled: whether nodes have told all that is to be heard of them.
+        overrides: QoS of subscriptions by topic; in lockstep the batches have their own.
+    """
     p = declare(node, ListenerParameters)
     nodes = [name for name in p.lockstep_nodes if name]
     if not nodes:
-        return GraphListener(node, wanted, offered, refused)
+        return GraphListener(node, wanted, offered, refused, overrides)
     return StepListener(node, wanted, offered, refused, settled, nodes, p.lockstep_guard + PATIENCE)

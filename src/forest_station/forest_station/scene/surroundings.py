@@ -8,7 +8,7 @@ import math
 from forest_station.scene.elements import Thing
 
 TREES = 90
-CLEARING = 8.0  # [m] between the reach and the nearest tree
+CLEARING = 2.7  # radius without trees, per reach: none stands between a camera and the crane
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 """Between a tree and the next [rad]: they never stand in rows."""
 
@@ -22,7 +22,7 @@ def surroundings(reach: float, ground: float) -> list[Thing]:
         size=[0.55 * reach, 0.26 * reach, 0.8 * -ground],
         yaw=0.0,
     )
-    return [carrier, bunk, *_trees(reach + CLEARING, ground)]
+    return [carrier, bunk, *_trees(CLEARING * reach, ground)]
 
 
 def _trees(clearing: float, ground: float) -> list[Thing]:

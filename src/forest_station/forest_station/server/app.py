@@ -4,9 +4,8 @@ import asyncio
 import functools
 import importlib.resources
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable
 from pathlib import Path
-from typing import Any
 
 from aiohttp import web
 
@@ -16,10 +15,10 @@ from forest_control.limits.workspace import OPEN
 from forest_description.machine import Machine
 from forest_station.scene.elements import Scene
 from forest_station.scene.scene_description import scene_of
-from forest_station.server import access
-from forest_station.server.access import COOKIE, HEADERS, Access
+from forest_station.server.access import Access
 from forest_station.server.additions import ADDITIONS
 from forest_station.server.entrance import Entrance
+from forest_station.server.gate import gate
 from forest_station.server.page_socket import PageSocket
 from forest_station.server.requests import REQUESTS
 from forest_station.server.station import Station
@@ -29,8 +28,6 @@ FRAME_PERIOD = 1.0 / 30.0  # [s]
 LATENCY_PERIOD = 1.0  # [s]
 SETTINGS_PERIOD = 2.0  # [s] in which a parameter that somebody else set is seen
 ENDS = 1.0  # [s] for which pages may take leave
-
-Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
 async def serve(station: Station, way: Entrance, ended: Awaitable[None]) -> None:
@@ -49,7 +46,7 @@ async def serve(station: Station, way: Entrance, ended: Awaitable[None]) -> None
     jobs += [addition.run(station) for addition in ADDITIONS if addition.run is not None]
     tasks = [asyncio.ensure_future(job) for job in jobs]
     try:
-        await web.TCPSite(runner, station.options.host, station.options.port, ssl_context=way.tls).start()
+        await web.TCPSite(runner, station.options.host, way.access.port, ssl_context=way.tls).start()
         for line in (*way.notes, f"the page is at {way.address}"):
             print(line, flush=True)  # not logged: a token belongs neither on /rosout nor into bags
         await _first_done(asyncio.ensure_future(ended), *tasks)
@@ -69,7 +66,7 @@ async def _first_done(*tasks: "asyncio.Future[None]") -> None:
 
 
 def _app(station: Station, who: Access, sockets: PageSocket) -> web.Application:
-    app = web.Application(middlewares=[_gate(who)])
+    app = web.Application(middlewares=[gate(who)])
     scene = functools.lru_cache(maxsize=1)(functools.partial(_scene, station.graph.machine))
 
     async def page(_request: web.Request) -> web.StreamResponse:
@@ -89,36 +86,6 @@ def _app(station: Station, who: Access, sockets: PageSocket) -> web.Application:
         app.router.add_routes(addition.routes(station))
     app.router.add_static("/web", WEB)
     return app
-
-
-def _gate(who: Access) -> Any:
-    """Return the middleware that lets nobody in whom `access` refuses, and sends the headers with all."""
-
-    @web.middleware
-    async def gate(request: web.Request, handler: Handler) -> web.StreamResponse:
-        try:
-            response = await _admitted(who, request, handler)
-        except web.HTTPException as error:
-            error.headers.update(HEADERS)
-            raise
-        if not response.prepared:
-            response.headers.update(HEADERS)
-        return response
-
-    return gate
-
-
-async def _admitted(who: Access, request: web.Request, handler: Handler) -> web.StreamResponse:
-    if problem := access.objection(who, request.headers):
-        raise web.HTTPForbidden(text=problem)
-    given = request.query.get("token")
-    if given is not None and who.token and access.knows_token(who, given):
-        answer = web.HTTPSeeOther(request.path)
-        answer.set_cookie(COOKIE, given, path="/", secure=True, httponly=True, samesite="Strict")
-        raise answer
-    if not access.knows_token(who, request.cookies.get(COOKIE)):
-        raise web.HTTPUnauthorized(text="The token is missing: open the address that the station printed.")
-    return await handler(request)
 
 
 def _scene(machine: Machine, walls: str, tip_speed: float) -> Scene:

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -15,7 +16,7 @@ from forest_station.operator.hands import Hands, HandsError, decode_hands
 PERIOD = 1.0 / JOY_RATE_HZ  # [s]
 SOONEST = 0.004  # [s] between two samples: a flood of a page's must not become one of /joy
 LOOK_PERIOD = 1.0  # [s] between two looks for another publisher of /joy
-STOPPED = "The emergency stop is pressed."
+STOPPED = "The emergency stop was pressed."
 
 Tell = Callable[[str, dict[str, Any]], None]
 
@@ -35,6 +36,7 @@ class Driving:
         self._published, self._looked = 0.0, 0.0
         self._told: dict[str, Any] = {}
         self._published_for: str | None = None  # the driver whose samples /joy has had
+        self._arrived = 0  # when the first sample came that is not yet published [ns]; 0: none
         self._why_not = ""
 
     def hear(self, page: str, data: bytes) -> Hands | None:
@@ -48,7 +50,7 @@ class Driving:
             return None
         if not self._cab.hear(page, hands, now):
             return None
-        self._graph.latency.follow(time.time_ns())
+        self._arrived = self._arrived or time.time_ns()
         self._cab.sent_pong(hands.number, now)
         self._tell_seat()
         if now - self._published >= SOONEST:
@@ -87,8 +89,8 @@ class Driving:
                     await asyncio.wait_for(self._due.wait(), wait)
         finally:
             self._cab.stop("")
-            self._cab.judge(float("inf"))
-            self._publish()
+            self._cab.judge(math.inf)
+            self._say(self._cab.seat.driver)
 
     def _step(self, now: float) -> float:
         """Judge and publish; return how long nothing has to happen [s]."""
@@ -96,15 +98,19 @@ class Driving:
             self._cab.stop(STOPPED)
         self._cab.judge(now)
         self._refuse_rivals(now)
-        driver = self._cab.seat.driver
-        if driver is not None or self._published_for is not None:  # the seat's end is said once
-            self._publish()
-        self._published, self._published_for = now, driver
+        self._say(self._cab.seat.driver)
+        self._published = now
         self._tell_seat()
         return max(0.0, min(PERIOD, deadman.expiry(self._cab.deadman) - now))
 
-    def _publish(self) -> None:
-        self._graph.joystick.publish(self._cab.joystick())
+    def _say(self, driver: str | None) -> None:
+        """Publish a sample for a driver, and one at the seat's end: without one /joy is somebody else's."""
+        if driver is not None or self._published_for is not None:
+            self._graph.joystick.publish(self._cab.joystick())
+        self._published_for = driver
+        if self._arrived:
+            self._graph.latency.follow(self._arrived)
+            self._arrived = 0
 
     def _refuse_rivals(self, now: float) -> None:
         """End the seat if another node publishes /joy: two that command one crane are one too many."""

@@ -14,6 +14,7 @@ from forest_station.server.station import Station
 
 LARGEST = 16384  # [bytes] of a message of a page
 SEND_BUFFER = 32768  # [bytes] what the system keeps for a page that does not read
+LEAVE = 1.0  # [s] for which a page that is sent away may go on talking
 PING = 10.0  # [s] between two questions whether a page is still there
 MOST_MESSAGES = 500  # of a page in a second; a driving page sends 50 to 150
 
@@ -33,7 +34,7 @@ class PageSocket:
     async def serve(self, request: web.Request) -> web.WebSocketResponse:
         """Talk with a page until it goes."""
         peer = web.WebSocketResponse(
-            heartbeat=PING, compress=False, max_msg_size=LARGEST, writer_limit=0, autoclose=True
+            heartbeat=PING, compress=False, max_msg_size=LARGEST, writer_limit=0, timeout=LEAVE
         )
         _keep_little(request)
         await peer.prepare(request)

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from forest_station.graph.node_settings import NODES
 from forest_station.graph.service_calls import NoAnswer
+from forest_station.server.driving import STOPPED
 
 if TYPE_CHECKING:
     from forest_station.server.station import Station
-
-STOPPED = "The emergency stop is pressed."
 
 
 class Refused(Exception):

@@ -30,17 +30,10 @@ class Unsubscribed(NamedTuple):
     topic: str
 
 
-class Advertised(NamedTuple):
-    """A client is about to publish on a topic."""
-
-    topic: str
-
-
 class Published(NamedTuple):
     """A client's message."""
 
     topic: str
-    type: str
     data: bytes
 
 
@@ -58,7 +51,7 @@ class ServiceCalled(NamedTuple):
     answer: Future[bytes]
 
 
-Request = Subscribed | Unsubscribed | Advertised | Published | ParametersSet | ServiceCalled
+Request = Subscribed | Unsubscribed | Published | ParametersSet | ServiceCalled
 
 
 class CallFailed(Exception):
@@ -105,7 +98,6 @@ class ClientRequests(ServerListener):
     def on_client_advertise(self, client: Client, channel: ClientChannel) -> None:
         """Remember what the client's messages on this channel are."""
         self._published[client.id, channel.id] = channel
-        self._waiting.put(Advertised(channel.topic))
 
     def on_client_unadvertise(self, client: Client, client_channel_id: int) -> None:
         """Forget the channel."""
@@ -115,7 +107,7 @@ class ClientRequests(ServerListener):
         """Queue it."""
         channel = self._published.get((client.id, client_channel_id))
         if channel is not None:
-            self._waiting.put(Published(channel.topic, channel.schema_name, bytes(data)))
+            self._waiting.put(Published(channel.topic, bytes(data)))
 
     def on_get_parameters(
         self,

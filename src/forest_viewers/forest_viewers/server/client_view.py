@@ -16,8 +16,8 @@ from foxglove.websocket import Capability
 
 from forest_msgs_py.interfaces.definitions import message_definition, service_definitions
 from forest_viewers.server.client_requests import ClientRequests, told
+from forest_viewers.server.relay import LOOPBACK, Relay
 
-LOOPBACK = "127.0.0.1"
 BACKLOG = 4096  # messages to each client: about a second of a whole graph
 CDR, ROS2MSG = "cdr", "ros2msg"
 
@@ -31,38 +31,47 @@ class ClientView:
 
     Args:
         requests: takes what they ask for.
-        port: on the loopback address; 0: a free one.
         read_only: they may ask for topics and parameters' values only.
-
-    Raises:
-        ServerError: the port cannot be had.
     """
 
-    def __init__(self, requests: ClientRequests, port: int, read_only: bool) -> None:
+    def __init__(self, requests: ClientRequests, read_only: bool) -> None:
         self._requests, self._read_only = requests, read_only
         self._context = Context()
         self._channels: dict[str, Channel] = {}
         self._services: set[str] = set()
         self._wanted: Counter[str] = Counter()
         more = [] if read_only else [Capability.Services, Capability.ClientPublish]
+        self._server = foxglove.start_server(
+            name="forest crane",
+            host=LOOPBACK,
+            port=0,
+            capabilities=[Capability.Parameters, *more],
+            server_listener=requests,
+            supported_encodings=[CDR],
+            context=self._context,
+            message_backlog_size=BACKLOG,
+        )
+
+    def open(self, port: int) -> None:
+        """Let clients in.
+
+        Args:
+            port: on the loopback address; 0: a free one.
+
+        Raises:
+            ServerError: the port cannot be had.
+        """
         try:
-            self._server = foxglove.start_server(
-                name="forest crane",
-                host=LOOPBACK,
-                port=port,
-                capabilities=[Capability.Parameters, *more],
-                server_listener=requests,
-                supported_encodings=[CDR],
-                context=self._context,
-                message_backlog_size=BACKLOG,
-            )
-        except Exception as error:
-            raise ServerError(f"parameter 'port' is {port}: {error}; allowed: a free port") from error
+            self._relay = Relay(port, self._server.port)
+        except OSError as error:
+            raise ServerError(
+                f"parameter 'port' is {port}: {error.strerror}; allowed: a free port"
+            ) from error
 
     @property
     def port(self) -> int:
-        """The port on which the server listens."""
-        return self._server.port
+        """The port on which clients are let in."""
+        return self._relay.port
 
     def offer(self, topics: Mapping[str, str]) -> list[str]:
         """Offer these topics and no others.
@@ -121,11 +130,12 @@ class ClientView:
         self._server.publish_parameter_values(told(dict(values), []))
 
     def warn(self, sentence: str) -> None:
-        """Show a sentence to every client."""
-        self._server.publish_status(sentence, StatusLevel.Warning)
+        """Show a sentence to every client; one that is said again takes its own place."""
+        self._server.publish_status(sentence, StatusLevel.Warning, sentence)
 
     def close(self) -> None:
         """Stop serving."""
+        self._relay.close()
         self._server.stop()
 
     def _service(self, name: str, kind: str) -> Service:

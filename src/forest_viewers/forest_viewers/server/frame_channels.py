@@ -25,19 +25,23 @@ class FrameChannels:
 
     Args:
         resolved: gives a topic's name in the node's namespace.
+        needed: whether they are to be made; if not, nothing here does anything.
     """
 
-    def __init__(self, resolved: Callable[[str], str]) -> None:
+    def __init__(self, resolved: Callable[[str], str], needed: bool) -> None:
         self._description = resolved(topics.ROBOT_DESCRIPTION.name)
         self._joint_states = resolved(topics.VIEWER_JOINT_STATES.name)
         self._sources = {
-            made.name: tuple(resolved(topic.name) for topic in sources) for made, sources in MADE_FROM.items()
+            made.name: tuple(resolved(topic.name) for topic in sources)
+            for made, sources in MADE_FROM.items()
+            if needed
         }
         self._joints: tuple[Joint, ...] = ()
 
     def offered(self, present: Mapping[str, str]) -> dict[str, str]:
         """Return types of the topics that can be made from those that are present, by name."""
-        return {made.name: made.type for made in MADE_FROM if all(map(present.get, self.sources(made.name)))}
+        whole = (name for name, sources in self._sources.items() if present.keys() >= {*sources})
+        return dict.fromkeys(whole, topics.TF.type)
 
     def sources(self, name: str) -> tuple[str, ...]:
         """Return the topics from which a topic is made; none for another topic."""
@@ -49,6 +53,8 @@ class FrameChannels:
 
     def answer(self, name: str, data: bytes) -> list[tuple[str, bytes]]:
         """Return names and bytes of the messages that a message of the graph gives rise to."""
+        if not self._sources:
+            return []
         try:
             if name == self._description:
                 text = _decoded(topics.ROBOT_DESCRIPTION, data).data

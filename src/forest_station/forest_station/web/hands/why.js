@@ -21,12 +21,13 @@ export function deadmanState(seat, held) {
 
 // Why nothing moves, or not as fast as it was told to; "" if nothing is in the way.
 //
-// seat: the newest message, or null; here: {held, why} of this page's deadman; stopped: the emergency stop is active;
+// seat: the newest message, or null; here: {held, why} of this page's deadman, and its id, {you}; stopped: the emergency stop is active;
 // status: armed, factor and limit of controller/status, NaN where unknown.
 export function whyText(seat, here, stopped, status) {
   if (!seat) return "The crane stands still until the page is connected again.";
   if (stopped) return "The emergency stop is active.";
   if (seat.why_not) return seat.why_not;
+  if (seat.asking.includes(here.you)) return `${seat.driver} is asked to hand over.`;
   if (!seat.you_drive) return seat.driver === null ? "Take the seat to drive." : "";
   if (seat.deadman.state !== "held") return here.held ? seat.deadman.text : `${seat.deadman.text} (${here.why})`;
   if (status.armed === 0) return "The controller does not move: centre the sticks, and see the diagnostics.";

@@ -48,13 +48,13 @@ class Seat {
     view.driver.dataset.drives = Boolean(seat?.you_drive);
     setText(view.deadman, deadman.text);
     view.deadman.dataset.state = deadman.state;
-    setText(view.why, whyText(seat, { held, why }, this.stopped, this.#status()));
+    setText(view.why, whyText(seat, { held, why, you: this.you }, this.stopped, this.#status()));
     this.#offer(seat ? this.#choices(seat) : []);
   }
 
   #hear(seat) {
+    if (this.seat?.driver !== seat.driver) setText(this.view.answer, "");
     this.seat = seat;
-    setText(this.view.answer, "");
     const looks = momentOf(location.hash) !== null; // who opens a moment of a bag wants to look
     if (this.isNew && seat.driver === null && !looks) this.#ask("take_seat"); // who opens the page wants to drive
     this.isNew = false;

@@ -108,7 +108,7 @@ export class Cameras extends EventTarget {
     const looked = new Vector3(0.62 * this.reach, 0, -0.1 * this.reach);
     if (tip) looked.lerp(new Vector3(Math.hypot(tip[0], tip[1]), 0, tip[2]), 0.5);
     looked.applyAxisAngle(UP, HEAD_TURN * swing);
-    return { position: new Vector3(-1.7 * scale, 0.5 * scale, 0.6 * scale), target: looked, fov: this.#wide(58, 70) };
+    return { position: new Vector3(-1.75 * scale, 0.3 * scale, 0.45 * scale), target: looked, fov: this.#wide(58, 70) };
   }
 
   // Square to the crane's plane, the whole reach in sight.

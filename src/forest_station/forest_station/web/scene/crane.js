@@ -39,7 +39,9 @@ export class Crane {
   }
 
   glow(link, on) {
-    this.materials.get(link)?.emissive.setHex(on ? COLOURS.alarm : 0).multiplyScalar(GLOW);
+    const material = this.materials.get(link);
+    material?.color.setScalar(on ? 1 - GLOW : 1);
+    material?.emissive.setHex(on ? COLOURS.alarm : 0).multiplyScalar(GLOW);
   }
 
   dispose() {

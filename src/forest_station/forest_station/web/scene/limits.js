@@ -18,7 +18,7 @@ export class Limits {
     this.#limit(signals, tip, shown);
     this.#saturation(signals, shown);
     for (const link of this.crane.materials.keys()) this.crane.glow(link, shown.glowing.has(link));
-    this.walls.light(shown.wall);
+    this.walls.light(shown.wall, tip);
     return shown.labels;
   }
 

@@ -10,7 +10,9 @@ import { Signals } from "./signals.js";
 
 ColorManagement.enabled = false; // colours as written: no power function for each pixel
 
-const state = { renderer: null, picture: null, signals: new Signals(), ghost: null, visible: true, waiting: false, failed: false };
+const state = {
+  renderer: null, picture: null, signals: new Signals(), ghost: null, exercise: null, visible: true, waiting: false, failed: false,
+};
 const camera = new PerspectiveCamera(45, 1, 0.2, 300);
 const resolution = new Resolution();
 const size = { width: 1, height: 1, ratio: 1, fresh: true };
@@ -35,6 +37,7 @@ const hear = {
     state.picture.dispose();
     state.picture = new Picture(scene);
     state.picture.showGhost(state.ghost);
+    state.picture.exercise.show(state.exercise);
   },
   signals({ names }) {
     state.signals = new Signals(names);
@@ -49,6 +52,7 @@ const hear = {
     state.picture.showGhost(state.ghost);
   },
   exercise({ exercise }) {
+    state.exercise = exercise;
     state.picture.exercise.show(exercise);
   },
   visible({ visible }) {

@@ -4,6 +4,7 @@
 const [FINEST, COARSEST] = [1, 0.4];
 const SOFTWARE = /swiftshader|llvmpipe|software|basic render/i; // names of renderers without a graphics processor
 const SOFTWARE_SHARE = 0.6; // to begin with
+const SOFTWARE_PERIOD_MS = 66; // of their pictures at least
 const WANTED_MS = 33; // of a picture
 const PATIENCE = 8; // pictures between two changes
 const WORTH = 0.12; // change of share below which nothing changes
@@ -14,6 +15,7 @@ const WEIGHT = 0.25; // of the newest picture in the mean
 export class Resolution {
   constructor() {
     this.share = FINEST;
+    this.period = 0; // [ms] of pictures at least
     this.rate = 0; // pictures drawn in the last second
     this.mean = NaN; // [ms] of a picture
     this.since = 0;
@@ -23,12 +25,15 @@ export class Resolution {
   begin(gl) {
     const names = gl.getExtension("WEBGL_debug_renderer_info");
     const name = gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER);
-    if (SOFTWARE.test(name)) this.share = SOFTWARE_SHARE;
+    if (!SOFTWARE.test(name)) return;
+    this.share = SOFTWARE_SHARE;
+    this.period = SOFTWARE_PERIOD_MS;
   }
 
   // Time to wait before the next picture [ms].
   rest() {
-    return Math.min(LONGEST_REST_MS, REST * this.mean || 0);
+    const took = this.mean || 0;
+    return Math.max(this.period - took, Math.min(LONGEST_REST_MS, REST * took));
   }
 
   // Counts a picture; true if the next shall have another resolution.

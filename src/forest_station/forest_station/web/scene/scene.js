@@ -7,7 +7,7 @@ import { legend, viewButtons } from "./overlay.js";
 
 const FINEST = 2; // pixels of the screen per pixel of the page: more cannot be seen at 1 m
 const WALLS = ["workspace", "tip_speed"]; // parameters of the controller that the scene depends on
-const LONGEST_S = 0.1; // of a step of the cameras
+const LONGEST_S = 1; // of a step of the cameras
 const STILL = 1e-4; // [m], [1], [deg] by which a camera that stands may differ
 
 // Draws a scene in an element, which then tells where the drawn tip is: `element.tipPosition()` [m] in the base frame.

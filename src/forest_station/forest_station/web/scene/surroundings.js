@@ -104,7 +104,7 @@ function carrier([height]) {
     sized("glass", [1.3, 1.66, 1.0], [-1.85, 0, 2.4]),
     sized("paint", [1.5, 1.86, 0.12], [-1.85, 0, 2.95]),
   ];
-  for (const x of [-2.48, -1.2]) for (const y of [-0.83, 0.83]) parts.push(sized("paint", [0.07, 0.07, 1.05], [x, y, 2.4]));
+  for (const x of [-2.48, -1.2]) for (const y of [-0.83, 0.83]) parts.push(sized("paint", [0.06, 0.06, 1.05], [x, y, 2.4]));
   for (const x of [-2.9, 0.3]) for (const y of [-1.0, 1.0]) parts.push(...wheel(1.35 * s, x * s, y * s));
   const pillar = new CylinderGeometry(0.42 * s, 0.5 * s, 0.75 * s, 24).rotateX(Math.PI / 2).translate(0, 0, 1.1 * s);
   return [...parts, [pillar, "steel"]];

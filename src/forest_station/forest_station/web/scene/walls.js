@@ -1,7 +1,7 @@
 // What the tip keeps out of, and the slow zone in which it brakes. The wall that holds it back lights up.
 
 import {
-  BoxGeometry, CylinderGeometry, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh,
+  BoxGeometry, CircleGeometry, CylinderGeometry, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh,
   MeshBasicMaterial, PlaneGeometry, Quaternion, Vector3,
 } from "../vendor/three.js";
 import { COLOURS } from "./colours.js";
@@ -11,6 +11,8 @@ const LIT = 0.42;
 const SLOW = 0.04;
 const EDGE = 0.45;
 const SIZE = 20; // [m] of a plane's patch
+const SPOT = 1.4; // [m] radius of what lights up of a plane, beside the tip
+const ABOVE = 0.02; // [m] of a plane's patch before it, so that both can be seen
 
 export class Walls {
   constructor(walls, slowZone) {
@@ -19,11 +21,14 @@ export class Walls {
     this.surfaces = walls.map((wall) => this.#draw(wall, slowZone));
   }
 
-  // Lights one wall, or none.
-  light(lit) {
-    this.surfaces.forEach(({ surface, edges }, i) => {
+  // Lights one wall, or none; of a plane what is beside the tip.
+  light(lit, tip) {
+    this.surfaces.forEach(({ surface, edges, spot }, i) => {
       const on = this.walls[i] === lit;
-      surface.material.opacity = on ? LIT : surface.calm;
+      if (spot) {
+        spot.visible = on;
+        spot.position.copy(foot(tip, this.walls[i]));
+      } else surface.material.opacity = on ? LIT : CALM;
       for (const part of [surface, edges]) part.material.color.setHex(on ? COLOURS.alarm : COLOURS.wall);
     });
   }
@@ -40,28 +45,44 @@ export class Walls {
 
   #draw(wall, slowZone) {
     const surface = mesh(wall, 0, CALM);
-    const flat = wall.kind === "plane" && wall.normal[2] > 0; // it lies on the ground: seen when it acts
-    surface.calm = flat ? 0 : CALM;
     const edges = new LineSegments(
       new EdgesGeometry(surface.geometry, 30),
-      new LineBasicMaterial({ color: COLOURS.wall, transparent: true, opacity: flat ? 0 : EDGE }),
+      new LineBasicMaterial({ color: COLOURS.wall, transparent: true, opacity: EDGE }),
     );
     surface.add(edges);
-    this.root.add(surface);
-    if (!flat) this.root.add(mesh(wall, slowZone, SLOW));
-    return { surface, edges };
+    const spot = wall.kind === "plane" ? spotOn(wall) : null;
+    const ground = wall.kind === "plane" && wall.normal[2] > 0; // it is drawn already: seen when it acts
+    this.root.add(...(ground ? [] : [surface, mesh(wall, slowZone, SLOW)]), ...(spot ? [spot] : []));
+    return { surface, edges, spot };
   }
 }
 
+function spotOn(wall) {
+  const spot = new Mesh(new CircleGeometry(SPOT, 32), veil(COLOURS.alarm, LIT));
+  spot.quaternion.copy(facing(wall));
+  return spot;
+}
+
+// The point of a plane nearest to the tip.
+function foot(tip, wall) {
+  const normal = new Vector3(...wall.normal);
+  return tip.clone().addScaledVector(normal, wall.offset + ABOVE - tip.dot(normal));
+}
+
+function facing(wall) {
+  return new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...wall.normal));
+}
+
+// Seen from outside only: the cab, within a wall, has a clear view.
+function veil(color, opacity) {
+  return new MeshBasicMaterial({ color, transparent: true, opacity, depthWrite: false });
+}
+
 function mesh(wall, wider, opacity) {
-  const material = new MeshBasicMaterial({
-    color: COLOURS.wall, transparent: true, opacity, depthWrite: false, // seen from outside: the cab has a clear view
-  });
-  const body = new Mesh(geometry(wall, wider), material);
+  const body = new Mesh(geometry(wall, wider), veil(COLOURS.wall, opacity));
   if (wall.kind === "plane") {
-    const normal = new Vector3(...wall.normal);
-    body.position.copy(normal).multiplyScalar(wall.offset + wider + 0.01);
-    body.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), normal));
+    body.position.copy(new Vector3(...wall.normal)).multiplyScalar(wall.offset + wider);
+    body.quaternion.copy(facing(wall));
   } else if (wall.kind === "box") {
     body.position.set(...wall.lower.map((low, i) => 0.5 * (low + wall.upper[i])));
   } else {
