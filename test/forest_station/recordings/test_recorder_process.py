@@ -1,4 +1,4 @@
-"""A recording begins and ends on request, with the station and without it; what was recorded is never lost."""
+"""A recording begins and ends on request, with the station and without it; no record is lost."""
 
 import asyncio
 import os

@@ -63,11 +63,11 @@ class Hands extends EventTarget {
   update() {
     const now = performance.now();
     if (hung(this.looked, now)) this.deadman.release("the page hung");
-    if (!this.station.live) this.deadman.release("a replay is shown");
     if (document.hidden || !document.hasFocus()) this.deadman.release("the page is not in front");
     const pads = this.gamepads.read();
     this.deadman.set(KEY, this.keyboard.holdsDeadman);
     this.#hearPads(pads.deadmen);
+    if (!this.station.live) this.deadman.release("a replay is shown"); // also what was pressed just now
     const keys = this.keyboard.step((now - this.looked) / 1000);
     this.looked = now;
     this.axes = mergeAxes([...this.sticks.values(), keys, pads.axes]);

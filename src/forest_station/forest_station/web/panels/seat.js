@@ -3,6 +3,7 @@
 import { make, makeButton, setText } from "../elements.js";
 import { handsOf } from "../hands/hands.js";
 import { deadmanState, driverText, whyText } from "../hands/why.js";
+import { momentOf } from "../replay/link.js";
 
 export const place = "top";
 export const title = "";
@@ -54,7 +55,8 @@ class Seat {
   #hear(seat) {
     if (this.seat?.driver !== seat.driver) setText(this.view.answer, "");
     this.seat = seat;
-    if (this.isNew && seat.driver === null) this.#ask("take_seat"); // who opens the page wants to drive
+    const looks = momentOf(location.hash) !== null; // who opens a moment of a bag wants to look
+    if (this.isNew && seat.driver === null && !looks) this.#ask("take_seat"); // who opens the page wants to drive
     this.isNew = false;
   }
 
