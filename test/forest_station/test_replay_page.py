@@ -81,7 +81,9 @@ def go_to(page, seconds):
 
 def open_replay(page, name):
     page.locator("#recording li", has_text=name).get_by_role("button", name="Replay").click()
-    page.wait_for_function("name => document.querySelector('#replay_banner .name').textContent === name", arg=name)
+    page.wait_for_function(
+        "name => document.querySelector('#replay_banner .name').textContent === name", arg=name
+    )
 
 
 def test_the_time_bar_moves_the_drawn_tip_to_where_it_was_recorded(page):

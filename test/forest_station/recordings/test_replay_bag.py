@@ -46,9 +46,7 @@ def joint_states(angle=lambda step: 0.001 * step):
     return [
         (
             START + PERIOD * step,
-            messages.joint_state(
-                topics.JOINTS, START + PERIOD * step, (angle(step), 0.5, -1.0), (0.0,) * 3
-            ),
+            messages.joint_state(topics.JOINTS, START + PERIOD * step, (angle(step), 0.5, -1.0), (0.0,) * 3),
         )
         for step in range(N)
     ]
@@ -114,12 +112,16 @@ def test_a_namespace_is_dropped_so_that_the_page_knows_the_signals(make_bag, ope
 
 def test_two_cranes_keep_their_names(make_bag, opened):
     second = unlisted("/crane_2/joint_states", topics.JOINT_STATE)
-    bag = opened(make_bag({topics.JOINT_STATES: joint_states(), second: joint_states()}, namespace="/crane_1"))
+    bag = opened(
+        make_bag({topics.JOINT_STATES: joint_states(), second: joint_states()}, namespace="/crane_1")
+    )
     assert {"crane_1/joint_states/boom.position", "crane_2/joint_states/boom.position"} <= set(bag.units)
 
 
 @pytest.mark.parametrize("machine", ["c180", "loader"])
-def test_a_recorded_crane_has_its_own_scene_and_its_cylinders_lie_as_its_machine_says(make_bag, machine, opened):
+def test_a_recorded_crane_has_its_own_scene_and_its_cylinders_lie_as_its_machine_says(
+    make_bag, machine, opened
+):
     from forest_station.scene.crane_signals import crane_signals
 
     urdf = robot_description(load_machine(machine))
