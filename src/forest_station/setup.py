@@ -16,4 +16,5 @@ setup(
         (f"share/{package}", ["package.xml"]),
     ],
     zip_safe=False,
+    entry_points={"console_scripts": ["station_node = forest_station.station_node:main"]},
 )

@@ -174,3 +174,17 @@ def test_a_session_that_has_played_to_its_end_is_told_and_ends_well(started, cap
     started.ends = [None, Stopped()]
     assert graph.main(["--joystick", "thesis"]) == 0
     assert "the joystick source has played to its end" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("given", "device"), [("device", "auto"), ("/dev/input/event7", "/dev/input/event7"), ("two.yaml", None)]
+)
+def test_a_joystick_may_be_a_device_and_the_graph_does_not_wait_for_its_end(
+    started, tmp_path, monkeypatch, given, device
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "two.yaml").touch()
+    assert graph.main(["--joystick", given]) == 0
+    assert parameters(started.nodes["joystick"]) == {"device": f'"{device or tmp_path / given}"'}
+    assert started.until == [None]
+    assert "profile" not in parameters(started.nodes["controller"])

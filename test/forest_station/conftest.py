@@ -2,10 +2,18 @@
 
 import pytest
 from browser import launched
+from playwright.sync_api import sync_playwright
 
 
 @pytest.fixture(scope="module")
-def browser():
+def playwright():
+    """What starts browsers; there can be one at a time."""
+    with sync_playwright() as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def browser(playwright):
     """A headless Chromium."""
-    with launched() as running:
+    with launched(playwright) as running:
         yield running

@@ -3,10 +3,12 @@
 import contextlib
 import os
 import shutil
-from collections.abc import Iterator
+import signal
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, Playwright
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 # Root needs --no-sandbox; without a graphics card SwiftShader draws; the rest keeps it off the network.
@@ -37,14 +39,13 @@ def installed() -> str:
 
 
 @contextlib.contextmanager
-def launched() -> Iterator[Browser]:
+def launched(playwright: Playwright) -> Iterator[Browser]:
     """A headless browser; it ends with the block."""
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=installed(), args=OPTIONS)
-        try:
-            yield browser
-        finally:
-            browser.close()
+    browser = playwright.chromium.launch(executable_path=installed(), args=OPTIONS)
+    try:
+        yield browser
+    finally:
+        browser.close()
 
 
 def new_page(browser: Browser, viewport: dict[str, int] = DESKTOP) -> tuple[Page, list[str]]:
@@ -54,3 +55,29 @@ def new_page(browser: Browser, viewport: dict[str, int] = DESKTOP) -> tuple[Page
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
     return page, errors
+
+
+@contextlib.contextmanager
+def launch_process(playwright: Playwright, profile: Path) -> Iterator[tuple[Page, Callable[[], list[int]]]]:
+    """A browser to be killed or frozen: its page, and what gives the pids of its processes."""
+
+    def processes() -> list[int]:
+        found = Path("/proc").glob("[0-9]*/cmdline")
+        return [int(path.parent.name) for path in found if str(profile).encode() in _bytes(path)]
+
+    context = playwright.chromium.launch_persistent_context(
+        profile, executable_path=installed(), args=OPTIONS, viewport=DESKTOP
+    )
+    try:
+        yield context.pages[0], processes
+    finally:
+        for pid in processes():
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""

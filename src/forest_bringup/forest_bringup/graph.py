@@ -12,8 +12,10 @@ from typing import Any
 from forest_bringup.graph_lock import GraphError
 from forest_bringup.profile_choice import add_profile_option, profile_for
 from forest_bringup.supervisor import NodeSpec, Stopped, Supervisor
+from forest_control.config.joystick_file import AUTO
 from forest_control.servo.schemes import LABELS, Scheme
 
+DEVICE = "device"  # a joystick's source: the only gamepad that is plugged in
 LEADERS = ("simulator", "step_player")  # in lockstep: nodes that begin each step
 
 HIGHEST_PORT = 65535
@@ -64,6 +66,22 @@ def source_path(text: str) -> str:
     return str(path.resolve())
 
 
+def joystick_source(text: str) -> str:
+    """Return what `source_path` does, or a device: `device`, a path below /dev, or that of a mapping file.
+
+    Raises:
+        argparse.ArgumentTypeError: none of them.
+    """
+    if text == DEVICE or text.startswith("/dev/"):  # which may be plugged in later
+        return text
+    return source_path(text)
+
+
+def is_device(source: str | None) -> bool:
+    """Tell whether a joystick's source is a device under a hand."""
+    return source is not None and (source == DEVICE or source.startswith("/dev/") or source.endswith(".yaml"))
+
+
 def machine_arguments(machine: str) -> tuple[str, ...]:
     """Return the ROS arguments that name the machine; every node that knows the machine gets them."""
     return parameter("machine", str(Path(machine).resolve() if Path(machine).suffix else machine))
@@ -86,6 +104,12 @@ def joystick(
     values = {"source": source, "duration": duration, "wait_for_subscribers": listeners, "faults": faults}
     arguments = parameters({**values, "interpolate": interpolate})
     return NodeSpec("joystick", "forest_control.joystick_node", arguments, urgent=True)
+
+
+def device_joystick(source: str) -> NodeSpec:
+    """Return the joystick that reads a device."""
+    device = parameter("device", AUTO if source == DEVICE else source)
+    return NodeSpec("joystick", "forest_control.joystick_node", device, urgent=True)
 
 
 def control(
@@ -149,9 +173,10 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--shadow", action="store_true", help="compute everything, publish no voltage")
     parser.add_argument(
         "--joystick",
-        type=source_path,
-        metavar="thesis|FILE.csv|BAG",
-        help="play this once; default: /joy is yours",
+        type=joystick_source,
+        metavar="thesis|FILE.csv|BAG|device|/dev/input/…|FILE.yaml",
+        help="play this once, or read the gamepad, the device, or those of a mapping file; "
+        "default: /joy is yours",
     )
     parser.add_argument(
         "--viewer", action="store_true", help="publish all joints, frames and markers for RViz and the like"
@@ -171,7 +196,8 @@ def graph_nodes(options: argparse.Namespace) -> list[NodeSpec]:
     profile = profile_for(options.joystick, options.profile)
     nodes = [*control(options.machine, options.scheme, options.shadow, options.no_simulator, profile)]
     if options.joystick:
-        nodes.insert(0, joystick(options.joystick, 0.0, 1))
+        source = options.joystick
+        nodes.insert(0, device_joystick(source) if is_device(source) else joystick(source, 0.0, 1))
     if not options.no_simulator:
         nodes.append(simulator(options.machine))
     if options.viewer or options.foxglove:
@@ -193,7 +219,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with Supervisor(
             nodes, options.namespace, logs, not options.shadow, lambda line: print(line, flush=True)
         ) as graph:
-            if options.joystick:
+            if options.joystick and not is_device(options.joystick):
                 graph.run(until="joystick")
                 print("the joystick source has played to its end; Ctrl-C stops the graph", flush=True)
             graph.run()

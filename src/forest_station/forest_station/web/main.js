@@ -4,22 +4,28 @@
 //   place: "top", "left", "right" or "bottom"; title: a short noun, "" for none;
 //   mount(element, station): builds its content once, and listens to the station from then on.
 
+import { layOut } from "./layout.js";
 import { Station } from "./station.js";
 import { drawScene } from "./scene/scene.js";
 
+// A panel that fails leaves the others, the emergency stop above all, alone.
 async function mountPanel(name, station) {
-  const panel = await import(`/web/panels/${name}.js`);
-  const section = document.createElement("section");
-  section.id = name;
-  if (panel.title) {
-    const heading = document.createElement("h2");
-    heading.textContent = panel.title;
-    section.append(heading);
+  try {
+    const panel = await import(`/web/panels/${name}.js`);
+    const section = document.createElement("section");
+    section.id = name;
+    if (panel.title) {
+      const heading = document.createElement("h2");
+      heading.textContent = panel.title;
+      section.append(heading);
+    }
+    const body = document.createElement("div");
+    section.append(body);
+    document.getElementById(panel.place).append(section);
+    await panel.mount(body, station);
+  } catch (error) {
+    tell(`The panel ${name} is missing: ${error.message}`);
   }
-  const body = document.createElement("div");
-  section.append(body);
-  document.getElementById(panel.place).append(section);
-  panel.mount(body, station);
 }
 
 function addStyleSheet(name) {
@@ -35,9 +41,26 @@ async function json(path) {
   return response.json();
 }
 
+function tell(text) {
+  const notice = document.getElementById("notice");
+  notice.textContent = text;
+  notice.hidden = !text;
+  console.error(text);
+}
+
+// The crane may fail to be drawn: hands and instruments work without it.
+async function showCrane(station) {
+  try {
+    await drawScene(document.getElementById("scene"), station, await json("/scene.json"));
+  } catch (error) {
+    tell(`The crane cannot be drawn: ${error.message}`);
+  }
+}
+
 const station = new Station();
+layOut(station);
 const { modules, styles } = await json("/panels.json");
 styles.forEach(addStyleSheet);
 for (const name of modules) await mountPanel(name, station);
-await drawScene(document.getElementById("scene"), station, await json("/scene.json"));
+await showCrane(station);
 station.connect();

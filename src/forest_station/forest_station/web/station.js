@@ -1,11 +1,12 @@
 // The link to the server, and the newest minute of every signal. The protocol: docs/reference/station-protocol.md.
 
-const HISTORY_S = 60;
-const FRAME_HZ = 30;
+import { History } from "./history.js";
+
 const FRAME_HEADER = 16; // [bytes]
 const RETRY_MS = 500;
 
-// Emits "frame" (a Frame: {time, values}), each kind of message of the protocol, "open" and "close".
+// Emits "frame" (a Frame: {time, values}), "signals" when they change, each kind of message of the protocol, "open" and
+// "close".
 export class Station extends EventTarget {
   constructor() {
     super();
@@ -75,6 +76,7 @@ export class Station extends EventTarget {
     this.signals = new Map(signals.map(([name], column) => [name, column]));
     this.units = signals.map(([, unit]) => unit);
     this.history = new History(signals.length);
+    this.emit("signals", signals);
   }
 
   #hear(message) {
@@ -89,40 +91,5 @@ export class Station extends EventTarget {
   #frame(data) {
     if (!this.live) return;
     this.show({ time: new DataView(data).getFloat64(8, true), values: new Float32Array(data, FRAME_HEADER) });
-  }
-}
-
-// A ring of frames: `HISTORY_S` of every signal.
-class History {
-  constructor(columns) {
-    this.columns = columns;
-    this.length = HISTORY_S * FRAME_HZ;
-    this.times = new Float64Array(this.length).fill(NaN);
-    this.rows = new Float32Array(this.length * columns).fill(NaN);
-    this.count = 0;
-  }
-
-  push({ time, values }) {
-    const row = this.count++ % this.length;
-    this.times[row] = time;
-    this.rows.set(values, row * this.columns);
-  }
-
-  newest(column) {
-    if (column === undefined || this.count === 0) return NaN;
-    return this.rows[((this.count - 1) % this.length) * this.columns + column];
-  }
-
-  // Times [s] and values of one column, oldest first.
-  series(column) {
-    const kept = Math.min(this.count, this.length);
-    const times = new Float64Array(kept);
-    const values = new Float32Array(kept);
-    for (let i = 0; i < kept; i++) {
-      const row = (this.count - kept + i) % this.length;
-      times[i] = this.times[row];
-      values[i] = this.rows[row * this.columns + column];
-    }
-    return { times, values };
   }
 }
