@@ -91,7 +91,6 @@ def test_a_mouse_moves_a_stick_and_its_release_centres_it(opened: Callable[..., 
     x, y = centre_of(met, "#left_stick")
     met.page.mouse.move(x + 10, y + 10)
     met.page.mouse.down()
-    met.page.clock.run_for(100)  # a landing finger only lands
     met.page.mouse.move(x + 10, y - 200, steps=5)
     assert wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0).axes[LEFT_X] == 0.0
     met.page.mouse.move(x + 200, y + 10, steps=5)
@@ -117,7 +116,6 @@ def test_two_fingers_move_two_sticks_while_a_third_holds_the_deadman(
 
     send("touchStart")
     assert wait(met, lambda hands: hands.held).axes == CENTRED
-    met.page.clock.run_for(100)  # a landing finger only lands
     send("touchMove", y0=-150, y1=150)
     driven = wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0 and hands.axes[RIGHT_Y] == -1.0)
     assert driven.held

@@ -9,7 +9,7 @@ from playwright.sync_api import Browser
 
 from forest_control.operator import joystick_watch
 from forest_control.operator.levers import AXIS_COUNT, BUTTON_COUNT, LEFT_SHOULDER
-from forest_control.safety import motion_permission
+from forest_control.safety import motion_guard
 from forest_control.valve import command_gate
 from forest_msgs_py.interfaces.topics import JOY_AXES, JOY_BUTTONS
 from forest_station.operator.hands import Hands, decode_hands, encode_hands
@@ -228,7 +228,7 @@ def test_the_tip_error_is_the_way_that_the_command_of_the_last_second_was_missed
 
 MESSAGES = (
     *filter(None, joystick_watch.PROBLEMS.values()),
-    *(motion_permission.GOES_BACK, motion_permission.LOST_STATE, motion_permission.PRESSED),
+    *(motion_guard.GOES_BACK, motion_guard.LOST_STATE, motion_guard.PRESSED),
     *(
         command_gate.NOT_ZERO,
         "no command",

@@ -5,7 +5,6 @@
 import { clamp, withDeadzone } from "./joy.js";
 
 const DEADZONE = 0.06; // a finger that goes straight ahead trembles sideways
-const SETTLE_MS = 60; // for which a landing finger only lands
 const TRAVEL = 0.35; // of the pad's width, to a full deflection
 
 // Builds a stick; `moved(left, up)` hears its deflections, -1 to 1, as events bring them.
@@ -28,7 +27,7 @@ function show(pad, knob, left, up) {
 }
 
 function follow(pad, moved) {
-  let finger = null; // {id, x, y, landed}
+  let finger = null; // {id, x, y}
   const end = (event) => {
     if (finger?.id !== event.pointerId) return;
     finger = null;
@@ -37,7 +36,6 @@ function follow(pad, moved) {
   const move = (event) => {
     if (finger?.id !== event.pointerId) return;
     if (event.buttons === 0) return end(event);
-    if (event.timeStamp - finger.landed < SETTLE_MS) Object.assign(finger, { x: event.clientX, y: event.clientY });
     const travel = TRAVEL * pad.clientWidth;
     const deflection = (way) => withDeadzone(clamp(way / travel), DEADZONE);
     moved(deflection(finger.x - event.clientX), deflection(finger.y - event.clientY));
@@ -46,7 +44,7 @@ function follow(pad, moved) {
     if (finger !== null || event.button !== 0) return;
     event.preventDefault();
     pad.setPointerCapture(event.pointerId);
-    finger = { id: event.pointerId, x: event.clientX, y: event.clientY, landed: event.timeStamp };
+    finger = { id: event.pointerId, x: event.clientX, y: event.clientY };
   });
   pad.addEventListener("pointermove", move);
   pad.addEventListener("pointerrawupdate", move); // pointermove waits for the next redraw
