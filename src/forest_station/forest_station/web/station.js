@@ -4,6 +4,7 @@ import { History } from "./history.js";
 
 const FRAME_HEADER = 16; // [bytes]
 const RETRY_MS = 500;
+const MOST_WAITING = 480; // [bytes] ten hands messages: 0.2 s of them
 const ANSWER_MS = 5000; // a service of the graph may take some seconds
 
 // Emits "frame" (a Frame: {time, values}), "signals" when they change, each kind of message of the protocol, "open" and
@@ -63,9 +64,9 @@ export class Station extends EventTarget {
     });
   }
 
-  // Sends the bytes of a hands message; false if nobody can hear them.
+  // Sends the bytes of a hands message; false if nobody can hear them in time: what waits behind others counts for nothing.
   sendHands(bytes) {
-    if (!this.connected) return false;
+    if (!this.connected || this.socket.bufferedAmount > MOST_WAITING) return false;
     this.socket.send(bytes);
     return true;
   }
