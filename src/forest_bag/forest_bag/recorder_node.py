@@ -11,15 +11,14 @@ last step.
 
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from rclpy.node import Node
-from std_srvs.srv import Trigger
 
 from forest_bag.record.recorder_parameters import RecorderParameters, overrides
 from forest_bag.record.recorder_setup import new_session, topic_choice
-from forest_bag.record.recording import Recording, Refusal
+from forest_bag.record.recording import Recording, Refusal, answered
 from forest_bag.record.run_context import RunContext, versions
 from forest_bag.record.sim_time import SimTime
 from forest_bag.write.transient_local import is_transient_local
@@ -28,8 +27,9 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.introspection.graph_listener import DiscoveredTopic, ReceivedMessage
 from forest_msgs_py.introspection.parameter_survey import ParameterSurvey
-from forest_msgs_py.runtime.node import NodeFailure, publisher, run_node, timer
+from forest_msgs_py.runtime.node import publisher, run_node, timer
 from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.services import offer_triggers
 
 CLOCK = topics.CLOCK.name
 QUICK_POLL_S, SLOW_POLL_S = 0.05, 0.25
@@ -53,8 +53,8 @@ class RecorderNode(Node):
         self._recording = Recording(session, self._take, self.get_logger().info)
         self._events = publisher(self, topics.EVENTS)
         answers = {name: getattr(self._recording, name) for name in ("start", "stop", "split", "snapshot")}
-        for name, verb in (answers | {"mark": self._mark}).items():
-            self.create_service(Trigger, f"~/{name}", self._service(verb))
+        verbs, say = answers | {"mark": self._mark}, self.get_logger().info
+        offer_triggers(self, {name: answered(verb, say) for name, verb in verbs.items()})
         self._run_context = RunContext(session.attach, session.note, self.get_logger().warning)
         session.note("forest_versions", versions())
         self._survey = ParameterSurvey(self, self._learn)
@@ -109,17 +109,6 @@ class RecorderNode(Node):
         text = str(self.get_parameter("event").value)
         self._events.publish(message_class(topics.EVENTS)(data=text))
         return f"marked: {text}"
-
-    def _service(self, verb: Callable[[], str]) -> Callable[[Any, Any], Any]:
-        def answer(_request: Any, response: Any) -> Any:
-            try:
-                response.message, response.success = verb(), True
-            except (NodeFailure, Refusal) as error:  # a failure ends the node at its next turn
-                response.message, response.success = str(error), False
-            self.get_logger().info(response.message)
-            return response
-
-        return answer
 
 
 def main(args: list[str] | None = None) -> int:

@@ -6,16 +6,15 @@ releases it, and ends. A bag's messages are sent again as they are, under new st
 `faults` names faults at set times.
 """
 
-import argparse
 import sys
 import time
-from collections.abc import Sequence
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
-from forest_control.config.joystick_file import AUTO, load_devices
+from forest_control.config.joystick_arguments import ros_arguments
+from forest_control.config.joystick_file import load_devices
 from forest_control.operator import device_joystick
 from forest_control.operator.device_joystick import RESTING, DeviceJoystick, DeviceParameters, Following
 from forest_control.operator.input_devices import InputDevices
@@ -107,24 +106,9 @@ def _decoded(data: bytes) -> JoyMessage:
     return JoyMessage(message.header.frame_id, tuple(message.axes), tuple(message.buttons))
 
 
-def ros_arguments(arguments: Sequence[str]) -> list[str]:
-    """Return a command line with `--device [DEVICE]` as the parameter that it stands for."""
-    parser = argparse.ArgumentParser(prog="joystick_node", description=__doc__, allow_abbrev=False)
-    parser.add_argument(
-        "--device",
-        nargs="?",
-        const=AUTO,
-        metavar="DEVICE|FILE.yaml",
-        help="read a device below /dev/input, or those of a mapping file; no value: the only gamepad",
-    )
-    given, others = parser.parse_known_args(arguments)
-    named = ["--ros-args", "-p", f"device:={given.device}", "--"] if given.device else []
-    return [*named, *others]
-
-
 def main() -> None:
     """Run the node until it has played, or is told to stop."""
-    sys.exit(run_node(JoystickNode, [sys.argv[0], *ros_arguments(sys.argv[1:])]))
+    sys.exit(run_node(JoystickNode, [sys.argv[0], *ros_arguments(sys.argv[1:], __doc__ or "")]))
 
 
 if __name__ == "__main__":

@@ -19,16 +19,15 @@ from forest_description.urdf.robot_description import robot_description
 from forest_msgs_py.clock.node_clock import LiveClock, number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.marker_messages import marker_array, removal
-from forest_msgs_py.interfaces.messages import stamp_to_ns
 from forest_msgs_py.introspection.parameter_mirror import ParameterMirror
 from forest_msgs_py.introspection.raw_publishers import is_installed
 from forest_msgs_py.runtime.node import publisher, raw_publish, run_node, timer
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter
-from forest_msgs_py.runtime.polled_subscription import PolledSubscription, polled_subscription
-from forest_msgs_py.serialization.cdr import CdrError, cdr_type
+from forest_msgs_py.runtime.polled_subscription import polled_subscription
 from forest_msgs_py.serialization.transforms import pack_transforms
 from forest_msgs_py.serialization.unpacking import JointReader
+from forest_viewers.crane.arrivals import decoded_arrivals
 from forest_viewers.crane.frames import fixed_frames, moving_frames, urdf_joints
 from forest_viewers.crane.shapes import scene_shapes, trail_shapes
 from forest_viewers.crane.trail import Trail, with_command, with_tip
@@ -79,10 +78,10 @@ class ViewerNode(Node):
             if self._publish_frames is not None:
                 frames = moving_frames(self._frames, dict(zip(self._names, positions, strict=True)))
                 self._publish_frames(pack_transforms(told.stamp_ns, frames))
-        for time, pose in _decoded(self._tip, topics.TIP_POSE):
+        for time, pose in decoded_arrivals(self._tip, topics.TIP_POSE):
             place = pose.pose.position
             self._trail = with_tip(self._trail, time, (place.x, place.y, place.z))
-        for time, twist in _decoded(self._command, topics.TIP_TWIST_COMMAND):
+        for time, twist in decoded_arrivals(self._command, topics.TIP_TWIST_COMMAND):
             v = twist.twist.linear
             self._trail = with_command(self._trail, time, (v.x, v.y, v.z))
 
@@ -108,19 +107,6 @@ class ViewerNode(Node):
 
     def _now(self) -> int:
         return int(self.get_clock().now().nanoseconds)
-
-
-def _decoded(waiting: PolledSubscription, topic: topics.Topic) -> list[tuple[float, Any]]:
-    """Return stamp [s] and message of all that has arrived, oldest first."""
-    found = []
-    kind = cdr_type(topic.type)
-    for arrival in waiting.arrivals():
-        try:
-            message = kind.decode(arrival.message)
-        except CdrError:
-            continue
-        found.append((stamp_to_ns(message.header.stamp) * 1e-9, message))
-    return found
 
 
 def main(args: list[str] | None = None) -> int:

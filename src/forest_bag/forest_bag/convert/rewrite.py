@@ -39,7 +39,7 @@ def rewrite(source: MergedBags, outputs: Sequence[OutputBag]) -> list[BagWriter]
         with ExitStack() as opened:
             for output, offers in zip(outputs, chosen, strict=True):
                 writers.append(opened.enter_context(closing(BagWriter(output.directory, output.layout))))
-                _prepare(writers[-1], source, offers)
+                prepare(writers[-1], source, offers)
             _copy(source, outputs, writers)
         for writer, output in zip(writers, outputs, strict=True):
             if output.mode:
@@ -75,10 +75,10 @@ def _offers(source: MergedBags, output: OutputBag) -> list[OfferedTopic]:
     if not wanted:
         known = ", ".join(source.channels) or "none"
         raise BagError(f"{output.directory}: no topic of {source.path} is chosen; there are {known}")
-    return [_offer(name, channels) for name, channels in wanted.items()]
+    return [offer(name, channels) for name, channels in wanted.items()]
 
 
-def _offer(name: str, channels: Sequence[Channel]) -> OfferedTopic:
+def offer(name: str, channels: Sequence[Channel]) -> OfferedTopic:
     """Join what several files or publishers told of a topic: one entry, as rosbag2 joins them.
 
     Raises:
@@ -98,9 +98,14 @@ def _offer(name: str, channels: Sequence[Channel]) -> OfferedTopic:
     return OfferedTopic(name, kind, profiles, next(iter(hashes), ""), encoding, definition)
 
 
-def _prepare(writer: BagWriter, source: MergedBags, offers: Sequence[OfferedTopic]) -> None:
-    for offer in offers:
-        writer.add_offer(offer)
+def prepare(writer: BagWriter, source: MergedBags, offers: Sequence[OfferedTopic]) -> None:
+    """Put into a bag what stands beside a source's messages: topics, losses, files, metadata records.
+
+    Raises:
+        OSError: the disk is full.
+    """
+    for offered in offers:
+        writer.add_offer(offered)
     for reader in source.readers:
         for name, count in recorded_losses(reader.information).items():
             if name in writer.lost:

@@ -8,19 +8,17 @@ import shutil
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
-from typing import Any
 
-from forest_bag.read.bag_reader import BagReader
+from forest_bag.convert.rewrite import offer, prepare
+from forest_bag.read.merged_bags import MergedBags
 from forest_bag.storage.bag_files import BagError
-from forest_bag.storage.raw_messages import Channel, RawMessage
-from forest_bag.write.bag_split import Attached
+from forest_bag.storage.raw_messages import RawMessage
 from forest_bag.write.bag_writer import BagWriter
 from forest_description.config.parameter import MachineError
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topic_qos import offered_qos
 from forest_msgs_py.interfaces.topics import Topic
-from forest_msgs_py.interfaces.yaml_text import parsed
 from forest_msgs_py.serialization.cdr import cdr_type
 from forest_msgs_py.serialization.packing import Packer
 from forest_msgs_py.serialization.transforms import pack_transforms
@@ -46,16 +44,19 @@ def with_frames(bag: Path, output: Path, machine: str = "") -> int:
         MachineError: the machine is not known here.
         OSError: the output exists, or its disk is full.
     """
-    with BagReader(bag) as reader:
-        if present := [topic.name for topic in ADDED if _name(topic) in reader.channels]:
+    with MergedBags([bag]) as source:
+        offers = [offer(name, channels) for name, channels in source.channels.items()]
+        if present := [topic.name for topic in ADDED if _name(topic) in source.channels]:
             raise BagError(f"{bag} has {present[0]}; allowed: a bag without")
-        urdf = _urdf(reader)
+        urdf = _urdf(source)
         crane = _Crane(urdf, _machine(urdf, machine))
         writer = BagWriter(output)
         try:
             with closing(writer):
-                _prepare(writer, reader)
-                for message in reader.messages():
+                prepare(writer, source, offers)
+                for topic in ADDED:
+                    writer.add_topic(_name(topic), topic.type, [offered_qos(topic)], "")
+                for message in source.messages():
                     _write(writer, message.channel.topic, message, message.data)
                     for topic, data in crane.after(message):
                         _write(writer, _name(topic), message, data)
@@ -99,33 +100,14 @@ class _Crane:
         yield topics.TF, pack_transforms(told.stamp_ns, frames)
 
 
-def _prepare(writer: BagWriter, reader: BagReader) -> None:
-    for name, channels in reader.channels.items():
-        profiles = [profile for channel in channels for profile in _profiles(channel)]
-        writer.add_topic(name, channels[0].type, profiles, channels[0].type_hash)
-    for topic in ADDED:
-        writer.add_topic(_name(topic), topic.type, [offered_qos(topic)], "")
-    for file in reader.files:
-        for name, data in file.attachments:
-            writer.attach(Attached(name, "application/octet-stream", data, reader.span[0]))
-        for name, values in file.metadata:
-            if name != "rosbag2":  # it counts what is in another file
-                writer.note(name, values)
-
-
 def _write(writer: BagWriter, topic: str, beside: RawMessage, data: bytes) -> None:
     writer.write(topic, data, beside.log_ns, beside.publish_ns, beside.sequence)
 
 
-def _profiles(channel: Channel) -> list[dict[str, Any]]:
-    told = parsed(channel.qos) if isinstance(channel.qos, str) and channel.qos else channel.qos
-    return told if isinstance(told, list) else []
-
-
-def _urdf(reader: BagReader) -> str:
-    for message in reader.messages([name for name in reader.channels if name.endswith(DESCRIPTION)]):
+def _urdf(source: MergedBags) -> str:
+    for message in source.messages([name for name in source.channels if name.endswith(DESCRIPTION)]):
         return str(cdr_type(topics.ROBOT_DESCRIPTION.type).decode(message.data).data)
-    raise BagError(f"{reader.path} has no {DESCRIPTION}; allowed: a bag that tells the crane's URDF")
+    raise BagError(f"{source.path} has no {DESCRIPTION}; allowed: a bag that tells the crane's URDF")
 
 
 def _machine(urdf: str, given: str) -> Machine:

@@ -111,11 +111,12 @@ export class Cameras extends EventTarget {
     return { position: new Vector3(-1.75 * scale, 0.3 * scale, 0.45 * scale), target: looked, fov: this.#wide(58, 70) };
   }
 
-  // Square to the crane's plane, the whole reach in sight.
+  // Square to the crane's plane, the carrier and the whole reach in sight.
   #side(swing) {
-    const middle = new Vector3(0.42 * this.reach, 0, 0.5 * (this.top + this.ground)).applyAxisAngle(UP, swing);
-    const from = new Vector3(0.42 * this.reach, -this.#far(1.42 * this.reach, 1.2 * (this.top - this.ground), 36), 0.12 * this.reach);
-    return { position: from.applyAxisAngle(UP, swing), target: middle, fov: 36 };
+    const along = 0.35 * this.reach;
+    const away = this.#far(1.75 * this.reach, 1.2 * (this.top - this.ground), 36);
+    const [position, target] = [new Vector3(along, -away, 0.12 * this.reach), new Vector3(along, 0, 0.5 * (this.top + this.ground))];
+    return { position: position.applyAxisAngle(UP, swing), target: target.applyAxisAngle(UP, swing), fov: 36 };
   }
 
   // From above, forward is up on the screen: a trace of tilt keeps "up" known.
