@@ -21,7 +21,7 @@ from forest_study import parameter_reference
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = ROOT / "docs" / "reference"
 WIDTH = 100
-SCRIPTS = ("demo", "graph", "bags")
+SCRIPTS = ("demo", "graph", "station", "bags")
 
 COMMAND_LINES = """# Command lines
 
@@ -76,7 +76,9 @@ def _commands(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentPar
     found: dict[str, argparse.ArgumentParser] = {}
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
-            found |= action.choices
+            for name, inner in action.choices.items():
+                found[name] = inner
+                found |= {f"{name} {verb}": parser for verb, parser in _commands(inner).items()}
     return found
 
 

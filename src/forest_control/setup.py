@@ -10,7 +10,9 @@ setup(
     description="How the operator's wish becomes voltage: joystick, schemes, valve driver, their nodes",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),
-    package_data={package: ["py.typed", "joysticks/*.yaml", "profiles/*.yaml", "workspaces/*.yaml"]},
+    package_data={
+        package: ["py.typed", "cycles/*.yaml", "joysticks/*.yaml", "profiles/*.yaml", "workspaces/*.yaml"]
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
@@ -18,6 +20,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
+            "forest-control = forest_control.cli.main:main",
             "joystick_node = forest_control.joystick_node:main",
             "controller_node = forest_control.controller_node:main",
             "valve_driver_node = forest_control.valve_driver_node:main",

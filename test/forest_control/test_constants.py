@@ -16,7 +16,7 @@ TOLD = re.compile(r"# \[[^\]]+\] \S+( \S+){3,}")  # a unit, and four words at th
 
 
 def is_number(value):
-    """Whether an expression is a number, or a tuple of numbers; a name alone is another constant's."""
+    """Whether an expression is a number, or a tuple of numbers; names alone are other constants, or types."""
     if isinstance(value, ast.Constant):
         return isinstance(value.value, (int, float)) and not isinstance(value.value, bool)
     if isinstance(value, ast.Tuple):
@@ -24,7 +24,9 @@ def is_number(value):
     if isinstance(value, ast.UnaryOp):
         return is_number(value.operand)
     if isinstance(value, ast.BinOp):
-        return all(is_number(side) or isinstance(side, ast.Name) for side in (value.left, value.right))
+        sides = [is_number(side) for side in (value.left, value.right)]
+        names = [isinstance(side, ast.Name) for side in (value.left, value.right)]
+        return any(sides) and all(number or name for number, name in zip(sides, names, strict=True))
     return ast.unparse(value) in ("math.inf", "math.nan", "math.pi")
 
 

@@ -31,6 +31,7 @@ MADE = {
     "experiment_operator": "forest_ident.experiment_operator_node.ExperimentOperatorNode",
     "online_identification": "forest_ident.online_node.OnlineIdentificationNode",
     "delay": "forest_study.delay_node.DelayNode",
+    "station": "forest_station.station_node.StationNode",
 }
 
 

@@ -18,6 +18,8 @@ from forest_control.servo.schemes import LABELS, Scheme
 DEVICE = "device"  # a joystick's source: the only gamepad that is plugged in
 LEADERS = ("simulator", "step_player")  # in lockstep: nodes that begin each step
 
+HIGHEST_PORT = 65535
+
 
 def add_graph_options(parser: argparse.ArgumentParser) -> None:
     """Add what demo and live graph have in common."""
@@ -142,6 +144,27 @@ def recorder(bag: Path) -> NodeSpec:
     return NodeSpec("recorder", "forest_bag.recorder_node", output, needed=False)
 
 
+def viewer(machine: str) -> NodeSpec:
+    """Return the node that draws the crane for viewers."""
+    return NodeSpec("viewer", "forest_viewers.viewer_node", machine_arguments(machine), needed=False)
+
+
+def foxglove(port: int) -> NodeSpec:
+    """Return the server for Foxglove and Lichtblick."""
+    return NodeSpec("foxglove", "forest_viewers.foxglove_node", parameter("port", port), needed=False)
+
+
+def tcp_port(text: str) -> int:
+    """Return a TCP port.
+
+    Raises:
+        argparse.ArgumentTypeError: not a port.
+    """
+    if not text.isdecimal() or not 1 <= int(text) <= HIGHEST_PORT:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a port; allowed: 1 to {HIGHEST_PORT}")
+    return int(text)
+
+
 def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Return the options of the live graph."""
     parser = argparse.ArgumentParser(prog="scripts/graph.sh", description="Run the live graph until Ctrl-C.")
@@ -154,6 +177,15 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
         metavar="thesis|FILE.csv|BAG|device|/dev/input/…|FILE.yaml",
         help="play this once, or read the gamepad, the device, or those of a mapping file; "
         "default: /joy is yours",
+    )
+    parser.add_argument(
+        "--viewer", action="store_true", help="publish all joints, frames and markers for RViz and the like"
+    )
+    parser.add_argument(
+        "--foxglove",
+        type=tcp_port,
+        metavar="PORT",
+        help="--viewer, and serve Foxglove and Lichtblick at ws://127.0.0.1:PORT (usual: 8765)",
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag there")
     return parser.parse_args(arguments)
@@ -168,6 +200,10 @@ def graph_nodes(options: argparse.Namespace) -> list[NodeSpec]:
         nodes.insert(0, device_joystick(source) if is_device(source) else joystick(source, 0.0, 1))
     if not options.no_simulator:
         nodes.append(simulator(options.machine))
+    if options.viewer or options.foxglove:
+        nodes.append(viewer(options.machine))
+    if options.foxglove:
+        nodes.append(foxglove(options.foxglove))
     if options.record:
         nodes.append(recorder(options.record))
     return nodes

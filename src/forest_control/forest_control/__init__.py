@@ -11,7 +11,9 @@ In the order in which data passes:
   live changes.
 - `safety`: Whether the crane may move: what stops it, and why.
 - `pipeline`: The guarded controller: its step from levers to commands of ideal valves.
+- `taught`: Taught work: poses and paths that are repeated, under the same guard.
 - `compiled`: The controller's and the valve driver's step as machine code, for their nodes.
+- `cli`: `forest-control` from the command line.
 - `joystick_node`: A joystick on /joy: the device under a hand, the thesis' test input, recorded
   levers, or a bag's joystick.
 - `controller_node`: The controller as a node: /joy and /joint_states in, /valve_commands and the tip's

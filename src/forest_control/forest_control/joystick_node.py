@@ -6,16 +6,15 @@ releases it, and ends. A bag's messages are sent again as they are, under new st
 `faults` names faults at set times.
 """
 
-import argparse
 import sys
 import time
-from collections.abc import Sequence
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
-from forest_control.config.joystick_file import AUTO, load_devices
+from forest_control.config.joystick_arguments import ros_arguments
+from forest_control.config.joystick_file import load_devices
 from forest_control.operator import device_joystick
 from forest_control.operator.device_joystick import RESTING, DeviceJoystick, DeviceParameters, Following
 from forest_control.operator.input_devices import InputDevices
@@ -68,14 +67,14 @@ class JoystickNode(Node):
         self._hand, sent = device_joystick.step(
             self._hand, readings, now, self._device, self._p.deadman_button
         )
-        self._say(self._devices.problem or sent.problem or f"joystick: {self._devices.names}")
+        self._say(self._devices.problem or sent.problem, f"joystick: {self._devices.names}")
         if sent.values is not None:
             self._send(JoyMessage(FRAME, *sent.values))
 
-    def _say(self, text: str) -> None:
-        if text != self._said:
-            self._said = text
-            self.get_logger().info(text)
+    def _say(self, problem: str, names: str) -> None:
+        if (problem or names) != self._said:
+            self._said = problem or names
+            (self.get_logger().warning if problem else self.get_logger().info)(self._said)
 
     def _play(self) -> None:
         """Send what the source says."""
@@ -105,21 +104,6 @@ class JoystickNode(Node):
 def _decoded(data: bytes) -> JoyMessage:
     message: Any = deserialize_message(data, message_class(topics.JOY))
     return JoyMessage(message.header.frame_id, tuple(message.axes), tuple(message.buttons))
-
-
-def ros_arguments(arguments: Sequence[str]) -> list[str]:
-    """Return a command line with `--device [DEVICE]` as the parameter that it stands for."""
-    parser = argparse.ArgumentParser(prog="joystick_node", description=__doc__, allow_abbrev=False)
-    parser.add_argument(
-        "--device",
-        nargs="?",
-        const=AUTO,
-        metavar="DEVICE|FILE.yaml",
-        help="read a device below /dev/input, or those of a mapping file; no value: the only gamepad",
-    )
-    given, others = parser.parse_known_args(arguments)
-    named = ["--ros-args", "-p", f"device:={given.device}", "--"] if given.device else []
-    return [*named, *others]
 
 
 def main() -> None:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from forest_bringup.graph_lock import GraphError
+from forest_control.taught.tip_path import PathError
 from forest_description.config.parameter import MachineError
 from forest_msgs_py.runtime import command_line
 from forest_study.closed_loop.link_model import LinkError
@@ -18,7 +19,6 @@ from forest_study.demo import replay
 from forest_study.latency import delay_study, timing
 from forest_study.results import StudyError, new_directory
 from forest_study.tracking import track_command
-from forest_study.tracking.paths import PathError
 
 PROGRAM = "forest-study"
 

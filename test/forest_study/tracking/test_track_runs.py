@@ -11,6 +11,7 @@ pytest.importorskip("llvmlite")
 
 from forest_control.operator.levers import Levers
 from forest_control.servo.schemes import Scheme
+from forest_control.taught.tip_path import polyline
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_sim.solver.plant_parameters import parameters_of, plant_parameters
@@ -19,7 +20,6 @@ from forest_study.closed_loop import closed_loop, model_mismatch
 from forest_study.closed_loop.closed_loop import Operator
 from forest_study.closed_loop.model_mismatch import Ranges
 from forest_study.tracking import track_command, tracking
-from forest_study.tracking.paths import polyline
 from forest_study.tracking.track_runs import Variation, quantiles, run_many
 
 C180 = load_machine("c180")

@@ -10,11 +10,13 @@ import pytest
 from forest_control.config import settings as control_settings
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Scheme
+from forest_control.taught.plan import RAMP, greatest_speed
+from forest_control.taught.tip_path import PathError, fastest, is_closed, polyline, reverse
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
 from forest_study import cli
-from forest_study.tracking.paths import NAMES, PathError, fastest, is_closed, path_named, polyline, reverse
-from forest_study.tracking.tracking import RAMP, _limit, noisy, plan, track
+from forest_study.tracking.paths import NAMES, path_named
+from forest_study.tracking.tracking import noisy, plan, track
 
 C180 = load_machine("c180")
 UNLIMITED = 100.0
@@ -87,7 +89,7 @@ def test_a_plan_takes_at_most_1_1_of_the_least_time_and_the_governor_leaves_it_a
     p = control_settings.parameters(C180, control_settings.Settings(scheme=Scheme.COORDINATED, tip_speed=1.0))
     path = path_named(name)
     planned = plan(path, 1.0, p, 1)[0].profile.duration
-    least = fastest(path, 1.0, RAMP, lambda place, along: _limit(place, along, path, p)).duration
+    least = fastest(path, 1.0, RAMP, lambda place, along: greatest_speed(path.name, place, along, p)).duration
     assert least <= planned <= 1.1 * least
     moved = session(name, speed=1.0).moved
     assert np.sum(np.linalg.norm(moved.tip_wish, axis=1)) * PERIOD == pytest.approx(path.length, rel=2e-3)

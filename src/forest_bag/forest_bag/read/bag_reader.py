@@ -130,6 +130,26 @@ class BagReader:
             waiting.sort(key=_log_time)
         yield from waiting
 
+    def newest(self, topics: Collection[str], time_ns: int) -> dict[str, RawMessage]:
+        """Return the last message of each topic up to a log time; a topic without one is left out.
+
+        Read backwards, and no further than until all are found.
+
+        Raises:
+            Damaged: as `messages`.
+        """
+        found: dict[str, RawMessage] = {}
+        places = [(piece, file) for file in self.files for piece in file.pieces if piece.first_ns <= time_ns]
+        for piece, file in sorted(places, key=lambda place: place[0].last_ns, reverse=True):
+            sought = {name for name in topics if name not in found or found[name].log_ns < piece.last_ns}
+            if not sought:
+                break
+            for message in self._read(piece, file, sought, 0) if _concerns(piece, file, sought) else ():
+                last = found.get(message.channel.topic)
+                if message.log_ns <= time_ns and (last is None or message.log_ns >= last.log_ns):
+                    found[message.channel.topic] = message
+        return found
+
     def check(self) -> None:
         """Look at all of it: checksums where it has them, structure, compressed messages.
 

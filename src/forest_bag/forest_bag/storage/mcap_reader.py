@@ -185,9 +185,10 @@ class McapPieces(BagFile):
         offset, body = begin - HEAD.size, self._bytes[begin:end]
         try:
             if opcode == Opcode.CHUNK:
-                if self._walk(chunk_records(parsed(opcode, body))):
+                if messages := self._walk(chunk_records(parsed(opcode, body))):
                     first_ns, last_ns = _SPAN.unpack_from(body)
-                    self.pieces.append(Piece(first_ns, last_ns, offset, end - offset))
+                    there = self._channels_of(messages)
+                    self.pieces.append(Piece(first_ns, last_ns, offset, end - offset, there))
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 self._declare(opcode, body)
             elif opcode == Opcode.ATTACHMENT:
@@ -215,6 +216,12 @@ class McapPieces(BagFile):
         except KeyError as error:
             raise ValueError(f"a message names channel {error}, which nothing declares") from error
         return found
+
+    def _channels_of(self, messages: list[RawMessage]) -> frozenset[int]:
+        """Numbers of the channels that messages name: of a file without an index nobody else tells."""
+        met = {id(message.channel) for message in messages}
+        found = frozenset(number for number, channel in self.channels.items() if id(channel) in met)
+        return self._sets.setdefault(found, found)
 
     def _declare(self, opcode: int, body: bytes) -> None:
         record = parsed(opcode, body)

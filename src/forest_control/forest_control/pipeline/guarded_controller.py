@@ -9,17 +9,43 @@ from forest_control.config.parameter_update import ParameterUpdate
 from forest_control.config.settings import Parameters
 from forest_control.pipeline.control_state import REST, Inputs, State, Telemetry, ValveFeedback
 from forest_control.pipeline.controller import step_with_telemetry
+from forest_control.safety.motion_guard import MotionGuard
 from forest_control.safety.motion_permission import (
     NOBODY,
     Decision,
     MachineState,
-    MotionPermission,
     Override,
     PermissionParameters,
     Verdict,
+    unwatched,
 )
 from forest_control.servo.joint_angle_filter import UNREAD, Lengths
-from forest_description.types import ZERO
+from forest_control.valve.tracking_limit import Reach
+from forest_description.types import ZERO, Vec3
+
+
+def control_inputs(
+    machine: MachineState, decision: Decision, cylinders: Lengths, reach: Reach, voltages: Vec3
+) -> Inputs:
+    """Return what the controller steps with.
+
+    Args:
+        machine: its state, which is believed.
+        decision: on it.
+        cylinders: lengths [m] of boom and stick, of the same moment; NaN: no sample.
+        reach: of the valves.
+        voltages: of the valves, given last [V].
+    """
+    return Inputs(
+        angles=machine.angles,
+        rates=machine.rates,
+        levers=decision.levers,
+        enabled=decision.verdict == Verdict.MOVE,
+        cylinders=cylinders,
+        reach=reach,
+        voltages=voltages,
+    )
+
 
 Step = Callable[[State, Inputs, Parameters, float], tuple[State, Telemetry]]
 
@@ -34,13 +60,17 @@ class GuardedController:
     """
 
     def __init__(self, p: Parameters, guard: PermissionParameters, step: Step = step_with_telemetry) -> None:
-        self.permission, self.command = MotionPermission(guard), ZERO  # [V] of ideal valves, the last one
+        self.guard, self.command = MotionGuard(guard), ZERO  # [V] of ideal valves, the last one
         self._tuning, self._state, self._step = ParameterUpdate(p), REST, step
 
     @property
     def parameters(self) -> Parameters:
         """The controller's parameters that are in force."""
         return self._tuning.core
+
+    def moves(self) -> bool:
+        """Tell whether somebody drives the crane, or it has not come to rest since."""
+        return self.guard.permission.joystick.armed or self.command != ZERO
 
     def tune(self, p: Parameters) -> None:
         """Follow parameters that were set while the machine may be moving."""
@@ -49,11 +79,11 @@ class GuardedController:
     def stop(self) -> None:
         """Forget all motion: the command is zero."""
         self._state, self.command = REST, ZERO
-        self.permission.forget()
+        self.guard.permission = unwatched(self.guard.permission)
 
     def stops_without_state(self, now: float, override: Override = NOBODY) -> bool:
         """Stop if the machine's state has not come for too long by a time [s]; tell whether that is so."""
-        lost = self.permission.is_lost(now, override)
+        lost = self.guard.is_lost(now, override)
         if lost:
             self.stop()
         return lost
@@ -65,6 +95,7 @@ class GuardedController:
         now: float,
         cylinders: Lengths = UNREAD,
         override: Override = NOBODY,
+        problem: str = "",
     ) -> tuple[Decision, Telemetry | None]:
         """Return what follows from a state of the machine; of one that is not believed, no telemetry.
 
@@ -76,9 +107,10 @@ class GuardedController:
             now: local time [s].
             cylinders: lengths [m] of boom and stick, of the same moment; NaN: no sample.
             override: who else forbids motion.
+            problem: why the state cannot be read.
         """
         p, command = self.parameters, self.command
-        decision = self.permission.decide(machine, valves.driver, command, p, now, override)
+        decision = self.guard.decide(machine, valves.driver, command, p, now, override, problem)
         if decision.dt > 0.0 and self._tuning.apply_if_due(command == ZERO, decision.dt):
             self._state = self._state._replace(changed=True)
         if not decision.believed:
@@ -87,15 +119,7 @@ class GuardedController:
             return decision, None
         if decision.verdict == Verdict.STOP:
             self._state = REST  # from which there is no ramp: zero at once
-        inputs = Inputs(
-            angles=machine.angles,
-            rates=machine.rates,
-            levers=decision.levers,
-            enabled=decision.verdict == Verdict.MOVE,
-            cylinders=cylinders,
-            reach=valves.reach,
-            voltages=valves.voltages,
-        )
+        inputs = control_inputs(machine, decision, cylinders, valves.reach, valves.voltages)
         self._state, telemetry = self._step(self._state, inputs, self.parameters, decision.dt)
         self.command = telemetry.output.command
         return decision, telemetry

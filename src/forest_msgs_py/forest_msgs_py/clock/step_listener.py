@@ -18,7 +18,7 @@ from forest_msgs_py.clock.clock_parameters import ListenerParameters
 from forest_msgs_py.clock.lockstep import END
 from forest_msgs_py.clock.step_batch import read_batch
 from forest_msgs_py.clock.step_order import StepOrder
-from forest_msgs_py.clock.step_topics import DEPTH, STEP_NS, lockstep_qos, no_output_subscription
+from forest_msgs_py.clock.step_topics import DEPTH, lockstep_qos, no_output_subscription
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import stamp_to_ns
 from forest_msgs_py.interfaces.qos_profiles import Qos
@@ -29,6 +29,7 @@ from forest_msgs_py.runtime.node import Finished, NodeFailure
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.serialization.packing import pack_clock
+from forest_msgs_py.types import PERIOD_NS
 
 WALL_CLOCK = "/parameter_events"  # carries the time of day: no two runs say the same
 ANNOUNCEMENT_DEPTH = 100  # nodes
@@ -117,11 +118,11 @@ class StepListener:
             raise Finished
         self._listen()
         heard = [
-            self._heard(name, step * STEP_NS, data)
+            self._heard(name, step * PERIOD_NS, data)
             for name, step, data in self._order.complete()
             if self._is_wanted(name)
         ]
-        now = self._order.reached * STEP_NS
+        now = self._order.reached * PERIOD_NS
         heard += [one._replace(received_ns=now, sent_ns=now) for one in self._beside.take()]
         self._tell()
         if time.monotonic() - self._progress > self._guard and not over:
@@ -150,7 +151,7 @@ class StepListener:
                 self._order.add_batch(*read_batch(data))
         for header, _info in self._no_output_subscriptions.take():
             if header.frame_id == END:
-                self._end = stamp_to_ns(header.stamp) // STEP_NS
+                self._end = stamp_to_ns(header.stamp) // PERIOD_NS
 
     def _look_for(self, name: str, type_name: str) -> None:
         """DiscoveredTopic a topic, once its publisher can be seen, which tells the type's hash.
@@ -177,7 +178,7 @@ class StepListener:
         """Tell how far everything was taken."""
         if self._order.reached > self._told:
             self._told, self._progress = self._order.reached, time.monotonic()
-            self._taken.publish(pack_clock(self._told * STEP_NS))
+            self._taken.publish(pack_clock(self._told * PERIOD_NS))
 
 
 def listener(

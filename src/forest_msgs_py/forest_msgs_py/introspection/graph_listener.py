@@ -92,6 +92,15 @@ class GraphListener:
             else:
                 self._refuse(name, f"has {len(types)} types ({', '.join(types)}); allowed: one")
 
+    def forget(self, name: str) -> None:
+        """End hearing a topic.
+
+        One that is still wanted is heard anew at the next look: what is latched comes once more.
+        """
+        watched = self._watched.pop(name, None)
+        if watched is not None and watched.polled is not None:
+            self._node.destroy_subscription(watched.polled.subscription)
+
     def context_ns(self) -> int:
         """Log time of what is told now beside messages [ns]."""
         return time.time_ns()

@@ -13,11 +13,12 @@ from forest_bringup.graph_lock import GraphError
 from forest_compile.kernel_cache import can_compile
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import LABELS, scheme_named
+from forest_control.taught.tip_path import TipPath
 from forest_description.machine import Machine, load_machine
 from forest_msgs_py.runtime.command_line import number, whole
 from forest_study.closed_loop import model_mismatch
 from forest_study.results import StudyError, new_directory, write_json
-from forest_study.tracking.paths import NAMES, TipPath, path_named
+from forest_study.tracking.paths import NAMES, path_named
 from forest_study.tracking.track_runs import Run, Variation, quantiles, run_many
 from forest_study.tracking.tracking import Course, Score, Session, follow, noisy, prepare, scored
 

@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_control.config import settings as control_settings
-from forest_control.limits.velocity_scaling import velocity_scaling
 from forest_control.operator.levers import levers_for_tip_velocity
-from forest_control.pipeline.motion_limits import velocity_limits_at
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Scheme
+from forest_control.taught.plan import RAMP, RESERVE, greatest_speed
+from forest_control.taught.tip_path import PathError, Profile, TipPath, fastest, is_closed, reverse
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
-from forest_description.geometry.kinematics import inverse_kinematics, is_singular, joint_rates
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
@@ -29,11 +28,8 @@ from forest_sim.sensors.sensor_suite import Suite, calibrated, sensor_suite
 from forest_sim.solver.plant_parameters import PlantParameters
 from forest_study.closed_loop import loop_kernel
 from forest_study.closed_loop.closed_loop import Trajectory
-from forest_study.tracking.paths import PathError, Profile, TipPath, fastest, is_closed, reverse
 
-RAMP = 0.5  # [m/s^2]
 REST = 1.0  # [s] before the first lap and after every lap
-RESERVE = 0.98  # of the velocity limits that the profile takes, so that no scaling acts
 SATURATED = 0.999  # of the rated voltage
 
 
@@ -156,28 +152,12 @@ def plan(path: TipPath, speed: float, p: control_settings.Parameters, laps: int)
     start = REST
     for k in range(laps):
         way = path if k % 2 == 0 or is_closed(path) else reverse(path)
-        profile = fastest(way, speed, RAMP, lambda place, along: RESERVE * _limit(place, along, path, p))
+        profile = fastest(
+            way, speed, RAMP, lambda place, along: RESERVE * greatest_speed(path.name, place, along, p)
+        )
         runs.append(Lap(start, way, profile))
         start = PERIOD * math.ceil((start + profile.duration + REST) / PERIOD)
     return tuple(runs)
-
-
-def _limit(place: Vec3, along: Vec3, path: TipPath, p: control_settings.Parameters) -> float:
-    """Return the speed [m/s] that the velocity limits allow at a place in a direction."""
-    try:
-        angles = inverse_kinematics(place, p.links)
-    except ValueError as error:
-        raise PathError(f"{path.name}: {error}") from error
-    factor = 0.0 if is_singular(angles, p.links) else _allowed(angles, along, p)
-    if factor <= 0.0:
-        raise PathError(f"{path.name}: at {tuple(round(x, 3) for x in place)} m a joint is at its limit")
-    return factor
-
-
-def _allowed(angles: Vec3, along: Vec3, p: control_settings.Parameters) -> float:
-    fast = 100.0  # [m/s] more than any limit: what velocity scaling leaves of it is the limit
-    rates = joint_rates(angles, (fast * along[0], fast * along[1], fast * along[2]), p.links)
-    return fast * velocity_scaling(angles, rates, velocity_limits_at(angles, rates, p)).factor
 
 
 def _angles(place: Vec3, path: TipPath, machine: Machine) -> Vec3:

@@ -1,0 +1,1 @@
+"""`forest-control` from the command line: taught work."""

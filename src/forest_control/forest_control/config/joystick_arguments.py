@@ -1,0 +1,23 @@
+"""The command line of `joystick_node` beside that of ROS."""
+
+import argparse
+from collections.abc import Sequence
+
+from forest_control.config.joystick_file import AUTO
+
+ABOUT = "Publish a joystick on /joy: the device under a hand, or a source that is played (ROS parameters)."
+
+
+def ros_arguments(arguments: Sequence[str]) -> list[str]:
+    """Return a command line with `--device [DEVICE]` as the parameter that it stands for."""
+    parser = argparse.ArgumentParser(prog="joystick_node", description=ABOUT, allow_abbrev=False)
+    parser.add_argument(
+        "--device",
+        nargs="?",
+        const=AUTO,
+        metavar="DEVICE|FILE.yaml",
+        help="read a device below /dev/input, or those of a mapping file; no value: the only gamepad",
+    )
+    given, others = parser.parse_known_args(arguments)
+    named = ["--ros-args", "-p", f"device:={given.device}", "--"] if given.device else []
+    return [*named, *others]

@@ -1,0 +1,193 @@
+"""A way of the tip: straight from corner to corner, smooth in between; and how fast it may be gone.
+
+| symbol | name | unit |
+|---|---|---|
+| s | way along the path | m |
+| v | speed along it | m/s |
+| a | its acceleration on ramps | m/s^2 |
+
+A profile is the fastest that speed, ramps, bends and the velocity limits allow: v(s) is bounded at every
+place, and v^2 may change by at most 2 a per metre. A path of waypoints stops at both ends, at corners, and at
+a waypoint that is said twice; in between it is the cubic spline through its waypoints.
+"""
+
+import bisect
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from forest_description.types import Floats, Vec3
+
+STEP = 1e-3  # [m] between the places of a profile: below what resolvers tell
+SHORTEST = 1e-6  # [m] between two waypoints; nearer ones are one, where the tip stops
+LONGEST = 200.0  # [m] of a path: a longer one has another unit
+CORNER = math.radians(25.0)  # [rad] a sharper turn is a corner; chosen, not measured
+BEND = 1.5  # [m/s^2] across the way in a bend, at the most; chosen, not measured
+BASE = 0.02  # [m] over which a bend is measured: more than the noise of waypoints
+
+
+class PathError(ValueError):
+    """A path is not usable; the message says why."""
+
+
+class TipPath(NamedTuple):
+    """A way of the tip in the base frame."""
+
+    name: str
+    length: float  # [m]
+    at: Callable[[float], Vec3]  # place [m] at a way s
+    stops: tuple[float, ...]  # [m] ways at which the tip stops, both ends included
+
+
+class Profile(NamedTuple):
+    """Motion along a path: ways and speeds at rising times."""
+
+    time: Floats  # [N] s
+    way: Floats  # [N] m
+    speed: Floats  # [N] m/s
+
+    @property
+    def duration(self) -> float:
+        """From first to last motion [s]."""
+        return float(self.time[-1])
+
+    def way_at(self, time: float) -> float:
+        """Return s [m]; the acceleration is constant between two rows."""
+        if time <= 0.0 or time >= self.time[-1]:
+            return 0.0 if time <= 0.0 else float(self.way[-1])
+        k = int(np.searchsorted(self.time, time, side="right")) - 1
+        span, since = self.time[k + 1] - self.time[k], time - self.time[k]
+        slope = (self.speed[k + 1] - self.speed[k]) / span
+        return float(self.way[k] + (self.speed[k] + 0.5 * slope * since) * since)
+
+
+def polyline(name: str, points: list[Vec3]) -> TipPath:
+    """Return the way from point to point [m]: straight from corner to corner, smooth in between."""
+    stretches = _stretches(points)
+    if not stretches:
+        raise PathError(f"{name}: a path needs two or more points that are not all the same")
+    if sum(math.dist(a, b) for stretch in stretches for a, b in pairwise(stretch)) > LONGEST:
+        raise PathError(f"{name}: the path is longer than {LONGEST:g} m")
+    table, ends = np.array(stretches[0][:1]), [0]
+    for stretch in stretches:
+        table = np.vstack([table, _smooth(stretch)[1:]])
+        ends.append(len(table) - 1)
+    ways = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(table, axis=0), axis=1))])
+
+    def at(s: float) -> Vec3:
+        x, y, z = (float(np.interp(s, ways, table[:, i])) for i in range(3))
+        return x, y, z
+
+    return TipPath(name, float(ways[-1]), at, tuple(ways[ends].tolist()))
+
+
+def _stretches(points: list[Vec3]) -> list[list[Vec3]]:
+    """Return the points [m] from stop to stop: both ends, corners, and points that are said twice."""
+    stretches: list[list[Vec3]] = []
+    stops = True
+    for here, there in pairwise(points):
+        if math.dist(here, there) < SHORTEST:
+            stops = True
+            continue
+        if stops or _turn(stretches[-1][-2], here, there) > CORNER:
+            stretches.append([here])
+        stretches[-1].append(there)
+        stops = False
+    return stretches
+
+
+def _turn(a: Vec3, b: Vec3, c: Vec3) -> float:
+    """Return the angle [rad] by which the way from a over b to c turns at b."""
+    before, after = np.subtract(b, a), np.subtract(c, b)
+    size = float(np.linalg.norm(before) * np.linalg.norm(after))
+    return math.acos(max(-1.0, min(1.0, float(before @ after) / size))) if size > 0.0 else 0.0
+
+
+def _smooth(stretch: list[Vec3]) -> Floats:
+    """Return points [N, 3] m, close together, on the cubic spline through the points of a stretch."""
+    table = np.array(stretch)
+    if len(table) == 2:
+        return table
+    ways = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(table, axis=0), axis=1))])
+    within = [np.linspace(a, b, math.ceil((b - a) / STEP) + 1)[1:] for a, b in pairwise(ways.tolist())]
+    smooth: Floats = CubicSpline(ways, table)(np.concatenate([[0.0], *within]))
+    return smooth
+
+
+def reverse(path: TipPath) -> TipPath:
+    """Return a path from its end to its start."""
+    stops = tuple(path.length - s for s in reversed(path.stops))
+    return TipPath(path.name, path.length, lambda s: path.at(path.length - s), stops)
+
+
+def is_closed(path: TipPath) -> bool:
+    """Tell whether a path ends where it starts."""
+    return math.dist(path.at(0.0), path.at(path.length)) < SHORTEST
+
+
+def fastest(
+    path: TipPath, speed: float, acceleration: float, limit: Callable[[Vec3, Vec3], float]
+) -> Profile:
+    """Return the fastest profile that stands at the path's stops.
+
+    Args:
+        path: the path.
+        speed: wished speed [m/s].
+        acceleration: of the ramps [m/s^2].
+        limit: greatest speed [m/s] at a place [m] in a direction (a unit vector).
+    """
+    return timed(*bounded(path, speed, limit, STEP), acceleration)
+
+
+def bounded(
+    path: TipPath, speed: float, limit: Callable[[Vec3, Vec3], float], step: float
+) -> tuple[Floats, Floats]:
+    """Return ways [N] m, at most a step [m] apart, and v^2 [N] m^2/s^2 that is allowed there; 0 at stops."""
+    ways = np.unique(np.concatenate([np.linspace(a, b, max(3, math.ceil((b - a) / step) + 1))
+                                     for a, b in pairwise(path.stops)]))  # fmt: skip
+    square = np.array(
+        [min(speed, _bend(path, s), limit(path.at(s), _direction(path, s))) ** 2 for s in ways.tolist()]
+    )
+    square[np.isin(ways, path.stops)] = 0.0
+    return ways, square
+
+
+def timed(ways: Floats, square: Floats, acceleration: float) -> Profile:
+    """Return the fastest profile from stop to stop below v^2 at ways [m], with ramps [m/s^2] at both ends."""
+    square = square.copy()
+    gain = 2.0 * acceleration * np.diff(ways)
+    for k in range(1, len(ways)):
+        square[k] = min(square[k], square[k - 1] + gain[k - 1])
+    v = np.sqrt(braked(ways, square, acceleration))
+    time = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(ways) / (v[1:] + v[:-1]))])
+    return Profile(time, ways, v)
+
+
+def braked(ways: Floats, square: Floats, acceleration: float) -> Floats:
+    """Return v^2 from which a ramp [m/s^2] still obeys what is allowed further on."""
+    square = square.copy()
+    gain = 2.0 * acceleration * np.diff(ways)
+    for k in range(len(ways) - 2, -1, -1):
+        square[k] = min(square[k], square[k + 1] + gain[k])
+    return square
+
+
+def _direction(path: TipPath, s: float) -> Vec3:
+    """Return the unit vector along the path."""
+    a, b = path.at(max(0.0, s - 0.5 * STEP)), path.at(min(path.length, s + 0.5 * STEP))
+    size = math.dist(a, b) or 1.0
+    return (b[0] - a[0]) / size, (b[1] - a[1]) / size, (b[2] - a[2]) / size
+
+
+def _bend(path: TipPath, s: float) -> float:
+    """Return the speed [m/s] that the bend of the path allows at s."""
+    k = bisect.bisect_right(path.stops, s)
+    if k == 0 or k == len(path.stops):
+        return math.inf
+    base = min(BASE, s - path.stops[k - 1], path.stops[k] - s)
+    turn = _turn(path.at(s - base), path.at(s), path.at(s + base))
+    return math.sqrt(BEND * base / turn) if turn > 1e-3 else math.inf
