@@ -12,7 +12,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from forest_bag.play.keyboard import Keyboard
-from forest_bag.play.play_options import PlayOptions, as_fast_as_possible, plan, select
+from forest_bag.play.play_options import PlayOptions, plan, select
 from forest_bag.play.playback import Player
 from forest_bag.play.player_parameters import DESCRIPTIONS
 from forest_bag.play.read_ahead import BagSource
@@ -23,7 +23,7 @@ from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage
 from forest_msgs_py.introspection.raw_publishers import RawPublishers, is_installed
 from forest_msgs_py.runtime.node import Finished, NodeFailure
-from forest_msgs_py.runtime.services import offer_parameters, offer_triggers
+from forest_msgs_py.runtime.services import offer_parameters, offer_services, offer_triggers
 
 SWITCH_S = 2e-4  # how long another Python thread may keep the interpreter; by default 5 ms
 SETTLE_S = 0.2  # a reader that the player has found may not have found the player yet
@@ -49,40 +49,21 @@ class PlayerNode(Node):
             raise NodeFailure(str(error)) from error
         for warning in chosen.warnings:
             self.get_logger().warning(warning)
-        self._out = RawPublishers(
-            self,
-            chosen.names,
-            chosen.types,
-            chosen.profiles,
-            bool(options.clock),
-            as_fast_as_possible(options),
-        )
+        self._out = RawPublishers(self, *chosen[:3], bool(options.clock), options.hurries)
         for topic in self._out.redefined(chosen.hashes):
             self.get_logger().warning(f"{topic}: {chosen.types[topic]} was recorded with another definition")
-        self._player = Player(source, self, whole)
-        if options.burst is not None:
-            self._player.begin_burst(options.burst)
-        self._remote = RemoteControl(self._player, self._reader.span, self._set_rate, self.get_logger().info)
-        self._offer_services()
+        self._player = player = Player(source, self, whole)
+        span, say = self._reader.span, self.get_logger().info
+        self._remote = remote = RemoteControl(player, span, self._set_rate, say)
+        if not offer_services(self, "rosbag2_interfaces", rosbag2_services(player, span, self._set_rate)):
+            offer_triggers(self, remote.services)
         values = {"rate": options.rate, "seek": 0.0}
-        remote = self._remote
         offer_parameters(self, values, DESCRIPTIONS, remote.highest, remote.refuse, remote.apply)
         self._done = self.create_guard_condition(self._finish)
         sys.setswitchinterval(SWITCH_S)
         gc.freeze()
         self._thread = threading.Thread(target=self._play, name="player", daemon=True)
         self._thread.start()
-
-    def _offer_services(self) -> None:
-        """Offer rosbag2's services by their types, or some as Triggers where those are not installed."""
-        try:
-            from rosbag2_interfaces import srv
-        except ImportError:
-            offer_triggers(self, self._remote.services)
-            return
-        offered = rosbag2_services(self._player, self._reader.span, self._set_rate)
-        for name, (kind, answer) in offered.items():
-            self.create_service(getattr(srv, kind), f"~/{name}", answer)
 
     def publish(self, message: RawMessage) -> None:
         """Send a message of the bag."""

@@ -16,22 +16,18 @@ from typing import Any
 
 from rclpy.node import Node
 
-from forest_bag.record.recorder_parameters import RecorderParameters, overrides
-from forest_bag.record.recorder_setup import new_session, topic_choice
+from forest_bag.record.recorder_parameters import RecorderParameters
+from forest_bag.record.recorder_setup import new_listener, new_session, topic_choice
 from forest_bag.record.recording import Recording, Refusal, answered
 from forest_bag.record.run_context import RunContext, versions
-from forest_bag.record.sim_time import SimTime
-from forest_bag.write.transient_local import is_transient_local
-from forest_msgs_py.clock.step_listener import listener
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
-from forest_msgs_py.introspection.graph_listener import DiscoveredTopic, ReceivedMessage
+from forest_msgs_py.introspection.graph_listener import DiscoveredTopic
 from forest_msgs_py.introspection.parameter_survey import ParameterSurvey
 from forest_msgs_py.runtime.node import publisher, run_node, timer
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.services import offer_triggers
 
-CLOCK = topics.CLOCK.name
 QUICK_POLL_S, SLOW_POLL_S = 0.05, 0.25
 QUICK_POLLS = 100  # the first five seconds, while a graph comes up
 
@@ -42,15 +38,11 @@ class RecorderNode(Node):
     def __init__(self) -> None:
         super().__init__("recorder")
         p = declare(self, RecorderParameters)
-        self._chosen = topic_choice(p, self.resolve_topic_name, self.get_namespace())
+        choice = topic_choice(p, self.resolve_topic_name, self.get_namespace())
+        self._listener = new_listener(self, p, choice.wants, self._offered, self._refused, self._settled)
         session, begins = new_session(p)
         self.get_logger().info(begins)
-        by_clock = bool(self.get_parameter("use_sim_time").value)
-        self._sim_time = SimTime(self._chosen.wants(CLOCK)) if by_clock else None
-        self._listener = listener(
-            self, self._hears, self._offered, self._refused, self._settled, overrides(p)
-        )
-        self._recording = Recording(session, self._take, self.get_logger().info)
+        self._recording = Recording(session, self._listener.take, self.get_logger().info)
         self._events = publisher(self, topics.EVENTS)
         answers = {name: getattr(self._recording, name) for name in ("start", "stop", "split", "snapshot")}
         verbs, say = answers | {"mark": self._mark}, self.get_logger().info
@@ -78,18 +70,8 @@ class RecorderNode(Node):
         self._recording.guard(self._listener.look)
         self._survey.look()
 
-    def _hears(self, name: str, types: Sequence[str]) -> bool:
-        return self._chosen.wants(name, types) or (self._sim_time is not None and name == CLOCK)
-
-    def _take(self) -> list[ReceivedMessage]:
-        heard = self._listener.take()
-        return heard if self._sim_time is None else self._sim_time.stamped(heard)
-
     def _offered(self, offer: DiscoveredTopic) -> None:
-        if self._sim_time is not None and is_transient_local(offer.profiles):
-            self._sim_time.keep(offer.name)
-        if self._chosen.wants(offer.name):
-            self._recording.session.add_topic(*offer)
+        self._recording.session.add_topic(*offer)
 
     def _refused(self, name: str, reason: str) -> None:
         self.get_logger().info(f"not recorded: {name} {reason}")

@@ -67,14 +67,14 @@ class JoystickNode(Node):
         self._hand, sent = device_joystick.step(
             self._hand, readings, now, self._device, self._p.deadman_button
         )
-        self._say(self._devices.problem or sent.problem or f"joystick: {self._devices.names}")
+        self._say(self._devices.problem or sent.problem, f"joystick: {self._devices.names}")
         if sent.values is not None:
             self._send(JoyMessage(FRAME, *sent.values))
 
-    def _say(self, text: str) -> None:
-        if text != self._said:
-            self._said = text
-            self.get_logger().info(text)
+    def _say(self, problem: str, names: str) -> None:
+        if (problem or names) != self._said:
+            self._said = problem or names
+            (self.get_logger().warning if problem else self.get_logger().info)(self._said)
 
     def _play(self) -> None:
         """Send what the source says."""

@@ -6,7 +6,7 @@ import threading
 import pytest
 
 from forest_bag.play.lateness import Lateness
-from forest_bag.play.playback import Plan, Player
+from forest_bag.play.playback import ALL, Plan, Player
 from forest_bag.play.read_ahead import BagSource, read_ahead
 from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.raw_messages import Channel, RawMessage
@@ -249,8 +249,7 @@ def test_latched_topics_hold_what_their_publishers_kept(tmp_path):
 
 
 def test_a_burst_plays_so_many_messages_at_once_and_then_pauses(session):
-    player = session.player(paused=True)
-    player.begin_burst(4)
+    player = session.player(paused=True, at_once=4)
     session.wall.at(5.0, player.stop)
     player.run()
     assert [log for _, log in session.sent] == [STEP * n for n in range(4)]
@@ -258,8 +257,7 @@ def test_a_burst_plays_so_many_messages_at_once_and_then_pauses(session):
 
 
 def test_a_burst_of_all_ends_with_the_bag_and_not_in_the_next_loop(session):
-    player = session.player(paused=True, loop=True)
-    player.begin_burst(0)
+    player = session.player(paused=True, loop=True, at_once=ALL)
     session.wall.at(5.0, player.stop)
     player.run()
     assert player.played == 10

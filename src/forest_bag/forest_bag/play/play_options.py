@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from forest_bag.play.playback import Plan
+from forest_bag.play.playback import ALL, Plan
 from forest_bag.read.merged_bags import MergedBags
 from forest_bag.storage.bag_files import BagError
 from forest_msgs_py.interfaces.qos_profiles import Qos, for_replay, offered
@@ -33,6 +33,11 @@ class PlayOptions(NamedTuple):
     stats: bool = False
     burst: int | None = None  # messages to be played at once, before a pause; 0: all
     overrides: Mapping[str, Qos] = {}  # of the bags' topics, in place of the recorded QoS
+
+    @property
+    def hurries(self) -> bool:
+        """Whether messages are sent without regard to their times, so that readers must be waited for."""
+        return self.rate == 0.0 or self.burst is not None
 
 
 class Selection(NamedTuple):
@@ -80,11 +85,6 @@ def select(reader: MergedBags, options: PlayOptions, is_installed: Callable[[str
     return found._replace(warnings=tuple(warnings))
 
 
-def as_fast_as_possible(options: PlayOptions) -> bool:
-    """Whether messages are sent without regard to their times, so that readers must be waited for."""
-    return options.rate == 0.0 or options.burst is not None
-
-
 def plan(reader: MergedBags, options: PlayOptions) -> Plan:
     """Turn the flags into bag times.
 
@@ -107,6 +107,7 @@ def plan(reader: MergedBags, options: PlayOptions) -> Plan:
         loop=options.loop,
         paused=options.paused or options.burst is not None,
         clock_period_ns=period,
+        at_once=0 if options.burst is None else options.burst or ALL,
     )
 
 

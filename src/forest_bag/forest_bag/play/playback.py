@@ -40,6 +40,7 @@ class Plan(NamedTuple):
     loop: bool = False
     paused: bool = False
     clock_period_ns: int = 0  # wall time between two ticks of /clock; 0: none
+    at_once: int = 0  # messages to be played at the start although paused
 
 
 class Source(Protocol):
@@ -86,7 +87,7 @@ class Player:
         self._changed = threading.Condition()
         self._rate, self._paused = plan.rate, plan.paused
         self._stopped = self._running = False
-        self._steps = 0  # messages to be played although paused
+        self._steps = plan.at_once  # messages to be played although paused
         self._stepped = 0  # of them, played
         self._target: int | None = None  # bag time to go to
         self._anchor_wall = self._next_tick = self._wall.now()
@@ -143,12 +144,6 @@ class Player:
             self._changed.notify_all()
             return self._paused
 
-    def begin_burst(self, count: int) -> None:
-        """Play so many messages at once although paused; 0: all to the end."""
-        with self._changed:
-            self._steps = count or ALL
-            self._changed.notify_all()
-
     def burst(self, count: int) -> int:
         """Play so many messages at once; return how many there were: none if it is not paused or has ended.
 
@@ -159,7 +154,8 @@ class Player:
             if not (self._paused and self._running):
                 return 0
             before = self._stepped
-            self.begin_burst(count)
+            self._steps = count or ALL
+            self._changed.notify_all()
             while self._steps and self._running:
                 self._changed.wait()
             return self._stepped - before

@@ -2,12 +2,17 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from forest_bag.record.recorder_parameters import RecorderParameters
+from forest_bag.record.sim_time import Listener, SimTimeListener
 from forest_bag.record.topic_choice import ChoiceError, TopicChoice
 from forest_bag.write.bag_session import Session
 from forest_bag.write.bag_split import Layout
+from forest_msgs_py.clock.step_listener import Offered, Refused, Settled, Wanted, listener
 from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.qos_overrides import QosOverrideError, read_overrides
+from forest_msgs_py.interfaces.qos_profiles import Qos
 from forest_msgs_py.runtime.parameter_table import ParameterError
 
 
@@ -49,3 +54,41 @@ def new_session(p: RecorderParameters) -> tuple[Session, str]:
         raise ParameterError(refused % error) from error
     begins = "paused, will record" if p.start_paused else "waits for the first message, to be recorded"
     return session, f"{begins} to {p.output}"
+
+
+def new_listener(
+    node: Any, p: RecorderParameters, wanted: Wanted, offered: Offered, refused: Refused, settled: Settled
+) -> Listener:
+    """Return what hears the graph for a recorder; with ROS's `use_sim_time`, under the times of /clock.
+
+    Args:
+        node: the recorder.
+        p: its parameters.
+        wanted: whether a topic is to be recorded.
+        offered: called with a topic before its first message.
+        refused: called with a topic that cannot be heard, and why.
+        settled: whether nodes have told all that is to be heard of them.
+
+    Raises:
+        ParameterError: the file of QoS overrides is not usable.
+    """
+    qos = overrides(p)
+
+    def make(wanted: Wanted, offered: Offered) -> Listener:
+        return listener(node, wanted, offered, refused, settled, qos)
+
+    by_clock = node.get_parameter("use_sim_time").value
+    return SimTimeListener(make, wanted, offered) if by_clock else make(wanted, offered)
+
+
+def overrides(p: RecorderParameters) -> dict[str, Qos]:
+    """Return the QoS of subscriptions that the user's file names, by topic.
+
+    Raises:
+        ParameterError: the file cannot be read, or something in it is not allowed.
+    """
+    path = p.qos_profile_overrides_path
+    try:
+        return read_overrides(Path(path)) if path else {}
+    except (QosOverrideError, OSError) as error:
+        raise ParameterError(f"parameter 'qos_profile_overrides_path': {error}") from error

@@ -68,7 +68,7 @@ class Sent(NamedTuple):
 
 
 NOT_RESTED = "joystick: release the deadman and centre the levers; nothing moves before"
-HUNG = "joystick: device {} is still for too long; move it, or it hangs and nothing is sent"
+HUNG = "joystick: device {} is still for too long: held, or it hangs; release it, and centre it"
 
 
 def step(

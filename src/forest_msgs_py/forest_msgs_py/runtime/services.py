@@ -1,5 +1,6 @@
 """What a running node lets others do to it: Trigger services, and parameters that act when they are set."""
 
+import importlib
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -13,6 +14,25 @@ def offer_triggers(node: Node, actions: Mapping[str, Callable[[], tuple[bool, st
     """Offer services ``~/NAME``; an action gives success and a sentence."""
     for name, act in actions.items():
         node.create_service(Trigger, f"~/{name}", _answer(act))
+
+
+def offer_services(
+    node: Node, package: str, services: Mapping[str, tuple[str, Callable[[Any, Any], Any]]]
+) -> bool:
+    """Offer services ``~/NAME`` of a package's types; return whether it is installed.
+
+    Args:
+        node: that offers them.
+        package: with the types.
+        services: type, and what fills a request's response in and returns it, by name.
+    """
+    try:
+        types = importlib.import_module(f"{package}.srv")
+    except ImportError:
+        return False
+    for name, (kind, answer) in services.items():
+        node.create_service(getattr(types, kind), f"~/{name}", answer)
+    return True
 
 
 def _answer(act: Callable[[], tuple[bool, str]]) -> Callable[[Any, Any], Any]:
