@@ -90,8 +90,8 @@ def foxglove() -> str:
     panels["Tab!about"] = {"activeTabIdx": 0, "tabs": about}
     left = {"direction": "column", "first": "3D!crane", "second": "Tab!about", "splitPercentage": 70}
     whole = {"direction": "row", "first": left, "second": "Tab!topics", "splitPercentage": 55}
-    layout = {"configById": panels, "globalVariables": {}, "userNodes": {}, "layout": whole}
-    return json.dumps(layout, indent=1, ensure_ascii=False) + "\n"
+    parts = {"configById": panels, "globalVariables": {}, "userNodes": {}, "playbackConfig": {"speed": 1}}
+    return json.dumps(parts | {"layout": whole}, indent=1, ensure_ascii=False) + "\n"
 
 
 def _scene() -> dict[str, Any]:
