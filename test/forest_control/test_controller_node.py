@@ -498,7 +498,6 @@ def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig,
         ("lead_time", (0.1, 0.1)): "allowed: 3 numbers",
         ("profile", "nobody"): "profile 'nobody': neither shipped",
         ("workspace", "c180"): "the crane is driven; allowed: with the deadman released",
-        ("workspace", "c180"): "the crane is driven; allowed: with the deadman released",
     }
     for (name, value), said in refused.items():
         found = answer(name, value)
