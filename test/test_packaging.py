@@ -35,7 +35,7 @@ def declared_to_pip(package: str) -> list[str]:
 
 def declared_to_colcon(package: str) -> list[str]:
     source = (ROOT / "src" / package / "setup.py").read_text("utf-8")
-    (patterns,) = re.findall(r"package_data=\{package: (\[.*?\])\}", source, re.DOTALL)
+    (patterns,) = re.findall(r"package_data=\{\s*package: (\[.*?\])\s*\}", source, re.DOTALL)
     return ast.literal_eval(patterns)
 
 

@@ -242,6 +242,18 @@ def test_one_click_stops_and_a_refused_reset_tells_why(opened: Callable[..., Pag
     met.page.wait_for_selector("#emergency_stop button:disabled")  # only the driver resets
 
 
+def test_a_stop_lets_go_and_says_so_when_nobody_confirms_it(opened: Callable[..., PageStandIn]) -> None:
+    met = opened()
+    met.page.keyboard.down("Shift")
+    wait(met, lambda hands: hands.held)
+    met.silent.add("emergency_stop")
+    met.page.keyboard.press("Space")
+    wait(met, lambda hands: not hands.held)
+    met.page.wait_for_selector("text=Emergency stop sent, not yet confirmed.")
+    met.page.clock.run_for(6000)
+    met.page.wait_for_selector("text=Emergency stop not confirmed: The server does not answer.")
+
+
 def test_a_stop_without_connection_is_sent_when_there_is_one(opened: Callable[..., PageStandIn]) -> None:
     met = opened()
     met.refusals["emergency_stop"] = "Nobody hears the emergency stop."

@@ -108,18 +108,18 @@ def test_the_time_bar_moves_the_drawn_tip_to_where_it_was_recorded(page):
 def test_it_plays_and_steps_by_keys_and_the_hands_are_off_the_crane(page):
     go_to(page, 1.0)
     page.keyboard.press(".")
-    page.wait_for_function("document.querySelector('#replay .time').textContent.startsWith('1.03')")
+    page.wait_for_function("() => document.querySelector('#replay .time').textContent.startsWith('1.03')")
     page.keyboard.press(",")
     page.keyboard.press(",")
-    page.wait_for_function("document.querySelector('#replay .time').textContent.startsWith('0.97')")
+    page.wait_for_function("() => document.querySelector('#replay .time').textContent.startsWith('0.97')")
     page.keyboard.press("k")
-    page.wait_for_function("parseFloat(document.querySelector('#replay .time').textContent) > 1.5")
+    page.wait_for_function("() => parseFloat(document.querySelector('#replay .time').textContent) > 1.5")
     page.keyboard.press("k")
     page.wait_for_selector("#replay .play:text('Play')")
     assert not page.locator("#sticks").is_visible()
     page.keyboard.down("ShiftLeft")
     page.keyboard.up("ShiftLeft")
-    assert page.evaluate("heldMessages") == 0
+    assert page.evaluate("() => heldMessages") == 0
 
 
 def test_a_second_bag_is_laid_over_the_first(page):
@@ -155,7 +155,7 @@ def test_one_click_leads_back_to_the_live_crane(page, address):
     assert page.locator("#sticks").is_visible()
     wait_for_tip(page, (5.5, 0.0, 1.0))  # where the simulated crane stands at its start
     page.keyboard.down("ShiftLeft")
-    page.wait_for_function("heldMessages > 0")
+    page.wait_for_function("() => heldMessages > 0")
     page.keyboard.up("ShiftLeft")
 
 

@@ -38,6 +38,7 @@ class PageStandIn:
         self.page, self.signals, self.dropped = page, signals, dropped or {}
         self.heard: list[Hands] = []  # every hands message, oldest first
         self.asked: list[dict[str, Any]] = []  # every request, oldest first
+        self.silent: set[str] = set()  # what is asked for and gets no answer
         self.refusals: dict[str, str] = {}  # why a request is refused, by what it asks for
         self._socket: WebSocketRoute | None = None
         self._driver: str | None = None
@@ -115,6 +116,8 @@ class PageStandIn:
             return
         request = json.loads(message)
         self.asked.append(request)
+        if request["do"] in self.silent:
+            return
         refusal = self.refusals.get(request["do"], "")
         self.tell("answer", to=request["number"], ok=not refusal, text=refusal or "done")
         if request["do"] == "take_seat" and self._driver is None:

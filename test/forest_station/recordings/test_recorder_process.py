@@ -81,11 +81,12 @@ def test_a_recorder_ends_its_bag_when_the_station_is_killed(start_process, domai
 
 @pytest.mark.usefixtures("domain_id")
 def test_a_full_disk_is_told_in_a_sentence_and_the_bag_is_kept(tmp_path):
-    """No file may grow beyond 4 kB, which the kernel refuses as it refuses a full disk."""
+    """No file may grow beyond 4 kB, as the bag has, which the kernel refuses as it refuses a full disk."""
 
     async def action():
         recorder = RecorderProcess(BagDirectory(tmp_path))
         await recorder.start("full")
+        await until(lambda: recorder.state().bytes > 6000)  # its own parameters are in it
         resource.prlimit(recorder._process.pid, resource.RLIMIT_FSIZE, (4096, 4096))
         return await recorder.stop()
 

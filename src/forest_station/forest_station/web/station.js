@@ -4,6 +4,8 @@ import { History } from "./history.js";
 
 const FRAME_HEADER = 16; // [bytes]
 const RETRY_MS = 500;
+const MOST_WAITING = 480; // [bytes] ten hands messages: 0.2 s of them
+const ANSWER_MS = 5000; // a service of the graph may take some seconds
 
 // Emits "frame" (a Frame: {time, values}), "signals" when they change, each kind of message of the protocol, "open" and
 // "close".
@@ -51,17 +53,20 @@ export class Station extends EventTarget {
     return this.history.newest(this.signals.get(name));
   }
 
-  // Sends a request; resolves to its answer {ok, text}.
+  // Sends a request; resolves to its answer {ok, text}, also where none comes.
   ask(what, args = {}) {
     if (!this.connected) return Promise.resolve({ ok: false, text: "There is no connection to the crane." });
     const number = ++this.requestNumber;
     this.socket.send(JSON.stringify({ do: what, number, ...args }));
-    return new Promise((resolve) => this.requests.set(number, resolve));
+    return new Promise((resolve) => {
+      this.requests.set(number, resolve);
+      setTimeout(() => resolve({ ok: false, text: "The server does not answer." }), ANSWER_MS);
+    });
   }
 
-  // Sends the bytes of a hands message; false if nobody can hear them.
+  // Sends the bytes of a hands message; false if nobody can hear them in time: what waits behind others counts for nothing.
   sendHands(bytes) {
-    if (!this.connected) return false;
+    if (!this.connected || this.socket.bufferedAmount > MOST_WAITING) return false;
     this.socket.send(bytes);
     return true;
   }

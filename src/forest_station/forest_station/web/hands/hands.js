@@ -23,7 +23,6 @@ class Hands extends EventTarget {
     this.axes = CENTRED;
     this.buttons = 0;
     this.drives = false;
-    this.roundTrip = NaN; // [ms]
     this.sticks = new Map(); // name → axes of a stick on the page
     this.keyboard = new Keyboard(() => this.update());
     this.number = 0;
@@ -32,7 +31,6 @@ class Hands extends EventTarget {
     this.state = ""; // of the last look
     this.sent = { at: -Infinity, state: "", held: false };
     this.asked = new Map(); // number → when [ms]
-    this.pong = 0; // number of the newest one heard
     this.looked = performance.now();
     watchDoubts((why) => this.release(why));
     station.on("seat", ({ you_drive: drives }) => this.#sit(drives));
@@ -62,17 +60,22 @@ class Hands extends EventTarget {
   // Looks at all hands, judges, and tells.
   update() {
     const now = performance.now();
-    if (hung(this.looked, now)) this.deadman.release("the page hung");
-    if (document.hidden || !document.hasFocus()) this.deadman.release("the page is not in front");
     const pads = this.gamepads.read();
     this.deadman.set(KEY, this.keyboard.holdsDeadman);
     this.#hearPads(pads.deadmen);
-    if (!this.station.live) this.deadman.release("a replay is shown"); // also what was pressed just now
+    this.#judge(now);
     const keys = this.keyboard.step((now - this.looked) / 1000);
     this.looked = now;
     this.axes = mergeAxes([...this.sticks.values(), keys, pads.axes]);
     this.buttons = buttonBits(pads.pressed, this.deadman.held);
     this.#tell(now);
+  }
+
+  // Lets go of what must not count, also of what was pressed just now.
+  #judge(now) {
+    if (hung(this.looked, now)) this.deadman.release("the page hung");
+    if (document.hidden || !document.hasFocus()) this.deadman.release("the page is not in front");
+    if (!this.station.live) this.deadman.release("a replay is shown");
   }
 
   #hearPads(deadmen) {
@@ -117,9 +120,9 @@ class Hands extends EventTarget {
   #measure(number) {
     this.pong = number;
     if (!this.asked.has(number)) return;
-    this.roundTrip = performance.now() - this.asked.get(number);
+    const roundTrip = performance.now() - this.asked.get(number);
     for (const older of this.asked.keys()) if (older <= number) this.asked.delete(older);
-    this.dispatchEvent(new CustomEvent("latency", { detail: this.roundTrip }));
+    this.dispatchEvent(new CustomEvent("latency", { detail: roundTrip }));
   }
 }
 

@@ -105,7 +105,7 @@ export class Chart {
     }));
     const options = {
       ...this.#size(),
-      padding: [6, 6, 0, 0],
+      padding: [6, 14, 0, 0],
       legend: { show: false },
       cursor: { y: false, drag: { x: false, y: false }, sync: { key: "minute" } },
       scales: { x: { time: false, range: [-SPAN_S, 0] }, y: { range: (_, low, high) => this.#range(low, high) } },

@@ -1,6 +1,7 @@
 // The emergency stop: always in sight, for everybody who has the page open.
 
 import { make, makeButton, setText } from "../elements.js";
+import { handsOf } from "../hands/hands.js";
 import { isTyping } from "../hands/keyboard.js";
 import { STOP_KEYS } from "../hands/keys.js";
 
@@ -8,43 +9,64 @@ export const place = "top";
 export const title = "";
 
 export function mount(element, station) {
-  const view = {
-    stop: makeButton("EMERGENCY STOP", ({ detail }) => detail === 0 && stop(), "stop"), // a pointer has acted already
-    reset: Object.assign(makeButton("Reset", () => reset(station, view)), { hidden: true }),
-    state: make("p", { role: "status" }),
-    sources: make("ul", { className: "sources" }),
-  };
-  view.stop.setAttribute("aria-keyshortcuts", STOP_KEYS.join(" "));
-  view.stop.title = "Esc, or the space bar";
-  element.append(view.stop, make("div", { className: "state" }, view.state, view.sources, view.reset));
-  let wanted = false; // until a server has confirmed it
+  new EmergencyStop(element, station, handsOf(station));
+}
 
-  async function stop() {
-    wanted = true;
-    const { ok, text } = await station.ask("emergency_stop");
-    if (ok) wanted = false;
-    else setText(view.state, `Emergency stop not confirmed: ${text}`);
+class EmergencyStop {
+  constructor(element, station, hands) {
+    Object.assign(this, { element, station, hands });
+    this.wanted = false; // until a server has confirmed it
+    this.told = { active: false, sources: [] };
+    this.note = ""; // what became of a request, until the next news
+    this.button = makeButton("EMERGENCY STOP", ({ detail }) => detail === 0 && this.stop(), "stop");
+    this.button.addEventListener("pointerdown", () => this.stop()); // its click comes only with the release
+    this.button.setAttribute("aria-keyshortcuts", STOP_KEYS.join(" "));
+    this.button.append(make("small", {}, make("kbd", {}, "Esc"), make("kbd", {}, "space")));
+    this.state = make("p", { role: "status" });
+    this.sources = make("ul");
+    this.resetButton = makeButton("Reset", () => this.reset());
+    element.append(this.button, make("div", { className: "state" }, this.state, this.sources, this.resetButton));
+    listenToKeys(() => this.stop());
+    station.on("open", () => this.wanted && this.stop());
+    station.on("emergency_stop", (message) => this.#hear(message));
+    station.on("seat", ({ you_drive: drives }) => (this.resetButton.disabled = !drives));
+    this.#show();
   }
 
-  view.stop.addEventListener("pointerdown", stop); // its click comes only with the release
-  listenToKeys(stop);
-  station.on("open", () => wanted && stop());
-  station.on("emergency_stop", (message) => show(element, view, message));
-  station.on("seat", ({ you_drive: drives }) => (view.reset.disabled = !drives));
-}
+  async stop() {
+    this.wanted = true;
+    this.hands.release("the emergency stop was pressed");
+    this.#tell("Emergency stop sent, not yet confirmed.");
+    const { ok, text } = await this.station.ask("emergency_stop");
+    if (ok) this.wanted = false;
+    this.#tell(ok ? "" : `Emergency stop not confirmed: ${text}`);
+  }
 
-function show(element, view, { active, sources }) {
-  element.classList.toggle("active", active);
-  setText(view.state, active ? "STOPPED: nothing moves until it is reset." : "");
-  view.sources.replaceChildren(
-    ...(active ? sources : []).map(({ name, state }) => make("li", { className: state }, `${name}: ${state}`)),
-  );
-  view.reset.hidden = !active;
-}
+  async reset() {
+    const { ok, text } = await this.station.ask("reset_emergency_stop");
+    this.#tell(ok ? "" : text);
+  }
 
-async function reset(station, view) {
-  const { ok, text } = await station.ask("reset_emergency_stop");
-  if (!ok) setText(view.state, text);
+  #hear(told) {
+    this.told = told;
+    if (!this.wanted) this.note = "";
+    this.#show();
+  }
+
+  #tell(note) {
+    this.note = note;
+    this.#show();
+  }
+
+  #show() {
+    const { active, sources } = this.told;
+    this.element.classList.toggle("active", active);
+    setText(this.state, this.note || (active ? "STOPPED: nothing moves until it is reset." : ""));
+    this.sources.replaceChildren(
+      ...(active ? sources : []).map(({ name, state }) => make("li", { className: state }, `${name}: ${state}`)),
+    );
+    this.resetButton.hidden = !active;
+  }
 }
 
 // Before any other element hears them: a focused button takes the space bar for a click.

@@ -1,6 +1,7 @@
 // Text over the picture: the painter tells where, the page writes it, sharp at every resolution.
 
-const EDGE = [48, 24]; // [px] that a label's middle keeps from the sides, from top and bottom
+const EDGE = 24; // [px] that a label's middle keeps from top and bottom
+const [LETTER, ENDS] = [4.5, 12]; // [px] half a letter, half of what is around them: nobody measures a label
 
 export class Labels {
   constructor(element) {
@@ -11,8 +12,8 @@ export class Labels {
 
   // Remembers the size: to ask for it between two writes would lay the page out anew each time.
   resize() {
-    this.right = this.element.clientWidth - EDGE[0];
-    this.bottom = this.element.clientHeight - EDGE[1];
+    this.width = this.element.clientWidth;
+    this.height = this.element.clientHeight;
   }
 
   show(labels) {
@@ -29,8 +30,10 @@ export class Labels {
     const element = this.shown.get(key) ?? this.#make(key);
     if (element.className !== `label ${kind}`) element.className = `label ${kind}`;
     if (element.textContent !== text) element.textContent = text;
-    const inside = [Math.min(this.right, Math.max(EDGE[0], x)), Math.min(this.bottom, Math.max(EDGE[1], y))];
-    element.style.transform = `translate(${inside[0].toFixed(0)}px, ${inside[1].toFixed(0)}px)`;
+    const half = LETTER * text.length + ENDS;
+    const across = Math.min(this.width - half, Math.max(half, x));
+    const down = Math.min(this.height - EDGE, Math.max(EDGE, y));
+    element.style.transform = `translate(${across.toFixed(0)}px, ${down.toFixed(0)}px)`;
   }
 
   #make(key) {
