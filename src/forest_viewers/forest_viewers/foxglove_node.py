@@ -22,12 +22,12 @@ from forest_msgs_py.introspection.raw_publishers import is_installed
 from forest_msgs_py.introspection.raw_services import RawServices
 from forest_msgs_py.runtime.node import NodeFailure, publisher, run_node, timer
 from forest_msgs_py.runtime.node_parameters import declare
-from forest_msgs_py.serialization.cdr import CdrError, cdr_type
 from forest_viewers.server import client_requests
-from forest_viewers.server.client_requests import CallFailed, ClientRequests, Published, Request
+from forest_viewers.server.client_requests import CallFailed, ClientRequests, Request
 from forest_viewers.server.client_view import ClientView, ServerError
 from forest_viewers.server.frame_channels import FrameChannels
 from forest_viewers.server.server_parameters import ServerParameters
+from forest_viewers.server.stop_button import StopButton
 
 TURN, LOOK = 0.02, 0.25  # [s] between two hand-overs of messages, and between two looks at the graph
 
@@ -46,7 +46,9 @@ class FoxgloveNode(Node):
         self._calls = RawServices(self)
         self._frames = FrameChannels(self.resolve_topic_name, not is_installed(topics.TF.type))
         self._listener = GraphListener(self, self._wanted, _nothing, self._refused)
-        self._stop = publisher(self, topics.EMERGENCY_STOP)
+        stop = publisher(self, topics.EMERGENCY_STOP)
+        pressed = message_class(topics.EMERGENCY_STOP)(data=True)
+        self._button = StopButton(stop.topic_name, partial(stop.publish, pressed), self._view.warn)
         self._told: set[str] = set()
         timer(self, TURN, self._turn)
         timer(self, LOOK, self._look)
@@ -100,27 +102,12 @@ class FoxgloveNode(Node):
                 failed = partial(_fail, answer)
                 self._calls.call(name, data, answer.set_result, failed)
             case client_requests.Published():
-                self._stop_if_asked(request)
+                self._button.hear(request)
 
     def _forget(self, topic: str, due: Callable[[str], bool]) -> None:
         for name in (topic, *self._frames.sources(topic)):
             if due(name):
                 self._listener.forget(name)
-
-    def _stop_if_asked(self, said: Published) -> None:
-        """Pass an emergency stop on."""
-        if said.topic != self._stop.topic_name:
-            self._view.warn(f"{said.topic} is not taken from here; allowed: {self._stop.topic_name}")
-            return
-        try:
-            pressed = bool(cdr_type(topics.EMERGENCY_STOP.type).decode(said.data).data)
-        except CdrError as error:
-            self._view.warn(f"{said.topic}: {error}")
-            return
-        if pressed:
-            self._stop.publish(message_class(topics.EMERGENCY_STOP)(data=True))
-        else:
-            self._view.warn(f"{said.topic} takes true; to reset, call the service reset_emergency_stop")
 
     def _is_latched(self, topic: str) -> bool:
         offered = (end.qos_profile.durability for end in self.get_publishers_info_by_topic(topic))
