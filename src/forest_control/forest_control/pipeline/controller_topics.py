@@ -5,6 +5,7 @@ from typing import Any
 from forest_control.config.settings import Parameters
 from forest_control.operator.joystick_watch import joystick_sample, unreadable_sample
 from forest_control.operator.levers import RIGHT_Y
+from forest_control.operator.taught_command import NO_COMMAND, from_values
 from forest_control.pipeline.control_state import Telemetry
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.pipeline.valve_feedback import ValveReports
@@ -16,7 +17,7 @@ from forest_description.types import Vec3
 from forest_msgs_py.clock.node_clock import number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
-from forest_msgs_py.serialization.unpacking import JointReader, read_joy_data
+from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader, read_joy_data
 
 FRAME = "base_link"
 
@@ -33,6 +34,9 @@ class ControllerInputs:
     def __init__(self, pace: Any, machine: Machine, deadman: int) -> None:
         self.joy, self.valves = pace.polled_subscription(topics.JOY), ValveReports(pace, machine)
         self.actuators = pace.polled_subscription(topics.ACTUATOR_STATES)
+        # In lockstep nobody plays: a step cannot wait for an answer to itself.
+        self.taught = None if pace.lockstep else pace.polled_subscription(topics.TAUGHT_COMMAND)
+        self._taught = ArrayReader(topics.TAUGHT_COMMAND)
         self._joints, self._lengths = JointReader(topics.JOINTS), JointReader(topics.ACTUATORS)
         self._deadman, self._before = deadman, None  # axes and buttons of the sample before
 
@@ -48,6 +52,15 @@ class ControllerInputs:
             permission.hear(
                 joystick_sample(reading.stamp_ns, frame, received, content, before, self._deadman)
             )
+
+    def read_taught(self, controller: GuardedController) -> None:
+        """Have the controller hear every taught command that waits, oldest first."""
+        for data, sent in self.taught.arrivals() if self.taught else ():
+            reading = self._taught.read(data, 0)
+            if reading.problem:
+                controller.hear_taught(0.0, NO_COMMAND, sent, reading.problem)
+            else:
+                controller.hear_taught(*from_values(reading.values), sent)
 
     def machine_state(self, data: bytes, received: float) -> MachineState:
         """Return what a message of the joints says."""

@@ -1,14 +1,17 @@
 """The controller behind its guard: what node and offline loop run when a state of the machine arrives.
 
-joystick, state -> may the crane move? (`motion_permission`) -> `controller` -> command, telemetry
+joystick, state -> may the crane move? (`motion_permission`) -> may it follow a taught command?
+(`taught_watch`) -> `controller` -> command, telemetry
 """
 
 from collections.abc import Callable
 
 from forest_control.config.parameter_update import ParameterUpdate
 from forest_control.config.settings import Parameters
+from forest_control.operator.taught_command import TaughtCommand
 from forest_control.pipeline.control_state import REST, Inputs, State, Telemetry, ValveFeedback
 from forest_control.pipeline.controller import step_with_telemetry
+from forest_control.safety import taught_watch
 from forest_control.safety.motion_permission import (
     NOBODY,
     Decision,
@@ -19,7 +22,8 @@ from forest_control.safety.motion_permission import (
     Verdict,
 )
 from forest_control.servo.joint_angle_filter import UNREAD, Lengths
-from forest_description.types import ZERO
+from forest_description.geometry.kinematics import tip_position
+from forest_description.types import ZERO, Vec3
 
 Step = Callable[[State, Inputs, Parameters, float], tuple[State, Telemetry]]
 
@@ -36,6 +40,7 @@ class GuardedController:
     def __init__(self, p: Parameters, guard: PermissionParameters, step: Step = step_with_telemetry) -> None:
         self.permission, self.command = MotionPermission(guard), ZERO  # [V] of ideal valves, the last one
         self._tuning, self._state, self._step = ParameterUpdate(p), REST, step
+        self._taught = taught_watch.REST
 
     @property
     def parameters(self) -> Parameters:
@@ -46,9 +51,14 @@ class GuardedController:
         """Follow parameters that were set while the machine may be moving."""
         self._tuning.request(p)
 
+    def hear_taught(self, run: float, command: TaughtCommand, sent: float, problem: str = "") -> None:
+        """Hear a taught command of a run, and when it was sent [s]; a problem says why it cannot be read."""
+        self._taught = taught_watch.heard(self._taught, run, command, sent, problem)
+
     def stop(self) -> None:
         """Forget all motion: the command is zero."""
         self._state, self.command = REST, ZERO
+        self._taught = taught_watch.ended(self._taught)
         self.permission.forget()
 
     def stops_without_state(self, now: float, override: Override = NOBODY) -> bool:
@@ -87,15 +97,25 @@ class GuardedController:
             return decision, None
         if decision.verdict == Verdict.STOP:
             self._state = REST  # from which there is no ramp: zero at once
+        taught = self._follow(decision, machine.angles, now)
         inputs = Inputs(
             angles=machine.angles,
             rates=machine.rates,
             levers=decision.levers,
-            enabled=decision.verdict == Verdict.MOVE,
+            enabled=decision.verdict == Verdict.MOVE and not self._taught.cause,
             cylinders=cylinders,
             reach=valves.reach,
             voltages=valves.voltages,
+            taught=taught,
         )
         self._state, telemetry = self._step(self._state, inputs, self.parameters, decision.dt)
         self.command = telemetry.output.command
         return decision, telemetry
+
+    def _follow(self, decision: Decision, angles: Vec3, now: float) -> TaughtCommand:
+        """Return the taught command that counts for measured angles [rad] at a time [s]."""
+        permission, tip = self.permission, tip_position(angles, self.parameters.links)
+        moves, p = decision.verdict == Verdict.MOVE, permission.p.joystick
+        self._taught, command = taught_watch.assessed(self._taught, moves, permission.joystick, tip, now, p)
+        permission.causes["joystick"] = permission.causes["joystick"] or self._taught.cause
+        return command

@@ -129,7 +129,7 @@ def guarded(
 ) -> tuple[Guarded, Vec3]:
     """Return the guarded controller a step on, and the tip's reference velocity [m/s].
 
-    It does what `GuardedController` does when nothing is late.
+    It does what `GuardedController` does when nothing is late, and nothing is taught.
     """
     before, now, stamp = loop.control, row * PERIOD, (row + 1) * PERIOD_NS
     angles, rates = seen.joints.position, seen.joints.speed
