@@ -118,6 +118,12 @@ def recorder(bag: Path) -> NodeSpec:
     return NodeSpec("recorder", "forest_bag.recorder_node", output, needed=False)
 
 
+def taught_work(machine: str, folder: Path) -> NodeSpec:
+    """Return the player of taught work; without it the crane obeys its levers."""
+    arguments = (*machine_arguments(machine), *parameter("directory", str(folder.resolve())))
+    return NodeSpec("cycle", "forest_control.cycle_node", arguments, needed=False)
+
+
 def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Return the options of the live graph."""
     parser = argparse.ArgumentParser(prog="scripts/graph.sh", description="Run the live graph until Ctrl-C.")
@@ -131,6 +137,7 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
         help="play this once; default: /joy is yours",
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag there")
+    parser.add_argument("--cycles", type=Path, metavar="DIR", help="taught work: cycles are kept there")
     return parser.parse_args(arguments)
 
 
@@ -142,6 +149,8 @@ def graph_nodes(options: argparse.Namespace) -> list[NodeSpec]:
         nodes.insert(0, joystick(options.joystick, 0.0, 1))
     if not options.no_simulator:
         nodes.append(simulator(options.machine))
+    if options.cycles:
+        nodes.insert(0, taught_work(options.machine, options.cycles))
     if options.record:
         nodes.append(recorder(options.record))
     return nodes

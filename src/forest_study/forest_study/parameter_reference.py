@@ -9,6 +9,7 @@ from typing import Any
 from forest_bag.play.player_parameters import PlayerParameters, StepPlayerParameters
 from forest_bag.record.recorder_parameters import RecorderParameters
 from forest_control.config.controller_parameters import ControllerParameters, ProfileParameter
+from forest_control.config.cycle_parameters import CycleParameters, TaughtNames
 from forest_control.config.settings import Settings
 from forest_control.operator.joystick_sources import JoystickParameters
 from forest_control.operator.joystick_watch import WatchParameters
@@ -40,6 +41,7 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         "ros2 run forest_control valve_driver_node",
         (MachineParameter, DriverSettings, DriverParameters, ClockParameters),
     ),
+    "cycle": ("ros2 run forest_control cycle_node", (MachineParameter, CycleParameters, TaughtNames)),
     "recorder": ("ros2 run forest_ident recorder_node", (RecorderParameters, ListenerParameters)),
     "player": ("forest-bag play BAG", (PlayerParameters,)),
     "step_player": (
