@@ -84,7 +84,7 @@ LAWS = {
     "kinematics": kinematics,
     "sensors": lambda: _stepping(sensor_readings.report, sensor_run._example()),
     "controller": lambda: _stepping(controller.step_with_telemetry, control._control()),
-    "driver": lambda: _stepping(valve_driver.step_measured, control._drive()),
+    "driver": lambda: _stepping(valve_driver.step, control._drive()),
 }
 
 

@@ -21,7 +21,7 @@ from forest_study import parameter_reference
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = ROOT / "docs" / "reference"
 WIDTH = 100
-SCRIPTS = ("demo", "graph", "bags")
+SCRIPTS = ("demo", "graph", "station", "bags")
 
 COMMAND_LINES = """# Command lines
 

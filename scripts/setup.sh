@@ -2,7 +2,8 @@
 # Makes .venv in the checkout and installs the locked dependencies and the packages of src/ into it.
 #
 #   scripts/setup.sh         what running needs
-#   scripts/setup.sh test    also what only the tests need (pytest, and the libraries that they compare with)
+#   scripts/setup.sh test    also what only the tests need (pytest, the libraries that they compare with, and, as
+#                            root on Debian, Chromium)
 #   scripts/setup.sh dev     what running needs, and the check tools (ruff, mypy, import-linter, pre-commit, colcon)
 #   scripts/setup.sh docs    what running needs, and the tools that build the pages (mkdocs-material, mkdocstrings)
 #
@@ -227,9 +228,26 @@ install_run() {
     say "Done."
 }
 
+# The page's tests drive a real browser. Whoever may install packages gets one; others are told.
+install_browser() {
+    local name
+    for name in chromium chromium-browser google-chrome; do
+        ! type -P "$name" >/dev/null || return 0
+    done
+    if ((EUID == 0)) && type -P apt-get >/dev/null; then
+        run_step "apt-get update" apt-get --quiet update
+        run_step "installing chromium" env DEBIAN_FRONTEND=noninteractive \
+            apt-get --quiet --yes install --no-install-recommends chromium
+    else
+        say "no Chromium was found, so the tests of the operator's page are skipped:" \
+            "install it (Debian: sudo apt install chromium)."
+    fi
+}
+
 install_test() {
     say "Installing what only the tests need …"
     pip_install_lock -test
+    install_browser
     printf '%s\n' "$test_key" >"$venv/.stamp-test"
     say "Done."
 }

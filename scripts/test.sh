@@ -6,5 +6,5 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" test
 export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST # tests talk to nobody outside this machine
 export OMP_NUM_THREADS=1                       # threads of BLAS only disturb the timing of the nodes
 cd "$root"
-[[ $# -gt 0 ]] || set -- -p xdist --numprocesses auto --maxprocesses 8 --dist loadfile
+[[ $# -gt 0 ]] || set -- -p xdist --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 exec "$venv/bin/python" -m pytest "$@"

@@ -7,18 +7,18 @@ import importlib
 import itertools
 import os
 import random
-import signal
 import socket
-import subprocess
 import sys
 import time
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from peer import Peer
+from processes import FORKED, ForkedNode, Process, Told
 
 import forest_msgs_py
 
@@ -29,9 +29,7 @@ with warnings.catch_warnings(), contextlib.suppress(ImportError):
     importlib.import_module("rosidl_generator_py")
 
 DOMAINS = range(80, 102)
-# Limits at which a test fails rather than hangs; on a busy machine a node alone takes seconds to start.
-MET_S, ENDED_S, TOLD_S = 30.0, 60.0, 5.0
-PORT_TAKEN = "RTPS_TRANSPORT_SHM"
+MET_S = 30.0  # at which a test fails rather than hangs; on a busy machine a node alone takes seconds to start
 
 # Before the first participant of this process: the middleware reads them once.
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
@@ -39,52 +37,17 @@ os.environ["PYTHONFAULTHANDLER"] = "1"
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(forest_msgs_py.__file__).with_name("loopback.xml"))
 
 
-class Process(subprocess.Popen):
-    """A process with its own session, whose output goes to a file."""
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Run the files that start most processes first, and the longest of the others next.
 
-    def __init__(self, argv: list[str], log: Path, **options: Any) -> None:
-        self.log = log
-        with log.open("w") as output:
-            super().__init__(argv, stdout=output, stderr=output, start_new_session=True, **options)
+    A file runs in one worker: the last one to begin should be short.
+    """
+    starts = Counter(item.path for item in items if {"domain_id", "session_domain_id"} & _fixtures(item))
+    items.sort(key=lambda item: (starts[item.path], str(item.path)), reverse=True)
 
-    def text(self) -> str:
-        """What it has printed so far, without the middleware's word for a port that is another run's.
 
-        Participants of all domains try the same shared-memory ports in turn (fastrtps_port7000 on); one that
-        just ends, or is frozen, makes them say "Failed init_port", and they take the next.
-        """
-        return "".join(line for line in self.log.read_text().splitlines(True) if PORT_TAKEN not in line)
-
-    def stop(self, number: int = signal.SIGINT) -> int:
-        """Ask it to stop and give its exit code; kill it if it does not."""
-        if self.poll() is None:
-            self.send_signal(number)
-        return self.ended()
-
-    def ended(self) -> int:
-        """Wait until it ends and give its exit code; if it hangs, have it tell where, and kill it."""
-        try:
-            return self.wait(ENDED_S)
-        except subprocess.TimeoutExpired:
-            self.send_signal(signal.SIGABRT)
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                self.wait(TOLD_S)
-            self.kill_group()
-            pytest.fail(f"{self.args} did not end within {ENDED_S} s:\n{self.text()}")
-
-    def kill_group(self) -> None:
-        """Kill the whole session."""
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(self.pid, signal.SIGKILL)
-        self.wait(ENDED_S)
-
-    def leftover(self) -> bool:
-        """Whether anything of its session still runs."""
-        try:
-            os.killpg(self.pid, 0)
-        except ProcessLookupError:
-            return False
-        return True
+def _fixtures(item: pytest.Item) -> set[str]:
+    return set(getattr(item, "fixturenames", ()))
 
 
 _domains = itertools.cycle(random.Random(os.getpid()).sample(DOMAINS, len(DOMAINS)))
@@ -151,15 +114,17 @@ def make_node(ros_context: Any) -> Iterator[Callable[..., Any]]:
 
 
 @pytest.fixture
-def start_process(tmp_path: Path) -> Iterator[Callable[..., Process]]:
+def start_process(tmp_path: Path) -> Iterator[Callable[..., Told]]:
     """Starts processes (``python=True``: arguments for this interpreter); none of them outlives the test."""
-    started: list[Process] = []
+    started: list[Any] = []
 
-    def start(argv: list[str], python: bool = True, **options: Any) -> Process:
-        whole = [sys.executable, *argv] if python else argv
-        process = Process(whole, tmp_path / f"process_{len(started)}.log", **options)
-        started.append(process)
-        return process
+    def start(argv: list[str], python: bool = True, **options: Any) -> Told:
+        log = tmp_path / f"process_{len(started)}.log"
+        if python and argv[0] == "-m" and argv[1] in FORKED and not options:
+            started.append(ForkedNode(argv[1], argv[2:], log))
+        else:
+            started.append(Process([sys.executable, *argv] if python else argv, log, **options))
+        return started[-1]
 
     yield start
     for process in started:

@@ -10,7 +10,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = sorted(path.parent.name for path in ROOT.glob("src/*/package.xml"))
+LONGER = {"foxglove_node": 149, "player_node": 139}  # lines of shells that are still to be shortened
 SHELLS = {("forest_bag", "timeseries"), ("forest_bringup", "graph_monitor")}
+ROOMS = {("forest_station", "graph")}
 ROS = {
     "ament_index_python",
     "builtin_interfaces",
@@ -23,6 +25,7 @@ ROS = {
     "sensor_msgs",
     "std_msgs",
     "std_srvs",
+    "visualization_msgs",
 }
 
 
@@ -39,13 +42,20 @@ def imported(source: str) -> set[str]:
     return {name.partition(".")[0] for name in names}
 
 
-def may_know_ros(package: str, module: str) -> bool:
-    """The nodes, the package of messages, the reader of any message, and the monitor of the graph."""
-    return package == "forest_msgs_py" or module.endswith("_node") or (package, module) in SHELLS
+def may_know_ros(package: str, path: Path) -> bool:
+    """The nodes, the package of messages, the reader of any message, the graph's monitor, a room."""
+    if (package, path.parent.name) in ROOMS:
+        return True
+    return package == "forest_msgs_py" or path.stem.endswith("_node") or (package, path.stem) in SHELLS
 
 
 def modules(package: str) -> list[Path]:
     return sorted((ROOT / "src" / package / package).rglob("*.py"))
+
+
+@pytest.mark.parametrize("shell", sorted(ROOT.glob("src/*/*/*_node.py")), ids=lambda path: path.stem)
+def test_a_shell_has_no_more_than_120_lines(shell):
+    assert shell.read_text("utf-8").count("\n") <= LONGER.get(shell.stem, 120)
 
 
 def imported_by(package: str) -> set[str]:
@@ -80,7 +90,7 @@ def test_ros_is_imported_only_by_nodes_messages_and_monitor(package):
     offenders = [
         f"{path.relative_to(ROOT)} imports {', '.join(sorted(names))}"
         for path in modules(package)
-        if not may_know_ros(package, path.stem) and (names := imported(path.read_text("utf-8")) & ROS)
+        if not may_know_ros(package, path) and (names := imported(path.read_text("utf-8")) & ROS)
     ]
     assert modules(package)
     assert not offenders
@@ -144,7 +154,7 @@ def test_colcon_and_pip_install_the_same_executables():
         colcon |= re.findall(
             r'"([\w-]+) = ([\w.]+:main)"', (ROOT / "src" / package / "setup.py").read_text("utf-8")
         )
-    assert len(pip) == 16
+    assert len(pip) == 20
     assert colcon == pip
 
 

@@ -20,8 +20,7 @@ from forest_control.valve.tracking_limit import FULL
 from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_description.types import ZERO
-from forest_msgs_py.clock.step_topics import STEP_NS
-from forest_msgs_py.types import PERIOD
+from forest_msgs_py.types import PERIOD, PERIOD_NS
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.simulation.simulated_machine import SimulatedMachine
 
@@ -96,20 +95,20 @@ class Crane:
     def period(self, levers):
         """The machine's period, then the controller's and the driver's answer to what it reports."""
         self.count += 1
-        now, stamp = PERIOD * self.count, STEP_NS * self.count
+        now, stamp = PERIOD * self.count, PERIOD_NS * self.count
         self.report = self.simulated.step(self.voltages)
         seen = self.report.seen
         heard = Sample(
             received=now, stamp=stamp, heartbeat=self.count, same=False, good=True, levers=levers, held=True
         )
-        self.controller.permission.hear(heard)
+        self.controller.guard.hear(heard)
         state = MachineState(seen.joints.position, seen.joints.speed, stamp, now)
         feedback = ValveFeedback(FULL, self.voltages, DriverSample(self.voltages, now))
         _, told = self.controller.advance(state, feedback, now)
         at, supply = seen.pressures, seen.supply_pressure
         pressures = valve_driver.Pressures((at[1], at[5], at[9]), (at[3], at[7], at[11]), supply)
         motion = valve_driver.Motion(seen.actuators.position, (at[0], at[4], at[8]), (at[2], at[6], at[10]))
-        self.drive, self.voltages = valve_driver.step_measured(
+        self.drive, self.voltages = valve_driver.step(
             self.drive, told.output.command, pressures, motion, self.driver, PERIOD
         )
 

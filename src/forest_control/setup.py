@@ -10,7 +10,9 @@ setup(
     description="How the operator's wish becomes voltage: joystick, schemes, valve driver, their nodes",
     license="Apache-2.0",
     packages=find_packages(include=[package, f"{package}.*"]),
-    package_data={package: ["py.typed", "profiles/*.yaml", "workspaces/*.yaml", "cycles/*.yaml"]},
+    package_data={
+        package: ["py.typed", "cycles/*.yaml", "joysticks/*.yaml", "profiles/*.yaml", "workspaces/*.yaml"]
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),

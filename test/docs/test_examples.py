@@ -25,9 +25,11 @@ NOT_RUN = {
     "tutorials/write-a-scheme.md": 1,
     "how-to/real-iron.md": 5,
     "how-to/teach-a-cycle.md": 3,
+    "how-to/drive-from-a-browser.md": 3,
     "how-to/another-machine.md": 1,
     "how-to/record-recover-replay.md": 1,
     "how-to/debug-in-lockstep.md": 2,
+    "how-to/open-in-rviz-foxglove-plotjuggler.md": 5,
 }
 
 

@@ -9,6 +9,7 @@ rclpy = pytest.importorskip("rclpy")
 
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, SetParameters
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
@@ -127,6 +128,41 @@ def test_as_fast_as_possible_loses_nothing(make_bag, play, peer):
     peer.until(lambda: process.poll() is not None)
     assert process.returncode == 0, process.text()
     assert "late" not in process.text()
+
+
+def test_several_bags_are_bursted_as_one_merged_by_time_under_another_qos(
+    make_bag, start_process, peer, tmp_path
+):
+    first = make_bag({topics.JOINT_STATES: [(START + 2 * step, joints(2 * step)) for step in range(N)]}, "a")
+    second = make_bag(
+        {topics.JOINT_STATES: [(START + 2 * step + 1, joints(2 * step + 1)) for step in range(N)]}, "b"
+    )
+    qos = tmp_path / "qos.yaml"
+    qos.write_text("/joint_states: {durability: transient_local, depth: 200}")
+    late = QoSProfile(depth=200, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    count, heard = N + 7, []
+    process = start_process(
+        [
+            "-m",
+            "forest_bag.cli.main",
+            "burst",
+            str(first),
+            str(second),
+            "-n",
+            str(count),
+            "-d",
+            "0",
+            "--qos-profile-overrides-path",
+            str(qos),
+        ]
+    )
+    kind = topics.message_class(topics.JOINT_STATES)
+    peer.until(lambda: peer.node.count_publishers("/joint_states"))
+    peer.node.create_subscription(kind, "/joint_states", lambda m: heard.append(m.position[0]), late)
+    peer.until(lambda: len(heard) == count)
+    assert heard == [float(step) for step in range(count)]
+    assert process.stop(signal.SIGINT) == 0  # it was paused
+    assert f"played {count} messages" in process.text()
 
 
 def test_a_type_that_was_defined_otherwise_is_warned_of(play, tmp_path):

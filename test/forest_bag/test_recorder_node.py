@@ -19,6 +19,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float64, String
 from std_srvs.srv import Trigger
 
+from forest_bag.read.bag_reader import BagReader
 from forest_bag.read.timeseries import read_bag
 from forest_msgs_py.interfaces import messages, topics
 from forest_msgs_py.runtime import node
@@ -215,6 +216,37 @@ def test_latecomers_are_heard_and_a_best_effort_one_beside_a_reliable_publisher(
     words = [profile["reliability"] for profile in yaml.safe_load(last["offered_qos_profiles"])]
     assert sorted(words) == ["best_effort", "reliable"]
     assert last["topic_type_hash"].startswith("RIHS01_")
+
+
+def test_log_times_by_clock_and_a_subscription_of_another_qos(domain_id, start_process, peer, tmp_path):
+    """The publisher of `loose` offers best effort: who asks for more hears nothing of it."""
+    qos = tmp_path / "qos.yaml"
+    qos.write_text("/loose: {reliability: reliable}")
+    options = [
+        "--use-sim-time",
+        "--qos-profile-overrides-path",
+        str(qos),
+        "--topics",
+        "/joint_states",
+        "/loose",
+    ]
+    process = start_process(["-m", "forest_bag.cli.main", "record", "-o", str(tmp_path / "bag"), *options])
+    loose = peer.node.create_publisher(
+        Float64, "loose", QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+    )
+    joints, clock = peer.speak(topics.JOINT_STATES), peer.speak(topics.CLOCK)
+    peer.until(lambda: clock.get_subscription_count() == 2)  # the recorder's, and rclpy's own
+    probe = tmp_path / "bag" / "bag_0.mcap"
+    joints.publish(messages.joint_state(topics.JOINTS, 1, (-1.0, 0.0, 0.0)))  # before the first time
+    for step in range(3):
+        clock.publish(topics.message_class(topics.CLOCK)(clock=messages.ns_to_stamp(700 + 100 * step)))
+        joints.publish(messages.joint_state(topics.JOINTS, 1, (float(step), 0.0, 0.0)))
+        loose.publish(Float64(data=1.0))
+        peer.until(lambda: messages_in(probe, "/joint_states") == step + 1)  # noqa: B023
+    assert process.stop() == 0
+    with BagReader(tmp_path / "bag") as bag:
+        told = [(m.channel.topic, m.log_ns) for m in bag.messages() if m.channel.topic != "/events"]
+    assert told == [("/joint_states", 700), ("/joint_states", 800), ("/joint_states", 900)]
 
 
 @pytest.mark.parametrize(

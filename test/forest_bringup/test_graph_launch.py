@@ -10,7 +10,7 @@ from forest_bringup.graph import graph_nodes, parse_options
 
 SOURCES = Path(__file__).resolve().parents[2] / "src"
 FILE = SOURCES / "forest_bringup" / "launch" / "graph.launch.py"
-WHOLE = ["--joystick", "thesis", "--record", "bag"]
+WHOLE = ["--joystick", "thesis", "--foxglove", "8765", "--record", "bag"]
 
 
 def constant(name):
@@ -41,9 +41,11 @@ def test_launch_starts_the_nodes_of_graph_sh():
     context = launch.LaunchContext()
     description = source.get_launch_description(context)
     for argument in description.get_launch_arguments():
-        context.launch_configurations[argument.name] = {"joystick": "thesis", "record": "bag"}.get(
-            argument.name, "".join(part.text for part in argument.default_value)
-        )
+        context.launch_configurations[argument.name] = {
+            "joystick": "thesis",
+            "foxglove": "8765",
+            "record": "bag",
+        }.get(argument.name, "".join(part.text for part in argument.default_value))
     nodes = description.entities[-1].execute(context)
     assert [node.node_executable for node in nodes] == [
         spec.module.split(".")[1] for spec in graph_nodes(parse_options(WHOLE))

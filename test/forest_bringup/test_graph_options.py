@@ -74,9 +74,17 @@ def test_every_option_reaches_its_nodes(started, tmp_path, monkeypatch):
         "--joystick",
         "levers.csv",
     ]
-    assert graph.main([*options, "--record", "bag", "--shadow"]) == 0
+    assert graph.main([*options, "--record", "bag", "--shadow", "--foxglove", "8765"]) == 0
     nodes = started.nodes
-    assert list(nodes) == ["joystick", "controller", "valve_driver", "simulator", "recorder"]
+    assert list(nodes) == [
+        "joystick",
+        "controller",
+        "valve_driver",
+        "simulator",
+        "viewer",
+        "foxglove",
+        "recorder",
+    ]
     assert (started.namespace, started.may_publish) == ("/crane", False)
     assert started.until[0] == "joystick"
     assert parameters(nodes["joystick"]) == {
@@ -87,12 +95,13 @@ def test_every_option_reaches_its_nodes(started, tmp_path, monkeypatch):
         "interpolate": "true",
     }
     assert parameters(nodes["controller"])["scheme"] == '"joint"'
-    assert {parameters(nodes[name])["machine"] for name in ("controller", "valve_driver", "simulator")} == {
-        '"loader"'
-    }
+    assert {
+        parameters(nodes[name])["machine"] for name in ("controller", "valve_driver", "simulator", "viewer")
+    } == {'"loader"'}
     assert parameters(nodes["valve_driver"])["shadow"] == "true"
     assert parameters(nodes["recorder"]) == {"output": f'"{tmp_path}/bag"'}
-    assert [name for name, node in nodes.items() if not node.needed] == ["recorder"]
+    assert [name for name, node in nodes.items() if not node.needed] == ["viewer", "foxglove", "recorder"]
+    assert parameters(nodes["foxglove"]) == {"port": "8765"}
 
 
 def test_without_a_simulator_the_controller_describes_the_machine(started):
@@ -172,3 +181,17 @@ def test_taught_work_is_a_node_that_the_others_do_without(started, tmp_path):
     cycle = started.nodes["cycle"]
     assert parameters(cycle) == {"machine": '"loader"', "directory": f'"{tmp_path}"'}
     assert not cycle.needed
+
+
+@pytest.mark.parametrize(
+    ("given", "device"), [("device", "auto"), ("/dev/input/event7", "/dev/input/event7"), ("two.yaml", None)]
+)
+def test_a_joystick_may_be_a_device_and_the_graph_does_not_wait_for_its_end(
+    started, tmp_path, monkeypatch, given, device
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "two.yaml").touch()
+    assert graph.main(["--joystick", given]) == 0
+    assert parameters(started.nodes["joystick"]) == {"device": f'"{device or tmp_path / given}"'}
+    assert started.until == [None]
+    assert "profile" not in parameters(started.nodes["controller"])

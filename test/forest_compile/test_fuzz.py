@@ -191,7 +191,7 @@ def test_the_plant_at_random_states_is_pythons_to_the_last_bit(name):
     ("kept", "step", "example"),
     [
         (control_compiled.CONTROLLER, controller.step_with_telemetry, control_compiled._control),
-        (control_compiled.DRIVER, valve_driver.step_measured, control_compiled._drive),
+        (control_compiled.DRIVER, valve_driver.step, control_compiled._drive),
         (sensor_run.KERNEL, sensor_readings.report, sensor_run._example),
     ],
     ids=["controller", "driver", "sensors"],

@@ -222,6 +222,7 @@ def test_a_bad_state_gives_zero_and_the_node_lives(rig, peer):
         r.joints = joints
         r.push()
     assert r.process.poll() is None
+    assert "joint state: no finite velocity; allowed: rad/s of every joint" in r.process.text()
 
 
 def test_a_joint_without_a_sensor_gives_zero_and_is_named(rig, peer):
@@ -487,6 +488,7 @@ def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig,
     assert answer("tip_speed", 1).successful  # a whole number, as people type it
     assert answer("feedback_gain", [3.0, 4.0, 4.0]).successful
     assert answer("profile", "operator").successful
+    assert answer("workspace", "c180").successful
     told = client.get_parameters(["tip_speed", "axis_frame"])
     peer.until(told.done)
     assert [value.double_value for value in told.result().values] == [0.8, 0.0]
@@ -496,11 +498,16 @@ def test_scheme_and_gains_can_be_set_while_it_moves_and_nonsense_is_refused(rig,
         ("joint_rates", (1.0, 2.0, 30.0)): "allowed: 0.01 .. 3 rad/s",
         ("lead_time", (0.1, 0.1)): "allowed: 3 numbers",
         ("profile", "nobody"): "profile 'nobody': neither shipped",
+        ("workspace", "nowhere"): "workspace 'nowhere': neither shipped",
+        ("workspace", "c180"): "the crane is driven; allowed: with the deadman released",
     }
     for (name, value), said in refused.items():
         found = answer(name, value)
         assert not found.successful
         assert said in found.reason
+    r.joy_timer.cancel()
+    peer.until(r.standing)
+    assert answer("workspace", "c180").successful
     assert r.process.poll() is None
 
 

@@ -77,7 +77,7 @@ class Stalling:
             controller_topics, "number_publisher", lambda clock, topic, *_, **__: clock.publisher(topic)
         )
         monkeypatch.setattr(compiled, "controller_step", lambda: controller.step_with_telemetry)
-        monkeypatch.setattr(controller_node, "InputStatus", lambda *_: Quiet())
+        monkeypatch.setattr(controller_topics, "InputStatus", lambda *_: Quiet())
         self.node = controller_node.ControllerNode()
         self.node._inputs.joy = self.joystick
 
@@ -137,7 +137,7 @@ def test_a_state_that_ends_a_stall_and_counts_for_nothing_is_answered_by_zero_an
     stalling.state(last + since_last)
     assert stalling.commands[said:] == [ZERO]
     assert any("no state of the machine" in complaint for complaint in stalling.complaints())
-    assert not stalling.node._permission.joystick.armed
+    assert not stalling.node._guard.permission.joystick.armed
 
 
 def test_a_stop_publishes_zero_whatever_the_controller_commands_meanwhile(stalling):

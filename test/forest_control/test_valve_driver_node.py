@@ -43,9 +43,9 @@ def volts(message):
     return reading.values
 
 
-def compensated(measured=None, values=COMMAND, **settings):
+def compensated(measured=valve_driver.UNSEEN, values=COMMAND, **settings):
     p = valve_driver_parameters.parameters(load_machine(), Settings(**{"beyond_valve": False, **settings}))
-    return valve_driver.step(valve_driver.REST, values, measured, p, 0.005)[1]
+    return valve_driver.step(valve_driver.REST, values, measured, valve_driver.STILL, p, 0.005)[1]
 
 
 class Rig:

@@ -31,6 +31,7 @@ MADE = {
     "experiment_operator": "forest_ident.experiment_operator_node.ExperimentOperatorNode",
     "online_identification": "forest_ident.online_node.OnlineIdentificationNode",
     "delay": "forest_study.delay_node.DelayNode",
+    "station": "forest_station.station_node.StationNode",
 }
 
 
@@ -54,7 +55,7 @@ def made(request, domain_id, tmp_path):
     switch_interval = sys.getswitchinterval()
     try:
         if request.param == "player":
-            node = PlayerNode(PlayOptions(bag=BAG, delay=1e6))
+            node = PlayerNode(PlayOptions(bags=(BAG,), delay=1e6))
         else:
             module, _, name = MADE[request.param].rpartition(".")
             node = getattr(importlib.import_module(module), name)()

@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 NODES = ("joystick", "controller", "valve_driver", "simulator", "recorder")
-ALL = (*NODES, "experiment_operator")
+ALL = (*NODES, "experiment_operator", "station")
 
 
 def nodes_of(supervisor):

@@ -1,7 +1,7 @@
 """The player node: raw bytes from a bag onto their topics, with the QoS they were recorded with.
 
-Playing runs in a thread of its own; the executor serves Trigger services (pause, resume, toggle_paused,
-play_next) and the parameters rate and seek.
+Playing runs in a thread of its own; the executor serves rosbag2's services, or Triggers (pause, resume,
+toggle_paused, play_next) where its interfaces are not installed, and the parameters rate and seek.
 """
 
 import gc
@@ -12,17 +12,17 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from forest_bag.play.keyboard import Keyboard
-from forest_bag.play.play_options import PlayOptions, plan, select
+from forest_bag.play.play_options import PlayOptions, as_fast_as_possible, plan, select
 from forest_bag.play.playback import Player
-from forest_bag.play.player_parameters import PlayerParameters
+from forest_bag.play.player_parameters import DESCRIPTIONS
 from forest_bag.play.read_ahead import BagSource
 from forest_bag.play.remote_control import KEYS, RemoteControl
-from forest_bag.read.bag_reader import BagReader
+from forest_bag.play.rosbag2_services import rosbag2_services
+from forest_bag.read.merged_bags import MergedBags
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage
 from forest_msgs_py.introspection.raw_publishers import RawPublishers, is_installed
 from forest_msgs_py.runtime.node import Finished, NodeFailure
-from forest_msgs_py.runtime.parameter_table import table_rows
 from forest_msgs_py.runtime.services import offer_parameters, offer_triggers
 
 SWITCH_S = 2e-4  # how long another Python thread may keep the interpreter; by default 5 ms
@@ -32,7 +32,7 @@ REMINDER_POLLS = 100
 
 
 class PlayerNode(Node):
-    """Plays one bag, then ends."""
+    """Plays one bag, or several as one, then ends."""
 
     def __init__(self, options: PlayOptions) -> None:
         super().__init__("player")
@@ -41,7 +41,7 @@ class PlayerNode(Node):
         self._given_up = 0
         self._failure: Exception | None = None
         try:
-            self._reader = BagReader(options.bag)
+            self._reader = MergedBags(options.bags)
             chosen = select(self._reader, options, is_installed)
             source = BagSource(self._reader, chosen.profiles)
             whole = plan(self._reader, options)
@@ -50,22 +50,39 @@ class PlayerNode(Node):
         for warning in chosen.warnings:
             self.get_logger().warning(warning)
         self._out = RawPublishers(
-            self, chosen.names, chosen.types, chosen.profiles, bool(options.clock), options.rate == 0.0
+            self,
+            chosen.names,
+            chosen.types,
+            chosen.profiles,
+            bool(options.clock),
+            as_fast_as_possible(options),
         )
         for topic in self._out.redefined(chosen.hashes):
             self.get_logger().warning(f"{topic}: {chosen.types[topic]} was recorded with another definition")
         self._player = Player(source, self, whole)
+        if options.burst is not None:
+            self._player.begin_burst(options.burst)
         self._remote = RemoteControl(self._player, self._reader.span, self._set_rate, self.get_logger().info)
-        offer_triggers(self, self._remote.services)
+        self._offer_services()
         values = {"rate": options.rate, "seek": 0.0}
-        texts = {row.name: row.description for row in table_rows(PlayerParameters)}
-        highest = self._remote.highest
-        offer_parameters(self, values, texts, highest, self._remote.refuse, self._remote.apply)
+        remote = self._remote
+        offer_parameters(self, values, DESCRIPTIONS, remote.highest, remote.refuse, remote.apply)
         self._done = self.create_guard_condition(self._finish)
         sys.setswitchinterval(SWITCH_S)
         gc.freeze()
         self._thread = threading.Thread(target=self._play, name="player", daemon=True)
         self._thread.start()
+
+    def _offer_services(self) -> None:
+        """Offer rosbag2's services by their types, or some as Triggers where those are not installed."""
+        try:
+            from rosbag2_interfaces import srv
+        except ImportError:
+            offer_triggers(self, self._remote.services)
+            return
+        offered = rosbag2_services(self._player, self._reader.span, self._set_rate)
+        for name, (kind, answer) in offered.items():
+            self.create_service(getattr(srv, kind), f"~/{name}", answer)
 
     def publish(self, message: RawMessage) -> None:
         """Send a message of the bag."""

@@ -11,28 +11,27 @@ last step.
 
 import sys
 import threading
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 from rclpy.node import Node
-from std_srvs.srv import Trigger
 
-from forest_bag.record.recorder_parameters import RecorderParameters
-from forest_bag.record.recording import Recording, Refusal
+from forest_bag.record.recorder_parameters import RecorderParameters, overrides
+from forest_bag.record.recorder_setup import new_session, topic_choice
+from forest_bag.record.recording import Recording, Refusal, answered
 from forest_bag.record.run_context import RunContext, versions
-from forest_bag.record.topic_choice import ChoiceError, TopicChoice
-from forest_bag.write.bag_session import Session
-from forest_bag.write.bag_split import Layout
+from forest_bag.record.sim_time import SimTime
+from forest_bag.write.transient_local import is_transient_local
 from forest_msgs_py.clock.step_listener import listener
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
-from forest_msgs_py.introspection.graph_listener import DiscoveredTopic
+from forest_msgs_py.introspection.graph_listener import DiscoveredTopic, ReceivedMessage
 from forest_msgs_py.introspection.parameter_survey import ParameterSurvey
-from forest_msgs_py.runtime.node import NodeFailure, publisher, run_node, timer
+from forest_msgs_py.runtime.node import publisher, run_node, timer
 from forest_msgs_py.runtime.node_parameters import declare
-from forest_msgs_py.runtime.parameter_table import ParameterError
+from forest_msgs_py.runtime.services import offer_triggers
 
+CLOCK = topics.CLOCK.name
 QUICK_POLL_S, SLOW_POLL_S = 0.05, 0.25
 QUICK_POLLS = 100  # the first five seconds, while a graph comes up
 
@@ -43,44 +42,24 @@ class RecorderNode(Node):
     def __init__(self) -> None:
         super().__init__("recorder")
         p = declare(self, RecorderParameters)
-        choice, session = self._choice(p), self._new_session(p)
-        self._listener = listener(self, choice.wants, self._offered, self._refused, self._settled)
-        self._recording = Recording(session, self._listener.take, self.get_logger().info)
+        self._chosen = topic_choice(p, self.resolve_topic_name, self.get_namespace())
+        session, begins = new_session(p)
+        self.get_logger().info(begins)
+        by_clock = bool(self.get_parameter("use_sim_time").value)
+        self._sim_time = SimTime(self._chosen.wants(CLOCK)) if by_clock else None
+        self._listener = listener(
+            self, self._hears, self._offered, self._refused, self._settled, overrides(p)
+        )
+        self._recording = Recording(session, self._take, self.get_logger().info)
         self._events = publisher(self, topics.EVENTS)
         answers = {name: getattr(self._recording, name) for name in ("start", "stop", "split", "snapshot")}
-        for name, verb in (answers | {"mark": self._mark}).items():
-            self.create_service(Trigger, f"~/{name}", self._service(verb))
+        verbs, say = answers | {"mark": self._mark}, self.get_logger().info
+        offer_triggers(self, {name: answered(verb, say) for name, verb in verbs.items()})
         self._run_context = RunContext(session.attach, session.note, self.get_logger().warning)
         session.note("forest_versions", versions())
         self._survey = ParameterSurvey(self, self._learn)
         self._polls = 0
         self._poll_timer = timer(self, QUICK_POLL_S, self._poll)
-
-    def _choice(self, p: RecorderParameters) -> TopicChoice:
-        chosen = [*p.topics, topics.EVENTS.name] if any(p.topics) or p.regex else p.topics
-        resolve, namespace = self.resolve_topic_name, self.get_namespace()
-        try:
-            return TopicChoice(resolve, namespace, chosen, p.regex, p.exclude, p.everything)
-        except ChoiceError as error:
-            raise ParameterError(f"parameter 'regex' or 'exclude': {error}") from error
-
-    def _new_session(self, p: RecorderParameters) -> Session:
-        output, paused = p.output, p.start_paused
-        refused = f"parameter 'output' is {output!r}: %s; allowed: a directory that does not exist yet"
-        if not output:
-            raise ParameterError(refused % "no directory")
-        if Path(output).exists():
-            raise ParameterError(refused % f"{output} exists")
-        layout = Layout(p.compression, int(p.max_size * 1e6), int(p.max_duration * 1e9), durable=True)
-        session = Session(output, layout, int(p.snapshot_seconds * 1e9))
-        try:
-            if not paused:
-                session.start()
-        except OSError as error:
-            raise ParameterError(refused % error) from error
-        begin = "paused, will record" if paused else "waits for the first message, to be recorded"
-        self.get_logger().info(f"{begin} to {output}")
-        return session
 
     def run(self, stopping: threading.Event) -> None:
         """Copy what arrives until the node is to stop."""
@@ -99,8 +78,18 @@ class RecorderNode(Node):
         self._recording.guard(self._listener.look)
         self._survey.look()
 
+    def _hears(self, name: str, types: Sequence[str]) -> bool:
+        return self._chosen.wants(name, types) or (self._sim_time is not None and name == CLOCK)
+
+    def _take(self) -> list[ReceivedMessage]:
+        heard = self._listener.take()
+        return heard if self._sim_time is None else self._sim_time.stamped(heard)
+
     def _offered(self, offer: DiscoveredTopic) -> None:
-        self._recording.session.add_topic(*offer)
+        if self._sim_time is not None and is_transient_local(offer.profiles):
+            self._sim_time.keep(offer.name)
+        if self._chosen.wants(offer.name):
+            self._recording.session.add_topic(*offer)
 
     def _refused(self, name: str, reason: str) -> None:
         self.get_logger().info(f"not recorded: {name} {reason}")
@@ -120,17 +109,6 @@ class RecorderNode(Node):
         text = str(self.get_parameter("event").value)
         self._events.publish(message_class(topics.EVENTS)(data=text))
         return f"marked: {text}"
-
-    def _service(self, verb: Callable[[], str]) -> Callable[[Any, Any], Any]:
-        def answer(_request: Any, response: Any) -> Any:
-            try:
-                response.message, response.success = verb(), True
-            except (NodeFailure, Refusal) as error:  # a failure ends the node at its next turn
-                response.message, response.success = str(error), False
-            self.get_logger().info(response.message)
-            return response
-
-        return answer
 
 
 def main(args: list[str] | None = None) -> int:

@@ -17,13 +17,13 @@ from forest_bag.read.bag_reader import BagReader
 from forest_bag.storage.bag_files import BagError
 from forest_bag.storage.raw_messages import RawMessage
 from forest_msgs_py.clock.node_clock import node_clock
-from forest_msgs_py.clock.step_topics import STEP_NS
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.stamps import STAMPED
 from forest_msgs_py.interfaces.topics import Topic, find
 from forest_msgs_py.runtime.node import NodeFailure, run_node
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import ParameterError
+from forest_msgs_py.types import PERIOD_NS
 
 # /clock is this node's own; several nodes publish diagnostics, among them those under test.
 NOT_PLAYED = (topics.CLOCK, topics.DIAGNOSTICS)
@@ -65,10 +65,10 @@ class StepPlayerNode(Node):
     def _publish_until(self, stamp: int) -> None:
         """Publish what the bag holds up to a stamp [ns]."""
         while self._next is not None and self._next.log_ns <= stamp:
-            if self._next.log_ns % STEP_NS:
+            if self._next.log_ns % PERIOD_NS:
                 raise NodeFailure(
                     f"{self._bag.path} holds a message at {self._next.log_ns} ns; allowed: a bag that was "
-                    f"recorded in lockstep, with log times that are multiples of {STEP_NS} ns"
+                    f"recorded in lockstep, with log times that are multiples of {PERIOD_NS} ns"
                 )
             self._publishers_by_topic[self._next.channel.topic].publish(self._next.data)
             self._next = next(self._messages, None)

@@ -12,9 +12,13 @@ from typing import Any
 from forest_bringup.graph_lock import GraphError
 from forest_bringup.profile_choice import add_profile_option, profile_for
 from forest_bringup.supervisor import NodeSpec, Stopped, Supervisor
+from forest_control.config.joystick_file import AUTO
 from forest_control.servo.schemes import LABELS, Scheme
 
+DEVICE = "device"  # a joystick's source: the only gamepad that is plugged in
 LEADERS = ("simulator", "step_player")  # in lockstep: nodes that begin each step
+
+HIGHEST_PORT = 65535
 
 
 def add_graph_options(parser: argparse.ArgumentParser) -> None:
@@ -62,6 +66,22 @@ def source_path(text: str) -> str:
     return str(path.resolve())
 
 
+def joystick_source(text: str) -> str:
+    """Return what `source_path` does, or a device: `device`, a path below /dev, or that of a mapping file.
+
+    Raises:
+        argparse.ArgumentTypeError: none of them.
+    """
+    if text == DEVICE or text.startswith("/dev/"):  # which may be plugged in later
+        return text
+    return source_path(text)
+
+
+def is_device(source: str | None) -> bool:
+    """Tell whether a joystick's source is a device under a hand."""
+    return source is not None and (source == DEVICE or source.startswith("/dev/") or source.endswith(".yaml"))
+
+
 def machine_arguments(machine: str) -> tuple[str, ...]:
     """Return the ROS arguments that name the machine; every node that knows the machine gets them."""
     return parameter("machine", str(Path(machine).resolve() if Path(machine).suffix else machine))
@@ -84,6 +104,12 @@ def joystick(
     values = {"source": source, "duration": duration, "wait_for_subscribers": listeners, "faults": faults}
     arguments = parameters({**values, "interpolate": interpolate})
     return NodeSpec("joystick", "forest_control.joystick_node", arguments, urgent=True)
+
+
+def device_joystick(source: str) -> NodeSpec:
+    """Return the joystick that reads a device."""
+    device = parameter("device", AUTO if source == DEVICE else source)
+    return NodeSpec("joystick", "forest_control.joystick_node", device, urgent=True)
 
 
 def control(
@@ -124,6 +150,27 @@ def taught_work(machine: str, folder: Path) -> NodeSpec:
     return NodeSpec("cycle", "forest_control.cycle_node", arguments, needed=False)
 
 
+def viewer(machine: str) -> NodeSpec:
+    """Return the node that draws the crane for viewers."""
+    return NodeSpec("viewer", "forest_viewers.viewer_node", machine_arguments(machine), needed=False)
+
+
+def foxglove(port: int) -> NodeSpec:
+    """Return the server for Foxglove and Lichtblick."""
+    return NodeSpec("foxglove", "forest_viewers.foxglove_node", parameter("port", port), needed=False)
+
+
+def tcp_port(text: str) -> int:
+    """Return a TCP port.
+
+    Raises:
+        argparse.ArgumentTypeError: not a port.
+    """
+    if not text.isdecimal() or not 1 <= int(text) <= HIGHEST_PORT:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a port; allowed: 1 to {HIGHEST_PORT}")
+    return int(text)
+
+
 def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
     """Return the options of the live graph."""
     parser = argparse.ArgumentParser(prog="scripts/graph.sh", description="Run the live graph until Ctrl-C.")
@@ -132,9 +179,19 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--shadow", action="store_true", help="compute everything, publish no voltage")
     parser.add_argument(
         "--joystick",
-        type=source_path,
-        metavar="thesis|FILE.csv|BAG",
-        help="play this once; default: /joy is yours",
+        type=joystick_source,
+        metavar="thesis|FILE.csv|BAG|device|/dev/input/…|FILE.yaml",
+        help="play this once, or read the gamepad, the device, or those of a mapping file; "
+        "default: /joy is yours",
+    )
+    parser.add_argument(
+        "--viewer", action="store_true", help="publish all joints, frames and markers for RViz and the like"
+    )
+    parser.add_argument(
+        "--foxglove",
+        type=tcp_port,
+        metavar="PORT",
+        help="--viewer, and serve Foxglove and Lichtblick at ws://127.0.0.1:PORT (usual: 8765)",
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag there")
     parser.add_argument("--cycles", type=Path, metavar="DIR", help="taught work: cycles are kept there")
@@ -146,11 +203,16 @@ def graph_nodes(options: argparse.Namespace) -> list[NodeSpec]:
     profile = profile_for(options.joystick, options.profile)
     nodes = [*control(options.machine, options.scheme, options.shadow, options.no_simulator, profile)]
     if options.joystick:
-        nodes.insert(0, joystick(options.joystick, 0.0, 1))
+        source = options.joystick
+        nodes.insert(0, device_joystick(source) if is_device(source) else joystick(source, 0.0, 1))
     if not options.no_simulator:
         nodes.append(simulator(options.machine))
     if options.cycles:
         nodes.insert(0, taught_work(options.machine, options.cycles))
+    if options.viewer or options.foxglove:
+        nodes.append(viewer(options.machine))
+    if options.foxglove:
+        nodes.append(foxglove(options.foxglove))
     if options.record:
         nodes.append(recorder(options.record))
     return nodes
@@ -166,7 +228,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with Supervisor(
             nodes, options.namespace, logs, not options.shadow, lambda line: print(line, flush=True)
         ) as graph:
-            if options.joystick:
+            if options.joystick and not is_device(options.joystick):
                 graph.run(until="joystick")
                 print("the joystick source has played to its end; Ctrl-C stops the graph", flush=True)
             graph.run()

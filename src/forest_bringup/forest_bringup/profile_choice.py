@@ -64,7 +64,7 @@ def recorded_profile(bag: Path) -> dict[str, Any]:
     """Return a profile as the parameters attached to a bag tell it; {} where none are."""
     try:
         with BagReader(bag) as reader:
-            attached = [data for file in reader.files for name, data in file.attachments if _told(name)]
+            attached = [a.data for file in reader.files for a in file.attachments if _told(a.name)]
         tree = parsed(attached[0].decode()) if attached else None
     except (BagError, OSError, UnicodeDecodeError, yaml.YAMLError):
         return {}

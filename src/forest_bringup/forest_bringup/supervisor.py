@@ -32,7 +32,7 @@ POLL = 0.01  # [s]
 GRACE = 5.0  # [s] between SIGTERM and SIGKILL
 DISCOVERY = 0.6  # [s] in which another graph in the domain can show itself before ours starts
 LOOK_PERIOD = 1.0  # [s] between later looks
-COMMANDING = ("joystick", "experiment_operator", "controller", "valve_driver")
+COMMANDING = ("joystick", "station", "experiment_operator", "controller", "valve_driver")
 COULD_NOT_START = 2  # exit code
 ZERO_TIME = 0.3  # [s] for which the supervisor repeats zero voltage after a death
 

@@ -2,7 +2,7 @@
 
     ros2 launch forest_bringup graph.launch.py scheme:=coordinated joystick:=thesis record:=/tmp/bag
 
-A node that ends takes the others with it, but for joystick source and recorder. The supervisor of
+A node that ends takes the others with it, but for joystick source, recorder and viewers. The supervisor of
 `scripts/graph.sh` does more: it claims the domain, watches for other talkers, gives the nodes of the control
 loop precedence, and says zero voltage itself when the valve driver dies. Prefer it where iron moves.
 """
@@ -17,8 +17,8 @@ from forest_bringup.graph import graph_nodes, parse_options
 from forest_bringup.supervisor import NodeSpec
 from launch import LaunchContext, LaunchDescription
 
-VALUES = ("machine", "scheme", "namespace", "profile", "joystick", "record")
-FLAGS = ("no_simulator", "shadow")
+VALUES = ("machine", "scheme", "namespace", "profile", "joystick", "foxglove", "record")
+FLAGS = ("no_simulator", "shadow", "viewer")
 END_WITH_LAUNCH = (
     "setpriv --pdeathsig TERM"  # of util-linux: no orphan commands a crane after `kill -9` of launch
 )

@@ -39,9 +39,9 @@ def controller_step() -> Step:
 
 
 def driver_step() -> Step:
-    """Return `valve_driver.step_measured`, compiled if its code is there."""
+    """Return `valve_driver.step`, compiled if its code is there."""
     kernel = DRIVER.ready()
-    return CompiledStep(kernel, _drive()) if kernel else valve_driver.step_measured
+    return CompiledStep(kernel, _drive()) if kernel else valve_driver.step
 
 
 @lru_cache(maxsize=1)
@@ -57,16 +57,14 @@ def _control() -> Example:
 def _drive() -> Example:
     p = valve_driver_parameters.parameters(load_machine("c180"), valve_driver_parameters.Settings())
     inputs = (0.0, 0.0, 0.0), valve_driver.UNSEEN, valve_driver.STILL
-    state, voltages = valve_driver.step_measured(valve_driver.REST, *inputs, p, PERIOD)
+    state, voltages = valve_driver.step(valve_driver.REST, *inputs, p, PERIOD)
     return Example(state, inputs, p, voltages)
 
 
 CONTROLLER = CachedKernel(
     "controller", lambda: compiled_step.entry(controller.step_with_telemetry, _control(), NOINLINE)
 )
-DRIVER = CachedKernel(
-    "valve-driver", lambda: compiled_step.entry(valve_driver.step_measured, _drive(), NOINLINE)
-)
+DRIVER = CachedKernel("valve-driver", lambda: compiled_step.entry(valve_driver.step, _drive(), NOINLINE))
 
 
 def main() -> None:

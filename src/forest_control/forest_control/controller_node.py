@@ -4,7 +4,6 @@ It steps when the machine's state arrives. Whether the crane may move, `motion_p
 """
 
 import sys
-from functools import partial
 from typing import Any
 
 from rcl_interfaces.msg import SetParametersResult
@@ -22,7 +21,6 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
-from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.types import WATCHDOG_PERIOD
 
 
@@ -38,44 +36,28 @@ class ControllerNode(Node):
         self.add_on_set_parameters_callback(self._may_take_hands_off)
         guard = PermissionParameters(configuration.joystick, p.state_timeout, p.period)
         self._controller = GuardedController(configuration.parameters, guard, compiled.controller_step())
-        self._permission = self._controller.permission
-        configuration.watch(self._controller.tune)
+        self._guard = self._controller.guard
+        configuration.watch(self._controller.tune, self._controller.moves)
         said = self._node_clock.publisher(topics.DIAGNOSTICS)
-        self._diagnostics = Diagnostics(self, tuple(self._permission.causes), "standing still", said)
+        self._diagnostics = Diagnostics(self, tuple(self._guard.causes), "standing still", said)
         stopped = self._node_clock.publisher(topics.EMERGENCY_STOPPED)
-        self._stop = EmergencyStop(self, "", self._permission.against_reset, self._stand_still, stopped)
+        self._stop = EmergencyStop(self, "", self._guard.against_reset, self._stand_still, stopped)
         self._outputs = ControllerOutputs(self._node_clock, p.plain_arrays)
         if p.publish_description:
             self._outputs.say_description(robot_description(configuration.machine))
         self._inputs = ControllerInputs(self._node_clock, configuration.machine, p.deadman_button)
-        self._watch_inputs(self._node_clock.on(topics.JOINT_STATES, self._on_joint_states))
+        joints = self._node_clock.on(topics.JOINT_STATES, self._on_joint_states)
+        self._inputs.watch(self, self._diagnostics, joints, self._guard, configuration.limits)
+        self._diagnostics.watch("emergency stop", self._stop)
         self._node_clock.every(WATCHDOG_PERIOD, self._on_watchdog)
 
-    def _watch_inputs(self, joints: Any) -> None:
-        """Have /diagnostics tell of what the controller hears."""
-        heard, permission, inputs = (
-            partial(InputStatus, self, self._node_clock),
-            self._permission,
-            self._inputs,
-        )
-
-        def limits() -> dict[str, Any]:
-            return self._configuration.limits(self._override().hands_off)
-
-        joystick = heard(inputs.joy, "a joystick", permission.is_nobody_there)
-        self._diagnostics.watch("joystick", joystick, values=permission.joystick_values)
-        others = map(heard, (inputs.actuators, inputs.valves.volts, inputs.valves.status))
-        self._diagnostics.watch("machine", heard(joints, "the machine's state"), *others, values=limits)
-        self._diagnostics.watch("emergency stop", self._stop)
-
     def _on_joint_states(self, data: bytes, sent: float) -> None:
-        machine, override = self._inputs.machine_state(data, sent), self._override()
-        self._inputs.read_joystick(self._permission)
-        self._inputs.read_taught(self._controller)
+        (machine, problem), override = self._inputs.machine_state(data, sent), self._override()
+        self._inputs.read_operator(self._controller)
         cylinders = self._inputs.cylinders(machine.stamp, self._controller.parameters)
         valves, now = self._inputs.valves.read(), self._node_clock.now()
         self._stops_without_state(now, override)  # after a stall of ours this may come before the watchdog
-        decision, telemetry = self._controller.advance(machine, valves, now, cylinders, override)
+        decision, telemetry = self._controller.advance(machine, valves, now, cylinders, override, problem)
         self._note_causes()
         if telemetry is not None:
             self._outputs.say(machine.stamp, telemetry, self._controller, override)
@@ -84,14 +66,14 @@ class ControllerNode(Node):
             self._say_zero()
 
     def _on_watchdog(self) -> None:
-        self._inputs.read_joystick(self._permission)
+        self._inputs.read_joystick(self._guard)
         now, override = self._node_clock.now(), self._override()
         if self._stops_without_state(now, override):
             return
-        if self._permission.has_begun():
+        if self._guard.has_begun():
             self._note_causes()
         else:  # nobody else would tell
-            self._permission.disarm(now, override)
+            self._guard.disarm(now, override)
             self._note_causes()
             self._diagnostics.publish(self._node_clock.stamp())
 
@@ -113,16 +95,16 @@ class ControllerNode(Node):
         self._diagnostics.publish(now)
 
     def _note_causes(self) -> None:
-        for part, cause in self._permission.causes.items():
+        for part, cause in self._guard.causes.items():
             self._diagnostics.note(part, cause)
 
     def _may_take_hands_off(self, changed: list[Any]) -> SetParametersResult:
         wanted = any(parameter.name == "hands_off" and parameter.value for parameter in changed)
-        refused = wanted and not self._override().hands_off and self._permission.joystick.armed
+        refused = wanted and not self._override().hands_off and self._guard.permission.joystick.armed
         return SetParametersResult(successful=not refused, reason="the deadman is held" if refused else "")
 
     def _override(self) -> Override:
-        return Override(self._stop.pressed, bool(self.get_parameter("hands_off").value))
+        return Override(self._stop.pressed, self._configuration.hands_off())
 
     def stop(self) -> None:
         """Last words: zero."""

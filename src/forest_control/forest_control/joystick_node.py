@@ -1,16 +1,23 @@
-"""A joystick without an operator: the thesis' test input, recorded levers, or a bag's joystick on /joy.
+"""A joystick on /joy: the device under a hand, the thesis' test input, recorded levers, or a bag's joystick.
 
-It waits until somebody listens, rests for a moment, plays with the deadman held, releases it, and
-ends. A bag's messages are sent again as they are, under new stamps. The parameter `faults` names
-faults at set times.
+A device is read below /dev/input, no other joystick node is needed; unplugged or hanging, it falls
+silent. A source waits until somebody listens, rests for a moment, plays with the deadman held,
+releases it, and ends. A bag's messages are sent again as they are, under new stamps. The parameter
+`faults` names faults at set times.
 """
 
 import sys
+import time
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 
+from forest_control.config.joystick_arguments import ros_arguments
+from forest_control.config.joystick_file import load_devices
+from forest_control.operator import device_joystick
+from forest_control.operator.device_joystick import RESTING, DeviceJoystick, DeviceParameters, Following
+from forest_control.operator.input_devices import InputDevices
 from forest_control.operator.joystick_sources import JoystickParameters
 from forest_control.operator.scripted_joystick import JoyMessage, ScriptedJoystick
 from forest_msgs_py.clock.node_clock import node_clock, publishes_bytes
@@ -19,48 +26,79 @@ from forest_msgs_py.interfaces.messages import JoyValues
 from forest_msgs_py.interfaces.topics import JOY_RATE_HZ, message_class
 from forest_msgs_py.runtime.node import Finished, run_node
 from forest_msgs_py.runtime.node_parameters import declare
+from forest_msgs_py.runtime.parameter_table import ParameterError
 from forest_msgs_py.serialization.packing import pack_joy
+
+FRAME = (
+    "joy"  # frame_id of a device's samples, as of ROS's joy: no heartbeat, so that stillness can be judged
+)
 
 
 class JoystickNode(Node):
-    """Shell around `ScriptedJoystick`."""
+    """Shell around `DeviceJoystick` or `ScriptedJoystick`."""
 
     def __init__(self) -> None:
         super().__init__("joystick")
         self._node_clock = node_clock(self)
         self.run = self._node_clock.run
-        p = declare(self, JoystickParameters)
-        self._joystick, self._listeners = ScriptedJoystick(p, _decoded), p.wait_for_subscribers
+        self._p, self._device = declare(self, JoystickParameters), declare(self, DeviceParameters)
         self._publisher = self._node_clock.publisher(topics.JOY)
         self._publish = publishes_bytes(self._publisher)
         self._begun: float | None = None
+        if self._device.device and self._node_clock.lockstep:
+            raise ParameterError(
+                "parameter 'device': a hand moves in real time; allowed in lockstep: a source"
+            )
+        if self._device.device:
+            mappings = load_devices(self._device.device, self._p.deadman_button)
+            self._devices = InputDevices(mappings, self._p.deadman_button)
+            self._hand = DeviceJoystick((Following(),) * len(mappings))
+            self._said = ""
+        else:
+            self._joystick = ScriptedJoystick(self._p, _decoded)
         # In lockstep it answers every step.
-        self._node_clock.every(0.0 if self._node_clock.lockstep else 1.0 / JOY_RATE_HZ, self._on_timer)
+        period = 0.0 if self._node_clock.lockstep else 1.0 / JOY_RATE_HZ
+        self._node_clock.every(period, self._read if self._device.device else self._play)
 
-    def _on_timer(self) -> None:
+    def _read(self) -> None:
+        """Send what the device says."""
+        now = time.monotonic()
+        readings = self._devices.read(now)
+        self._hand, sent = device_joystick.step(
+            self._hand, readings, now, self._device, self._p.deadman_button
+        )
+        self._say(self._devices.problem or sent.problem or f"joystick: {self._devices.names}")
+        if sent.values is not None:
+            self._send(JoyMessage(FRAME, *sent.values))
+
+    def _say(self, text: str) -> None:
+        if text != self._said:
+            self._said = text
+            self.get_logger().info(text)
+
+    def _play(self) -> None:
+        """Send what the source says."""
         if self._begun is None:
-            if not self._node_clock.lockstep and self._publisher.get_subscription_count() < self._listeners:
+            listeners = self._publisher.get_subscription_count()
+            if not self._node_clock.lockstep and listeners < self._p.wait_for_subscribers:
                 return
             # Before the beginning: a process' first line takes a tenth of a second on a busy computer.
             self.get_logger().info(f"playing for {self._joystick.length:g} s")
             self._begun = self._node_clock.now()
         elapsed = self._node_clock.now() - self._begun
-        if (
-            self._joystick.is_over(elapsed) and not self._node_clock.lockstep
-        ):  # there, the machine ends the run
-            raise Finished
+        if self._joystick.is_over(elapsed) and not self._node_clock.lockstep:
+            raise Finished  # in lockstep, the machine ends the run
         message = self._joystick.message(elapsed)
         if message is not None:
             self._send(message)
 
     def _send(self, message: JoyMessage) -> None:
-        self._publish(
-            pack_joy(self._node_clock.stamp(), message.frame, JoyValues(message.axes, message.buttons))
-        )
+        values = JoyValues(message.axes, message.buttons)
+        self._publish(pack_joy(self._node_clock.stamp(), message.frame, values))
 
     def stop(self) -> None:
         """Last words: deadman released."""
-        self._send(self._joystick.released())
+        self._send(JoyMessage(FRAME, *RESTING) if self._device.device else self._joystick.released())
 
 
 def _decoded(data: bytes) -> JoyMessage:
@@ -70,7 +108,7 @@ def _decoded(data: bytes) -> JoyMessage:
 
 def main() -> None:
     """Run the node until it has played, or is told to stop."""
-    sys.exit(run_node(JoystickNode))
+    sys.exit(run_node(JoystickNode, [sys.argv[0], *ros_arguments(sys.argv[1:], __doc__ or "")]))
 
 
 if __name__ == "__main__":

@@ -5,27 +5,23 @@ before it begins, and gives them back at the end. It stops at zero when a readin
 no good state arrives in time, and at an emergency stop. When it dies, the driver's timeout closes the valves.
 """
 
-import contextlib
-import math
 import sys
-from collections.abc import Iterator
 from typing import Any
 
 from rclpy.node import Node
 
-from forest_description.machine import Machine, load_machine
+from forest_description.machine import load_machine
 from forest_description.types import ZERO, Vec3
 from forest_ident.driving.operator_inputs import Inputs
-from forest_ident.driving.operator_parameters import OperatorParameters
+from forest_ident.driving.operator_parameters import OperatorParameters, planned
 from forest_ident.driving.scripted_operator import ScriptedOperator
 from forest_ident.driving.valve_takeover import ValveTakeover
-from forest_ident.experiments import experiment_plan
 from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.introspection.live_graph import LiveGraph, NoAnswer, publishers_of
+from forest_msgs_py.introspection.live_graph import LiveGraph, publishers_of
 from forest_msgs_py.runtime.node import Finished, NodeFailure, run_node, subscription
 from forest_msgs_py.runtime.node_parameters import declare
-from forest_msgs_py.runtime.parameter_table import MachineParameter, ParameterError
+from forest_msgs_py.runtime.parameter_table import MachineParameter
 from forest_msgs_py.types import WATCHDOG_PERIOD
 
 
@@ -37,7 +33,7 @@ class ExperimentOperatorNode(Node):
         self._node_clock = node_clock(self)
         self.run = self._node_clock.run
         machine, p = load_machine(declare(self, MachineParameter).machine), declare(self, OperatorParameters)
-        plan, self._timeout, self._listeners = _planned(machine, p), p.timeout, p.listeners
+        plan, self._timeout, self._listeners = planned(machine, p), p.timeout, p.listeners
         self._operator = ScriptedOperator(plan, self._timeout, self._node_clock.now())
         self._command = number_publisher(self._node_clock, topics.VALVE_COMMANDS)
         self._inputs = Inputs(self._node_clock, plan, self._on_sample)
@@ -46,9 +42,8 @@ class ExperimentOperatorNode(Node):
         if not self._node_clock.lockstep:
             for topic in (topics.EMERGENCY_STOP, topics.EMERGENCY_STOPPED):
                 subscription(self, topic, self._on_emergency_stop)
-            with _failing():
-                self._takeover = ValveTakeover(LiveGraph(self.get_namespace(), "_operator_switches"))
-                self._takeover.apply()
+            self._takeover = ValveTakeover(LiveGraph(self.get_namespace(), "_operator_switches"))
+            self._takeover.apply()
 
     def _on_emergency_stop(self, message: Any) -> None:
         if message.data:
@@ -78,9 +73,8 @@ class ExperimentOperatorNode(Node):
     def _is_alone(self) -> bool:
         if self._takeover is None:
             return True
-        with _failing():
-            found = publishers_of(self, topics.VALVE_COMMANDS)
-            return self._takeover.is_alone(self.get_name(), found, self._operator.begun)
+        found = publishers_of(self, topics.VALVE_COMMANDS)
+        return self._takeover.is_alone(self.get_name(), found, self._operator.begun)
 
     def _report_progress(self) -> None:
         """Print how far the experiment is; live, end with it."""
@@ -102,29 +96,12 @@ class ExperimentOperatorNode(Node):
         """Publish zero as the last command; then give the valves back."""
         self._command.publish(self._node_clock.stamp(), ZERO)
         if self._takeover is not None:
-            with _failing():
-                self._takeover.close()
+            self._takeover.close()
 
 
 def _fail_if(reason: str) -> None:
     if reason:
         raise NodeFailure(reason)
-
-
-@contextlib.contextmanager
-def _failing() -> Iterator[None]:
-    """End the node with the sentence of a request that was not answered."""
-    try:
-        yield
-    except NoAnswer as error:
-        raise NodeFailure(str(error)) from error
-
-
-def _planned(machine: Machine, p: OperatorParameters) -> experiment_plan.Plan:
-    allowed = [known for known in experiment_plan.names(machine) if known != "calibration"]
-    if p.experiment not in allowed:
-        raise ParameterError(f"parameter 'experiment' is {p.experiment!r}; allowed: {', '.join(allowed)}")
-    return experiment_plan.plan(p.experiment, machine, p.seed, p.longest or math.inf)
 
 
 def main() -> None:

@@ -18,10 +18,10 @@ from forest_msgs_py.clock.node_clock import node_clock
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import float_array
 from forest_msgs_py.interfaces.topics import Topic
+from forest_msgs_py.runtime import stamped_period
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter
-from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader
 
 PORTS = tuple(tuple(f"{joint}_{port}_actuator" for joint in topics.JOINTS) for port in (1, 2))
@@ -38,7 +38,8 @@ class OnlineIdentificationNode(Node):
         p = declare(self, OnlineParameters)
         self._core = online_estimator.parameters(machine, p.memory)
         self._state = online_estimator.initial(self._core)
-        self._period, self._timeout, self._every = StampedPeriod(p.period), p.timeout, p.report_period
+        self._nominal, self._timeout, self._every = p.period, p.timeout, p.report_period
+        self._period = stamped_period.BEGIN
         self._since = 0.0
         self._last: dict[Topic, tuple[bytes, float]] = {}  # message, when it was sent
         self._joints = JointReader(topics.JOINTS)
@@ -57,7 +58,7 @@ class OnlineIdentificationNode(Node):
         reading = self._joints.read(data)
         if reading.problem or not reading.values.velocity:
             return
-        dt = self._period.since(reading.stamp_ns)
+        self._period, dt = stamped_period.clipped_period(self._period, reading.stamp_ns, self._nominal)
         sample = online_estimator.Sample(
             angles=reading.values.position,
             rates=reading.values.velocity,

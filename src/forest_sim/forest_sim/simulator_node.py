@@ -20,26 +20,18 @@ from rclpy.node import Node
 
 from forest_description.derived.limits import start_tip
 from forest_description.machine import load_machine
-from forest_description.types import Vec3
-from forest_description.urdf.robot_description import robot_description
-from forest_msgs_py.clock.node_clock import node_clock, number_publisher
+from forest_msgs_py.clock.node_clock import node_clock
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter
-from forest_msgs_py.safety.diagnostics import Diagnostics, beyond, rating_values
-from forest_msgs_py.safety.input_status import InputStatus
-from forest_msgs_py.serialization.unpacking import ArrayReader
+from forest_msgs_py.safety.diagnostics import Diagnostics
+from forest_msgs_py.types import PERIOD, PERIOD_NS
 from forest_sim.simulation.deadlines import Deadlines
 from forest_sim.simulation.disturbance import parse_disturbance
-from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, topic_values
+from forest_sim.simulation.sensor_log import topic_values
 from forest_sim.simulation.simulator_parameters import SimulatorParameters, simulated_machine
-from forest_sim.simulation.voltage_command import VoltageInput
-
-FRAME = "base_link"
-FRAMED = (topics.POSE, topics.TWIST)  # types
-PERIOD_NS = 5_000_000
+from forest_sim.simulation.simulator_topics import PART, SimulatorInputs, SimulatorOutputs
 
 
 class SimulatorNode(Node):
@@ -51,36 +43,20 @@ class SimulatorNode(Node):
         self.run = self._node_clock.run or self._keep_time
         machine = load_machine(declare(self, MachineParameter).machine)
         p = declare(self, SimulatorParameters, initial_tip=start_tip(machine))
-        self._machine = simulated_machine(machine, p, PERIOD_NS * 1e-9)
+        self._machine = simulated_machine(machine, p, PERIOD)
         if not self._machine.is_compiled:
             self.get_logger().info(
                 "the plant is interpreted; `python -m forest_sim.compiled` makes it fast, once"
             )
         self._changing = threading.Lock()  # parameters come in the executor's thread
         self.add_on_set_parameters_callback(self._on_parameters)
-        self._input, self._clipped = VoltageInput(machine.command_timeout), 0
-        self._ratings = [machine.valve_of(axis).rated_voltage for axis in range(3)]
-        self._number_publishers = {
-            topic: number_publisher(
-                self._node_clock, topic, FRAME if topic.type in FRAMED else "", p.plain_arrays
-            )
-            for topic in SIMULATED_TOPICS
-        }
+        self._hangs = machine.manipulator.pendulum is not None
+        self._outputs = SimulatorOutputs(self._node_clock, p.plain_arrays, self._hangs)
         publisher = self._node_clock.publisher(topics.DIAGNOSTICS)
-        self._diagnostics = Diagnostics(self, ("voltages", "machine"), "valves centred", publisher)
-        self._description = self._node_clock.publisher(topics.ROBOT_DESCRIPTION)
-        text = message_class(topics.ROBOT_DESCRIPTION)(data=robot_description(machine))
-        self._description.publish(text)
-        self._reader = ArrayReader(topics.VALVE_VOLTAGES)
-        self._inbox = self._node_clock.polled_subscription(topics.VALVE_VOLTAGES)
-        heard = InputStatus(
-            self,
-            self._node_clock,
-            self._inbox,
-            "voltages",
-            lambda: self._input.is_missed(self._node_clock.now()),
-        )
-        self._diagnostics.watch("voltages", heard, values=self._voltage_values)
+        self._diagnostics = Diagnostics(self, (PART, "machine"), "valves centred", publisher)
+        self._outputs.say_description(machine)
+        self._inputs = SimulatorInputs(self._node_clock, machine, self._diagnostics)
+        self._inputs.watch(self)
         self._diagnostics.watch("machine", values=self._machine_values)
         self._stamp = self._node_clock.stamp()
         self._deadlines = Deadlines(time.monotonic_ns(), PERIOD_NS)
@@ -98,29 +74,10 @@ class SimulatorNode(Node):
             return SetParametersResult(successful=False, reason=f"parameter {error}")
         return SetParametersResult(successful=True)
 
-    def _voltage_values(self) -> dict[str, Any]:
-        timeout = {"command_timeout [s]": self._input.timeout}
-        return timeout | rating_values(self._ratings) | {"clipped since start": self._clipped}
-
     def _machine_values(self) -> dict[str, Any]:
         counts = self._machine.events._asdict() | {"missed_deadlines": self._deadlines.missed}
         named = {f"{what.replace('_', ' ')} since start": count for what, count in counts.items()}
         return {"machine": self._machine.machine.name} | named
-
-    def _read_voltages(self) -> Vec3:
-        """Return the voltages of the newest command [V]; /diagnostics tells what is wrong with it."""
-        arrival = self._inbox.newest()
-        if arrival is not None:
-            reading = self._reader.read(arrival.message, 0)
-            problem = self._input.take(reading.values, reading.stamp_ns, arrival.time, reading.problem)
-            self._diagnostics.note("voltages", problem)
-            clipped = "" if problem else beyond(topics.VALVE_VOLTAGES, reading.values, self._ratings)
-            self._diagnostics.warn("voltages", clipped)
-            self._clipped += bool(clipped)
-        now = self._node_clock.now()
-        if self._input.is_missed(now):
-            self._diagnostics.warn("voltages", "")
-        return self._input.at(now)
 
     def _keep_time(self, stopping: threading.Event) -> None:
         """Keep the time, live, until the node stops."""
@@ -138,12 +95,13 @@ class SimulatorNode(Node):
         self._advance()
 
     def _advance(self) -> None:
-        voltages = self._read_voltages()
+        voltages = self._inputs.voltages()
         with self._changing:
             report = self._machine.step(voltages)
         values = topic_values(report, self._machine.events, self._deadlines.missed)
-        for topic, numbers in values.items():
-            self._number_publishers[topic].publish(self._stamp, numbers)
+        if self._hangs:
+            values[topics.GROUND_TRUTH_HEAD] = self._machine.head_joints
+        self._outputs.say(self._stamp, values)
         self._diagnostics.publish(self._stamp)  # last: nobody waits for it
 
 

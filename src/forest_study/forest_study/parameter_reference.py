@@ -8,9 +8,14 @@ from typing import Any
 
 from forest_bag.play.player_parameters import PlayerParameters, StepPlayerParameters
 from forest_bag.record.recorder_parameters import RecorderParameters
-from forest_control.config.controller_parameters import ControllerParameters, ProfileParameter
+from forest_control.config.controller_parameters import (
+    ControllerParameters,
+    ProfileParameter,
+    WorkspaceParameter,
+)
 from forest_control.config.cycle_parameters import CycleParameters, TaughtNames
 from forest_control.config.settings import Settings
+from forest_control.operator.device_joystick import DeviceParameters
 from forest_control.operator.joystick_sources import JoystickParameters
 from forest_control.operator.joystick_watch import WatchParameters
 from forest_control.valve.valve_driver_parameters import DriverParameters
@@ -20,7 +25,9 @@ from forest_ident.online.online_parameters import OnlineParameters
 from forest_msgs_py.clock.clock_parameters import ClockParameters, LeaderParameters, ListenerParameters
 from forest_msgs_py.runtime.parameter_table import MachineParameter, Parameter, table_rows
 from forest_sim.simulation.simulator_parameters import CommanderParameters, SimulatorParameters
+from forest_station.server.station_parameters import StationParameters
 from forest_study.closed_loop.link_model import DelayParameters, Quality
+from forest_viewers.server.server_parameters import ServerParameters
 
 # Node's name: how it is started, its tables.
 NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
@@ -29,11 +36,15 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         (MachineParameter, SimulatorParameters, ClockParameters, LeaderParameters),
     ),
     "commander": ("ros2 run forest_sim commander_node", (CommanderParameters, ClockParameters)),
-    "joystick": ("ros2 run forest_control joystick_node", (JoystickParameters, ClockParameters)),
+    "joystick": (
+        "ros2 run forest_control joystick_node",
+        (JoystickParameters, DeviceParameters, ClockParameters),
+    ),
     "controller": (
         "ros2 run forest_control controller_node",
         (
-            *(MachineParameter, ProfileParameter, Settings, ControllerParameters, WatchParameters),
+            *(MachineParameter, ProfileParameter, Settings, WorkspaceParameter),
+            *(ControllerParameters, WatchParameters),
             ClockParameters,
         ),
     ),
@@ -56,6 +67,9 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         "ros2 run forest_ident online_identification_node",
         (MachineParameter, OnlineParameters, ClockParameters),
     ),
+    "viewer": ("ros2 run forest_viewers viewer_node", (MachineParameter,)),
+    "foxglove": ("ros2 run forest_viewers foxglove_node", (ServerParameters,)),
+    "station": ("ros2 run forest_station station_node", (MachineParameter, StationParameters)),
     "delay": ("ros2 run forest_study delay_node", (DelayParameters, Quality)),
 }
 HEAD = """# Parameters

@@ -26,7 +26,7 @@ class FakeReader:
 
 
 def chosen(*channels, **options):
-    options = PlayOptions(Path("bag"), **options)
+    options = PlayOptions((Path("bag"),), **options)
     return select(FakeReader(*channels), options, lambda name: not name.startswith("nobody"))
 
 
@@ -78,12 +78,12 @@ def test_what_cannot_be_played_is_said(channels, options, problem):
 
 def test_start_and_duration_are_times_of_the_bag():
     reader = FakeReader(JOY)
-    whole = plan(reader, PlayOptions(Path("bag"), clock=100.0))
+    whole = plan(reader, PlayOptions((Path("bag"),), clock=100.0))
     assert (whole.start_ns, whole.end_ns, whole.clock_period_ns) == (*reader.span, SECOND // 100)
-    part = plan(reader, PlayOptions(Path("bag"), start_offset=1.5, duration=0.5))
+    part = plan(reader, PlayOptions((Path("bag"),), start_offset=1.5, duration=0.5))
     assert (part.start_ns, part.end_ns) == (11.5 * SECOND, 12 * SECOND)
     with pytest.raises(BagError, match=r"--start-offset is 5; allowed: 0 .. 4 s"):
-        plan(reader, PlayOptions(Path("bag"), start_offset=5.0))
+        plan(reader, PlayOptions((Path("bag"),), start_offset=5.0))
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """The player's time: simulated here, so that every due time is exact."""
 
 import itertools
+import threading
 
 import pytest
 
@@ -245,3 +246,43 @@ def test_latched_topics_hold_what_their_publishers_kept(tmp_path):
         assert held(4) == [b"arm", b"hand", b"old"]
         assert held(9) == [b"hand", b"arm", b"new"]
         assert held(3 * NS_PER_S) == [b"hand", b"arm", b"new", b"true"]  # not before it happened
+
+
+def test_a_burst_plays_so_many_messages_at_once_and_then_pauses(session):
+    player = session.player(paused=True)
+    player.begin_burst(4)
+    session.wall.at(5.0, player.stop)
+    player.run()
+    assert [log for _, log in session.sent] == [STEP * n for n in range(4)]
+    assert {when for when, _ in session.sent} == {0}
+
+
+def test_a_burst_of_all_ends_with_the_bag_and_not_in_the_next_loop(session):
+    player = session.player(paused=True, loop=True)
+    player.begin_burst(0)
+    session.wall.at(5.0, player.stop)
+    player.run()
+    assert player.played == 10
+
+
+@pytest.mark.parametrize(("asked", "played"), [(3, 3), (0, 10), (99, 10)])
+def test_who_asks_for_a_burst_learns_how_many_messages_it_had(asked, played):
+    session = Session([message(STEP * number) for number in range(10)])
+    player = Player(session, session, Plan(START, START + 9 * STEP, paused=True))  # by the real clock
+    running = threading.Thread(target=player.run)
+    assert player.burst(asked) == 0  # it does not run yet
+    running.start()
+    while not player._running:
+        running.join(0.001)
+    assert player.burst(asked) == played
+    player.stop()
+    running.join()
+    assert player.played == played
+    assert player.burst(asked) == 0  # it has ended
+
+
+def test_a_burst_needs_a_pause(session):
+    player, told = session.player(), []
+    session.wall.at(0.15, lambda: told.append(player.burst(5)))
+    player.run()
+    assert told == [0]

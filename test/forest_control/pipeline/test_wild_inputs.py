@@ -44,8 +44,10 @@ def test_the_driver_answers_any_finite_command_and_pressure_with_voltages_within
         command = tuple((rng.choice(sizes, 3) * rng.choice([-1.0, 1.0], 3)).tolist())
         ports = (rng.choice([0.0, 1e5, 1e7, 3e7, 1e12, -1e5], 6)).tolist()
         pressures = Pressures(tuple(ports[:3]), tuple(ports[3:]), float(rng.choice([0.0, 1e6, 2e7, 1e12])))
-        given = pressures if rng.random() < 0.8 else None
-        state, volts = valve_driver.step(state, command, given, p, max(0.0, rng.uniform(-0.01, 0.05)))
+        given = pressures if rng.random() < 0.8 else valve_driver.UNSEEN
+        state, volts = valve_driver.step(
+            state, command, given, valve_driver.STILL, p, max(0.0, rng.uniform(-0.01, 0.05))
+        )
         assert all(abs(v) <= RATED for v in volts)
 
 
@@ -54,6 +56,8 @@ def test_two_commands_for_one_moment_of_the_machine_open_no_valve_wide(dt):
     """A first command after a rest may come with the pressures that another one was answered by."""
     p = valve_driver_parameters.parameters(MACHINE, valve_driver_parameters.Settings())
     command = (0.1, 0.1, -0.1)
-    _, usual = valve_driver.step(valve_driver.REST, command, None, p, 0.0025)
-    _, volts = valve_driver.step(valve_driver.REST, command, None, p, dt)
+    _, usual = valve_driver.step(
+        valve_driver.REST, command, valve_driver.UNSEEN, valve_driver.STILL, p, 0.0025
+    )
+    _, volts = valve_driver.step(valve_driver.REST, command, valve_driver.UNSEEN, valve_driver.STILL, p, dt)
     assert all(abs(v) <= abs(u) * (1.0 + 1e-9) < 0.7 * RATED for v, u in zip(volts, usual, strict=True))

@@ -8,16 +8,15 @@ from forest_control.config.settings import Settings, parameters
 from forest_control.operator.joystick_watch import NO_HEARTBEAT, NO_STAMP, Sample, unreadable_sample
 from forest_control.operator.levers import REST, Levers
 from forest_control.safety.driver_response import DriverSample
+from forest_control.safety.motion_guard import GOES_BACK, LOST_STATE, PRESSED, MotionGuard
 from forest_control.safety.motion_permission import (
-    GOES_BACK,
-    LOST_STATE,
     NOBODY,
-    PRESSED,
+    Cause,
     MachineState,
-    MotionPermission,
     Override,
     PermissionParameters,
     Verdict,
+    unwatched,
 )
 from forest_description.machine import load_machine
 from forest_description.types import ZERO
@@ -30,10 +29,10 @@ PERIOD_NS = 5_000_000
 
 
 class Rig:
-    """A permission with joystick, machine and driver that speak every 5 ms; what they say can be changed."""
+    """A guard with joystick, machine and driver that speak every 5 ms; what they say can be changed."""
 
     def __init__(self):
-        self.permission, self.step, self.lag = MotionPermission(PermissionParameters()), 20_000, 0.0
+        self.guard, self.step, self.lag = MotionGuard(PermissionParameters()), 20_000, 0.0
         self.levers, self.held, self.angles, self.problem = REST, True, ANGLES, ""
         self.stamp = lambda k: k * PERIOD_NS
         self.shakes, self.driver_speaks, self.override = True, True, NOBODY
@@ -53,12 +52,13 @@ class Rig:
         self.step += 1
         sample = self.speak()
         if sample is not None:
-            self.permission.hear(sample, "" if sample.good else "joy: nonsense")
+            self.guard.hear(sample, "" if sample.good else "joy: nonsense")
         angles = tuple(angle + 1e-9 * self.shakes * (self.step % 2) for angle in self.angles)
-        machine = MachineState(angles, ZERO, self.stamp(self.step), self.now - self.lag, self.problem)
+        stamp, received = self.stamp(self.step), self.now - self.lag
+        machine = MachineState(angles, ZERO, stamp, received, not self.problem)
         self.heard = self.now if self.driver_speaks else self.heard
         driver = DriverSample(self.volts, self.heard)
-        return self.permission.decide(machine, driver, self.command, P, self.now, self.override)
+        return self.guard.decide(machine, driver, self.command, P, self.now, self.override, self.problem)
 
     def until(self, verdict, most):
         """Return the first decision of a verdict, and after how long [s] it came."""
@@ -98,39 +98,69 @@ def set_to(**values):
     return broken
 
 
-# What happens, how it is broken, the verdict, after how long [s], and what is said.
+# What happens, how it is broken, the verdict, after how long [s], its cause, and what is said.
 CAUSES = {
-    "state left over from a stall": (set_to(lag=0.101), Verdict.SKIP, 0.0, LOST_STATE),
+    "state left over from a stall": (set_to(lag=0.101), Verdict.SKIP, 0.0, Cause.LEFT_OVER, ""),
     "stamp goes back": (
         set_to(stamp=lambda k: (k - 99) * PERIOD_NS),
-        Verdict.SKIP,
-        0.0,
-        "stamp goes back by",
+        *(Verdict.SKIP, 0.0, Cause.DISORDER, "stamp goes back by"),
     ),
-    "stamp stands still": (set_to(stamp=lambda _: 20_100 * PERIOD_NS), Verdict.SKIP, PERIOD, "stands still"),
-    "state too soon": (set_to(stamp=lambda k: 20_004 * PERIOD_NS + k), Verdict.SKIP, 0.0, "too soon"),
-    "state cannot be read": (set_to(problem="joint state: none"), Verdict.STOP, 0.0, "joint state: none"),
-    "state cannot be true": (set_to(angles=(0.2, 40.0, -1.5)), Verdict.STOP, 0.0, "boom is 40 rad; allowed"),
-    "sensors frozen": (set_to(shakes=False), Verdict.STOP, 0.15, "swing is the same to the last bit"),
-    "driver silent": (set_to(driver_speaks=False), Verdict.STOP, 0.2, "valve driver: no voltages"),
-    "driver deaf": (set_to(volts=ZERO), Verdict.STOP, 1.5, "valve driver: keeps the valves shut"),
-    "emergency stop": (set_to(override=Override(emergency_stop=True)), Verdict.STOP, 0.0, PRESSED),
-    "hands off": (set_to(override=Override(hands_off=True)), Verdict.STOP, 0.0, "hands off"),
-    "deadman released": (set_to(held=False), Verdict.HOLD, 0.0, ""),
-    "joystick lost": (set_to(speak=lambda: None), Verdict.HOLD, JOY_TIMEOUT, "joystick: nothing new"),
-    "joystick hangs": (hangs, Verdict.HOLD, FROZEN_TIMEOUT, "joystick: held still to the last bit"),
-    "joystick cannot be read": (nonsense, Verdict.HOLD, 0.0, "joy: nonsense"),
+    "stamp stands still": (
+        set_to(stamp=lambda _: 20_100 * PERIOD_NS),
+        *(Verdict.SKIP, PERIOD, Cause.DISORDER, "stands still"),
+    ),
+    "state too soon": (
+        set_to(stamp=lambda k: 20_004 * PERIOD_NS + k),
+        *(Verdict.SKIP, 0.0, Cause.TOO_SOON, ""),
+    ),
+    "state cannot be read": (
+        set_to(problem="joint state: none"),
+        *(Verdict.STOP, 0.0, Cause.UNBELIEVABLE, "joint state: none"),
+    ),
+    "state cannot be true": (
+        set_to(angles=(0.2, 40.0, -1.5)),
+        *(Verdict.STOP, 0.0, Cause.UNBELIEVABLE, "boom is 40 rad; allowed"),
+    ),
+    "sensors frozen": (
+        set_to(shakes=False),
+        *(Verdict.STOP, 0.15, Cause.FAULT, "swing is the same to the last bit"),
+    ),
+    "driver silent": (
+        set_to(driver_speaks=False),
+        *(Verdict.STOP, 0.2, Cause.FAULT, "valve driver: no voltages"),
+    ),
+    "driver deaf": (
+        set_to(volts=ZERO),
+        *(Verdict.STOP, 1.5, Cause.FAULT, "valve driver: keeps the valves shut"),
+    ),
+    "emergency stop": (
+        set_to(override=Override(emergency_stop=True)),
+        *(Verdict.STOP, 0.0, Cause.EMERGENCY_STOP, PRESSED),
+    ),
+    "hands off": (set_to(override=Override(hands_off=True)), Verdict.STOP, 0.0, Cause.HANDS_OFF, ""),
+    "deadman released": (set_to(held=False), Verdict.HOLD, 0.0, Cause.OPERATOR, ""),
+    "joystick lost": (
+        set_to(speak=lambda: None),
+        *(Verdict.HOLD, JOY_TIMEOUT, Cause.OPERATOR, "joystick: nothing new"),
+    ),
+    "joystick hangs": (
+        hangs,
+        *(Verdict.HOLD, FROZEN_TIMEOUT, Cause.OPERATOR, "joystick: held still to the last bit"),
+    ),
+    "joystick cannot be read": (nonsense, Verdict.HOLD, 0.0, Cause.OPERATOR, "joy: nonsense"),
 }
 
 
-@pytest.mark.parametrize(("broken", "verdict", "after", "said"), CAUSES.values(), ids=CAUSES)
-def test_each_cause_has_its_verdict_in_its_time_and_is_named(rig, broken, verdict, after, said):
+@pytest.mark.parametrize(("broken", "verdict", "after", "cause", "said"), CAUSES.values(), ids=CAUSES)
+def test_each_cause_has_its_verdict_in_its_time_and_is_named(rig, broken, verdict, after, cause, said):
     broken(rig)
     decision, when = rig.until(verdict, after)
     assert when == pytest.approx(after, abs=1.01 * PERIOD)
-    assert said in decision.cause
-    assert bool(decision.cause) == bool(said)
+    assert (decision.verdict, decision.cause) == (verdict, cause)
     assert decision.levers == REST
+    told = "; ".join(filter(None, rig.guard.causes.values()))
+    assert said in told
+    assert bool(told) == bool(said)
 
 
 STOPS = {name: cause for name, cause in CAUSES.items() if cause[1] in (Verdict.STOP, Verdict.HOLD)}
@@ -142,13 +172,13 @@ def test_what_has_stopped_the_crane_is_forgotten_once_the_levers_were_centred(ri
     """A lone refusal of a state is not felt: one bad sample of many would throw the operator out."""
     well = dict(vars(rig), speak=rig.sample)
     del well["step"], well["heard"]
-    broken, verdict, after, _ = STOPS[name]
+    broken, verdict, after, _, _ = STOPS[name]
     broken(rig)
     rig.until(verdict, after)
     set_to(**well)(rig)
     rig.step += 1
     if name == "sensors frozen":
-        rig.permission.forget()  # as the controller does that stops
+        rig.guard.permission = unwatched(rig.guard.permission)  # as the controller does that stops
     again = rig.once()
     if name in REFUSED:
         assert again.verdict == Verdict.MOVE
@@ -166,8 +196,9 @@ def test_without_a_joystick_it_holds_and_misses_nobody():
     rig.speak = lambda: None
     for _ in range(100):
         decision = rig.once()
-        assert decision[:3] == (Verdict.HOLD, "", True)
-    assert rig.permission.is_nobody_there()
+        assert decision[:3] == (Verdict.HOLD, Cause.OPERATOR, True)
+        assert not any(rig.guard.causes.values())
+    assert rig.guard.is_nobody_there()
 
 
 def test_the_deadman_pressed_with_deflected_levers_moves_nothing():
@@ -180,13 +211,13 @@ def test_with_the_deadman_released_centred_levers_arm_nothing():
     rig = Rig()
     rig.held = False
     assert {rig.once().verdict for _ in range(10)} == {Verdict.HOLD}
-    assert not rig.permission.joystick.armed
+    assert not rig.guard.permission.joystick.armed
 
 
 def test_a_joystick_that_cannot_be_read_is_known_as_such(rig):
     nonsense(rig)
     rig.once()
-    assert rig.permission.joystick_values()["state"] == "bad"
+    assert rig.guard.joystick_values()["state"] == "bad"
 
 
 def test_only_a_state_that_is_believed_is_handed_on(rig):
@@ -202,34 +233,34 @@ def test_only_a_state_that_is_believed_is_handed_on(rig):
 
 def test_a_state_that_does_not_come_is_missed_at_its_timeout_and_disarms(rig):
     seen = rig.now
-    assert not rig.permission.is_lost(seen + STATE_TIMEOUT, NOBODY)
-    assert rig.permission.joystick.armed
-    assert rig.permission.is_lost(seen + STATE_TIMEOUT + 1e-6, NOBODY)
-    assert not rig.permission.joystick.armed
-    assert rig.permission.causes["machine"] == LOST_STATE
+    assert not rig.guard.is_lost(seen + STATE_TIMEOUT, NOBODY)
+    assert rig.guard.permission.joystick.armed
+    assert rig.guard.is_lost(seen + STATE_TIMEOUT + 1e-6, NOBODY)
+    assert not rig.guard.permission.joystick.armed
+    assert rig.guard.causes["machine"] == LOST_STATE
 
 
 def test_of_states_that_are_refused_the_cause_is_told_and_not_what_follows_from_it(rig):
     rig.problem = "joint state: none"
     for _ in range(30):
         rig.once()
-    assert rig.permission.is_lost(rig.now, NOBODY)
-    assert rig.permission.causes["machine"] == "joint state: none"
-    assert rig.permission.is_lost(rig.now + STATE_TIMEOUT + 1e-6, NOBODY)
-    assert rig.permission.causes["machine"] == LOST_STATE
+    assert rig.guard.is_lost(rig.now, NOBODY)
+    assert rig.guard.causes["machine"] == "joint state: none"
+    assert rig.guard.is_lost(rig.now + STATE_TIMEOUT + 1e-6, NOBODY)
+    assert rig.guard.causes["machine"] == LOST_STATE
 
 
 def test_before_the_first_state_none_is_missed():
-    permission = MotionPermission(PermissionParameters())
-    assert not permission.has_begun()
-    assert not permission.is_lost(1e9, NOBODY)
+    guard = MotionGuard(PermissionParameters())
+    assert not guard.has_begun()
+    assert not guard.is_lost(1e9, NOBODY)
 
 
 def test_a_joystick_stamp_that_goes_back_moves_nothing_new_and_is_told(rig):
     rig.speak = lambda: rig.sample()._replace(stamp=PERIOD_NS, levers=Levers(-1.0, 0.0, 0.0))
     decision = rig.once()
     assert decision.levers.swing > 0.0
-    assert rig.permission.causes["joystick"] == GOES_BACK
+    assert rig.guard.causes["joystick"] == GOES_BACK
 
 
 def test_levers_of_a_slow_joystick_go_in_lines_from_sample_to_sample():
@@ -246,11 +277,11 @@ def test_levers_of_a_slow_joystick_go_in_lines_from_sample_to_sample():
 
 def test_a_reset_needs_centred_levers_and_the_deadman_released(rig):
     said = "the levers must be centred and the deadman released"
-    assert rig.permission.against_reset() == said
+    assert rig.guard.against_reset() == said
     rig.levers = REST
     rig.once()
-    assert rig.permission.against_reset() == said
+    assert rig.guard.against_reset() == said
     rig.held = False
     rig.once()
-    assert rig.permission.against_reset() == ""
-    assert rig.permission.joystick_values()["state"] == "alive"
+    assert rig.guard.against_reset() == ""
+    assert rig.guard.joystick_values()["state"] == "alive"

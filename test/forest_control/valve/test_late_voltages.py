@@ -5,7 +5,7 @@ import math
 import pytest
 
 from forest_control.valve import valve_driver, valve_driver_parameters
-from forest_control.valve.valve_driver import REST
+from forest_control.valve.valve_driver import REST, STILL, UNSEEN
 from forest_control.valve.valve_driver_parameters import Settings
 from forest_description.machine import load_machine
 
@@ -25,16 +25,16 @@ def turned(held):
     """State, voltage and the machine's spool [V] as a valve turns, the voltage before held for some [s]."""
     state, volts, place = REST, (0.0, 0.0, 0.0), 0.0
     for _ in range(100):
-        state, volts = valve_driver.step(state, MORE, None, P, PERIOD)
+        state, volts = valve_driver.step(state, MORE, UNSEEN, STILL, P, PERIOD)
         place = spool(place, volts[0], PERIOD)
     place = spool(place, volts[0], held - PERIOD)
-    return *valve_driver.step(state, BACK, None, P, held), place
+    return *valve_driver.step(state, BACK, UNSEEN, STILL, P, held), place
 
 
 def test_the_driver_knows_where_a_voltage_that_was_in_force_for_long_has_brought_the_spool():
     state, volts, place = turned(PERIOD)
     place = spool(place, volts[0], 4.0 * PERIOD)
-    state, _ = valve_driver.step(state, BACK, None, P, 4.0 * PERIOD)
+    state, _ = valve_driver.step(state, BACK, UNSEEN, STILL, P, 4.0 * PERIOD)
     assert place < -3.0 * EDGE  # across the overlap in one period, and far beyond it in four
     assert state.spools[0] == pytest.approx(place, abs=1e-9)
 
@@ -55,7 +55,7 @@ def test_after_a_late_voltage_the_next_turn_may_stay_in_force_as_long_without_ha
 def test_that_caution_fades():
     state, _, _ = turned(6.0 * PERIOD)
     for _ in range(1000):
-        state, _ = valve_driver.step(state, BACK, None, P, PERIOD)
+        state, _ = valve_driver.step(state, BACK, UNSEEN, STILL, P, PERIOD)
     assert state.ahead == pytest.approx(PERIOD, rel=0.05)
 
 
@@ -63,10 +63,10 @@ def test_that_caution_fades():
 def test_of_commands_that_come_at_once_the_last_is_obeyed_as_if_it_had_come_alone(slew):
     p = valve_driver_parameters.parameters(load_machine(), Settings(slew_limit=slew, adapt=True))
     before, _, _ = turned(PERIOD)
-    alone, volts = valve_driver.step(before, MORE, None, p, 3.0 * PERIOD)
+    alone, volts = valve_driver.step(before, MORE, UNSEEN, STILL, p, 3.0 * PERIOD)
     crowd = before
     for command, dt in ((BACK, 3.0 * PERIOD), ((0.1, 0.0, 0.0), 0.0), (MORE, 0.0)):
-        crowd, last = valve_driver.step(crowd, command, None, p, dt)
+        crowd, last = valve_driver.step(crowd, command, UNSEEN, STILL, p, dt)
     assert crowd.spools == alone.spools
     if slew == math.inf:
         assert last == volts
@@ -74,9 +74,9 @@ def test_of_commands_that_come_at_once_the_last_is_obeyed_as_if_it_had_come_alon
 
 @pytest.mark.parametrize("before", [REST, valve_driver.at_rest(REST)])
 def test_a_first_command_close_behind_another_fails_nothing(before):
-    state, volts = valve_driver.step(before, MORE, None, P, 0.0)
+    state, volts = valve_driver.step(before, MORE, UNSEEN, STILL, P, 0.0)
     assert math.isfinite(volts[0])
-    assert valve_driver.step(state, BACK, None, P, PERIOD)[1][0] < -EDGE
+    assert valve_driver.step(state, BACK, UNSEEN, STILL, P, PERIOD)[1][0] < -EDGE
 
 
 def test_a_driver_that_centred_its_valves_stays_cautious():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from forest_control.valve import valve_driver, valve_driver_parameters, valve_hold
-from forest_control.valve.valve_driver import REST, Pressures
+from forest_control.valve.valve_driver import REST, STILL, UNSEEN, Pressures
 from forest_control.valve.valve_driver_parameters import Settings
 from forest_description.components.valve_characteristic import (
     LINEAR_AREA,
@@ -66,8 +66,8 @@ def pressures(axis, load, supply=SUPPLY):
     )
 
 
-def voltage(axis, command, measured=None, p=None):
-    _, volts = valve_driver.step(REST, on_axis(axis, command), measured, p or parameters(), PERIOD)
+def voltage(axis, command, measured=UNSEEN, p=None):
+    _, volts = valve_driver.step(REST, on_axis(axis, command), measured, STILL, p or parameters(), PERIOD)
     assert all(volts[i] == 0.0 for i in range(3) if i != axis)
     return volts[axis]
 
@@ -149,7 +149,7 @@ def test_without_compensation_commands_pass_unchanged():
     p, rng = parameters(compensate=False), np.random.default_rng(12)
     for command in map(tuple, rng.uniform(-10.0, 10.0, (100, 3)).tolist()):
         measured = pressures(1, 50e3)
-        assert valve_driver.step(REST, command, measured, p, PERIOD)[1] == command
+        assert valve_driver.step(REST, command, measured, STILL, p, PERIOD)[1] == command
     assert voltage(0, 0.001, p=p) == 0.001
     assert voltage(0, 11.0, p=p) == 10.0
     assert voltage(0, -11.0, p=p) == -10.0
@@ -170,26 +170,26 @@ def test_voltage_stays_within_the_rating_under_every_load(axis, direction):
 @every_axis
 def test_without_pressures_the_nominal_drop_is_assumed(axis):
     for command in (4.0, -4.0):
-        state, volts = valve_driver.step(REST, on_axis(axis, command), None, parameters(), PERIOD)
+        state, volts = valve_driver.step(REST, on_axis(axis, command), UNSEEN, STILL, parameters(), PERIOD)
         assert not state.primed
         assert volts[axis] == voltage(axis, command, pressures(axis, 0.0))
 
 
 def test_loads_are_forgotten_when_the_pressures_are_lost():
     p, command = parameters(), on_axis(1, 4.0)
-    state, _ = valve_driver.step(REST, command, pressures(1, 100e3), p, PERIOD)
+    state, _ = valve_driver.step(REST, command, pressures(1, 100e3), STILL, p, PERIOD)
     assert state.loads[1] == pytest.approx(100e3)
-    state, _ = valve_driver.step(state, command, None, p, PERIOD)
+    state, _ = valve_driver.step(state, command, UNSEEN, STILL, p, PERIOD)
     assert state.loads == REST.loads
     assert not state.primed
 
 
 def test_first_pressures_count_whole_and_later_ones_pass_the_low_pass():
     p, command = parameters(load_bandwidth=2.0), ZERO_COMMAND
-    state, _ = valve_driver.step(REST, command, pressures(2, 50e3), p, PERIOD)
+    state, _ = valve_driver.step(REST, command, pressures(2, 50e3), STILL, p, PERIOD)
     assert state.loads == pytest.approx((0.0, 0.0, 50e3), abs=1e-6)
     for k in range(1, 101):
-        state, _ = valve_driver.step(state, command, pressures(2, 90e3), p, PERIOD)
+        state, _ = valve_driver.step(state, command, pressures(2, 90e3), STILL, p, PERIOD)
         expected = 90e3 - 40e3 * math.exp(-2.0 * math.pi * 2.0 * k * PERIOD)
         assert state.loads[2] == pytest.approx(expected, rel=1e-9)
 
@@ -241,7 +241,7 @@ def test_without_pressures_a_load_sensing_pump_is_taken_to_be_at_rest():
     p = parameters(load_machine("loader"))
     resting = Pressures(ZERO_COMMAND, ZERO_COMMAND, p.idle_pressure)
     for axis in range(3):
-        assert voltage(axis, 1.5, None, p) == voltage(axis, 1.5, resting, p)
+        assert voltage(axis, 1.5, UNSEEN, p) == voltage(axis, 1.5, resting, p)
 
 
 def random_machine(rng):
@@ -291,10 +291,10 @@ def test_the_inverse_is_exact_for_any_valve_under_any_load():
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_a_command_that_is_no_number_centres_its_valve(bad):
-    state, volts = valve_driver.step(REST, (bad, 3.0, bad), None, parameters(), PERIOD)
+    state, volts = valve_driver.step(REST, (bad, 3.0, bad), UNSEEN, STILL, parameters(), PERIOD)
     assert volts[0] == volts[2] == 0.0
     assert volts[1] > 1.0
-    state, volts = valve_driver.step(state, (1.0, 3.0, -1.0), None, parameters(), PERIOD)
+    state, volts = valve_driver.step(state, (1.0, 3.0, -1.0), UNSEEN, STILL, parameters(), PERIOD)
     assert volts[0] > 1.0
     assert volts[2] < -1.0
 
@@ -304,7 +304,7 @@ def test_the_slew_limit_bounds_every_change_and_none_is_the_default():
     rng = np.random.default_rng(22)
     for _ in range(200):
         command = tuple(rng.uniform(-10.0, 10.0, 3).tolist())
-        state, volts = valve_driver.step(state, command, None, p, PERIOD)
+        state, volts = valve_driver.step(state, command, UNSEEN, STILL, p, PERIOD)
         assert max(abs(v - w) for v, w in zip(volts, last, strict=True)) <= 100.0 * PERIOD + 1e-12
         last = volts
     assert voltage(0, 9.0) == pytest.approx(9.1)
@@ -313,7 +313,7 @@ def test_the_slew_limit_bounds_every_change_and_none_is_the_default():
 def test_dither_swings_about_the_voltage_and_leaves_a_shut_valve_alone():
     p, state, seen = parameters(dither_amplitude=0.2, dither_frequency=25.0), REST, []
     for _ in range(200):
-        state, volts = valve_driver.step(state, (5.0, 0.0, 0.0), None, p, PERIOD)
+        state, volts = valve_driver.step(state, (5.0, 0.0, 0.0), UNSEEN, STILL, p, PERIOD)
         assert volts[1:] == (0.0, 0.0)
         seen.append(volts[0] - 5.5)
     assert np.mean(seen) == pytest.approx(0.0, abs=1e-9)
@@ -323,7 +323,9 @@ def test_dither_swings_about_the_voltage_and_leaves_a_shut_valve_alone():
 
 def test_a_valve_that_cannot_open_as_far_as_wished_says_so():
     p = parameters()
-    state, _ = valve_driver.step(REST, (3.0, 9.0, -3.0), pressures(1, 0.5 * SIDES[1].one * SUPPLY), p, PERIOD)
+    state, _ = valve_driver.step(
+        REST, (3.0, 9.0, -3.0), pressures(1, 0.5 * SIDES[1].one * SUPPLY), STILL, p, PERIOD
+    )
     assert state.saturated == (False, True, False)
 
 
@@ -331,7 +333,7 @@ def test_noise_about_the_hold_zone_does_not_open_the_valve_again_and_again():
     p, rng, state, openings, shut = parameters(), np.random.default_rng(23), REST, 0, True
     for _ in range(4000):
         command = on_axis(1, 0.04 * rng.standard_normal())
-        state, volts = valve_driver.step(state, command, None, p, PERIOD)
+        state, volts = valve_driver.step(state, command, UNSEEN, STILL, p, PERIOD)
         openings += shut and volts[1] != 0.0
         shut = volts[1] == 0.0
     assert openings <= 3

@@ -7,7 +7,7 @@ import pytest
 
 from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.valve_adaptation import NO_ESTIMATE
-from forest_control.valve.valve_driver import REST, Motion, Pressures
+from forest_control.valve.valve_driver import REST, STILL, UNSEEN, Motion, Pressures
 from forest_control.valve.valve_driver_parameters import Settings
 from forest_control.valve.valve_hold import SHUT
 from forest_description.machine import load_machine
@@ -49,7 +49,7 @@ def test_every_port_s_pressure_is_believed_from_a_little_vacuum_to_twice_the_pum
 
     def believed(pressure):
         told = usual._replace(**{port: on_axis(axis, pressure, 4.5e6)})
-        state, _ = valve_driver.step(REST, ZERO, told, p, PERIOD)
+        state, _ = valve_driver.step(REST, ZERO, told, STILL, p, PERIOD)
         assert state.primed == valve_driver.plausible(told, p)
         return state.primed
 
@@ -81,11 +81,11 @@ def test_an_axis_gets_what_it_would_get_alone(machine):
         one, two = (tuple(x) for x in rng.uniform(1e6, 9e6, (2, 3)).tolist())
         told = Pressures(one, two, p.supply_pressure)
         command = tuple(rng.normal(0.0, 3.0, 3).tolist())
-        together, volts = valve_driver.step(REST, command, told, p, PERIOD)
+        together, volts = valve_driver.step(REST, command, told, STILL, p, PERIOD)
         for axis in range(3):
             ports = [on_axis(axis, port[axis], 5e6) for port in (one, two)]
             alone, by_itself = valve_driver.step(
-                REST, on_axis(axis, command[axis]), Pressures(*ports, p.supply_pressure), p, PERIOD
+                REST, on_axis(axis, command[axis]), Pressures(*ports, p.supply_pressure), STILL, p, PERIOD
             )
             assert volts[axis] == by_itself[axis]
             assert together.holds[axis] == alone.holds[axis]
@@ -104,11 +104,11 @@ def test_loads_and_mean_pressures_are_those_of_their_own_ports_behind_their_low_
     def load(ports):
         return area.displacement_1 * ports[0] - area.displacement_2 * ports[1]
 
-    state, _ = valve_driver.step(REST, ZERO, told(before), p, PERIOD)
+    state, _ = valve_driver.step(REST, ZERO, told(before), STILL, p, PERIOD)
     assert state.loads[axis] == pytest.approx(load(before))
     assert state.means[axis] == pytest.approx(3e6)
     for _ in range(11):
-        state, _ = valve_driver.step(state, ZERO, told(after), p, PERIOD)
+        state, _ = valve_driver.step(state, ZERO, told(after), STILL, p, PERIOD)
     left, filling, borne = (math.exp(-rate * 11 * PERIOD) for rate in (2.0 * math.pi, 60.0, 1.5))
     assert state.loads[axis] == pytest.approx(load(after) + left * (load(before) - load(after)))
     assert state.means[axis] == pytest.approx(4.5e6 + filling * (3e6 - 4.5e6))
@@ -120,7 +120,7 @@ def test_loads_and_mean_pressures_are_those_of_their_own_ports_behind_their_low_
             slow += (1.0 - math.exp(-1.5 * PERIOD)) * (swing - slow)
         assert state.borne == pytest.approx(slow)
         assert abs(slow - load(before)) < (1.0 - borne) * abs(load(after) - load(before))
-    state, _ = valve_driver.step(state, ZERO, None, p, PERIOD)
+    state, _ = valve_driver.step(state, ZERO, UNSEEN, STILL, p, PERIOD)
     assert (state.loads, state.means, state.borne, state.primed) == (ZERO, ZERO, 0.0, False)
 
 
@@ -134,7 +134,7 @@ def test_a_driver_that_begins_has_given_moved_and_borne_nothing():
 def test_where_the_spools_are_and_were_on_average_follows_from_the_voltages_in_force():
     before, volts = (1.0, -2.0, 3.0), (4.0, 5.0, -6.0)
     state = REST._replace(spools=before, voltages=volts)
-    state, _ = valve_driver.step(state, ZERO, None, parameters(), 0.01)
+    state, _ = valve_driver.step(state, ZERO, UNSEEN, STILL, parameters(), 0.01)
     after = [v + math.exp(-0.01 / LAG) * (y - v) for y, v in zip(before, volts, strict=True)]
     assert state.spools == pytest.approx(after)
     assert state.strokes == pytest.approx([0.5 * (a + b) for a, b in zip(before, after, strict=True)])
@@ -150,7 +150,9 @@ def test_a_cylinder_s_valve_opens_by_its_load_and_a_motor_s_by_its_mean_pressure
         two = tuple(
             a.displacement_1 / a.displacement_2 * x for a, x in zip(areas, two, strict=True)
         )  # no load
-        return valve_driver.step(REST, (2.0, 2.0, 2.0), Pressures(one, two, p.supply_pressure), p, PERIOD)[1]
+        return valve_driver.step(
+            REST, (2.0, 2.0, 2.0), Pressures(one, two, p.supply_pressure), STILL, p, PERIOD
+        )[1]
 
     half = 0.5 * p.supply_pressure
     usual, low = volts((half, half, half)), volts((1e6, 1e6, 1e6))
@@ -167,16 +169,18 @@ def test_a_cylinder_s_valve_opens_by_its_load_and_a_motor_s_by_its_mean_pressure
 def test_each_way_has_its_own_rating(axis):
     passing = lopsided(axis, compensate=False)
     for command, volts in ((-20.0, -7.0), (-7.0, -7.0), (-6.9, -6.9), (20.0, 10.0), (9.9, 9.9)):
-        state, given = valve_driver.step(REST, on_axis(axis, command), None, passing, PERIOD)
+        state, given = valve_driver.step(REST, on_axis(axis, command), UNSEEN, STILL, passing, PERIOD)
         assert given == on_axis(axis, volts)
         assert state.saturated == (False, False, False)  # nobody asked for a speed
     for command, volts in ((-20.0, -7.0), (20.0, 10.0)):
-        state, given = valve_driver.step(REST, on_axis(axis, command), None, lopsided(axis), PERIOD)
+        state, given = valve_driver.step(REST, on_axis(axis, command), UNSEEN, STILL, lopsided(axis), PERIOD)
         assert given == on_axis(axis, volts)
         assert state.saturated == on_axis(axis, True, False)
     for command in (-3.0, 3.0):
         assert (
-            valve_driver.step(REST, on_axis(axis, command), None, lopsided(axis), PERIOD)[0].saturated
+            valve_driver.step(REST, on_axis(axis, command), UNSEEN, STILL, lopsided(axis), PERIOD)[
+                0
+            ].saturated
             == (False,) * 3
         )
 
@@ -186,7 +190,7 @@ def test_dither_swings_at_its_frequency_and_stays_within_the_rating_of_its_way(a
     p = lopsided(axis, compensate=False, dither_amplitude=0.5, dither_frequency=20.0)
     state, swings = REST, []
     for _ in range(100):
-        state, volts = valve_driver.step(state, on_axis(axis, 4.0), None, p, PERIOD)
+        state, volts = valve_driver.step(state, on_axis(axis, 4.0), UNSEEN, STILL, p, PERIOD)
         assert volts[:axis] == (0.0,) * axis
         assert volts[axis + 1 :] == (0.0,) * (2 - axis)
         assert 0.0 <= state.phase < 1.0
@@ -196,7 +200,7 @@ def test_dither_swings_at_its_frequency_and_stays_within_the_rating_of_its_way(a
     for base, low, high in ((-6.9, -7.0, -6.4), (9.9, 9.4, 10.0)):
         state, seen = REST, []
         for _ in range(100):
-            state, volts = valve_driver.step(state, on_axis(axis, base), None, p, PERIOD)
+            state, volts = valve_driver.step(state, on_axis(axis, base), UNSEEN, STILL, p, PERIOD)
             seen.append(volts[axis])
         assert (min(seen), max(seen)) == pytest.approx((low, high), abs=0.03)
 
@@ -206,9 +210,9 @@ def test_dither_swings_at_its_frequency_and_stays_within_the_rating_of_its_way(a
 def test_what_is_no_number_shuts_its_valve_and_forgets_that_it_was_open(axis, bad):
     p, state = parameters(), REST
     for _ in range(50):
-        state, _ = valve_driver.step(state, (20.0, 20.0, 20.0), None, p, PERIOD)
+        state, _ = valve_driver.step(state, (20.0, 20.0, 20.0), UNSEEN, STILL, p, PERIOD)
     assert state.saturated == (True, True, True)
-    state, volts = valve_driver.step(state, on_axis(axis, bad, 20.0), None, p, PERIOD)
+    state, volts = valve_driver.step(state, on_axis(axis, bad, 20.0), UNSEEN, STILL, p, PERIOD)
     assert volts[axis] == state.voltages[axis] == 0.0
     assert state.holds[axis] == SHUT
     assert state.saturated == on_axis(axis, False, True)
@@ -217,11 +221,11 @@ def test_what_is_no_number_shuts_its_valve_and_forgets_that_it_was_open(axis, ba
 def test_a_slew_limit_counts_from_the_last_voltage_and_lets_none_change_in_no_time():
     p = parameters(slew_limit=100.0, beyond_valve=False)
     for sign in (1.0, -1.0):
-        state, volts = valve_driver.step(REST, (sign * 9.0,) * 3, None, p, PERIOD)
+        state, volts = valve_driver.step(REST, (sign * 9.0,) * 3, UNSEEN, STILL, p, PERIOD)
         assert volts == pytest.approx((sign * 0.5,) * 3)
-        again, same = valve_driver.step(state, (-sign * 9.0,) * 3, None, p, 0.0)
+        again, same = valve_driver.step(state, (-sign * 9.0,) * 3, UNSEEN, STILL, p, 0.0)
         assert same == volts
-        assert valve_driver.step(again, (-sign * 9.0,) * 3, None, p, PERIOD)[1] == pytest.approx(
+        assert valve_driver.step(again, (-sign * 9.0,) * 3, UNSEEN, STILL, p, PERIOD)[1] == pytest.approx(
             ZERO, abs=1e-12
         )
 
@@ -235,7 +239,7 @@ def held(load, borne, command=1e-9, **state):
     push = 0.5 * load / p.axes[0].displacement_1
     told = Pressures((8e6 + push, 5e6, 5e6), (8e6 - push, 5e6, 5e6), p.supply_pressure)
     before = REST._replace(primed=True, loads=(load, 0.0, 0.0), borne=borne, means=(8e6,) * 3, **state)
-    return valve_driver.step(before, on_axis(0, command), told, p, PERIOD)[1][0]
+    return valve_driver.step(before, on_axis(0, command), told, STILL, p, PERIOD)[1][0]
 
 
 @both_ways
@@ -292,7 +296,7 @@ def steady(command, p=None):
     """State and voltage after a second of a boom's command."""
     state, volts = REST, ZERO
     for _ in range(200):
-        state, volts = valve_driver.step(state, on_axis(1, command), None, p or parameters(), PERIOD)
+        state, volts = valve_driver.step(state, on_axis(1, command), UNSEEN, STILL, p or parameters(), PERIOD)
     return state, volts[1]
 
 
@@ -301,17 +305,17 @@ def test_no_voltage_is_expected_to_be_replaced_sooner_than_a_quarter_of_a_hundre
     target = steady(sign * 0.25)[1]
     assert 1.0 < sign * target < 1.5
     for dt in (0.0005, 0.001, 0.002):
-        volts = valve_driver.step(REST, on_axis(1, sign * 0.25), None, parameters(), dt)[1][1]
+        volts = valve_driver.step(REST, on_axis(1, sign * 0.25), UNSEEN, STILL, parameters(), dt)[1][1]
         assert volts * (1.0 - math.exp(-0.0025 / LAG)) == pytest.approx(target)
 
 
 def test_how_late_voltages_were_is_forgotten_in_three_tenths_of_a_second():
-    state, _ = valve_driver.step(REST, on_axis(1, 1.0), None, parameters(), 0.03)
+    state, _ = valve_driver.step(REST, on_axis(1, 1.0), UNSEEN, STILL, parameters(), 0.03)
     assert state.ahead == 0.03
     for _ in range(60):
-        state, _ = valve_driver.step(state, on_axis(1, 1.0), None, parameters(), PERIOD)
+        state, _ = valve_driver.step(state, on_axis(1, 1.0), UNSEEN, STILL, parameters(), PERIOD)
     assert state.ahead == pytest.approx(PERIOD + math.exp(-1.0) * 0.025)
-    state, _ = valve_driver.step(state, on_axis(1, 1.0), None, parameters(), 0.001)
+    state, _ = valve_driver.step(state, on_axis(1, 1.0), UNSEEN, STILL, parameters(), 0.001)
     assert state.ahead < PERIOD + math.exp(-1.0) * 0.025
 
 
@@ -325,9 +329,9 @@ def test_at_rest_in_a_cycle_the_overlap_is_crossed_gently_and_in_motion_it_is_no
 ):
     p = parameters(hold_zone=0.05)
     state = REST._replace(holds=(SHUT, SHUT._replace(wide=wide), SHUT), ahead=PERIOD)
-    volts = valve_driver.step(state, on_axis(1, sign * command), None, p, PERIOD)[1][1]
+    volts = valve_driver.step(state, on_axis(1, sign * command), UNSEEN, STILL, p, PERIOD)[1][1]
     target = valve_driver.step(
-        REST, on_axis(1, sign * command), None, parameters(beyond_valve=False), PERIOD
+        REST, on_axis(1, sign * command), UNSEEN, STILL, parameters(beyond_valve=False), PERIOD
     )[1][1]
     assert (sign * volts < 1.2 * sign * target) == gently
 
@@ -341,8 +345,8 @@ def test_an_overlap_is_crossed_by_the_edge_of_its_own_way(axis, sign):
     spools = on_axis(axis, sign * 0.7)
     state = REST._replace(spools=spools, voltages=spools, ahead=PERIOD)
     command = on_axis(axis, sign * 0.5)
-    volts = valve_driver.step(state, command, None, p, PERIOD)[1][axis]
-    target = valve_driver.step(REST, command, None, lopsided(axis), PERIOD)[1][axis]
+    volts = valve_driver.step(state, command, UNSEEN, STILL, p, PERIOD)[1][axis]
+    target = valve_driver.step(REST, command, UNSEEN, STILL, lopsided(axis), PERIOD)[1][axis]
     assert (sign * volts > 1.2 * sign * target) == (sign > 0.0)
 
 
@@ -355,7 +359,7 @@ def test_an_edge_nearer_than_a_volt_ends_the_lead_too(axis):
     p = p._replace(axes=tuple(a._replace(valve=law, spool_lag=LAG) for a in p.axes))
     spools = on_axis(axis, 0.4)
     state = REST._replace(spools=spools, voltages=spools, ahead=PERIOD)
-    volts = valve_driver.step(state, on_axis(axis, 0.25), None, p, PERIOD)[1][axis]
+    volts = valve_driver.step(state, on_axis(axis, 0.25), UNSEEN, STILL, p, PERIOD)[1][axis]
     assert 0.4 < volts < 0.8
 
 
@@ -365,9 +369,12 @@ def test_before_any_time_has_passed_a_voltage_leads_nothing(axis, sign):
     p = parameters()
     p = p._replace(axes=tuple(a._replace(spool_lag=LAG) for a in p.axes))
     command = on_axis(axis, sign * 0.5)
-    at_once = valve_driver.step(REST, command, None, p, 0.0)[1][axis]
-    assert at_once == valve_driver.step(REST, command, None, p._replace(beyond_valve=False), 0.0)[1][axis]
-    assert sign * valve_driver.step(REST, command, None, p, PERIOD)[1][axis] > 1.2 * sign * at_once
+    at_once = valve_driver.step(REST, command, UNSEEN, STILL, p, 0.0)[1][axis]
+    assert (
+        at_once
+        == valve_driver.step(REST, command, UNSEEN, STILL, p._replace(beyond_valve=False), 0.0)[1][axis]
+    )
+    assert sign * valve_driver.step(REST, command, UNSEEN, STILL, p, PERIOD)[1][axis] > 1.2 * sign * at_once
 
 
 @every_axis
@@ -377,7 +384,7 @@ def test_an_actuator_whose_command_is_a_millionth_of_a_volt_or_less_is_held(axis
         state = REST
         for k in range(32):
             now = sign * 2.0 if k < 20 else command
-            state, _ = valve_driver.step(state, on_axis(axis, now), None, parameters(), PERIOD)
+            state, _ = valve_driver.step(state, on_axis(axis, now), UNSEEN, STILL, parameters(), PERIOD)
         assert (state.holds[axis].calm_for > 0.5) == held_now, command
 
 
@@ -391,13 +398,13 @@ def test_an_axis_of_which_anything_is_not_measured_learns_nothing_and_the_others
     told = Pressures((5e6,) * 3, (4e6,) * 3, p.supply_pressure)
     motion = Motion((0.1, 0.2, 0.3), (5e6,) * 3, (4e6,) * 3)
     missing = motion._replace(**{what: on_axis(axis, math.nan, getattr(motion, what)[0])})
-    state, _ = valve_driver.step(REST, (3.0, 3.0, 3.0), told, p, PERIOD, motion)
+    state, _ = valve_driver.step(REST, (3.0, 3.0, 3.0), told, motion, p, PERIOD)
     assert [learner.primed for learner in state.estimates] == [True] * 3
-    after, _ = valve_driver.step(state, (3.0, 3.0, 3.0), told, p, PERIOD, missing)
+    after, _ = valve_driver.step(state, (3.0, 3.0, 3.0), told, missing, p, PERIOD)
     assert tuple(learner.primed for learner in after.estimates) == on_axis(axis, False, True)
-    blinded, _ = valve_driver.step(state, (3.0, 3.0, 3.0), None, p, PERIOD, motion)
+    blinded, _ = valve_driver.step(state, (3.0, 3.0, 3.0), UNSEEN, motion, p, PERIOD)
     assert [learner.primed for learner in blinded.estimates] == [False] * 3
-    still, _ = valve_driver.step(state, (3.0, 3.0, 3.0), told, p, 0.0, motion)
+    still, _ = valve_driver.step(state, (3.0, 3.0, 3.0), told, motion, p, 0.0)
     assert still.estimates == state.estimates
 
 
@@ -411,7 +418,7 @@ def test_a_learnt_deadband_is_crossed_only_by_a_driver_that_adapts(axis, sign):
     def volts(adapt, learnt):
         p = parameters(adapt=adapt, beyond_valve=False)
         state = REST._replace(estimates=estimates if learnt else REST.estimates)
-        return valve_driver.step(state, on_axis(axis, sign * 2.0), None, p, PERIOD)[1][axis]
+        return valve_driver.step(state, on_axis(axis, sign * 2.0), UNSEEN, STILL, p, PERIOD)[1][axis]
 
     assert volts(False, True) == volts(False, False)
     assert sign * (volts(True, True) - volts(True, False)) == pytest.approx(0.3, abs=0.05)
@@ -423,6 +430,6 @@ def test_what_an_axis_learns_from_is_its_own_sight(axis):
     one, two = (5e6, 6e6, 7e6), (4e6, 3e6, 2e6)
     motion = Motion((0.1, 0.2, 0.3), (5.1e6, 6.1e6, 7.1e6), (3.9e6, 2.9e6, 1.9e6))
     state = REST._replace(voltages=(2.0, 3.0, 4.0))
-    state, _ = valve_driver.step(state, ZERO, Pressures(one, two, p.supply_pressure), p, PERIOD, motion)
+    state, _ = valve_driver.step(state, ZERO, Pressures(one, two, p.supply_pressure), motion, p, PERIOD)
     expected = motion.positions[axis], motion.valve_1[axis], motion.valve_2[axis], one[axis], two[axis]
     assert state.estimates[axis].last == (*expected, p.supply_pressure, state.strokes[axis])

@@ -9,7 +9,7 @@ pytest.importorskip("rclpy")
 from forest_msgs_py.clock.lockstep import LockstepClock
 from forest_msgs_py.clock.step_batch import read_batch
 from forest_msgs_py.clock.step_order import StepOrder
-from forest_msgs_py.clock.step_topics import STEP_NS, lockstep_qos
+from forest_msgs_py.clock.step_topics import lockstep_qos
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import JoyValues
 from forest_msgs_py.interfaces.topic_qos import qos
@@ -17,6 +17,7 @@ from forest_msgs_py.interfaces.topics import ANNOUNCEMENT, STEP_BATCH, message_c
 from forest_msgs_py.runtime.node import NodeFailure
 from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.serialization.packing import pack_clock, pack_joy
+from forest_msgs_py.types import PERIOD_NS
 
 QUIET, LAST = 20, 33  # steps in a batch; the run's end, in the middle of one
 
@@ -26,7 +27,7 @@ class Broken(Exception):
 
 
 def joy(step):
-    return pack_joy(step * STEP_NS, f"heartbeat:{step}", JoyValues((0.5, step / 100.0), (1,)))
+    return pack_joy(step * PERIOD_NS, f"heartbeat:{step}", JoyValues((0.5, step / 100.0), (1,)))
 
 
 @pytest.fixture
@@ -47,7 +48,7 @@ def run(make_node):
         speaker, stopping = joystick.publisher(topics.JOY), threading.Event()
 
         def say():
-            step = joystick.stamp() // STEP_NS
+            step = joystick.stamp() // PERIOD_NS
             speaker.publish(joy(step))
             if step == LAST:
                 end(stopping)
@@ -88,7 +89,7 @@ def test_the_last_account_of_a_run_that_ends_before_its_end_holds_all_that_was_s
     told, endings, order = run(end)
     steps = range(1, LAST + 1)
     assert [data for name, _, data in told if name == "/joy"] == [joy(step) for step in steps]
-    assert [data for name, _, data in told if name == "/clock"] == [pack_clock(k * STEP_NS) for k in steps]
+    assert [data for name, _, data in told if name == "/clock"] == [pack_clock(k * PERIOD_NS) for k in steps]
     assert [step for name, step, _ in told if name == "/joy"] == list(steps)
     assert order.lost == ""
     assert order.missing() == f"step {LAST + 1}: no account of joystick"

@@ -7,9 +7,10 @@ pytest.importorskip("rclpy")
 from forest_msgs_py.clock.lockstep import AHEAD
 from forest_msgs_py.clock.step_batch import StepBatch
 from forest_msgs_py.clock.step_listener import StepListener
-from forest_msgs_py.clock.step_topics import DEPTH, STEP_NS
+from forest_msgs_py.clock.step_topics import DEPTH
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import NodeFailure, publisher
+from forest_msgs_py.types import PERIOD_NS
 
 TOPICS = {"one": topics.JOY, "two": topics.JOINT_STATES, "three": topics.VALVE_COMMANDS}
 
@@ -46,7 +47,7 @@ def test_accounts_of_every_step_wait_for_a_recorder_that_comes_late(run, wait_un
             tell(batch, step)
     assert len(batches) * AHEAD > DEPTH
     found = []
-    wait_until(lambda: found.extend(heard.take()) or (found and found[-1].sent_ns == AHEAD * STEP_NS))
+    wait_until(lambda: found.extend(heard.take()) or (found and found[-1].sent_ns == AHEAD * PERIOD_NS))
     assert len(found) == len(batches) * AHEAD
 
 

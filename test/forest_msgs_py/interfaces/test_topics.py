@@ -12,7 +12,7 @@ from forest_msgs_py.interfaces.topic_reference import markdown
 from forest_msgs_py.interfaces.topics import TOPICS
 
 DOCS = Path(__file__).resolve().parents[3] / "docs" / "reference" / "topics.md"
-ROS_WORLD = {"/clock", "/diagnostics", "/rosout"}
+ROS_WORLD = {"/clock", "/diagnostics", "/rosout", "/tf", "/tf_static"}
 
 
 def test_docs_are_the_table():
@@ -52,6 +52,8 @@ def test_the_table_needs_no_ros():
 @pytest.mark.parametrize("row", TOPICS, ids=lambda row: row.name)
 def test_type_and_qos_of_every_topic_exist(row):
     pytest.importorskip("rclpy")
+    if row in (topics.TF, topics.TF_STATIC):
+        pytest.importorskip("tf2_msgs")
     assert topics.message_class(row).__name__ == row.type.rsplit("/", 1)[1]
     profile = qos(row)
     assert profile.depth == (1 if row.transient_local else 200 if row.rate_hz >= 100 else 10)

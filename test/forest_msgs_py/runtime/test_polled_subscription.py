@@ -18,7 +18,6 @@ from forest_msgs_py.runtime.polled_subscription import (
     polled_subscription,
     sent_at,
 )
-from forest_msgs_py.runtime.stamped_period import LONGEST, StampedPeriod, TimeInForce
 from forest_msgs_py.serialization.unpacking import ArrayReader
 
 
@@ -85,49 +84,6 @@ def test_newest_message_comes_with_its_time_and_older_ones_are_gone(make_node, w
     assert volts(newest[-1].message) == 4.0
     assert before - inbox_module.CLOCK_TOLERANCE <= newest[-1].time <= time.monotonic() + 0.05
     assert box.newest() is None
-
-
-def test_dt_comes_from_stamps_within_bounds():
-    period = StampedPeriod(0.005)
-    assert not period.started
-    assert period.since(1_000_000_000) == 0.005
-    assert period.started
-    assert period.since(1_012_500_000) == pytest.approx(0.0125)
-    assert period.since(1_012_500_000) == 0.0025
-    assert period.since(9_000_000_000) == LONGEST
-    assert period.since(1_000_000_000) == 0.0025
-
-
-@pytest.mark.parametrize("rate", [200.0, 400.0, 1000.0, 5000.0])
-@pytest.mark.parametrize("stamped", [True, False])
-def test_the_steps_together_take_the_time_that_passes_whatever_the_rate(rate, stamped):
-    period, begun = StampedPeriod(0.005), 100.0
-    sent = [begun + k / rate for k in range(round(rate))]
-    steps = [period.step(round(t * 1e9) * stamped, t) for t in sent]
-    assert sum(steps) == pytest.approx(1.0, abs=0.01)
-    assert all(dt == 0.0 or dt >= 0.0024 for dt in steps)
-
-
-def test_time_does_not_run_away_when_talkers_disagree_on_it():
-    period = StampedPeriod(0.005)
-    stamps = [(0, k * 10**6, 10**18, k * 10**9)[k % 4] for k in range(4000)]  # none, its own, past and future
-    steps = [period.step(stamp, 100.0 + k * 1e-3) for k, stamp in enumerate(stamps)]
-    assert sum(steps) <= 4.0 + LONGEST
-
-
-def test_a_burst_after_a_stall_steps_by_its_stamps():
-    period = StampedPeriod(0.005)
-    stamps = [10**9 + k * 5_000_000 for k in range(8)]
-    assert [period.step(stamp, 7.0) for stamp in stamps] == pytest.approx([0.005] * 8)
-
-
-def test_what_is_said_close_behind_something_is_in_force_from_then_on():
-    period, s = TimeInForce(0.005), 1_000_000_000
-    assert [period.since(s), period.since(s + 15_000_000)] == pytest.approx([0.005, 0.015])
-    assert [period.since(s + 15_000_000), period.since(s + 17_000_000)] == [0.0, 0.0]
-    assert period.since(s + 20_000_000) == 0.005
-    assert period.since(s) == 0.0
-    assert period.since(s + 5_000_000) == 0.005
 
 
 @pytest.mark.usefixtures("standing_clocks")

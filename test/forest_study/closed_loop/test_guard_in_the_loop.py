@@ -10,20 +10,25 @@ from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
 from forest_control.pipeline.control_state import ValveFeedback
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
-from forest_control.safety.motion_permission import MachineState, PermissionParameters, armed_watch
+from forest_control.safety.motion_permission import (
+    MachineState,
+    Permission,
+    PermissionParameters,
+    armed_watch,
+)
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
 from forest_description.types import ZERO
-from forest_msgs_py.types import PERIOD
+from forest_msgs_py.types import PERIOD, PERIOD_NS
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.sensors.signal_processing import Measurement, Motion
 from forest_study.closed_loop import loop_core
 from forest_study.closed_loop.closed_loop import Links, Operator, run
 from forest_study.closed_loop.link_model import Quality, Reports
-from forest_study.closed_loop.loop_core import PERIOD_NS, Guarded, Knowledge, Loop
+from forest_study.closed_loop.loop_core import Guarded, Knowledge, Loop
 from forest_study.thesis.thesis_machine import machine_of, settings_of
 
 C180 = load_machine("c180")
@@ -113,23 +118,23 @@ def wild(rng, rows):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_the_kernels_guard_decides_as_the_nodes_does(seed):
-    """The kernel's is made of numbers alone; here both hear the same, faults and all."""
+    """Both ask `decide`; what they do about it is told twice, so here both hear the same, faults and all."""
     k = Knowledge(None, None, parameters(C180, Settings()), None, PermissionParameters())
     node = GuardedController(k.control, PermissionParameters())
-    node.permission.joystick = armed_watch()
+    node.guard.permission = Permission(joystick=armed_watch())
     kernel, stopped, moved = Guarded(), 0, 0
     for row, (levers, held, seen, volts) in enumerate(wild(np.random.default_rng(seed), 2000)):
         now = row * PERIOD
         loop = Loop(None, None, kernel, valve_driver.REST._replace(voltages=volts), Reports())
         kernel, velocity = loop_core.guarded(loop, levers, held, seen, k, row)
-        node.permission.hear(loop_core.sample(levers, held, row))
+        node.guard.hear(loop_core.sample(levers, held, row))
         machine = MachineState(seen.joints.position, seen.joints.speed, (row + 1) * PERIOD_NS, now)
         valves = ValveFeedback(voltages=volts, driver=DriverSample(volts, now))
         node.stops_without_state(now)
         _, telemetry = node.advance(machine, valves, now)
         assert kernel.command == node.command
         assert velocity == (telemetry.output.tip_reference if telemetry else ZERO)
-        assert kernel.joystick.armed == node.permission.joystick.armed
+        assert kernel.permission == node.guard.permission
         stopped, moved = stopped + (telemetry is None), moved + any(node.command)
     assert stopped > 100
     assert moved > 100

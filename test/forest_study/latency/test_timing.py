@@ -53,12 +53,12 @@ def test_late_voltages_and_uneven_levers_cost_the_tip_little(robust):
 
 
 def test_a_driver_that_took_its_voltages_to_be_in_time_would_throw_the_tip_off(late, robust, monkeypatch):
-    step = valve_driver.step_measured
+    step = valve_driver.step
 
     def trusting(state, command, pressures, motion, p, dt):
         return step(state, command, pressures, motion, p, timing.PERIOD)
 
-    monkeypatch.setattr(closed_loop.valve_driver, "step_measured", trusting)
+    monkeypatch.setattr(closed_loop.valve_driver, "step", trusting)
     assert score(replayed(thesis(), late, C180))["max_mm"] > 2.0 * robust["max_mm"]
 
 

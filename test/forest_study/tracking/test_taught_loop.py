@@ -159,7 +159,7 @@ def test_a_player_that_falls_silent_stops_the_tip_and_cannot_go_on_by_itself(tau
     for _ in range(round((0.1 + STOPPED) / PERIOD)):
         loop.period(HELD, silent=True)
     assert speed(loop) < 0.05
-    assert "taught command: none for 0.1 s" in loop.loop.controller.permission.causes["joystick"]
+    assert "taught command: none for 0.1 s" in loop.loop.controller.guard.causes["joystick"]
     stood = loop.tips[-1]
     for _ in range(20):
         loop.period(HELD, silent=True)
@@ -169,7 +169,7 @@ def test_a_player_that_falls_silent_stops_the_tip_and_cannot_go_on_by_itself(tau
     assert math.dist(loop.tips[-1], stood) < 0.005
     assert loop.work.resume()
     loop.until(Phase.FINISHED, 20.0)
-    assert not loop.loop.controller.permission.causes["joystick"]
+    assert not loop.loop.controller.guard.causes["joystick"]
 
 
 def test_a_pause_holds_the_tip_and_the_button_goes_on(taught):

@@ -118,7 +118,7 @@ def _topic_line(name: str, topic: dict[str, Any], first_ns: int, width: int) -> 
 
 def _attachments(reader: BagReader) -> list[tuple[str, bytes]]:
     """Of all files; splits repeat them."""
-    return list({name: (name, data) for file in reader.files for name, data in file.attachments}.values())
+    return list({a.name: (a.name, a.data) for file in reader.files for a in file.attachments}.values())
 
 
 def _since(time_ns: int, first_ns: int) -> str:

@@ -18,6 +18,8 @@ from forest_bag.cli import (
     plot_command,
     record_command,
     recover_command,
+    reindex_command,
+    table_command,
 )
 from forest_bag.storage.bag_files import BagError
 from forest_msgs_py.runtime import command_line
@@ -25,7 +27,7 @@ from forest_msgs_py.runtime import command_line
 PROGRAM = "forest-bag"
 VERBS = (
     *(record_command, recover_command, play_command, info_command, compare_command),
-    *(convert_command, plot_command, import_command),
+    *(convert_command, reindex_command, table_command, plot_command, import_command),
 )
 
 

@@ -1,137 +1,143 @@
-"""`forest-bag play`: a bag's messages onto their topics again, in their time."""
+"""`forest-bag play` and `burst`: bags' messages onto their topics again, in their time or at once."""
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from forest_bag.play.play_options import NAME, PlayOptions
-from forest_bag.read.bag_reader import BagReader
+from forest_bag.read.merged_bags import MergedBags
 from forest_bag.storage.bag_files import BagError
-from forest_msgs_py.runtime.command_line import number
+from forest_msgs_py.interfaces.qos_overrides import QosOverrideError, read_overrides
+from forest_msgs_py.runtime.command_line import number, whole
 
 CANNOT_PLAY = 2  # exit code
 CHECKED_PER_S = 150e6  # bytes of a file, by zstd some 6 times as many (benchmarks/checking.py)
 LONG = 3.0  # [s] of checking, of which one is told beforehand
 CLOCK_HZ = 40.0  # as `ros2 bag play`
+KEYS = (
+    "Keys: space pause, right next message, left 5 s back, up or + faster, down or - slower. Services: "
+    "docs/reference/bags.md; parameters rate and seek."
+)
 
 
 def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add the verb and its flags."""
-    text = "publish a bag's messages again, in their time"
-    parser = verbs.add_parser(
-        "play",
-        help=text,
-        description=text.capitalize() + ".",
-        epilog="Keys: space pause, right next message, left 5 s back, up or + faster, down or - "
-        "slower. Services ~/pause, ~/resume, ~/toggle_paused, ~/play_next (std_srvs/Trigger); parameters "
-        "rate and seek.",
+    """Add both verbs and their flags."""
+    _add_play(_add(verbs, "play", "publish bags' messages again, in their time", run))
+    burst = _add(verbs, "burst", "publish bags' messages as fast as possible, then pause", run_burst)
+    burst.add_argument(
+        "-n",
+        "--num-messages",
+        type=whole(0, 10**9),
+        default=0,
+        metavar="N",
+        help="so many, then pause; default: all, then end",
     )
-    parser.set_defaults(command=run)
-    parser.add_argument("bag", type=Path, metavar="BAG", help="a directory, .mcap or .db3")
-    parser.add_argument(
-        "-r", "--rate", type=number(0.0, 1e6), default=1.0, help="default: 1; 0: as fast as possible"
-    )
-    parser.add_argument("-l", "--loop", action="store_true", help="again and again")
-    parser.add_argument("--start-offset", type=number(0.0), default=0.0, metavar="S", help="begin there")
-    parser.add_argument(
-        "--duration",
-        "--playback-duration",
-        dest="duration",
-        type=number(0.0),
-        metavar="S",
-        help="of the bag's time (default: to its end)",
-    )
-    parser.add_argument("--topics", nargs="+", default=[], metavar="TOPIC", help="only these")
-    parser.add_argument(
-        "--exclude",
-        "--exclude-topics",
-        dest="exclude",
+
+
+def _add(
+    verbs: "argparse._SubParsersAction[argparse.ArgumentParser]",
+    name: str,
+    text: str,
+    command: Callable[[argparse.Namespace], int],
+) -> argparse.ArgumentParser:
+    """Add a verb with what both have in common."""
+    parser = verbs.add_parser(name, help=text, description=text.capitalize() + ".", epilog=KEYS)
+    parser.set_defaults(command=command)
+    add = parser.add_argument
+    add(
+        "bags",
+        type=Path,
         nargs="+",
-        default=[],
-        metavar="TOPIC",
-        help="all but these",
+        metavar="BAG",
+        help="a directory, .mcap or .db3; several are played as one, merged by time",
     )
-    parser.add_argument(
-        "-m",
-        "--remap",
-        nargs="+",
-        type=_remap,
-        default=[],
-        metavar="OLD:=NEW",
-        help="publish under another name",
-    )
-    parser.add_argument(
-        "--clock",
-        nargs="?",
-        type=number(0.1, 1e4),
-        const=CLOCK_HZ,
-        default=0.0,
-        metavar="HZ",
-        help="publish the bag's time on /clock (default rate: 40)",
-    )
-    parser.add_argument("-p", "--start-paused", action="store_true", help="wait for space, or ~/resume")
-    parser.add_argument(
-        "--wait-for-subscribers", action="store_true", help="begin when every topic that is played has one"
-    )
-    parser.add_argument(
-        "-d",
-        "--delay",
-        type=number(0.0, 3600.0),
-        default=0.5,
-        metavar="S",
-        help="before the first message, for readers to find the player (default: 0.5)",
-    )
-    parser.add_argument(
-        "--no-check",
-        action="store_true",
-        help="play at once: without it the whole bag is read first, and not played if bytes were changed",
-    )
-    parser.add_argument("--stats", action="store_true", help="tell at the end how late messages were")
+    add("--start-offset", type=number(0.0), default=0.0, metavar="S", help="begin there")
+    add("--topics", nargs="+", default=[], metavar="TOPIC", help="only these")
+    add("--exclude", "--exclude-topics", dest="exclude", nargs="+", default=[], metavar="TOPIC",
+        help="all but these")  # fmt: skip
+    add("-m", "--remap", nargs="+", type=_remap, default=[], metavar="OLD:=NEW",
+        help="publish under another name")  # fmt: skip
+    add("--qos-profile-overrides-path", type=Path, metavar="FILE.yaml",
+        help="QoS of topics, in place of the recorded one")  # fmt: skip
+    add("-d", "--delay", type=number(0.0, 3600.0), default=0.5, metavar="S",
+        help="before the first message, for readers to find the player (default: 0.5)")  # fmt: skip
+    add("--wait-for-subscribers", action="store_true",
+        help="begin when every topic that is played has one")  # fmt: skip
+    add("--no-check", action="store_true",
+        help="play at once: without it all is read first, and not played if bytes were changed")  # fmt: skip
+    return parser
+
+
+def _add_play(parser: argparse.ArgumentParser) -> None:
+    add = parser.add_argument
+    add("-r", "--rate", type=number(0.0, 1e6), default=1.0, help="default: 1; 0: as fast as possible")
+    add("-l", "--loop", action="store_true", help="again and again")
+    add("--duration", "--playback-duration", dest="duration", type=number(0.0), metavar="S",
+        help="of the bag's time (default: to its end)")  # fmt: skip
+    add("--clock", nargs="?", type=number(0.1, 1e4), const=CLOCK_HZ, default=0.0, metavar="HZ",
+        help="publish the bag's time on /clock (default rate: 40)")  # fmt: skip
+    add("-p", "--start-paused", action="store_true", help="wait for space, or ~/resume")
+    add("--stats", action="store_true", help="tell at the end how late messages were")
 
 
 def run(options: argparse.Namespace) -> int:
     """Play; return the exit code."""
+    return _played(
+        options,
+        lambda common: common._replace(
+            rate=options.rate,
+            loop=options.loop,
+            duration=options.duration,
+            clock=options.clock,
+            paused=options.start_paused,
+            stats=options.stats,
+        ),
+    )
+
+
+def run_burst(options: argparse.Namespace) -> int:
+    """Burst; return the exit code."""
+    return _played(options, lambda common: common._replace(burst=options.num_messages))
+
+
+def _played(options: argparse.Namespace, further: Callable[[PlayOptions], PlayOptions]) -> int:
     try:
+        path = options.qos_profile_overrides_path
+        overrides = {} if path is None else read_overrides(path)
         if not options.no_check:
-            _check(options.bag)
-    except (BagError, OSError) as error:
+            _check(options.bags)
+    except (BagError, QosOverrideError, OSError) as error:
         print(f"forest-bag: {error}", file=sys.stderr)
         return CANNOT_PLAY
     from forest_bag.player_node import PlayerNode
     from forest_msgs_py.runtime.node import run_node
 
-    chosen = PlayOptions(
-        bag=options.bag,
-        rate=options.rate,
-        loop=options.loop,
+    common = PlayOptions(
+        bags=tuple(options.bags),
         start_offset=options.start_offset,
-        duration=options.duration,
         topics=tuple(options.topics),
         exclude=tuple(options.exclude),
         remaps=tuple(options.remap),
-        clock=options.clock,
-        paused=options.start_paused,
+        overrides=overrides,
         wait_for_subscribers=options.wait_for_subscribers,
         delay=options.delay,
-        stats=options.stats,
     )
-    return run_node(lambda: PlayerNode(chosen), [])
+    return run_node(lambda: PlayerNode(further(common)), [])
 
 
-def _check(bag: Path) -> None:
-    """Read all of a bag: what is found behind half of it would be found with the machine in motion.
+def _check(bags: list[Path]) -> None:
+    """Read all of the bags: what is found behind half of it would be found with the machine in motion.
 
     Raises:
-        BagError: this is no bag, or bytes of it were changed.
-        OSError: it cannot be read.
+        BagError: one is no bag, or bytes of it were changed.
+        OSError: one cannot be read.
     """
-    with BagReader(bag) as reader:
+    with MergedBags(bags) as reader:
         seconds = reader.size / CHECKED_PER_S
         if seconds > LONG:
-            print(
-                f"forest-bag: checking {bag} first, some {seconds:.0f} s (not with --no-check)",
-                file=sys.stderr,
-            )
+            told = f"checking {reader.path} first, some {seconds:.0f} s (not with --no-check)"
+            print(f"forest-bag: {told}", file=sys.stderr)
         reader.check()
 
 

@@ -30,6 +30,10 @@ def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> 
     add("-b", "--max-bag-size", type=number(0.0, 1e9), metavar="BYTES", help="the same in bytes")
     add("--snapshot-seconds", type=number(0.0, 1e9), metavar="S",
         help=f"keep the last seconds in memory; /{NODE}/snapshot writes them")  # fmt: skip
+    add("--qos-profile-overrides-path", type=Path, metavar="FILE.yaml",
+        help="QoS of subscriptions to topics, in place of what suits all publishers")  # fmt: skip
+    add("--use-sim-time", action="store_true",
+        help="log times are those of /clock; nothing is recorded before its first message")  # fmt: skip
     add("--start-paused", action="store_true", help=f"record nothing before /{NODE}/start")
     add("--node-name", type=_name, default=NODE, metavar="NAME", help="default: %(default)s")
     add("--namespace", type=_namespace, default="", metavar="NS", help="for relative names (default: /)")
@@ -80,6 +84,9 @@ def parameters(options: argparse.Namespace) -> dict[str, Any]:
         "max_size": size,
         "snapshot_seconds": options.snapshot_seconds,
         "start_paused": options.start_paused or None,
+        "qos_profile_overrides_path": options.qos_profile_overrides_path
+        and str(options.qos_profile_overrides_path.resolve()),
+        "use_sim_time": options.use_sim_time or None,
     }
     return {name: value for name, value in asked.items() if value is not None}
 

@@ -1,12 +1,12 @@
 """What `forest-bag play` is asked for, and what of a bag that means."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
 from forest_bag.play.playback import Plan
-from forest_bag.read.bag_reader import BagReader
+from forest_bag.read.merged_bags import MergedBags
 from forest_bag.storage.bag_files import BagError
 from forest_msgs_py.interfaces.qos_profiles import Qos, for_replay, offered
 from forest_msgs_py.interfaces.topics import CLOCK
@@ -18,7 +18,7 @@ NAME = re.compile(r"(~/|/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # as ROS al
 class PlayOptions(NamedTuple):
     """The verb's flags; times in s of bag time, `delay` of wall time."""
 
-    bag: Path
+    bags: tuple[Path, ...]
     rate: float = 1.0
     loop: bool = False
     start_offset: float = 0.0
@@ -31,6 +31,8 @@ class PlayOptions(NamedTuple):
     wait_for_subscribers: bool = False
     delay: float = 0.5
     stats: bool = False
+    burst: int | None = None  # messages to be played at once, before a pause; 0: all
+    overrides: Mapping[str, Qos] = {}  # of the bags' topics, in place of the recorded QoS
 
 
 class Selection(NamedTuple):
@@ -43,11 +45,11 @@ class Selection(NamedTuple):
     warnings: tuple[str, ...]
 
 
-def select(reader: BagReader, options: PlayOptions, is_installed: Callable[[str], bool]) -> Selection:
+def select(reader: MergedBags, options: PlayOptions, is_installed: Callable[[str], bool]) -> Selection:
     """Choose the topics.
 
     Args:
-        reader: the open bag.
+        reader: the open bags.
         options: what is asked for.
         is_installed: whether a message type is.
 
@@ -71,13 +73,19 @@ def select(reader: BagReader, options: PlayOptions, is_installed: Callable[[str]
         found.names[topic] = remaps.get(topic, topic)
         found.types[topic] = kinds[0].type
         found.hashes[topic] = kinds[0].type_hash
-        found.profiles[topic] = for_replay([profile for kind in kinds for profile in offered(kind.qos)])
+        recorded = for_replay([profile for kind in kinds for profile in offered(kind.qos)])
+        found.profiles[topic] = options.overrides.get(topic, recorded)
     if not found.names:
         raise BagError("; ".join([f"nothing to play in {reader.path}", *warnings]))
     return found._replace(warnings=tuple(warnings))
 
 
-def plan(reader: BagReader, options: PlayOptions) -> Plan:
+def as_fast_as_possible(options: PlayOptions) -> bool:
+    """Whether messages are sent without regard to their times, so that readers must be waited for."""
+    return options.rate == 0.0 or options.burst is not None
+
+
+def plan(reader: MergedBags, options: PlayOptions) -> Plan:
     """Turn the flags into bag times.
 
     Raises:
@@ -97,7 +105,7 @@ def plan(reader: BagReader, options: PlayOptions) -> Plan:
         end_ns=end,
         rate=options.rate,
         loop=options.loop,
-        paused=options.paused,
+        paused=options.paused or options.burst is not None,
         clock_period_ns=period,
     )
 

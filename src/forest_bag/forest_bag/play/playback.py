@@ -15,6 +15,7 @@ Due times are absolute, so that lateness never adds up. A player that is `LAG_NS
 keep up: it goes on from there rather than pour out what it has missed.
 """
 
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -26,6 +27,7 @@ from forest_bag.storage.raw_messages import RawMessage
 from forest_msgs_py.types import NS_PER_S
 
 LAG_NS = NS_PER_S
+ALL = sys.maxsize  # messages: more than any bag has
 SHARES = (50, 99, 99.9)  # of the messages, in the summary [%]
 
 
@@ -83,8 +85,9 @@ class Player:
         self._wall = wall or WallClock()
         self._changed = threading.Condition()
         self._rate, self._paused = plan.rate, plan.paused
-        self._stopped = False
+        self._stopped = self._running = False
         self._steps = 0  # messages to be played although paused
+        self._stepped = 0  # of them, played
         self._target: int | None = None  # bag time to go to
         self._anchor_wall = self._next_tick = self._wall.now()
         self._anchor_bag = plan.start_ns
@@ -131,20 +134,41 @@ class Player:
         """Go to a bag time; one outside of what is played becomes its start or end."""
         with self._changed:
             self._target = min(max(bag_ns, self._plan.start_ns), self._plan.end_ns)
-            self._changed.notify()
+            self._changed.notify_all()
 
     def step(self) -> bool:
         """Play one message although paused; False if it is not paused."""
         with self._changed:
             self._steps += self._paused
-            self._changed.notify()
+            self._changed.notify_all()
             return self._paused
+
+    def begin_burst(self, count: int) -> None:
+        """Play so many messages at once although paused; 0: all to the end."""
+        with self._changed:
+            self._steps = count or ALL
+            self._changed.notify_all()
+
+    def burst(self, count: int) -> int:
+        """Play so many messages at once; return how many there were: none if it is not paused or has ended.
+
+        Args:
+            count: 0: all to the end.
+        """
+        with self._changed:
+            if not (self._paused and self._running):
+                return 0
+            before = self._stepped
+            self.begin_burst(count)
+            while self._steps and self._running:
+                self._changed.wait()
+            return self._stepped - before
 
     def stop(self) -> None:
         """End `run` at once."""
         with self._changed:
             self._stopped = True
-            self._changed.notify()
+            self._changed.notify_all()
 
     def run(self) -> None:
         """Play to the end, or until stopped.
@@ -152,11 +176,22 @@ class Player:
         Raises:
             Damaged: bytes of the bag were changed.
         """
+        self._running = True
+        try:
+            self._run()
+        finally:
+            with self._changed:
+                self._running = False
+                self._changed.notify_all()
+
+    def _run(self) -> None:
         position, renew = self._plan.start_ns, False
         while not self._stopped:
             before = self.played
             self._play_from(position, renew)
             with self._changed:
+                self._steps *= self._target is not None  # a burst ends where the bag does
+                self._changed.notify_all()
                 if self._target is not None:
                     position, self._target = self._target, None
                 elif self._plan.loop and not (self._stopped or self._is_empty(position, before)):
@@ -199,7 +234,10 @@ class Player:
                 self._tick(now)
                 if self._steps:
                     self._steps -= 1
+                    self._stepped += 1
                     self._anchor(log_ns, now)
+                    if not self._steps:
+                        self._changed.notify_all()
                     return True
                 if not self._paused and self._is_due(log_ns, now):
                     return True
@@ -252,4 +290,4 @@ class Player:
             self._rate = self._rate if rate is None else rate
             self._paused = self._paused if paused is None else paused
             self._steps = 0 if not self._paused else self._steps
-            self._changed.notify()
+            self._changed.notify_all()

@@ -2,7 +2,7 @@
 
 from typing import Annotated, NamedTuple
 
-from forest_msgs_py.runtime.parameter_table import Parameter, tunable
+from forest_msgs_py.runtime.parameter_table import Parameter, table_rows, tunable
 
 HIGHEST_RATE = 1e6  # [1] seconds of the bag per second; chosen: no computer comes near it
 
@@ -14,6 +14,9 @@ class PlayerParameters(NamedTuple):
         float, tunable("Seconds of the bag per second; 0: as fast as possible", low=0.0, high=HIGHEST_RATE)
     ] = 1.0
     seek: Annotated[float, tunable("Setting it goes to that time since the bag's start", "s", 0.0)] = 0.0
+
+
+DESCRIPTIONS = {row.name: row.description for row in table_rows(PlayerParameters)}
 
 
 class StepPlayerParameters(NamedTuple):

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 from itertools import islice
 from queue import Empty, Full, Queue
 
-from forest_bag.read.bag_reader import BagReader
+from forest_bag.read.merged_bags import MergedBags
 from forest_bag.storage.raw_messages import RawMessage
 from forest_msgs_py.interfaces.qos_profiles import Qos
 
@@ -19,11 +19,11 @@ ARRIVAL_NS = 1_000_000_000  # of the bag's begin, in which a recorder hears what
 class BagSource:
     """The chosen topics of a bag."""
 
-    def __init__(self, reader: BagReader, profiles: dict[str, Qos]) -> None:
+    def __init__(self, reader: MergedBags, profiles: dict[str, Qos]) -> None:
         """Read what transient-local topics hold.
 
         Args:
-            reader: the open bag.
+            reader: the open bags.
             profiles: topics to be played, with their QoS.
 
         Raises:

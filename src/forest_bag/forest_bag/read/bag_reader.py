@@ -34,19 +34,20 @@ _log_time = itemgetter(0)
 class BagReader:
     """The files of a bag, open; a context manager."""
 
-    def __init__(self, path: str | Path, lenient: bool = False) -> None:
+    def __init__(self, path: str | Path, lenient: bool = False, by_metadata: bool = True) -> None:
         """Open a bag.
 
         Args:
             path: directory or file.
             lenient: take of a damaged bag what is whole; ``problems`` then says what is not.
+            by_metadata: believe metadata.yaml; False: only the files.
 
         Raises:
             BagError: this is no bag, or (not lenient) a damaged one.
             OSError: it cannot be read.
         """
         self.path = Path(path)
-        self.lenient = lenient
+        self.lenient, self._by_metadata = lenient, by_metadata
         self.problems: list[str] = []
         self._unpacked: tempfile.TemporaryDirectory[str] | None = None
         self.information = self._information()
@@ -129,6 +130,26 @@ class BagReader:
             waiting.sort(key=_log_time)
         yield from waiting
 
+    def newest(self, topics: Collection[str], time_ns: int) -> dict[str, RawMessage]:
+        """Return the last message of each topic up to a log time; a topic without one is left out.
+
+        Read backwards, and no further than until all are found.
+
+        Raises:
+            Damaged: as `messages`.
+        """
+        found: dict[str, RawMessage] = {}
+        places = [(piece, file) for file in self.files for piece in file.pieces if piece.first_ns <= time_ns]
+        for piece, file in sorted(places, key=lambda place: place[0].last_ns, reverse=True):
+            sought = {name for name in topics if name not in found or found[name].log_ns < piece.last_ns}
+            if not sought:
+                break
+            for message in self._read(piece, file, sought, 0) if _concerns(piece, file, sought) else ():
+                last = found.get(message.channel.topic)
+                if message.log_ns <= time_ns and (last is None or message.log_ns >= last.log_ns):
+                    found[message.channel.topic] = message
+        return found
+
     def check(self) -> None:
         """Look at all of it: checksums where it has them, structure, compressed messages.
 
@@ -171,7 +192,7 @@ class BagReader:
             if not (self.path.name.endswith(SUFFIXES) and self.path.is_file()):
                 raise BagError(f"{self.path} is no bag; allowed: {FILE_KINDS}")
             return [self.path]
-        listed = self.information.get("relative_file_paths")
+        listed = self.information.get("relative_file_paths") if self._by_metadata else None
         listed = listed if isinstance(listed, list) else []
         files = list(dict.fromkeys(self.path / Path(str(name)).name for name in listed))
         missing = [file.name for file in files if not file.is_file()]
@@ -193,7 +214,8 @@ class BagReader:
         try:
             content = parsed(file.read_text(encoding="utf-8"))
         except (yaml.YAMLError, UnicodeDecodeError) as error:
-            self._note(f"{file} is not YAML: {' '.join(str(error).split())}")
+            if self._by_metadata:
+                self._note(f"{file} is not YAML: {' '.join(str(error).split())}")
             return {}
         information = content.get("rosbag2_bagfile_information") if isinstance(content, dict) else None
         return information if isinstance(information, dict) else {}

@@ -104,7 +104,7 @@ def survey(reader: BagReader) -> Survey:
         name = message.channel.topic
         found.topics[name].add(message)
         if name in events and len(found.events) < MOST_EVENTS:
-            found.events.append((message.log_ns, _text(message.data)))
+            found.events.append((message.log_ns, string_text(message.data)))
     for topic in found.topics.values():
         topic.learn()
     use_recorded_losses(found.topics, reader)
@@ -128,8 +128,8 @@ def use_recorded_losses(infos: dict[str, TopicInfo], reader: BagReader) -> None:
             infos[name].lost = count
 
 
-def _text(data: bytes) -> str:
-    """The text of a std_msgs/String in little-endian CDR."""
+def string_text(data: bytes) -> str:
+    """Return the text of a std_msgs/String in little-endian CDR."""
     if len(data) < 8:
         return ""
     (length,) = struct.unpack_from("<I", data, 4)

@@ -93,7 +93,7 @@ class Bag:
             wanted = topic if isinstance(topic, str) else topic.name
             raise NotInBag(f"no topic '{wanted}'; the bag holds {', '.join(sorted(self.topics))}")
         if name not in self._series:
-            self._series[name] = _series(self._channels[name], self._messages[name])
+            self._series[name] = series_of(self._channels[name], self._messages[name])
         return self._series[name]
 
     def sent_ns(self, topic: Topic) -> NDArray[np.int64]:
@@ -174,7 +174,12 @@ def _kind(channel: Channel) -> Topic:
     return row if row is not None and row.type == channel.type else unlisted(channel.topic, channel.type)
 
 
-def _series(channel: Channel, messages: list[RawMessage]) -> Series:
+def series_of(channel: Channel, messages: list[RawMessage]) -> Series:
+    """Return messages of one topic as arrays.
+
+    Raises:
+        ValueError: their type is not known, or has no numbers.
+    """
     read, kind = message_reader(channel), _kind(channel)
     log_time = np.array([min(message.log_ns, LATEST_NS) for message in messages], dtype=np.int64)
     rows, unreadable = _rows(read, messages[:1])

@@ -165,3 +165,17 @@ class Recording:
             session.write(name, data, received, sent, sequence)
             session.missed(name, missed)
             self._begun = self._begun or (session.recording and name not in LOGS)
+
+
+def answered(verb: Callable[[], str], say: Callable[[str], object]) -> Callable[[], tuple[bool, str]]:
+    """Return the action of a service: success and what the verb tells, or why not; `say` logs it."""
+
+    def answer() -> tuple[bool, str]:
+        try:
+            told = True, verb()
+        except (NodeFailure, Refusal) as error:  # a failure ends the node at its next turn
+            told = False, str(error)
+        say(told[1])
+        return told
+
+    return answer

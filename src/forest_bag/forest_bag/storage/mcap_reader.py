@@ -32,7 +32,15 @@ from forest_bag.storage.mcap_records import (
     records,
     whole_records,
 )
-from forest_bag.storage.raw_messages import BagFile, Channel, Damaged, Piece, RawMessage, full_type
+from forest_bag.storage.raw_messages import (
+    Attachment,
+    BagFile,
+    Channel,
+    Damaged,
+    Piece,
+    RawMessage,
+    full_type,
+)
 
 LOOSE_BYTES = 1 << 20  # of loose messages make one piece
 _SPAN = struct.Struct("<QQ")  # of a chunk: first and last log time; of an index: offset and length
@@ -177,14 +185,15 @@ class McapPieces(BagFile):
         offset, body = begin - HEAD.size, self._bytes[begin:end]
         try:
             if opcode == Opcode.CHUNK:
-                if self._walk(chunk_records(parsed(opcode, body))):
+                if messages := self._walk(chunk_records(parsed(opcode, body))):
                     first_ns, last_ns = _SPAN.unpack_from(body)
-                    self.pieces.append(Piece(first_ns, last_ns, offset, end - offset))
+                    there = self._channels_of(messages)
+                    self.pieces.append(Piece(first_ns, last_ns, offset, end - offset, there))
             elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                 self._declare(opcode, body)
             elif opcode == Opcode.ATTACHMENT:
                 found = parsed(opcode, body)
-                self.attachments.append((found.name, found.data))
+                self.attachments.append(Attachment(found.name, found.data, found.media_type, found.log_time))
             elif opcode == Opcode.METADATA:
                 found = parsed(opcode, body)
                 self.metadata.append((found.name, found.metadata))
@@ -208,6 +217,12 @@ class McapPieces(BagFile):
             raise ValueError(f"a message names channel {error}, which nothing declares") from error
         return found
 
+    def _channels_of(self, messages: list[RawMessage]) -> frozenset[int]:
+        """Numbers of the channels that messages name: of a file without an index nobody else tells."""
+        met = {id(message.channel) for message in messages}
+        found = frozenset(number for number, channel in self.channels.items() if id(channel) in met)
+        return self._sets.setdefault(found, found)
+
     def _declare(self, opcode: int, body: bytes) -> None:
         record = parsed(opcode, body)
         if isinstance(record, Schema):
@@ -219,7 +234,7 @@ class McapPieces(BagFile):
         if record.id in self.channels:
             return
         schema = self._schemas.get(record.schema_id)
-        name, text = ("", b"") if schema is None else (schema.name, schema.data)
+        name, form, text = ("", "", b"") if schema is None else (schema.name, schema.encoding, schema.data)
         self.channels[record.id] = Channel(
             topic=record.topic,
             type=full_type(name, record.message_encoding),
@@ -227,4 +242,5 @@ class McapPieces(BagFile):
             qos=record.metadata.get("offered_qos_profiles", ""),
             type_hash=record.metadata.get("topic_type_hash", ""),
             definition=text.decode("utf-8", "replace"),
+            definition_format=form,
         )

@@ -31,11 +31,22 @@ class OfferedTopic:
         type_name: like ``sensor_msgs/msg/JointState``.
         qos: what each publisher offers, with rosbag2's keys.
         type_hash: of the type's description, ``RIHS01_...``.
+        encoding: of the messages.
+        definition: format and text of the type; None: as it is installed.
     """
 
-    def __init__(self, name: str, type_name: str, qos: Sequence[Mapping[str, Any]], type_hash: str) -> None:
+    def __init__(
+        self,
+        name: str,
+        type_name: str,
+        qos: Sequence[Mapping[str, Any]],
+        type_hash: str,
+        encoding: str = "cdr",
+        definition: tuple[str, str] | None = None,
+    ) -> None:
         self.name = name
         self.type, self.qos, self.type_hash = type_name, list(qos), type_hash
+        self.encoding, self.definition = encoding, definition
         self.channel = 0  # in the present file
 
     def covers(self, other: "OfferedTopic") -> bool:
@@ -45,7 +56,10 @@ class OfferedTopic:
 
 
 def information(
-    files: Sequence[FileEntry], counts: Mapping[OfferedTopic, int], lost: Mapping[str, int]
+    files: Sequence[FileEntry],
+    counts: Mapping[OfferedTopic, int],
+    lost: Mapping[str, int],
+    storage: str = "mcap",
 ) -> dict[str, Any]:
     """Return what stands below ``rosbag2_bagfile_information``.
 
@@ -53,12 +67,13 @@ def information(
         files: in the order in which they were written.
         counts: number of messages of each topic in all these files.
         lost: number of lost messages by topic.
+        storage: rosbag2's name of the files' format.
     """
     custom = {LOST: str(sum(lost.values()))}
     custom.update({f"{LOST}:{name}": str(count) for name, count in lost.items()})
     return {
         "version": METADATA_VERSION,
-        "storage_identifier": "mcap",
+        "storage_identifier": storage,
         **_span(files),
         "topics_with_message_count": [_topic(offer, count) for offer, count in counts.items()],
         "compression_format": "",  # MCAP compresses within the file, which needs no word here
@@ -91,7 +106,7 @@ def _topic(offer: OfferedTopic, count: int) -> dict[str, Any]:
     metadata = {
         "name": offer.name,
         "type": offer.type,
-        "serialization_format": "cdr",
+        "serialization_format": offer.encoding,
         "offered_qos_profiles": [dict(profile) for profile in offer.qos],
         "type_description_hash": offer.type_hash,
     }

@@ -30,6 +30,16 @@ class Channel(NamedTuple):
     qos: Any = ""
     type_hash: str = ""
     definition: str = ""
+    definition_format: str = ""  # ros2msg or ros2idl
+
+
+class Attachment(NamedTuple):
+    """A file within a file; time in ns."""
+
+    name: str
+    data: bytes
+    media_type: str = ""
+    time_ns: int = 0
 
 
 class RawMessage(NamedTuple):
@@ -73,7 +83,7 @@ class BagFile(ABC):
         self.complete = True
         self.problems: list[str] = []
         self.notes: list[str] = []  # what the user should know, although nothing is wrong
-        self.attachments: list[tuple[str, bytes]] = []
+        self.attachments: list[Attachment] = []
         self.metadata: list[tuple[str, dict[str, str]]] = []
         with plain.open("rb") as stream:
             start = stream.read(len(magic))

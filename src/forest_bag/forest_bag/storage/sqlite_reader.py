@@ -77,6 +77,7 @@ class SqlitePieces(BagFile):
     def _topics(self) -> dict[int, Channel]:
         """Topics by number; databases before Galactic keep no QoS, before Iron no hash."""
         have = {row[1] for row in self._database.execute("PRAGMA table_info(topics)")}
+        definitions = self._definitions()
         wanted = ", ".join(name if name in have else f"'' AS {name}" for name in TOPIC_COLUMNS)
         return {
             number: Channel(
@@ -85,12 +86,22 @@ class SqlitePieces(BagFile):
                 encoding=encoding,
                 qos=qos,
                 type_hash=str(type_hash or ""),
+                definition_format=definitions.get(kind, ("", ""))[0],
+                definition=definitions.get(kind, ("", ""))[1],
             )
             for number, name, kind, encoding, qos, type_hash in self._database.execute(
                 f"SELECT {wanted} FROM topics"
             )
             if all(isinstance(text, str) for text in (name, kind, encoding))
         }
+
+    def _definitions(self) -> dict[str, tuple[str, str]]:
+        """Format and text of message types by name; databases before Iron keep none."""
+        query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
+        if not self._database.execute("PRAGMA table_info(message_definitions)").fetchall():
+            return {}
+        rows = self._database.execute(query).fetchall()
+        return {kind: (form, text) for kind, form, text in rows if isinstance(text, str)}
 
     def _unusable(self) -> Iterator[str]:
         """What messages cannot be read, and why: a database checks neither references nor kinds of values."""

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from forest_bag.storage.mcap_file import CHUNK_BYTES, McapFile
 from forest_bag.storage.metadata import FileEntry, OfferedTopic, dump
+from forest_bag.storage.sqlite_file import SqliteFile
 from forest_bag.write.transient_local import TransientLocal
 from forest_msgs_py.interfaces.definitions import message_definition
 
@@ -30,6 +31,8 @@ class Layout(NamedTuple):
     max_ns: int = 0
     chunk_bytes: int = CHUNK_BYTES
     durable: bool = False
+    storage: str = "mcap"  # rosbag2's name of the files' format
+    repeats: bool = True  # each file begins with what transient-local topics hold
 
 
 ONE_FILE = Layout()
@@ -53,6 +56,12 @@ class Contents:
         return True
 
 
+def _new_file(path: Path, layout: Layout) -> McapFile | SqliteFile:
+    if layout.storage == "sqlite3":
+        return SqliteFile(path)
+    return McapFile(path, layout.compression, layout.chunk_bytes, layout.durable, LIBRARY)
+
+
 class Split:
     """A file that knows its topics.
 
@@ -66,10 +75,10 @@ class Split:
 
     def __init__(self, path: Path, layout: Layout) -> None:
         self.empty = True
-        self._schemas: dict[str, int] = {}
+        self._schemas: dict[tuple[str, tuple[str, str] | None], int] = {}
         self._topics: dict[int, OfferedTopic] = {}  # by channel
         try:
-            self.file = McapFile(path, layout.compression, layout.chunk_bytes, layout.durable, LIBRARY)
+            self.file = _new_file(path, layout)
         except FileExistsError:
             raise
         except OSError:
@@ -78,15 +87,15 @@ class Split:
 
     def open_channel(self, topic: OfferedTopic) -> bool:
         """Open a channel for a topic; False if its type's definition is not installed."""
-        known = True
-        if topic.type not in self._schemas:
+        known, kind = True, (topic.type, topic.definition)
+        if kind not in self._schemas:
             try:
-                text, encoding = message_definition(topic.type), "ros2msg"
+                form, text = topic.definition or ("ros2msg", message_definition(topic.type))
             except FileNotFoundError:
-                text, encoding, known = "", "", False
-            self._schemas[topic.type] = self.file.add_schema(topic.type, encoding, text.encode())
+                form, text, known = "", "", False
+            self._schemas[kind] = self.file.add_schema(topic.type, form, text.encode())
         metadata = {"offered_qos_profiles": dump(topic.qos), "topic_type_hash": topic.type_hash}
-        topic.channel = self.file.add_channel(topic.name, self._schemas[topic.type], metadata)
+        topic.channel = self.file.add_channel(topic.name, self._schemas[kind], metadata, topic.encoding)
         self._topics[topic.channel] = topic
         return known
 

@@ -23,6 +23,7 @@ from forest_bag.storage.metadata import FileEntry, OfferedTopic, information, sy
 from forest_bag.write.bag_split import ONE_FILE, Attached, Contents, Layout, Split
 from forest_bag.write.transient_local import Sample
 
+SUFFIXES = {"mcap": ".mcap", "sqlite3": ".db3"}  # by rosbag2's name of the format
 FLUSH_PERIOD_S = 0.1  # what a killed recorder loses, if it was let run
 CHUNKS_PER_FILE = 100_000  # three hours of flushes: a file's index is bounded in memory, here and in readers
 
@@ -77,7 +78,7 @@ class BagWriter:
     @property
     def file_name(self) -> str:
         """Name of the present file."""
-        return f"{self.directory.name}_{len(self.files)}.mcap"
+        return f"{self.directory.name}_{len(self.files)}{SUFFIXES[self._layout.storage]}"
 
     def add_topic(self, name: str, type_name: str, qos: Sequence[Mapping[str, Any]], type_hash: str) -> bool:
         """Open a channel for a topic, or a further one because a publisher came that offers something else.
@@ -91,9 +92,12 @@ class BagWriter:
         Returns:
             False if the message definition is not installed; the bytes are kept all the same.
         """
-        offer = OfferedTopic(name, type_name, qos, type_hash)
-        self.counts.setdefault(name, 0)
-        self.lost.setdefault(name, 0)
+        return self.add_offer(OfferedTopic(name, type_name, qos, type_hash))
+
+    def add_offer(self, offer: OfferedTopic) -> bool:
+        """Open a channel for a topic whose definition may come from elsewhere; see `add_topic`."""
+        self.counts.setdefault(offer.name, 0)
+        self.lost.setdefault(offer.name, 0)
         if not self._contents.add(offer):
             return True
         self._written[offer] = 0
@@ -129,7 +133,7 @@ class BagWriter:
             self._begin(log_ns)
         self._split.file.add_message(self._contents.topics[name].channel, log_ns, data, publish_ns, sequence)
         self.counts[name] += 1
-        if name in self._contents.transient_local:
+        if self._layout.repeats and name in self._contents.transient_local:
             self._contents.transient_local.keep(Sample(name, data, log_ns, publish_ns, sequence))
 
     def flush(self) -> None:
@@ -204,4 +208,6 @@ class BagWriter:
                 self._written[offer] += count
 
     def _about(self, files: list[FileEntry], counts: dict[OfferedTopic, int]) -> dict[str, Any]:
-        return information(files, {offer: counts.get(offer, 0) for offer in self._written}, self.lost)
+        return information(
+            files, {offer: counts.get(offer, 0) for offer in self._written}, self.lost, self._layout.storage
+        )

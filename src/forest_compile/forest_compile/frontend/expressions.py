@@ -6,6 +6,7 @@ What is not in the subset is refused by name.
 import ast
 import builtins
 import inspect
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from functools import lru_cache, partial
 from types import FunctionType
@@ -31,7 +32,7 @@ from forest_compile.ir.values import (
 )
 
 
-class Expressions(Arithmetic):
+class Expressions(Arithmetic, ABC):
     """Writes expressions of the innermost call into a function."""
 
     def value(self, node: ast.expr) -> Value:
@@ -58,9 +59,9 @@ class Expressions(Arithmetic):
             return self._first_of(parts, isinstance(node.op, ast.Or))
         return self.truth(self.number(node))
 
+    @abstractmethod
     def call(self, function: FunctionType, arguments: list[Value]) -> Value:
         """Return what a model function gives."""
-        raise NotImplementedError
 
     def _constant(self, node: ast.Constant) -> Value:
         return constant(node.value)

@@ -1,1 +1,1 @@
-"""What a user sets: parameters with units and ranges, profiles, workspaces, live changes."""
+"""What a user sets: parameters with units and ranges, profiles, workspaces, joysticks, live changes."""

@@ -20,12 +20,17 @@ class ProfileParameter(NamedTuple):
     ] = "default"
 
 
+class WorkspaceParameter(NamedTuple):
+    """Walls that the tip keeps out of."""
+
+    workspace: Annotated[
+        str, tunable(f"walls: {', '.join(workspace_file.shipped())}, or path of a file; empty: none")
+    ] = ""
+
+
 class ControllerParameters(NamedTuple):
     """Of `controller_node`."""
 
-    workspace: Annotated[
-        str, Parameter(f"walls: {', '.join(workspace_file.shipped())}, or path of a file; empty: none")
-    ] = ""
     period: Annotated[float, Parameter("nominal period of the state", "s", 1e-4, 0.1)] = PERIOD
     state_timeout: Annotated[float, Parameter("age at which the state is lost", "s", 0.01, 0.2)] = 0.1
     deadman_button: Annotated[int, Parameter("button to hold", low=0, high=BUTTON_COUNT - 1)] = LEFT_SHOULDER

@@ -1,1 +1,1 @@
-"""The operator's side: levers and their sources, stick curves, the watch over the joystick."""
+"""The operator's side: input devices, levers and their sources, stick curves, the watch over the joystick."""

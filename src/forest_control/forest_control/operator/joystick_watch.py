@@ -146,7 +146,7 @@ def assessed_watch(watch: Watch, now: float, allowed: bool, p: WatchParameters) 
     watch = watch._replace(joystick=_judged(watch, now, p))
     if watch.joystick != Joystick.ALIVE or not watch.held or not allowed:
         return watch._replace(armed=False), Operator(CENTRED, False)
-    resting = _is_still(watch, now, p)  # and centred, or it would be frozen
+    resting = is_still(watch, now, p)  # and centred, or it would be frozen
     levers = CENTRED if resting else watch.levers
     if not watch.armed and not is_centred(levers, p.centre):
         return watch, Operator(CENTRED, False)
@@ -175,12 +175,12 @@ def _judged(watch: Watch, now: float, p: WatchParameters) -> Joystick:
         return Joystick.LOST
     if watch.joystick == Joystick.BAD or watch.joystick == Joystick.LOST:
         return watch.joystick
-    if _is_still(watch, now, p) and not is_centred(watch.levers, p.centre):
+    if is_still(watch, now, p) and not is_centred(watch.levers, p.centre):
         return Joystick.FROZEN
     return Joystick.ALIVE
 
 
-def _is_still(watch: Watch, now: float, p: WatchParameters) -> bool:
+def is_still(watch: Watch, now: float, p: WatchParameters) -> bool:
     """Tell whether nothing has changed for too long to be a hand on this joystick."""
     timeout = p.frozen_timeout
     if in_play(watch.levers) and watch.restless > 0.0:

@@ -1,5 +1,7 @@
 """The controller's inputs from topics and its output to topics: conversions only, which decide nothing."""
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from forest_control.config.settings import Parameters
@@ -9,7 +11,8 @@ from forest_control.operator.taught_command import NO_COMMAND, from_values
 from forest_control.pipeline.control_state import Telemetry
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.pipeline.valve_feedback import ValveReports
-from forest_control.safety.motion_permission import MachineState, MotionPermission, Override
+from forest_control.safety.motion_guard import MotionGuard
+from forest_control.safety.motion_permission import MachineState, Override
 from forest_control.servo.joint_angle_filter import UNREAD, Lengths, Source
 from forest_control.servo.schemes import Scheme
 from forest_description.machine import Machine
@@ -17,9 +20,12 @@ from forest_description.types import Vec3
 from forest_msgs_py.clock.node_clock import number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
+from forest_msgs_py.safety.diagnostics import Diagnostics
+from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader, read_joy_data
 
 FRAME = "base_link"
+NO_RATES = "joint state: no finite velocity; allowed: rad/s of every joint"
 
 
 class ControllerInputs:
@@ -32,6 +38,7 @@ class ControllerInputs:
     """
 
     def __init__(self, pace: Any, machine: Machine, deadman: int) -> None:
+        self._node_clock = pace
         self.joy, self.valves = pace.polled_subscription(topics.JOY), ValveReports(pace, machine)
         self.actuators = pace.polled_subscription(topics.ACTUATOR_STATES)
         # In lockstep nobody plays: a step cannot wait for an answer to itself.
@@ -40,18 +47,44 @@ class ControllerInputs:
         self._joints, self._lengths = JointReader(topics.JOINTS), JointReader(topics.ACTUATORS)
         self._deadman, self._before = deadman, None  # axes and buttons of the sample before
 
-    def read_joystick(self, permission: MotionPermission) -> None:
+    def watch(
+        self,
+        node: Any,
+        diagnostics: Diagnostics,
+        joints: Any,
+        guard: MotionGuard,
+        limits: Callable[[], dict[str, Any]],
+    ) -> None:
+        """Have /diagnostics tell of what the controller hears.
+
+        Args:
+            node: whose inputs they are.
+            diagnostics: of the node.
+            joints: what its clock's `on` gave for the joints.
+            guard: knows the joystick.
+            limits: gives what limits the motion, by names with units.
+        """
+        heard = partial(InputStatus, node, self._node_clock)
+        joystick = heard(self.joy, "a joystick", guard.is_nobody_there)
+        diagnostics.watch("joystick", joystick, values=guard.joystick_values)
+        others = map(heard, (self.actuators, self.valves.volts, self.valves.status))
+        diagnostics.watch("machine", heard(joints, "the machine's state"), *others, values=limits)
+
+    def read_joystick(self, guard: MotionGuard) -> None:
         """Have the guard hear every joystick sample that waits, oldest first."""
         for data, received in self.joy.arrivals():
             reading, frame = read_joy_data(data, RIGHT_Y + 1, self._deadman + 1)
             if reading.problem:
-                permission.hear(unreadable_sample(received), reading.problem)
+                guard.hear(unreadable_sample(received), reading.problem)
                 continue
             content, before = reading.values, self._before
             self._before = content
-            permission.hear(
-                joystick_sample(reading.stamp_ns, frame, received, content, before, self._deadman)
-            )
+            guard.hear(joystick_sample(reading.stamp_ns, frame, received, content, before, self._deadman))
+
+    def read_operator(self, controller: GuardedController) -> None:
+        """Have the controller hear joystick samples and taught commands that wait."""
+        self.read_joystick(controller.guard)
+        self.read_taught(controller)
 
     def read_taught(self, controller: GuardedController) -> None:
         """Have the controller hear every taught command that waits, oldest first."""
@@ -62,13 +95,15 @@ class ControllerInputs:
             else:
                 controller.hear_taught(*from_values(reading.values), sent)
 
-    def machine_state(self, data: bytes, received: float) -> MachineState:
-        """Return what a message of the joints says."""
+    def machine_state(self, data: bytes, received: float) -> tuple[MachineState, str]:
+        """Return what a message of the joints says, and why it cannot be read, or ""."""
         reading = self._joints.read(data)
         angles, rates = reading.values.position, reading.values.velocity
-        return MachineState(
-            angles=angles, rates=rates, stamp=reading.stamp_ns, received=received, problem=reading.problem
+        problem = reading.problem or ("" if rates else NO_RATES)
+        state = MachineState(
+            angles=angles, rates=rates, stamp=reading.stamp_ns, received=received, readable=not problem
         )
+        return state, problem
 
     def cylinders(self, stamp: int, p: Parameters) -> Lengths:
         """Return the lengths [m] of boom and stick at a stamp [ns]; NaN where there are none to be used."""
@@ -111,7 +146,7 @@ class ControllerOutputs:
         self, stamp: int, telemetry: Telemetry, controller: GuardedController, override: Override
     ) -> None:
         """Say a step's command, where the tip is, how it moves and shall, and what holds it back."""
-        output, watch = telemetry.output, controller.permission.joystick
+        output, watch = telemetry.output, controller.guard.permission.joystick
         self.say_command(stamp, output.command, override)
         self._pose.publish(stamp, (*telemetry.tip, *telemetry.tip_orientation))
         self._twist.publish(stamp, telemetry.tip_velocity)

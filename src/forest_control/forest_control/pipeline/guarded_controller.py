@@ -12,18 +12,44 @@ from forest_control.operator.taught_command import TaughtCommand
 from forest_control.pipeline.control_state import REST, Inputs, State, Telemetry, ValveFeedback
 from forest_control.pipeline.controller import step_with_telemetry
 from forest_control.safety import taught_watch
+from forest_control.safety.motion_guard import MotionGuard
 from forest_control.safety.motion_permission import (
     NOBODY,
     Decision,
     MachineState,
-    MotionPermission,
     Override,
     PermissionParameters,
     Verdict,
+    unwatched,
 )
 from forest_control.servo.joint_angle_filter import UNREAD, Lengths
+from forest_control.valve.tracking_limit import Reach
 from forest_description.geometry.kinematics import tip_position
 from forest_description.types import ZERO, Vec3
+
+
+def control_inputs(
+    machine: MachineState, decision: Decision, cylinders: Lengths, reach: Reach, voltages: Vec3
+) -> Inputs:
+    """Return what the controller steps with.
+
+    Args:
+        machine: its state, which is believed.
+        decision: on it.
+        cylinders: lengths [m] of boom and stick, of the same moment; NaN: no sample.
+        reach: of the valves.
+        voltages: of the valves, given last [V].
+    """
+    return Inputs(
+        angles=machine.angles,
+        rates=machine.rates,
+        levers=decision.levers,
+        enabled=decision.verdict == Verdict.MOVE,
+        cylinders=cylinders,
+        reach=reach,
+        voltages=voltages,
+    )
+
 
 Step = Callable[[State, Inputs, Parameters, float], tuple[State, Telemetry]]
 
@@ -38,7 +64,7 @@ class GuardedController:
     """
 
     def __init__(self, p: Parameters, guard: PermissionParameters, step: Step = step_with_telemetry) -> None:
-        self.permission, self.command = MotionPermission(guard), ZERO  # [V] of ideal valves, the last one
+        self.guard, self.command = MotionGuard(guard), ZERO  # [V] of ideal valves, the last one
         self._tuning, self._state, self._step = ParameterUpdate(p), REST, step
         self._taught = taught_watch.REST
 
@@ -46,6 +72,10 @@ class GuardedController:
     def parameters(self) -> Parameters:
         """The controller's parameters that are in force."""
         return self._tuning.core
+
+    def moves(self) -> bool:
+        """Tell whether somebody drives the crane, or it has not come to rest since."""
+        return self.guard.permission.joystick.armed or self.command != ZERO
 
     def tune(self, p: Parameters) -> None:
         """Follow parameters that were set while the machine may be moving."""
@@ -59,11 +89,11 @@ class GuardedController:
         """Forget all motion: the command is zero."""
         self._state, self.command = REST, ZERO
         self._taught = taught_watch.ended(self._taught)
-        self.permission.forget()
+        self.guard.permission = unwatched(self.guard.permission)
 
     def stops_without_state(self, now: float, override: Override = NOBODY) -> bool:
         """Stop if the machine's state has not come for too long by a time [s]; tell whether that is so."""
-        lost = self.permission.is_lost(now, override)
+        lost = self.guard.is_lost(now, override)
         if lost:
             self.stop()
         return lost
@@ -75,6 +105,7 @@ class GuardedController:
         now: float,
         cylinders: Lengths = UNREAD,
         override: Override = NOBODY,
+        problem: str = "",
     ) -> tuple[Decision, Telemetry | None]:
         """Return what follows from a state of the machine; of one that is not believed, no telemetry.
 
@@ -86,9 +117,10 @@ class GuardedController:
             now: local time [s].
             cylinders: lengths [m] of boom and stick, of the same moment; NaN: no sample.
             override: who else forbids motion.
+            problem: why the state cannot be read.
         """
         p, command = self.parameters, self.command
-        decision = self.permission.decide(machine, valves.driver, command, p, now, override)
+        decision = self.guard.decide(machine, valves.driver, command, p, now, override, problem)
         if decision.dt > 0.0 and self._tuning.apply_if_due(command == ZERO, decision.dt):
             self._state = self._state._replace(changed=True)
         if not decision.believed:
@@ -97,25 +129,19 @@ class GuardedController:
             return decision, None
         if decision.verdict == Verdict.STOP:
             self._state = REST  # from which there is no ramp: zero at once
+        inputs = control_inputs(machine, decision, cylinders, valves.reach, valves.voltages)
         taught = self._follow(decision, machine.angles, now)
-        inputs = Inputs(
-            angles=machine.angles,
-            rates=machine.rates,
-            levers=decision.levers,
-            enabled=decision.verdict == Verdict.MOVE and not self._taught.cause,
-            cylinders=cylinders,
-            reach=valves.reach,
-            voltages=valves.voltages,
-            taught=taught,
-        )
+        inputs = inputs._replace(enabled=inputs.enabled and not self._taught.cause, taught=taught)
         self._state, telemetry = self._step(self._state, inputs, self.parameters, decision.dt)
         self.command = telemetry.output.command
         return decision, telemetry
 
     def _follow(self, decision: Decision, angles: Vec3, now: float) -> TaughtCommand:
         """Return the taught command that counts for measured angles [rad] at a time [s]."""
-        permission, tip = self.permission, tip_position(angles, self.parameters.links)
-        moves, p = decision.verdict == Verdict.MOVE, permission.p.joystick
-        self._taught, command = taught_watch.assessed(self._taught, moves, permission.joystick, tip, now, p)
-        permission.causes["joystick"] = permission.causes["joystick"] or self._taught.cause
+        guard, tip = self.guard, tip_position(angles, self.parameters.links)
+        moves, joystick = decision.verdict == Verdict.MOVE, guard.permission.joystick
+        self._taught, command = taught_watch.assessed(
+            self._taught, moves, joystick, tip, now, guard.p.joystick
+        )
+        guard.causes["joystick"] = guard.causes["joystick"] or self._taught.cause
         return command

@@ -1,5 +1,6 @@
 """Whether the crane may move.
 
+- `motion_guard`: Remembers for one controller, and tells the causes in sentences.
 - `motion_permission`: Decides: move, hold, stop, and why. All causes stand in its table.
 - `state_checks`: Whether a measured state can be true.
 - `frozen_sensor`: Whether a sensor stands still while its joint is told to move.

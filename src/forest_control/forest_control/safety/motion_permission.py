@@ -1,12 +1,13 @@
-"""Whether the crane may move: what stops it, how, and why. Node and offline loop ask here before each step.
+"""Whether the crane may move: what stops it, how, and why. Node and loops ask here before each step.
 
-Samples come in with the time at which they were received [s, local clock]; a verdict comes out.
+Samples come in with the time at which they were received [s, local clock]; a verdict comes out. All of it is
+in the subset of Python that `forest_compile` translates; `motion_guard` tells the causes in sentences.
 
 | what happens | found by | verdict |
 |---|---|---|
 | a state of the machine is older than `state_timeout` when it is read | here | SKIP |
-| its stamp stands still or goes back | `StampOrder` | SKIP |
-| it comes too soon for a step | `StampedPeriod` | SKIP |
+| its stamp stands still or goes back | `stamp_order` | SKIP |
+| it comes too soon for a step | `stamped_period` | SKIP |
 | no state for `state_timeout` | here, `is_lost` | STOP |
 | a state cannot be read, or cannot be true | `state_checks` | STOP |
 | a sensor gives the same number while its joint is told to move | `frozen_sensor` | STOP |
@@ -22,33 +23,22 @@ they move it again. Lone refusals do not, or one bad sample of many would throw 
 
 import math
 from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from forest_control.config.settings import Parameters
-from forest_control.operator import joystick_interpolation, joystick_watch
-from forest_control.operator.joystick_watch import (
-    Joystick,
-    Operator,
-    Sample,
-    Watch,
-    WatchParameters,
-    is_released,
-    problem_text,
-)
-from forest_control.operator.levers import REST as CENTRED
-from forest_control.operator.levers import Levers
+from forest_control.operator import joystick_watch
+from forest_control.operator.joystick_interpolation import CENTRED, InterpolatedLevers, interpolated
+from forest_control.operator.joystick_watch import Sample, Watch, WatchParameters, assessed_watch
+from forest_control.operator.levers import REST, Levers
 from forest_control.safety import driver_response, frozen_sensor
 from forest_control.safety.driver_response import DriverResponse, DriverSample
 from forest_control.safety.frozen_sensor import Stillness
-from forest_control.safety.state_checks import implausible
+from forest_control.safety.state_checks import plausible
 from forest_description.types import Vec3
+from forest_msgs_py.runtime import stamp_order, stamped_period
 from forest_msgs_py.runtime.stamp_order import StampOrder
 from forest_msgs_py.runtime.stamped_period import StampedPeriod
 from forest_msgs_py.types import PERIOD
-
-GOES_BACK = "joy: a stamp goes back; allowed: rising stamps, or none"
-LOST_STATE = "no state of the machine"
-PRESSED = "emergency stop pressed"
 
 
 class Verdict(IntEnum):
@@ -60,13 +50,27 @@ class Verdict(IntEnum):
     MOVE = 3  # the levers move the crane
 
 
+class Cause(IntEnum):
+    """Why the crane may not move."""
+
+    NONE = 0
+    LEFT_OVER = 1  # a state from before a stall, ours or the machine's
+    UNBELIEVABLE = 2  # a state that cannot be read, or cannot be true
+    DISORDER = 3  # a state whose stamp stands still or goes back
+    TOO_SOON = 4  # a state too soon for a step
+    FAULT = 5  # of sensors or driver
+    EMERGENCY_STOP = 6
+    HANDS_OFF = 7
+    OPERATOR = 8  # the joystick, or the deadman is not held
+
+
 class Decision(NamedTuple):
     """What follows from a state of the machine."""
 
     verdict: Verdict
-    cause: str = ""  # in one sentence; "": none, or the deadman is released
+    cause: Cause
     believed: bool = False  # the controller may go by the state; if stopped, from rest
-    levers: Levers = CENTRED
+    levers: Levers = REST
     dt: float = 0.0  # [s] since the state before; 0: the state counts for nothing
 
 
@@ -77,7 +81,7 @@ class MachineState(NamedTuple):
     rates: Vec3  # [rad/s]
     stamp: int  # [ns]
     received: float  # [s]
-    problem: str = ""  # why it cannot be read
+    readable: bool = True
 
 
 class Override(NamedTuple):
@@ -104,6 +108,94 @@ class Checks(NamedTuple):
 
     still: Stillness = frozen_sensor.MOVING
     driver: DriverResponse = DriverResponse()
+
+
+class Permission(NamedTuple):
+    """What is remembered for one controller."""
+
+    joystick: Watch = joystick_watch.REST
+    hold: InterpolatedLevers = CENTRED
+    checks: Checks = Checks()
+    order: StampOrder = stamp_order.FIRST
+    period: StampedPeriod = stamped_period.BEGIN  # of the states that are believed
+    received: float = -math.inf  # [s] when a state was believed last
+
+
+def heard(before: Permission, sample: Sample) -> Permission:
+    """Take in one sample of the joystick, oldest first."""
+    return before._replace(joystick=joystick_watch.updated_watch(before.joystick, sample))
+
+
+def is_lost(permission: Permission, now: float, guard: PermissionParameters) -> bool:
+    """Tell whether the machine's state came, and then not for too long; the caller disarms."""
+    return permission.period.started and now - permission.received > guard.state_timeout
+
+
+def disarmed(before: Permission, now: float, guard: PermissionParameters) -> Permission:
+    """Judge the joystick at a time [s] when the machine must not move, whatever it says."""
+    joystick, _ = assessed_watch(before.joystick, now, False, guard.joystick)
+    return before._replace(joystick=joystick, hold=CENTRED)
+
+
+def unwatched(before: Permission) -> Permission:
+    """Begin the watch over the sensors anew: the crane was stopped."""
+    return before._replace(checks=before.checks._replace(still=frozen_sensor.MOVING))
+
+
+def decide(
+    before: Permission,
+    state: MachineState,
+    driver: DriverSample,
+    command: Vec3,
+    p: Parameters,
+    guard: PermissionParameters,
+    now: float,
+    override: Override,
+) -> tuple[Permission, Decision]:
+    """Return what follows from a state of the machine, and what is remembered.
+
+    Args:
+        before: what was.
+        state: just come.
+        driver: its newest voltages.
+        command: of ideal valves, the last one [V].
+        p: the controller's parameters.
+        guard: what is set of the guard.
+        now: local time [s].
+        override: who else forbids motion.
+    """
+    if now - state.received > guard.state_timeout:
+        return before, Decision(Verdict.SKIP, Cause.LEFT_OVER)
+    if not state.readable or not plausible(state.angles, state.rates, p):
+        return before, Decision(Verdict.STOP, Cause.UNBELIEVABLE)
+    order = stamp_order.updated_order(before.order, state.stamp, state.received, guard.state_timeout)
+    if not stamp_order.is_in_order(before.order, state.stamp):
+        return before._replace(order=order), Decision(Verdict.SKIP, Cause.DISORDER)
+    period, dt = stamped_period.step_period(before.period, state.stamp, state.received, guard.period)
+    after = before._replace(order=order, period=period, received=state.received)
+    if dt == 0.0:
+        return after, Decision(Verdict.SKIP, Cause.TOO_SOON)
+    checks = checked(before.checks, state.angles, driver, command, p, guard, now, dt)
+    after = after._replace(checks=checks)
+    if not passes(checks, now):
+        return disarmed(after, now, guard), Decision(Verdict.STOP, Cause.FAULT, dt=dt)
+    return permitted(after, now, dt, guard, override)
+
+
+def permitted(
+    before: Permission, now: float, dt: float, guard: PermissionParameters, override: Override
+) -> tuple[Permission, Decision]:
+    """Return the decision on a state that is believed: the operator's, if nobody else forbids it."""
+    if override.emergency_stop or override.hands_off:
+        cause = Cause.EMERGENCY_STOP if override.emergency_stop else Cause.HANDS_OFF
+        return disarmed(before, now, guard), Decision(Verdict.STOP, cause, believed=True, dt=dt)
+    joystick, operator = assessed_watch(before.joystick, now, True, guard.joystick)
+    if not operator.enabled:
+        after = before._replace(joystick=joystick, hold=CENTRED)
+        return after, Decision(Verdict.HOLD, Cause.OPERATOR, believed=True, dt=dt)
+    hold = interpolated(before.hold, operator.levers, joystick.fresh_since, before.received, dt)
+    after = before._replace(joystick=joystick, hold=hold)
+    return after, Decision(Verdict.MOVE, Cause.NONE, believed=True, levers=hold.levers, dt=dt)
 
 
 def checked(
@@ -135,151 +227,8 @@ def checked(
 
 
 def passes(checks: Checks, now: float) -> bool:
-    """Tell whether sensors and driver do what the controller goes by; `fault` says what does not."""
+    """Tell whether sensors and driver do what the controller goes by."""
     return driver_response.responds(checks.driver, now) and not frozen_sensor.is_frozen(checks.still)
-
-
-def fault(checks: Checks, now: float) -> str:
-    """Return what is wrong with driver or sensors, or ""."""
-    return driver_response.objection(checks.driver, now) or frozen_sensor.frozen(checks.still)
-
-
-class MotionPermission:
-    """Decides for one controller.
-
-    Args:
-        p: what a user may set.
-    """
-
-    def __init__(self, p: PermissionParameters) -> None:
-        self.p = p
-        self.joystick = joystick_watch.REST
-        self.causes = {"joystick": "", "machine": "", "emergency stop": ""}  # of trouble, by what is unwell
-        self._hold = joystick_interpolation.CENTRED
-        self._unreadable = ""  # the last sample of the joystick, and why
-        self._checks = Checks()
-        self._order, self._period = StampOrder(p.state_timeout), StampedPeriod(p.period)
-        self._state_received = -math.inf
-        self._refused = -math.inf, ""  # when a state was last not believed, and why
-
-    def hear(self, sample: Sample, problem: str = "") -> None:
-        """Take in one sample of the joystick, oldest first; `problem` says why it cannot be read."""
-        dropped = self.joystick.out_of_order
-        self.joystick = joystick_watch.updated_watch(self.joystick, sample)
-        in_order = self.joystick.out_of_order == dropped
-        self._unreadable = problem or ("" if in_order else GOES_BACK)
-
-    def is_lost(self, now: float, override: Override) -> bool:
-        """Tell whether the machine's state came, and then not for too long, which disarms the levers."""
-        if not self.has_begun() or now - self._state_received <= self.p.state_timeout:
-            return False
-        self.disarm(now, override)
-        when, why = self._refused  # the cause, rather than what follows from it
-        self.causes["machine"] = why if now - when <= self.p.state_timeout else LOST_STATE
-        return True
-
-    def decide(
-        self,
-        state: MachineState,
-        driver: DriverSample,
-        command: Vec3,
-        p: Parameters,
-        now: float,
-        override: Override,
-    ) -> Decision:
-        """Return what follows from a state of the machine.
-
-        Args:
-            state: just come.
-            driver: its newest voltages.
-            command: of ideal valves, the last one [V].
-            p: the controller's parameters.
-            now: local time [s].
-            override: who else forbids motion.
-        """
-        if now - state.received > self.p.state_timeout:
-            return Decision(Verdict.SKIP, LOST_STATE)  # left over from a stall, ours or the machine's
-        problem = state.problem or implausible(state.angles, state.rates, p)
-        if problem:
-            return self._refuse(Verdict.STOP, problem, now)
-        disorder = self._order.problem("joint state", state.stamp, state.received)
-        if disorder:
-            return self._refuse(Verdict.SKIP, disorder, now)
-        self._state_received = state.received
-        dt = self._period.step(state.stamp, state.received)
-        if dt == 0.0:
-            return Decision(Verdict.SKIP, "joint state: too soon for a step")
-        self._checks = checked(self._checks, state.angles, driver, command, p, self.p, now, dt)
-        self.causes["machine"] = fault(self._checks, now)
-        if self.causes["machine"]:
-            self.disarm(now, override)
-            return Decision(Verdict.STOP, self.causes["machine"], dt=dt)
-        return self._permit(state, now, dt, override)
-
-    def forget(self) -> None:
-        """Begin the watch over the sensors anew: the crane was stopped."""
-        self._checks = self._checks._replace(still=frozen_sensor.MOVING)
-
-    def disarm(self, now: float, override: Override) -> None:
-        """Judge the joystick at a time [s] when the machine must not move, whatever it says."""
-        self._judge(now, False, override)
-
-    def is_nobody_there(self) -> bool:
-        """Tell whether there never was a joystick, or it went after the deadman was released."""
-        watch = self.joystick
-        return watch.joystick == Joystick.SILENT or (watch.joystick == Joystick.LOST and not watch.held)
-
-    def against_reset(self) -> str:
-        """Return what stands against a reset of the emergency stop, or ""."""
-        released = is_released(self.joystick, self.p.joystick.centre)
-        return "" if released else "the levers must be centred and the deadman released"
-
-    def joystick_values(self) -> dict[str, Any]:
-        """Return what is known of the joystick, by names with units, for /diagnostics."""
-        watch, p = self.joystick, self.p.joystick
-        return {
-            "state": Joystick(watch.joystick).name.lower(),
-            "deadman held": watch.held,
-            "armed": watch.armed,
-            "joy_timeout [s]": p.joy_timeout,
-            "frozen_timeout [s]": p.frozen_timeout,
-            "centre [1]": p.centre,
-            "out of order since start": watch.out_of_order,
-        }
-
-    def has_begun(self) -> bool:
-        """Tell whether a state has ever been used."""
-        return self._period.started
-
-    def _refuse(self, verdict: Verdict, problem: str, now: float) -> Decision:
-        """Remember and tell why a state of the machine is not believed."""
-        self._refused, self.causes["machine"] = (now, problem), problem
-        return Decision(verdict, problem)
-
-    def _permit(self, state: MachineState, now: float, dt: float, override: Override) -> Decision:
-        """Return the decision on a state that is believed: the operator's, if nobody else forbids it."""
-        forbidden = PRESSED if override.emergency_stop else "hands off" if override.hands_off else ""
-        operator = self._judge(now, not forbidden, override)
-        if forbidden:
-            return Decision(Verdict.STOP, forbidden, believed=True, dt=dt)
-        if not operator.enabled:
-            return Decision(Verdict.HOLD, self.causes["joystick"], believed=True, dt=dt)
-        said = self.joystick.fresh_since
-        self._hold = joystick_interpolation.interpolated(
-            self._hold, operator.levers, said, state.received, dt
-        )
-        return Decision(Verdict.MOVE, believed=True, levers=self._hold.levers, dt=dt)
-
-    def _judge(self, now: float, allowed: bool, override: Override) -> Operator:
-        """Return where the levers are, and whether they may move anything."""
-        self.joystick, operator = joystick_watch.assessed_watch(self.joystick, now, allowed, self.p.joystick)
-        # A joystick that goes after the deadman was released is not missed.
-        gone = "" if self.is_nobody_there() else problem_text(self.joystick)
-        self.causes["joystick"] = self._unreadable or gone
-        self.causes["emergency stop"] = PRESSED if override.emergency_stop else ""
-        if not operator.enabled:
-            self._hold = joystick_interpolation.CENTRED
-        return operator
 
 
 def armed_watch() -> Watch:
@@ -290,10 +239,10 @@ def armed_watch() -> Watch:
         heartbeat=0,
         same=False,
         good=True,
-        levers=CENTRED,
+        levers=REST,
         held=True,
     )
-    watch, _ = joystick_watch.assessed_watch(
+    watch, _ = assessed_watch(
         joystick_watch.updated_watch(joystick_watch.REST, heard), -PERIOD, True, WatchParameters()
     )
     return watch

@@ -16,16 +16,14 @@ def plausible(angles: Vec3, rates: Vec3, p: Parameters) -> bool:
     return True
 
 
-def implausible(angles: tuple[float, ...], rates: tuple[float, ...], p: Parameters) -> str:
-    """Return what cannot be true of a measured state, or "": degrees for radians, a broken encoder, no rates.
+def implausible(angles: Vec3, rates: Vec3, p: Parameters) -> str:
+    """Return what cannot be true of a measured state, or "": degrees for radians, a broken encoder.
 
     Args:
         angles: joint angles [rad]; at most `BEYOND_LIMIT` outside the joint limits.
         rates: joint rates [rad/s]; at most `FASTEST`.
         p: the controller's parameters.
     """
-    if len(rates) != len(AXES):
-        return "joint state: no finite velocity; allowed: rad/s of every joint"
     for i, name in enumerate(AXES):
         low, high = p.velocity_limits.lower[i] - BEYOND_LIMIT, p.velocity_limits.upper[i] + BEYOND_LIMIT
         if not low <= angles[i] <= high:

@@ -16,7 +16,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from forest_description.types import ZERO, Vec3
-from forest_msgs_py.runtime.stamp_order import StampOrder
+from forest_msgs_py.runtime import stamp_order
 
 PRESSED = "emergency stop pressed"
 NOT_ZERO = "a command is not zero; release the deadman"
@@ -51,7 +51,7 @@ class CommandGate:
     def __init__(self, timeout: float, now: Callable[[], float]) -> None:
         self.timeout, self._now = timeout, now
         self.problem = ""  # of the newest command, in one sentence
-        self._order, self._sent, self._values = StampOrder(timeout), -math.inf, ZERO
+        self._order, self._sent, self._values = stamp_order.FIRST, -math.inf, ZERO
 
     def decide(self, command: Command, pressed: bool) -> Verdict:
         """Return what follows from a command that was just read; `pressed`: the emergency stop is."""
@@ -59,7 +59,9 @@ class CommandGate:
             return Verdict.SKIP  # `is_lost` acts meanwhile
         self.problem = command.problem
         if not self.problem and command.values != ZERO:  # zero counts in any order
-            self.problem = self._order.problem("valve_commands", command.stamp, command.sent)
+            order, stamp = self._order, command.stamp
+            self.problem = stamp_order.disorder(order, "valve_commands", stamp)
+            self._order = stamp_order.updated_order(order, stamp, command.sent, self.timeout)
             if self.problem:
                 return Verdict.REFUSE  # what is past moves nothing; `is_lost` acts if nothing newer comes
         if self.problem:

@@ -107,33 +107,20 @@ def at_rest(state: State) -> State:
 
 
 def step(
-    state: State,
-    command: Vec3,
-    pressures: Pressures | None,
-    p: Parameters,
-    dt: float,
-    motion: Motion | None = None,
+    state: State, command: Vec3, pressures: Pressures, motion: Motion, p: Parameters, dt: float
 ) -> tuple[State, Vec3]:
     """Return the amplifier voltages [V] for commands [V] of ideal valves; zero for one that is no number.
 
     Args:
         state: what the last step returned; `REST` at first.
         command: actuator speeds, swing, boom, stick, as voltages of ideal valves [V].
-        pressures: None when no fresh measurement is there: the nominal drop is assumed, as it is
+        pressures: `UNSEEN` when no fresh measurement is there: the nominal drop is assumed, as it is
             for pressures that cannot be true.
+        motion: `STILL` when no fresh measurement is there: nothing is adapted.
         p: machine and settings.
         dt: for how long the last voltages were in force [s], by the machine's time; 0 where these
             commands come so close behind others that those never took effect.
-        motion: None when no fresh measurement is there: nothing is adapted.
     """
-    measured = UNSEEN if pressures is None else pressures
-    return step_measured(state, command, measured, STILL if motion is None else motion, p, dt)
-
-
-def step_measured(
-    state: State, command: Vec3, pressures: Pressures, motion: Motion, p: Parameters, dt: float
-) -> tuple[State, Vec3]:
-    """Do as `step`; what is not measured is NaN (`UNSEEN`, `STILL`), for a compiler knows no None."""
     measured = plausible(pressures, p)
     state = _filter_loads(state, pressures, measured, p, dt)
     if dt > 0.0:

@@ -1,14 +1,22 @@
 """The valve driver's measurements from topics, and its status."""
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from forest_control.valve import valve_adaptation as adaptation
+from forest_control.valve.command_gate import Command
 from forest_control.valve.tracking_limit import STATUS_EVERY
 from forest_control.valve.valve_driver import STILL, UNSEEN, Motion, Pressures, State
 from forest_control.valve.valve_driver_parameters import Parameters
+from forest_description.machine import Machine
 from forest_description.types import Vec3
+from forest_msgs_py.clock.node_clock import number_publisher
 from forest_msgs_py.interfaces import topics
+from forest_msgs_py.safety.clipping import Clipping
+from forest_msgs_py.safety.diagnostics import Diagnostics
+from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader
 
 LATEST_NS = 100_000_000  # [ns] pressures that are newer than the command by more have another clock
@@ -21,16 +29,38 @@ def _labels(place: str, port: int) -> tuple[str, ...]:
 PORTS, VALVES = [[_labels(place, port) for port in (1, 2)] for place in ("actuator", "valve")]
 
 
+class Commands:
+    """The commands of ideal valves.
+
+    Args:
+        clock: of the node.
+        machine: whose valves they are.
+    """
+
+    def __init__(self, clock: Any, machine: Machine) -> None:
+        self._node_clock, self._reader = clock, ArrayReader(topics.VALVE_COMMANDS)
+        ratings = [machine.valve_of(axis).rated_voltage for axis in range(3)]
+        self.clipping = Clipping(topics.VALVE_COMMANDS, ratings)
+
+    def read(self, data: bytes, sent: float) -> Command:
+        """Return what a message commands."""
+        reading = self._reader.read(data, self._node_clock.stamp())
+        return Command(reading.values, reading.stamp_ns, sent, reading.problem)
+
+
 class Outputs:
     """The driver's topics.
 
     Args:
-        voltages: publishes them; None: a driver in shadow has none.
-        status: publishes the driver's.
+        clock: of the node, whose publishers are used.
+        shadow: there are no voltages.
+        plain: arrays carry no stamp.
     """
 
-    def __init__(self, voltages: Any, status: Any) -> None:
-        self._voltages, self._status, self._steps = voltages, status, 0
+    def __init__(self, clock: Any, shadow: bool, plain: bool) -> None:
+        self._voltages = None if shadow else number_publisher(clock, topics.VALVE_VOLTAGES, plain=plain)
+        self._status = number_publisher(clock, topics.VALVE_DRIVER_STATUS, plain=plain)
+        self._steps = 0
 
     def say(self, stamp: int, voltages: Vec3) -> None:
         """Publish the voltages [V] under a stamp [ns]."""
@@ -68,6 +98,33 @@ class Measurements:
         self._supply, self._positions = 0.0, [math.nan] * len(topics.ACTUATORS)
         self._stamp = 0  # [ns] of the newest pressures
         self._received = dict.fromkeys(("ports", "valves", "supply", *topics.ACTUATORS), -math.inf)
+
+    def watch(
+        self,
+        node: Any,
+        diagnostics: Diagnostics,
+        are_wanted: Callable[[], bool],
+        settings: Callable[[], dict[str, Any]],
+    ) -> None:
+        """Have /diagnostics tell of the pressures.
+
+        Args:
+            node: whose inputs they are.
+            diagnostics: of the node.
+            are_wanted: whether pressures are missed when they do not come.
+            settings: gives what the driver makes of them, by names.
+        """
+
+        def values() -> dict[str, Any]:
+            return {"pressure_timeout [s]": self.timeout} | settings()
+
+        heard, (pressures, *others) = partial(InputStatus, node, self._node_clock), self.boxes
+        missed = heard(
+            pressures,
+            "pressures (the nominal load is taken)",
+            lambda: are_wanted() and self.are_missing(),
+        )
+        diagnostics.watch("pressures", missed, *map(heard, others), values=values)
 
     def read(self, learning: bool) -> str:
         """Read the newest samples, all if learning; return what is wrong with the pressures, or ""."""

@@ -8,8 +8,7 @@ from forest_ident.driving import safety_monitor
 from forest_ident.driving.safety_monitor import Readings
 from forest_ident.experiments import excitation
 from forest_ident.experiments.experiment_plan import Plan
-from forest_msgs_py.runtime.stamp_order import StampOrder
-from forest_msgs_py.runtime.stamped_period import StampedPeriod
+from forest_msgs_py.runtime import stamp_order, stamped_period
 from forest_msgs_py.types import PERIOD
 
 START_LIMIT = 15.0  # [s] until which driver, listeners and the machine's state must be there
@@ -31,7 +30,7 @@ class ScriptedOperator:
         self._bounds = safety_monitor.bounds(plan, plan.programme)
         self._excitation, self._monitor = excitation.START, safety_monitor.State()
         self._created = self._received = now
-        self._period, self._order, self._dt = StampedPeriod(PERIOD), StampOrder(timeout), PERIOD
+        self._period, self._order, self._dt = stamped_period.BEGIN, stamp_order.FIRST, PERIOD
         self._at_rest: Vec3 | None = None
         self._second = -1
         self.begun = False
@@ -49,9 +48,13 @@ class ScriptedOperator:
             sent: local time at which it was sent [s].
             problem: what is wrong with its values; "" if nothing.
         """
-        if problem or self._order.problem("the machine's state", stamp, sent):
+        if problem:
             return False
-        self._received, self._dt = sent, self._period.since(stamp)
+        order, self._order = self._order, stamp_order.updated_order(self._order, stamp, sent, self._timeout)
+        if not stamp_order.is_in_order(order, stamp):
+            return False
+        self._received = sent
+        self._period, self._dt = stamped_period.clipped_period(self._period, stamp, PERIOD)
         return True
 
     def begin(self) -> None:

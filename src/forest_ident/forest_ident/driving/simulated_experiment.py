@@ -23,17 +23,10 @@ from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_suite import Suite, sensor_suite
 from forest_sim.solver.compiled_plant import FlatPlant
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.oil_temperature import (
-    UPDATE_PERIOD,
-    dissipated_power,
-    parameters_at,
-    temperature_after,
-)
+from forest_sim.solver.oil_temperature import WarmingOil, parameters_at
 from forest_sim.solver.plant_parameters import plant_parameters
-from forest_sim.solver.power_flows import power_flows
 
 SUBSTEPS = 5
-LOSS_SAMPLES = 10  # of the power that warms the oil, in an update of its temperature
 ANGLES = [PLACE[f"{axis}_angle"] for axis in ("swing", "boom", "stick")]
 
 
@@ -110,14 +103,13 @@ class _Trace:
     def __init__(self, machine: Machine, angles: Vec3, bench: bool) -> None:
         self._machine, self._bench = machine, bench
         p = plant_parameters(machine)
-        self._oil = None if bench else machine.oil
-        self._temperature = machine.oil.reference_temperature if machine.oil else 313.15
+        self._oil = WarmingOil(machine.oil, PERIOD) if machine.oil and not bench else None
+        temperature = machine.oil.reference_temperature if machine.oil else 313.15
         self._flat = FlatPlant()
         self._flat.lay_out(equilibrium(angles, p))
         self._flat.set_parameters(p)
         self._rows = [self._flat.state.copy()]
-        self._plants = [(0, p, self._temperature)]  # first row, plant, temperature [K]
-        self._losses: list[float] = []
+        self._plants = [(0, p, temperature)]  # first row, plant, temperature [K]
 
     def angles(self) -> Vec3:
         """Return the joint angles [rad]."""
@@ -128,23 +120,11 @@ class _Trace:
         """Move on by a period."""
         self._flat.advance(volts, PERIOD / SUBSTEPS, SUBSTEPS)
         self._rows.append(self._flat.state.copy())
-        if self._oil is not None:
-            self._warm()
-
-    def _warm(self) -> None:
-        """Sample what the machine loses; every UPDATE_PERIOD the oil is warmer by that."""
-        per_update, count = round(UPDATE_PERIOD / PERIOD), len(self._rows) - 1
-        if self._oil is None or count % (per_update // LOSS_SAMPLES) != 0:
-            return
-        self._losses.append(dissipated_power(power_flows(self._flat.simulation, self._plants[-1][1])))
-        if count % per_update != 0:
-            return
-        mean = sum(self._losses) / len(self._losses)
-        self._losses.clear()
-        self._temperature = temperature_after(self._temperature, mean, self._oil, UPDATE_PERIOD)
-        p = parameters_at(self._machine, self._temperature)
-        self._flat.set_parameters(p)
-        self._plants.append((count + 1, p, self._temperature))
+        oil, p = self._oil, self._plants[-1][1]
+        if oil is not None and oil.has_warmed(lambda: self._flat.simulation, p):
+            p = parameters_at(self._machine, oil.temperature)
+            self._flat.set_parameters(p)
+            self._plants.append((len(self._rows), p, oil.temperature))
 
     def columns(self) -> Columns:
         """Return the true value of every channel over the run."""

@@ -36,7 +36,6 @@ from forest_msgs_py.clock.step_order import TRANSIENT_LOCAL
 from forest_msgs_py.clock.step_topics import (
     DEPTH,
     LATE,
-    STEP_NS,
     IdleReport,
     StepPublisher,
     StepSubscription,
@@ -52,7 +51,7 @@ from forest_msgs_py.interfaces.topics import Topic, message_class
 from forest_msgs_py.runtime.node import NodeFailure, publisher
 from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.serialization.packing import pack_clock
-from forest_msgs_py.types import NS_PER_S
+from forest_msgs_py.types import NS_PER_S, PERIOD_NS
 
 AHEAD = 400  # steps by which the simulator may be ahead of the recorder
 END = "end"  # told instead of topics when the step was the last
@@ -106,7 +105,7 @@ class LockstepClock:
 
     def stamp(self) -> int:
         """The stamp of the step [ns]."""
-        return self._step * STEP_NS
+        return self._step * PERIOD_NS
 
     def publisher(self, topic: Topic) -> Any:
         """A publisher that speaks once a step.
@@ -145,7 +144,7 @@ class LockstepClock:
 
     def every(self, period: float, callback: Callable[[], None]) -> None:
         """Call once in a period [s], after the step's message; in each step if the period is shorter."""
-        self._timers.append((max(1, round(period * NS_PER_S / STEP_NS)), callback))
+        self._timers.append((max(1, round(period * NS_PER_S / PERIOD_NS)), callback))
 
     def run(self, stopping: threading.Event) -> None:
         """Make step after step until the node stops.
@@ -179,7 +178,7 @@ class LockstepClock:
 
     def _log_speed(self, steps: int, took: float) -> None:
         """How fast the run was, from the end of its first step [s, wall clock]."""
-        factor = steps * STEP_NS / NS_PER_S / max(took, 1e-9)
+        factor = steps * PERIOD_NS / NS_PER_S / max(took, 1e-9)
         self._node.get_logger().info(f"{steps} steps in {took:.3g} s: {factor:.2f} times as fast as live")
 
     def _announce(self) -> None:
@@ -226,7 +225,7 @@ class LockstepClock:
 
     def _gather(self, step: int, stopping: threading.Event) -> bool:
         """Wait for all that the node reads of a step; False if it was told to stop meanwhile."""
-        stamp, begun = step * STEP_NS, time.monotonic()
+        stamp, begun = step * PERIOD_NS, time.monotonic()
         for polled in self._inputs:
             if polled is not self._inputs[0]:  # which comes last: the others are there when it is
                 polled.collect(stamp)
@@ -238,7 +237,7 @@ class LockstepClock:
         return self._wait_for_recorder(step, stopping)
 
     def _wait_for_recorder(self, step: int, stopping: threading.Event) -> bool:
-        polled, begun, stamp = self._recorded, time.monotonic(), (step - AHEAD) * STEP_NS
+        polled, begun, stamp = self._recorded, time.monotonic(), (step - AHEAD) * PERIOD_NS
         while polled is not None and stamp > 0 and not polled.reached(stamp):
             if not self._wait(polled, step, begun, stopping):
                 return False
@@ -265,7 +264,7 @@ class LockstepClock:
             waits.add_subscription(subscription.handle)
         waits.wait(int(LOOK * NS_PER_S))  # what came before, and was not taken, ends it at once
         if waits.is_ready("subscription", 0):
-            polled.collect(step * STEP_NS)
+            polled.collect(step * PERIOD_NS)
         for place, told in enumerate(self._no_output_subscriptions, start=1):
             if waits.is_ready("subscription", place):
                 self._take_no_output(told)

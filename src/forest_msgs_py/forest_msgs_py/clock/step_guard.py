@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 
-from forest_msgs_py.clock.step_topics import STEP_NS, StepSubscription
+from forest_msgs_py.clock.step_topics import StepSubscription
 from forest_msgs_py.runtime.node import NodeFailure
+from forest_msgs_py.types import PERIOD_NS
 
 LOOP = ("joystick", "controller", "valve_driver")  # as a step passes from one to the next
 
@@ -23,7 +24,7 @@ def extra_time(waited: StepSubscription, inputs: Sequence[StepSubscription], ste
     """
     for polled in inputs:
         polled.collect()
-    if not leads and not any(polled.has(step * STEP_NS) for polled in inputs):
+    if not leads and not any(polled.has(step * PERIOD_NS) for polled in inputs):
         return 2.0 + len(LOOP) + len(inputs)
     hops = [LOOP.index(who) for who in waited.topic.publishers if who in LOOP]
     return 1.0 * min(hops, default=len(LOOP))
@@ -42,7 +43,7 @@ def timeout_failure(
     """
     for polled in inputs:
         polled.collect()
-    missing = [polled for polled in inputs if not polled.has(step * STEP_NS)] or [waited]
+    missing = [polled for polled in inputs if not polled.has(step * PERIOD_NS)] or [waited]
     names = ", ".join(polled.name for polled in missing)
     people = ", ".join(dict.fromkeys(who for polled in missing for who in polled.topic.publishers))
     return NodeFailure(

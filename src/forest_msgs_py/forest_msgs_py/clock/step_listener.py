@@ -8,7 +8,7 @@ far everything was taken, and stays near.
 
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 
 from rclpy.node import Node
@@ -18,9 +18,10 @@ from forest_msgs_py.clock.clock_parameters import ListenerParameters
 from forest_msgs_py.clock.lockstep import END
 from forest_msgs_py.clock.step_batch import read_batch
 from forest_msgs_py.clock.step_order import StepOrder
-from forest_msgs_py.clock.step_topics import DEPTH, STEP_NS, lockstep_qos, no_output_subscription
+from forest_msgs_py.clock.step_topics import DEPTH, lockstep_qos, no_output_subscription
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import stamp_to_ns
+from forest_msgs_py.interfaces.qos_profiles import Qos
 from forest_msgs_py.interfaces.topic_qos import offered_qos, qos
 from forest_msgs_py.interfaces.topics import find, message_class, unlisted
 from forest_msgs_py.introspection.graph_listener import DiscoveredTopic, GraphListener, ReceivedMessage
@@ -28,6 +29,7 @@ from forest_msgs_py.runtime.node import Finished, NodeFailure
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.serialization.packing import pack_clock
+from forest_msgs_py.types import PERIOD_NS
 
 WALL_CLOCK = "/parameter_events"  # carries the time of day: no two runs say the same
 ANNOUNCEMENT_DEPTH = 100  # nodes
@@ -116,11 +118,11 @@ class StepListener:
             raise Finished
         self._listen()
         heard = [
-            self._heard(name, step * STEP_NS, data)
+            self._heard(name, step * PERIOD_NS, data)
             for name, step, data in self._order.complete()
             if self._is_wanted(name)
         ]
-        now = self._order.reached * STEP_NS
+        now = self._order.reached * PERIOD_NS
         heard += [one._replace(received_ns=now, sent_ns=now) for one in self._beside.take()]
         self._tell()
         if time.monotonic() - self._progress > self._guard and not over:
@@ -149,7 +151,7 @@ class StepListener:
                 self._order.add_batch(*read_batch(data))
         for header, _info in self._no_output_subscriptions.take():
             if header.frame_id == END:
-                self._end = stamp_to_ns(header.stamp) // STEP_NS
+                self._end = stamp_to_ns(header.stamp) // PERIOD_NS
 
     def _look_for(self, name: str, type_name: str) -> None:
         """DiscoveredTopic a topic, once its publisher can be seen, which tells the type's hash.
@@ -176,15 +178,29 @@ class StepListener:
         """Tell how far everything was taken."""
         if self._order.reached > self._told:
             self._told, self._progress = self._order.reached, time.monotonic()
-            self._taken.publish(pack_clock(self._told * STEP_NS))
+            self._taken.publish(pack_clock(self._told * PERIOD_NS))
 
 
 def listener(
-    node: Node, wanted: Wanted, offered: Offered, refused: Refused, settled: Settled
+    node: Node,
+    wanted: Wanted,
+    offered: Offered,
+    refused: Refused,
+    settled: Settled,
+    overrides: Mapping[str, Qos] | None = None,
 ) -> GraphListener | StepListener:
-    """The listener that a node's parameters ask for: live, or of a run in lockstep."""
+    """The listener that a node's parameters ask for: live, or of a run in lockstep.
+
+    Args:
+        node: that subscribes.
+        wanted: see `GraphListener`.
+        offered: see `GraphListener`.
+        refused: see `GraphListener`.
+        settled: whether nodes have told all that is to be heard of them.
+        overrides: QoS of subscriptions by topic; in lockstep the batches have their own.
+    """
     p = declare(node, ListenerParameters)
     nodes = [name for name in p.lockstep_nodes if name]
     if not nodes:
-        return GraphListener(node, wanted, offered, refused)
+        return GraphListener(node, wanted, offered, refused, overrides)
     return StepListener(node, wanted, offered, refused, settled, nodes, p.lockstep_guard + PATIENCE)

@@ -13,9 +13,8 @@ from forest_msgs_py.interfaces.topics import IDLE, NO_OUTPUT, Topic, message_cla
 from forest_msgs_py.runtime.node import raw_publish
 from forest_msgs_py.runtime.polled_subscription import Arrival, PolledSubscription
 from forest_msgs_py.serialization.cdr import to_cdr
-from forest_msgs_py.types import NS_PER_S
+from forest_msgs_py.types import NS_PER_S, PERIOD_NS
 
-STEP_NS = 5_000_000
 DEPTH = 1000  # steps that a publisher keeps
 LATE = 40  # steps: until then it is known, too, on which topics of `IdleReport` nothing was said
 LIVE = " (live)"  # behind the name of a node that no lockstep has, in the table
@@ -48,7 +47,7 @@ def steps_without_output(header: Any) -> Iterator[tuple[str, int]]:
             continue
         first, last = span.split("-")
         for step in range(int(first), int(last) + 1):
-            yield name, step * STEP_NS
+            yield name, step * PERIOD_NS
 
 
 class IdleReport:
@@ -85,7 +84,7 @@ class IdleReport:
 def no_output(text: str, step: int) -> bytes:
     """A message on lockstep/silence or lockstep/quiet."""
     header = message_class(NO_OUTPUT)(frame_id=text)
-    header.stamp = ns_to_stamp(step * STEP_NS)
+    header.stamp = ns_to_stamp(step * PERIOD_NS)
     return to_cdr(header)
 
 
@@ -99,7 +98,7 @@ class StepSubscription:
     """
 
     def __init__(self, node: Node, topic: Topic, lag: int = 0) -> None:
-        self.topic, self._lag_ns = topic, lag * STEP_NS
+        self.topic, self._lag_ns = topic, lag * PERIOD_NS
         self._polled = PolledSubscription(node, message_class(topic), topic.name, lockstep_qos(), raw=True)
         self.subscription = self._polled.subscription
         self.name = self.subscription.topic_name

@@ -13,6 +13,9 @@ _PRIMITIVES = frozenset(
         *("int32", "uint32", "int64", "uint64", "string", "wstring"),
     )
 )
+WITHOUT_PACKAGE = {("tf2_msgs", "TFMessage"): "geometry_msgs/TransformStamped[] transforms\n"}
+"""Texts of types that are written for viewers where their package, which is no wheel, is not installed."""
+_DIVIDER = re.compile(r"^---.*\n?", re.MULTILINE)
 _TYPE = re.compile(r"^\s*([A-Za-z][\w/]*)")
 
 
@@ -32,26 +35,47 @@ def message_definition(type_name: str) -> str:
         FileNotFoundError: the .msg file of the type, or of one within it, is not installed.
     """
     package, _, name = type_name.split("/")
-    texts: dict[tuple[str, str], str] = {}
-    _collect(package, name, texts)
-    (_, first), *others = texts.items()
-    return "\n".join([first, *(f"{SEPARATOR}\nMSG: {pkg}/{typ}\n{text}" for (pkg, typ), text in others)])
+    return _completed(package, _text(package, "msg", name))
 
 
-def _collect(package: str, name: str, texts: dict[tuple[str, str], str]) -> None:
-    if (package, name) in texts:
-        return
-    texts[package, name] = text = _message_text(package, name)
+def service_definitions(type_name: str) -> tuple[str, str]:
+    """The texts of a service's request and response, each in MCAP's ``ros2msg`` form.
+
+    Args:
+        type_name: like ``std_srvs/srv/Trigger``.
+
+    Raises:
+        FileNotFoundError: the .srv file, or the .msg file of a type within it, is not installed.
+    """
+    package, _, name = type_name.split("/")
+    request, response = _DIVIDER.split(_text(package, "srv", name), maxsplit=1)
+    return _completed(package, request), _completed(package, response)
+
+
+def _completed(package: str, text: str) -> str:
+    """A package's text, followed by those of all types in it."""
+    inner: dict[tuple[str, str], str] = {}
+    _collect(package, text, inner)
+    return "\n".join([text, *(f"{SEPARATOR}\nMSG: {pkg}/{typ}\n{one}" for (pkg, typ), one in inner.items())])
+
+
+def _collect(package: str, text: str, texts: dict[tuple[str, str], str]) -> None:
     for line in text.splitlines():
         match = _TYPE.match(line.split("#")[0])
-        if match and match[1] not in _PRIMITIVES:
-            *owner, inner = match[1].split("/")
-            _collect(owner[0] if owner else package, inner, texts)
+        if not match or match[1] in _PRIMITIVES:
+            continue
+        *owner, name = match[1].split("/")
+        key = owner[0] if owner else package, name
+        if key not in texts:
+            texts[key] = _text(key[0], "msg", name)
+            _collect(key[0], texts[key], texts)
 
 
-def _message_text(package: str, name: str) -> str:
+def _text(package: str, kind: str, name: str) -> str:
+    if (package, name) in WITHOUT_PACKAGE:
+        return WITHOUT_PACKAGE[package, name]
     for share in share_directories():
-        file = share / package / "msg" / f"{name}.msg"
+        file = share / package / kind / f"{name}.{kind}"
         if file.is_file():
             return file.read_text(encoding="utf-8")
-    raise FileNotFoundError(f"{package}/msg/{name}.msg is in no share directory of this environment")
+    raise FileNotFoundError(f"{package}/{kind}/{name}.{kind} is in no share directory of this environment")

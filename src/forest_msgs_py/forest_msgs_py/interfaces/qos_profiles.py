@@ -50,7 +50,25 @@ def offered(qos: Any) -> list[Qos]:
     Args:
         qos: ``offered_qos_profiles`` of a bag: a list, or a text of YAML.
     """
-    return [_profile(entry) for entry in _entries(qos)]
+    return [profile(entry) for entry in _entries(qos)]
+
+
+def in_words(qos: Any) -> list[dict[str, Any]]:
+    """Return the profiles of a topic's publishers with the words of rosbag2's metadata version 9.
+
+    Args:
+        qos: as of `offered`.
+    """
+    words = {
+        "history": HISTORY,
+        "reliability": RELIABILITY,
+        "durability": DURABILITY,
+        "liveliness": LIVELINESS,
+    }
+    return [
+        {key: _word(value, words[key]) if key in words else value for key, value in entry.items()}
+        for entry in _entries(qos)
+    ]
 
 
 def for_replay(profiles: list[Qos]) -> Qos:
@@ -100,7 +118,8 @@ def _description(entry: dict[str, Any]) -> str:
     )
 
 
-def _profile(entry: dict[str, Any]) -> Qos:
+def profile(entry: dict[str, Any]) -> Qos:
+    """Return one publisher's profile, whatever its entry leaves open as ROS has it by default."""
     history = _word(entry.get("history"), HISTORY)
     depth = entry.get("depth")
     lifespan = _duration(entry.get("lifespan"))

@@ -2,8 +2,8 @@
 
 Nodes, recorder, bag reader, plots and ``docs/reference/topics.md`` are made from this table; see
 `topic_qos` and `topic_reference`. Names are relative where a crane owns the topic, so that a
-namespace moves the whole graph; ``/clock``, ``/diagnostics`` and ``/rosout`` belong to the ROS graph
-and are absolute.
+namespace moves the whole graph; ``/clock``, ``/tf``, ``/diagnostics`` and the like belong to the ROS
+graph and are absolute.
 
 ====================  ======================================================================================
 symbol                meaning
@@ -22,6 +22,8 @@ import importlib
 from typing import Any, NamedTuple
 
 JOINTS = ("swing", "boom", "stick")
+CYLINDER_JOINTS = ("boom_cylinder_pivot", "boom_cylinder_rod", "stick_cylinder_pivot", "stick_cylinder_rod")
+HEAD_JOINTS = ("head_in_plane", "head_out_of_plane")
 ACTUATORS = ("swing_motor", "boom_cylinder", "stick_cylinder")
 JOY_AXES = ("left_x", "left_y", "right_x", "right_y", "left_trigger", "right_trigger")
 JOY_BUTTONS = (
@@ -70,7 +72,7 @@ _ESTIMATE_UNITS = tuple(
     for unit in (*("V", "V", "m³/(s·V·√Pa)", "m³/(s·V·√Pa)") * 2, damping, damping)
 )
 _SIMULATOR, _CONTROLLER, _DRIVER = "simulator", "controller", "valve_driver"
-_JOYSTICK, _NOBODY = "joystick", ()
+_JOYSTICK, _VIEWER, _NOBODY = "joystick", "viewer", ()
 _CYCLE = "cycle (live)"  # a node that is in no lockstep
 _RATE = SENSOR_RATE_HZ
 
@@ -211,6 +213,34 @@ GROUND_TRUTH_TIP_TWIST = Topic(
     name="ground_truth/tip/twist", type=TWIST, labels=_XYZ, units=("m/s",) * 3, rate_hz=_RATE,
     doc="True tip velocity of the simulator; for evaluation only.",
     publishers=(_SIMULATOR,), subscribers=_NOBODY,
+)
+GROUND_TRUTH_HEAD = Topic(
+    name="ground_truth/head", type=JOINT_STATE, labels=HEAD_JOINTS,
+    units=("rad, rad/s, N·m",) * 2, rate_hz=_RATE,
+    doc="True joints of a hanging head: its sway; without effort, and only where the machine file has one.",
+    publishers=("simulator with a hanging head",), subscribers=("viewer",),
+)
+VIEWER_JOINT_STATES = Topic(
+    name="viewer/joint_states", type=JOINT_STATE, labels=(*JOINTS, *CYLINDER_JOINTS, *HEAD_JOINTS),
+    units=(*("rad, rad/s, N·m",) * 4, "m, m/s, N", "rad, rad/s, N·m", "m, m/s, N", *("rad, rad/s, N·m",) * 2),
+    rate_hz=50.0,
+    doc="Position of every joint of the URDF: joint_states, and cylinders and head computed from them.",
+    publishers=(_VIEWER,), subscribers=("foxglove",),
+)
+VIEWER_MARKERS = Topic(
+    name="viewer/markers", type="visualization_msgs/msg/MarkerArray", labels=(), units=(), rate_hz=10.0,
+    doc="Trails of tip and command, work area, walls; each in a namespace of its own.",
+    publishers=(_VIEWER,), subscribers=_NOBODY,
+)
+TF = Topic(
+    name="/tf", type="tf2_msgs/msg/TFMessage", labels=(), units=(), rate_hz=50.0,
+    doc="Frames of the moving links, from `viewer/joint_states`; where tf2_msgs is installed.",
+    publishers=(_VIEWER,), subscribers=_NOBODY,
+)
+TF_STATIC = Topic(
+    name="/tf_static", type="tf2_msgs/msg/TFMessage", labels=(), units=(), rate_hz=0.0,
+    doc="Frames of the fixed links; where tf2_msgs is installed.",
+    publishers=(_VIEWER,), subscribers=_NOBODY, transient_local=True,
 )
 ROBOT_DESCRIPTION = Topic(
     name="robot_description", type="std_msgs/msg/String", labels=(), units=(), rate_hz=0.0,

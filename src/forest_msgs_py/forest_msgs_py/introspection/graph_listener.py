@@ -1,7 +1,7 @@
 """Hears the topics of a graph as raw bytes, whoever publishes them and whenever they appear."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from operator import itemgetter
 from typing import Any, NamedTuple
 
@@ -9,7 +9,9 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from forest_msgs_py.interfaces.qos_profiles import Qos
 from forest_msgs_py.interfaces.topics import message_class, unlisted
+from forest_msgs_py.introspection.raw_publishers import qos_profile
 from forest_msgs_py.runtime.polled_subscription import PolledSubscription
 from forest_msgs_py.runtime.sequences import SequenceGaps
 
@@ -46,7 +48,7 @@ class _ListenedTopic:
         self.told = 0  # of the publishers, to who listens
         self.present = 0  # at the last look
         self.polled: PolledSubscription | None = None
-        self.qos: tuple[ReliabilityPolicy, DurabilityPolicy] | None = None
+        self.qos: Qos | None = None
         self.gaps = SequenceGaps()
 
 
@@ -58,6 +60,7 @@ class GraphListener:
         wanted: whether a topic (resolved name) of some types is to be heard.
         offered: called with a topic before its first message, and again when a publisher has come.
         refused: called with the name of a topic that cannot be heard, and why.
+        overrides: QoS of subscriptions by topic, in place of the most that every publisher offers.
     """
 
     def __init__(
@@ -66,7 +69,9 @@ class GraphListener:
         wanted: Callable[[str, Sequence[str]], bool],
         offered: Callable[[DiscoveredTopic], object],
         refused: Callable[[str, str], None],
+        overrides: Mapping[str, Qos] | None = None,
     ) -> None:
+        self._overrides = overrides or {}
         self.pause = PAUSE  # [s] between two takes
         self._node, self._wanted, self._offered, self._tell_refused = node, wanted, offered, refused
         self._watched: dict[str, _ListenedTopic] = {}
@@ -86,6 +91,15 @@ class GraphListener:
                 self._follow(name, types[0])
             else:
                 self._refuse(name, f"has {len(types)} types ({', '.join(types)}); allowed: one")
+
+    def forget(self, name: str) -> None:
+        """End hearing a topic.
+
+        One that is still wanted is heard anew at the next look: what is latched comes once more.
+        """
+        watched = self._watched.pop(name, None)
+        if watched is not None and watched.polled is not None:
+            self._node.destroy_subscription(watched.polled.subscription)
 
     def context_ns(self) -> int:
         """Log time of what is told now beside messages [ns]."""
@@ -134,19 +148,16 @@ class GraphListener:
         endpoints = list(watched.publishers.values())
         profiles = [_profile(endpoint.qos_profile) for endpoint in endpoints]
         self._offered(DiscoveredTopic(name, type_name, profiles, str(endpoints[0].topic_type_hash)))
-        suits_all = _common_qos(endpoints)
+        suits_all = self._overrides.get(name) or _common_qos(endpoints)
         if suits_all != watched.qos:
             self._subscribe(name, kind, watched, suits_all)
 
-    def _subscribe(
-        self, name: str, kind: Any, watched: _ListenedTopic, qos: tuple[ReliabilityPolicy, DurabilityPolicy]
-    ) -> None:
+    def _subscribe(self, name: str, kind: Any, watched: _ListenedTopic, qos: Qos) -> None:
         if watched.polled is not None:
             self._moved.extend(self._taken(name, watched, watched.polled))
             self._node.destroy_subscription(watched.polled.subscription)
         watched.qos = qos
-        profile = QoSProfile(depth=QUEUE_DEPTH, reliability=qos[0], durability=qos[1])
-        watched.polled = PolledSubscription(self._node, kind, name, profile, raw=True)
+        watched.polled = PolledSubscription(self._node, kind, name, qos_profile(qos), raw=True)
 
     def _meet_publishers(self, name: str, watched: _ListenedTopic) -> int:
         """Note who publishes now; return how many have done so until now."""
@@ -159,15 +170,12 @@ class GraphListener:
         self._tell_refused(name, reason)
 
 
-def _common_qos(endpoints: list[TopicEndpointInfo]) -> tuple[ReliabilityPolicy, DurabilityPolicy]:
+def _common_qos(endpoints: list[TopicEndpointInfo]) -> Qos:
     """The most that every publisher offers: asking for more than one of them offers would not match it."""
     profiles = [endpoint.qos_profile for endpoint in endpoints]
     reliable = all(profile.reliability == ReliabilityPolicy.RELIABLE for profile in profiles)
     transient_local = all(profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for profile in profiles)
-    return (
-        ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-        DurabilityPolicy.TRANSIENT_LOCAL if transient_local else DurabilityPolicy.VOLATILE,
-    )
+    return Qos(depth=QUEUE_DEPTH, reliable=reliable, transient_local=transient_local)
 
 
 def _profile(qos: QoSProfile) -> dict[str, Any]:

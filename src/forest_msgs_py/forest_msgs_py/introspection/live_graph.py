@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import Topic
 from forest_msgs_py.runtime.environment import prepare_environment
-from forest_msgs_py.runtime.node import subscription
+from forest_msgs_py.runtime.node import NodeFailure, subscription
 
 LOOK = 3.0  # [s] for a node to be found, and to answer
 SETTLE = 0.5  # [s] in which who is there is found
@@ -35,7 +35,7 @@ def publishers_of(node: Node, topic: Topic) -> list[str]:
     return [end.node_name for end in node.get_publishers_info_by_topic(node.resolve_topic_name(topic.name))]
 
 
-class NoAnswer(Exception):
+class NoAnswer(NodeFailure):
     """Something that was asked for is not there, or was refused; the text is one sentence."""
 
 

@@ -52,9 +52,7 @@ class RawPublishers:
                 kind, profile = message_class(unlisted(topic, types[topic])), profiles[topic]
                 if complete and profile.reliable and not profile.transient_local:
                     profile = profile._replace(keep_all=True)
-                made[key] = node.create_publisher(
-                    kind, name, _qos_profile(profile), event_callbacks=_silent()
-                )
+                made[key] = node.create_publisher(kind, name, qos_profile(profile), event_callbacks=_silent())
             self.publishers[topic] = made[key]
             self._send[topic] = made[key].handle.publish_raw  # half the time of publish()
         self._clock_type = message_class(CLOCK)
@@ -122,7 +120,8 @@ def _silent() -> PublisherEventCallbacks:
     return PublisherEventCallbacks(use_default_callbacks=False)
 
 
-def _qos_profile(qos: Qos) -> QoSProfile:
+def qos_profile(qos: Qos) -> QoSProfile:
+    """Return a profile as ROS takes it."""
     limits = {
         "deadline": qos.deadline_ns,
         "lifespan": qos.lifespan_ns,

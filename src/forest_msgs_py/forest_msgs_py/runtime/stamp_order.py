@@ -1,39 +1,49 @@
-"""Whether a message is newer than those before it: what overtook it must not be undone."""
+"""Whether a message is newer than those before it: what overtook it must not be undone.
+
+When nothing in order has come for the reader's patience, the sender's time may begin anew with a stamp that
+goes back: it was started again, or its clock was set. What rises from there on is in order.
+"""
+
+import math
+from typing import NamedTuple
 
 NO_STAMP = 0  # [ns]
 
 
-class StampOrder:
-    """Tells the messages of one topic that come in order from those that do not.
+class StampOrder(NamedTuple):
+    """What is remembered of a topic's messages."""
+
+    newest: int = NO_STAMP  # [ns] stamp of the newest
+    accepted: float = -math.inf  # [s] local time at which it came; -inf: none has
+
+
+FIRST = StampOrder()
+
+
+def is_in_order(order: StampOrder, stamp_ns: int) -> bool:
+    """Tell whether a message is in order: without stamp (`NO_STAMP`), the first, or newer than the newest."""
+    return stamp_ns == NO_STAMP or order.accepted == -math.inf or stamp_ns > order.newest
+
+
+def updated_order(order: StampOrder, stamp_ns: int, now: float, patience: float) -> StampOrder:
+    """Return what is remembered after a message.
 
     Args:
-        patience: when nothing in order has come for this long [s], the sender's time may begin anew with a
-            stamp that goes back: it was started again, or its clock was set. What rises from there on is in
-            order.
+        order: before it.
+        stamp_ns: the message's.
+        now: local monotonic time [s].
+        patience: time [s] without a message in order after which stamps may begin anew.
     """
+    if stamp_ns == NO_STAMP or stamp_ns == order.newest:
+        return order
+    begins_anew = now - order.accepted > patience
+    return StampOrder(stamp_ns, now) if stamp_ns > order.newest or begins_anew else order
 
-    def __init__(self, patience: float) -> None:
-        self._patience = patience
-        self._newest: int | None = None
-        self._accepted = 0.0
 
-    def problem(self, name: str, stamp_ns: int, now: float) -> str:
-        """Return what is wrong with a message's stamp, or "" and take it as the newest.
-
-        Args:
-            name: of the topic, for the text.
-            stamp_ns: the message's; `NO_STAMP` is always in order.
-            now: local monotonic time [s].
-        """
-        if stamp_ns == NO_STAMP:
-            return ""
-        newest, since = self._newest, now - self._accepted
-        if newest is None or stamp_ns > newest:
-            self._newest, self._accepted = stamp_ns, now
-            return ""
-        if stamp_ns == newest:
-            return f"{name}: the stamp stands still; allowed: rising stamps, or none"
-        if since > self._patience:
-            self._newest, self._accepted = stamp_ns, now
-        back = (newest - stamp_ns) * 1e-9
-        return f"{name}: the stamp goes back by {back:g} s; allowed: rising stamps, or none"
+def disorder(order: StampOrder, name: str, stamp_ns: int) -> str:
+    """Return what is wrong with the stamp of a topic's message, or ""."""
+    if is_in_order(order, stamp_ns):
+        return ""
+    back = (order.newest - stamp_ns) * 1e-9
+    went = f"goes back by {back:g} s" if back > 0.0 else "stands still"
+    return f"{name}: the stamp {went}; allowed: rising stamps, or none"

@@ -163,19 +163,6 @@ def _all(texts: Mapping[str, Sequence[str]]) -> list[str]:
     return [text for some in texts.values() for text in some]
 
 
-def beyond(topic: topics.Topic, values: Sequence[float], ratings: Sequence[float]) -> str:
-    """Return which value [V] is beyond its rating [V], and so is clipped; "" for none."""
-    for label, value, rating in zip(topic.labels, values, ratings, strict=True):
-        if abs(value) > rating:
-            return f"{topic.name}: {label} is {value:g} V, clipped to its rating of {rating:g} V"
-    return ""
-
-
-def rating_values(ratings: Sequence[float]) -> dict[str, float]:
-    """Return the axes' ratings [V] by their names on /diagnostics."""
-    return {f"{axis} rating [V]": rating for axis, rating in zip(topics.JOINTS, ratings, strict=True)}
-
-
 def _text(value: Any) -> str:
     """Return a value as people read it: true or false, four digits of a number, several with commas."""
     if isinstance(value, bool):

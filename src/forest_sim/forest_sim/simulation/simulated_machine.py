@@ -3,6 +3,9 @@
 What the simulator node wraps. Faults and the force on the tip may change between two periods.
 """
 
+import math
+
+from forest_description.derived.passive_joints import head_joint_positions
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 from forest_sim.sensors import sensor_readings
@@ -13,17 +16,10 @@ from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance, disturbe
 from forest_sim.solver.compiled_plant import ready_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Events, advance
-from forest_sim.solver.oil_temperature import (
-    UPDATE_PERIOD,
-    dissipated_power,
-    parameters_at,
-    temperature_after,
-)
+from forest_sim.solver.oil_temperature import WarmingOil, parameters_at
 from forest_sim.solver.plant_parameters import plant_parameters
-from forest_sim.solver.power_flows import power_flows
 
 STEP = 1e-3  # [s] of the integrator
-LOSS_SAMPLES = 10  # in an update of the oil's temperature
 
 
 class SimulatedMachine:
@@ -61,14 +57,20 @@ class SimulatedMachine:
         self._around = sensor_readings.surroundings(machine)._replace(rig=rig)
         links = machine.manipulator.links
         self._sensors = SensorRun(self._simulation, self._plant, links, suite, self._around, run)
-        self._temperature = machine.oil.reference_temperature if machine.oil and warms else None
-        self._losses: list[float] = []
-        self._periods = 0
+        self._oil = WarmingOil(machine.oil, period) if machine.oil and warms else None
 
     @property
     def events(self) -> Events:
         """What has been counted since the start."""
         return self._simulation.events
+
+    @property
+    def head_joints(self) -> tuple[float, ...]:
+        """Position [rad] and rate [rad/s] of a hanging head's joints, and NaN for their efforts."""
+        plant = self._simulation.plant
+        head, angles = plant.head, (plant.swing.angle, plant.boom.angle, plant.stick.angle)
+        rates = head.alpha_rate - plant.boom.rate - plant.stick.rate, head.beta_rate
+        return (*head_joint_positions(angles, (head.alpha, head.beta)), *rates, math.nan, math.nan)
 
     def disturb(self, disturbance: Disturbance) -> None:
         """Let spools be stuck and a force act on the tip, from now on."""
@@ -79,22 +81,13 @@ class SimulatedMachine:
     def step(self, voltages: Vec3) -> Report:
         """Move on by a period under held voltages [V]; return what the sensors say then, and the truth."""
         self._simulation = self._advance(self._simulation, voltages, STEP, self._substeps, self._plant)
-        self._periods += 1
         report = self._sensors.sample(self._simulation, self._period)
-        if self._temperature is not None:
-            self._warm(self._temperature)  # for the periods to come
+        if self._oil is not None and self._oil.has_warmed(lambda: self._simulation, self._plant):
+            self._warm(self._oil.temperature)  # for the periods to come
         return report
 
     def _warm(self, temperature: float) -> None:
-        """Sample what the machine loses; every UPDATE_PERIOD the oil is warmer by that."""
-        oil, periods = self.machine.oil, round(UPDATE_PERIOD / self._period)
-        if oil is None or self._periods % (periods // LOSS_SAMPLES) != 0:
-            return
-        self._losses.append(dissipated_power(power_flows(self._simulation, self._plant)))
-        if self._periods % periods == 0:
-            mean = sum(self._losses) / len(self._losses)
-            self._losses.clear()
-            self._temperature = temperature_after(temperature, mean, oil, UPDATE_PERIOD)
-            self._undisturbed = parameters_at(self.machine, self._temperature)
-            self._around = self._around._replace(temperatures=(self._temperature,) * 3)
-            self.disturb(self._disturbance)
+        """Take the parameters of a temperature of the oil [K]."""
+        self._undisturbed = parameters_at(self.machine, temperature)
+        self._around = self._around._replace(temperatures=(temperature,) * 3)
+        self.disturb(self._disturbance)

@@ -3,7 +3,7 @@
 import math
 
 from forest_description.types import ZERO, Vec3
-from forest_msgs_py.runtime.stamp_order import StampOrder
+from forest_msgs_py.runtime import stamp_order
 
 
 class VoltageInput:
@@ -19,7 +19,7 @@ class VoltageInput:
     def __init__(self, timeout: float) -> None:
         self.timeout = timeout
         self._voltages, self._received = ZERO, -math.inf
-        self._order = StampOrder(timeout)
+        self._order = stamp_order.FIRST
 
     def take(self, values: Vec3, stamp_ns: int, arrival: float, problem: str = "") -> str:
         """Take the newest command; return what is wrong with it, or "".
@@ -31,7 +31,8 @@ class VoltageInput:
             problem: what was wrong with the message itself.
         """
         if not problem and values != ZERO:  # zero is obeyed in any order
-            problem = self._order.problem("valve_voltages", stamp_ns, arrival)
+            problem = stamp_order.disorder(self._order, "valve_voltages", stamp_ns)
+            self._order = stamp_order.updated_order(self._order, stamp_ns, arrival, self.timeout)
         self._voltages = ZERO if problem else values
         self._received = arrival
         return problem

@@ -17,14 +17,17 @@ alone. The thesis has no temperature.
 """
 
 import math
+from collections.abc import Callable
 
 from forest_description.components.oil import COLDEST, HOTTEST, Oil
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine
+from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters, parameters_of
-from forest_sim.solver.power_flows import PowerFlows
+from forest_sim.solver.power_flows import PowerFlows, power_flows
 
 UPDATE_PERIOD = 1.0  # [s] of simulated time, in which a machine at full loss warms by a quarter of a degree
+LOSS_SAMPLES = 10  # of the power that warms the oil, in an update
 
 
 def dissipated_power(flows: PowerFlows) -> float:
@@ -70,3 +73,36 @@ def parameters_at(machine: Machine, temperature: float) -> PlantParameters:
     a run does not end because a machine boils. They are not kept: none comes twice.
     """
     return parameters_of(at_temperature(machine, min(HOTTEST, max(COLDEST, temperature))))
+
+
+class WarmingOil:
+    """The oil of a machine that runs period by period.
+
+    Args:
+        oil: of the machine.
+        period: [s].
+    """
+
+    def __init__(self, oil: Oil, period: float) -> None:
+        self.temperature = oil.reference_temperature  # [K]
+        self._oil, self._periods_per_update = oil, round(UPDATE_PERIOD / period)
+        self._periods = 0
+        self._losses: list[float] = []  # [W]
+
+    def has_warmed(self, simulation: Callable[[], Simulation], p: PlantParameters) -> bool:
+        """Tell after a period whether the temperature is another by now: it is every `UPDATE_PERIOD`.
+
+        Args:
+            simulation: gives where the machine is; asked `LOSS_SAMPLES` times in an update.
+            p: its parameters over the period.
+        """
+        self._periods += 1
+        if self._periods % (self._periods_per_update // LOSS_SAMPLES):
+            return False
+        self._losses.append(dissipated_power(power_flows(simulation(), p)))
+        if self._periods % self._periods_per_update:
+            return False
+        mean = sum(self._losses) / len(self._losses)
+        self._losses.clear()
+        self.temperature = temperature_after(self.temperature, mean, self._oil, UPDATE_PERIOD)
+        return True

@@ -25,17 +25,13 @@ from forest_control.pipeline import controller
 from forest_control.pipeline.control_state import Telemetry, ValveFeedback
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
-from forest_control.safety.motion_permission import (
-    MachineState,
-    Verdict,
-    armed_watch,
-)
+from forest_control.safety.motion_permission import MachineState, Permission, Verdict, armed_watch
 from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.tracking_limit import learnt_reach
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_description.types import ZERO, Floats, Vec3
-from forest_msgs_py.types import PERIOD
+from forest_msgs_py.types import PERIOD, PERIOD_NS
 from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_suite import Suite, draw, noise_generator
 from forest_sim.sensors.sensor_suite import sensor_suite as suite_of
@@ -45,7 +41,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop.link_model import Link, Quality, Reports, reported
-from forest_study.closed_loop.loop_core import PERIOD_NS, SUBSTEPS, Happened, driver_inputs, guard_of, sample
+from forest_study.closed_loop.loop_core import SUBSTEPS, Happened, driver_inputs, guard_of, sample
 
 COMMAND_TIMEOUT = 0.1  # [s] as the valve driver's default
 
@@ -181,9 +177,9 @@ class ClosedLoop:
         self._sensors = sensor_readings.at_rest(rest, p, suite)
         self._simulation, self._advance = until_first_report(rest, p), compiled_advance()
         step = compiled.controller_step() if fast else controller.step_with_telemetry
-        self._answer = compiled.driver_step() if fast else valve_driver.step_measured
+        self._answer = compiled.driver_step() if fast else valve_driver.step
         self.controller = GuardedController(control, guard_of(suite), step)
-        self.controller.permission.joystick = armed_watch()
+        self.controller.guard.permission = Permission(joystick=armed_watch())
         self.telemetry: Telemetry | None = None  # of the last state that was believed
         self._driver, self._reports, self._reference = valve_driver.REST, Reports(), ZERO
         self._joystick: Link[Sample] = Link(ways.joystick, 3 * ways.seed)
@@ -227,7 +223,7 @@ class ClosedLoop:
             joystick = None
         arrived = [one._replace(received=now) for one in self._joystick.arrived(now)]
         for one in (*arrived, *(joystick or ())):
-            self.controller.permission.hear(one)
+            self.controller.guard.hear(one)
 
     def _control(self, now: float) -> None:
         """Have the controller answer the states that have arrived, or their absence."""

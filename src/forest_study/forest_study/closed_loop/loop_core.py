@@ -2,8 +2,7 @@
 
     loop, levers -> sensors -> may the crane move? -> controller -> driver -> plant -> loop, what happened
 
-It does what a `closed_loop` period does without links, number by number. The guard is that of
-`motion_permission`, but for the order of stamps and the silence of the driver: here nothing is late.
+It does what a `closed_loop` period does without links, number by number, guard included.
 
 Everything here stays in the subset of Python that `forest_compile` translates; `loop_kernel` makes the
 machine code.
@@ -14,19 +13,28 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from forest_control.config import settings as control_settings
-from forest_control.operator.joystick_interpolation import CENTRED, InterpolatedLevers, interpolated
-from forest_control.operator.joystick_watch import Sample, Watch, assessed_watch, updated_watch
+from forest_control.operator.joystick_watch import Sample
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import control_state, controller
+from forest_control.pipeline.guarded_controller import control_inputs
 from forest_control.safety.driver_response import DriverSample
-from forest_control.safety.motion_permission import Checks, PermissionParameters, armed_watch, checked, passes
-from forest_control.safety.state_checks import plausible
+from forest_control.safety.motion_permission import (
+    NOBODY,
+    MachineState,
+    Permission,
+    PermissionParameters,
+    armed_watch,
+    decide,
+    disarmed,
+    heard,
+    is_lost,
+    unwatched,
+)
 from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.tracking_limit import learnt_reach
 from forest_description.geometry.kinematics import Links, tip_position
 from forest_description.types import ZERO, Vec3
-from forest_msgs_py.runtime.stamped_period import LONGEST
-from forest_msgs_py.types import NS_PER_S, PERIOD
+from forest_msgs_py.types import PERIOD, PERIOD_NS
 from forest_sim.sensors.sensor_readings import CHANNEL_COUNT, Sensors, SensorState, sampled
 from forest_sim.sensors.sensor_suite import Suite
 from forest_sim.sensors.signal_processing import Measurement
@@ -35,7 +43,6 @@ from forest_sim.solver.integrator import Simulation
 from forest_study.closed_loop.link_model import Reports, reported
 
 SUBSTEPS = 5  # of 1 ms
-PERIOD_NS = round(PERIOD * NS_PER_S)
 
 
 def guard_of(suite: Suite) -> PermissionParameters:
@@ -46,14 +53,14 @@ def guard_of(suite: Suite) -> PermissionParameters:
 class Guarded(NamedTuple):
     """What the controller and its guard remember."""
 
+    permission: Permission = Permission(joystick=armed_watch())
     state: control_state.State = control_state.REST
     command: Vec3 = ZERO  # [V] the last one
-    joystick: Watch = armed_watch()
-    hold: InterpolatedLevers = CENTRED
-    checks: Checks = Checks()
-    stamp: int = 0  # [ns] of the state that was believed last; 0: none
-    received: float = math.inf  # [s] when that was
-    credit: float = LONGEST  # [s] by which the controller's time may still run, as in `StampedPeriod`
+
+
+def stopped(before: Guarded) -> Guarded:
+    """Return the controller with all motion forgotten: the command is zero."""
+    return Guarded(permission=unwatched(before.permission))
 
 
 class Loop(NamedTuple):
@@ -106,7 +113,7 @@ def period(
     sensors, seen = sampled(loop.sensors, loop.simulation, drawn, k.sensors, PERIOD)
     control, velocity = guarded(loop, levers, held, seen, k, row)
     pressures, motion = driver_inputs(seen, k.drive.idle_pressure)
-    drive, volts = valve_driver.step_measured(loop.drive, control.command, pressures, motion, k.drive, PERIOD)
+    drive, volts = valve_driver.step(loop.drive, control.command, pressures, motion, k.drive, PERIOD)
     simulation = loop.simulation
     for _ in range(SUBSTEPS):
         simulation = integrator.step(simulation, volts, PERIOD / SUBSTEPS, k.sensors.plant)
@@ -129,41 +136,24 @@ def guarded(
 ) -> tuple[Guarded, Vec3]:
     """Return the guarded controller a step on, and the tip's reference velocity [m/s].
 
-    It does what `GuardedController` does when nothing is late, and nothing is taught.
+    It does what `GuardedController` does when parameters stay, nothing is taught, and nobody else forbids
+    motion.
     """
-    before, now, stamp = loop.control, row * PERIOD, (row + 1) * PERIOD_NS
-    angles, rates = seen.joints.position, seen.joints.speed
-    joystick, hold = updated_watch(before.joystick, sample(levers, held, row)), before.hold
-    if now - before.received > k.guard.state_timeout:
-        joystick, _ = assessed_watch(joystick, now, False, k.guard.joystick)
-        hold = CENTRED
-    after = before._replace(state=control_state.REST, command=ZERO, joystick=joystick, hold=hold)
-    if not plausible(angles, rates, k.control):
-        return after._replace(checks=Checks(driver=before.checks.driver)), ZERO
-    credit, elapsed = LONGEST, PERIOD
-    if before.stamp > 0:
-        credit = min(LONGEST, before.credit + (now - before.received))
-        elapsed = (stamp - before.stamp) * 1e-9
-    dt = min(LONGEST, elapsed, credit)
+    control, now = loop.control, row * PERIOD
+    before = control._replace(permission=heard(control.permission, sample(levers, held, row)))
+    if is_lost(before.permission, now, k.guard):
+        before = stopped(before._replace(permission=disarmed(before.permission, now, k.guard)))
+    machine = MachineState(seen.joints.position, seen.joints.speed, (row + 1) * PERIOD_NS, now)
     driver = DriverSample(loop.drive.voltages, now)
-    checks = checked(before.checks, angles, driver, before.command, k.control, k.guard, now, dt)
-    sound = passes(checks, now)
-    joystick, operator = assessed_watch(joystick, now, sound, k.guard.joystick)
-    hold = interpolated(hold, operator.levers, now, now, dt) if operator.enabled else CENTRED
-    after = after._replace(joystick=joystick, hold=hold, stamp=stamp, received=now, credit=credit - dt)
-    if not sound:
-        return after._replace(checks=Checks(driver=checks.driver)), ZERO
-    inputs = control_state.Inputs(
-        angles=angles,
-        rates=rates,
-        levers=hold.levers,
-        enabled=operator.enabled,
-        cylinders=(seen.actuators.position[1], seen.actuators.position[2]),
-        reach=loop.reports.reach,
-        voltages=loop.drive.voltages,
+    permission, decision = decide(
+        before.permission, machine, driver, before.command, k.control, k.guard, now, NOBODY
     )
-    state, output = controller.step(before.state, inputs, k.control, dt)
-    return after._replace(state=state, command=output.command, checks=checks), output.tip_reference
+    if not decision.believed:
+        return stopped(before._replace(permission=permission)), ZERO
+    cylinders = seen.actuators.position[1], seen.actuators.position[2]
+    inputs = control_inputs(machine, decision, cylinders, loop.reports.reach, loop.drive.voltages)
+    state, output = controller.step(before.state, inputs, k.control, decision.dt)
+    return Guarded(permission, state, output.command), output.tip_reference
 
 
 def sample(levers: Levers, held: bool, row: int) -> Sample:

@@ -18,10 +18,10 @@ from forest_bag.storage.bag_files import BagError
 from forest_bringup import graph, lockstep_run
 from forest_bringup.graph_lock import GraphError
 from forest_bringup.supervisor import NodeSpec
-from forest_msgs_py.clock.step_topics import STEP_NS
 from forest_msgs_py.interfaces.stamps import STAMPED
 from forest_msgs_py.interfaces.topics import DIAGNOSTICS, EMERGENCY_STOPPED, find
 from forest_msgs_py.interfaces.yaml_text import parsed
+from forest_msgs_py.types import PERIOD_NS
 
 MODULES = {
     "controller": "forest_control.controller_node",
@@ -84,10 +84,10 @@ def run(options: argparse.Namespace) -> int:
         with BagReader(bag) as reader:
             last = reader.span[1]
             topics = list(reader.channels)
-            attached = {name: data for file in reader.files for name, data in file.attachments}
+            attached = {a.name: a.data for file in reader.files for a in file.attachments}
     except (BagError, OSError) as error:
         raise GraphError(str(error)) from error
-    steps, rest = divmod(last, STEP_NS)
+    steps, rest = divmod(last, PERIOD_NS)
     if rest or not 0 < steps < MOST_STEPS:
         raise GraphError(f"{bag} was not recorded in lockstep; allowed: a bag whose log times are k*0.005 s")
     out.mkdir(parents=True, exist_ok=True)

@@ -75,7 +75,7 @@ class TaughtLoop:
         """Return what happened in a period; pressed: the one button; silent: the player is not heard."""
         if (telemetry := self.loop.telemetry) is not None and not silent:
             levers = operator.levers if operator else REST
-            centred, watch = max(map(abs, levers)) <= 0.05, self.loop.controller.permission.joystick
+            centred, watch = max(map(abs, levers)) <= 0.05, self.loop.controller.guard.permission.joystick
             seen = Seen(telemetry.tip, 1.0 + self.time, watch.armed, centred, pressed)
             self._hear(self.work.advance(seen, PERIOD))
         happened = self.loop.period(operator)

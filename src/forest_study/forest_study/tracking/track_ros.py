@@ -21,14 +21,13 @@ from forest_bringup.supervisor import NodeSpec, Stopped
 from forest_control.operator.joystick_watch import HEARTBEAT
 from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, Levers, axes_from_levers
 from forest_description.types import Floats
-from forest_msgs_py.clock.step_topics import STEP_NS
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.messages import ns_to_stamp
 from forest_msgs_py.interfaces.topic_qos import offered_qos
 from forest_msgs_py.interfaces.topics import Topic, message_class
 from forest_msgs_py.runtime.parameter_table import typed_values
 from forest_msgs_py.serialization.cdr import to_cdr
-from forest_msgs_py.types import PERIOD
+from forest_msgs_py.types import PERIOD, PERIOD_NS
 from forest_study.closed_loop.closed_loop import Trajectory
 from forest_study.tracking.tracking import Course, Session
 
@@ -78,7 +77,7 @@ def write_joystick(directory: Path, levers: Floats) -> None:
     kind = message_class(topic)
     try:
         for count, (swing, boom, stick, held) in enumerate(levers.tolist(), start=1):
-            axes, stamp = axes_from_levers(Levers(swing, boom, stick)), count * STEP_NS
+            axes, stamp = axes_from_levers(Levers(swing, boom, stick)), count * PERIOD_NS
             message = kind(axes=axes, buttons=[0] * BUTTON_COUNT)
             message.buttons[LEFT_SHOULDER] = int(held > 0.5)
             message.header.stamp, message.header.frame_id = ns_to_stamp(stamp), f"{HEARTBEAT}{count}"
@@ -140,7 +139,7 @@ def _rows(bag: Bag, topic: Topic, steps: int, silent: float) -> Floats:
         return np.full((steps, len(topic.labels)), silent)
     series = bag.series(topic)
     found = np.full((steps, series.values.shape[1]), silent)
-    found[series.time_ns // STEP_NS - 1] = series.values
+    found[series.time_ns // PERIOD_NS - 1] = series.values
     return found
 
 

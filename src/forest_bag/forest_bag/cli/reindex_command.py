@@ -1,0 +1,28 @@
+"""`forest-bag reindex`: a bag's metadata.yaml made anew from its files."""
+
+import argparse
+from pathlib import Path
+
+
+def add_parser(verbs: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    """Add the verb and its flags."""
+    text = "make a bag's metadata.yaml anew from its files"
+    parser = verbs.add_parser("reindex", help=text, description=text.capitalize() + ".")
+    parser.set_defaults(command=run)
+    parser.add_argument("bag", type=Path, metavar="BAG", help="a directory; its files are left as they are")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Reindex; return the exit code.
+
+    Raises:
+        BagError: this is no directory of bag files, or one of them is damaged.
+        OSError: it cannot be read or written.
+    """
+    from forest_bag.recovery.reindex import reindex
+
+    about = reindex(options.bag)
+    count, topics = about["message_count"], len(about["topics_with_message_count"])
+    files = about["relative_file_paths"]
+    print(f"{options.bag}: {count} messages of {topics} topics in {', '.join(files)}")
+    return 0

@@ -1,0 +1,136 @@
+"""The guard of one controller: what `motion_permission` remembers, and its causes in sentences.
+
+/diagnostics tells a cause for each of three parts: joystick, machine, emergency stop.
+"""
+
+import math
+from typing import Any
+
+from forest_control.config.settings import Parameters
+from forest_control.operator.joystick_watch import Joystick, Sample, is_released, problem_text
+from forest_control.safety import driver_response, frozen_sensor, motion_permission
+from forest_control.safety.driver_response import DriverSample
+from forest_control.safety.motion_permission import (
+    Cause,
+    Decision,
+    MachineState,
+    Override,
+    Permission,
+    PermissionParameters,
+)
+from forest_control.safety.state_checks import implausible
+from forest_description.types import Vec3
+from forest_msgs_py.runtime.stamp_order import disorder
+
+GOES_BACK = "joy: a stamp goes back; allowed: rising stamps, or none"
+LOST_STATE = "no state of the machine"
+PRESSED = "emergency stop pressed"
+
+
+class MotionGuard:
+    """Decides for one controller.
+
+    Args:
+        p: what a user may set.
+    """
+
+    def __init__(self, p: PermissionParameters) -> None:
+        self.p, self.permission = p, Permission()
+        self.causes = {"joystick": "", "machine": "", "emergency stop": ""}  # of trouble, by what is unwell
+        self._unreadable = ""  # the last sample of the joystick, and why
+        self._refused = -math.inf, ""  # when a state was last not believed, and why
+
+    def hear(self, sample: Sample, problem: str = "") -> None:
+        """Take in one sample of the joystick, oldest first; `problem` says why it cannot be read."""
+        dropped = self.permission.joystick.out_of_order
+        self.permission = motion_permission.heard(self.permission, sample)
+        in_order = self.permission.joystick.out_of_order == dropped
+        self._unreadable = problem or ("" if in_order else GOES_BACK)
+
+    def is_lost(self, now: float, override: Override) -> bool:
+        """Tell whether the machine's state came, and then not for too long, which disarms the levers."""
+        if not motion_permission.is_lost(self.permission, now, self.p):
+            return False
+        self.disarm(now, override)
+        when, why = self._refused  # the cause, rather than what follows from it
+        self.causes["machine"] = why if now - when <= self.p.state_timeout else LOST_STATE
+        return True
+
+    def decide(
+        self,
+        state: MachineState,
+        driver: DriverSample,
+        command: Vec3,
+        p: Parameters,
+        now: float,
+        override: Override,
+        problem: str = "",
+    ) -> Decision:
+        """Return what follows from a state of the machine.
+
+        Args:
+            state: just come.
+            driver: its newest voltages.
+            command: of ideal valves, the last one [V].
+            p: the controller's parameters.
+            now: local time [s].
+            override: who else forbids motion.
+            problem: why the state cannot be read.
+        """
+        order = self.permission.order
+        self.permission, decision = motion_permission.decide(
+            self.permission, state, driver, command, p, self.p, now, override
+        )
+        if decision.cause == Cause.UNBELIEVABLE:
+            self._refuse(problem or implausible(state.angles, state.rates, p), now)
+        elif decision.cause == Cause.DISORDER:
+            self._refuse(disorder(order, "joint state", state.stamp), now)
+        elif decision.dt > 0.0:
+            checks = self.permission.checks
+            driver_trouble = driver_response.objection(checks.driver, now)
+            self.causes["machine"] = driver_trouble or frozen_sensor.frozen(checks.still)
+            self._note_operator(override)
+        return decision
+
+    def disarm(self, now: float, override: Override) -> None:
+        """Judge the joystick at a time [s] when the machine must not move, whatever it says."""
+        self.permission = motion_permission.disarmed(self.permission, now, self.p)
+        self._note_operator(override)
+
+    def has_begun(self) -> bool:
+        """Tell whether a state has ever been used."""
+        return self.permission.period.started
+
+    def is_nobody_there(self) -> bool:
+        """Tell whether there never was a joystick, or it went after the deadman was released."""
+        watch = self.permission.joystick
+        return watch.joystick == Joystick.SILENT or (watch.joystick == Joystick.LOST and not watch.held)
+
+    def against_reset(self) -> str:
+        """Return what stands against a reset of the emergency stop, or ""."""
+        released = is_released(self.permission.joystick, self.p.joystick.centre)
+        return "" if released else "the levers must be centred and the deadman released"
+
+    def joystick_values(self) -> dict[str, Any]:
+        """Return what is known of the joystick, by names with units, for /diagnostics."""
+        watch, p = self.permission.joystick, self.p.joystick
+        return {
+            "state": Joystick(watch.joystick).name.lower(),
+            "deadman held": watch.held,
+            "armed": watch.armed,
+            "joy_timeout [s]": p.joy_timeout,
+            "frozen_timeout [s]": p.frozen_timeout,
+            "centre [1]": p.centre,
+            "out of order since start": watch.out_of_order,
+        }
+
+    def _refuse(self, problem: str, now: float) -> None:
+        """Remember why a state of the machine is not believed."""
+        self._refused, self.causes["machine"] = (now, problem), problem
+
+    def _note_operator(self, override: Override) -> None:
+        """Tell what is wrong with the joystick as it was just judged, and who pressed the stop."""
+        # A joystick that goes after the deadman was released is not missed.
+        gone = "" if self.is_nobody_there() else problem_text(self.permission.joystick)
+        self.causes["joystick"] = self._unreadable or gone
+        self.causes["emergency stop"] = PRESSED if override.emergency_stop else ""

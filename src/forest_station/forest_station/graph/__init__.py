@@ -1,0 +1,1 @@
+"""The ROS side of the station: signals, parameters, services, the joystick's messages."""

@@ -1,0 +1,1 @@
+"""What the crane and its surroundings look like, told to the page."""

@@ -1,0 +1,44 @@
+"""The walls of the controller's workspace file, as the page draws them."""
+
+from forest_control.limits.workspace import BOX, CYLINDER, PLANE, Wall, Workspace
+from forest_station.scene.elements import BoxWall, CylinderWall, DrawnWall, PlaneWall
+
+
+def drawn_walls(workspace: Workspace) -> list[DrawnWall]:
+    """Return the walls in the file's order, with the margin that the tip keeps."""
+    return [_drawn(wall, number) for number, wall in enumerate(workspace.walls[: workspace.number], 1)]
+
+
+def _drawn(wall: Wall, number: int) -> DrawnWall:
+    first, second = list(wall.first), list(wall.second)
+    if wall.kind == PLANE:
+        return PlaneWall(kind="plane", name=_side(wall), normal=first, offset=wall.radius)
+    if wall.kind == BOX:
+        return BoxWall(kind="box", name=f"box {number}", lower=first, upper=second)
+    assert wall.kind == CYLINDER
+    return CylinderWall(
+        kind="cylinder",
+        name=f"cylinder {number}",
+        centre=first[:2],
+        radius=wall.radius,
+        bottom=first[2],
+        top=second[2],
+    )
+
+
+def _side(wall: Wall) -> str:
+    """Return what a person calls a plane, by where it keeps the tip from."""
+    upwards = wall.first[2]
+    if upwards == 0.0:
+        return "side"
+    return "ground" if upwards > 0.0 else "ceiling"
+
+
+def ground_of(workspace: Workspace) -> float | None:
+    """Return the height of the highest floor [m], None where the workspace has none."""
+    floors = [
+        wall.radius
+        for wall in workspace.walls[: workspace.number]
+        if wall.kind == PLANE and wall.first == (0.0, 0.0, 1.0)
+    ]
+    return max(floors, default=None)

@@ -1,0 +1,1 @@
+"""Pages and sockets, and who may open them."""

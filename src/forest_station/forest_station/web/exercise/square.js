@@ -1,0 +1,71 @@
+// A square for the tip to be driven along, and how well it was; pure. Points are [x, y, z] in the base frame [m].
+
+export const SIDE = 0.8; // [m]
+export const REACHED = 0.1; // [m] around a corner
+const FAR = 4; // [m] from the swing axis: from there the square lies towards the crane, else away from it
+
+// Returns a level square that begins at the tip, its sides along the tip's own directions.
+export function squareAt([x, y, z]) {
+  const along = Math.hypot(x, y) > FAR ? -SIDE : SIDE;
+  return [[x, y, z], [x + along, y, z], [x + along, y + SIDE, z], [x, y + SIDE, z]];
+}
+
+export function begun(corners) {
+  return { corners, side: 0, sum: 0, count: 0, most: 0, since: null, until: null };
+}
+
+// Returns the attempt after the tip was seen at a place and a time [s]. Time counts from the first motion on.
+export function after(attempt, tip, time) {
+  if (isDone(attempt) || !tip.every(Number.isFinite)) return attempt;
+  const [from, to] = side(attempt);
+  if (attempt.since === null && distance(tip, from) < 0.01) return attempt;
+  const off = distanceToSegment(tip, from, to);
+  const next = {
+    ...attempt,
+    since: attempt.since ?? time,
+    sum: attempt.sum + off * off,
+    count: attempt.count + 1,
+    most: Math.max(attempt.most, off),
+  };
+  if (distance(tip, to) > REACHED) return next;
+  const last = attempt.side === attempt.corners.length - 1;
+  return { ...next, side: attempt.side + 1, until: last ? time : null };
+}
+
+export function isDone(attempt) {
+  return attempt.side >= attempt.corners.length;
+}
+
+// The corners between which the tip is to be.
+export function side({ corners, side: number }) {
+  return [corners[number % corners.length], corners[(number + 1) % corners.length]];
+}
+
+// How far from the square the tip was: root mean square and most [m], and for how long [s].
+export function result({ sum, count, most, since, until }) {
+  return { rms: Math.sqrt(sum / count), most, seconds: until - since };
+}
+
+// What the left stick has to do next: its word and its key.
+export function way(attempt) {
+  const [from, to] = side(attempt);
+  const [x, y] = [to[0] - from[0], to[1] - from[1]];
+  if (Math.abs(x) > Math.abs(y)) return x > 0 ? ["away", "W"] : ["back", "S"];
+  return y > 0 ? ["left", "A"] : ["right", "D"];
+}
+
+function distanceToSegment(point, from, to) {
+  const along = from.map((start, i) => to[i] - start);
+  const way = from.map((start, i) => point[i] - start);
+  const share = dot(way, along) / dot(along, along);
+  const foot = from.map((start, i) => start + Math.min(1, Math.max(0, share)) * along[i]);
+  return distance(point, foot);
+}
+
+function distance(a, b) {
+  return Math.hypot(...a.map((value, i) => value - b[i]));
+}
+
+function dot(a, b) {
+  return a.reduce((sum, value, i) => sum + value * b[i], 0);
+}

@@ -1,0 +1,38 @@
+// Who drives, how the deadman is, and why nothing moves: in words.
+
+// By code of `limit` on controller/status: docs/reference/codes.md.
+const LIMITS = [
+  "", "a joint's greatest speed", "the end of a joint", "a singular pose", "the flow of the pumps", "a wall", "",
+];
+
+export function driverText(seat) {
+  if (!seat) return "No connection";
+  if (seat.you_drive) return "You drive";
+  return seat.driver === null ? "Nobody drives" : `${seat.driver} drives, you look on`;
+}
+
+// How the deadman is, as the server judges it: {state, text}. "pressed": here it is, there it does not count.
+export function deadmanState(seat, held) {
+  const judged = seat?.deadman.state ?? "waiting";
+  if (judged === "held") return { state: "held", text: "Deadman held" };
+  if (held && seat?.you_drive) return { state: "pressed", text: "Deadman pressed, does not count" };
+  return { state: judged, text: "Deadman released" };
+}
+
+// Why nothing moves, or not as fast as it was told to; "" if nothing is in the way.
+//
+// seat: the newest message, or null; here: {held, why} of this page's deadman, and its id, {you}; stopped: the emergency stop is active;
+// status: armed, factor and limit of controller/status, NaN where unknown.
+export function whyText(seat, here, stopped, status) {
+  if (!seat) return "The crane stands still until the page is connected again.";
+  if (stopped) return "The emergency stop is active.";
+  if (seat.why_not) return seat.why_not;
+  if (seat.asking.includes(here.you)) return `${seat.driver} is asked to hand over.`;
+  if (!seat.you_drive) return seat.driver === null ? "Take the seat to drive." : "";
+  if (seat.deadman.state !== "held") return here.held ? seat.deadman.text : `${seat.deadman.text} (${here.why})`;
+  if (status.armed === 0) return "The controller does not move: centre the sticks, and see the diagnostics.";
+  if (status.factor < 1 && LIMITS[status.limit]) {
+    return `Slowed to ${Math.round(100 * status.factor)} % by ${LIMITS[status.limit]}.`;
+  }
+  return "";
+}

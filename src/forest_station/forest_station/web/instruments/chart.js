@@ -1,0 +1,161 @@
+// A chart of the last minute with the newest values above it, or those under the cursor. A click stops all charts.
+
+import { make, setText } from "../elements.js";
+import uPlot from "../vendor/uplot.js";
+import { lineValues } from "./lines.js";
+import { pauseOf } from "./pause.js";
+
+const SPAN_S = 60;
+const PERIOD_MS = 100; // between two drawings
+const LATEST_MS = 500; // after which it is drawn, idle or not
+const STRIDE = 2; // of 30 frames a second
+const HEIGHT = 96; // [px]
+const COLOURS = ["#5ec8ff", "#ffb454", "#7dff9f", "#ff7ab8", "#c4a7ff", "#f4f7f5"];
+const SHADE = "rgb(255 212 121 / 22%)";
+const FAINT = "rgb(160 180 168 / 25%)";
+
+export class Chart {
+  constructor(station, definition) {
+    this.station = station;
+    this.definition = definition;
+    this.pause = pauseOf(station);
+    this.inSight = true;
+    this.waiting = false;
+    this.values = definition.lines.map(() => make("output"));
+    this.moment = make("span", { className: "moment" });
+    this.frame = make("div", { className: "frame", tabIndex: 0 });
+    this.frame.setAttribute("role", "button");
+    this.frame.setAttribute("aria-label", `${definition.title}: stop or go on`);
+    this.element = make("div", { className: "chart", hidden: true }, this.#readings(), this.frame);
+    this.frame.addEventListener("click", () => this.pause.toggle());
+    this.frame.addEventListener("keydown", ({ code }) => code === "Enter" && this.pause.toggle());
+    this.pause.addEventListener("change", () => this.#showPause());
+    new IntersectionObserver(([entry]) => (this.inSight = entry.isIntersecting)).observe(this.element);
+    new ResizeObserver(() => this.plot?.setSize(this.#size())).observe(this.frame);
+    setInterval(() => this.#drawWhenIdle(), PERIOD_MS);
+  }
+
+  // The hands come first: a page that has much to do draws its charts less often.
+  #drawWhenIdle() {
+    if (this.waiting) return;
+    this.waiting = true;
+    whenIdle(() => {
+      this.waiting = false;
+      this.draw();
+    });
+  }
+
+  // Draws the newest minute, if somebody can see it.
+  draw() {
+    this.element.hidden = !this.definition.lines.some(({ signals }) => this.#known(signals));
+    if (this.element.hidden || !this.inSight || this.pause.paused || document.hidden) return;
+    this.plot ??= this.#plot();
+    this.plot.setData(this.#minute());
+    this.#showValues();
+  }
+
+  #known(signals) {
+    return signals.every((name) => this.station.signals.has(name));
+  }
+
+  #column(name) {
+    return this.station.history.series(this.station.signals.get(name));
+  }
+
+  // Seconds before the newest frame, and each line's values; null where nothing is known. Every other frame is enough for
+  // the few pixels of a chart; always the same ones, or lines would tremble.
+  #minute() {
+    const { times } = this.station.history.series(0);
+    const newest = times.at(-1);
+    const lines = this.definition.lines.map((line) => {
+      if (!this.#known(line.signals)) return times.map(() => NaN);
+      return lineValues(line, times, line.signals.map((name) => this.#column(name).values));
+    });
+    const isDrawn = (_, i) => (this.station.history.count - times.length + i) % STRIDE === 0 || i === times.length - 1;
+    const thinned = (values) => Array.prototype.filter.call(values, isDrawn);
+    return [Array.from(thinned(times), (time) => time - newest), ...lines.map((values) => withGaps(thinned(values)))];
+  }
+
+  #readings() {
+    const entries = this.definition.lines.map(({ label }, i) => {
+      const swatch = make("i");
+      swatch.style.background = this.#colour(i);
+      return make("label", {}, swatch, `${label} `, this.values[i]);
+    });
+    const unit = make("span", { className: "unit" }, this.definition.unit);
+    return make("div", { className: "readings" }, ...entries, unit, this.moment);
+  }
+
+  #colour(i) {
+    return this.definition.lines[i].colour ?? COLOURS[i % COLOURS.length];
+  }
+
+  #size() {
+    return { width: Math.max(120, this.frame.clientWidth), height: this.definition.height ?? HEIGHT };
+  }
+
+  #plot() {
+    const ink = getComputedStyle(this.frame).color;
+    const axis = { stroke: ink, font: "11px system-ui, sans-serif", grid: { stroke: FAINT, width: 1 }, ticks: { show: false } };
+    const series = this.definition.lines.map(({ dashed }, i) => ({
+      stroke: this.#colour(i),
+      width: 1.5,
+      dash: dashed ? [4, 3] : undefined,
+      points: { show: false },
+    }));
+    const options = {
+      ...this.#size(),
+      padding: [6, 6, 0, 0],
+      legend: { show: false },
+      cursor: { y: false, drag: { x: false, y: false }, sync: { key: "minute" } },
+      scales: { x: { time: false, range: [-SPAN_S, 0] }, y: { range: (_, low, high) => this.#range(low, high) } },
+      axes: [{ ...axis, size: 20, values: (_, at) => at.map((s) => `${s} s`) }, { ...axis, size: 44 }],
+      series: [{}, ...series],
+      hooks: { drawClear: [(plot) => this.#shade(plot)], setCursor: [() => this.#showValues()] },
+    };
+    return new uPlot(options, [[], ...series.map(() => [])], this.frame);
+  }
+
+  #range(low, high) {
+    const [least, most] = this.definition.range;
+    return [Math.min(least, low ?? least), Math.max(most, high ?? most)];
+  }
+
+  // The band as it is at the newest frame.
+  #shade(plot) {
+    const { band } = this.definition;
+    if (!band || !this.#known(band.signals)) return;
+    const [low, high] = band.edges(...band.signals.map((name) => this.station.value(name)));
+    if (!Number.isFinite(high - low)) return;
+    const [top, bottom] = [plot.valToPos(high, "y", true), plot.valToPos(low, "y", true)];
+    plot.ctx.fillStyle = SHADE;
+    plot.ctx.fillRect(plot.bbox.left, top, plot.bbox.width, bottom - top);
+  }
+
+  #showValues() {
+    const { cursor, data } = this.plot;
+    const pointed = Number.isInteger(cursor.idx);
+    const at = pointed ? cursor.idx : data[0].length - 1;
+    this.values.forEach((output, i) => setText(output, this.#text(data[i + 1][at])));
+    setText(this.moment, pointed ? `${data[0][at].toFixed(1)} s` : "");
+  }
+
+  #text(value) {
+    return Number.isFinite(value) ? value.toFixed(this.definition.digits ?? 0) : "–";
+  }
+
+  #showPause() {
+    this.element.classList.toggle("paused", this.pause.paused);
+    this.draw();
+  }
+}
+
+// Not every browser tells when it is idle.
+function whenIdle(act) {
+  if (globalThis.requestIdleCallback) requestIdleCallback(act, { timeout: LATEST_MS });
+  else setTimeout(act);
+}
+
+function withGaps(values) {
+  return Array.from(values, (value) => (Number.isFinite(value) ? value : null));
+}

@@ -1,0 +1,29 @@
+// The frame around all panels: the drawer of a narrow screen, and whether what is seen is fresh.
+
+const FRESH_MS = 500; // frames come 30 times a second
+
+export function layOut(station) {
+  const button = document.getElementById("drawer-button");
+  button.addEventListener("click", () => {
+    const open = document.body.toggleAttribute("data-drawer");
+    button.setAttribute("aria-expanded", String(open));
+  });
+  watch(station);
+}
+
+// Sets `data-link` of the page: "live", "stale" (no frame came lately) or "lost".
+function watch(station) {
+  let newest = -Infinity;
+  const mark = (link) => {
+    if (document.body.dataset.link !== link) document.body.dataset.link = link;
+  };
+  station.on("frame", () => {
+    newest = performance.now();
+    mark("live");
+  });
+  station.on("close", () => mark("lost"));
+  setInterval(() => {
+    if (station.connected && station.live && performance.now() - newest > FRESH_MS) mark("stale");
+  }, FRESH_MS / 2);
+  mark("lost");
+}

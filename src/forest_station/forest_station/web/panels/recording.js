@@ -1,0 +1,88 @@
+// Record the live crane, mark what happens, and the list of bags.
+
+import { make, makeButton, setText } from "../elements.js";
+import { bagsOf } from "../replay/bags.js";
+import { replayOf } from "../replay/replay.js";
+
+export const place = "left";
+export const title = "Recordings";
+
+const LONGEST_MARK = 200;
+const MOST_ROWS = 50;
+
+export function mount(element, station) {
+  const state = make("p", { className: "state", role: "status" });
+  const answer = make("p", { className: "answer", role: "status" });
+  const ask = async (what, args) => setText(answer, (await station.ask(what, args)).text);
+  element.append(recorder(station, ask), state, marker(station, ask), answer, list(station));
+  station.on("recording", (told) => setText(state, stateText(told)));
+}
+
+function recorder(station, ask) {
+  const name = make("input", { type: "text", placeholder: "name: date and time", maxLength: 64, spellcheck: false });
+  name.setAttribute("aria-label", "Name of the bag");
+  const button = makeButton("Record", () => {
+    if (button.dataset.active === "true") return ask("stop_recording");
+    return ask("start_recording", name.value ? { name: name.value } : {});
+  });
+  button.className = "record";
+  station.on("recording", ({ active }) => {
+    button.dataset.active = active;
+    setText(button, active ? "Stop" : "Record");
+    name.disabled = active;
+    if (active) name.value = "";
+  });
+  return make("div", { className: "line" }, name, button);
+}
+
+function stateText({ active, name, seconds, bytes, text }) {
+  return active ? `${name}: ${clock(seconds)}, ${size(bytes)}. ${text}` : text;
+}
+
+function marker(station, ask) {
+  const text = make("input", { type: "text", placeholder: "what happens", maxLength: LONGEST_MARK });
+  text.setAttribute("aria-label", "Text of the mark");
+  const form = make("form", { className: "line" }, text, make("button", { type: "submit", textContent: "Mark" }));
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    ask("mark", { text: text.value.trim() || "mark" });
+    text.value = "";
+  });
+  station.on("recording", ({ active }) => (form.hidden = !active));
+  form.hidden = true;
+  return form;
+}
+
+function list(station) {
+  const bags = bagsOf(station);
+  const replay = replayOf(station);
+  const rows = make("ul", { className: "bags" });
+  const trouble = make("p");
+  bags.addEventListener("change", () => {
+    setText(trouble, bags.trouble || (bags.entries.length ? "" : "There is no bag yet."));
+    rows.replaceChildren(...bags.entries.slice(0, MOST_ROWS).map((bag) => row(bag, replay)));
+  });
+  return make("div", {}, rows, trouble, makeButton("Read the list again", () => bags.read()));
+}
+
+function row({ name, bytes, modified, seconds }, replay) {
+  const when = new Date(1000 * modified).toLocaleString([], { dateStyle: "short", timeStyle: "short" });
+  const told = [when, seconds === null ? "" : clock(seconds), size(bytes)].filter(Boolean).join(" · ");
+  return make(
+    "li",
+    {},
+    make("span", { className: "name", textContent: name }),
+    make("small", { textContent: told }),
+    makeButton("Replay", () => replay.open(name)),
+  );
+}
+
+function clock(seconds) {
+  const whole = Math.floor(seconds);
+  const parts = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60, whole % 60];
+  return parts.map((part) => String(part).padStart(2, "0")).join(":");
+}
+
+function size(bytes) {
+  return bytes < 1e6 ? `${(bytes / 1e3).toFixed(0)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
+}

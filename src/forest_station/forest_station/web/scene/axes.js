@@ -1,0 +1,3 @@
+// The driven joints, in the order of every array that has one number per axis.
+
+export const AXES = ["swing", "boom", "stick"];

@@ -1,0 +1,100 @@
+// The crane: links as nested groups, one for each joint of the scene, moved by the joints' signals.
+
+import { Group, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, Quaternion, Vector3 } from "../vendor/three.js";
+import { COLOURS } from "./colours.js";
+import { merged } from "./merge.js";
+import { parts } from "./shapes.js";
+
+const BASE = "base_link";
+const GLOW = 0.75; // share of the alarm's colour in a part that glows
+
+// Draws a scene's links. `plain`: one material for everything, for a shadow or a ghost.
+export class Crane {
+  constructor(scene, plain = null) {
+    this.root = new Group();
+    this.links = new Map([[BASE, this.root]]);
+    this.joints = scene.joints.map((joint) => this.#hang(joint));
+    this.materials = new Map(); // link → its material
+    for (const [name, visuals] of Object.entries(scene.links)) {
+      if (visuals.length > 0) this.#draw(name, visuals, plain);
+    }
+  }
+
+  // Moves every joint; one that nobody tells follows its leader, or keeps its place.
+  pose(signals) {
+    for (const joint of this.joints) {
+      if (joint.signal) joint.position = this.#position(joint, signals);
+      move(joint);
+    }
+    this.root.updateMatrixWorld(true);
+  }
+
+  // Where a point of a link is in the base frame, as last posed.
+  place(link, xyz = [0, 0, 0]) {
+    return this.links.get(link).localToWorld(new Vector3(...xyz));
+  }
+
+  position(name) {
+    return this.joints.find((joint) => joint.name === name)?.position ?? NaN;
+  }
+
+  glow(link, on) {
+    const material = this.materials.get(link);
+    material?.color.setScalar(on ? 1 - GLOW : 1);
+    material?.emissive.setHex(on ? COLOURS.alarm : 0).multiplyScalar(GLOW);
+  }
+
+  dispose() {
+    this.root.traverse((part) => {
+      part.geometry?.dispose();
+      part.material?.dispose();
+    });
+  }
+
+  #hang(joint) {
+    const group = new Group();
+    this.links.get(joint.parent).add(group);
+    this.links.set(joint.child, group);
+    const fixed = turned(joint.rpy);
+    return { ...joint, group, fixed, along: new Vector3(...joint.axis), position: 0 };
+  }
+
+  // One mesh for a link, with a material of its own, so that it can glow alone.
+  #draw(link, visuals, plain) {
+    const drawn = visuals.flatMap((visual) => {
+      const place = new Matrix4().compose(new Vector3(...visual.xyz), turned(visual.rpy), new Vector3(1, 1, 1));
+      return parts(link, visual).map(([geometry, colour]) => [geometry.applyMatrix4(place), COLOURS[colour]]);
+    });
+    const mesh = new Mesh(merged(drawn), plain ?? new MeshLambertMaterial({ vertexColors: true }));
+    if (!plain) this.materials.set(link, mesh.material);
+    this.links.get(link).add(mesh);
+  }
+
+  #position(joint, signals) {
+    const told = signals.value(joint.signal);
+    if (Number.isFinite(told)) return told;
+    if (joint.mimic) return joint.mimic.multiplier * this.position(joint.mimic.joint) + joint.mimic.offset;
+    // A hanging head whose angles nobody measures: plumb, as it is at rest.
+    if (joint.name === "head_in_plane") return -this.position("boom") - this.position("stick");
+    return joint.position;
+  }
+}
+
+// A material in one flat colour for a whole crane.
+export function plain(colour, opacity = 1) {
+  return new MeshBasicMaterial({ color: colour, opacity, transparent: opacity < 1, depthWrite: opacity === 1 });
+}
+
+function move(joint) {
+  const { group, along, position, fixed } = joint;
+  group.position.set(...joint.xyz);
+  group.quaternion.copy(fixed);
+  if (joint.type === "prismatic") group.position.add(along.clone().applyQuaternion(fixed).multiplyScalar(position));
+  else if (joint.signal) group.quaternion.multiply(new Quaternion().setFromAxisAngle(along, position));
+}
+
+// URDF's roll, pitch, yaw: about x, y and z of the parent, in this order.
+function turned([roll, pitch, yaw]) {
+  const about = (x, y, z, angle) => new Quaternion().setFromAxisAngle(new Vector3(x, y, z), angle);
+  return about(0, 0, 1, yaw).multiply(about(0, 1, 0, pitch)).multiply(about(1, 0, 0, roll));
+}

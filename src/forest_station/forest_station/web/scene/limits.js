@@ -1,0 +1,64 @@
+// What holds the tip back, shown on the crane where it acts, and named. Codes: docs/reference/codes.md.
+
+import { AXES } from "./axes.js";
+
+const [RATE, JOINT, SINGULARITY, FLOW, WALL, RELEASED] = [1, 2, 3, 4, 5, 6];
+const CYLINDERS = { swing: ["platform"], boom: ["boom_barrel", "boom_rod"], stick: ["stick_barrel", "stick_rod"] };
+const LINKS = { swing: "platform", boom: "boom", stick: "stick" };
+
+export class Limits {
+  constructor(crane, walls) {
+    this.crane = crane;
+    this.walls = walls;
+  }
+
+  // Lights what acts; returns its labels. `tip`: a Vector3.
+  pose(signals, tip) {
+    const shown = { glowing: new Set(), wall: null, labels: [] };
+    this.#limit(signals, tip, shown);
+    this.#saturation(signals, shown);
+    for (const link of this.crane.materials.keys()) this.crane.glow(link, shown.glowing.has(link));
+    this.walls.light(shown.wall, tip);
+    return shown.labels;
+  }
+
+  #limit(signals, tip, shown) {
+    const at = (link, xyz) => this.crane.place(link, xyz);
+    const say = (text, place) => shown.labels.push({ key: "limit", text, at: place, kind: "limit" });
+    const limit = signals.value("controller/status/limit");
+    if (limit === RATE) say("speed limit of a joint or valve", tip);
+    if (limit === JOINT) {
+      const axis = this.#nearestToItsLimit();
+      shown.glowing.add(LINKS[axis]);
+      say(`${axis}: joint limit`, at(LINKS[axis]));
+    }
+    if (limit === SINGULARITY) say("singular pose", at("stick"));
+    if (limit === FLOW) {
+      shown.glowing.add("platform");
+      say("pump flow: no more to give", at("platform"));
+    }
+    if (limit === WALL) {
+      shown.wall = this.walls.nearest(tip)?.wall ?? null;
+      say(shown.wall ? `wall: ${shown.wall.name}` : "wall", tip);
+    }
+    if (limit === RELEASED) shown.labels.push({ key: "limit", text: "deadman released", at: tip, kind: "calm" });
+  }
+
+  #saturation(signals, shown) {
+    for (const axis of AXES) {
+      if (signals.value(`valve_driver/status/${axis}_saturated`) !== 1) continue;
+      const links = CYLINDERS[axis].filter((link) => this.crane.links.has(link));
+      for (const link of links) shown.glowing.add(link);
+      const at = this.crane.place(links[0] ?? LINKS[axis]);
+      shown.labels.push({ key: `${axis}_saturated`, text: `${axis}: valve fully open`, at, kind: "limit" });
+    }
+  }
+
+  #nearestToItsLimit() {
+    const room = (axis) => {
+      const { position, limit } = this.crane.joints.find(({ name }) => name === axis);
+      return Math.min(position - limit[0], limit[1] - position) / (limit[1] - limit[0]);
+    };
+    return AXES.reduce((best, axis) => (room(axis) < room(best) ? axis : best));
+  }
+}

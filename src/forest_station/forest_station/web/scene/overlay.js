@@ -1,0 +1,50 @@
+// What lies over the picture: buttons for the views, and what its colours mean.
+
+import { VIEWS } from "./cameras.js";
+
+const LEGEND = [["wish", "commanded path"], ["tip", "tip, last 20 s"], ["area", "reach"], ["wall", "wall, slow zone"],
+  ["out", "oil to the actuator"], ["back", "oil back"]];
+
+// Buttons, and the keys 1 to 4.
+export function viewButtons(cameras) {
+  const group = document.createElement("div");
+  group.className = "views";
+  group.setAttribute("role", "group");
+  group.setAttribute("aria-label", "View");
+  const buttons = VIEWS.map((view, i) => button(view, i + 1, () => cameras.choose(view)));
+  const mark = () => buttons.forEach((each, i) => each.setAttribute("aria-pressed", String(VIEWS[i] === cameras.view)));
+  cameras.addEventListener("view", mark);
+  addEventListener("keydown", (event) => {
+    const view = VIEWS[Number(event.key) - 1];
+    if (view && !typing(event)) cameras.choose(view);
+  });
+  mark();
+  group.append(...buttons);
+  return group;
+}
+
+function button(view, key, chosen) {
+  const made = document.createElement("button");
+  made.type = "button";
+  made.textContent = view;
+  made.title = `View: ${view} (key ${key})`;
+  made.dataset.view = view;
+  made.addEventListener("click", chosen);
+  return made;
+}
+
+function typing({ target, ctrlKey, altKey, metaKey }) {
+  return ctrlKey || altKey || metaKey || target.closest?.("input, select, textarea, [contenteditable]");
+}
+
+export function legend() {
+  const list = document.createElement("ul");
+  list.className = "legend";
+  for (const [kind, text] of LEGEND) {
+    const item = document.createElement("li");
+    item.className = kind;
+    item.textContent = text;
+    list.append(item);
+  }
+  return list;
+}

@@ -1,0 +1,150 @@
+// The crane in three dimensions. The picture is drawn by a worker (painter.js); here are its canvas, the cameras, and
+// the text over it.
+
+import { Cameras } from "./cameras.js";
+import { Labels } from "./labels.js";
+import { legend, viewButtons } from "./overlay.js";
+
+const FINEST = 2; // pixels of the screen per pixel of the page: more cannot be seen at 1 m
+const WALLS = ["workspace", "tip_speed"]; // parameters of the controller that the scene depends on
+const LONGEST_S = 1; // of a step of the cameras
+const STILL = 1e-4; // [m], [1], [deg] by which a camera that stands may differ
+
+// Draws a scene in an element, which then tells where the drawn tip is: `element.tipPosition()` [m] in the base frame.
+export async function drawScene(element, station, scene) {
+  const canvas = document.createElement("canvas");
+  if (!canvas.transferControlToOffscreen) throw new Error("This browser cannot draw the crane: it has no OffscreenCanvas.");
+  element.dataset.machine = scene.machine;
+  element.append(canvas);
+  const view = new View(element, canvas, station, scene);
+  element.tipPosition = () => view.tip;
+}
+
+class View {
+  constructor(element, canvas, station, scene) {
+    this.element = element;
+    this.station = station;
+    this.home = scene;
+    this.tip = [NaN, NaN, NaN];
+    this.cameras = new Cameras(canvas, scene);
+    this.labels = new Labels(overlay(element, "labels"));
+    this.rate = overlay(element, "rate");
+    element.append(viewButtons(this.cameras), legend());
+    this.painter = new Worker("/web/scene/painter.js", { type: "module" });
+    this.painter.onmessage = ({ data }) => this.#hear(data);
+    this.painter.onerror = () => this.#fail("The crane cannot be drawn here.");
+    const offscreen = canvas.transferControlToOffscreen();
+    this.painter.postMessage({ kind: "start", canvas: offscreen, scene }, [offscreen]);
+    this.#follow();
+  }
+
+  #follow() {
+    new ResizeObserver(() => this.#resize()).observe(this.element);
+    document.addEventListener("visibilitychange", () => this.#say({ kind: "visible", visible: !document.hidden }));
+    addEventListener("pagehide", () => this.cameras.keep());
+    this.station.on("signals", () => this.#signals());
+    this.station.on("frame", ({ time, values }) => this.#sayValues({ kind: "frame", time }, values));
+    this.station.on("ghost", (detail) => this.#ghost(detail));
+    this.station.on("exercise", (exercise) => this.#say({ kind: "exercise", exercise }));
+    this.station.on("parameters", ({ nodes }) => this.#settings(nodes.controller ?? {}));
+    this.station.on("scene", (detail) => this.#change(detail ?? this.home));
+    this.#signals();
+    this.#resize();
+    this.then = performance.now();
+    this.cameras.addEventListener("view", () => this.#stepSoon());
+    this.#stepSoon();
+  }
+
+  #say(message) {
+    this.painter.postMessage(message);
+  }
+
+  #signals() {
+    this.#say({ kind: "signals", names: [...this.station.signals.keys()] });
+  }
+
+  // Values may be a window into many frames: only they go, and without a copy on the way.
+  #sayValues(message, values) {
+    const own = Float32Array.from(values);
+    this.painter.postMessage({ ...message, values: own }, [own.buffer]);
+  }
+
+  // Its scene goes once: a copy of each one would be another machine to the painter.
+  #ghost(detail) {
+    if (!detail) {
+      this.ghostScene = null;
+      return this.#say({ kind: "ghost" });
+    }
+    const fresh = detail.scene && detail.scene !== this.ghostScene;
+    if (fresh) this.ghostScene = detail.scene;
+    const names = detail.signals.map(([name]) => name);
+    return this.#sayValues({ kind: "ghost", names, scene: fresh ? detail.scene : null }, detail.values);
+  }
+
+  // Walls and slow zones are as the controller is set; the server draws up the scene anew when that changes.
+  async #settings(controller) {
+    const set = WALLS.map((name) => controller[name]?.value);
+    if (set.includes(undefined) || set.join() === this.set) return;
+    this.set = set.join();
+    const response = await fetch("/scene.json");
+    if (!response.ok) return;
+    this.home = await response.json();
+    if (this.station.live) this.#change(this.home);
+  }
+
+  #change(scene) {
+    this.element.dataset.machine = scene.machine;
+    this.cameras.frame(scene);
+    this.#say({ kind: "scene", scene });
+  }
+
+  #resize() {
+    const { clientWidth: width, clientHeight: height } = this.element;
+    if (!width || !height) return;
+    this.cameras.resize(width, height);
+    this.labels.resize();
+    this.#say({ kind: "size", width, height, ratio: Math.min(FINEST, devicePixelRatio) });
+  }
+
+  // Has the cameras step once: after each picture, for the painter needs no more, and when somebody moves them.
+  #stepSoon() {
+    if (this.stepping) return;
+    this.stepping = true;
+    requestAnimationFrame((now) => this.#step(now));
+  }
+
+  #step(now) {
+    this.stepping = false;
+    const seconds = Math.min(LONGEST_S, (now - this.then) / 1000);
+    this.then = now;
+    const swing = this.station.value("joint_states/swing.position");
+    this.cameras.step(seconds, Number.isFinite(swing) ? swing : 0, this.tip.every(Number.isFinite) ? this.tip : null);
+    const pose = this.cameras.pose();
+    const told = [...pose.position, ...pose.quaternion, pose.fov];
+    if (this.told?.every((value, i) => Math.abs(value - told[i]) < STILL)) return;
+    this.told = told;
+    this.#say({ kind: "camera", ...pose });
+  }
+
+  #hear(message) {
+    if (message.kind === "failed") return this.#fail(message.text);
+    this.tip = message.tip;
+    this.labels.show(message.labels);
+    this.rate.textContent = `${message.rate} pictures/s · ${Math.round(100 * message.share)} %`;
+    this.element.dataset.rate = message.rate;
+    this.#stepSoon();
+  }
+
+  #fail(text) {
+    this.rate.textContent = `The crane cannot be drawn: ${text}`;
+    this.rate.classList.add("failed");
+    this.element.dataset.failed = text;
+  }
+}
+
+function overlay(element, name) {
+  const added = document.createElement("div");
+  added.className = name;
+  element.append(added);
+  return added;
+}

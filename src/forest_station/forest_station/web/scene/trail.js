@@ -1,0 +1,60 @@
+// Where the tip went in the last seconds, and where it was asked to go.
+
+import { Group } from "../vendor/three.js";
+import { COLOURS } from "./colours.js";
+import { Polyline } from "./polyline.js";
+
+const LENGTH_S = 20;
+const MOST = 640; // 20 s at 30 a second, and some
+const GAP_S = 0.5; // without a wish the wished path begins anew, at the tip
+const STILL = 1e-4; // [m/s]
+
+export class Trail {
+  constructor() {
+    this.root = new Group();
+    this.lines = {
+      wish: new Polyline(MOST, { color: COLOURS.wish, linewidth: 2.5 }),
+      tip: new Polyline(MOST, { color: COLOURS.tip, linewidth: 2.5 }),
+    };
+    this.root.add(this.lines.wish.line, this.lines.tip.line);
+    this.clear();
+  }
+
+  clear() {
+    this.points = { wish: [], tip: [] };
+    this.wished = null;
+    this.time = NaN;
+    this.wishTime = NaN;
+  }
+
+  // Adds a frame: its time [s], the tip [m], the commanded velocity [m/s] or null.
+  push(time, tip, command) {
+    if (!(time >= this.time && time - this.time < LENGTH_S)) this.clear(); // the first frame, or a jump in a replay
+    const seconds = time - this.time || 0;
+    this.time = time;
+    this.#add("tip", time, tip);
+    this.#wish(time, seconds, tip, command);
+  }
+
+  draw() {
+    for (const [name, line] of Object.entries(this.lines)) line.set(this.points[name].map(({ xyz }) => xyz));
+  }
+
+  // The wished path is the commanded velocity, added up from where the tip stood when the command began.
+  #wish(time, seconds, tip, command) {
+    if (!command || Math.hypot(...command) < STILL) {
+      if (time - this.wishTime > GAP_S) this.wished = null;
+      return;
+    }
+    this.wishTime = time;
+    if (!this.wished) this.points.wish = [];
+    this.wished = (this.wished ?? tip).map((value, i) => value + command[i] * seconds);
+    this.#add("wish", time, this.wished);
+  }
+
+  #add(name, time, xyz) {
+    const points = this.points[name];
+    points.push({ time, xyz });
+    while (points.length > MOST || points[0].time < time - LENGTH_S) points.shift();
+  }
+}

@@ -1,0 +1,16 @@
+"""Parameters of the Foxglove server's node."""
+
+from typing import Annotated, NamedTuple
+
+from forest_msgs_py.runtime.parameter_table import Parameter
+
+
+class ServerParameters(NamedTuple):
+    """Of `foxglove_node`."""
+
+    port: Annotated[
+        int, Parameter("TCP port on the loopback address; 0: a free one, which the log tells", "", 0, 65535)
+    ] = 8765
+    read_only: Annotated[
+        bool, Parameter("clients only look: no parameter is set, no service called, nothing published")
+    ] = False

@@ -1,0 +1,212 @@
+"""Who drives, who may stop, and what becomes of a crane whose station dies: the real nodes and sockets."""
+
+import asyncio
+import contextlib
+import os
+import signal
+import struct
+import time
+
+import aiohttp
+import pytest
+from stall import Stall
+from stand_in_page import CENTRED, StandInPage, driving, opposite, play
+
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.runtime.node import publisher
+
+SHUTS_S, WATCH_S = 0.25, 0.15
+FRAME_HEAD = 16  # bytes
+ASIDE = (0.75, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def is_undisturbed(page):
+    """Whether nothing but the host's own stalls can have ended a page's driving."""
+    deadman = page.seat["deadman"]
+    return deadman["state"] == "held" or any(why in deadman["text"] for why in ("not heard", "slow"))
+
+
+def test_a_second_page_looks_on_and_its_hands_count_for_nothing(crane):
+    async def scenario():
+        async with driving(crane) as (page, _), StandInPage(crane.address) as other:
+            assert "asked" in (await other.ask("take_seat"))["text"]
+            crane.ears.forget()
+            for _ in range(20):
+                await other.send(False)
+                await other.send(True, ASIDE)
+                await other.socket.send_bytes(b"garbage")
+            assert not (await other.ask("reset_emergency_stop"))["ok"]
+            assert not (await other.ask("set_parameter", node="controller", name="tip_speed", value=1.0))[
+                "ok"
+            ]
+            assert not (await other.ask("leave_seat"))["ok"]
+            await crane.ears.until(lambda: len(crane.ears.joy) > 50)
+            assert is_undisturbed(page)
+            assert {joy.axes for joy in crane.ears.joy} <= {page.stick, opposite(page.stick), CENTRED}
+
+    play(scenario())
+
+
+def test_handed_the_seat_a_page_drives_only_after_it_has_pressed_anew(crane):
+    async def scenario():
+        async with driving(crane) as (page, _), StandInPage(crane.address) as other:
+            pressing = asyncio.create_task(other.hold())
+            await crane.ears.until(lambda: "welcome" in other.heard)
+            stall = crane.stall()
+            assert (await page.ask("leave_seat", to=other.heard["welcome"]["you"]))["ok"]
+            await crane.ears.still()
+            crane.assert_it_stopped(stall)
+            crane.ears.forget()
+            await crane.ears.until(lambda: len(crane.ears.joy) > 50)
+            assert not any(joy.held for joy in crane.ears.joy)  # it has held the deadman all the time
+            pressing.cancel()
+            pressed = asyncio.create_task(other.drive())
+            await crane.ears.moving()
+            pressed.cancel()
+            await crane.ears.still()
+
+    play(scenario())
+
+
+def test_a_flood_of_another_page_ends_its_socket_and_does_not_reach_joy(crane):
+    async def scenario():
+        async with driving(crane) as (page, _), StandInPage(crane.address) as other:
+            crane.ears.forget()
+            with contextlib.suppress(ConnectionError):
+                for _ in range(5000):
+                    await other.send(True, ASIDE)
+            await crane.ears.until(lambda: other.socket.closed)
+            assert other.socket.close_code == 1008
+            await crane.ears.until(lambda: len(crane.ears.joy) > 50)
+            assert is_undisturbed(page)
+            assert {joy.axes for joy in crane.ears.joy} <= {page.stick, opposite(page.stick), CENTRED}
+
+    play(scenario())
+
+
+def test_an_emergency_stop_of_any_page_shuts_the_valves_and_its_reset_needs_centred_levers(crane):
+    async def scenario():
+        async with driving(crane) as (page, hands), StandInPage(crane.address) as other:
+            assert (await other.ask("emergency_stop"))["ok"]
+            await crane.ears.still()
+            await crane.ears.until(lambda: page.heard["emergency_stop"]["active"])
+            refused = await page.ask("reset_emergency_stop")
+            assert not refused["ok"]
+            assert "centred" in refused["text"]
+            assert not (await other.ask("reset_emergency_stop"))["ok"]
+            hands.cancel()
+            await page.send(False)
+            await crane.ears.until(lambda: not any(crane.ears.joy[-1].axes))
+            assert (await page.ask("reset_emergency_stop"))["ok"]
+            await crane.ears.until(lambda: not page.heard["emergency_stop"]["active"])
+            states = {one["name"]: one["state"] for one in page.heard["emergency_stop"]["sources"]}
+            assert states == {"controller": "ready", "valve_driver": "ready"}
+
+    play(scenario())
+
+
+def test_the_seat_is_refused_and_ends_while_another_node_publishes_joy(crane):
+    async def scenario():
+        async with StandInPage(crane.address) as page:
+            await page.take_seat()
+            rival = publisher(crane.node, topics.JOY)
+            try:
+                await crane.ears.until(lambda: page.seat["driver"] is None)
+                assert page.seat["why_not"] == "Another node publishes /joy: ears."
+                refused = await page.ask("take_seat")
+                assert (refused["ok"], refused["text"][:33]) == (False, "Another node publishes /joy: ears")
+            finally:
+                crane.node.destroy_publisher(rival)
+            await page.take_seat()
+
+    play(scenario())
+
+
+def test_parameters_are_told_set_and_refused_with_the_nodes_own_words(crane):
+    async def scenario():
+        async with StandInPage(crane.address) as page:
+            await page.take_seat()
+            await crane.ears.until(lambda: len(page.heard.get("parameters", {"nodes": ()})["nodes"]) == 3)
+            told = page.heard["parameters"]["nodes"]["controller"]["scheme"]
+            assert (told["value"], told["live"], told["type"]) == ("coordinated", True, "str")
+            assert "ik_velocity" in told["choices"]
+            refused = await page.ask("set_parameter", node="controller", name="tip_speed", value=99)
+            assert "99" in refused["text"]
+            assert "3.0" in refused["text"]
+            assert not (await page.ask("set_parameter", node="controller", name="tip_speed", value="x"))["ok"]
+            assert not (await page.ask("set_parameter", node="controller", name="no", value=1))["ok"]
+            assert not (await page.ask("set_parameter", node="sun", name="no", value=1))["ok"]
+            assert (await page.ask("set_parameter", node="controller", name="workspace", value="c180"))["ok"]
+            async with (
+                aiohttp.ClientSession() as session,
+                session.get(f"{crane.address}/scene.json") as answer,
+            ):
+                assert (await answer.json())["walls"]
+            assert (await page.ask("set_parameter", node="controller", name="workspace", value=""))["ok"]
+
+    play(scenario())
+
+
+def test_frames_hold_every_signal_30_times_a_second(crane):
+    async def scenario():
+        async with StandInPage(crane.address) as page:
+            await crane.ears.until(lambda: page.frames > 5)
+            names = [name for name, _ in page.heard["welcome"]["signals"]]
+            assert {"joint_states/boom.position", "crane/boom_cylinder_rod.position", "tip/pose/x"} <= {
+                *names
+            }
+            values = struct.unpack_from(f"<{len(names)}f", page.frame, FRAME_HEAD)
+            told = dict(zip(names, values, strict=True))
+            assert told["hydraulics/supply/pressure"] > 1e5
+            assert len(page.frame) == FRAME_HEAD + 4 * len(names)
+            begun, frames = time.monotonic(), page.frames
+            await crane.ears.until(lambda: page.frames > frames + 30)
+            assert time.monotonic() - begun > 0.9
+
+    play(scenario())
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ({}, 200),
+        ({"Origin": "http://evil.example"}, 403),
+        ({"Host": "evil.example"}, 403),
+        ({"Host": "evil.example:80", "Origin": "http://evil.example:80"}, 403),
+    ],
+)
+@pytest.mark.parametrize("path", ["/", "/scene.json", "/web/main.js", "/socket"])
+def test_only_our_own_page_opens_pages_and_the_socket(crane, headers, status, path):
+    async def scenario():
+        async with aiohttp.request("GET", f"{crane.address}{path}", headers=headers) as answer:
+            assert answer.status == (400 if path == "/socket" and status == 200 else status)
+            policy = answer.headers["Content-Security-Policy"]
+            assert policy.startswith("default-src 'self'")
+            assert "unsafe" not in policy
+            assert answer.headers["X-Content-Type-Options"] == "nosniff"
+            assert answer.headers["Referrer-Policy"] == "no-referrer"
+
+    play(scenario())
+
+
+@pytest.mark.parametrize("number", [signal.SIGSTOP, signal.SIGKILL], ids=["frozen", "killed"])
+def test_a_station_that_dies_or_freezes_stops_the_crane_by_the_controllers_watch(crane, number):
+    """The last test of the module: the second time, the station is gone."""
+
+    async def scenario():
+        async with driving(crane):
+            stall = Stall(*(pid for name, pid in crane.pids.items() if name != "station"))
+            os.kill(crane.pids["station"], number)
+            try:
+                await crane.ears.still()
+                stop, lost = crane.ears.stop(), stall.seconds()
+                assert stop.shut - stop.heartbeat < WATCH_S + SHUTS_S + lost
+            finally:
+                crane.ears.forget()
+                if number == signal.SIGSTOP:
+                    os.kill(crane.pids["station"], signal.SIGCONT)
+            if number == signal.SIGSTOP:
+                await crane.ears.until(lambda: len(crane.ears.joy) > 50)
+                assert not any(joy.held for joy in crane.ears.joy)
+
+    play(scenario())

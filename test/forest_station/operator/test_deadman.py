@@ -1,0 +1,170 @@
+"""The deadman of a page, judged by receive times: what holds it, and after what it must be pressed anew."""
+
+import math
+import random
+
+from forest_station.operator.deadman import REST, Deadman, State, expiry, heard_hands, judged, stopped, text
+from forest_station.operator.hands import Hands
+
+TIMEOUT, ROUND_TRIP = 0.08, 0.25  # [s] bounds of the safety page
+PERIOD = 0.02  # [s] of a page's messages
+WAY = 0.003  # [s]
+CENTRED = (0.0,) * 6
+DEFLECTED = (0.0, 0.0, 0.0, 0.5, 0.0, 0.0)
+
+
+class Page:
+    """A page whose clock began at another time; messages reach the deadman after a way."""
+
+    def __init__(self, ahead=1000.0):
+        self.now, self.ahead, self.number = 50.0, ahead, 0
+        self.deadman: Deadman = REST
+
+    def message(self, held, axes=CENTRED):
+        self.number += 1
+        return Hands(held, self.number, self.now + self.ahead, axes, 0, 1)
+
+    def send(self, held, axes=CENTRED, way=WAY, round_trip=0.02):
+        self.deadman = heard_hands(self.deadman, self.message(held, axes), self.now + way, round_trip)
+        self.now += PERIOD
+        return self.deadman.state
+
+    def press(self):
+        self.send(False)
+        assert self.send(True) == State.HELD
+        return self
+
+
+def test_released_and_centred_then_pressed_it_is_held():
+    page = Page()
+    assert page.send(False) == State.READY
+    assert page.send(True) == State.HELD
+    assert page.send(True, DEFLECTED) == State.HELD
+
+
+def test_held_from_the_beginning_it_moves_nothing():
+    page = Page()
+    assert {page.send(True) for _ in range(100)} == {State.WAITING}
+
+
+def test_released_with_levers_away_from_the_centre_it_waits():
+    page = Page()
+    assert page.send(False, DEFLECTED) == State.WAITING
+    assert page.send(True, DEFLECTED) == State.WAITING
+    assert page.send(False) == State.READY
+
+
+def test_without_a_heartbeat_it_ends_within_the_timeout_and_not_before():
+    page = Page().press()
+    last = page.deadman.heartbeat
+    assert judged(page.deadman, last + TIMEOUT - 1e-6).state == State.HELD
+    ended = judged(page.deadman, last + TIMEOUT)
+    assert ended.state == State.WAITING
+    assert "not heard" in text(ended)
+    assert expiry(page.deadman) == last + TIMEOUT
+    assert expiry(ended) == math.inf
+
+
+def test_a_message_after_a_gap_does_not_go_on():
+    page = Page().press()
+    page.now += TIMEOUT
+    assert page.send(True) == State.WAITING
+    assert page.send(True) == State.WAITING
+    assert page.send(False) == State.READY
+
+
+def test_a_burst_that_waited_in_a_buffer_is_no_heartbeat():
+    page = Page().press()
+    last = page.deadman.heartbeat
+    burst = []
+    for _ in range(15):
+        burst.append(page.message(True))
+        page.now += PERIOD
+    for message in burst[:10]:  # the youngest of these is 0.1 s old when they come
+        page.deadman = heard_hands(page.deadman, message, page.now, 0.02)
+    assert page.deadman.state == State.WAITING
+    assert page.deadman.heartbeat == last
+
+
+def test_messages_that_come_late_one_by_one_hold_nothing():
+    page = Page().press()
+    states = [page.send(True, way=WAY + 0.3) for _ in range(50)]
+    assert states[-1] == State.WAITING
+    page.send(False, way=WAY + 0.3)
+    assert page.deadman.state == State.WAITING
+    assert "slow" in text(page.deadman)
+
+
+def test_a_network_that_was_slow_from_the_beginning_is_found_by_its_round_trip():
+    page = Page()
+    states = [page.send(k % 2 == 1, way=0.3, round_trip=ROUND_TRIP) for k in range(20)]
+    assert set(states) == {State.WAITING}
+    assert "slow" in text(page.deadman)
+
+
+def test_a_page_that_was_never_answered_holds_nothing():
+    page = Page()
+    assert {page.send(k % 2 == 1, round_trip=math.inf) for k in range(20)} == {State.WAITING}
+
+
+def test_a_number_that_is_not_new_is_no_heartbeat():
+    page = Page().press()
+    last = page.deadman
+    again = Hands(True, page.number, page.now + page.ahead, CENTRED, 0, 1)
+    assert heard_hands(last, again, page.now + WAY, 0.02).heartbeat == last.heartbeat
+
+
+def test_a_release_counts_even_if_it_comes_late_or_twice():
+    page = Page().press()
+    assert page.send(False, way=WAY + 0.3) == State.WAITING
+    page = Page().press()
+    old = Hands(False, page.number - 1, page.now + page.ahead, CENTRED, 0, 1)
+    assert heard_hands(page.deadman, old, page.now + WAY, 0.02).state == State.WAITING
+
+
+def test_after_a_stop_it_must_be_pressed_anew():
+    page = Page().press()
+    page.deadman = stopped(page.deadman, "The emergency stop is pressed.")
+    assert {page.send(True) for _ in range(10)} == {State.WAITING}
+    assert text(page.deadman).startswith("The emergency stop is pressed.")
+    assert page.send(False) == State.READY
+    assert page.send(True) == State.HELD
+
+
+def test_clocks_that_drift_apart_do_not_end_it():
+    for drift in (-4e-4, 4e-4):
+        page = Page().press()
+        for _ in range(300 * 50):  # they differ by 0.12 s then
+            page.ahead += drift * PERIOD
+            page.send(True)
+        assert page.deadman.state == State.HELD
+
+
+def test_whatever_arrives_it_is_never_held_for_longer_than_the_timeout_after_a_heartbeat():
+    """Random losses, delays, bursts, repetitions, stops, jumps of the page's clock."""
+    rng = random.Random(3)
+    held = 0
+    for _ in range(100):
+        page, pressed, now = Page(rng.uniform(-1e3, 1e3)), False, 50.0
+        waiting = []
+        for _ in range(200):
+            if rng.random() < 0.2:
+                pressed = not pressed
+            if rng.random() < 0.02:
+                page.ahead += rng.uniform(-10.0, 10.0)
+            waiting.append((now + rng.choice((0.001, 0.003, 0.02, 0.3)), page.message(pressed)))
+            page.now = now = now + rng.choice((PERIOD, PERIOD, PERIOD, 0.005, 0.2))
+            due = [item for item in waiting if item[0] <= now and rng.random() < 0.9]
+            waiting = [item for item in waiting if item[0] > now]
+            for at, message in sorted(due):
+                before = page.deadman
+                after = heard_hands(before, message, at, rng.choice((0.01, 0.05, 0.3)))
+                assert after.heartbeat in (before.heartbeat, at)
+                if after.state == State.HELD:
+                    held += 1
+                    assert message.held or after.heartbeat == before.heartbeat
+                    assert before.state == State.READY or before.heartbeat + TIMEOUT > at
+                page.deadman = after
+            page.deadman = judged(page.deadman, now)
+            assert page.deadman.state != State.HELD or now - page.deadman.heartbeat < TIMEOUT
+    assert held > 500

@@ -1,0 +1,287 @@
+"""What the operator's page says of its hands, in a real browser whose clock goes as far as a test lets it."""
+
+from collections.abc import Callable, Iterator
+
+import pytest
+from browser import PHONE, new_page
+from page_stand_in import PageStandIn
+from playwright.sync_api import Browser
+
+from forest_control.operator.levers import AXIS_COUNT, LEFT_SHOULDER, LEFT_X, LEFT_Y, RIGHT_Y
+from forest_msgs_py.interfaces.topics import JOY_AXES
+from forest_station.operator.hands import Hands
+
+RIGHT_X = JOY_AXES.index("right_x")
+CENTRED = (0.0,) * AXIS_COUNT
+PAUSED_S = 3600  # of the page's clock: later than a page takes to open
+GAMEPAD = """
+window.pads = [];
+navigator.getGamepads = () => window.pads;
+window.plugIn = (id, mapping, axes, buttons) => {
+  const button = () => ({ pressed: false, value: 0 });
+  const device = { id, index: window.pads.length, connected: true, mapping, axes: Array(axes).fill(0) };
+  window.pads.push({ ...device, buttons: Array.from({ length: buttons }, button) });
+};
+"""
+
+
+@pytest.fixture
+def opened(browser: Browser) -> Iterator[Callable[..., PageStandIn]]:
+    """Opens the page, with a gamepad of the test's own."""
+    pages = []
+
+    def open_page(**options: object) -> PageStandIn:
+        page, _ = new_page(browser, **options)  # type: ignore[arg-type]
+        page.add_init_script(GAMEPAD)
+        pages.append(page)
+        page.clock.install(time=0)
+        met = PageStandIn(page)
+        met.open()
+        page.clock.pause_at(PAUSED_S)
+        return met
+
+    yield open_page
+    for page in pages:
+        page.context.close()
+
+
+def wait(met: PageStandIn, said: Callable[[Hands], bool]) -> Hands:
+    """Let the page's time go on until it says something; return the message."""
+    start = len(met.heard)
+    for _ in range(100):
+        met.page.clock.run_for(20)
+        for hands in met.heard[start:]:
+            if said(hands):
+                return hands
+    raise AssertionError(f"never said; last: {met.heard[-1:]}")
+
+
+def centre_of(met: PageStandIn, selector: str) -> tuple[float, float]:
+    """Return where the middle of an element is [px]."""
+    box = met.page.locator(selector).bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_messages_are_numbered_and_tell_of_the_newest_pong(opened: Callable[..., PageStandIn]) -> None:
+    met = opened()
+    wait(met, lambda hands: hands.pong > 0)
+    numbers = [hands.number for hands in met.heard]
+    assert numbers == list(range(1, len(numbers) + 1))
+    assert all(later.sent > earlier.sent for earlier, later in zip(met.heard, met.heard[1:], strict=False))
+
+
+def test_keys_drive_while_shift_is_held(opened: Callable[..., PageStandIn]) -> None:
+    met = opened()
+    met.page.keyboard.down("Shift")
+    pressed = wait(met, lambda hands: hands.held)
+    assert pressed.buttons == 1 << LEFT_SHOULDER
+    assert pressed.axes == CENTRED
+    for key, axis, sign in (("w", LEFT_Y, 1), ("d", LEFT_X, -1), ("ArrowDown", RIGHT_Y, -1)):
+        met.page.keyboard.down(key)
+        assert wait(met, lambda hands, a=axis, s=sign: hands.axes[a] == s).held  # type: ignore[misc]
+        met.page.keyboard.up(key)
+        wait(met, lambda hands: hands.axes == CENTRED)
+    met.page.keyboard.up("Shift")
+    assert wait(met, lambda hands: not hands.held).buttons == 0
+
+
+def test_a_mouse_moves_a_stick_and_its_release_centres_it(opened: Callable[..., PageStandIn]) -> None:
+    met = opened()
+    x, y = centre_of(met, "#left_stick")
+    met.page.mouse.move(x + 10, y + 10)
+    met.page.mouse.down()
+    met.page.mouse.move(x + 10, y - 200, steps=5)
+    assert wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0).axes[LEFT_X] == 0.0
+    met.page.mouse.move(x + 200, y + 10, steps=5)
+    wait(met, lambda hands: hands.axes[LEFT_X] == -1.0 and hands.axes[LEFT_Y] == 0.0)
+    met.page.mouse.up()
+    wait(met, lambda hands: hands.axes == CENTRED)
+
+
+def test_two_fingers_move_two_sticks_while_a_third_holds_the_deadman(
+    opened: Callable[..., PageStandIn],
+) -> None:
+    met = opened(viewport=PHONE)
+    fingers = {
+        0: centre_of(met, "#left_stick"),
+        1: centre_of(met, "#right_stick"),
+        2: centre_of(met, ".hold"),
+    }
+    touch = met.page.context.new_cdp_session(met.page)
+
+    def send(kind: str, **moved: float) -> None:
+        points = [{"x": x, "y": y + moved.get(f"y{i}", 0), "id": i} for i, (x, y) in fingers.items()]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    send("touchStart")
+    assert wait(met, lambda hands: hands.held).axes == CENTRED
+    send("touchMove", y0=-150, y1=150)
+    driven = wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0 and hands.axes[RIGHT_Y] == -1.0)
+    assert driven.held
+    fingers.clear()
+    send("touchEnd")
+    wait(met, lambda hands: not hands.held and hands.axes == CENTRED)
+
+
+DOUBTS = (
+    "window.dispatchEvent(new Event('blur'))",
+    "document.dispatchEvent(new Event('visibilitychange'))",
+    "document.dispatchEvent(new Event('fullscreenchange'))",
+    "document.body.dispatchEvent(new PointerEvent('pointercancel', {bubbles: true}))",
+    "document.body.dispatchEvent(new Event('touchcancel', {bubbles: true}))",
+    "document.body.dispatchEvent(new MouseEvent('contextmenu', {bubbles: true}))",
+    "document.querySelector('.hold').dispatchEvent(new PointerEvent('lostpointercapture', {pointerId: 1}))",
+)
+
+
+def test_any_doubt_about_the_hand_lets_the_deadman_go_until_it_is_pressed_anew(
+    opened: Callable[..., PageStandIn],
+) -> None:
+    met = opened()
+    met.page.mouse.move(*centre_of(met, ".hold"))
+    for doubt in DOUBTS:
+        met.page.mouse.down()
+        wait(met, lambda hands: hands.held)
+        met.page.evaluate(doubt)
+        released = wait(met, lambda hands: not hands.held)
+        met.page.clock.run_for(200)
+        held = [hands.number for hands in met.heard if hands.held and hands.number > released.number]
+        assert held == [], doubt
+        met.page.mouse.up()
+
+
+def test_a_page_that_hung_has_let_go(opened: Callable[..., PageStandIn]) -> None:
+    met = opened()
+    met.page.keyboard.down("Shift")
+    wait(met, lambda hands: hands.held)
+    met.page.clock.fast_forward(101)
+    wait(met, lambda hands: not hands.held)
+    met.page.wait_for_selector("text=the page hung")
+
+
+def test_a_gamepad_drives_and_its_unplugging_lets_go(opened: Callable[..., PageStandIn]) -> None:
+    met = opened()
+    met.page.evaluate("plugIn('Pad (STANDARD GAMEPAD)', 'standard', 4, 17)")
+    met.page.evaluate("Object.assign(pads[0].buttons[4], {pressed: true, value: 1})")
+    wait(met, lambda hands: hands.held)
+    met.page.evaluate("pads[0].axes = [1, -1, 0, 1]")
+    assert wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0).axes == (-1.0, 1.0, 0.0, -1.0, 0.0, 0.0)
+    met.page.evaluate("pads[0].connected = false")
+    wait(met, lambda hands: not hands.held and hands.axes == CENTRED)
+
+
+def test_a_mapping_is_edited_calibrated_and_kept_for_its_device(opened: Callable[..., PageStandIn]) -> None:
+    met = opened()
+    page = met.page
+    page.evaluate("plugIn('Joystick L', '', 3, 2); plugIn('Joystick R', '', 2, 2)")
+    page.evaluate("pads[1].axes = [0.9, 0]")
+    wait(met, lambda hands: hands.axes[RIGHT_X] < -0.8)  # the second joystick is the right hand's
+    page.evaluate("pads[1].axes = [0, 0]")
+    page.clock.run_for(200)
+    device = page.locator("#gamepads details").first
+    device.locator("summary").click()
+    device.get_by_label("left_y: from").select_option("axis 2")
+    device.get_by_label("left_y: invert").uncheck()
+    device.get_by_label("deadman button").select_option("1")
+    device.get_by_role("button", name="Calibrate").click()
+    for value in (-0.5, 0.5, 0):
+        page.evaluate("(value) => (pads[0].axes = [0, 0, value])", value)
+        page.clock.run_for(200)  # two looks
+    device.get_by_role("button", name="Done").click()
+    page.reload()
+    page.wait_for_selector("#left_stick")
+    page.evaluate("plugIn('Joystick L', '', 3, 2)")
+    page.evaluate("pads[0].axes = [0, 0, 0.5]; Object.assign(pads[0].buttons[1], {pressed: true})")
+    wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0 and hands.held)
+
+
+def test_who_looks_on_sends_nothing_asks_for_control_and_the_driver_hands_over(
+    opened: Callable[..., PageStandIn],
+) -> None:
+    met = opened()
+    met.tell_seat(asking=("operator 2",))
+    met.page.get_by_role("button", name="Hand over to operator 2").click()
+    met.tell_seat(driver="operator 2")
+    met.page.wait_for_selector("text=operator 2 drives, you look on")
+    assert {"do": "leave_seat", "to": "operator 2"}.items() <= met.asked[-1].items()
+    met.page.clock.run_for(100)  # what was on its way
+    count = len(met.heard)
+    met.page.keyboard.down("Shift")
+    met.page.keyboard.press("w")
+    met.page.get_by_role("button", name="Ask for control").click()
+    met.page.wait_for_selector("text=done")
+    assert met.asked[-1]["do"] == "take_seat"
+    assert len(met.heard) == count
+    met.tell_seat()  # with the key still down: it was pressed when somebody else drove
+    assert not wait(met, lambda hands: hands.number > count).held
+
+
+def test_two_keys_stop_from_anywhere_also_while_others_drive(opened: Callable[..., PageStandIn]) -> None:
+    met = opened()
+    met.tell_seat(driver="operator 2")
+    met.page.get_by_role("button", name="Ask for control").focus()
+    for key in ("Escape", "Space"):
+        met.page.keyboard.press(key)
+        met.page.clock.run_for(100)
+    assert [request["do"] for request in met.asked] == ["take_seat", "emergency_stop", "emergency_stop"]
+
+
+def test_one_click_stops_and_a_refused_reset_tells_why(opened: Callable[..., PageStandIn]) -> None:
+    met = opened()
+    met.page.locator(".stop").click()
+    met.page.clock.run_for(100)
+    assert [request["do"] for request in met.asked] == ["take_seat", "emergency_stop"]
+    sources = [{"name": "controller", "state": "stopped"}, {"name": "valve_driver", "state": "ready"}]
+    met.tell("emergency_stop", active=True, sources=sources)
+    met.page.wait_for_selector("text=controller: stopped")
+    met.refusals["reset_emergency_stop"] = "refused: the levers must be centred and the deadman released"
+    met.page.get_by_role("button", name="Reset").click()
+    met.page.wait_for_selector("text=refused: the levers must be centred")
+    met.tell_seat(driver="operator 2")
+    met.page.wait_for_selector("#emergency_stop button:disabled")  # only the driver resets
+
+
+def test_a_stop_without_connection_is_sent_when_there_is_one(opened: Callable[..., PageStandIn]) -> None:
+    met = opened()
+    met.refusals["emergency_stop"] = "Nobody hears the emergency stop."
+    met.page.keyboard.press("Escape")
+    met.page.wait_for_selector("text=Emergency stop not confirmed: Nobody hears the emergency stop.")
+    met.refusals.clear()
+    met.asked.clear()
+    met.drop_connection()
+    met.page.wait_for_selector(".driver[data-drives=false]")
+    for _ in range(100):
+        met.page.clock.run_for(20)
+    assert met.asked[0]["do"] == "emergency_stop"
+
+
+@pytest.mark.parametrize("viewport", [None, PHONE])
+def test_the_emergency_stop_is_in_sight_and_nothing_covers_it(
+    opened: Callable[..., PageStandIn], viewport: dict[str, int] | None
+) -> None:
+    met = opened(**({"viewport": viewport} if viewport else {}))
+    met.tell("emergency_stop", active=True, sources=[{"name": "controller", "state": "stopped"}])
+    met.tell_seat(asking=("operator 2",), why_not="Another node publishes /joy: a node of somebody's.")
+    met.page.wait_for_selector("text=Hand over to operator 2")
+    if viewport:
+        met.page.click("#drawer-button")
+    covered = """() => [...document.querySelectorAll(".stop, .hold, .stick")].filter((element) => {
+      const { left, top, right, bottom } = element.getBoundingClientRect();
+      const seen = document.elementFromPoint((left + right) / 2, (top + bottom) / 2);
+      const inside = left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight;
+      return !inside || !element.contains(seen) || Math.min(right - left, bottom - top) < 44;
+    }).map((element) => element.className)"""
+    assert met.page.evaluate(covered) == []
+
+
+def test_what_the_server_says_stands_in_the_way_is_shown(opened: Callable[..., PageStandIn]) -> None:
+    met = opened()
+    met.tell_seat(why_not="Another node publishes /joy: /joystick.")
+    met.page.wait_for_selector("text=Another node publishes /joy: /joystick.")
+    met.tell_seat(deadman=("held", "The deadman is held."))
+    met.page.wait_for_selector(".deadman[data-state=held]")
+    met.tell_seat(deadman=("waiting", "Release the deadman and centre the sticks."))
+    met.page.keyboard.down("Shift")
+    met.page.wait_for_selector(".deadman[data-state=pressed]")
+    met.page.wait_for_selector("text=Release the deadman and centre the sticks.")

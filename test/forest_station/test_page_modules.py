@@ -1,0 +1,261 @@
+"""The page's pure modules, imported by a browser: what the hands, the history and the instruments compute."""
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from page_stand_in import ADDRESS, WEB
+from playwright.sync_api import Browser
+
+from forest_control.operator import joystick_watch
+from forest_control.operator.levers import AXIS_COUNT, BUTTON_COUNT, LEFT_SHOULDER
+from forest_control.safety import motion_guard
+from forest_control.valve import command_gate
+from forest_msgs_py.interfaces.topics import JOY_AXES, JOY_BUTTONS
+from forest_station.operator.hands import Hands, decode_hands, encode_hands
+
+Js = Callable[..., Any]
+
+
+@pytest.fixture(scope="module")
+def js(browser: Browser) -> Iterator[Js]:
+    """Calls an arrow function with a module of the page, and with further arguments."""
+    page = browser.new_page()
+    page.route(
+        f"{ADDRESS}/web/**",
+        lambda route: route.fulfill(path=WEB.parent / route.request.url[len(ADDRESS) + 1 :]),
+    )
+    page.route(ADDRESS + "/", lambda route: route.fulfill(body="", content_type="text/html"))
+    page.goto(ADDRESS + "/")
+
+    def call(module: str, function: str, argument: Any = None) -> Any:
+        return page.evaluate(
+            f"async (argument) => ({function})(await import('/web/{module}'), argument)", argument
+        )
+
+    yield call
+    page.close()
+
+
+def test_axes_and_buttons_have_the_names_and_the_order_of_joy(js: Js) -> None:
+    assert js("hands/joy.js", "m => [m.AXES, m.BUTTONS]") == [list(JOY_AXES), list(JOY_BUTTONS)]
+    assert js("hands/joy.js", "m => m.DEADMAN") == LEFT_SHOULDER
+
+
+def test_of_several_hands_on_one_axis_the_one_that_asks_for_most_counts(js: Js) -> None:
+    sources = [[0.2, -0.5, 0, 0, 0, 0], [-0.4, 0.1, 0, 2, 0, None], [0, 0, 0, 0, 0, 0]]
+    assert js("hands/joy.js", "(m, s) => m.mergeAxes(s)", sources) == [-0.4, -0.5, 0, 1, 0, 0]
+    assert js("hands/joy.js", "m => m.mergeAxes([[NaN, 0, 0, 0, 0, 0]])") == [0] * AXIS_COUNT
+
+
+def test_the_deadmans_button_says_what_the_deadman_says(js: Js) -> None:
+    pressed = [True] * BUTTON_COUNT
+    everything = 2**BUTTON_COUNT - 1
+    assert js("hands/joy.js", "(m, p) => m.buttonBits(p, true)", pressed) == everything
+    assert js("hands/joy.js", "(m, p) => m.buttonBits(p, false)", pressed) == everything - (
+        1 << LEFT_SHOULDER
+    )
+    assert js("hands/joy.js", "m => m.buttonBits([], true)") == 1 << LEFT_SHOULDER
+
+
+def test_a_deadzone_has_no_step_behind_it(js: Js) -> None:
+    values = js("hands/joy.js", "m => [0.1, -0.1, 0.100001, -1, 1].map((v) => m.withDeadzone(v, 0.1))")
+    assert values == pytest.approx([0, 0, 0, -1, 1], abs=1e-5)
+
+
+def test_a_hands_message_is_what_the_server_reads(js: Js) -> None:
+    said = Hands(True, 7, 1.5, (0.25, -0.5, 0.0, 1.0, 0.0, 0.0), 0x1200, 5)
+    written = js(
+        "hands/message.js",
+        "m => [...new Uint8Array(m.handsMessage({number: 7, time: 1500, held: true,"
+        " axes: [0.25, -0.5, 0, 1, 0, 0], buttons: 0x1200, pong: 5}))]",
+    )
+    assert bytes(written) == encode_hands(said)
+    assert decode_hands(bytes(written)) == said
+
+
+def test_keys_ramp_outwards_slowly_and_back_fast_through_the_centre(js: Js) -> None:
+    ramp = "(m, [axes, wanted, dt]) => m.rampedAxes(axes, wanted, dt)"
+    assert js("hands/keys.js", ramp, [[0.0], [1.0], 0.1]) == pytest.approx([0.25])
+    assert js("hands/keys.js", ramp, [[0.9], [1.0], 0.1]) == pytest.approx([1.0])
+    assert js("hands/keys.js", ramp, [[0.9], [0.0], 0.1]) == pytest.approx([0.1])
+    assert js("hands/keys.js", ramp, [[0.5], [-1.0], 0.1]) == pytest.approx([0.0])
+    assert js("hands/keys.js", ramp, [[-0.2], [-1.0], 0.1]) == pytest.approx([-0.45])
+
+
+def test_keys_ask_for_the_tips_directions(js: Js) -> None:
+    wanted = "(m, keys) => m.wantedAxes(keys)"
+    assert js("hands/keys.js", wanted, ["KeyW", "KeyA", "ArrowUp"]) == [1, 1, 0, 1, 0, 0]
+    assert js("hands/keys.js", wanted, ["KeyS", "KeyD", "ArrowDown", "KeyX"]) == [-1, -1, 0, -1, 0, 0]
+    assert js("hands/keys.js", wanted, ["KeyW", "KeyS"]) == [0] * AXIS_COUNT
+
+
+def test_the_deadman_is_held_while_any_holder_holds_it(js: Js) -> None:
+    steps = """(m) => {
+      const deadman = new m.Deadman();
+      const told = [];
+      for (const [holder, pressed] of [["a", true], ["b", true], ["a", false], ["b", false]]) {
+        deadman.set(holder, pressed);
+        told.push(deadman.held);
+      }
+      return [told, deadman.why];
+    }"""
+    assert js("hands/deadman.js", steps) == [[True, True, True, False], "b was released"]
+
+
+def test_what_lets_the_deadman_go_asks_every_holder_to_press_anew(js: Js) -> None:
+    steps = """(m) => {
+      const deadman = new m.Deadman();
+      deadman.set("a", true);
+      deadman.release("the page hung");
+      const told = [deadman.held];
+      for (const pressed of [true, false, true]) {
+        deadman.set("a", pressed);
+        told.push(deadman.held);
+      }
+      return [told, deadman.why];
+    }"""
+    assert js("hands/deadman.js", steps) == [[False, False, False, True], "the page hung"]
+
+
+def test_a_page_hung_after_a_gap_of_a_tenth_of_a_second(js: Js) -> None:
+    assert js("hands/deadman.js", "m => [m.hung(0, 100), m.hung(0, 100.1), m.hung(-Infinity, 0)]") == [
+        False,
+        True,
+        True,
+    ]
+
+
+def test_a_standard_gamepad_means_what_game_controller_means(js: Js) -> None:
+    buttons = "Array.from({length: 17}, (_, i) => ({pressed: i === 4, value: i === 7}))"
+    device = f"{{axes: [0.5, -1, 1, 0.5], buttons: {buttons}}}"
+    axes = js("hands/mapping.js", f"m => m.mappedAxes({device}, m.standardMapping())")
+    assert axes == pytest.approx([-(0.5 - 0.08) / 0.92, 1, -1, -(0.5 - 0.08) / 0.92, 0, 1])
+    pressed = js("hands/mapping.js", f"m => m.mappedButtons({device}, m.standardMapping())")
+    assert [place for place, down in enumerate(pressed) if down] == [LEFT_SHOULDER]
+
+
+def test_two_industrial_joysticks_are_the_two_hands(js: Js) -> None:
+    device = "{axes: [1, -1], buttons: []}"
+    both = js(
+        "hands/mapping.js", f"m => [false, true].map((r) => m.mappedAxes({device}, m.joystickMapping(r)))"
+    )
+    assert both == [[-1, 1, 0, 0, 0, 0], [0, 0, -1, 1, 0, 0]]
+
+
+def test_a_device_that_lost_an_axis_asks_for_nothing(js: Js) -> None:
+    assert (
+        js("hands/mapping.js", "m => m.mappedAxes({axes: [], buttons: []}, m.standardMapping())")
+        == [0] * AXIS_COUNT
+    )
+
+
+def test_a_calibrated_axis_reaches_its_ends_from_its_centre(js: Js) -> None:
+    steps = """async (m) => {
+      const { Calibration } = await import("/web/hands/calibration.js");
+      const mapping = m.joystickMapping(false);
+      const at = (x, y) => ({ axes: [x, y], buttons: [] });
+      const calibration = new Calibration(at(0.1, 0), mapping);
+      for (const x of [0.7, -0.4, 0.1]) calibration.look(at(x, 0));
+      const found = calibration.finish();
+      return [[0.1, 0.7, -0.4].map((x) => m.mappedAxes(at(x, 0), found)[0]), found.axes[1]];
+    }"""
+    ends, untouched = js("hands/mapping.js", steps)
+    assert ends == pytest.approx([0, -1, 1])
+    assert untouched["high"] == 1  # an axis that was not moved keeps what it had
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ("m.axes.pop()", "A mapping has 6 axes."),
+        ("m.buttons = 3", "A mapping has 21 buttons."),
+        ("m.axes[1].from = 'axis'", 'left_y: "from" is "axis N" or "button N".'),
+        ("m.axes[0].invert = 1", 'left_x: "invert" is true or false.'),
+        ("m.axes[0].deadzone = 0.9", 'left_x: "deadzone" is from 0 to 0.5.'),
+        ("m.axes[3].centre = 1", 'right_y: "low", "centre" and "high" are numbers that rise.'),
+        ("m.buttons[9] = -1", "left_shoulder: a button's number is from 0 to 63, or null."),
+    ],
+)
+def test_a_mapping_that_cannot_be_is_refused_in_a_sentence(js: Js, change: str, told: str) -> None:
+    steps = f"""(module) => {{
+      const m = JSON.parse(JSON.stringify(module.standardMapping()));
+      module.checkedMapping(m);
+      {change};
+      try {{ module.checkedMapping(m); }} catch (error) {{ return error.message; }}
+    }}"""
+    assert js("hands/mapping.js", steps) == told
+
+
+def test_history_keeps_the_newest_frames_and_begins_anew_when_time_goes_back(js: Js) -> None:
+    steps = """(m) => {
+      const history = new m.History(2, 3);
+      const push = (time, ...values) => history.push({ time, values });
+      for (const time of [1, 2, 3, 4]) push(time, time, -time);
+      push(4, 5, -5);
+      push(9, 1, 2, 3);
+      const kept = history.series(1);
+      const told = [[...kept.times], [...kept.values], history.newest(0)];
+      push(2, 7, 8);
+      return [...told, [...history.series(0).values], String(history.newest(undefined))];
+    }"""
+    assert js("history.js", steps) == [[2, 3, 4], [-2, -3, -5], 5, [7], "NaN"]
+
+
+def test_energy_is_the_integral_of_power_and_gaps_add_nothing(js: Js) -> None:
+    assert js("instruments/lines.js", "m => m.integral([0, 1, 2, 3, 4], [2, 4, NaN, 6, 8])") == [
+        0,
+        3,
+        3,
+        3,
+        10,
+    ]
+
+
+def test_the_tip_error_is_the_way_that_the_command_of_the_last_second_was_missed_by(js: Js) -> None:
+    steps = """(m) => {
+      const times = Array.from({ length: 25 }, (_, i) => i / 8);
+      const zero = times.map(() => 0);
+      const x = times.map((t) => 0.3 * t);
+      const vx = times.map((_, i) => (i === 20 ? NaN : 0.4));
+      return m.pathError(1, times, x, zero, zero, vx, zero, zero);
+    }"""
+    error = js("instruments/lines.js", steps)
+    unknown = [place for place, value in enumerate(error) if value != value]
+    assert unknown == [*range(8), *range(20, 25)]  # before a whole second is known, and while a gap is in it
+    assert error[8:20] == pytest.approx([0.1] * 12)
+
+
+MESSAGES = (
+    *filter(None, joystick_watch.PROBLEMS.values()),
+    *(motion_guard.GOES_BACK, motion_guard.LOST_STATE, motion_guard.PRESSED),
+    *(
+        command_gate.NOT_ZERO,
+        "no command",
+        "valve driver: no voltages",
+        "valve driver: keeps the valves shut",
+    ),
+    "joint state: boom is 3.1 rad; allowed: 0.100 .. 1.200",
+    "joint state: boom moves at 9 rad/s; allowed: up to 5",
+    "valve_commands: boom is 12 V, clipped to its rating of 10 V",
+    "hydraulics/pressures: 3 values; allowed: 12; the nominal load is taken",
+    *(f"waiting for {what} on /x" for what in ("a joystick", "the machine's state", "commands", "voltages")),
+    "/joy of /driver is not heard: best effort",
+)
+
+
+@pytest.mark.parametrize("text", MESSAGES)
+def test_every_message_of_our_nodes_has_something_to_do(js: Js, text: str) -> None:
+    remedy = "(m, text) => m.remedy(text)"
+    assert js("diagnostics/remedies.js", remedy, text) != js("diagnostics/remedies.js", remedy, "of others")
+
+
+def test_troubles_are_told_the_worst_first_and_what_is_well_is_not(js: Js) -> None:
+    parts = [
+        {"name": "b", "level": "warning", "text": ""},
+        {"name": "c", "level": "ok", "text": ""},
+        {"name": "a", "level": "warning", "text": ""},
+        {"name": "d", "level": "error", "text": ""},
+    ]
+    found = js("diagnostics/remedies.js", "(m, parts) => m.troubles(parts)", parts)
+    assert [part["name"] for part in found] == ["d", "a", "b"]

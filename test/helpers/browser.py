@@ -1,0 +1,83 @@
+"""A real browser for the tests of the operator's page: the system's Chromium, driven by Playwright."""
+
+import contextlib
+import os
+import shutil
+import signal
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, Playwright
+
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+# Root needs --no-sandbox; without a graphics card SwiftShader draws; the rest keeps it off the network.
+OPTIONS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+DESKTOP = {"width": 1600, "height": 900}
+PHONE = {"width": 390, "height": 844}
+
+
+def installed() -> str:
+    """Return the path of a Chromium; a computer without one skips the test, CI fails."""
+    for name in NAMES:
+        if path := shutil.which(name):
+            return path
+    reason = "no Chromium is installed: scripts/setup.sh test as root, or apt install chromium"
+    if os.environ.get("CI"):
+        pytest.fail(reason)
+    pytest.skip(reason)
+
+
+@contextlib.contextmanager
+def launched(playwright: Playwright) -> Iterator[Browser]:
+    """A headless browser; it ends with the block."""
+    browser = playwright.chromium.launch(executable_path=installed(), args=OPTIONS)
+    try:
+        yield browser
+    finally:
+        browser.close()
+
+
+def new_page(browser: Browser, viewport: dict[str, int] = DESKTOP) -> tuple[Page, list[str]]:
+    """Return a page in a profile of its own, and the list that its errors go into."""
+    page = browser.new_context(viewport=viewport, has_touch=viewport is PHONE).new_page()
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
+    return page, errors
+
+
+@contextlib.contextmanager
+def launch_process(playwright: Playwright, profile: Path) -> Iterator[tuple[Page, Callable[[], list[int]]]]:
+    """A browser to be killed or frozen: its page, and what gives the pids of its processes."""
+
+    def processes() -> list[int]:
+        found = Path("/proc").glob("[0-9]*/cmdline")
+        return [int(path.parent.name) for path in found if str(profile).encode() in _bytes(path)]
+
+    context = playwright.chromium.launch_persistent_context(
+        profile, executable_path=installed(), args=OPTIONS, viewport=DESKTOP
+    )
+    try:
+        yield context.pages[0], processes
+    finally:
+        for pid in processes():
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""

@@ -1,0 +1,89 @@
+"""What the crane's topics say, kept by the middleware until a test reads it: nobody spins meanwhile."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from typing import Any, NamedTuple
+
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.topics import message_class
+from forest_msgs_py.runtime.polled_subscription import PolledSubscription
+from forest_msgs_py.serialization.unpacking import ArrayReader, read_joy_data
+
+KEPT = 5000  # messages
+DRIVEN = 30  # messages
+DEADMAN = 9  # button
+MET_S = 60.0
+
+
+class Joy(NamedTuple):
+    at: float  # [s, time.time] when it was sent
+    held: bool
+    heartbeat: str
+    axes: tuple[float, ...]
+
+
+class Stop(NamedTuple):
+    """A stop as the topics tell it [s, time.time]."""
+
+    heartbeat: float  # the last one that counted
+    released: float  # the first sample without the deadman
+    shut: float  # the first of the voltages that are all zero
+
+
+class CraneEars:
+    """Everything said on /joy and /valve_voltages since `forget`."""
+
+    def __init__(self, node: Any) -> None:
+        profile = QoSProfile(depth=KEPT, reliability=ReliabilityPolicy.RELIABLE)
+        self._polled = {
+            topic: PolledSubscription(node, message_class(topic), topic.name, profile, raw=True)
+            for topic in (topics.JOY, topics.VALVE_VOLTAGES)
+        }
+        self._reader = ArrayReader(topics.VALVE_VOLTAGES)
+        self.forget()
+
+    def forget(self) -> None:
+        for polled in self._polled.values():
+            list(polled.take())
+        self.joy: list[Joy] = []
+        self.voltages: list[tuple[float, tuple[float, ...]]] = []
+
+    def read(self) -> None:
+        for data, info in self._polled[topics.JOY].take():
+            reading, frame = read_joy_data(data, 6, DEADMAN + 1)
+            axes, buttons = reading.values
+            self.joy.append(Joy(info["source_timestamp"] * 1e-9, buttons[DEADMAN] == 1, frame, axes))
+        for data, info in self._polled[topics.VALVE_VOLTAGES].take():
+            self.voltages.append((info["source_timestamp"] * 1e-9, self._reader.read(data, 0).values))
+
+    async def until(self, condition: Any) -> None:
+        """Wait until a condition holds, at most `MET_S`."""
+        end = time.monotonic() + MET_S
+        while not condition():
+            assert time.monotonic() < end
+            await asyncio.sleep(0.01)
+            self.read()
+
+    async def moving(self) -> None:
+        """Wait until the crane is driven, and has been for a while."""
+        await self.until(
+            lambda: (
+                self.voltages and any(self.voltages[-1][1]) and all(joy.held for joy in self.joy[-DRIVEN:])
+            )
+        )
+
+    async def still(self) -> None:
+        await self.until(lambda: self.voltages and not any(self.voltages[-1][1]))
+
+    def stop(self) -> Stop:
+        """The newest stop, of a crane that was moved."""
+        held = [place for place, joy in enumerate(self.joy) if joy.held]
+        last = self.joy[held[-1]]
+        beat = next(joy for joy in self.joy if joy.heartbeat == last.heartbeat)
+        released = self.joy[held[-1] + 1].at if held[-1] + 1 < len(self.joy) else float("inf")
+        opened = max(place for place, (_, values) in enumerate(self.voltages) if any(values))
+        return Stop(beat.at, released, self.voltages[opened + 1][0])

@@ -1,0 +1,51 @@
+"""A supervisor with its nodes as a process, for the tests of a module."""
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+STARTED_S, ENDED_S = 60.0, 20.0
+
+
+def free_port() -> int:
+    """A port that nobody listens on."""
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return int(one.getsockname()[1])
+
+
+@contextlib.contextmanager
+def running(module: str, log: Path, domain: int, *options: str) -> Iterator[subprocess.Popen]:
+    """A supervisor with its nodes; it ends with the block."""
+    with log.open("w") as output:
+        process = subprocess.Popen(
+            [sys.executable, "-m", module, *options],
+            stdout=output,
+            stderr=output,
+            start_new_session=True,
+            env={**os.environ, "ROS_DOMAIN_ID": str(domain)},
+        )
+    try:
+        yield process
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(ENDED_S)
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+
+
+def wait_for_text(process: subprocess.Popen, log: Path, text: str) -> None:
+    """Wait until a process has said something."""
+    end = time.monotonic() + STARTED_S
+    while text not in log.read_text():
+        assert process.poll() is None, log.read_text()
+        assert time.monotonic() < end, log.read_text()
+        time.sleep(0.02)
