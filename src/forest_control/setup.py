@@ -21,6 +21,7 @@ setup(
     entry_points={
         "console_scripts": [
             "forest-control = forest_control.cli.main:main",
+            "cycle_node = forest_control.cycle_node:main",
             "joystick_node = forest_control.joystick_node:main",
             "controller_node = forest_control.controller_node:main",
             "valve_driver_node = forest_control.valve_driver_node:main",

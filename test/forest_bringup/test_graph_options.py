@@ -176,6 +176,13 @@ def test_a_session_that_has_played_to_its_end_is_told_and_ends_well(started, cap
     assert "the joystick source has played to its end" in capsys.readouterr().out
 
 
+def test_taught_work_is_a_node_that_the_others_do_without(started, tmp_path):
+    assert graph.main(["--cycles", str(tmp_path), "--machine", "loader"]) == 0
+    cycle = started.nodes["cycle"]
+    assert parameters(cycle) == {"machine": '"loader"', "directory": f'"{tmp_path}"'}
+    assert not cycle.needed
+
+
 @pytest.mark.parametrize(
     ("given", "device"), [("device", "auto"), ("/dev/input/event7", "/dev/input/event7"), ("two.yaml", None)]
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from forest_msgs_py.serialization.cdr import to_cdr
@@ -21,6 +22,10 @@ class HandSubscription:
     def newest(self) -> Arrival | None:
         arrival, self.arrival = self.arrival, None
         return arrival
+
+    def arrivals(self) -> Iterator[Arrival]:
+        if arrival := self.newest():
+            yield arrival
 
 
 class HandClock:

@@ -144,6 +144,12 @@ def recorder(bag: Path) -> NodeSpec:
     return NodeSpec("recorder", "forest_bag.recorder_node", output, needed=False)
 
 
+def taught_work(machine: str, folder: Path) -> NodeSpec:
+    """Return the player of taught work; without it the crane obeys its levers."""
+    arguments = (*machine_arguments(machine), *parameter("directory", str(folder.resolve())))
+    return NodeSpec("cycle", "forest_control.cycle_node", arguments, needed=False)
+
+
 def viewer(machine: str) -> NodeSpec:
     """Return the node that draws the crane for viewers."""
     return NodeSpec("viewer", "forest_viewers.viewer_node", machine_arguments(machine), needed=False)
@@ -188,6 +194,7 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
         help="--viewer, and serve Foxglove and Lichtblick at ws://127.0.0.1:PORT (usual: 8765)",
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag there")
+    parser.add_argument("--cycles", type=Path, metavar="DIR", help="taught work: cycles are kept there")
     return parser.parse_args(arguments)
 
 
@@ -200,6 +207,8 @@ def graph_nodes(options: argparse.Namespace) -> list[NodeSpec]:
         nodes.insert(0, device_joystick(source) if is_device(source) else joystick(source, 0.0, 1))
     if not options.no_simulator:
         nodes.append(simulator(options.machine))
+    if options.cycles:
+        nodes.insert(0, taught_work(options.machine, options.cycles))
     if options.viewer or options.foxglove:
         nodes.append(viewer(options.machine))
     if options.foxglove:

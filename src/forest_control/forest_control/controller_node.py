@@ -53,7 +53,7 @@ class ControllerNode(Node):
 
     def _on_joint_states(self, data: bytes, sent: float) -> None:
         (machine, problem), override = self._inputs.machine_state(data, sent), self._override()
-        self._inputs.read_joystick(self._guard)
+        self._inputs.read_operator(self._controller)
         cylinders = self._inputs.cylinders(machine.stamp, self._controller.parameters)
         valves, now = self._inputs.valves.read(), self._node_clock.now()
         self._stops_without_state(now, override)  # after a stall of ours this may come before the watchdog

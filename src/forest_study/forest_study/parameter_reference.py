@@ -13,6 +13,7 @@ from forest_control.config.controller_parameters import (
     ProfileParameter,
     WorkspaceParameter,
 )
+from forest_control.config.cycle_parameters import CycleParameters, TaughtNames
 from forest_control.config.settings import Settings
 from forest_control.operator.device_joystick import DeviceParameters
 from forest_control.operator.joystick_sources import JoystickParameters
@@ -51,6 +52,7 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         "ros2 run forest_control valve_driver_node",
         (MachineParameter, DriverSettings, DriverParameters, ClockParameters),
     ),
+    "cycle": ("ros2 run forest_control cycle_node", (MachineParameter, CycleParameters, TaughtNames)),
     "recorder": ("ros2 run forest_ident recorder_node", (RecorderParameters, ListenerParameters)),
     "player": ("forest-bag play BAG", (PlayerParameters,)),
     "step_player": (

@@ -9,7 +9,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from forest_control.cli import cycle_files
+from forest_control.cli import cycle_files, cycle_live
 from forest_control.config.setting_file import SettingFileError
 from forest_control.taught.tip_path import PathError
 from forest_msgs_py.runtime import command_line
@@ -29,6 +29,7 @@ def _parser() -> argparse.ArgumentParser:
     cycle = verbs.add_parser("cycle", help=text, description=text.capitalize() + ".")
     cycle_verbs = cycle.add_subparsers(title="verbs", required=True, metavar="VERB")
     cycle_files.add_parsers(cycle_verbs)
+    cycle_live.add_parsers(cycle_verbs)
     return parser
 
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from forest_control.limits.velocity_scaling import VelocityScaling
 from forest_control.operator.levers import Levers
+from forest_control.operator.taught_command import NO_COMMAND, TaughtCommand
 from forest_control.pipeline.stop_profile import NO_STOP, Stop
 from forest_control.safety.driver_response import DriverSample
 from forest_control.servo import coordinated_servo
@@ -43,6 +44,7 @@ class Inputs(NamedTuple):
     cylinders: Lengths = UNREAD  # [m] boom, stick, of the same moment; NaN: no sample
     reach: Reach = FULL  # of the valves, as the driver has learnt it
     voltages: Vec3 = ZERO  # [V] of the valves, given last by the driver
+    taught: TaughtCommand = NO_COMMAND  # that is followed in place of the levers
 
 
 class ValveFeedback(NamedTuple):

@@ -7,6 +7,7 @@ from typing import Any
 from forest_control.config.settings import Parameters
 from forest_control.operator.joystick_watch import joystick_sample, unreadable_sample
 from forest_control.operator.levers import RIGHT_Y
+from forest_control.operator.taught_command import NO_COMMAND, from_values
 from forest_control.pipeline.control_state import Telemetry
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.pipeline.valve_feedback import ValveReports
@@ -21,7 +22,7 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.safety.input_status import InputStatus
-from forest_msgs_py.serialization.unpacking import JointReader, read_joy_data
+from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader, read_joy_data
 
 FRAME = "base_link"
 NO_RATES = "joint state: no finite velocity; allowed: rad/s of every joint"
@@ -40,6 +41,9 @@ class ControllerInputs:
         self._node_clock = pace
         self.joy, self.valves = pace.polled_subscription(topics.JOY), ValveReports(pace, machine)
         self.actuators = pace.polled_subscription(topics.ACTUATOR_STATES)
+        # In lockstep nobody plays: a step cannot wait for an answer to itself.
+        self.taught = None if pace.lockstep else pace.polled_subscription(topics.TAUGHT_COMMAND)
+        self._taught = ArrayReader(topics.TAUGHT_COMMAND)
         self._joints, self._lengths = JointReader(topics.JOINTS), JointReader(topics.ACTUATORS)
         self._deadman, self._before = deadman, None  # axes and buttons of the sample before
 
@@ -76,6 +80,20 @@ class ControllerInputs:
             content, before = reading.values, self._before
             self._before = content
             guard.hear(joystick_sample(reading.stamp_ns, frame, received, content, before, self._deadman))
+
+    def read_operator(self, controller: GuardedController) -> None:
+        """Have the controller hear joystick samples and taught commands that wait."""
+        self.read_joystick(controller.guard)
+        self.read_taught(controller)
+
+    def read_taught(self, controller: GuardedController) -> None:
+        """Have the controller hear every taught command that waits, oldest first."""
+        for data, sent in self.taught.arrivals() if self.taught else ():
+            reading = self._taught.read(data, 0)
+            if reading.problem:
+                controller.hear_taught(0.0, NO_COMMAND, sent, reading.problem)
+            else:
+                controller.hear_taught(*from_values(reading.values), sent)
 
     def machine_state(self, data: bytes, received: float) -> tuple[MachineState, str]:
         """Return what a message of the joints says, and why it cannot be read, or ""."""

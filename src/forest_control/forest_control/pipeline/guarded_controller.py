@@ -1,14 +1,17 @@
 """The controller behind its guard: what node and offline loop run when a state of the machine arrives.
 
-joystick, state -> may the crane move? (`motion_permission`) -> `controller` -> command, telemetry
+joystick, state -> may the crane move? (`motion_permission`) -> may it follow a taught command?
+(`taught_watch`) -> `controller` -> command, telemetry
 """
 
 from collections.abc import Callable
 
 from forest_control.config.parameter_update import ParameterUpdate
 from forest_control.config.settings import Parameters
+from forest_control.operator.taught_command import TaughtCommand
 from forest_control.pipeline.control_state import REST, Inputs, State, Telemetry, ValveFeedback
 from forest_control.pipeline.controller import step_with_telemetry
+from forest_control.safety import taught_watch
 from forest_control.safety.motion_guard import MotionGuard
 from forest_control.safety.motion_permission import (
     NOBODY,
@@ -21,6 +24,7 @@ from forest_control.safety.motion_permission import (
 )
 from forest_control.servo.joint_angle_filter import UNREAD, Lengths
 from forest_control.valve.tracking_limit import Reach
+from forest_description.geometry.kinematics import tip_position
 from forest_description.types import ZERO, Vec3
 
 
@@ -62,6 +66,7 @@ class GuardedController:
     def __init__(self, p: Parameters, guard: PermissionParameters, step: Step = step_with_telemetry) -> None:
         self.guard, self.command = MotionGuard(guard), ZERO  # [V] of ideal valves, the last one
         self._tuning, self._state, self._step = ParameterUpdate(p), REST, step
+        self._taught = taught_watch.REST
 
     @property
     def parameters(self) -> Parameters:
@@ -76,9 +81,14 @@ class GuardedController:
         """Follow parameters that were set while the machine may be moving."""
         self._tuning.request(p)
 
+    def hear_taught(self, run: float, command: TaughtCommand, sent: float, problem: str = "") -> None:
+        """Hear a taught command of a run, and when it was sent [s]; a problem says why it cannot be read."""
+        self._taught = taught_watch.heard(self._taught, run, command, sent, problem)
+
     def stop(self) -> None:
         """Forget all motion: the command is zero."""
         self._state, self.command = REST, ZERO
+        self._taught = taught_watch.ended(self._taught)
         self.guard.permission = unwatched(self.guard.permission)
 
     def stops_without_state(self, now: float, override: Override = NOBODY) -> bool:
@@ -120,6 +130,18 @@ class GuardedController:
         if decision.verdict == Verdict.STOP:
             self._state = REST  # from which there is no ramp: zero at once
         inputs = control_inputs(machine, decision, cylinders, valves.reach, valves.voltages)
+        taught = self._follow(decision, machine.angles, now)
+        inputs = inputs._replace(enabled=inputs.enabled and not self._taught.cause, taught=taught)
         self._state, telemetry = self._step(self._state, inputs, self.parameters, decision.dt)
         self.command = telemetry.output.command
         return decision, telemetry
+
+    def _follow(self, decision: Decision, angles: Vec3, now: float) -> TaughtCommand:
+        """Return the taught command that counts for measured angles [rad] at a time [s]."""
+        guard, tip = self.guard, tip_position(angles, self.parameters.links)
+        moves, joystick = decision.verdict == Verdict.MOVE, guard.permission.joystick
+        self._taught, command = taught_watch.assessed(
+            self._taught, moves, joystick, tip, now, guard.p.joystick
+        )
+        guard.causes["joystick"] = guard.causes["joystick"] or self._taught.cause
+        return command

@@ -1,7 +1,8 @@
 """The command stage: what the operator's levers ask of tip and joints, or the stop that goes on without them.
 
-While the levers may move the crane, they ask for a tip velocity, or in the joint scheme for joint rates. Once
-they may not, the stop along the path (`stop_profile`) asks in their place, until nothing is left of it.
+While the levers may move the crane, they ask for a tip velocity, or in the joint scheme for joint rates. A
+taught command takes their place in the tip schemes while it counts (`taught_watch`). Once the levers may not,
+the stop along the path (`stop_profile`) asks in their place, until nothing is left of it.
 """
 
 from forest_control.config.settings import Parameters
@@ -14,6 +15,7 @@ from forest_control.operator.operator_profile import (
     rate_mode_velocity,
     shaped,
 )
+from forest_control.operator.taught_command import taught_velocity
 from forest_control.pipeline import stop_profile
 from forest_control.pipeline.bumpless_transfer import begun, clutched, resumed, taken_over
 from forest_control.pipeline.control_state import (
@@ -28,6 +30,7 @@ from forest_control.pipeline.control_state import (
 from forest_control.pipeline.stop_profile import NO_STOP, Stop
 from forest_control.servo.coordinated_servo import MOST_SAMPLES, ramped
 from forest_control.servo.schemes import Scheme, closes_on_position, jacobian_pose
+from forest_description.geometry.kinematics import tip_position
 from forest_description.types import ZERO, Vec3
 
 
@@ -47,6 +50,8 @@ def lever_command(state: State, inputs: Inputs, p: Parameters, dt: float) -> tup
     if state.scheme != NO_SCHEME and state.scheme != p.scheme:
         state = taken_over(state, inputs, p)
     state = clutched(state, inputs.angles, p)
+    if inputs.taught.speed > 0.0:  # position mode goes on from where the path is left
+        state = state._replace(clutch=_here(state, inputs, p))
     pose = jacobian_pose(p.scheme, state.reference, inputs.angles, p.jacobian_at_joints)
     velocity = tip_velocity_command(state, pose, inputs, p, dt)
     rates = joint_rate_command(state, inputs, p, dt) if p.scheme == Scheme.JOINT else ZERO
@@ -60,14 +65,22 @@ def tip_velocity_command(state: State, pose: Vec3, inputs: Inputs, p: Parameters
     if p.scheme == Scheme.JOINT:
         return ZERO
     levers = shaped(inputs.levers, p.profile)
-    if p.profile.mode == Mode.POSITION:
-        here = state.reference if closes_on_position(p.scheme) else inputs.angles
+    if inputs.taught.speed > 0.0:
+        most = min(p.profile.speeds[0], p.profile.speeds[1], p.profile.speeds[2])
+        asked = taught_velocity(inputs.taught, tip_position(_here(state, inputs, p), p.links), most)
+    elif p.profile.mode == Mode.POSITION:
+        here = _here(state, inputs, p)
         asked = position_mode_velocity(levers, state.clutch, here, p.profile, p.links)
     else:
         asked = rate_mode_velocity(levers, pose, p.profile)
         if p.scheme != Scheme.COORDINATED:
             return asked
     return ramped(state.memory.velocity, asked, p.coordinated.acceleration, dt)
+
+
+def _here(state: State, inputs: Inputs, p: Parameters) -> Vec3:
+    """Return the pose [rad] that is led: the reference, where the scheme holds one."""
+    return state.reference if closes_on_position(p.scheme) else inputs.angles
 
 
 def joint_rate_command(state: State, inputs: Inputs, p: Parameters, dt: float) -> Vec3:

@@ -25,7 +25,10 @@ In the order in which data passes:
 - `tip_path`: A curve through waypoints, and the speed that it allows.
 - `cycle`: A cycle: poses, paths and steps of the grapple, each with a name.
 - `cycle_file`: The file of a cycle, for people to edit.
+- `teaching`: A path that was driven becomes one of few waypoints.
 - `plan`: What the crane will do, from where it is; what is out of its reach is refused here.
+- `player`: Leads the tip through the plan, piece by piece.
+- `taught_work`: What a person does with all that: teach, play, pause, resume.
 
 May import: `pipeline` and the rooms below it.
 """

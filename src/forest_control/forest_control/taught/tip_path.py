@@ -66,7 +66,26 @@ class Profile(NamedTuple):
 
 
 def polyline(name: str, points: list[Vec3]) -> TipPath:
-    """Return the way from point to point [m]: straight from corner to corner, smooth in between."""
+    """Return the way from point to point [m]: straight from corner to corner, smooth in between.
+
+    Raises:
+        PathError: there is no way, or it is too long.
+    """
+    ways, table, stops = curve(name, points)
+
+    def at(s: float) -> Vec3:
+        x, y, z = (float(np.interp(s, ways, table[:, i])) for i in range(3))
+        return x, y, z
+
+    return TipPath(name, float(ways[-1]), at, stops)
+
+
+def curve(name: str, points: list[Vec3]) -> tuple[Floats, Floats, tuple[float, ...]]:
+    """Return ways [N] m, the places [N, 3] m there, straight in between, and the ways of the stops [m].
+
+    Raises:
+        PathError: there is no way, or it is too long.
+    """
     stretches = _stretches(points)
     if not stretches:
         raise PathError(f"{name}: a path needs two or more points that are not all the same")
@@ -77,12 +96,7 @@ def polyline(name: str, points: list[Vec3]) -> TipPath:
         table = np.vstack([table, _smooth(stretch)[1:]])
         ends.append(len(table) - 1)
     ways = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(table, axis=0), axis=1))])
-
-    def at(s: float) -> Vec3:
-        x, y, z = (float(np.interp(s, ways, table[:, i])) for i in range(3))
-        return x, y, z
-
-    return TipPath(name, float(ways[-1]), at, tuple(ways[ends].tolist()))
+    return ways, table, tuple(ways[ends].tolist())
 
 
 def _stretches(points: list[Vec3]) -> list[list[Vec3]]:

@@ -17,6 +17,7 @@ from forest_msgs_py.types import NS_PER_S, PERIOD_NS
 
 DEPTH = 1000  # steps that a publisher keeps
 LATE = 40  # steps: until then it is known, too, on which topics of `IdleReport` nothing was said
+LIVE = " (live)"  # behind the name of a node that no lockstep has, in the table
 SPAN = "@"  # between a topic's name and the steps in which it has no output; in no name
 
 
@@ -29,7 +30,7 @@ def lockstep_qos(depth: int = DEPTH) -> QoSProfile:
 
 def is_awaited(topic: Topic) -> bool:
     """Whether nodes may wait for a topic, by the table; what only a recorder reads shall wake nobody else."""
-    return bool(topic.subscribers) and not topic.late
+    return any(not name.endswith(LIVE) for name in topic.subscribers) and not topic.late
 
 
 def no_output_subscription(node: Node, topic: Topic) -> PolledSubscription:

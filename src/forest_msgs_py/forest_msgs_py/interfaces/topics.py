@@ -73,13 +73,14 @@ _ESTIMATE_UNITS = tuple(
 )
 _SIMULATOR, _CONTROLLER, _DRIVER = "simulator", "controller", "valve_driver"
 _JOYSTICK, _VIEWER, _NOBODY = "joystick", "viewer", ()
+_CYCLE = "cycle (live)"  # a node that is in no lockstep
 _RATE = SENSOR_RATE_HZ
 
 # fmt: off
 JOY = Topic(
     name="joy", type=JOY_TYPE, labels=JOY_AXES, units=("1",) * 6, rate_hz=JOY_RATE_HZ,
     doc="Levers -1..1 and buttons in game_controller order; any joystick node, or a replay.",
-    publishers=(_JOYSTICK,), subscribers=(_CONTROLLER,), sensed=True,
+    publishers=(_JOYSTICK,), subscribers=(_CONTROLLER, _CYCLE), sensed=True,
 )
 JOINT_STATES = Topic(
     name="joint_states", type=JOINT_STATE, labels=JOINTS, units=("rad, rad/s, N·m",) * 3, rate_hz=_RATE,
@@ -147,7 +148,7 @@ TIP_POSE = Topic(
     name="tip/pose", type=POSE, labels=_POSE, units=_POSE_UNITS, rate_hz=_RATE,
     doc="Tip by the measured joints: the URDF's frame `tip`; z up from the boom pivot, turned as "
     "the stick is.",
-    publishers=(_CONTROLLER,), subscribers=_NOBODY,
+    publishers=(_CONTROLLER,), subscribers=(_CYCLE,),
 )
 TIP_TWIST = Topic(
     name="tip/twist", type=TWIST, labels=_XYZ, units=("m/s",) * 3, rate_hz=_RATE,
@@ -163,7 +164,24 @@ CONTROLLER_STATUS = Topic(
     name="controller/status", type=FLOAT_ARRAY,
     labels=("factor", "limit", "armed", "joystick", "emergency_stop"), units=("1",) * 5, rate_hz=_RATE,
     doc="What limits the command: factor 0..1; codes of limit and joystick: explanation/safety.md; 0 or 1.",
-    publishers=(_CONTROLLER,), subscribers=_NOBODY,
+    publishers=(_CONTROLLER,), subscribers=(_CYCLE,),
+)
+TAUGHT_COMMAND = Topic(
+    name="tip/taught_command", type=FLOAT_ARRAY,
+    labels=("run", *_XYZ, *(f"{part}_{i}" for part in ("tangent", "curvature") for i in _XYZ),
+            "speed", "left"),
+    units=("1", *("m",) * 3, *("1",) * 3, *("1/m",) * 3, "m/s", "m"), rate_hz=_RATE,
+    doc="Taught work: a piece of the path near the tip, followed while the deadman is held and the "
+    "levers are centred. A run's number rises; speed 0 ends it; left: to the path's next stop.",
+    publishers=(_CYCLE,), subscribers=(_CONTROLLER,),
+)
+CYCLE_STATUS = Topic(
+    name="cycle/status", type=FLOAT_ARRAY,
+    labels=("phase", "segment", "segments", "way", "length", "away"),
+    units=("1", "1", "1", "m", "m", "m"), rate_hz=10.0,
+    doc="Taught work: phase (reference/codes.md), segment from 1, way along its leg and its length, distance "
+    "of the tip from the path.",
+    publishers=(_CYCLE,), subscribers=_NOBODY,
 )
 EMERGENCY_STOP = Topic(
     name="emergency_stop", type="std_msgs/msg/Bool", labels=(), units=(), rate_hz=0.0,
@@ -232,7 +250,7 @@ ROBOT_DESCRIPTION = Topic(
 EVENTS = Topic(
     name="events", type="std_msgs/msg/String", labels=(), units=(), rate_hz=0.0,
     doc="What the operator wants to be remembered; the recorder's service `mark` says it, anybody may.",
-    publishers=("recorder",), subscribers=_NOBODY,
+    publishers=("recorder", _CYCLE), subscribers=_NOBODY,
 )
 DIAGNOSTICS = Topic(
     name="/diagnostics", type="diagnostic_msgs/msg/DiagnosticArray", labels=(), units=(), rate_hz=1.0,

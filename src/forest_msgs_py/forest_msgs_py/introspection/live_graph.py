@@ -15,6 +15,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.signals import SignalHandlerOptions
+from std_srvs.srv import Trigger
 
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import Topic
@@ -100,6 +101,23 @@ class LiveGraph:
         for name, result in zip(values, answer.results, strict=True):
             if not result.successful:
                 raise NoAnswer(f"{node} refuses {name} = {values[name]!r}: {result.reason}")
+
+    def trigger(self, node: str, service: str) -> str:
+        """Call a Trigger service of a node, and return what it says; it may be called more than once.
+
+        Raises:
+            NoAnswer: the node does not answer, or refuses.
+        """
+        answer = self._call(node, service, Trigger, Trigger.Request())
+        if not answer.success:
+            raise NoAnswer(answer.message)
+        return str(answer.message)
+
+    def wait_for_message(self, topic: Topic, enough: Callable[[Any], bool], seconds: float) -> Any:
+        """Return the first message of a topic that is enough, or None if none comes within some time [s]."""
+        heard: list[Any] = []
+        self._listen(topic, heard, lambda: any(map(enough, heard)), seconds)
+        return next(filter(enough, heard), None)
 
     def has_message(self, topic: Topic) -> bool:
         """Whether something is said on a topic within `LOOK`."""

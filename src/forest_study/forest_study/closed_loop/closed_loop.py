@@ -17,10 +17,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from forest_control import compiled
 from forest_control.config import settings as control_settings
 from forest_control.operator.joystick_watch import Sample
 from forest_control.operator.levers import Levers
-from forest_control.pipeline.control_state import ValveFeedback
+from forest_control.pipeline import controller
+from forest_control.pipeline.control_state import Telemetry, ValveFeedback
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import MachineState, Permission, Verdict, armed_watch
@@ -155,6 +157,7 @@ class ClosedLoop:
         suite: sensors.
         ways: quality of the links.
         late: answers that do not come within their period.
+        fast: controller and driver are machine code, where that can be made.
     """
 
     def __init__(
@@ -166,14 +169,18 @@ class ClosedLoop:
         suite: Suite,
         ways: Links = PERFECT,
         late: Lateness = IN_TIME,
+        fast: bool = False,
     ) -> None:
         self._plant, self._drive = p, drive
         rest = equilibrium(start, p)
         self._suite, self._generator = suite, noise_generator(suite)
         self._sensors = sensor_readings.at_rest(rest, p, suite)
         self._simulation, self._advance = until_first_report(rest, p), compiled_advance()
-        self.controller = GuardedController(control, guard_of(suite))
+        step = compiled.controller_step() if fast else controller.step_with_telemetry
+        self._answer = compiled.driver_step() if fast else valve_driver.step
+        self.controller = GuardedController(control, guard_of(suite), step)
         self.controller.guard.permission = Permission(joystick=armed_watch())
+        self.telemetry: Telemetry | None = None  # of the last state that was believed
         self._driver, self._reports, self._reference = valve_driver.REST, Reports(), ZERO
         self._joystick: Link[Sample] = Link(ways.joystick, 3 * ways.seed)
         self._states: Link[tuple[int, Measurement]] = Link(ways.state, 3 * ways.seed + 1)
@@ -230,6 +237,7 @@ class ClosedLoop:
             if decision.verdict != Verdict.SKIP:
                 self._commands.send(now, (now, self.controller.command))
                 self._reference = telemetry.output.tip_reference if telemetry else ZERO
+                self.telemetry = telemetry or self.telemetry
                 lost = False
         if lost:
             self._commands.send(now, (now, ZERO))
@@ -250,7 +258,7 @@ class ClosedLoop:
         while len(self._waiting) > behind:
             pressures, motion = driver_inputs(seen, self._drive.idle_pressure)
             command, dt = self._waiting.pop(0), self._held * PERIOD
-            self._driver, self._volts = valve_driver.step(
+            self._driver, self._volts = self._answer(
                 self._driver, command, pressures, motion, self._drive, dt
             )
             self._held = 0

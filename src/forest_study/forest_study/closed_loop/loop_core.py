@@ -136,7 +136,8 @@ def guarded(
 ) -> tuple[Guarded, Vec3]:
     """Return the guarded controller a step on, and the tip's reference velocity [m/s].
 
-    It does what `GuardedController` does when parameters stay and nobody else forbids motion.
+    It does what `GuardedController` does when parameters stay, nothing is taught, and nobody else forbids
+    motion.
     """
     control, now = loop.control, row * PERIOD
     before = control._replace(permission=heard(control.permission, sample(levers, held, row)))

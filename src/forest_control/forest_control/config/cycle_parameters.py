@@ -1,0 +1,27 @@
+"""Parameters of the node for taught work."""
+
+from typing import Annotated, NamedTuple
+
+from forest_control.config import workspace_file
+from forest_control.operator.levers import BUTTON_COUNT
+from forest_msgs_py.runtime.parameter_table import Parameter, tunable
+
+
+class CycleParameters(NamedTuple):
+    """Of `cycle_node`."""
+
+    directory: Annotated[str, Parameter("folder of the user's cycles")] = "cycles"
+    workspace: Annotated[
+        str, Parameter(f"walls, as the controller's: {', '.join(workspace_file.shipped())}, or a file")
+    ] = ""
+    button: Annotated[
+        int, Parameter("joystick's button: play, pause, resume, confirm", low=0, high=BUTTON_COUNT - 1)
+    ] = 0
+    centre: Annotated[float, Parameter("deflection of a stick that counts as none", "", 0.001, 0.5)] = 0.05
+
+
+class TaughtNames(NamedTuple):
+    """Of `cycle_node`: what its services are about."""
+
+    cycle: Annotated[str, tunable("name of the cycle that is taught or played")] = ""
+    label: Annotated[str, tunable("name of the next segment that is taught; empty: of its kind")] = ""
