@@ -1,15 +1,11 @@
 """The graph under fire: real processes on real DDS, killed in the middle of motion."""
 
 import math
-import os
 import signal
-import sys
 import time
 
 import pytest
-from graph_fixtures import Valves
 from graph_processes import NODES, alive, kill, nodes_of
-from processes import Process
 from stall import Stall
 
 from forest_msgs_py.interfaces import topics
@@ -25,49 +21,6 @@ def rocking(tmp_path_factory):
     rows = [f"{k / 10:.1f},{0.4 * math.sin(0.1 * math.pi * k):.4f},0,0" for k in range(6000)]
     path.write_text("\n".join(["time_s,swing,boom,stick", *rows, ""]))
     return str(path)
-
-
-@pytest.fixture(scope="module")
-def start_shared(tmp_path_factory, session_domain_id):
-    """Start graphs in the session's domain for several tests, each of which leaves them as they are."""
-    started, environment = [], {**os.environ, "ROS_DOMAIN_ID": str(session_domain_id)}
-
-    def start(*options):
-        log = tmp_path_factory.mktemp("graph") / "graph.log"
-        command = [sys.executable, "-m", "forest_bringup.graph", *options]
-        started.append(Process(command, log, env=environment))
-        return started[-1]
-
-    yield start
-    for graph in started:
-        assert graph.stop() == 0, graph.text()
-
-
-@pytest.fixture(scope="module")
-def bystander(session_domain_id):
-    """Who listens in the session's domain."""
-    import rclpy
-    from rclpy.node import Node
-
-    context = rclpy.Context()
-    rclpy.init(context=context, domain_id=session_domain_id)
-    listener = Valves(Node("listener", context=context, start_parameter_services=False))
-    yield listener
-    listener.executor.shutdown()
-    listener.node.destroy_node()
-    context.try_shutdown()
-
-
-@pytest.fixture(scope="module")
-def standing(start_shared):
-    """A graph without a joystick."""
-    return start_shared()
-
-
-@pytest.fixture(scope="module")
-def beside(standing, start_shared, rocking):
-    """A graph in another namespace beside it, in shadow, whose levers rock."""
-    return start_shared("--namespace", "crane_2", "--shadow", "--joystick", rocking)
 
 
 @pytest.fixture
@@ -116,7 +69,7 @@ def test_the_graph_goes_on_without_the_recorder_and_says_so(moving_graph, valves
     assert not [name for name, pid in nodes.items() if alive(pid)]
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_stops_every_node_and_is_a_good_end(moving_graph, valves, wait_until, number):
     nodes = nodes_of(moving_graph)
     kill(moving_graph.pid, number)
@@ -134,7 +87,7 @@ def test_no_node_outlives_a_supervisor_that_is_killed(moving_graph, valves, wait
     wait_until(lambda: valves.shut > valves.opened, executor=valves.executor)
 
 
-def test_a_graph_whose_joystick_source_has_played_to_its_end_runs_until_ctrl_c_which_is_a_good_end(
+def test_a_graph_whose_joystick_source_has_played_to_its_end_runs_until_it_is_stopped(
     start_graph, valves, wait_until, levers
 ):
     graph = start_graph("--joystick", str(levers))
@@ -142,42 +95,37 @@ def test_a_graph_whose_joystick_source_has_played_to_its_end_runs_until_ctrl_c_w
     seen = valves.count
     wait_until(lambda: valves.count > seen + 100, executor=valves.executor)
     assert graph.poll() is None
-    nodes = nodes_of(graph)
     kill(graph.pid, signal.SIGINT)
     wait_until(lambda: graph.poll() is not None, executor=valves.executor)
     assert graph.returncode == 0, graph.text()
-    assert "stopped" in graph.text()
-    assert not [name for name, pid in nodes.items() if alive(pid)]
 
 
 def test_every_node_that_is_not_hidden_offers_its_parameters_and_without_a_joystick_one_is_waited_for(
-    standing, bystander, wait_until
+    start_graph, valves, wait_until
 ):
-    node, names = bystander.node, {"controller", "valve_driver", "simulator"}
-
-    def visible():
-        found = [name for name, space in node.get_node_names_and_namespaces() if space == "/"]
-        return {name for name in found if not name.startswith("_")} - {node.get_name()}
-
-    wait_until(lambda: names <= visible(), executor=bystander.executor)
-    wait_until(lambda: "waiting for a joystick on /joy" in standing.text(), executor=bystander.executor)
-    assert visible() == names
-    for name in names:
+    graph, node = start_graph(), valves.node
+    names = {"controller", "valve_driver", "simulator"}
+    wait_until(lambda: names <= set(node.get_node_names()), executor=valves.executor)
+    wait_until(lambda: "waiting for a joystick on /joy" in graph.text(), executor=valves.executor)
+    visible = {name for name in node.get_node_names() if not name.startswith("_")} - {node.get_name()}
+    assert visible == names
+    for name in visible:
         offered = {service for service, _ in node.get_service_names_and_types_by_node(name, "/")}
         assert {f"/{name}/list_parameters", f"/{name}/get_parameters"} <= offered
 
 
 def test_a_second_graph_is_refused_and_the_first_goes_on(
-    standing, bystander, own_domain, start_process, wait_until, tmp_path
+    start_graph, start_process, valves, wait_until, tmp_path
 ):
-    wait_until(lambda: bystander.count > 10, executor=bystander.executor)
-    second = start_process(["-m", "forest_bringup.graph"])
-    demo = start_process(["-m", "forest_study.demo.demo", "--out", str(tmp_path / "out")])
+    first = start_graph()
+    wait_until(lambda: valves.count > 10, executor=valves.executor)
+    second = start_graph()
     assert second.ended() == 1
     assert "a graph is already running in ROS domain" in second.text()
+    demo = start_process(["-m", "forest_study.demo.demo", "--out", str(tmp_path / "out")])
     assert demo.ended() == 1
     assert not (tmp_path / "out").exists()
-    assert standing.poll() is None
+    assert first.poll() is None
 
 
 def test_a_node_of_ours_that_runs_alone_also_keeps_a_graph_out(
@@ -190,21 +138,23 @@ def test_a_node_of_ours_that_runs_alone_also_keeps_a_graph_out(
     assert "node valve_driver" in refused.text()
 
 
-def test_another_namespace_is_another_graph(standing, beside, bystander, wait_until):
-    node = bystander.node
-    for topic in ("/crane_2/joint_states", "/joint_states"):
-        wait_until(lambda of=topic: node.count_publishers(of) == 1, executor=bystander.executor)
-    assert standing.poll() is None
-    assert beside.poll() is None
+def test_another_namespace_is_another_graph(start_graph, valves, wait_until):
+    first, second = start_graph(), start_graph("--namespace", "crane_2")
+    names = valves.node
+    wait_until(lambda: names.count_publishers("/crane_2/joint_states") == 1, executor=valves.executor)
+    wait_until(lambda: names.count_publishers("/joint_states") == 1, executor=valves.executor)
+    assert first.poll() is None
+    assert second.poll() is None
 
 
-def test_shadow_computes_commands_and_publishes_no_voltage(beside, bystander, wait_until):
-    node, heard = bystander.node, []
-    named = topics.VALVE_COMMANDS._replace(name="/crane_2/valve_commands")
-    ear = subscription(node, named, lambda message: heard.append(max(map(abs, message.data[2:]))))
-    wait_until(lambda: heard and max(heard) > 0.1, executor=bystander.executor)
-    node.destroy_subscription(ear)
-    assert node.count_publishers("/crane_2/valve_voltages") == 0
+def test_shadow_computes_commands_and_publishes_no_voltage(start_graph, valves, wait_until, rocking):
+    start_graph("--shadow", "--joystick", rocking)
+    node = valves.node
+    heard = []
+    subscription(node, topics.VALVE_COMMANDS, lambda message: heard.append(max(map(abs, message.data[2:]))))
+    wait_until(lambda: heard and max(heard) > 0.1, executor=valves.executor)
+    assert valves.count == 0
+    assert node.count_publishers("/valve_voltages") == 0
 
 
 def test_without_simulator_there_is_no_machine_of_ours_and_the_controller_describes_the_robot(
