@@ -31,6 +31,9 @@ MADE = {
     "experiment_operator": "forest_ident.experiment_operator_node.ExperimentOperatorNode",
     "online_identification": "forest_ident.online_node.OnlineIdentificationNode",
     "delay": "forest_study.delay_node.DelayNode",
+    "cycle": "forest_control.cycle_node.CycleNode",
+    "viewer": "forest_viewers.viewer_node.ViewerNode",
+    "foxglove": "forest_viewers.foxglove_node.FoxgloveNode",
     "station": "forest_station.station_node.StationNode",
 }
 
@@ -45,6 +48,7 @@ def made(request, domain_id, tmp_path):
         "recorder": {"output": tmp_path / "bag"},
         "step_player": {"lockstep": "true", "bag": BAG},
         "experiment_operator": {"lockstep": "true"},
+        "foxglove": {"port": 0},
     }
     words = (f"{name}:={value}" for name, value in needed.get(request.param, {}).items())
     rclpy.init(

@@ -1,4 +1,4 @@
-"""A graph with the simulator, and a station that has joined it, for all tests of this folder."""
+"""A graph with the simulator, and a station that has joined it, for all tests of a module."""
 
 from typing import NamedTuple
 
@@ -35,7 +35,7 @@ class Crane(NamedTuple):
         assert stop.shut - stop.released < SHUTS_S + lost
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def crane(tmp_path_factory, session_domain_id):
     folder, port = tmp_path_factory.mktemp("station"), free_port()
     context = rclpy.Context()
