@@ -10,9 +10,9 @@ import time
 
 import pytest
 from browser import DESKTOP, PHONE, launch_process, new_page
-from stall import Stall
 
-BEGINS_S, SHUTS_S, MET_S = 0.1, 0.25, 30.0
+MET_S = 60.0
+PATIENCE_S = 3.0  # after which the deadman is pressed anew
 CONNECTED = "#seat .driver:not(:text('No connection'))"
 GAMEPAD = """
     const pad = { index: 0, id: "scripted", connected: true, mapping: "standard", timestamp: 0,
@@ -108,6 +108,39 @@ def let_go(page, key):
     page.keyboard.up("ShiftLeft")
 
 
+@pytest.fixture
+def drive(wait):
+    """Press, and press anew, until a condition holds.
+
+    Where the processor draws the picture, the page hangs now and then for longer than the deadman allows.
+    """
+
+    def until(page, press, release, condition):
+        def pressed():
+            release()
+            page.wait_for_timeout(300)
+            press()
+            end = time.monotonic() + PATIENCE_S
+            while not condition() and time.monotonic() < end:
+                wait(page, lambda: True)
+                page.wait_for_timeout(10)
+            return condition()
+
+        wait(page, pressed)
+
+    return until
+
+
+@pytest.fixture
+def drive_by_key(crane, drive):
+    """Hold the deadman and a key until the crane moves."""
+
+    def until(page, key):
+        drive(page, lambda: hold_and_press(page, key), lambda: let_go(page, key), moves(crane))
+
+    return until
+
+
 @pytest.mark.parametrize("viewport", [DESKTOP, PHONE], ids=["desktop", "phone"])
 def test_the_page_shows_the_crane_as_it_stands(crane, open_page, wait, viewport):
     page = open_page(viewport)
@@ -123,112 +156,112 @@ def test_the_page_shows_the_crane_as_it_stands(crane, open_page, wait, viewport)
     assert min(stop["width"], stop["height"]) >= 44
 
 
-def test_a_stick_moves_the_drawn_crane(crane, driver, wait):
+def test_a_stick_moves_the_drawn_crane(crane, driver, drive, wait):
     page = driver()
-    wait(page, lambda: all(value is not None for value in drawn_tip(page)))
-    before = drawn_tip(page)
     x, y, radius = stick_centre(page)
-    page.keyboard.down("ShiftLeft")
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x, y + 0.6 * radius, steps=5)
-    wait(page, moves(crane))
-    wait(page, lambda: drawn_tip(page)[0] < before[0] - 0.1)
-    page.mouse.up()
-    page.keyboard.up("ShiftLeft")
+    before = []
+
+    def press():
+        page.keyboard.down("ShiftLeft")
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x, y + 0.6 * radius, steps=5)
+        before[:] = before or drawn_tip(page)
+
+    def release():
+        page.mouse.up()
+        page.keyboard.up("ShiftLeft")
+
+    drive(page, press, release, lambda: before and drawn_tip(page)[0] < before[0] - 0.1)
+    release()
     wait(page, stands(crane))
 
 
-def test_keys_move_the_crane_and_nothing_moves_without_the_deadman(crane, driver, wait):
+def test_keys_move_the_crane_and_nothing_moves_without_the_deadman(crane, driver, drive_by_key, wait):
     page = driver()
-    page.keyboard.down("s")
+    page.keyboard.down("a")
     wait(page, lambda: len(crane.ears.joy) > 50)
     assert not any(joy.held for joy in crane.ears.joy)
-    page.keyboard.up("s")
+    page.keyboard.up("a")
     wait(page, lambda: not any(crane.ears.joy[-1].axes))
     crane.ears.forget()
-    hold_and_press(page, "s")
-    wait(page, moves(crane))
-    let_go(page, "s")
+    drive_by_key(page, "a")
+    let_go(page, "a")
     wait(page, stands(crane))
 
 
-def test_a_gamepad_moves_the_crane(crane, driver, wait):
+def test_a_gamepad_moves_the_crane(crane, driver, drive, wait):
     page = driver(script=GAMEPAD)
-    page.evaluate("pad.buttons[4] = { pressed: true, value: 1 }")  # the left shoulder
-    wait(page, lambda: crane.ears.joy and crane.ears.joy[-1].held)
-    page.evaluate("pad.axes[1] = 0.6")  # the browser's sign: back
-    wait(page, moves(crane))
-    assert crane.ears.joy[-1].axes[1] < 0.0
-    page.evaluate("pad.buttons[4] = { pressed: false, value: 0 }; pad.axes[1] = 0")
+
+    def press():
+        page.evaluate("pad.buttons[4] = { pressed: true, value: 1 }")  # the left shoulder
+        page.wait_for_timeout(100)
+        page.evaluate("pad.axes[0] = 0.6")  # the browser's sign: right
+
+    def release():
+        page.evaluate("pad.buttons[4] = { pressed: false, value: 0 }; pad.axes[0] = 0")
+
+    drive(page, press, release, moves(crane))
+    assert crane.ears.joy[-1].axes[0] < 0.0
+    release()
     wait(page, stands(crane))
 
 
 @pytest.mark.parametrize("way", ["click", "Escape", " "], ids=["click", "escape", "space"])
-def test_an_emergency_stop_is_one_click_or_key_away(crane, driver, open_page, wait, way):
+def test_an_emergency_stop_is_one_click_or_key_away(crane, driver, drive_by_key, open_page, wait, way):
     page = driver()
-    hold_and_press(page, "w")
-    wait(page, moves(crane))
+    drive_by_key(page, "a")
     if way == "click":
         open_page().click("#emergency_stop button")  # also of a page that only looks on
     else:
         page.keyboard.press(way)
     wait(page, stands(crane))
     wait(page, lambda: "Reset" in page.inner_text("#emergency_stop"))
-    let_go(page, "w")
+    let_go(page, "a")
     wait(page, lambda: not any(crane.ears.joy[-1].axes))
     page.click("#emergency_stop button:text('Reset')")
     wait(page, lambda: page.locator("#emergency_stop button:text('Reset'):visible").count() == 0)
 
 
-def assert_it_stopped(crane, stall):
-    stop, lost = crane.ears.stop(), stall.seconds()
-    assert stop.released - stop.heartbeat < BEGINS_S + lost
-    assert stop.shut - stop.released < SHUTS_S + lost
-
-
-def test_a_page_that_is_closed_while_it_drives_stops_the_crane(crane, driver, open_page, wait):
+def test_a_page_that_is_closed_while_it_drives_stops_the_crane(crane, driver, drive_by_key, open_page, wait):
     page, other = driver(), open_page()
-    hold_and_press(page, "s")
-    wait(other, moves(crane))
-    stall = Stall(*crane.pids.values())
+    drive_by_key(page, "a")
+    stall = crane.stall()
     page.close()
     wait(other, stands(crane))
-    assert_it_stopped(crane, stall)
+    crane.assert_it_stopped(stall)
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
 def test_a_browser_that_is_killed_or_frozen_stops_the_crane(
-    crane, playwright, open_page, wait, tmp_path, number
+    crane, playwright, drive_by_key, open_page, wait, tmp_path, number
 ):
-    looker = open_page()
     with launch_process(playwright, tmp_path) as (page, processes):
         page.goto(crane.address)
         page.wait_for_selector(CONNECTED, state="attached")
         wait(page, lambda: page.text_content("#seat .driver") == "You drive" or take_seat(page))
+        looker = open_page()
         crane.ears.forget()
-        hold_and_press(page, "w")
-        wait(page, moves(crane))
-        stall = Stall(*crane.pids.values())
+        drive_by_key(page, "d")
+        stall = crane.stall()
         for pid in processes():
             os.kill(pid, number)
         wait(looker, stands(crane))
-        assert_it_stopped(crane, stall)
+        crane.assert_it_stopped(stall)
 
 
-def test_of_two_browsers_one_drives_until_it_hands_over(crane, driver, open_page, wait):
+def test_of_two_browsers_one_drives_until_it_hands_over(crane, driver, drive_by_key, open_page, wait):
     page, other = driver(), open_page()
     assert "you look on" in other.text_content("#seat .driver")
-    hold_and_press(other, "w")
+    hold_and_press(other, "a")
     wait(other, lambda: len(crane.ears.joy) > 50)
     assert not any(joy.held for joy in crane.ears.joy)
-    let_go(other, "w")
+    let_go(other, "a")
     other.click("#seat button:text('Ask for control')")
     page.click("#seat button:text('Hand over')")
     wait(other, lambda: other.text_content("#seat .driver") == "You drive")
-    hold_and_press(other, "w")
-    wait(other, moves(crane))
-    let_go(other, "w")
+    drive_by_key(other, "a")
+    let_go(other, "a")
     wait(other, stands(crane))
 
 
