@@ -35,7 +35,7 @@ class RecordedCrane(NamedTuple):
         return {signal_of(name): "m" if name.endswith("_rod") else "rad" for name in joints}
 
     def positions(self, angles: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-        """Return the signals [N, k] at some angles of swing, boom and stick [3][N] [rad]."""
+        """Return the signals, N by k, at some angles of swing, boom and stick, 3 by N [rad]."""
         assert self.machine is not None
         rows = np.column_stack(angles).tolist()
         found = [crane_signals(self.machine, dict(zip(AXES, row, strict=True))) for row in rows]
