@@ -17,7 +17,7 @@ from forest_bringup.graph import graph_nodes, parse_options
 from forest_bringup.supervisor import NodeSpec
 from launch import LaunchContext, LaunchDescription
 
-VALUES = ("machine", "scheme", "namespace", "profile", "joystick", "foxglove", "record")
+VALUES = ("machine", "scheme", "namespace", "profile", "joystick", "cycles", "foxglove", "record")
 FLAGS = ("no_simulator", "shadow", "viewer")
 END_WITH_LAUNCH = (
     "setpriv --pdeathsig TERM"  # of util-linux: no orphan commands a crane after `kill -9` of launch

@@ -72,9 +72,13 @@ class JoystickNode(Node):
             self._send(JoyMessage(FRAME, *sent.values))
 
     def _say(self, problem: str, names: str) -> None:
-        if (problem or names) != self._said:
-            self._said = problem or names
-            (self.get_logger().warning if problem else self.get_logger().info)(self._said)
+        if (problem or names) == self._said:
+            return
+        self._said = problem or names
+        if problem:  # rclpy: a line of code logs at one level
+            self.get_logger().warning(problem)
+        else:
+            self.get_logger().info(names)
 
     def _play(self) -> None:
         """Send what the source says."""

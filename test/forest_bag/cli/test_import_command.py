@@ -147,7 +147,7 @@ def test_an_existing_bag_is_kept(convert):
 def test_the_documented_maps_are_read(tmp_path):
     page = Path(__file__).resolve().parents[3] / "docs" / "reference" / "bags.md"
     text = page.read_text(encoding="utf-8")
-    examples = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+    examples = [one for one in re.findall(r"```yaml\n(.*?)```", text, re.DOTALL) if "time:" in one]
     assert len(examples) == 2
     for number, example in enumerate(examples):
         file = tmp_path / f"{number}.yaml"

@@ -10,7 +10,8 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.safety.diagnostics import Diagnostics, beyond
+from forest_msgs_py.safety.clipping import Clipping
+from forest_msgs_py.safety.diagnostics import Diagnostics
 
 S = 1_000_000_000
 
@@ -170,8 +171,11 @@ def test_the_values_are_asked_for_only_when_they_are_told_and_carry_their_units(
     }
 
 
-def test_a_value_beyond_its_rating_is_named_with_both():
-    ratings = (10.0, 10.0, 8.0)
-    assert beyond(topics.VALVE_COMMANDS, (10.0, -10.0, 8.0), ratings) == ""
+def test_a_value_beyond_its_rating_is_named_with_both_and_counted():
+    clipping = Clipping(topics.VALVE_COMMANDS, (10.0, 10.0, 8.0))
+    assert clipping.caution((10.0, -10.0, 8.0)) == ""
+    assert clipping.values()["clipped since start"] == 0
     said = "valve_commands: stick is -9 V, clipped to its rating of 8 V"
-    assert beyond(topics.VALVE_COMMANDS, (0.0, 0.0, -9.0), ratings) == said
+    assert clipping.caution((0.0, 0.0, -9.0)) == said
+    told = {"swing rating [V]": 10.0, "boom rating [V]": 10.0, "stick rating [V]": 8.0}
+    assert clipping.values() == told | {"clipped since start": 1}

@@ -25,7 +25,7 @@ from forest_msgs_py.interfaces.topics import JOY_AXES, JOY_BUTTONS
 AUTO = "auto"
 KEYS = ("name", "path", "phys", "uniq", "axes", "buttons", "range")
 CODES: dict[str, int] = ecodes.ecodes
-COUNTS = 2**31  # raw values are 32-bit integers
+COUNTS = 2**31  # [1] raw values are 32-bit integers
 
 
 def load_devices(device: str, deadman: int) -> tuple[DeviceMapping, ...]:

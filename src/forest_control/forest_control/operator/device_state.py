@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 
 from evdev import ecodes
 
-REPEATED = 2  # value of a key event that the kernel's timer made
+REPEATED = 2  # [1] value of a key event that the kernel's timer made
 
 
 class Event(Protocol):
