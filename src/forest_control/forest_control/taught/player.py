@@ -147,9 +147,7 @@ def _entered(state: State, at: int) -> tuple[State, str]:
         return fresh._replace(phase=Phase.FINISHED), "finished"
     entered = state.steps[at]
     if isinstance(entered, Hold):
-        _, action, time = entered.grapple
-        wait = f"for {time:g} s" if time else "until a person confirms"
-        return fresh._replace(phase=Phase.HOLDING), f"{entered.name}: grapple {action}, {wait}"
+        return fresh._replace(phase=Phase.HOLDING), entered.text
     phase = Phase.RUNNING if state.phase == Phase.RUNNING else Phase.WAITING
     told = at > 0 and state.steps[at - 1].number == entered.number  # its leg to its start
     return fresh._replace(phase=phase, place=Place(entered)), "" if told else f"segment {entered.name}"
