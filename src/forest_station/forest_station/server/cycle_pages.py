@@ -58,7 +58,7 @@ def _as_answers() -> Iterator[None]:
 
 async def _teach(station: Station, _page: str, arguments: Mapping[str, Any]) -> str:
     what, label = arguments.get("what"), arguments.get("label", "")
-    if what not in TEACHES:
+    if not isinstance(what, str) or what not in TEACHES:
         raise Refused(f"What is {what!r}; allowed: {', '.join(TEACHES)}.")
     if not isinstance(label, str) or not label.isprintable() or len(label) > LONGEST:
         raise Refused(f"Label is {str(label)[:LONGEST]!r}; allowed: at most {LONGEST} letters.")
