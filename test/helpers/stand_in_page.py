@@ -24,7 +24,7 @@ CENTRED = (0.0,) * 6
 UP, DOWN = (0.0, 0.0, 0.0, 0.5, 0.0, 0.0), (0.0, 0.0, 0.0, -0.5, 0.0, 0.0)
 STICKS = itertools.cycle((UP, DOWN))
 PRESSED_AFTER, MOVED_AFTER, SETTLED = 5, 10, 10  # messages
-TURNED_AFTER = 100  # messages, or the crane comes to its end
+TURNED_AFTER, CENTRED_FOR = 100, 10  # messages; without a turn the crane comes to its end
 
 
 def opposite(stick: tuple[float, ...]) -> tuple[float, ...]:
@@ -87,17 +87,24 @@ class StandInPage:
         """Press, deflect a stick, and go on until cancelled.
 
         A busy computer may end the first tries; once it has gone well for a while, it is not pressed again.
+        Each turn rests in the centre, as a hand's does: a controller that lost a state is armed there again.
         """
         k = held = 0
         while True:
-            stick = self.stick if self.number // TURNED_AFTER % 2 == 0 else opposite(self.stick)
-            await self.send(k >= PRESSED_AFTER, stick if k >= MOVED_AFTER else CENTRED)
+            await self.send(k >= PRESSED_AFTER, self._turned() if k >= MOVED_AFTER else CENTRED)
             await asyncio.sleep(PERIOD)
             k += 1
             held = held + 1 if self.seat["deadman"]["state"] == "held" else 0
             self.settled = self.settled or held >= SETTLED
             if not self.settled and not held and k > MOVED_AFTER + SETTLED:
                 k = 0
+
+    def _turned(self) -> tuple[float, ...]:
+        """The stick at this message: to one side, centred, to the other."""
+        turn, message = divmod(self.number, TURNED_AFTER)
+        if message < CENTRED_FOR:
+            return CENTRED
+        return self.stick if turn % 2 == 0 else opposite(self.stick)
 
     async def hold(self) -> None:
         """Hold the deadman and a stick from the beginning, until cancelled."""
