@@ -5,7 +5,7 @@ import contextlib
 
 import pytest
 
-from forest_bringup import graph
+from forest_bringup import graph, graph_command
 from forest_bringup.graph_lock import GraphError
 from forest_bringup.supervisor import Stopped
 
@@ -16,10 +16,10 @@ class Started:
     def __init__(self):
         self.nodes, self.until, self.ends, self.exit_codes = {}, [], [Stopped()], {"controller": 0}
 
-    def __call__(self, nodes, namespace, logs, may_publish, echo):
+    def __call__(self, nodes, namespace, logs, may_publish, on_log_line):
         self.nodes = {node.name: node for node in nodes}
         self.namespace, self.logs, self.may_publish = namespace, logs, may_publish
-        echo("a line of a node")
+        on_log_line("a line of a node")
         return contextlib.nullcontext(self)
 
     def run(self, until=None):
@@ -31,7 +31,7 @@ class Started:
 @pytest.fixture
 def started(monkeypatch):
     told = Started()
-    monkeypatch.setattr(graph, "Supervisor", told)
+    monkeypatch.setattr(graph_command, "Supervisor", told)
     return told
 
 

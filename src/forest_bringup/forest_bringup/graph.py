@@ -5,6 +5,7 @@ import json
 import re
 import sys
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -225,16 +226,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "graph",
         graph_nodes(options),
         options.namespace,
-        _run_past_joystick if plays else Supervisor.run,
+        partial(_run, plays=plays),
         may_publish=not options.shadow,
         on_log_line=lambda line: print(line, flush=True),
     )
 
 
-def _run_past_joystick(graph: Supervisor) -> None:
-    """Say when the joystick's source has ended; the graph goes on."""
-    graph.run(until="joystick")
-    print("the joystick source has played to its end; Ctrl-C stops the graph", flush=True)
+def _run(graph: Supervisor, plays: bool) -> None:
+    """Run the graph; where a joystick's source plays, say when it has ended."""
+    if plays:
+        graph.run(until="joystick")
+        print("the joystick source has played to its end; Ctrl-C stops the graph", flush=True)
     graph.run()
 
 

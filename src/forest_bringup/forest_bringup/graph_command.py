@@ -3,6 +3,7 @@
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
+from operator import methodcaller
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ def run_command(
     program: str,
     nodes: Sequence[NodeSpec],
     namespace: str,
-    run: Callable[[Supervisor], None] = Supervisor.run,
+    run: Callable[[Supervisor], None] = methodcaller("run"),
     **options: Any,
 ) -> int:
     """Run nodes; return 0 after a stop on request, 1 after a failure, which is told in one sentence.
