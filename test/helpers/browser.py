@@ -10,8 +10,6 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, Playwright
 
-from forest_bringup.process_priority import raise_priority
-
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 # Root needs --no-sandbox; without a graphics card SwiftShader draws; the rest keeps it off the network.
 OPTIONS = (
@@ -27,6 +25,7 @@ OPTIONS = (
 )
 DESKTOP = {"width": 1600, "height": 900}
 PHONE = {"width": 390, "height": 844}
+NICE = -5  # of a browser that drives: after the nodes, which have -10
 SMALL = {"width": 640, "height": 480}  # few pixels, and no chart: where the picture does not matter
 
 
@@ -66,7 +65,8 @@ def launch_process(
 ) -> Iterator[tuple[BrowserContext, Callable[[], list[int]]]]:
     """A browser that drives, or is killed or frozen: its first profile, and what gives its processes' pids.
 
-    It comes before other programs as the nodes do: a page that waits for its turn lets the deadman go.
+    It comes before other programs, where the user may ask for that: a page that waits for its turn lets the
+    deadman go. Chromium sets the precedence of its threads itself, so it is asked for the session.
     """
 
     def processes() -> list[int]:
@@ -77,8 +77,9 @@ def launch_process(
         profile, executable_path=installed(), args=OPTIONS, viewport=SMALL
     )
     try:
-        for pid in processes():
-            raise_priority(pid)
+        for pid in processes()[:1]:
+            with contextlib.suppress(OSError):
+                Path(f"/proc/{pid}/autogroup").write_text(str(NICE), encoding="ascii")
         yield context, processes
     finally:
         for pid in processes():
