@@ -25,6 +25,7 @@ OPTIONS = (
 )
 DESKTOP = {"width": 1600, "height": 900}
 PHONE = {"width": 390, "height": 844}
+LOW = {"width": 1000, "height": 640}  # few pixels beside all panels
 NICE = -5  # of a browser that drives: after the nodes, which have -10
 SMALL = {"width": 640, "height": 480}  # few pixels, and no chart: where the picture does not matter
 
