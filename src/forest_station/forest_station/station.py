@@ -7,7 +7,14 @@ import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 
-from forest_bringup.graph import add_graph_options, control, machine_arguments, parameters, simulator
+from forest_bringup.graph import (
+    add_graph_options,
+    control,
+    machine_arguments,
+    parameters,
+    simulator,
+    taught_work,
+)
 from forest_bringup.graph_command import run_command
 from forest_bringup.profile_choice import profile_for
 from forest_bringup.supervisor import NodeSpec
@@ -31,6 +38,9 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
         "--bags", type=Path, default=Path("bags"), metavar="DIR", help="directory of the bags"
     )
     parser.add_argument(
+        "--cycles", type=Path, default=Path("cycles"), metavar="DIR", help="directory of taught work"
+    )
+    parser.add_argument(
         "--certificate", type=Path, metavar="FILE", help="TLS certificate; default: one is made"
     )
     parser.add_argument("--key", type=Path, metavar="FILE", help="its key")
@@ -46,6 +56,7 @@ def station_nodes(options: argparse.Namespace) -> list[NodeSpec]:
     profile = profile_for(None, options.profile)
     return [
         station,
+        taught_work(options.machine, options.cycles),
         *control(options.machine, options.scheme, shadow=False, describe=False, profile=profile),
         simulator(options.machine),
     ]
