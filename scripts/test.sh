@@ -7,10 +7,9 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST # tests talk to nobody outside th
 export OMP_NUM_THREADS=1                       # threads of BLAS only disturb the timing of the nodes
 cd "$root"
 if [[ $# -eq 0 ]]; then
-    # What is judged in tenths of a second beside a browser, or drawn by the processor, runs after the rest, alone.
-    alone=(test/forest_station/live test/forest_station/test_{page_hands,page_instruments,replay_page,station}.py)
+    alone=test/forest_station/live # judged in tenths of a second, beside a browser: after the rest
     "$venv/bin/python" -m pytest -p xdist --numprocesses auto --maxprocesses 8 --dist loadfile \
-        --no-loadscope-reorder "${alone[@]/#/--ignore=}"
-    set -- "${alone[@]}"
+        --no-loadscope-reorder --ignore="$alone"
+    set -- "$alone"
 fi
 exec "$venv/bin/python" -m pytest "$@"

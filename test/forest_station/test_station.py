@@ -53,7 +53,7 @@ def test_one_command_starts_graph_and_page_and_ctrl_c_ends_both(start_process, w
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-        taken = start_process(["-m", "forest_station.station", "--no-browser", "--port", str(port)])
+        taken = start_process(["-m", "forest_station.station", "--join", "--no-browser", "--port", str(port)])
         assert taken.ended() == 1  # bound, though nobody listens
         assert "cannot be had" in taken.text()
     station = start_process(["-m", "forest_station.station", "--no-browser", "--port", str(port)])

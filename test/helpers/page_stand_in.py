@@ -52,6 +52,19 @@ class PageStandIn:
         self.page.goto(ADDRESS)
         self.page.wait_for_selector(".driver[data-drives=true]")
 
+    def rest(self) -> None:
+        """Come to rest between two tests: nothing pressed, stopped, refused or remembered."""
+        self.page.mouse.up()
+        for key in ("Shift", "w"):
+            self.page.keyboard.up(key)
+        self.silent.clear()
+        self.refusals.clear()
+        self.tell("emergency_stop", active=False, sources=[])
+        self.tell_seat()
+        self.page.clock.run_for(500)
+        self.heard.clear()
+        self.asked.clear()
+
     def tell(self, kind: str, **content: Any) -> None:
         """Send a message."""
         assert self._socket is not None

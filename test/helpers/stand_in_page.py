@@ -27,7 +27,7 @@ CENTRED = (0.0,) * 6
 UP, DOWN = (0.0, 0.0, 0.0, 0.5, 0.0, 0.0), (0.0, 0.0, 0.0, -0.5, 0.0, 0.0)
 STICKS = itertools.cycle((UP, DOWN))
 PRESSED_AFTER, MOVED_AFTER, SETTLED = 5, 10, 10  # messages
-TURNED_AFTER = 100  # messages, or the crane comes to its end
+TURNED_AFTER, CENTRED_FOR = 100, 10  # messages; without a turn the crane comes to its end
 
 
 def opposite(stick: tuple[float, ...]) -> tuple[float, ...]:
@@ -90,11 +90,11 @@ class StandInPage:
         """Press, deflect a stick, and go on until cancelled.
 
         A busy computer may end the first tries; once it has gone well for a while, it is not pressed again.
+        Each turn rests in the centre, as a hand's does: a controller that lost a state is armed there again.
         """
         k = held = 0
         while True:
-            stick = self.stick if self.number // TURNED_AFTER % 2 == 0 else opposite(self.stick)
-            await self.send(k >= PRESSED_AFTER, stick if k >= MOVED_AFTER else CENTRED)
+            await self.send(k >= PRESSED_AFTER, self._turned() if k >= MOVED_AFTER else CENTRED)
             await asyncio.sleep(PERIOD)
             k += 1
             held = held + 1 if self.seat["deadman"]["state"] == "held" else 0
@@ -116,6 +116,13 @@ class StandInPage:
             return math.nan
         found: float = struct.unpack_from("<f", self.frame, FRAME_HEAD + 4 * names.index(signal))[0]
         return found
+
+    def _turned(self) -> tuple[float, ...]:
+        """The stick at this message: to one side, centred, to the other."""
+        turn, message = divmod(self.number, TURNED_AFTER)
+        if message < CENTRED_FOR:
+            return CENTRED
+        return self.stick if turn % 2 == 0 else opposite(self.stick)
 
     async def hold(self) -> None:
         """Hold the deadman and a stick from the beginning, until cancelled."""

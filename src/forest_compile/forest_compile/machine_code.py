@@ -22,7 +22,7 @@ ARGUMENTS = {"p": ctypes.c_void_p, "d": ctypes.c_double, "i": ctypes.c_int64}
 Kernel = Callable[..., None]
 LINKERS = ("ld", "ld.lld", "cc", "gcc")
 _LINK_S = 60.0
-_MATHEMATICS = ("sin", "cos", "sincos", "exp", "acos", "atan2", "pow", "fmod")
+_MATHEMATICS = ("sin", "cos", "sincos", "exp", "log", "acos", "atan2", "pow", "fmod")
 _LIBM = "libm.so.6"
 # What of /proc/cpuinfo decides which instructions there are; clock and core numbers do not.
 _PROCESSOR = {"vendor_id", "cpu family", "model", "model name", "stepping", "flags"}

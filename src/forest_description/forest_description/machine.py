@@ -142,6 +142,10 @@ class Machine(ParameterSet):
             )
         for axis, name in enumerate(AXES):
             drive = self.drives[axis]
+            if drive.chambers is not None and self.oil is None:
+                raise MachineError(
+                    f"oil is null, but the {name} has chambers: how their oil yields needs its bulk_modulus"
+                )
             if not isinstance(self.hose_of(axis), GeometricHose):
                 continue
             if self.oil is None:

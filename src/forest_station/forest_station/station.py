@@ -3,7 +3,6 @@
 import argparse
 import os
 import sys
-import tempfile
 import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,9 +15,9 @@ from forest_bringup.graph import (
     simulator,
     taught_work,
 )
-from forest_bringup.graph_lock import GraphError
+from forest_bringup.graph_command import run_command
 from forest_bringup.profile_choice import profile_for
-from forest_bringup.supervisor import NodeSpec, Stopped, Supervisor
+from forest_bringup.supervisor import NodeSpec
 
 ADDRESS = "the page is at "  # begins the line in which the station says where
 
@@ -84,25 +83,14 @@ def show_line(line: str, opens: bool) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the station; return 0 after a stop on request, 1 after a failure."""
     options = parse_options(arguments)
-    nodes = station_nodes(options)
-    logs = Path(tempfile.mkdtemp(prefix="forest-station-"))
-    print(f"starting {', '.join(node.name for node in nodes)}; logs in {logs}; Ctrl-C stops", flush=True)
-    try:
-        with Supervisor(
-            nodes,
-            options.namespace,
-            logs,
-            may_publish=not options.join,
-            on_log_line=lambda line: show_line(line, not options.no_browser),
-            exclusive=not options.join,
-        ) as graph:
-            graph.run()
-    except Stopped:
-        print("stopped", flush=True)
-    except (GraphError, OSError) as error:
-        print(f"station: {error}", file=sys.stderr)
-        return 1
-    return int(any(graph.exit_codes.values()))
+    return run_command(
+        "station",
+        station_nodes(options),
+        options.namespace,
+        may_publish=not options.join,
+        on_log_line=lambda line: show_line(line, not options.no_browser),
+        exclusive=not options.join,
+    )
 
 
 if __name__ == "__main__":

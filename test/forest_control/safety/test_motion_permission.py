@@ -240,6 +240,19 @@ def test_a_state_that_does_not_come_is_missed_at_its_timeout_and_disarms(rig):
     assert rig.guard.causes["machine"] == LOST_STATE
 
 
+def test_while_the_state_is_lost_what_is_wrong_with_the_joystick_is_told_if_it_is_missed(rig):
+    later = rig.now + JOY_TIMEOUT + STATE_TIMEOUT
+    assert rig.guard.is_lost(later, NOBODY)
+    assert rig.guard.causes["joystick"]
+    assert not rig.guard.is_nobody_there()
+    rig.held = False
+    rig.once()
+    assert not rig.guard.is_nobody_there()
+    assert rig.guard.is_lost(rig.now + JOY_TIMEOUT + STATE_TIMEOUT, NOBODY)
+    assert rig.guard.is_nobody_there()  # it went after the deadman was released
+    assert not rig.guard.causes["joystick"]
+
+
 def test_of_states_that_are_refused_the_cause_is_told_and_not_what_follows_from_it(rig):
     rig.problem = "joint state: none"
     for _ in range(30):

@@ -120,6 +120,31 @@ OTHERS = [
         4,
         "boom.friction.smoothing_speed (0.02 m/s) must be smaller than stribeck_speed (0.012 m/s)",
     ),
+    (
+        "c180_real",
+        "stick:\n  chambers:\n    rod_dead_volume: = 13 L\n",
+        4,
+        "stick.chambers.rod_dead_volume (0.013 m3) must be at most what the stroke sweeps (0.0125",
+    ),
+    ("c180_real", "oil: null\n", 2, "oil is null, but the swing has chambers: how their oil yields needs"),
+    (
+        "c180_real",
+        "boom:\n  chambers:\n    area: = 1 m2\n",
+        4,
+        "unknown key boom.chambers.area; allowed: head",
+    ),
+    (
+        "c180",
+        "boom:\n  chambers:\n    head_dead_volume: = 1 L\n",
+        3,
+        "missing key boom.chambers.rod_dead_volume",
+    ),
+    (
+        "c180_real",
+        "boom:\n  chambers:\n    head_dead_volume: = 0 L\n",
+        4,
+        "= 0 L (0 m3) is outside the range 1e-06",
+    ),
 ]
 
 

@@ -137,6 +137,19 @@ def test_pumps_is_one_command(forest_sim, tmp_path):
     assert len(result["energy_j"]) == 4
 
 
+def test_machines_are_compared_under_the_same_voltages(forest_sim, tmp_path):
+    out, path = tmp_path / "compared", tmp_path / "step.csv"
+    path.write_text("time,swing,boom,stick\n0,0,4,0\n0.3,0,0,0\n", "utf-8")
+    code, told, _ = forest_sim(
+        *("compare", "c180", "c180_real", "--voltages", path, "--duration", "0.6", "--out", out)
+    )
+    assert code == 0
+    ends = {line.split()[0]: float(line.split()[1]) for line in told.splitlines()[1:3]}
+    assert list(ends) == ["c180", "c180_real"]
+    assert ends["c180"] != ends["c180_real"]
+    assert png_size(out / "compare.png")[0] == 1000
+
+
 def test_equilibrium_tells_pressures_that_hold_the_crane(forest_sim):
     code, told, _ = forest_sim("equilibrium", "--tip", "5.5", "0", "1", "--json")
     result = json.loads(told)
@@ -214,6 +227,7 @@ def test_check_of_an_unusable_file_says_why(forest_sim, tmp_path):
         (("simulate", "--out", "{new}", "--sensor-faults", "eyes: absent"), 2, "there is no sensor 'eyes'"),
         (("simulate", "--out", "{new}", "--seed", "-1"), 2, "allowed: 0 .. 2147483647, whole"),
         (("pumps", "--out", "{old}"), 1, "exists already"),
+        (("compare", "c180", "--out", "{new}"), 2, "one machine compares with nothing; allowed: two or more"),
         (("equilibrium", "--tip", "1", "0", "1"), 1, "it needs the boom at"),
         (("equilibrium", "--angles", "0", "80", "-90"), 1, "boom at 80.0 deg, allowed there: -36.7 .. 72.0"),
         (("equilibrium", "--angles", "0", "x", "-90"), 2, "'x'; allowed: -720 .. 720 deg"),
@@ -289,7 +303,7 @@ def test_stopping_a_run_keeps_what_was_written(forest_sim, tmp_path, monkeypatch
     assert (tmp_path / "run" / "trajectory" / "metadata.yaml").is_file()
 
 
-@pytest.mark.parametrize("command", ["simulate", "pumps", "equilibrium", "modes", "check"])
+@pytest.mark.parametrize("command", ["simulate", "pumps", "compare", "equilibrium", "modes", "check"])
 def test_every_command_has_help_with_its_units(forest_sim, command):
     code, told, _ = forest_sim(command, "--help")
     assert code == 0

@@ -16,7 +16,7 @@ from forest_sim.solver.plant import ports_at, state_derivative
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power_flows import power_flows
 
-THESIS, C180 = load_machine("c180_thesis"), load_machine("c180")
+THESIS, C180, REAL = (load_machine(name) for name in ("c180_thesis", "c180", "c180_real"))
 LEAKY = replace(C180.valve, deadband_voltage=-0.3, leakage_conductance=1e-13, port_2_area=0.7)
 RUBBING = replace(
     C180.boom, friction=Friction(4e3, 7e3, 5e-3, 1e-3), cushion=Cushion(0.1, 5e6), flow_regime="laminar"
@@ -35,6 +35,8 @@ MACHINES = [
     pytest.param(C180, id="c180"),
     pytest.param(EVERYTHING, id="everything"),
     pytest.param(CHECKED, id="load checks"),
+    pytest.param(REAL, id="c180_real"),
+    pytest.param(replace(REAL, valve=LEAKY, boom=replace(REAL.boom, flow_regime="laminar")), id="leaking"),
 ]
 
 
@@ -64,7 +66,15 @@ def test_every_part_hands_on_what_it_neither_loses_nor_stores(machine):
         assert gap(pump.engine, -lost, -pump.manifold, -pump.supply) < 1e-9
         for a in (flows.swing, flows.boom, flows.stick):
             assert gap(a.supply, -a.throttling, -a.inlets) < 1e-9
-            lost = a.port_valves + a.resistance + a.leakage + a.damping + a.dry_friction + a.cushion
+            lost = (
+                a.port_valves
+                + a.resistance
+                + a.compression
+                + a.leakage
+                + a.damping
+                + a.dry_friction
+                + a.cushion
+            )
             assert gap(a.inlets, -a.hose, -lost, -a.stop, -a.joint) < 1e-9
 
 

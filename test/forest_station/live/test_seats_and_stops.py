@@ -47,7 +47,7 @@ def test_a_second_page_looks_on_and_its_hands_count_for_nothing(crane):
     play(scenario())
 
 
-def test_handed_the_seat_a_page_that_holds_the_deadman_moves_nothing(crane):
+def test_handed_the_seat_a_page_drives_only_after_it_has_pressed_anew(crane):
     async def scenario():
         async with driving(crane) as (page, _), StandInPage(crane.address) as other:
             pressing = asyncio.create_task(other.hold())
@@ -60,6 +60,10 @@ def test_handed_the_seat_a_page_that_holds_the_deadman_moves_nothing(crane):
             await crane.ears.until(lambda: len(crane.ears.joy) > 50)
             assert not any(joy.held for joy in crane.ears.joy)  # it has held the deadman all the time
             pressing.cancel()
+            pressed = asyncio.create_task(other.drive())
+            await crane.ears.moving()
+            pressed.cancel()
+            await crane.ears.still()
 
     play(scenario())
 

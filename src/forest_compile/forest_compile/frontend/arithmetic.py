@@ -36,6 +36,7 @@ EXTERNAL: dict[Any, tuple[str, int]] = {  # LLVM's or the C library's name, and 
     math.sin: ("sin", 1),
     math.cos: ("cos", 1),
     math.exp: ("exp", 1),
+    math.log: ("log", 1),
     math.acos: ("acos", 1),
     math.copysign: ("llvm.copysign.f64", 2),
     math.atan2: ("atan2", 2),

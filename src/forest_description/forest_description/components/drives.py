@@ -46,6 +46,27 @@ class Cushion(ParameterSet):
 
 
 @dataclass(frozen=True)
+class CylinderChambers(ParameterSet):
+    """Oil in a cylinder on both sides of its piston, which yields with it; the thesis leaves it out."""
+
+    head_dead_volume: float = parameter(
+        "m3", 1e-6, 0.1, "oil on the head side with the cylinder retracted, ports and pipes included"
+    )
+    rod_dead_volume: float = parameter(
+        "m3", 1e-6, 0.1, "oil on the rod side with the cylinder extended, ports and pipes included"
+    )
+
+
+@dataclass(frozen=True)
+class MotorChambers(ParameterSet):
+    """Oil in the swing motor on each side, which yields; the thesis leaves it out."""
+
+    port_volume: float = parameter(
+        "m3", 1e-7, 0.01, "oil of one port: half of the chambers, galleries and pipes"
+    )
+
+
+@dataclass(frozen=True)
 class SwingDrive(ParameterSet):
     """Hydraulic motor and gear train of the swing. Thesis section 3.2.5, 3.3."""
 
@@ -64,6 +85,7 @@ class SwingDrive(ParameterSet):
     hose: Hose | None = component()
     lower_limit: float = parameter("rad", -20.0, 20.0, "smallest swing angle")
     upper_limit: float = parameter("rad", -20.0, 20.0, "largest swing angle")
+    chambers: MotorChambers | None = None  # may be left out
 
     def __post_init__(self) -> None:
         """Check ranges, and that the swing has room to move."""
@@ -91,6 +113,7 @@ class CylinderDrive(ParameterSet):
     hose: Hose | None = component()
     friction: Friction | None = component()
     cushion: Cushion | None = component()
+    chambers: CylinderChambers | None = None  # may be left out
 
     def __post_init__(self) -> None:
         """Check ranges, the areas, that rod and linkage allow the stroke, and that cushions fit in it."""
@@ -104,11 +127,24 @@ class CylinderDrive(ParameterSet):
                 f"the linkage closes only between {abs(a - b):g} and {a + b:g} m"
             )
         require_order("stroke", self.stroke, "retracted_length", self.retracted_length, "m")
+        self._check_chambers()
         if self.cushion is not None and self.cushion.length > 0.5 * self.stroke:
             raise MachineError(
                 f"cushion.length ({self.cushion.length:g} m) must be at most half the stroke "
                 f"({0.5 * self.stroke:g} m)"
             )
+
+    def _check_chambers(self) -> None:
+        """Raise unless dead volumes are small beside what the stroke sweeps."""
+        if self.chambers is None:
+            return
+        for side, area in (("head", self.head_area), ("rod", self.rod_area)):
+            dead, swept = getattr(self.chambers, f"{side}_dead_volume"), area * self.stroke
+            if dead > swept:
+                raise MachineError(
+                    f"chambers.{side}_dead_volume ({dead:g} m3) must be at most what the stroke sweeps "
+                    f"({swept:g} m3)"
+                )
 
     @property
     def angles(self) -> tuple[float, float]:

@@ -124,5 +124,13 @@ class GeometricHose(ParameterSet):
         compliance = 1.0 / oil.bulk_modulus + (1.0 / self.wall_modulus if self.wall_modulus else 0.0)
         return Line(resistance, oil.density * length / area, area * length * compliance)
 
+    def oil_share(self, bulk_modulus: float) -> float:
+        """Return the oil's share of the capacitance, K/(K + β); the rest is the wall's.
+
+        Args:
+            bulk_modulus: β [Pa].
+        """
+        return 1.0 if self.wall_modulus is None else self.wall_modulus / (self.wall_modulus + bulk_modulus)
+
 
 Hose = MeasuredHose | GeometricHose

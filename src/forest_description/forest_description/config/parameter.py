@@ -61,6 +61,14 @@ def component() -> Any:
     return dataclasses.field()
 
 
+def may_be_left_out(field: dataclasses.Field[Any]) -> bool:
+    """Tell whether a file may leave a field out: a component that is None by default.
+
+    Files and records from before there was such a component stay what they are.
+    """
+    return field.default is None
+
+
 def parameter_of(field: dataclasses.Field[Any]) -> Parameter | None:
     """Return the parameter that a dataclass field declares, or None for a field of another kind."""
     found: Parameter | None = field.metadata.get("parameter")

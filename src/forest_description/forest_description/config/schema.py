@@ -14,7 +14,14 @@ import types
 import typing
 from typing import NamedTuple, TypeVar
 
-from forest_description.config.parameter import Choice, MachineError, Parameter, choice_of, parameter_of
+from forest_description.config.parameter import (
+    Choice,
+    MachineError,
+    Parameter,
+    choice_of,
+    may_be_left_out,
+    parameter_of,
+)
 from forest_description.config.source_tree import QUANTITY_KEYS, ROW_KEYS, Branch, Leaf, Row
 from forest_description.config.units import UNITS, Unit, units_for
 
@@ -30,6 +37,7 @@ class FieldKind(NamedTuple):
     allowed: Parameter | None
     choice: Choice | None
     row: bool
+    may_be_left_out: bool
 
 
 class Quantity(NamedTuple):
@@ -69,6 +77,8 @@ def build(kind: type[T], tree: Branch, prefix: str = "") -> T:
 def _value(key: str, tree: Branch, name: str, field: FieldKind) -> object:
     """Return the value of one field of the dataclass that ``tree`` describes."""
     item = tree.children.get(name)
+    if item is None and field.may_be_left_out:
+        return None
     if item is None:
         null = " or null" if field.optional else ""
         raise MachineError(f"{tree.place}: missing key {key}: {_what(field)}{null}")
@@ -215,7 +225,7 @@ def quantities(kind: type, tree: Branch, prefix: str = "") -> list[Quantity]:
     """Return all numbers of a tree as the file has them, in the order of the dataclass' fields."""
     found: list[Quantity] = []
     for name, field in field_kinds(kind).items():
-        item, key = tree.children[name], prefix + name
+        item, key = tree.children.get(name), prefix + name
         if isinstance(item, Branch) and field.allowed is not None:
             found.append(_quantity(key, item, field.allowed, field.row))
         elif isinstance(item, Branch):
@@ -251,5 +261,6 @@ def field_kinds(kind: type) -> dict[str, FieldKind]:
             allowed=parameter_of(field),
             choice=choice_of(field),
             row=row,
+            may_be_left_out=may_be_left_out(field),
         )
     return kinds

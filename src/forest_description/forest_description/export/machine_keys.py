@@ -29,7 +29,8 @@ manipulator:
   log: null               # an optional component that is not there
 ```
 
-- Without `based_on` every key must be given. *Or null* marks the keys that may be `null`.
+- Without `based_on` every key must be given. *Or null* marks the keys that may be `null`; *or left
+  out* those that need not be there, which means the same.
 - A section whose `kind` differs from the base's is given anew, with all its keys.
 - A unit may be any of the quantity. Ranges are in SI and wide: they catch a slipped decimal point,
   not an unusual crane.
@@ -104,6 +105,7 @@ def _is_section(field: FieldKind) -> bool:
 def _row(name: str, field: FieldKind) -> str:
     """Return a key's line of the table."""
     null = " or null" if field.optional else ""
+    null += " or left out" if field.may_be_left_out else ""
     if field.allowed is not None:
         unit = ", ".join(units_for(field.allowed.unit))
         row = "row of numbers, each " if field.row else ""

@@ -77,15 +77,23 @@ def table(rows: list[Quantity], machine: Machine) -> str:
 
 def document() -> str:
     """Return the whole docs/reference/machine.md."""
-    thesis, c180, loader = (load_machine(name) for name in ("c180_thesis", "c180", "loader"))
+    thesis, c180, real, loader = (load_machine(n) for n in ("c180_thesis", "c180", "c180_real", "loader"))
     printed, chosen = sources("c180_thesis"), choices(thesis)
-    numbers = [row for row in sources("c180") if row not in printed]
-    others = {key: word for key, word in choices(c180).items() if chosen.get(key) != word}
+    numbers, others = _what_differs("c180", "c180_thesis")
+    further, more = _what_differs("c180_real", "c180")
     return (
         f"{INTRODUCTION}\n## c180_thesis\n\n{choice_table(chosen)}\n\n{table(printed, thesis)}\n\n"
         f"## c180: what differs\n\n{choice_table(others)}\n\n{table(numbers, c180)}\n\n"
+        f"## c180_real: what differs from c180\n\n{choice_table(more)}\n\n{table(further, real)}\n\n"
         f"## loader\n\n{choice_table(choices(loader))}\n\n{table(sources('loader'), loader)}\n"
     )
+
+
+def _what_differs(name: str, base: str) -> tuple[list[Quantity], dict[str, str]]:
+    """Return numbers and choices of a shipped machine that another one does not have."""
+    told, chosen = sources(base), choices(load_machine(base))
+    numbers = [row for row in sources(name) if row not in told]
+    return numbers, {k: word for k, word in choices(load_machine(name)).items() if chosen.get(k) != word}
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from forest_description.config.parameter import Parameter, parameter_of
+from forest_description.config.parameter import Parameter, may_be_left_out, parameter_of
 from forest_description.machine import Machine
 
 NAME = "name"  # of the machine: that of its file
@@ -34,6 +34,8 @@ def _lines(part: Any, source: str, depth: int) -> Iterator[str]:
     for field in dataclasses.fields(part):
         value, allowed = getattr(part, field.name), parameter_of(field)
         if depth == 0 and field.name == NAME:
+            continue
+        if value is None and may_be_left_out(field):
             continue
         if value is None:
             yield f"{indent}{field.name}: null"

@@ -6,7 +6,7 @@ import math
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +27,7 @@ from forest_sim.analysis.friction_linearisation import (
 from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
 from forest_sim.simulation.energy_account import account
-from forest_sim.simulation.open_loop import Run, RunError, blocks, substeps
+from forest_sim.simulation.open_loop import Run, RunError, blocks, require_within_limits, substeps
 from forest_sim.simulation.sensor_log import EXACT, Sensing, SensorLog
 from forest_sim.simulation.trajectory_files import DecimatedRows, TrajectoryFiles, path_in_errors
 from forest_sim.simulation.voltage_profiles import Voltages
@@ -157,6 +157,23 @@ def compare_pumps(machine: Machine, voltages: Voltages, angles: Vec3, run: Run, 
     )
     print(pump_comparison.table(comparison))
     print("\n".join(f"  {path}" for path in (out / "pumps.json", picture)))
+    return 0
+
+
+def compare_machines(
+    machines: Sequence[Machine], axis: int, voltages: Voltages, angles: Vec3, run: Run, out: Path
+) -> int:
+    """Run the same input on several machines; write the picture of one axis."""
+    substeps(run)
+    for machine in machines:
+        require_within_limits(machine, angles)
+    new_directory(out)
+    _warn_if_interpreted()
+    from forest_sim.analysis import machine_comparison
+
+    courses = machine_comparison.compare(machines, axis, voltages, angles, run)
+    picture = machine_comparison.draw(courses, axis, voltages, out / "compare.png")
+    print(f"{machine_comparison.table(courses)}\n  {picture}")
     return 0
 
 

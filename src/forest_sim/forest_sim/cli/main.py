@@ -16,7 +16,7 @@ from forest_description.config.parameter import MachineError
 from forest_description.config.source_tree import shipped_machines
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine, load_machine
-from forest_description.types import Vec3
+from forest_description.types import AXES, Vec3
 from forest_msgs_py.runtime import command_line
 from forest_msgs_py.runtime.command_line import number, whole
 from forest_sim.simulation import voltage_profiles
@@ -82,6 +82,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     pumps = _command(commands, "pumps", _pumps, "the same input on the four sorts of pump: power and energy")
     _add_run(pumps)
+    compared = _command(commands, "compare", _compare, "the same input on several machines: one axis, drawn")
+    compared.add_argument("machines", nargs="+", metavar="NAME|FILE", help="two or more machines")
+    compared.add_argument("--axis", choices=AXES, default="boom", help="that is drawn; default: boom")
+    _add_run(compared)
     rest = _command(commands, "equilibrium", _equilibrium, "pressures, forces and torques at rest at a pose")
     _add_pose(rest)
     rest.add_argument("--json", action="store_true", help="print JSON in SI units")
@@ -116,7 +120,7 @@ def _command(
         name, help=text, description=text[0].upper() + text[1:] + ".", epilog=EPILOGUE
     )
     parser.set_defaults(command=function, parser=parser)
-    if name != "check":
+    if name not in ("check", "compare"):
         parser.add_argument("--machine", default="c180", metavar="NAME|FILE", help="default: %(default)s")
     celsius = number(-60.0, 200.0, "degC")
     parser.add_argument(
@@ -209,6 +213,16 @@ def _pumps(options: argparse.Namespace) -> int:
     return compare_pumps(*_run(options), options.out)
 
 
+def _compare(options: argparse.Namespace) -> int:
+    from forest_sim.cli.commands import compare_machines
+
+    if len(options.machines) < 2:
+        options.parser.error("argument NAME|FILE: one machine compares with nothing; allowed: two or more")
+    machines = [_machine(options, name) for name in options.machines]
+    given = _run(options, machines[0])
+    return compare_machines(machines, AXES.index(options.axis), *given[1:], options.out)
+
+
 def _equilibrium(options: argparse.Namespace) -> int:
     from forest_sim.cli.commands import show_equilibrium
 
@@ -235,9 +249,9 @@ def _check(options: argparse.Namespace) -> int:
     return show_check(_machine(options))
 
 
-def _machine(options: argparse.Namespace) -> Machine:
-    """Return the machine, its oil at the temperature asked for."""
-    machine = load_machine(options.machine)
+def _machine(options: argparse.Namespace, name: str = "") -> Machine:
+    """Return a machine, by default `--machine`, its oil at the temperature asked for."""
+    machine = load_machine(name or options.machine)
     if options.temperature is None:
         return machine
     if machine.oil is None:
@@ -245,8 +259,8 @@ def _machine(options: argparse.Namespace) -> Machine:
     return at_temperature(machine, options.temperature + ZERO_CELSIUS)
 
 
-def _run(options: argparse.Namespace) -> tuple[Machine, Voltages, Vec3, Run]:
-    machine = _machine(options)
+def _run(options: argparse.Namespace, machine: Machine | None = None) -> tuple[Machine, Voltages, Vec3, Run]:
+    machine = machine or _machine(options)
     voltages = _voltages(options)
     duration = options.duration or voltages.duration
     if duration <= 0.0:

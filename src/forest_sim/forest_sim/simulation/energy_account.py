@@ -4,7 +4,7 @@
 |---|---|
 | engine | work of the shaft |
 | pump | lost in the pump: friction, leakage, main relief valve |
-| throttling | lost in the valves' edges |
+| throttling | lost in the valves' edges, where the oil of chambers gives back its compression, too |
 | port_valves | lost over relief and anti-cavitation valves |
 | hoses | lost to the hoses' resistance |
 | leakage | lost in the swing motor |
@@ -25,7 +25,9 @@ import numpy as np
 
 from forest_description.components.hose import Line
 from forest_description.types import AXES, Floats
+from forest_sim.hydraulics.oil_volume import OilVolume, stored_energy
 from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.plant import transmissions
 from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.state_recording import ENERGY
 
@@ -48,7 +50,7 @@ class Account(NamedTuple):
 _PARTS = {
     "engine": ("pump_engine",),
     "pump": ("pump_pump_friction", "pump_pump_leakage", "pump_main_relief"),
-    "throttling": ("throttling",),
+    "throttling": ("throttling", "compression"),
     "port_valves": ("port_valves",),
     "hoses": ("resistance",),
     "leakage": ("leakage",),
@@ -66,7 +68,7 @@ def dissipated_energy(energies: Floats) -> float:
 
 
 def account(energies: Floats) -> Account:
-    """Return the account of recorded energies [..., 42], `state_recording.ENERGY`."""
+    """Return the account of recorded energies [..., 45], `state_recording.ENERGY`."""
     parts = {
         entry: sum(energies[..., place] for name in names for place in _places(name))
         for entry, names in _PARTS.items()
@@ -99,15 +101,19 @@ def unaccounted(total: Account) -> float:
 
 
 def oil_energy(simulation: Simulation, p: PlantParameters) -> float:
-    """Return the energy [J] in manifold and hoses, C P^2/2 and I Q^2/2."""
+    """Return the energy [J] in manifold, hoses and chambers: C P^2/2, I Q^2/2 and `stored_energy`."""
     plant = simulation.plant
     supply = 0.0 if p.supply.ideal else 0.5 * p.supply.capacitance * plant.supply.pressure**2
+    at = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
     return supply + sum(
-        _hose(axis.line_1, state.pressure_1, state.flow_1)
-        + _hose(axis.line_2, state.pressure_2, state.flow_2)
-        for state, axis in zip(plant.axes, p.axes, strict=True)
+        _hose(axis.line_1, axis.oil_1, state.pressure_1, state.flow_1, t.position)
+        + _hose(axis.line_2, axis.oil_2, state.pressure_2, state.flow_2, t.position)
+        for state, t, axis in zip(plant.axes, at, p.axes, strict=True)
     )
 
 
-def _hose(line: Line, pressure: float, flow: float) -> float:
-    return 0.5 * line.capacitance * pressure**2 + 0.5 * line.inertance * flow**2
+def _hose(line: Line, oil: OilVolume, pressure: float, flow: float, position: float) -> float:
+    moving = 0.5 * line.inertance * flow**2
+    if oil.yields:
+        return stored_energy(pressure, position, oil) + moving
+    return 0.5 * line.capacitance * pressure**2 + moving

@@ -49,7 +49,7 @@ class Block(NamedTuple):
     time: Floats  # [N] s
     voltages: Floats  # [N, 3] V, that act from the row's time on
     states: Floats  # [N, 36]
-    energies: Floats  # [N, 42] J, over the period before the row
+    energies: Floats  # [N, 45] J, over the period before the row
     temperature: Floats  # [N] K, of the oil; NaN for a machine without
 
 

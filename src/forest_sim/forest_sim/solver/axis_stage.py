@@ -7,8 +7,10 @@ is lost.
 
 from typing import NamedTuple
 
+from forest_description.components.hose import Line
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.hydraulics.hydraulic_line import LineSolution, PortGuard, solve_line, with_outflow
+from forest_sim.hydraulics.oil_volume import StageHose, density_ratio, stage_hose
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_resistance
 from forest_sim.mechanics.friction import friction_slope
 from forest_sim.mechanics.manipulator import Pair
@@ -25,6 +27,8 @@ class AxisSolution(NamedTuple):
     two: LineSolution  # hose 2, its flow counted from the valve
     torque: float  # on the joint [N m]
     resistance: float  # -d(torque)/d(rate) [N m s]
+    swept: Pair  # oil that port 1 takes and port 2 gives per actuator speed [m^2; m^3/rad]
+    lines: tuple[Line, Line]  # as the stage took them: with the chambers' capacitance, the hoses' resistance
 
 
 def solve_axis(
@@ -39,18 +43,92 @@ def solve_axis(
 ) -> AxisSolution:
     """Solve both hoses of an axis at a guessed joint rate.
 
+    Args:
+        base: the stage's known part; where there are chambers, with their oil in place of pressures
+            (`plant.with_contents`).
+        rate: of the joint [rad/s].
+        t: position and lever arm at the stage's end.
+        ports: what the valve connects.
+        supply: P_s [Pa].
+        axis: its constants.
+        guard: the relief and anti-cavitation valves of its ports.
+        h: the stage's implicit step [s].
+    """
+    if axis.oil_1.yields:
+        return _solve_with_chambers(base, rate, t, ports, supply, axis, guard, h)
+    hose_1 = StageHose(base.pressure_1, base.flow_1, axis.line_1)
+    hose_2 = StageHose(base.pressure_2, -base.flow_2, axis.line_2)
+    one, two = _solve_hoses(hose_1, hose_2, t.arm * rate, ports, supply, axis, guard, h)
+    swept = axis.actuator.displacement_1, axis.actuator.displacement_2
+    return _solution(rate, t, one, two, swept, (axis.line_1, axis.line_2), axis, h)
+
+
+def _solve_with_chambers(
+    base: AxisState,
+    rate: float,
+    t: Transmission,
+    ports: Ports,
+    supply: float,
+    axis: Axis,
+    guard: PortGuard,
+    h: float,
+) -> AxisSolution:
+    """Do as `solve_axis` where the actuator has chambers; not inlined.
+
+    A piston takes no oil from its chamber, but moves its wall.
+    """
+    hose_1 = stage_hose(base.pressure_1, base.flow_1, t.position, axis.line_1, axis.oil_1, h)
+    hose_2 = stage_hose(base.pressure_2, -base.flow_2, t.position, axis.line_2, axis.oil_2, h)
+    swept_1, swept_2, through = axis.actuator.displacement_1, axis.actuator.displacement_2, t.arm * rate
+    piston = axis.oil_1.area != 0.0
+    if piston:
+        through = 0.0
+    one, two = _solve_hoses(hose_1, hose_2, through, ports, supply, axis, guard, h)
+    if piston:
+        swept_1 *= density_ratio(one.pressure, axis.oil_1)
+        swept_2 *= density_ratio(two.pressure, axis.oil_2)
+    return _solution(rate, t, one, two, (swept_1, swept_2), (hose_1.line, hose_2.line), axis, h)
+
+
+def _solve_hoses(
+    hose_1: StageHose,
+    hose_2: StageHose,
+    through: float,
+    ports: Ports,
+    supply: float,
+    axis: Axis,
+    guard: PortGuard,
+    h: float,
+) -> tuple[LineSolution, LineSolution]:
+    """Return both hoses with an actuator that takes its oil at a speed [m/s; rad/s].
+
     The motor's small cross leakage is taken at the stage's known pressures, and its change after
     that to first order: it couples the hoses by a thousandth.
     """
-    a = axis.actuator
-    speed, p_1, p_2 = t.arm * rate, base.pressure_1, base.pressure_2
+    a, p_1, p_2 = axis.actuator, hose_1.pressure, hose_2.pressure
     # Each actuator flow without its own hose's pressure, which solve_line eliminates through the leakage.
-    q_1, q_2 = inlet_flow(speed, 0.0, p_2, a), outlet_flow(speed, p_1, 0.0, a)
-    one = solve_line(p_1, base.flow_1, q_1, a.leakage_11, ports.port_1, supply, axis.line_1, guard, h)
-    two = solve_line(p_2, -base.flow_2, -q_2, a.leakage_22, ports.port_2, supply, axis.line_2, guard, h)
+    q_1, q_2 = inlet_flow(through, 0.0, p_2, a), outlet_flow(through, p_1, 0.0, a)
+    one = solve_line(p_1, hose_1.flow, q_1, a.leakage_11, ports.port_1, supply, hose_1.line, guard, h)
+    two = solve_line(p_2, hose_2.flow, -q_2, a.leakage_22, ports.port_2, supply, hose_2.line, guard, h)
     if a.leakage_12 != 0.0:
         more_1, more_2 = -a.leakage_12 * (two.pressure - p_2), -a.leakage_12 * (one.pressure - p_1)
         one, two = _both_with_outflow(one, two, more_1, more_2, a.leakage_12)
+    return one, two
+
+
+def _solution(
+    rate: float,
+    t: Transmission,
+    one: LineSolution,
+    two: LineSolution,
+    swept: Pair,
+    lines: tuple[Line, Line],
+    axis: Axis,
+    h: float,
+) -> AxisSolution:
+    """Return what both hoses do to the joint."""
+    a, speed = axis.actuator, t.arm * rate
+    stiffness = a.displacement_1 * swept[0] * one.stiffness + a.displacement_2 * swept[1] * two.stiffness
     force = actuator_force(speed, one.pressure, two.pressure, a) + passive_force(t.position, speed, axis)
     return AxisSolution(
         rate=rate,
@@ -58,19 +136,18 @@ def solve_axis(
         one=one,
         two=two,
         torque=t.arm * force,
-        resistance=t.arm * t.arm * _resistance(speed, t, one, two, axis, h),
+        resistance=t.arm * t.arm * _resistance(speed, t, stiffness, axis, h),
+        swept=swept,
+        lines=lines,
     )
 
 
-def _resistance(
-    speed: float, t: Transmission, one: LineSolution, two: LineSolution, axis: Axis, h: float
-) -> float:
-    """Return -dF/du [N s/m; N m s/rad] of an actuator within a stage."""
+def _resistance(speed: float, t: Transmission, stiffness: float, axis: Axis, h: float) -> float:
+    """Return -dF/du [N s/m; N m s/rad] of an actuator within a stage, the oil's stiffness first."""
     a = axis.actuator
     braking = a.quadratic_resistance + cushion_resistance(t.position, speed, axis.cushion)
     return (
-        a.displacement_1 * a.displacement_1 * one.stiffness
-        + a.displacement_2 * a.displacement_2 * two.stiffness
+        stiffness
         + a.linear_resistance
         + 2.0 * braking * abs(speed)
         + friction_slope(speed, axis.friction)
@@ -100,12 +177,12 @@ def corrected_axis(
         axis: its constants.
         h: the stage's implicit step [s].
     """
-    a, moved = axis.actuator, solution.arm * (rate - solution.rate)
+    leakage, moved = axis.actuator.leakage_12, solution.arm * (rate - solution.rate)
     q_1, q_2 = feeds[0] * supply_change, feeds[1] * supply_change
     p_1, p_2 = solution.one.slope * q_1, solution.two.slope * q_2
-    more_1 = a.displacement_1 * moved - a.leakage_12 * p_2
-    more_2 = -a.displacement_2 * moved - a.leakage_12 * p_1
-    one, two = _both_with_outflow(solution.one, solution.two, more_1, more_2, a.leakage_12)
+    more_1 = solution.swept[0] * moved - leakage * p_2
+    more_2 = -solution.swept[1] * moved - leakage * p_1
+    one, two = _both_with_outflow(solution.one, solution.two, more_1, more_2, leakage)
     return AxisState(
         base.angle + h * rate,
         rate,

@@ -18,7 +18,7 @@ from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.multibody import HeadState
-from forest_sim.solver.plant import AxisState, PlantState, ports_at
+from forest_sim.solver.plant import AxisState, PlantState, ports_at, with_contents
 from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve
 
 GAMMA = 1.0 - math.sqrt(0.5)
@@ -47,14 +47,15 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     middle = spools_after(simulation.spools, voltages, c, p)
     end = spools_after(simulation.spools, voltages, h, p)
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
-    base = ahead = after = plant
-    failures = 0
+    base = ahead = start = with_contents(plant, p)
+    after, failures = plant, 0
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
         after, failed = solve_stage(base, ahead, rates, ports, c, p)
         failures += failed
         if stage == 0:
             # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
-            base, ahead = _blend(plant, after, (1.0 - GAMMA) / GAMMA), _blend(plant, after, 1.0 / GAMMA)
+            met = with_contents(after, p)
+            base, ahead = _blend(start, met, (1.0 - GAMMA) / GAMMA), _blend(start, met, 1.0 / GAMMA)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
             if end != middle:
                 ports = ports_at(end, p)

@@ -25,8 +25,9 @@ from forest_description.geometry.linkage import Linkage, length_and_arm
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
-from forest_sim.hydraulics.hydraulic_line import flow_rate, pressure_rate
+from forest_sim.hydraulics.oil_volume import content
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
+from forest_sim.hydraulics.side import Side, side_rates
 from forest_sim.hydraulics.spool_dynamics import Spools
 from forest_sim.hydraulics.supply import SupplyState, pump_flow, reference_rate
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
@@ -114,6 +115,42 @@ def _cylinder(angle: float, linkage: Linkage) -> Transmission:
     return Transmission(length, arm)
 
 
+def with_contents(state: PlantState, p: PlantParameters) -> PlantState:
+    """Return a state with the oil that each volume holds [m^3] in place of its pressure.
+
+    That is what a step conserves, and what it is linear in. A hose without a chamber keeps its
+    pressure: its capacitance is constant, so that both are one.
+    """
+    if p.swing.oil_1.yields or p.boom.oil_1.yields or p.stick.oil_1.yields:
+        return _contents(state, p)
+    return state
+
+
+def _contents(state: PlantState, p: PlantParameters) -> PlantState:
+    """Return what `with_contents` does; not inlined."""
+    t_1, t_2, t_3 = transmissions(state.swing.angle, state.boom.angle, state.stick.angle, p)
+    return PlantState(
+        swing=_axis_contents(state.swing, t_1, p.swing),
+        boom=_axis_contents(state.boom, t_2, p.boom),
+        stick=_axis_contents(state.stick, t_3, p.stick),
+        supply=state.supply,
+        head=state.head,
+    )
+
+
+def _axis_contents(s: AxisState, t: Transmission, axis: Axis) -> AxisState:
+    if not axis.oil_1.yields:
+        return s
+    return AxisState(
+        angle=s.angle,
+        rate=s.rate,
+        pressure_1=content(s.pressure_1, t.position, axis.oil_1),
+        pressure_2=content(s.pressure_2, t.position, axis.oil_2),
+        flow_1=s.flow_1,
+        flow_2=s.flow_2,
+    )
+
+
 def joint_torque(state: AxisState, transmission: Transmission, axis: Axis) -> float:
     """Return the torque [N m] of an axis' actuator and end stop on its joint. Thesis eq. 3.16, 3.18, 3.19."""
     speed = transmission.arm * state.rate
@@ -149,27 +186,44 @@ def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: Pl
     )
     (a_1, a_2, a_3), (a_alpha, a_beta) = accelerations(mechanics(angles, rates, state.head, p), torques)
     return PlantState(
-        swing=_axis_derivative(swing, a_1, t_1.arm, ports[0], state.supply.pressure, p.swing, p),
-        boom=_axis_derivative(boom, a_2, t_2.arm, ports[1], state.supply.pressure, p.boom, p),
-        stick=_axis_derivative(stick, a_3, t_3.arm, ports[2], state.supply.pressure, p.stick, p),
+        swing=_axis_derivative(swing, a_1, t_1, ports[0], state.supply.pressure, p.swing, p),
+        boom=_axis_derivative(boom, a_2, t_2, ports[1], state.supply.pressure, p.boom, p),
+        stick=_axis_derivative(stick, a_3, t_3, ports[2], state.supply.pressure, p.stick, p),
         supply=_supply_derivative(state, ports, p),
         head=HeadState(state.head.alpha_rate, state.head.beta_rate, a_alpha, a_beta),
     )
 
 
 def _axis_derivative(
-    s: AxisState, acceleration: float, arm: float, ports: Ports, supply: float, axis: Axis, p: PlantParameters
+    s: AxisState,
+    acceleration: float,
+    t: Transmission,
+    ports: Ports,
+    supply: float,
+    axis: Axis,
+    p: PlantParameters,
 ) -> AxisState:
     """Return one axis' six derivatives. Hose 2 is counted towards the valve, hence the signs."""
-    q_1 = inlet_flow(arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
-    q_2 = outlet_flow(arm * s.rate, s.pressure_1, s.pressure_2, axis.actuator)
+    side_1, side_2 = sides(s, t, ports, axis)
+    one, two = side_rates(side_1, supply, p.guard), side_rates(side_2, supply, p.guard)
     return AxisState(
         angle=s.rate,
         rate=acceleration,
-        pressure_1=pressure_rate(s.pressure_1, s.flow_1, q_1, axis.line_1, p.guard),
-        pressure_2=pressure_rate(s.pressure_2, -s.flow_2, -q_2, axis.line_2, p.guard),
-        flow_1=flow_rate(s.pressure_1, s.flow_1, ports.port_1, supply, axis.line_1),
-        flow_2=-flow_rate(s.pressure_2, -s.flow_2, ports.port_2, supply, axis.line_2),
+        pressure_1=one.pressure,
+        pressure_2=two.pressure,
+        flow_1=one.flow,
+        flow_2=-two.flow,
+    )
+
+
+def sides(s: AxisState, t: Transmission, ports: Ports, axis: Axis) -> tuple[Side, Side]:
+    """Return both sides of an axis. Hose 2 is counted towards the valve, hence the signs."""
+    speed = t.arm * s.rate
+    q_1 = inlet_flow(speed, s.pressure_1, s.pressure_2, axis.actuator)
+    q_2 = outlet_flow(speed, s.pressure_1, s.pressure_2, axis.actuator)
+    return (
+        Side(s.pressure_1, s.flow_1, q_1, t.position, speed, ports.port_1, axis.line_1, axis.oil_1),
+        Side(s.pressure_2, -s.flow_2, -q_2, t.position, speed, ports.port_2, axis.line_2, axis.oil_2),
     )
 
 

@@ -30,6 +30,7 @@ NOINLINE = (
     power_flows.power_flows,
     power_flows._axis_power,
     plant._axis_derivative,
+    plant._contents,
 )
 # state, voltages and their stride, length and count of each row's steps and their stride, rows, recorded (0:
 # nothing, 1: states, 2: energies, too), parameters, states, energies

@@ -13,6 +13,7 @@ from forest_description.machine import EndStops, Machine
 from forest_description.types import Vec3
 from forest_sim.hydraulics.actuator import Actuator, cylinder, motor
 from forest_sim.hydraulics.hydraulic_line import PortGuard
+from forest_sim.hydraulics.oil_volume import NO_CHAMBER, OilVolume
 from forest_sim.hydraulics.spool_dynamics import SpoolLag, spool_lag
 from forest_sim.hydraulics.supply import Supply, supply
 from forest_sim.mechanics.end_stop import UNCUSHIONED, CushionBrake, EndStop
@@ -20,6 +21,7 @@ from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction
 from forest_sim.mechanics.manipulator import Body, fold_head
 from forest_sim.mechanics.pendulum import HangingHead, hanging_head
 
+NO_DROP = Line(0.0, 0.0, 0.0)
 NO_GUARD = PortGuard(math.inf, 0.0, -math.inf, 0.0)
 
 
@@ -35,6 +37,8 @@ class Axis(NamedTuple):
 
     line_1: Line
     line_2: Line
+    oil_1: OilVolume
+    oil_2: OilVolume
     actuator: Actuator
     friction: Friction
     cushion: CushionBrake
@@ -100,6 +104,8 @@ def _swing(machine: Machine) -> Axis:
     return Axis(
         line_1=lines[0],
         line_2=lines[1],
+        oil_1=_motor_oil(machine, lines[0]),
+        oil_2=_motor_oil(machine, lines[1]),
         actuator=motor(machine.swing, *lines),
         friction=FRICTIONLESS,
         cushion=UNCUSHIONED,
@@ -113,10 +119,55 @@ def _cylinder(machine: Machine, axis: int) -> Axis:
     return Axis(
         line_1=lines[0],
         line_2=lines[1],
-        actuator=cylinder(drive, *lines),
+        oil_1=_head_oil(machine, axis, lines[0]),
+        oil_2=_rod_oil(machine, axis, lines[1]),
+        actuator=cylinder(drive, *lines) if drive.chambers is None else cylinder(drive, NO_DROP, NO_DROP),
         friction=friction(drive.friction),
         cushion=_cushion(drive),
         stop=_cylinder_stop(drive, machine.end_stops),
+    )
+
+
+def _motor_oil(machine: Machine, line: Line) -> OilVolume:
+    """Return the oil of one port of the motor; the hose's resistance is in the motor's law."""
+    chambers = machine.swing.chambers
+    if chambers is None:
+        return NO_CHAMBER
+    return _with_hose(machine, 0, line._replace(resistance=0.0), chambers.port_volume, 0.0)
+
+
+def _head_oil(machine: Machine, axis: int, line: Line) -> OilVolume:
+    drive = machine.boom if axis == 1 else machine.stick
+    if drive.chambers is None:
+        return NO_CHAMBER
+    retracted = drive.chambers.head_dead_volume - drive.head_area * drive.retracted_length
+    return _with_hose(machine, axis, line, retracted, drive.head_area)
+
+
+def _rod_oil(machine: Machine, axis: int, line: Line) -> OilVolume:
+    drive = machine.boom if axis == 1 else machine.stick
+    if drive.chambers is None:
+        return NO_CHAMBER
+    extended = drive.retracted_length + drive.stroke
+    return _with_hose(
+        machine, axis, line, drive.chambers.rod_dead_volume + drive.rod_area * extended, -drive.rod_area
+    )
+
+
+def _with_hose(machine: Machine, axis: int, line: Line, volume: float, area: float) -> OilVolume:
+    """Return a chamber V = volume + area x and the oil in its hose as one volume."""
+    assert machine.oil is not None  # Machine.__post_init__ saw to it
+    compliance, drive, hose = 1.0 / machine.oil.bulk_modulus, machine.drives[axis], machine.hose_of(axis)
+    share = hose.oil_share(machine.oil.bulk_modulus)
+    laminar = drive.flow_regime == "laminar"
+    return OilVolume(
+        yields=1,
+        volume=volume + share * line.capacitance / compliance,
+        area=area,
+        wall=(1.0 - share) * line.capacitance,
+        compliance=compliance,
+        laminar_drop=line.resistance if laminar else 0.0,
+        turbulent_drop=0.0 if laminar else line.resistance,
     )
 
 

@@ -9,7 +9,7 @@ signs, and their integrals over a run are its energy account.
 |---|---|---|---|---|
 | pump | engine | pump_friction, pump_leakage, main_relief | manifold | supply |
 | valve | supply | throttling | | hose inlets |
-| hose | its inlet | port_valves, resistance | hose | actuator |
+| hose | its inlet | port_valves, resistance, compression | hose | actuator |
 | actuator | | leakage, damping, dry_friction, cushion | stop | joint |
 | links | joint, external | | kinetic and potential energy | |
 """
@@ -17,8 +17,10 @@ signs, and their integrals over a run are its energy account.
 from typing import NamedTuple
 
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
-from forest_sim.hydraulics.hydraulic_line import flow_rate, guard_flow, pressure_rate
+from forest_sim.hydraulics.hydraulic_line import guard_flow
+from forest_sim.hydraulics.oil_volume import hose_drop
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
+from forest_sim.hydraulics.side import storage
 from forest_sim.hydraulics.supply import pump_flow
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
@@ -30,6 +32,7 @@ from forest_sim.solver.plant import (
     axis_draw,
     joint_torque,
     ports_at,
+    sides,
     state_derivative,
     transmissions,
 )
@@ -53,7 +56,8 @@ class AxisPower(NamedTuple):
     supply: float  # drawn from the manifold
     throttling: float  # lost in the valve's edges, leakage past them included
     inlets: float  # handed to the hoses
-    hose: float  # stored in inertances and capacitances
+    hose: float  # stored in inertances, hoses and chambers
+    compression: float  # of the oil in chambers, given back where it leaves; 0 without chambers
     port_valves: float  # lost over relief and anti-cavitation valves
     resistance: float  # lost in the hoses
     leakage: float  # lost inside the motor and to its case drain
@@ -119,15 +123,20 @@ def _axis_power(
     p_1, p_2 = port_pressures(u, s.pressure_1, s.pressure_2, a)
     lost_1, in_1 = _valve(s.pressure_1, s.flow_1, ports.port_1, supply)
     lost_2, in_2 = _valve(s.pressure_2, -s.flow_2, ports.port_2, supply)
+    one, two = sides(s, t, ports, axis)
+    taken_up_1, taken_up_2 = storage(one, supply, p.guard), storage(two, supply, p.guard)
+    drop_1, drop_2 = hose_drop(one.flow, axis.oil_1), hose_drop(two.flow, axis.oil_2)
     return AxisPower(
         supply=supply * axis_draw(s, ports, supply).flow,
         throttling=lost_1 + lost_2,
         inlets=in_1 + in_2,
-        hose=_stored(s.pressure_1, s.flow_1, q_1, ports.port_1, supply, axis, 1, p)
-        + _stored(s.pressure_2, -s.flow_2, -q_2, ports.port_2, supply, axis, 2, p),
+        hose=taken_up_1.stored + taken_up_2.stored,
+        compression=taken_up_1.compression + taken_up_2.compression,
         port_valves=-s.pressure_1 * guard_flow(s.pressure_1, p.guard)
         - s.pressure_2 * guard_flow(s.pressure_2, p.guard),
-        resistance=(s.pressure_1 - p_1) * q_1 + (p_2 - s.pressure_2) * q_2,
+        resistance=(s.pressure_1 - p_1) * q_1
+        + (p_2 - s.pressure_2) * q_2
+        + (drop_1 * one.flow + drop_2 * two.flow),
         leakage=a.internal_leakage * ((p_1 - p_2) * (p_1 - p_2))
         + a.external_leakage * (p_1 * p_1 + p_2 * p_2),
         damping=a.damping * u * u,
@@ -145,21 +154,3 @@ def _valve(pressure: float, flow: float, port: Port, supply: float) -> tuple[flo
     p = port_pressure(pressure, flow, port, supply)
     from_supply, to_tank = edge_flows(flow, p, port, supply)
     return (supply - p) * from_supply + p * to_tank, p * flow
-
-
-def _stored(
-    pressure: float,
-    flow: float,
-    actuator_flow: float,
-    port: Port,
-    supply: float,
-    axis: Axis,
-    number: int,
-    p: PlantParameters,
-) -> float:
-    """Return what a hose's inertance and capacitance take up [W]."""
-    line = axis.line_1 if number == 1 else axis.line_2
-    inertial = line.inertance * flow * flow_rate(pressure, flow, port, supply, line)
-    return inertial + line.capacitance * pressure * pressure_rate(
-        pressure, flow, actuator_flow, line, p.guard
-    )

@@ -12,7 +12,7 @@ from forest_sim.hydraulics.supply import SupplyState, pump_flow, reference_after
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.axis_stage import AxisSolution
 from forest_sim.solver.plant import Ports, sensed_load
-from forest_sim.solver.plant_parameters import Axis, PlantParameters
+from forest_sim.solver.plant_parameters import PlantParameters
 
 SUPPLY_TOLERANCE = 1e3  # [Pa] of Newton's last correction of P_s
 UNBOUNDED = (-math.inf, math.inf)
@@ -48,9 +48,9 @@ def supply_error(
     p: PlantParameters,
 ) -> SupplyError:
     """Return the manifold's equation, C (P_s - base) = h (delivered - drawn), at an iterate."""
-    one = _axis_draw(axes[0], ports[0], supply, p.swing, h)
-    two = _axis_draw(axes[1], ports[1], supply, p.boom, h)
-    three = _axis_draw(axes[2], ports[2], supply, p.stick, h)
+    one = _axis_draw(axes[0], ports[0], supply, h)
+    two = _axis_draw(axes[1], ports[1], supply, h)
+    three = _axis_draw(axes[2], ports[2], supply, h)
     reference = reference_after(base.reference, max(one.load, two.load, three.load), p.supply, h)
     pump = pump_flow(supply, reference, p.supply)
     drawn = one.flow + two.flow + three.flow
@@ -64,11 +64,11 @@ def supply_error(
     )
 
 
-def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, a: Axis, h: float) -> AxisDraw:
+def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, h: float) -> AxisDraw:
     """Return what an axis asks of the supply within a stage."""
-    one = supply_coupling(axis.one, ports.port_1, supply, a.line_1, h)
-    two = supply_coupling(axis.two, ports.port_2, supply, a.line_2, h)
-    gain = a.actuator.displacement_1 * one.gain - a.actuator.displacement_2 * two.gain
+    one = supply_coupling(axis.one, ports.port_1, supply, axis.lines[0], h)
+    two = supply_coupling(axis.two, ports.port_2, supply, axis.lines[1], h)
+    gain = axis.swept[0] * one.gain - axis.swept[1] * two.gain
     load = max(
         sensed_load(axis.one.port_pressure, ports.port_1), sensed_load(axis.two.port_pressure, ports.port_2)
     )

@@ -1,0 +1,158 @@
+"""Claims about a crane with oil in its cylinders: frequencies, conservation, convergence, two volumes."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from two_volumes import CHAMBER_1, CHAMBER_2, SCALE, TwoVolumes
+
+from forest_description.components.pump import IdealPump
+from forest_description.geometry.linkage import length_and_arm
+from forest_description.machine import load_machine
+from forest_sim.analysis.modes import SHUT, modes, slow_modes
+from forest_sim.hydraulics.oil_volume import content
+from forest_sim.simulation import voltage_profiles
+from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
+from forest_sim.solver import state_recording
+from forest_sim.solver.compiled_plant import compiled_advance, compiled_record
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.multibody import HANGING_STILL, mechanics
+from forest_sim.solver.plant import transmissions
+from forest_sim.solver.plant_parameters import plant_parameters
+from forest_sim.solver.state_recording import ENERGY, STATE
+
+REAL, C180 = load_machine("c180_real"), load_machine("c180")
+P = plant_parameters(REAL)
+POSE = (0.0, 0.4, -1.4)
+# Valves that follow at once, a supply that stands still, no port valves: what two volumes are compared on.
+PLAIN = dataclasses.replace(
+    REAL,
+    pump=IdealPump(REAL.pump.supply_pressure),
+    port_valves=None,
+    valve=dataclasses.replace(REAL.valve, spool_bandwidth=None),
+)
+
+
+def recorded(machine, voltages, step, rows=400, period=5e-3):
+    """States [rows, 36] and energies of a run from the usual start, and both ends."""
+    p, per_row = plant_parameters(machine), round(period / step)
+    states, energies = np.zeros((rows, len(STATE))), np.zeros((rows, len(ENERGY)))
+    times = (np.arange(rows * per_row) + 0.5) * step
+    first = equilibrium(POSE, p)
+    table = np.ascontiguousarray(voltages(times))
+    last = compiled_record()(first, table, step, p, states, energies)
+    return states, energies, first, last
+
+
+def spring(drive, position):
+    """A cylinder's stiffness [N/m] on trapped oil, A^2 beta/V of both sides, hoses beside the chambers."""
+    axis = 1 if drive is REAL.boom else 2
+    stroke, beta = position - drive.retracted_length, REAL.oil.bulk_modulus
+    head = drive.chambers.head_dead_volume + drive.head_area * stroke
+    rod = drive.chambers.rod_dead_volume + drive.rod_area * (drive.stroke - stroke)
+    return drive.head_area**2 / (head / beta + REAL.line(axis, 1).capacitance) + drive.rod_area**2 / (
+        rod / beta + REAL.line(axis, 2).capacitance
+    )
+
+
+def test_the_slow_modes_are_the_masses_on_the_springs_of_their_oil():
+    """Eigenvalues of M^-1 J' k J, by hand; gravity's share in the stiffness is far under 2 %."""
+    m = mechanics(POSE, (0.0, 0.0, 0.0), HANGING_STILL, P).inertia
+    mass = np.array([[m.m_22, m.m_23], [m.m_23, m.m_33]])
+    springs = []
+    for drive, angle in ((REAL.boom, POSE[1]), (REAL.stick, POSE[2])):
+        length, arm = length_and_arm(math.cos(angle), math.sin(angle), drive.linkage)
+        springs.append(arm**2 * spring(drive, length))
+    by_hand = np.sort(np.sqrt(np.linalg.eigvals(np.linalg.solve(mass, np.diag(springs))))) / (2.0 * math.pi)
+    found = slow_modes(modes(POSE, SHUT, P))
+    assert [found["boom"].frequency, found["stick"].frequency] == pytest.approx(by_hand.tolist(), rel=0.02)
+    thesis = slow_modes(modes(POSE, SHUT, plant_parameters(C180)))
+    assert thesis["boom"].frequency == pytest.approx(9.8, abs=0.1)
+    assert found["boom"].frequency == pytest.approx(3.7, abs=0.1)
+    assert found["stick"].frequency == pytest.approx(12.4, abs=0.3)
+
+
+def test_trapped_oil_stays_trapped_while_the_crane_swings_on_it():
+    """Behind shut valves the content is what it was, over 5 s of an oscillation of 1 degree."""
+    p = plant_parameters(dataclasses.replace(REAL, port_valves=None))
+    start = equilibrium(POSE, p)
+    boom = start.plant.boom._replace(rate=0.3)
+    start = start._replace(plant=start.plant._replace(boom=boom))
+    end = compiled_advance()(start, (0.0, 0.0, 0.0), 1e-3, 5000, p)
+    assert abs(end.plant.boom.rate) > 0.01
+
+    def held(simulation):
+        plant = simulation.plant
+        _, boom, stick = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
+        return [
+            content(pressure, t.position, oil)
+            for axis, state, t in ((p.boom, plant.boom, boom), (p.stick, plant.stick, stick))
+            for pressure, oil in ((state.pressure_1, axis.oil_1), (state.pressure_2, axis.oil_2))
+        ]
+
+    assert held(end) == pytest.approx(held(start), rel=1e-9)
+
+
+def test_the_error_falls_with_the_square_of_the_step():
+    def sines(t):
+        return np.column_stack(
+            [5.0 * np.sin(2.0 * t), 4.0 * np.sin(3.0 * t + 1.0), 4.0 * np.sin(2.5 * t + 2.0)]
+        )
+
+    angles = [STATE.index(f"{axis}_angle") for axis in ("swing", "boom", "stick")]
+    fine, *coarser = (recorded(REAL, sines, step)[0][:, angles] for step in (6.25e-5, 2.5e-4, 5e-4, 1e-3))
+    errors = [float(np.abs(states - fine).max()) for states in coarser]
+    assert errors[2] < 5e-5
+    assert errors[1] < errors[2] / 2.5
+    assert errors[0] < errors[1] / 2.5
+
+
+@pytest.mark.parametrize("name", ["steps", "random"])
+def test_the_energy_closes_by_what_the_states_hold_at_both_ends(name):
+    rng = np.random.default_rng(8)
+    levels = rng.uniform(-10.0, 10.0, (100, 3))
+    given = {
+        "steps": voltage_profiles.steps(5.0).at,
+        "random": lambda t: levels[np.minimum((t / 0.15).astype(int), 99)],
+    }[name]
+    _, energies, first, last = recorded(REAL, given, 1e-3, rows=3000)
+    total = with_stored_energy(account(energies.sum(axis=0)), first, last, P)
+    assert abs(unaccounted(total)) < 1e-3 * float(total.engine)
+
+
+def test_compiled_and_interpreted_steps_agree_to_the_last_bit():
+    table = np.repeat(np.random.default_rng(2).uniform(-10.0, 10.0, (6, 3)), 20, axis=0)
+    ends = []
+    for record in (compiled_record(), state_recording.record):
+        states, energies = np.zeros((24, len(STATE))), np.zeros((24, len(ENERGY)))
+        record(equilibrium(POSE, P), table, 1e-3, P, states, energies)
+        ends.append((states, energies))
+    assert np.array_equal(ends[0][0], ends[1][0])
+    assert np.array_equal(ends[0][1], ends[1][1])
+
+
+# Axis and voltage; how far one volume may be from two: of the way, and of the pressures' range.
+CASES = ((1, -6.0, 0.004, 0.01), (2, 6.0, 0.01, 0.05))
+
+
+@pytest.mark.parametrize(("axis", "volts", "of_way", "of_pressure"), CASES, ids=["boom", "stick"])
+def test_one_volume_of_hose_and_chamber_moves_as_two_with_the_hoses_resistance_between(
+    axis, volts, of_way, of_pressure
+):
+    two, spools = TwoVolumes(PLAIN), tuple(volts if i == axis else 0.0 for i in range(3))
+    shut_at, end, period = 0.15, 0.4, 5e-3
+    moving = two.run(two.start(POSE), spools, np.arange(0.0, shut_at + 1e-9, period))
+    resting = two.run(moving[-1] / SCALE, SHUT, np.arange(shut_at, end + 1e-9, period))
+    expected = np.concatenate([moving[1:], resting[1:]]).reshape(-1, 3, 8)[:, axis]
+    p, rows = two.p, len(expected)
+    table = np.zeros((rows * 20, 3))
+    table[: round(shut_at / period) * 20, axis] = volts
+    states = np.zeros((rows, len(STATE)))
+    compiled_record()(equilibrium(POSE, p), table, period / 20, p, states, None)
+    ours = states[:, 6 * axis : 6 * axis + 6]
+    way = np.ptp(expected[:, 0])
+    assert np.abs(ours[:, 0] - expected[:, 0]).max() < of_way * way
+    for mine, theirs in ((2, CHAMBER_1), (3, CHAMBER_2)):
+        error = np.abs(ours[:, mine] - expected[:, theirs]).max()
+        assert error < of_pressure * np.ptp(expected[:, theirs])
