@@ -103,10 +103,13 @@ class StandInPage:
                 k = 0
 
     async def steer(self) -> None:
-        """Hold the deadman, pressed anew when it is lost, and the stick as it is set, until cancelled."""
+        """Hold the deadman, pressed anew when it is lost, and the stick as it is set, until cancelled.
+
+        The stick waits in the centre until the controller is armed: a busy computer may disarm it.
+        """
         while True:
-            state = self.seat["deadman"]["state"]
-            await self.send(state != "waiting", self.stick if state == "held" else CENTRED)
+            state, armed = self.seat["deadman"]["state"], self.value("controller/status/armed") == 1.0
+            await self.send(state != "waiting", self.stick if state == "held" and armed else CENTRED)
             await asyncio.sleep(PERIOD)
 
     def value(self, signal: str) -> float:
