@@ -14,6 +14,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package}"]),
         (f"share/{package}", ["package.xml"]),
+        (f"share/{package}/launch", ["launch/station.launch.py"]),
     ],
     zip_safe=False,
     entry_points={"console_scripts": ["station_node = forest_station.station_node:main"]},

@@ -1,6 +1,5 @@
 """The player process sends a bag's bytes again, obeys services and parameters, says what it cannot play."""
 
-import functools
 import signal
 
 import pytest
@@ -22,6 +21,7 @@ from forest_msgs_py.serialization.cdr import to_cdr
 PERIOD = 5_000_000
 N = 60
 START = 10**18
+SERVICES = ("play_next", "pause", "resume")
 
 
 def joints(step):
@@ -64,24 +64,24 @@ def test_a_bag_is_heard_as_it_was_recorded(bag, play, peer):
 
 def test_services_and_parameters_steer_it(bag, play, peer):
     heard, stream = peer.hear(topics.ROBOT_DESCRIPTION), peer.hear(topics.JOINT_STATES)
+    # Before the player begins: of a client that comes later it may know too late to answer.
+    clients = {name: peer.node.create_client(Trigger, f"/player/{name}") for name in SERVICES}
+    parameters = peer.node.create_client(SetParameters, "/player/set_parameters")
     process = play(bag, "--start-paused", "--loop", "--wait-for-subscribers")
 
-    client_of = functools.cache(peer.node.create_client)  # a new one the player may know too late to answer
-
-    def call(kind, name, request):
-        client = client_of(kind, name)
+    def call(client, request):
         peer.until(client.service_is_ready)
         future = client.call_async(request)
         peer.until(future.done)
         return future.result()
 
     def trigger(name):
-        return call(Trigger, f"/player/{name}", Trigger.Request())
+        return call(clients[name], Trigger.Request())
 
     def put(name, number):
         value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=number)
         request = SetParameters.Request(parameters=[Parameter(name=name, value=value)])
-        return call(SetParameters, "/player/set_parameters", request).results[0]
+        return call(parameters, request).results[0]
 
     assert trigger("play_next").success
     peer.until(lambda: len(stream) == 1)

@@ -5,7 +5,7 @@ import contextlib
 
 import pytest
 
-from forest_bringup import graph
+from forest_bringup import graph, graph_command
 from forest_bringup.graph_lock import GraphError
 from forest_bringup.supervisor import Stopped
 
@@ -16,10 +16,10 @@ class Started:
     def __init__(self):
         self.nodes, self.until, self.ends, self.exit_codes = {}, [], [Stopped()], {"controller": 0}
 
-    def __call__(self, nodes, namespace, logs, may_publish, echo):
+    def __call__(self, nodes, namespace, logs, may_publish, on_log_line):
         self.nodes = {node.name: node for node in nodes}
         self.namespace, self.logs, self.may_publish = namespace, logs, may_publish
-        echo("a line of a node")
+        on_log_line("a line of a node")
         return contextlib.nullcontext(self)
 
     def run(self, until=None):
@@ -31,7 +31,7 @@ class Started:
 @pytest.fixture
 def started(monkeypatch):
     told = Started()
-    monkeypatch.setattr(graph, "Supervisor", told)
+    monkeypatch.setattr(graph_command, "Supervisor", told)
     return told
 
 
@@ -177,7 +177,8 @@ def test_a_session_that_has_played_to_its_end_is_told_and_ends_well(started, cap
 
 
 def test_taught_work_is_a_node_that_the_others_do_without(started, tmp_path):
-    assert graph.main(["--cycles", str(tmp_path), "--machine", "loader"]) == 0
+    assert graph.main(["--cycles", str(tmp_path), "--machine", "loader", "--joystick", "device"]) == 0
+    assert list(started.nodes)[:3] == ["cycle", "joystick", "controller"]  # what asks for motion ends first
     cycle = started.nodes["cycle"]
     assert parameters(cycle) == {"machine": '"loader"', "directory": f'"{tmp_path}"'}
     assert not cycle.needed
@@ -193,5 +194,18 @@ def test_a_joystick_may_be_a_device_and_the_graph_does_not_wait_for_its_end(
     (tmp_path / "two.yaml").touch()
     assert graph.main(["--joystick", given]) == 0
     assert parameters(started.nodes["joystick"]) == {"device": f'"{device or tmp_path / given}"'}
+    assert started.nodes["joystick"].urgent
     assert started.until == [None]
     assert "profile" not in parameters(started.nodes["controller"])
+
+
+@pytest.mark.parametrize("port", [1, 65535])
+def test_a_port_is_one_of_tcps(port):
+    assert graph.parse_options(["--foxglove", str(port)]).foxglove == port
+
+
+@pytest.mark.parametrize("port", ["0", "65536", "-1", "1.5", "x"])
+def test_what_is_no_port_is_refused(port, capsys):
+    with pytest.raises(SystemExit):
+        graph.parse_options([f"--foxglove={port}"])
+    assert f"'{port}' is not a port; allowed: 1 to 65535" in capsys.readouterr().err

@@ -56,8 +56,6 @@ class Rig:
         self.clock, self.armed, self.tip, self.levers, self.down = NodeClock(), True, START, REST, False
         monkeypatch.setattr(cycle_node, "LiveClock", lambda _node: self.clock)
         monkeypatch.setattr(cycle_node, "number_publisher", lambda clock, topic: clock.publisher(topic))
-        monkeypatch.setattr(cycle_node, "publisher", lambda _node, topic: self.clock.publisher(topic))
-        monkeypatch.setattr(cycle_node.time, "monotonic", lambda: self.clock.time)
         self.node = cycle_node.CycleNode()
 
     def ask(self, service, **names):
@@ -76,6 +74,15 @@ class Rig:
             status = (1.0, 0.0, float(self.armed), 1.0, 0.0)
             self.clock.put(topics.CONTROLLER_STATUS, float_array(topics.CONTROLLER_STATUS, 1, status))
         self.node._on_tip(pose_stamped(1, "base_link", (*self.tip, 0.0, 0.0, 0.0, 1.0)))
+
+    def said_of_diagnostics(self):
+        (message,) = self.clock.publisher(topics.DIAGNOSTICS).said[-1]
+        return message.status[0]
+
+    def diagnosed(self):
+        told = {pair.key: pair.value for pair in self.said_of_diagnostics().values}
+        del told["troubles since start"]
+        return told
 
     @property
     def commands(self):
@@ -205,6 +212,31 @@ def test_a_refusal_is_one_sentence(rig):
     done, said = rig.ask("stop")
     assert not done
     assert "the tip moved by 0.00 m" in said
+
+
+def test_diagnostics_tell_what_is_done_and_what_a_person_is_waited_for(running):
+    running.clock.ticks[0]()
+    assert running.diagnosed() == {"phase": "running", "cycle": "go", "segment": "there"}
+    assert running.said_of_diagnostics().message == "well"
+    running.levers = Levers(0.0, 0.06, 0.0)
+    running.once(gap=0.1)
+    running.clock.ticks[0]()  # at once, though the last time is less than a second ago
+    assert running.diagnosed()["phase"] == "paused"
+    assert running.said_of_diagnostics().message == "go: paused: a stick moved"
+
+
+def test_a_plan_keeps_to_the_walls_that_the_parameter_names(rig, tmp_path):
+    box = tmp_path / "box.yaml"
+    box.write_text("boxes: [{lower: [5.0, 0.3, 0.5], upper: [6.0, 0.6, 1.5]}]\n")
+    assert "a wall of the work area" in rig.ask("play", cycle="go", workspace=str(box))[1]
+    assert rig.ask("play", cycle="go", workspace="")[0]
+    (refused,) = rig.node.set_parameters([Parameter("workspace", value="none")])
+    assert "neither shipped" in refused.reason
+
+
+def test_what_is_taught_of_a_shipped_cycle_is_added_to_a_copy(rig, tmp_path):
+    assert rig.ask("pose", cycle="transport", label="and on")[0]
+    assert [one.name for one in load_cycle("transport", tmp_path).segments] == ["transport", "and on"]
 
 
 def test_status_and_last_words_are_said(running):

@@ -1,9 +1,9 @@
 """What the operator's page says of its hands, in a real browser whose clock goes as far as a test lets it."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import pytest
-from browser import PHONE, new_page
+from browser import DESKTOP, PHONE, new_page
 from page_stand_in import PageStandIn
 from playwright.sync_api import Browser
 
@@ -25,24 +25,35 @@ window.plugIn = (id, mapping, axes, buttons) => {
 """
 
 
+def opened(browser: Browser, viewport: dict[str, int]) -> PageStandIn:
+    """Open the page, with gamepads of the test's own."""
+    page, _ = new_page(browser, viewport)
+    page.add_init_script(GAMEPAD)
+    page.clock.install(time=0)
+    met = PageStandIn(page)
+    met.open()
+    page.clock.pause_at(PAUSED_S)
+    return met
+
+
+@pytest.fixture(scope="module")
+def desktop(browser: Browser) -> PageStandIn:
+    """The page for all tests: to open one costs more than they do."""
+    return opened(browser, DESKTOP)
+
+
+@pytest.fixture(scope="module")
+def phone(browser: Browser) -> PageStandIn:
+    """The page on a phone."""
+    return opened(browser, PHONE)
+
+
 @pytest.fixture
-def opened(browser: Browser) -> Iterator[Callable[..., PageStandIn]]:
-    """Opens the page, with a gamepad of the test's own."""
-    pages = []
-
-    def open_page(**options: object) -> PageStandIn:
-        page, _ = new_page(browser, **options)  # type: ignore[arg-type]
-        page.add_init_script(GAMEPAD)
-        pages.append(page)
-        page.clock.install(time=0)
-        met = PageStandIn(page)
-        met.open()
-        page.clock.pause_at(PAUSED_S)
-        return met
-
-    yield open_page
-    for page in pages:
-        page.context.close()
+def met(desktop: PageStandIn) -> PageStandIn:
+    """The page at rest."""
+    desktop.page.evaluate("pads.length = 0")
+    desktop.rest()
+    return desktop
 
 
 def wait(met: PageStandIn, said: Callable[[Hands], bool]) -> Hands:
@@ -63,16 +74,14 @@ def centre_of(met: PageStandIn, selector: str) -> tuple[float, float]:
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
-def test_messages_are_numbered_and_tell_of_the_newest_pong(opened: Callable[..., PageStandIn]) -> None:
-    met = opened()
+def test_messages_are_numbered_and_tell_of_the_newest_pong(met: PageStandIn) -> None:
     wait(met, lambda hands: hands.pong > 0)
     numbers = [hands.number for hands in met.heard]
-    assert numbers == list(range(1, len(numbers) + 1))
+    assert numbers == list(range(numbers[0], numbers[0] + len(numbers)))
     assert all(later.sent > earlier.sent for earlier, later in zip(met.heard, met.heard[1:], strict=False))
 
 
-def test_keys_drive_while_shift_is_held(opened: Callable[..., PageStandIn]) -> None:
-    met = opened()
+def test_keys_drive_while_shift_is_held(met: PageStandIn) -> None:
     met.page.keyboard.down("Shift")
     pressed = wait(met, lambda hands: hands.held)
     assert pressed.buttons == 1 << LEFT_SHOULDER
@@ -86,8 +95,7 @@ def test_keys_drive_while_shift_is_held(opened: Callable[..., PageStandIn]) -> N
     assert wait(met, lambda hands: not hands.held).buttons == 0
 
 
-def test_a_mouse_moves_a_stick_and_its_release_centres_it(opened: Callable[..., PageStandIn]) -> None:
-    met = opened()
+def test_a_mouse_moves_a_stick_and_its_release_centres_it(met: PageStandIn) -> None:
     x, y = centre_of(met, "#left_stick")
     met.page.mouse.move(x + 10, y + 10)
     met.page.mouse.down()
@@ -99,10 +107,8 @@ def test_a_mouse_moves_a_stick_and_its_release_centres_it(opened: Callable[..., 
     wait(met, lambda hands: hands.axes == CENTRED)
 
 
-def test_two_fingers_move_two_sticks_while_a_third_holds_the_deadman(
-    opened: Callable[..., PageStandIn],
-) -> None:
-    met = opened(viewport=PHONE)
+def test_two_fingers_move_two_sticks_while_a_third_holds_the_deadman(phone: PageStandIn) -> None:
+    met = phone
     fingers = {
         0: centre_of(met, "#left_stick"),
         1: centre_of(met, "#right_stick"),
@@ -135,10 +141,7 @@ DOUBTS = (
 )
 
 
-def test_any_doubt_about_the_hand_lets_the_deadman_go_until_it_is_pressed_anew(
-    opened: Callable[..., PageStandIn],
-) -> None:
-    met = opened()
+def test_any_doubt_about_the_hand_lets_the_deadman_go_until_it_is_pressed_anew(met: PageStandIn) -> None:
     met.page.mouse.move(*centre_of(met, ".hold"))
     for doubt in DOUBTS:
         met.page.mouse.down()
@@ -151,8 +154,18 @@ def test_any_doubt_about_the_hand_lets_the_deadman_go_until_it_is_pressed_anew(
         met.page.mouse.up()
 
 
-def test_a_page_that_hung_has_let_go(opened: Callable[..., PageStandIn]) -> None:
-    met = opened()
+def test_a_button_that_loses_the_focus_to_another_one_is_no_doubt(met: PageStandIn) -> None:
+    met.page.get_by_role("button", name="Read the list again").focus()
+    met.page.keyboard.down("Shift")
+    held = wait(met, lambda hands: hands.held)
+    met.page.get_by_role("button", name="Mark a square").focus()
+    met.page.clock.run_for(200)
+    assert all(hands.held for hands in met.heard if hands.number > held.number)
+    met.page.keyboard.up("Shift")
+    wait(met, lambda hands: not hands.held)
+
+
+def test_a_page_that_hung_has_let_go(met: PageStandIn) -> None:
     met.page.keyboard.down("Shift")
     wait(met, lambda hands: hands.held)
     met.page.clock.fast_forward(101)
@@ -160,8 +173,7 @@ def test_a_page_that_hung_has_let_go(opened: Callable[..., PageStandIn]) -> None
     met.page.wait_for_selector("text=the page hung")
 
 
-def test_a_gamepad_drives_and_its_unplugging_lets_go(opened: Callable[..., PageStandIn]) -> None:
-    met = opened()
+def test_a_gamepad_drives_and_its_unplugging_lets_go(met: PageStandIn) -> None:
     met.page.evaluate("plugIn('Pad (STANDARD GAMEPAD)', 'standard', 4, 17)")
     met.page.evaluate("Object.assign(pads[0].buttons[4], {pressed: true, value: 1})")
     wait(met, lambda hands: hands.held)
@@ -171,8 +183,7 @@ def test_a_gamepad_drives_and_its_unplugging_lets_go(opened: Callable[..., PageS
     wait(met, lambda hands: not hands.held and hands.axes == CENTRED)
 
 
-def test_a_mapping_is_edited_calibrated_and_kept_for_its_device(opened: Callable[..., PageStandIn]) -> None:
-    met = opened()
+def test_a_mapping_is_edited_calibrated_and_kept_for_its_device(met: PageStandIn) -> None:
     page = met.page
     page.evaluate("plugIn('Joystick L', '', 3, 2); plugIn('Joystick R', '', 2, 2)")
     page.evaluate("pads[1].axes = [0.9, 0]")
@@ -196,10 +207,7 @@ def test_a_mapping_is_edited_calibrated_and_kept_for_its_device(opened: Callable
     wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0 and hands.held)
 
 
-def test_who_looks_on_sends_nothing_asks_for_control_and_the_driver_hands_over(
-    opened: Callable[..., PageStandIn],
-) -> None:
-    met = opened()
+def test_who_looks_on_sends_nothing_asks_for_control_and_the_driver_hands_over(met: PageStandIn) -> None:
     met.tell_seat(asking=("operator 2",))
     met.page.get_by_role("button", name="Hand over to operator 2").click()
     met.tell_seat(driver="operator 2")
@@ -217,21 +225,19 @@ def test_who_looks_on_sends_nothing_asks_for_control_and_the_driver_hands_over(
     assert not wait(met, lambda hands: hands.number > count).held
 
 
-def test_two_keys_stop_from_anywhere_also_while_others_drive(opened: Callable[..., PageStandIn]) -> None:
-    met = opened()
+def test_two_keys_stop_from_anywhere_also_while_others_drive(met: PageStandIn) -> None:
     met.tell_seat(driver="operator 2")
     met.page.get_by_role("button", name="Ask for control").focus()
     for key in ("Escape", "Space"):
         met.page.keyboard.press(key)
         met.page.clock.run_for(100)
-    assert [request["do"] for request in met.asked] == ["take_seat", "emergency_stop", "emergency_stop"]
+    assert [request["do"] for request in met.asked] == ["emergency_stop", "emergency_stop"]
 
 
-def test_one_click_stops_and_a_refused_reset_tells_why(opened: Callable[..., PageStandIn]) -> None:
-    met = opened()
+def test_one_click_stops_and_a_refused_reset_tells_why(met: PageStandIn) -> None:
     met.page.locator(".stop").click()
     met.page.clock.run_for(100)
-    assert [request["do"] for request in met.asked] == ["take_seat", "emergency_stop"]
+    assert [request["do"] for request in met.asked] == ["emergency_stop"]
     sources = [{"name": "controller", "state": "stopped"}, {"name": "valve_driver", "state": "ready"}]
     met.tell("emergency_stop", active=True, sources=sources)
     met.page.wait_for_selector("text=controller: stopped")
@@ -242,8 +248,7 @@ def test_one_click_stops_and_a_refused_reset_tells_why(opened: Callable[..., Pag
     met.page.wait_for_selector("#emergency_stop button:disabled")  # only the driver resets
 
 
-def test_a_stop_lets_go_and_says_so_when_nobody_confirms_it(opened: Callable[..., PageStandIn]) -> None:
-    met = opened()
+def test_a_stop_lets_go_and_says_so_when_nobody_confirms_it(met: PageStandIn) -> None:
     met.page.keyboard.down("Shift")
     wait(met, lambda hands: hands.held)
     met.silent.add("emergency_stop")
@@ -252,10 +257,12 @@ def test_a_stop_lets_go_and_says_so_when_nobody_confirms_it(opened: Callable[...
     met.page.wait_for_selector("text=Emergency stop sent, not yet confirmed.")
     met.page.clock.run_for(6000)
     met.page.wait_for_selector("text=Emergency stop not confirmed: The server does not answer.")
+    met.silent.clear()
+    met.page.keyboard.press("Space")
+    met.page.wait_for_selector("text=Emergency stop not confirmed", state="hidden")
 
 
-def test_a_stop_without_connection_is_sent_when_there_is_one(opened: Callable[..., PageStandIn]) -> None:
-    met = opened()
+def test_a_stop_without_connection_is_sent_when_there_is_one(met: PageStandIn) -> None:
     met.refusals["emergency_stop"] = "Nobody hears the emergency stop."
     met.page.keyboard.press("Escape")
     met.page.wait_for_selector("text=Emergency stop not confirmed: Nobody hears the emergency stop.")
@@ -268,15 +275,16 @@ def test_a_stop_without_connection_is_sent_when_there_is_one(opened: Callable[..
     assert met.asked[0]["do"] == "emergency_stop"
 
 
-@pytest.mark.parametrize("viewport", [None, PHONE])
+@pytest.mark.parametrize("width", ["desktop", "phone"])
 def test_the_emergency_stop_is_in_sight_and_nothing_covers_it(
-    opened: Callable[..., PageStandIn], viewport: dict[str, int] | None
+    request: pytest.FixtureRequest, width: str
 ) -> None:
-    met = opened(**({"viewport": viewport} if viewport else {}))
+    met: PageStandIn = request.getfixturevalue(width)
+    met.rest()
     met.tell("emergency_stop", active=True, sources=[{"name": "controller", "state": "stopped"}])
     met.tell_seat(asking=("operator 2",), why_not="Another node publishes /joy: a node of somebody's.")
     met.page.wait_for_selector("text=Hand over to operator 2")
-    if viewport:
+    if width == "phone":
         met.page.click("#drawer-button")
     covered = """() => [...document.querySelectorAll(".stop, .hold, .stick")].filter((element) => {
       const { left, top, right, bottom } = element.getBoundingClientRect();
@@ -287,8 +295,7 @@ def test_the_emergency_stop_is_in_sight_and_nothing_covers_it(
     assert met.page.evaluate(covered) == []
 
 
-def test_what_the_server_says_stands_in_the_way_is_shown(opened: Callable[..., PageStandIn]) -> None:
-    met = opened()
+def test_what_the_server_says_stands_in_the_way_is_shown(met: PageStandIn) -> None:
     met.tell_seat(why_not="Another node publishes /joy: /joystick.")
     met.page.wait_for_selector("text=Another node publishes /joy: /joystick.")
     met.tell_seat(deadman=("held", "The deadman is held."))

@@ -14,8 +14,8 @@ ADDRESS = "http://127.0.0.1:8080/"
 
 def test_it_starts_the_graph_with_the_simulator_and_the_station_which_is_stopped_first():
     nodes = station_nodes(parse_options([]))
-    assert [node.name for node in nodes] == ["station", "controller", "valve_driver", "simulator"]
-    assert all(node.needed for node in nodes)
+    assert [node.name for node in nodes] == ["station", "cycle", "controller", "valve_driver", "simulator"]
+    assert [node.name for node in nodes if not node.needed] == ["cycle"]
 
 
 def test_joining_it_starts_the_station_alone():
@@ -24,9 +24,10 @@ def test_joining_it_starts_the_station_alone():
 
 def test_the_options_of_the_graph_go_to_its_nodes():
     options = parse_options(
-        ["--scheme", "joint", "--profile", "fine", "--machine", "loader", "--port", "9000"]
+        ["--scheme", "joint", "--profile", "fine", "--machine", "loader", "--port", "9000", "--cycles", "/c"]
     )
-    station, controller, *_ = station_nodes(options)
+    station, cycle, controller, *_ = station_nodes(options)
+    assert 'directory:="/c"' in cycle.arguments
     assert 'scheme:="joint"' in controller.arguments
     assert 'profile:="fine"' in controller.arguments
     assert 'machine:="loader"' in station.arguments
@@ -52,7 +53,7 @@ def test_one_command_starts_graph_and_page_and_ctrl_c_ends_both(start_process, w
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-        taken = start_process(["-m", "forest_station.station", "--no-browser", "--port", str(port)])
+        taken = start_process(["-m", "forest_station.station", "--join", "--no-browser", "--port", str(port)])
         assert taken.ended() == 1  # bound, though nobody listens
         assert "cannot be had" in taken.text()
     station = start_process(["-m", "forest_station.station", "--no-browser", "--port", str(port)])

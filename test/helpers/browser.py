@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, Playwright
+from playwright.sync_api import Browser, BrowserContext, Page, Playwright
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 # Root needs --no-sandbox; without a graphics card SwiftShader draws; the rest keeps it off the network.
@@ -25,6 +25,9 @@ OPTIONS = (
 )
 DESKTOP = {"width": 1600, "height": 900}
 PHONE = {"width": 390, "height": 844}
+LOW = {"width": 1000, "height": 640}  # few pixels beside all panels
+NICE = -5  # of a browser that drives: after the nodes, which have -10
+SMALL = {"width": 640, "height": 480}  # few pixels, and no chart: where the picture does not matter
 
 
 def installed() -> str:
@@ -58,18 +61,27 @@ def new_page(browser: Browser, viewport: dict[str, int] = DESKTOP) -> tuple[Page
 
 
 @contextlib.contextmanager
-def launch_process(playwright: Playwright, profile: Path) -> Iterator[tuple[Page, Callable[[], list[int]]]]:
-    """A browser to be killed or frozen: its page, and what gives the pids of its processes."""
+def launch_process(
+    playwright: Playwright, profile: Path
+) -> Iterator[tuple[BrowserContext, Callable[[], list[int]]]]:
+    """A browser that drives, or is killed or frozen: its first profile, and what gives its processes' pids.
+
+    It comes before other programs, where the user may ask for that: a page that waits for its turn lets the
+    deadman go. Chromium sets the precedence of its threads itself, so it is asked for the session.
+    """
 
     def processes() -> list[int]:
         found = Path("/proc").glob("[0-9]*/cmdline")
         return [int(path.parent.name) for path in found if str(profile).encode() in _bytes(path)]
 
     context = playwright.chromium.launch_persistent_context(
-        profile, executable_path=installed(), args=OPTIONS, viewport=DESKTOP
+        profile, executable_path=installed(), args=OPTIONS, viewport=SMALL
     )
     try:
-        yield context.pages[0], processes
+        for pid in processes()[:1]:
+            with contextlib.suppress(OSError):
+                Path(f"/proc/{pid}/autogroup").write_text(str(NICE), encoding="ascii")
+        yield context, processes
     finally:
         for pid in processes():
             with contextlib.suppress(ProcessLookupError):

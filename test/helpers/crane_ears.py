@@ -70,14 +70,18 @@ class CraneEars:
 
     async def moving(self) -> None:
         """Wait until the crane is driven, and has been for a while."""
-        await self.until(
-            lambda: (
-                self.voltages and any(self.voltages[-1][1]) and all(joy.held for joy in self.joy[-DRIVEN:])
-            )
-        )
+        await self.until(lambda: self.moves() and all(joy.held for joy in self.joy[-DRIVEN:]))
 
     async def still(self) -> None:
-        await self.until(lambda: self.voltages and not any(self.voltages[-1][1]))
+        await self.until(self.stands)
+
+    def moves(self) -> bool:
+        """Whether the newest voltages open a valve."""
+        return bool(self.voltages) and any(self.voltages[-1][1])
+
+    def stands(self) -> bool:
+        """Whether the newest voltages are all zero."""
+        return bool(self.voltages) and not any(self.voltages[-1][1])
 
     def stop(self) -> Stop:
         """The newest stop, of a crane that was moved."""

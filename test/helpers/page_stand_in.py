@@ -40,6 +40,7 @@ class PageStandIn:
         self.asked: list[dict[str, Any]] = []  # every request, oldest first
         self.silent: set[str] = set()  # what is asked for and gets no answer
         self.refusals: dict[str, str] = {}  # why a request is refused, by what it asks for
+        self.pages: dict[str, Any] = {}  # what the server's own pages tell, by their paths
         self._socket: WebSocketRoute | None = None
         self._driver: str | None = None
         page.set_default_timeout(60_000)  # [ms] at which a test fails rather than hangs
@@ -50,6 +51,19 @@ class PageStandIn:
         """Open the page, and wait for its hands."""
         self.page.goto(ADDRESS)
         self.page.wait_for_selector(".driver[data-drives=true]")
+
+    def rest(self) -> None:
+        """Come to rest between two tests: nothing pressed, stopped, refused or remembered."""
+        self.page.mouse.up()
+        for key in ("Shift", "w"):
+            self.page.keyboard.up(key)
+        self.silent.clear()
+        self.refusals.clear()
+        self.tell("emergency_stop", active=False, sources=[])
+        self.tell_seat()
+        self.page.clock.run_for(500)
+        self.heard.clear()
+        self.asked.clear()
 
     def tell(self, kind: str, **content: Any) -> None:
         """Send a message."""
@@ -86,6 +100,8 @@ class PageStandIn:
             route.fulfill(path=WEB / "index.html", headers=POLICY | {"Content-Type": "text/html"})
         elif path == "/panels.json":
             route.fulfill(json=self._panels())
+        elif path in self.pages:
+            route.fulfill(json=self.pages[path])
         elif path.removeprefix("/web/") in self.dropped:
             text = self.dropped[path.removeprefix("/web/")]
             route.fulfill(body=text, content_type="text/javascript")

@@ -10,6 +10,7 @@ interpreted: each mutant would have to be compiled anew.
 from __future__ import annotations
 
 import contextlib
+import functools
 import gc
 import importlib
 import json
@@ -24,17 +25,10 @@ from typing import Any, NamedTuple
 import pytest
 import yaml
 
+tomllib = importlib.import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
+
 HERE = Path(__file__).parent
 PASSED = 0
-# As import-linter has it, and the tests at the top: nothing imports what stands above it.
-LAYERS = (
-    {"conftest", "test"},
-    {"forest_study"},
-    {"forest_ident"},
-    {"forest_sim", "forest_control"},
-    {"forest_description", "forest_msgs_py"},
-    {"forest_compile"},
-)
 SPARE = 4.0  # times the processor time of the tests, at which a mutant that hangs is ended
 LIMIT_S = 300  # of a test that waits, on however busy a machine
 Mutant = dict[str, Any]
@@ -57,9 +51,17 @@ class Row(NamedTuple):
     survived: int
 
 
+@functools.cache
+def layers() -> list[set[str]]:
+    """Return packages from above: the tests, then as import-linter has it; nothing imports upwards."""
+    project = tomllib.loads((HERE.parents[1] / "pyproject.toml").read_text("utf-8"))
+    contract = project["tool"]["importlinter"]["contracts"][0]
+    return [{"conftest", "test"}, *({name.strip() for name in row.split("|")} for row in contract["layers"])]
+
+
 def layer(package: str) -> int:
     """Return the layer of a package."""
-    return next(number for number, packages in enumerate(LAYERS) if package in packages)
+    return next(number for number, packages in enumerate(layers()) if package in packages)
 
 
 class Quickest:
@@ -101,7 +103,7 @@ def baseline(tests: list[str], package: str, log: Path) -> tuple[float, Quickest
     if first.code != PASSED:
         sys.exit(f"mutate: error: the tests fail without any mutant:\n{log.read_text()}")
     names, durations = json.loads(log.with_suffix(".json").read_text())
-    above = set().union(*LAYERS[: layer(package) + 1])
+    above = set().union(*layers()[: layer(package) + 1])
     for name in names:
         if name.partition(".")[0] not in above:
             with contextlib.suppress(Exception):

@@ -4,14 +4,14 @@ import argparse
 import json
 import re
 import sys
-import tempfile
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from forest_bringup.graph_lock import GraphError
+from forest_bringup.graph_command import run_command
 from forest_bringup.profile_choice import add_profile_option, profile_for
-from forest_bringup.supervisor import NodeSpec, Stopped, Supervisor
+from forest_bringup.supervisor import NodeSpec, Supervisor
 from forest_control.config.joystick_file import AUTO
 from forest_control.servo.schemes import LABELS, Scheme
 
@@ -221,23 +221,23 @@ def graph_nodes(options: argparse.Namespace) -> list[NodeSpec]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the graph; return 0 after a stop on request, 1 after a failure."""
     options = parse_options(arguments)
-    nodes = graph_nodes(options)
-    logs = Path(tempfile.mkdtemp(prefix="forest-graph-"))
-    print(f"starting {', '.join(node.name for node in nodes)}; logs in {logs}; Ctrl-C stops", flush=True)
-    try:
-        with Supervisor(
-            nodes, options.namespace, logs, not options.shadow, lambda line: print(line, flush=True)
-        ) as graph:
-            if options.joystick and not is_device(options.joystick):
-                graph.run(until="joystick")
-                print("the joystick source has played to its end; Ctrl-C stops the graph", flush=True)
-            graph.run()
-    except Stopped:
-        print("stopped", flush=True)
-    except (GraphError, OSError) as error:
-        print(f"graph: {error}", file=sys.stderr)
-        return 1
-    return int(any(graph.exit_codes.values()))
+    plays = bool(options.joystick) and not is_device(options.joystick)
+    return run_command(
+        "graph",
+        graph_nodes(options),
+        options.namespace,
+        partial(_run, plays=plays),
+        may_publish=not options.shadow,
+        on_log_line=lambda line: print(line, flush=True),
+    )
+
+
+def _run(graph: Supervisor, plays: bool) -> None:
+    """Run the graph; where a joystick's source plays, say when it has ended."""
+    if plays:
+        graph.run(until="joystick")
+        print("the joystick source has played to its end; Ctrl-C stops the graph", flush=True)
+    graph.run()
 
 
 if __name__ == "__main__":

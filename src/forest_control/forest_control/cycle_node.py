@@ -6,7 +6,6 @@ a person holds the deadman on /joy. Services: `~/record`, `~/pose`, `~/close`, `
 """
 
 import sys
-import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -14,25 +13,24 @@ from typing import Any
 
 from rclpy.node import Node
 
+from forest_control.config.controller_settings import Parameters, Settings, parameters
 from forest_control.config.cycle_parameters import CycleParameters, TaughtNames
-from forest_control.config.settings import Settings, parameters
 from forest_control.config.workspace_file import load_workspace
-from forest_control.operator.levers import RIGHT_Y
 from forest_control.operator.taught_command import NO_COMMAND, to_values
-from forest_control.taught.taught_work import Seen, TaughtWork
+from forest_control.taught.cycle_topics import CycleInputs, Report
+from forest_control.taught.taught_work import TaughtWork
 from forest_description.machine import load_machine
 from forest_msgs_py.clock.node_clock import LiveClock, number_publisher
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import message_class
-from forest_msgs_py.runtime.node import publisher, run_node, subscription
-from forest_msgs_py.runtime.node_parameters import declare
-from forest_msgs_py.runtime.parameter_table import MachineParameter
+from forest_msgs_py.runtime.node import run_node, subscription
+from forest_msgs_py.runtime.node_parameters import Tunables, declare
+from forest_msgs_py.runtime.parameter_table import MachineParameter, table_of
 from forest_msgs_py.runtime.services import offer_triggers
-from forest_msgs_py.serialization.unpacking import ArrayReader, read_joy_data
-from forest_msgs_py.types import NS_PER_S
+from forest_msgs_py.safety.diagnostics import Diagnostics
 
-STATUS_TIMEOUT = 0.1  # [s] at which the controller counts as not armed: as its state_timeout
 STATUS_PERIOD = 0.1  # [s] between two messages on cycle/status
+PART = "taught work"  # on /diagnostics
 
 
 class CycleNode(Node):
@@ -40,74 +38,61 @@ class CycleNode(Node):
 
     def __init__(self) -> None:
         super().__init__("cycle")
-        machine, self._p = (
-            load_machine(declare(self, MachineParameter).machine),
-            declare(self, CycleParameters),
-        )
-        declare(self, TaughtNames)
-        walled = parameters(machine, Settings(), load_workspace(self._p.workspace))
-        self._work = TaughtWork(Path(self._p.directory), walled)
+        self._machine = load_machine(declare(self, MachineParameter).machine)
+        p, names = declare(self, CycleParameters), Tunables(self)
+        self._names = names.declare(TaughtNames)
+        self._work = TaughtWork(Path(p.directory), self._walled(self._names))
+        self._name(names.values)
+        names.watch(self._name)
         offer_triggers(self, {name: partial(self._act, act) for name, act in self._work.actions.items()})
-        clock = LiveClock(self)
-        self._stamp = clock.stamp
+        self._node_clock = clock = LiveClock(self)
         self._command = number_publisher(clock, topics.TAUGHT_COMMAND)
         self._status = number_publisher(clock, topics.CYCLE_STATUS)
-        self._events = publisher(self, topics.EVENTS)
-        self._joy, self._sticks, self._down = clock.polled_subscription(topics.JOY), (0.0,), True
-        self._controller = clock.polled_subscription(topics.CONTROLLER_STATUS)
-        self._armed, self._told = ArrayReader(topics.CONTROLLER_STATUS, ("armed",)), (False, 0.0)
-        self._last = time.monotonic()
+        self._events = clock.publisher(topics.EVENTS)
+        said = clock.publisher(topics.DIAGNOSTICS)
+        self._diagnostics = Diagnostics(self, (PART,), "the tip is held", said)
+        self._report = Report(self._work)
+        self._diagnostics.watch(PART, self._report)
+        self._inputs = CycleInputs(clock, p)
+        self._last = clock.now()
         subscription(self, topics.TIP_POSE, self._on_tip)
-        clock.every(STATUS_PERIOD, lambda: self._status.publish(clock.stamp(), self._work.status()))
+        clock.every(STATUS_PERIOD, self._tell)
+
+    def _name(self, values: dict[str, Any]) -> None:
+        """Take what the parameters say that the services are about."""
+        names = table_of(TaughtNames, values)
+        if names.workspace != self._names.workspace:
+            self._work.p = self._walled(names)
+        self._work.cycle, self._work.label, self._names = names.cycle, names.label, names
+
+    def _walled(self, names: TaughtNames) -> Parameters:
+        return parameters(self._machine, Settings(), load_workspace(names.workspace))
 
     def _act(self, act: Callable[[], tuple[bool, str]]) -> tuple[bool, str]:
         """Do what a service asks for, about the cycle that the parameters name."""
-        work = self._work
-        work.cycle, work.label = (str(self.get_parameter(name).value) for name in TaughtNames._fields)
         done, said = act()
         self.get_logger().info(said)
         return done, said
 
     def _on_tip(self, message: Any) -> None:
-        now, place = time.monotonic(), message.pose.position
+        now, place, stamp = self._node_clock.now(), message.pose.position, self._node_clock.stamp()
         dt, self._last = now - self._last, now
-        pressed = self._read_joystick()
-        stamp = self._stamp()
-        tip = place.x, place.y, place.z
-        seen = Seen(tip, stamp / NS_PER_S, self._is_armed(now), self._is_centred(), pressed)
-        output = self._work.advance(seen, dt)
+        output = self._work.advance(self._inputs.seen((place.x, place.y, place.z), stamp), dt)
         if output.command is not None:
             self._command.publish(stamp, to_values(self._work.run, output.command))
         if output.event:
             self._events.publish(message_class(topics.EVENTS)(data=output.event))
 
-    def _read_joystick(self) -> bool:
-        """Take in where the sticks are; tell whether the button was pressed."""
-        pressed = False
-        for data, _ in self._joy.arrivals():
-            reading, _ = read_joy_data(data, RIGHT_Y + 1, self._p.button + 1)
-            if not reading.problem:
-                self._sticks, down = (
-                    reading.values.axes[: RIGHT_Y + 1],
-                    reading.values.buttons[self._p.button] == 1,
-                )
-                pressed, self._down = pressed or (down and not self._down), down
-        return pressed
-
-    def _is_centred(self) -> bool:
-        return max(map(abs, self._sticks)) <= self._p.centre
-
-    def _is_armed(self, now: float) -> bool:
-        """Tell whether the controller lets the levers move the crane, by its newest word."""
-        if arrival := self._controller.newest():
-            reading = self._armed.read(arrival.message, 0)
-            self._told = not reading.problem and reading.values == (1.0,), arrival.time
-        armed, sent = self._told
-        return armed and now - sent <= STATUS_TIMEOUT
+    def _tell(self) -> None:
+        stamp = self._node_clock.stamp()
+        self._status.publish(stamp, self._work.status())
+        if self._report.has_changed():
+            self._diagnostics.news()
+        self._diagnostics.publish(stamp)
 
     def stop(self) -> None:
         """Last words: no run goes on."""
-        self._command.publish(self._stamp(), to_values(self._work.run, NO_COMMAND))
+        self._command.publish(self._node_clock.stamp(), to_values(self._work.run, NO_COMMAND))
 
 
 def main() -> None:

@@ -3,15 +3,21 @@
 import argparse
 import os
 import sys
-import tempfile
 import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
 
-from forest_bringup.graph import add_graph_options, control, machine_arguments, parameters, simulator
-from forest_bringup.graph_lock import GraphError
+from forest_bringup.graph import (
+    add_graph_options,
+    control,
+    machine_arguments,
+    parameters,
+    simulator,
+    taught_work,
+)
+from forest_bringup.graph_command import run_command
 from forest_bringup.profile_choice import profile_for
-from forest_bringup.supervisor import NodeSpec, Stopped, Supervisor
+from forest_bringup.supervisor import NodeSpec
 
 ADDRESS = "the page is at "  # begins the line in which the station says where
 
@@ -32,6 +38,9 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
         "--bags", type=Path, default=Path("bags"), metavar="DIR", help="directory of the bags"
     )
     parser.add_argument(
+        "--cycles", type=Path, default=Path("cycles"), metavar="DIR", help="directory of taught work"
+    )
+    parser.add_argument(
         "--certificate", type=Path, metavar="FILE", help="TLS certificate; default: one is made"
     )
     parser.add_argument("--key", type=Path, metavar="FILE", help="its key")
@@ -47,6 +56,7 @@ def station_nodes(options: argparse.Namespace) -> list[NodeSpec]:
     profile = profile_for(None, options.profile)
     return [
         station,
+        taught_work(options.machine, options.cycles),
         *control(options.machine, options.scheme, shadow=False, describe=False, profile=profile),
         simulator(options.machine),
     ]
@@ -73,25 +83,14 @@ def show_line(line: str, opens: bool) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the station; return 0 after a stop on request, 1 after a failure."""
     options = parse_options(arguments)
-    nodes = station_nodes(options)
-    logs = Path(tempfile.mkdtemp(prefix="forest-station-"))
-    print(f"starting {', '.join(node.name for node in nodes)}; logs in {logs}; Ctrl-C stops", flush=True)
-    try:
-        with Supervisor(
-            nodes,
-            options.namespace,
-            logs,
-            may_publish=not options.join,
-            on_log_line=lambda line: show_line(line, not options.no_browser),
-            exclusive=not options.join,
-        ) as graph:
-            graph.run()
-    except Stopped:
-        print("stopped", flush=True)
-    except (GraphError, OSError) as error:
-        print(f"station: {error}", file=sys.stderr)
-        return 1
-    return int(any(graph.exit_codes.values()))
+    return run_command(
+        "station",
+        station_nodes(options),
+        options.namespace,
+        may_publish=not options.join,
+        on_log_line=lambda line: show_line(line, not options.no_browser),
+        exclusive=not options.join,
+    )
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from forest_control.config.settings import Settings, parameters
+from forest_control.config.controller_settings import Settings, parameters
 from forest_control.operator.joystick_watch import NO_HEARTBEAT, NO_STAMP, Sample, unreadable_sample
 from forest_control.operator.levers import REST, Levers
 from forest_control.safety.driver_response import DriverSample
@@ -238,6 +238,19 @@ def test_a_state_that_does_not_come_is_missed_at_its_timeout_and_disarms(rig):
     assert rig.guard.is_lost(seen + STATE_TIMEOUT + 1e-6, NOBODY)
     assert not rig.guard.permission.joystick.armed
     assert rig.guard.causes["machine"] == LOST_STATE
+
+
+def test_while_the_state_is_lost_what_is_wrong_with_the_joystick_is_told_if_it_is_missed(rig):
+    later = rig.now + JOY_TIMEOUT + STATE_TIMEOUT
+    assert rig.guard.is_lost(later, NOBODY)
+    assert rig.guard.causes["joystick"]
+    assert not rig.guard.is_nobody_there()
+    rig.held = False
+    rig.once()
+    assert not rig.guard.is_nobody_there()
+    assert rig.guard.is_lost(rig.now + JOY_TIMEOUT + STATE_TIMEOUT, NOBODY)
+    assert rig.guard.is_nobody_there()  # it went after the deadman was released
+    assert not rig.guard.causes["joystick"]
 
 
 def test_of_states_that_are_refused_the_cause_is_told_and_not_what_follows_from_it(rig):

@@ -82,6 +82,7 @@ def test_a_joystick_without_life_may_hang_with_its_deadman_held(running, still, 
     assert (command == COMMAND) == counts
     assert watch.cause == ("" if counts else NO_LIFE)
     assert at(10.0, running, joystick=joystick, p=P._replace(frozen_timeout=0.0))[1] == COMMAND
+    assert at(10.0, running, joystick=joystick, p=P._replace(frozen_timeout=0.5))[1] == NO_COMMAND
 
 
 def test_nonsense_ends_the_run_and_says_why(running):

@@ -46,9 +46,11 @@ def kill_the_operator_in_motion(out, found, over):
     while not (log.exists() and "at 1 of" in log.read_text()):
         if over.wait(0.01):
             return
-    found.append(switches())
-    found.append(time.monotonic())
-    kill(nodes_of(SimpleNamespace(pid=os.getpid()))[OPERATOR], signal.SIGKILL)
+    try:
+        found.append(switches())
+    finally:
+        found.append(time.monotonic())
+        kill(nodes_of(SimpleNamespace(pid=os.getpid()))[OPERATOR], signal.SIGKILL)
 
 
 @pytest.fixture
@@ -72,7 +74,7 @@ def test_what_it_switches_is_put_back_at_its_end_and_after_its_death_and_an_emer
     found, over = [], threading.Event()
     killer = threading.Thread(target=kill_the_operator_in_motion, args=(tmp_path / "killed", found, over))
     killer.start()
-    code = experiment(tmp_path / "killed")
+    code = experiment(tmp_path / "killed", "--trial", "20")
     over.set()
     killer.join()
     said = capsys.readouterr().err

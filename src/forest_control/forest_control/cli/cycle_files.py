@@ -5,17 +5,13 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
+from forest_control.config.controller_settings import Parameters, Settings, parameters
 from forest_control.config.setting_file import SettingFileError
-from forest_control.config.settings import Parameters, Settings, parameters
 from forest_control.config.workspace_file import load_workspace
-from forest_control.taught import cycle
-from forest_control.taught.cycle import Cycle
 from forest_control.taught.cycle_file import file_of, load_cycle, names, save_cycle
-from forest_control.taught.plan import Hold, Step, planned
+from forest_control.taught.plan import Hold, Step, assumed_start, planned
 from forest_control.taught.tip_path import PathError
-from forest_description.derived.limits import start_tip
 from forest_description.machine import Machine, load_machine
-from forest_description.types import Vec3
 
 DIRECTORY = Path("cycles")
 Verbs = argparse._SubParsersAction
@@ -57,7 +53,7 @@ def _list(options: argparse.Namespace) -> int:
     for name in names(options.directory):
         try:
             taught = load_cycle(name, options.directory)
-            steps = planned(taught, _start(taught, machine), p)
+            steps = planned(taught, assumed_start(taught, machine), p)
         except (SettingFileError, PathError) as error:
             print(f"{name:<16} refused: {error}")
             continue
@@ -68,7 +64,7 @@ def _list(options: argparse.Namespace) -> int:
 def _check(options: argparse.Namespace) -> int:
     machine, p = _crane(options)
     taught = load_cycle(options.name, options.directory)
-    steps = planned(taught, _start(taught, machine), p)
+    steps = planned(taught, assumed_start(taught, machine), p)
     for line in _lines(steps):
         print(line)
     print(f"{options.name}: {_summary(steps)}")
@@ -87,12 +83,6 @@ def _rename(options: argparse.Namespace) -> int:
 def _crane(options: argparse.Namespace) -> tuple[Machine, Parameters]:
     machine = load_machine(options.machine)
     return machine, parameters(machine, Settings(), load_workspace(options.workspace))
-
-
-def _start(taught: Cycle, machine: Machine) -> Vec3:
-    """Return where the tip is taken to be [m]: at a first path's start, else where the machine starts."""
-    first = taught.segments[0] if taught.segments else None
-    return first.points[0] if isinstance(first, cycle.Path) else start_tip(machine)
 
 
 def _summary(steps: tuple[Step, ...]) -> str:

@@ -11,12 +11,12 @@ from forest_control.cli.cycle_files import Verbs
 from forest_control.config.setting_file import SettingFileError
 from forest_control.taught.cycle_file import checked_name
 from forest_control.taught.player import Phase
+from forest_control.taught.taught_work import TEACHES
 from forest_msgs_py.interfaces import topics
 
 NODE = "cycle"
 DONE = (Phase.FINISHED, Phase.PAUSED, Phase.IDLE)
 LONGEST = 3600.0  # [s] that `play --wait` waits: no cycle takes longer
-KINDS = {"path": "record", "pose": "pose", "close": "close", "open": "open"}  # what is taught: its service
 
 
 def add_parsers(verbs: "Verbs[argparse.ArgumentParser]") -> None:
@@ -25,7 +25,7 @@ def add_parsers(verbs: "Verbs[argparse.ArgumentParser]") -> None:
     record = _verb(verbs, "record", text)
     record.set_defaults(command=_record)
     record.add_argument("name", metavar="NAME", help="of the cycle; a new one is begun")
-    record.add_argument("--what", choices=KINDS, default="path", help="is taught (default: path)")
+    record.add_argument("--what", choices=TEACHES, default="path", help="is taught (default: path)")
     record.add_argument("--label", default="", metavar="TEXT", help="its name (default: its kind)")
     play = _verb(verbs, "play", "play a cycle from its beginning, once the deadman is held")
     play.set_defaults(command=_play)
@@ -46,7 +46,7 @@ def _verb(verbs: "Verbs[argparse.ArgumentParser]", name: str, text: str) -> argp
 
 
 def _record(options: argparse.Namespace) -> int:
-    return _ask(options, KINDS[options.what], {"cycle": checked_name(options.name), "label": options.label})
+    return _ask(options, TEACHES[options.what], {"cycle": checked_name(options.name), "label": options.label})
 
 
 def _play(options: argparse.Namespace) -> int:
@@ -62,6 +62,8 @@ def _ask(options: argparse.Namespace, service: str, names: dict[str, str], wait:
 
     graph = LiveGraph("/" + options.namespace.strip("/"))
     try:
+        if service == "play":  # what is planned keeps to the walls that the controller keeps to
+            names |= graph.get("controller", ["workspace"])
         if names:
             graph.set(NODE, names)
         print(graph.trigger(NODE, service), flush=True)

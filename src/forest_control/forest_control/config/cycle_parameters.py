@@ -11,9 +11,6 @@ class CycleParameters(NamedTuple):
     """Of `cycle_node`."""
 
     directory: Annotated[str, Parameter("folder of the user's cycles")] = "cycles"
-    workspace: Annotated[
-        str, Parameter(f"walls, as the controller's: {', '.join(workspace_file.shipped())}, or a file")
-    ] = ""
     button: Annotated[
         int, Parameter("joystick's button: play, pause, resume, confirm", low=0, high=BUTTON_COUNT - 1)
     ] = 0
@@ -25,3 +22,6 @@ class TaughtNames(NamedTuple):
 
     cycle: Annotated[str, tunable("name of the cycle that is taught or played")] = ""
     label: Annotated[str, tunable("name of the next segment that is taught; empty: of its kind")] = ""
+    workspace: Annotated[
+        str, tunable(f"walls that plans keep to: {', '.join(workspace_file.shipped())}, or path of a file")
+    ] = ""

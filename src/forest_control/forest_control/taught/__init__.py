@@ -28,6 +28,8 @@ In the order in which data passes:
 - `teaching`: A path that was driven becomes one of few waypoints.
 - `plan`: What the crane will do, from where it is; what is out of its reach is refused here.
 - `player`: Leads the tip through the plan, piece by piece.
+- `editing`: Segments of a cycle are changed, moved and deleted.
+- `taught_status`: Where the player is, and what a person is waited for.
 - `taught_work`: What a person does with all that: teach, play, pause, resume.
 
 May import: `pipeline` and the rooms below it.

@@ -77,7 +77,16 @@ def load_cycle(name: str, folder: Path) -> Cycle:
     if not path.exists() and name not in shipped_in(FOLDER):
         known = ", ".join(names(folder))
         raise SettingFileError(f"cycle {name!r}: there is none in {folder}; allowed: {known}")
-    return _Reader(name).cycle(tree_of("cycle", str(path) if path.exists() else name, FOLDER))
+    return cycle_of(name, tree_of("cycle", str(path) if path.exists() else name, FOLDER))
+
+
+def cycle_of(name: str, tree: Any) -> Cycle:
+    """Return the cycle that a file's tree tells of.
+
+    Raises:
+        SettingFileError: something in it is not allowed.
+    """
+    return _Reader(name).cycle(tree)
 
 
 def save_cycle(taught: Cycle, folder: Path) -> Path:
@@ -152,8 +161,9 @@ class _Reader:
             self._refuse(f"{where}: {shown(tree)}; allowed: a mapping with one of {', '.join(KINDS)}")
         (kind,) = kinds
         name = tree.get("name", where)
-        if not isinstance(name, str) or not name.strip():
-            self._refuse(f"{where}: name is {shown(name)}; allowed: a text")
+        name = " ".join(name.split()) if isinstance(name, str) else ""
+        if not name or not name.isprintable():
+            self._refuse(f"{where}: name is {shown(tree['name'])}; allowed: a text")
         where = f"segment {name!r}"
         allowed = ("name", kind, *KINDS[kind])
         if unknown := [key for key in tree if key not in allowed]:

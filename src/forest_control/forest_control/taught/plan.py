@@ -15,13 +15,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_control.limits.velocity_scaling import velocity_scaling
 from forest_control.limits.workspace import wall_scaling
 from forest_control.pipeline.motion_limits import velocity_limits_at
 from forest_control.taught.cycle import Cycle, Grapple, Path, Segment
 from forest_control.taught.tip_path import PathError, TipPath, bounded, braked, polyline, timed
+from forest_description.derived.limits import start_tip
 from forest_description.geometry.kinematics import inverse_kinematics, is_singular, joint_rates
+from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 
 STEP = 0.01  # [m] between the places that are tried: a crane's limits change little on it
@@ -58,6 +60,13 @@ class Hold(NamedTuple):
     name: str
     grapple: Grapple
 
+    @property
+    def text(self) -> str:
+        """What is done, and what ends it."""
+        _, action, time = self.grapple
+        wait = f"for {time:g} s" if time else "until a person confirms"
+        return f"{self.name}: grapple {action}, {wait}"
+
 
 Step = Leg | Hold
 
@@ -80,6 +89,12 @@ def planned(cycle: Cycle, start: Vec3, p: Parameters) -> tuple[Step, ...]:
     if not steps:
         raise PathError(f"cycle {cycle.name!r}: no segment; allowed: one at the least")
     return tuple(steps)
+
+
+def assumed_start(cycle: Cycle, machine: Machine) -> Vec3:
+    """Return where the tip is taken to be beforehand [m]: at a first path's start, else the machine's."""
+    first = cycle.segments[0] if cycle.segments else None
+    return first.points[0] if isinstance(first, Path) else start_tip(machine)
 
 
 def _ways(segment: Segment, here: Vec3) -> list[list[Vec3]]:

@@ -23,7 +23,7 @@ import math
 from enum import IntEnum
 from typing import NamedTuple
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_control.operator.taught_command import NO_COMMAND, SHARPEST, TaughtCommand
 from forest_control.taught.plan import RAMP, STEP, THERE, Hold, Leg, Step, leg
 from forest_control.taught.tip_path import PathError
@@ -31,7 +31,8 @@ from forest_description.types import Vec3
 
 PATIENCE = 10.0  # [s] WAITING: a deadman that is pressed much later must not start what was forgotten
 NEAR = 0.01  # [m] from a stop: above the resolvers' noise, and what a machine's errors leave
-SETTLED = 0.5  # [s] near a stop, after which the tip has arrived: five time constants of its approach
+SETTLED = 1.5  # [s] near a stop, after which the tip has arrived. A joint that sets out the other way within
+# `valve_hold.SOON` of its last motion is taken for one that cycles, and a slow swing then starts late.
 STUCK = 3.0  # [s] without getting on by `PROGRESS`: something holds the tip
 PROGRESS = 0.005  # [m] along the leg that shows that the tip follows
 FARTHEST = 0.09  # [m] of the tip from its path: just before the controller refuses
@@ -147,9 +148,7 @@ def _entered(state: State, at: int) -> tuple[State, str]:
         return fresh._replace(phase=Phase.FINISHED), "finished"
     entered = state.steps[at]
     if isinstance(entered, Hold):
-        _, action, time = entered.grapple
-        wait = f"for {time:g} s" if time else "until a person confirms"
-        return fresh._replace(phase=Phase.HOLDING), f"{entered.name}: grapple {action}, {wait}"
+        return fresh._replace(phase=Phase.HOLDING), entered.text
     phase = Phase.RUNNING if state.phase == Phase.RUNNING else Phase.WAITING
     told = at > 0 and state.steps[at - 1].number == entered.number  # its leg to its start
     return fresh._replace(phase=phase, place=Place(entered)), "" if told else f"segment {entered.name}"

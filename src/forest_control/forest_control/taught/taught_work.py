@@ -7,19 +7,21 @@ pressed in motion, it pauses. Programs have a service for each.
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from forest_control.config.controller_settings import Parameters
 from forest_control.config.setting_file import SettingFileError
-from forest_control.config.settings import Parameters
 from forest_control.taught import player
 from forest_control.taught.cycle import CONFIRMATION, Cycle, Grapple, Pose, Segment
-from forest_control.taught.cycle_file import SPEED, file_of, load_cycle, save_cycle
+from forest_control.taught.cycle_file import SPEED, checked_name, load_cycle, names, save_cycle
 from forest_control.taught.plan import planned
 from forest_control.taught.player import Inputs, Output, Phase, State
+from forest_control.taught.taught_status import Status, segment_of, status_of, waiting
 from forest_control.taught.teaching import Teaching
 from forest_control.taught.tip_path import PathError
 from forest_description.types import Vec3
 
+TEACHES = {"path": "record", "pose": "pose", "close": "close", "open": "open"}  # what: by which action
 BUSY = (Phase.WAITING, Phase.RUNNING, Phase.HOLDING)
 SAME = 0.005  # [m] of a pose from the last one: a service that is called again adds nothing
 
@@ -32,17 +34,6 @@ class Seen(NamedTuple):
     armed: bool  # the controller lets the levers move the crane
     centred: bool  # no stick is deflected
     button: bool = False  # the one button was pressed
-
-
-class Status(NamedTuple):
-    """The values of `cycle/status`."""
-
-    phase: int
-    segment: int = 0  # from 1; 0: none
-    segments: int = 0
-    way: float = 0.0  # [m]
-    length: float = 0.0  # [m]
-    away: float = 0.0  # [m]
 
 
 class Refused(Exception):
@@ -59,7 +50,8 @@ class TaughtWork:
 
     def __init__(self, folder: Path, p: Parameters) -> None:
         self.cycle, self.label = "", ""  # names of the cycle, and of the next segment that is taught
-        self._folder, self._p = folder, p
+        self.p = p
+        self._folder = folder
         self._state, self._teaching = State(), Teaching()
         self._recording = self._go = self._pause = self._end = False
         self._tip: Vec3 | None = None
@@ -120,7 +112,7 @@ class TaughtWork:
         """Play the cycle from its beginning, once the deadman is held."""
         if self._recording or self._state.phase in BUSY:
             raise Refused(f"{self._name} is under way; allowed: play after stop")
-        steps = planned(load_cycle(self.cycle, self._folder), self._here(), self._p)
+        steps = planned(load_cycle(self.cycle, self._folder), self._here(), self.p)
         run, self._name = self._state.run, self.cycle
         self._state, event = player.started(steps)
         self._state = self._state._replace(run=run)
@@ -149,7 +141,7 @@ class TaughtWork:
             self._press()
         inputs = Inputs(*seen[:4], self._go, self._pause)
         self._go = self._pause = False
-        self._state, output = player.step(self._state, inputs, self._p, dt)
+        self._state, output = player.step(self._state, inputs, self.p, dt)
         if output.event:
             self._say(f"{self._name}: {output.event}")
         if self._end and self._state.phase != Phase.RUNNING:
@@ -160,17 +152,17 @@ class TaughtWork:
 
     def status(self) -> Status:
         """Return where the work is."""
-        state, count = self._state, len(self._state.steps)
-        if self._recording:
-            return Status(self.phase)
-        if not state.steps or state.at >= count:
-            return Status(state.phase, count and state.steps[-1].number, count and state.steps[-1].number)
-        number, numbers = state.steps[state.at].number, state.steps[-1].number
-        place = state.back or state.place
-        if place is None or self._tip is None:
-            return Status(state.phase, number, numbers)
-        away = math.dist(place.leg.path.at(place.way), self._tip)
-        return Status(state.phase, number, numbers, place.way, place.leg.path.length, away)
+        return Status(self.phase) if self._recording else status_of(self._state, self._tip)
+
+    def waiting(self) -> str:
+        """Return what a person is waited for; "" for nothing."""
+        said = "a path is taught: drive it, then stop" if self._recording else waiting(self._state)
+        return said and f"{self._name}: {said}"
+
+    def values(self) -> dict[str, Any]:
+        """Return what is done, by names, for /diagnostics."""
+        segment = "" if self._recording else segment_of(self._state)
+        return {"phase": self.phase.name.lower(), "cycle": self._name, "segment": segment}
 
     def _press(self) -> None:
         """Do what the button does."""
@@ -225,8 +217,8 @@ class TaughtWork:
 
 
 def _known(name: str, folder: Path) -> Cycle:
-    """Return what a cycle's file holds; of a new one, nothing."""
-    return load_cycle(name, folder) if file_of(name, folder).exists() else Cycle(name)
+    """Return what a cycle's file holds, also of a shipped one; of a new one, nothing."""
+    return load_cycle(name, folder) if checked_name(name) in names(folder) else Cycle(name)
 
 
 def _answering(verb: Callable[[], str]) -> Callable[[], tuple[bool, str]]:

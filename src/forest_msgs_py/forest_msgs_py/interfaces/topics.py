@@ -255,7 +255,7 @@ EVENTS = Topic(
 DIAGNOSTICS = Topic(
     name="/diagnostics", type="diagnostic_msgs/msg/DiagnosticArray", labels=(), units=(), rate_hz=1.0,
     doc="Health of the nodes' inputs, of hardware and others where somebody tells it.",
-    publishers=(_CONTROLLER, _DRIVER, _SIMULATOR), subscribers=_NOBODY,
+    publishers=(_CONTROLLER, _DRIVER, _SIMULATOR, _CYCLE), subscribers=_NOBODY,
 )
 CLOCK = Topic(
     name="/clock", type="rosgraph_msgs/msg/Clock", labels=("time",), units=("s",), rate_hz=_RATE,

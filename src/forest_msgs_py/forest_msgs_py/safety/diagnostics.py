@@ -100,6 +100,10 @@ class Diagnostics:
         if caution and self._is_news(part, caution):
             self._node.get_logger().warning(caution)
 
+    def news(self) -> None:
+        """Have `publish` tell soon: what a source or a value says has changed."""
+        self._changed = True
+
     def _is_news(self, part: str, problem: str) -> bool:
         """Tell whether a trouble of this sort, its text up to the first number, was not logged just now."""
         now, sort = time.monotonic(), (part, DIGIT.split(problem, maxsplit=1)[0])

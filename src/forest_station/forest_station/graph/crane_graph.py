@@ -11,6 +11,8 @@ from typing import Any
 from rclpy.node import Node
 
 from forest_description.machine import Machine
+from forest_station.graph import cycle_client, stop_button
+from forest_station.graph.cycle_client import CycleClient
 from forest_station.graph.events import Events
 from forest_station.graph.joystick_output import JoystickOutput
 from forest_station.graph.latency import Latency
@@ -18,7 +20,7 @@ from forest_station.graph.node_settings import NodeSettings
 from forest_station.graph.notices import STALE, Notices, PartStatus
 from forest_station.graph.service_calls import ServiceCalls
 from forest_station.graph.signals import Signals
-from forest_station.graph.stop_button import PART, StopButton
+from forest_station.graph.stop_button import StopButton
 
 STATES = {True: "stopped", False: "ready"}
 Tell = Callable[[str, dict[str, Any]], None]  # kind and content of a message of the protocol
@@ -39,6 +41,7 @@ class CraneGraph:
         self.joystick, self.settings = JoystickOutput(node), NodeSettings(self.calls)
         self.events = Events(node)
         self.stop_button = StopButton(node, self.calls, self._tell_stop)
+        self.cycles = CycleClient(self.calls)
         self._notices = Notices(node, self._hear_part, self._hear_log)
         self._prefix = node.get_namespace().strip("/")
         self.tell: Tell = lambda _kind, _content: None
@@ -57,12 +60,18 @@ class CraneGraph:
 
     def _hear_part(self, part: PartStatus) -> None:
         node, _, what = part.name.removeprefix(f"{self._prefix}/").partition(": ")
-        if what == PART and part.name.startswith(self._prefix):
-            if part.level == STALE:
-                self.stop_button.forget(node)
-            else:
-                self.stop_button.hear(node, part.values)
+        if part.name.startswith(self._prefix):
+            if what == stop_button.PART:
+                self._hear_stop(node, part)
+            elif (node, what) == (cycle_client.NODE, cycle_client.PART) and self.cycles.hear(part):
+                self.tell("taught_work", self.cycles.told)
         self.tell("diagnostics", {"parts": [one._asdict() for one in self._notices.parts.values()]})
+
+    def _hear_stop(self, node: str, part: PartStatus) -> None:
+        if part.level == STALE:
+            self.stop_button.forget(node)
+        else:
+            self.stop_button.hear(node, part.values)
 
     def _hear_log(self, node: str, level: str, text: str) -> None:
         self.tell("log", {"node": node, "level": level, "text": text})

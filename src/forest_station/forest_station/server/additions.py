@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from aiohttp import web
 
-from forest_station.server import bag_pages
+from forest_station.server import bag_pages, cycle_pages
 from forest_station.server.requests import Request
 from forest_station.server.station import Station
 
@@ -20,4 +20,7 @@ class Addition(NamedTuple):
     """Runs while the server does, and is cancelled at its end."""
 
 
-ADDITIONS: tuple[Addition, ...] = (Addition(bag_pages.routes, bag_pages.REQUESTS, bag_pages.run),)
+ADDITIONS: tuple[Addition, ...] = (
+    Addition(bag_pages.routes, bag_pages.REQUESTS, bag_pages.run),
+    Addition(cycle_pages.routes, cycle_pages.REQUESTS),
+)

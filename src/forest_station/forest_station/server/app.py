@@ -12,7 +12,7 @@ from aiohttp import web
 from forest_control.config.setting_file import SettingFileError
 from forest_control.config.workspace_file import load_workspace
 from forest_control.limits.workspace import OPEN
-from forest_description.machine import Machine
+from forest_station.graph.crane_graph import CraneGraph
 from forest_station.scene.elements import Scene
 from forest_station.scene.scene_description import scene_of
 from forest_station.server.access import Access
@@ -67,7 +67,7 @@ async def _first_done(*tasks: "asyncio.Future[None]") -> None:
 
 def _app(station: Station, who: Access, sockets: PageSocket) -> web.Application:
     app = web.Application(middlewares=[gate(who)])
-    scene = functools.lru_cache(maxsize=1)(functools.partial(_scene, station.graph.machine))
+    scene = functools.lru_cache(maxsize=1)(functools.partial(_scene, station.graph))
 
     async def page(_request: web.Request) -> web.StreamResponse:
         return web.FileResponse(WEB / "index.html")
@@ -88,13 +88,14 @@ def _app(station: Station, who: Access, sockets: PageSocket) -> web.Application:
     return app
 
 
-def _scene(machine: Machine, walls: str, tip_speed: float) -> Scene:
+def _scene(graph: CraneGraph, walls: str, tip_speed: float) -> Scene:
     """Return the scene with the walls of a name; without them where the file cannot be read here."""
     try:
         workspace = load_workspace(walls)
-    except SettingFileError:
+    except SettingFileError as error:
+        graph.node.get_logger().warning(f"the page shows no walls: {error}")
         workspace = OPEN
-    return scene_of(machine, workspace, tip_speed)
+    return scene_of(graph.machine, workspace, tip_speed)
 
 
 def _panels() -> dict[str, list[str]]:

@@ -4,7 +4,7 @@
 export function watchDoubts(release) {
   const on = (target, event, why, when = () => true) =>
     target.addEventListener(event, (details) => when(details) && release(why), true);
-  on(window, "blur", "the window lost the focus");
+  on(window, "blur", "the window lost the focus", ({ target }) => target === window); // not a button, for another one
   on(window, "pagehide", "the page was left");
   on(document, "visibilitychange", "the page was hidden");
   on(document, "freeze", "the browser froze the page");

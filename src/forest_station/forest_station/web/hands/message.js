@@ -13,6 +13,5 @@ export function handsMessage({ number, time, held, axes, buttons, pong }) {
   axes.forEach((value, axis) => view.setFloat32(AXES_OFFSET + 4 * axis, value, true));
   view.setUint32(40, buttons, true);
   view.setUint32(44, pong, true);
-  view.setUint32(44, pong, true);
   return view.buffer;
 }

@@ -25,7 +25,7 @@ export function deadmanState(seat, held) {
 // status: armed, factor and limit of controller/status, NaN where unknown.
 export function whyText(seat, here, stopped, status) {
   if (!seat) return "The crane stands still until the page is connected again.";
-  if (stopped) return "The emergency stop is active.";
+  if (stopped) return ""; // its own panel says so
   if (seat.why_not) return seat.why_not;
   if (seat.asking.includes(here.you)) return `${seat.driver} is asked to hand over.`;
   if (!seat.you_drive) return seat.driver === null ? "Take the seat to drive." : "";

@@ -30,4 +30,5 @@ export const COLOURS = {
   tree: 0x1c3327,
   trunk: 0x2c241d,
   exercise: 0xffe14d,
+  taught: 0xf77fbe,
 };

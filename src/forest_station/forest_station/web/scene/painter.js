@@ -1,7 +1,7 @@
 // A worker: draws the scene on its own thread. Where pixels are drawn by the processor a picture takes longer than
 // a heartbeat of the deadman; the page's own thread never waits for it.
 //
-// Hears: start, size, camera, scene, signals, frame, ghost, exercise, visible. Says: drawn, failed.
+// Hears: start, size, camera, scene, signals, frame, ghost, exercise, taught, visible. Says: drawn, failed.
 
 import { ColorManagement, LinearSRGBColorSpace, PerspectiveCamera, Vector3, WebGLRenderer } from "../vendor/three.js";
 import { Picture } from "./picture.js";
@@ -11,7 +11,7 @@ import { Signals } from "./signals.js";
 ColorManagement.enabled = false; // colours as written: no power function for each pixel
 
 const state = {
-  renderer: null, picture: null, signals: new Signals(), ghost: null, exercise: null, visible: true, waiting: false, failed: false,
+  renderer: null, picture: null, signals: new Signals(), ghost: null, exercise: null, taught: null, visible: true, waiting: false, failed: false,
 };
 const camera = new PerspectiveCamera(45, 1, 0.2, 300);
 const resolution = new Resolution();
@@ -38,6 +38,7 @@ const hear = {
     state.picture = new Picture(scene);
     state.picture.showGhost(state.ghost);
     state.picture.exercise.show(state.exercise);
+    state.picture.taught.show(state.taught);
   },
   signals({ names }) {
     state.signals = new Signals(names);
@@ -54,6 +55,10 @@ const hear = {
   exercise({ exercise }) {
     state.exercise = exercise;
     state.picture.exercise.show(exercise);
+  },
+  taught({ taught }) {
+    state.taught = taught;
+    state.picture.taught.show(taught);
   },
   visible({ visible }) {
     state.visible = visible;

@@ -11,6 +11,7 @@ import { Shadow } from "./shadow.js";
 import { Signals } from "./signals.js";
 import { Surroundings } from "./surroundings.js";
 import { sway } from "./sway.js";
+import { Taught } from "./taught.js";
 import { Trail } from "./trail.js";
 import { Walls } from "./walls.js";
 import { Wish } from "./wish.js";
@@ -36,9 +37,10 @@ export class Picture {
     this.trail = new Trail();
     this.wish = new Wish();
     this.exercise = new Exercise();
+    this.taught = new Taught();
     this.ghost = null;
     const moving = [this.crane, this.shadow, this.hoses, this.reach, this.trail, this.wish];
-    const parts = [...moving, this.walls, this.area, this.exercise];
+    const parts = [...moving, this.walls, this.area, this.exercise, this.taught];
     this.root.add(...lights(), new Surroundings(scene, LIGHT).root, ...parts.map(({ root }) => root));
     this.pose(new Signals());
   }
@@ -60,7 +62,7 @@ export class Picture {
     this.trail.draw();
     const tip = this.tip();
     this.wish.pose(tip, signals.point(COMMAND));
-    const said = [...this.reach.pose(tip), ...this.exercise.labels(), ...sway(this.crane, signals)];
+    const said = [...this.reach.pose(tip), ...this.exercise.labels(), ...this.taught.labels(), ...sway(this.crane, signals)];
     return [...said, ...this.limits.pose(signals, tip)];
   }
 

@@ -46,6 +46,7 @@ class View {
     this.station.on("frame", ({ time, values }) => this.#sayValues({ kind: "frame", time }, values));
     this.station.on("ghost", (detail) => this.#ghost(detail));
     this.station.on("exercise", (exercise) => this.#say({ kind: "exercise", exercise }));
+    this.station.on("taught", (taught) => this.#say({ kind: "taught", taught }));
     this.station.on("parameters", ({ nodes }) => this.#settings(nodes.controller ?? {}));
     this.station.on("scene", (detail) => this.#change(detail ?? this.home));
     this.#signals();
