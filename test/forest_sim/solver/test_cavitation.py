@@ -1,20 +1,25 @@
 """Claims about a crane whose oil holds air: nothing goes below its vapour, and no oil is lost over it."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
 
+from forest_description.components.hose import Line
 from forest_description.machine import load_machine
+from forest_sim.hydraulics.hydraulic_line import solve_line
 from forest_sim.hydraulics.oil_volume import content
+from forest_sim.hydraulics.port import Port
+from forest_sim.sensors.sensor_readings import axis_pressures
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
 from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.compiled_plant import compiled_advance, compiled_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant import transmissions
-from forest_sim.solver.plant_parameters import plant_parameters
+from forest_sim.solver.plant import ports_at, transmissions
+from forest_sim.solver.plant_parameters import NO_GUARD, plant_parameters
 from forest_sim.solver.power_flows import power_flows
-from forest_sim.solver.state_recording import ENERGY, STATE
+from forest_sim.solver.state_recording import ENERGY, STATE, restore
 
 REAL, LOADER = load_machine("c180_real"), load_machine("loader")
 BARE = dataclasses.replace(REAL, port_valves=None)  # nothing feeds a port but its own hose
@@ -43,6 +48,35 @@ def test_no_port_comes_below_the_oils_vapour():
     assert last.events.unconverged_stages == 0
     total = with_stored_energy(account(energies.sum(axis=0)), first, last, plant_parameters(BARE))
     assert abs(unaccounted(total)) < 1e-3 * float(total.engine)
+
+
+def test_no_reading_at_a_valve_is_below_the_oils_vapour():
+    """Behind a closing edge the column of oil tears: the hose takes what the edge passes into a vacuum."""
+    lowest = {}
+    for machine in (BARE, AIRLESS):
+        p, states = plant_parameters(machine), slammed(machine, 6)[0]
+        seen = []
+        for row in states[::3]:
+            now = restore(row)
+            plant, ports = now.plant, ports_at(now.spools, p)
+            at = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
+            for state, axis, t, port in zip(plant.axes, p.axes, at, ports, strict=True):
+                seen += axis_pressures(state, axis, t, port, plant.supply.pressure)
+        lowest[machine] = min(seen)
+    assert VAPOUR <= lowest[BARE] < -0.09e6
+    assert lowest[AIRLESS] < -1e7
+
+
+def test_a_torn_column_takes_what_its_edge_passes_into_a_vacuum():
+    """Q = sqrt((p_s - p_v)/C_R) through the edge to the supply, whatever the column's momentum."""
+    h, line, edge = 3e-4, Line(0.0, 1.2e7, 1e-11), 1e14
+    open_ = Port(edge, math.inf, 0.0, 0, VAPOUR)
+    torn = solve_line(2e5, 2e-3, 0.0, 0.0, open_, 1e6, line, NO_GUARD, h)
+    assert torn.flow == pytest.approx(math.sqrt((1e6 - VAPOUR) / edge), rel=1e-12)
+    assert torn.port_pressure == VAPOUR
+    assert torn.pressure - 2e5 == pytest.approx(h * torn.flow / line.capacitance, rel=1e-9)
+    whole = solve_line(2e5, 1e-4, 0.0, 0.0, open_, 1e6, line, NO_GUARD, h)
+    assert whole == solve_line(2e5, 1e-4, 0.0, 0.0, open_._replace(vapour=-math.inf), 1e6, line, NO_GUARD, h)
 
 
 def test_a_manifold_that_its_pump_cannot_feed_stays_above_vacuum():

@@ -29,6 +29,7 @@ from forest_sim.hydraulics.port import (
     edge_flows,
     is_shut,
     port_conductance,
+    port_flow,
     port_pressure,
     solve_port,
     without_supply,
@@ -171,6 +172,17 @@ def _solve_with_port_valve(
             slope=slope,
         )
     p, passed = solve_port(intercept, admittance, checked, supply)
+    if p < checked.vapour:
+        q = port_flow(checked.vapour, checked, supply)
+        return LineSolution(
+            pressure=offset + slope * q,
+            flow=q,
+            stiffness=slope,
+            flow_gain=0.0,
+            port_pressure=checked.vapour,
+            port_stiffness=0.0,
+            slope=slope,
+        )
     q = intercept + admittance * p
     flow_gain = passed * admittance * slope
     return LineSolution(
@@ -216,6 +228,8 @@ def supply_coupling(solution: LineSolution, port: Port, supply: float, line: Lin
     if is_shut(port):
         return Coupling(0.0, 0.0, 0.0, 0.0)
     to_supply = edge_conductance(supply - p, port.to_supply) + port.leakage
+    if p <= port.vapour:  # torn: the port's pressure stands still
+        return Coupling(edge_flows(solution.flow, p, port, supply)[0], to_supply, 0.0, to_supply)
     conductance = port_conductance(p, port, supply)
     gain = step / line.inertance
     admittance = gain / (1.0 + gain * solution.slope)

@@ -18,11 +18,10 @@ conserves is the oil: a flow brings oil, a piston's motion does not.
 Flows are volumes at tank pressure, so that no oil is lost or made however it is pressed. Of energy
 the flow brings h dn/dt, the piston takes P A dx/dt, and the rest is in the volume.
 
-A hose's resistance stands between its inertance and a cylinder's chamber: there is more oil in the
-chamber than in the hose, so that what moves with the piston does not pass the hose. For a motor,
-whose chambers are small, it stays on the actuator's side (`actuator`). The source is Merritt,
-Hydraulic Control Systems, 1967, section 3.1, which takes flows at the pressure in the volume: equal
-to first order in P/beta.
+A hose's resistance stands between its inertance and the volume: there is more oil in a chamber than
+in the hose, so that what moves with the piston does not pass the hose, and the actuator's port has
+the volume's pressure, which no vacuum is below. The source is Merritt, Hydraulic Control Systems,
+1967, section 3.1, which takes flows at the pressure in the volume: equal to first order in P/beta.
 """
 
 from typing import NamedTuple

@@ -11,6 +11,10 @@
 A load check sits between supply and spool. Without it, oil goes back into the manifold whenever the
 pumps cannot keep its pressure above the load's: a heavy axis sinks while a light one moves. Where
 the spool is underlapped, each port has a check of its own here.
+
+Oil that runs on behind a closing edge tears where the edge cannot feed it: in the port is vapour
+then, and the hose takes what the edges pass towards that. The column stops at once, as behind a
+shut valve; how far it would have run on is not modelled.
 """
 
 import math
@@ -28,6 +32,7 @@ class Port(NamedTuple):
     to_tank: float  # C_R [Pa s^2/m^6], inf when shut
     leakage: float  # [m^3/(s Pa)] past either edge
     load_check: int = 0  # not 0: no oil goes back through the edge to the supply
+    vapour: float = -math.inf  # [Pa] pressure at which the oil boils
 
 
 class PortSolution(NamedTuple):
@@ -51,7 +56,7 @@ def port_pressure(pressure: float, flow: float, port: Port, supply: float) -> fl
     waiting = checked.load_check != 0 and flow == 0.0 and checked.to_tank == math.inf and pressure >= supply
     if is_shut(checked) or (waiting and checked.leakage == 0.0):
         return pressure
-    return solve_port(flow, 0.0, checked, supply).pressure
+    return max(checked.vapour, solve_port(flow, 0.0, checked, supply).pressure)
 
 
 def apply_load_check(flow: float, port: Port, supply: float) -> Port:
@@ -72,7 +77,7 @@ def apply_load_check(flow: float, port: Port, supply: float) -> Port:
 
 def without_supply(port: Port) -> Port:
     """Return a port without its edge to the supply."""
-    return Port(math.inf, port.to_tank, port.leakage, port.load_check)
+    return Port(math.inf, port.to_tank, port.leakage, port.load_check, port.vapour)
 
 
 def port_flow(p: float, port: Port, supply: float) -> float:

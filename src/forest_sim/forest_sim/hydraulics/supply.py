@@ -78,6 +78,7 @@ def supply(pump: Pump, law: OilLaw = INCOMPRESSIBLE) -> Supply:
             relief_conductance=0.0,
             margin=0.0,
             rate=0.0,
+            oil=law,
         )
     band = pump.compensator_band if isinstance(pump, PressureCompensatedPump | LoadSensingPump) else math.inf
     margin, lag = (pump.margin, pump.response_time) if isinstance(pump, LoadSensingPump) else (0.0, math.inf)

@@ -90,21 +90,28 @@ class Transmission(NamedTuple):
     arm: float  # d(position)/d(angle) [1; m/rad]
 
 
-def valve_ports(spool_position: float, law: ValveLaw) -> Ports:
-    """Return both ports at a spool position [V]; shut inside the overlap. Thesis eq. 3.1, 3.2, fig. 2.5."""
+def valve_ports(spool_position: float, law: ValveLaw, vapour: float = -math.inf) -> Ports:
+    """Return both ports at a spool position; shut inside the overlap. Thesis eq. 3.1, 3.2, fig. 2.5.
+
+    Args:
+        spool_position: [V].
+        law: of the valve.
+        vapour: pressure at which the oil boils [Pa].
+    """
     e = edges(spool_position, law)
     return Ports(
-        Port(e.supply_1, e.tank_1, law.leakage, law.load_check),
-        Port(e.supply_2, e.tank_2, law.leakage, law.load_check),
+        Port(e.supply_1, e.tank_1, law.leakage, law.load_check, vapour),
+        Port(e.supply_2, e.tank_2, law.leakage, law.load_check, vapour),
     )
 
 
 def ports_at(spools: Spools, p: PlantParameters) -> tuple[Ports, Ports, Ports]:
     """Return the ports of swing, boom and stick at the spools' positions."""
+    vapour = -p.supply.oil.above_vapour
     return (
-        valve_ports(spools[0].position, p.valves[0].law),
-        valve_ports(spools[1].position, p.valves[1].law),
-        valve_ports(spools[2].position, p.valves[2].law),
+        valve_ports(spools[0].position, p.valves[0].law, vapour),
+        valve_ports(spools[1].position, p.valves[1].law, vapour),
+        valve_ports(spools[2].position, p.valves[2].law, vapour),
     )
 
 

@@ -106,13 +106,15 @@ def _valve(machine: Machine, axis: int) -> SpoolValve:
 
 
 def _swing(machine: Machine) -> Axis:
-    lines = _lines(machine, 0)
+    lines, chambers = _lines(machine, 0), machine.swing.chambers
+    port = 0.0 if chambers is None else chambers.port_volume
+    oil = _oil(machine, 0, lines[0], port, 0.0), _oil(machine, 0, lines[1], port, 0.0)
     return Axis(
         line_1=lines[0],
         line_2=lines[1],
-        oil_1=_motor_oil(machine, lines[0]),
-        oil_2=_motor_oil(machine, lines[1]),
-        actuator=motor(machine.swing, *lines),
+        oil_1=oil[0],
+        oil_2=oil[1],
+        actuator=motor(machine.swing, *_in_series(lines, oil)),
         friction=FRICTIONLESS,
         cushion=UNCUSHIONED,
         stop=_swing_stop(joint_limits(machine)[0], machine.end_stops),
@@ -122,45 +124,43 @@ def _swing(machine: Machine) -> Axis:
 def _cylinder(machine: Machine, axis: int) -> Axis:
     lines = _lines(machine, axis)
     drive = machine.boom if axis == 1 else machine.stick
+    oil = _cylinder_oil(machine, axis, 1, lines[0]), _cylinder_oil(machine, axis, 2, lines[1])
     return Axis(
         line_1=lines[0],
         line_2=lines[1],
-        oil_1=_cylinder_oil(machine, axis, 1, lines[0]),
-        oil_2=_cylinder_oil(machine, axis, 2, lines[1]),
-        actuator=cylinder(drive, *lines) if drive.chambers is None else cylinder(drive, NO_DROP, NO_DROP),
+        oil_1=oil[0],
+        oil_2=oil[1],
+        actuator=cylinder(drive, *_in_series(lines, oil)),
         friction=friction(drive.friction),
         cushion=_cushion(drive),
         stop=_cylinder_stop(drive, machine.end_stops),
     )
 
 
-def _motor_oil(machine: Machine, line: Line) -> OilVolume:
-    """Return the oil of one port of the motor; the hose's resistance is in the motor's law."""
-    chambers = machine.swing.chambers
-    port = 0.0 if chambers is None else chambers.port_volume
-    return _with_hose(machine, 0, line._replace(resistance=0.0), port, 0.0)
+def _in_series(lines: tuple[Line, Line], oil: tuple[OilVolume, OilVolume]) -> tuple[Line, Line]:
+    """Return what of two hoses stands between volume and actuator: nothing where the volume has it."""
+    return (NO_DROP, NO_DROP) if oil[0].yields else lines
 
 
 def _cylinder_oil(machine: Machine, axis: int, port: int, line: Line) -> OilVolume:
-    """Return the oil of one port of a cylinder; without a chamber the hose's resistance is in its law."""
+    """Return the oil of one port of a cylinder."""
     drive = machine.boom if axis == 1 else machine.stick
     chambers, shortest = drive.chambers, drive.retracted_length
     if chambers is None:
-        return _with_hose(machine, axis, line._replace(resistance=0.0), 0.0, 0.0)
+        return _oil(machine, axis, line, 0.0, 0.0)
     if port == 1:
         retracted = chambers.head_dead_volume - drive.head_area * shortest
-        return _with_hose(machine, axis, line, retracted, drive.head_area)
+        return _oil(machine, axis, line, retracted, drive.head_area)
     extended = chambers.rod_dead_volume + drive.rod_area * (shortest + drive.stroke)
-    return _with_hose(machine, axis, line, extended, -drive.rod_area)
+    return _oil(machine, axis, line, extended, -drive.rod_area)
 
 
-def _with_hose(machine: Machine, axis: int, line: Line, volume: float, area: float) -> OilVolume:
+def _oil(machine: Machine, axis: int, line: Line, volume: float, area: float) -> OilVolume:
     """Return a chamber V = volume + area x and the oil in its hose as one volume."""
-    oil, chambers = machine.oil, machine.drives[axis].chambers
-    if oil is None or (chambers is None and oil.air is None):
+    oil, drive = machine.oil, machine.drives[axis]
+    if oil is None or (drive.chambers is None and oil.air is None):
         return NO_CHAMBER
-    share = machine.hose_of(axis).oil_share(oil.bulk_modulus)
-    laminar = machine.drives[axis].flow_regime == "laminar"
+    share, laminar = machine.hose_of(axis).oil_share(oil.bulk_modulus), drive.flow_regime == "laminar"
     return OilVolume(
         yields=1,
         volume=volume + share * line.capacitance * oil.bulk_modulus,
