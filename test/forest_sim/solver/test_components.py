@@ -61,7 +61,7 @@ def test_every_stage_solves_the_law_of_the_machine(case):
     machine, voltages = case
     p, y = in_motion(machine, voltages)
     ports, h = ports_at(y.spools, p), 1e-3
-    first, failed = solve_stage(y.plant, y.plant, tuple(a.rate for a in y.plant[:3]), ports, GAMMA * h, p)
+    first, _, failed = solve_stage(y.plant, y.plant, tuple(a.rate for a in y.plant[:3]), ports, GAMMA * h, p)
     assert not failed
     k_1 = pack(state_derivative(first, ports, p))
     np.testing.assert_allclose(pack(first), pack(y.plant) + GAMMA * h * k_1, rtol=0.0, atol=1e-7)

@@ -54,7 +54,7 @@ def test_a_stage_solves_the_law_that_thesis_state_derivative_gives(voltages):
     p, h = plant_parameters(THESIS), 1e-3
     y = steps(THESIS, equilibrium(START, p), voltages, 300)
     ports = tuple(valve_ports(v, p.valves[0].law) for v in voltages)
-    first, failed = solve_stage(y.plant, y.plant, rates(y), ports, GAMMA * h, p)
+    first, _, failed = solve_stage(y.plant, y.plant, rates(y), ports, GAMMA * h, p)
     assert not failed
     k_1 = to_array(state_derivative(first, ports, p))
     assert_same_state(to_array(first), to_array(y.plant) + GAMMA * h * k_1)
@@ -73,7 +73,7 @@ def test_forward_stages_use_the_very_thesis_derivative():
     p, h = plant_parameters(THESIS), 1e-3
     y = steps(THESIS, equilibrium(START, p), (3.0, 2.5, 2.5), 300)
     ports = tuple(valve_ports(v, p.valves[0].law) for v in (3.0, 2.5, 2.5))
-    stage, _ = solve_stage(y.plant, y.plant, rates(y), ports, GAMMA * h, p)
+    stage, _, _ = solve_stage(y.plant, y.plant, rates(y), ports, GAMMA * h, p)
     c_r = [c for axis in ports for c in (axis.port_1.to_supply, axis.port_2.to_tank)]
     slope = thesis_state_derivative(to_array(stage), c_r, p.supply.set_pressure, THESIS)
     assert_same_state(to_array(stage), to_array(y.plant) + GAMMA * h * slope)

@@ -11,12 +11,20 @@ from forest_description.components.hose import Line
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.hydraulics.hydraulic_line import LineSolution, PortGuard, solve_line, with_outflow
 from forest_sim.hydraulics.oil_law import held_above_vapour, is_near
-from forest_sim.hydraulics.oil_volume import StageHose, settled_pressure, stage_hose
+from forest_sim.hydraulics.oil_volume import StageHose, stage_hose
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_resistance
 from forest_sim.mechanics.friction import friction_slope
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.plant import AxisState, Ports, Transmission, passive_force
 from forest_sim.solver.plant_parameters import Axis
+
+
+class AxisEnd(NamedTuple):
+    """One axis at a stage's end."""
+
+    state: AxisState  # where there are chambers, with pressures along the tangent of the oil's law
+    held: AxisState  # where there are chambers, with their oil in place of pressures
+
 
 TANGENTS = 30  # to the oil's law that a stage tries
 
@@ -30,7 +38,6 @@ class AxisSolution(NamedTuple):
     two: LineSolution  # hose 2, its flow counted from the valve
     torque: float  # on the joint [N m]
     resistance: float  # -d(torque)/d(rate) [N m s]
-    position: float  # of the actuator [m; rad]
     known: Pair  # pressures of both sides before the stage's flows [Pa]
     swept: Pair  # oil that port 1 takes and port 2 gives per actuator speed [m^2; m^3/rad]
     lines: tuple[Line, Line]  # as the stage took them: with the chambers' capacitance, the hoses' resistance
@@ -51,7 +58,7 @@ def solve_axis(
 
     Args:
         base: the stage's known part; where there are chambers, with their oil in place of pressures
-            (`plant.with_contents`).
+            (`conserved_oil.with_contents`).
         near: a state whose pressures are near the stage's.
         rate: of the joint [rad/s].
         t: position and lever arm at the stage's end.
@@ -157,7 +164,6 @@ def _solution(
         two=two,
         torque=t.arm * force,
         resistance=t.arm * t.arm * _resistance(speed, t, stiffness, axis, h),
-        position=t.position,
         known=(hose_1.pressure, hose_2.pressure),
         swept=swept,
         lines=(hose_1.line, hose_2.line),
@@ -185,7 +191,7 @@ def corrected_axis(
     supply_change: float,
     axis: Axis,
     h: float,
-) -> AxisState:
+) -> AxisEnd:
     """Return an axis at the stage's end: the hoses follow Newton's last correction to first order.
 
     Without that the oil that this correction moves would be lost, step after step.
@@ -205,43 +211,33 @@ def corrected_axis(
     more_1 = solution.swept[0] * moved - leakage * p_2
     more_2 = -solution.swept[1] * moved - leakage * p_1
     one, two = _both_with_outflow(solution.one, solution.two, more_1, more_2, leakage)
-    p_1, p_2 = one.pressure + p_1, two.pressure + p_2
-    if axis.oil_1.yields:
-        p_1, p_2 = _settled(base, solution, moved, p_1, p_2, axis, h)
-    return AxisState(
+    state = AxisState(
         base.angle + h * rate,
         rate,
-        p_1,
-        p_2,
+        one.pressure + p_1,
+        two.pressure + p_2,
         one.flow + q_1,
         -two.flow - q_2,
     )
+    return AxisEnd(state, _held(base, state, solution, h * moved, axis) if axis.oil_1.yields else state)
 
 
-def _settled(
-    base: AxisState, solution: AxisSolution, moved: float, p_1: float, p_2: float, axis: Axis, h: float
-) -> Pair:
-    """Return the pressures at which both volumes hold the oil that has flowed; not inlined.
+def _held(base: AxisState, end: AxisState, solution: AxisSolution, way: float, axis: Axis) -> AxisState:
+    """Return a stage's end with the oil that has flowed in place of its pressures.
 
     Args:
-        base: the stage's known part, with the oil in place of pressures.
-        solution: the axis before the correction.
-        moved: the correction of the actuator's speed [m/s; rad/s].
-        p_1: P_1 as the tangent has it [Pa].
-        p_2: P_2.
+        base: the stage's known part, with its oil in place of pressures.
+        end: the stage's end, its pressures along the tangent.
+        solution: the axis before Newton's last correction.
+        way: how much further that correction moves the actuator [m; rad].
         axis: its constants.
-        h: the stage's implicit step [s].
     """
-    oil_1 = base.pressure_1 + solution.lines[0].capacitance * (p_1 - solution.known[0])
-    oil_2 = base.pressure_2 + solution.lines[1].capacitance * (p_2 - solution.known[1])
+    oil_1 = base.pressure_1 + solution.lines[0].capacitance * (end.pressure_1 - solution.known[0])
+    oil_2 = base.pressure_2 + solution.lines[1].capacitance * (end.pressure_2 - solution.known[1])
     if axis.oil_1.area != 0.0:
-        oil_1 += h * solution.swept[0] * moved
-        oil_2 -= h * solution.swept[1] * moved
-    position = solution.position + h * moved
-    return (
-        settled_pressure(p_1, oil_1, position, axis.oil_1),
-        settled_pressure(p_2, oil_2, position, axis.oil_2),
-    )
+        oil_1 += solution.swept[0] * way
+        oil_2 -= solution.swept[1] * way
+    return AxisState(end.angle, end.rate, oil_1, oil_2, end.flow_1, end.flow_2)
 
 
 def _both_with_outflow(

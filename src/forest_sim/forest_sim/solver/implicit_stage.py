@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from forest_description.types import Vec3
 from forest_sim.hydraulics.oil_law import held_above_vapour
-from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.hydraulics.supply import SupplyState, manifold_oil
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.axis_stage import AxisSolution, corrected_axis, solve_axis
 from forest_sim.solver.multibody import HeadState, Inertia, mechanics, resisted, solve, times
@@ -40,6 +40,14 @@ class Iterate(NamedTuple):
     supply: SupplyState
 
 
+class StageEnd(NamedTuple):
+    """What a stage leads to."""
+
+    state: PlantState  # Y; where there are chambers, with pressures along the tangent of the oil's law
+    held: PlantState  # Y, with oil in place of pressures as `conserved_oil.with_contents` has it
+    failed: int  # 1 if Newton did not converge
+
+
 class StageEquations(NamedTuple):
     """A stage's equations at an iterate."""
 
@@ -59,8 +67,8 @@ def solve_stage(
     ports: tuple[Ports, Ports, Ports],
     h: float,
     p: PlantParameters,
-) -> tuple[PlantState, int]:
-    """Return Y with Y = base + h f(Y), and 1 if Newton did not converge. The hoses are solved inside.
+) -> StageEnd:
+    """Return Y with Y = base + h f(Y). The hoses are solved inside.
 
     Newton starts from the joint rates given and from all else of `start`. Its matrix leaves out
     what the configuration's change contributes (of order h), so that it converges by about three
@@ -73,7 +81,7 @@ def solve_stage(
     after, size, supply_change = _newton_step(iterate, equations, 1.0, UNBOUNDED, p)
     reference_change = equations.supply.state.reference - iterate.supply.reference
     if _has_converged(size, supply_change, reference_change, supply_tolerance(after.supply.pressure, p)):
-        return _stage_end(base, after, equations, h, p), 0
+        return _stage_end(base, after, equations, 0, h, p)
     return _iterate_further(base, start, after, ports, h, p)
 
 
@@ -84,7 +92,7 @@ def _iterate_further(
     ports: tuple[Ports, Ports, Ports],
     h: float,
     p: PlantParameters,
-) -> tuple[PlantState, int]:
+) -> StageEnd:
     """Return what `solve_stage` does, from the second iteration on; seldom, hence not inlined."""
     failed, bounds = 1, UNBOUNDED
     equations = _equations_at_again(base, near, iterate, ports, h, p)
@@ -99,24 +107,29 @@ def _iterate_further(
         if iteration >= BOUNDED:
             bounds = tightened_bounds(bounds, before, supply_change)
         equations = _equations_at_again(base, near, iterate, ports, h, p)
-    return _stage_end(base, iterate, equations, h, p), failed
+    return _stage_end(base, iterate, equations, failed, h, p)
 
 
 def _stage_end(
-    base: PlantState, iterate: Iterate, equations: StageEquations, h: float, p: PlantParameters
-) -> PlantState:
+    base: PlantState,
+    iterate: Iterate,
+    equations: StageEquations,
+    failed: int,
+    h: float,
+    p: PlantParameters,
+) -> StageEnd:
     """Return the state at a stage's end, from the last iterate and the equations one correction before it."""
     supply_change, feeds = iterate.supply.pressure - equations.supply.state.pressure, equations.supply.feeds
-    return PlantState(
-        swing=corrected_axis(
-            base.swing, iterate.rates[0], equations.swing, feeds[0], supply_change, p.swing, h
-        ),
-        boom=corrected_axis(base.boom, iterate.rates[1], equations.boom, feeds[1], supply_change, p.boom, h),
-        stick=corrected_axis(
-            base.stick, iterate.rates[2], equations.stick, feeds[2], supply_change, p.stick, h
-        ),
-        supply=iterate.supply,
-        head=_head_at(base.head, iterate.head_rates, h),
+    u, e = iterate.rates, equations
+    swing = corrected_axis(base.swing, u[0], e.swing, feeds[0], supply_change, p.swing, h)
+    boom = corrected_axis(base.boom, u[1], e.boom, feeds[1], supply_change, p.boom, h)
+    stick = corrected_axis(base.stick, u[2], e.stick, feeds[2], supply_change, p.stick, h)
+    head = _head_at(base.head, iterate.head_rates, h)
+    held = SupplyState(manifold_oil(iterate.supply.pressure, p.supply), iterate.supply.reference)
+    return StageEnd(
+        PlantState(swing.state, boom.state, stick.state, iterate.supply, head),
+        PlantState(swing.held, boom.held, stick.held, held, head),
+        failed,
     )
 
 

@@ -25,14 +25,12 @@ from forest_description.geometry.linkage import Linkage, length_and_arm
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
-from forest_sim.hydraulics.oil_volume import content
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.side import Side, side_rates
 from forest_sim.hydraulics.spool_dynamics import Spools
 from forest_sim.hydraulics.supply import (
     SupplyState,
     manifold_capacitance,
-    manifold_oil,
     pump_flow,
     reference_rate,
 )
@@ -126,42 +124,6 @@ def _cylinder(angle: float, linkage: Linkage) -> Transmission:
     # From the angle's cosine and sine, which the dynamics need as well: compiled, they are taken once.
     length, arm = length_and_arm(math.cos(angle), math.sin(angle), linkage)
     return Transmission(length, arm)
-
-
-def with_contents(state: PlantState, p: PlantParameters) -> PlantState:
-    """Return a state with the oil that each volume holds [m^3] in place of its pressure.
-
-    That is what a step conserves, and what it is linear in. A hose without a chamber keeps its
-    pressure: its capacitance is constant, so that both are one.
-    """
-    if p.swing.oil_1.yields or p.boom.oil_1.yields or p.stick.oil_1.yields or p.supply.volume > 0.0:
-        return _contents(state, p)
-    return state
-
-
-def _contents(state: PlantState, p: PlantParameters) -> PlantState:
-    """Return what `with_contents` does; not inlined."""
-    t_1, t_2, t_3 = transmissions(state.swing.angle, state.boom.angle, state.stick.angle, p)
-    return PlantState(
-        swing=_axis_contents(state.swing, t_1, p.swing),
-        boom=_axis_contents(state.boom, t_2, p.boom),
-        stick=_axis_contents(state.stick, t_3, p.stick),
-        supply=SupplyState(manifold_oil(state.supply.pressure, p.supply), state.supply.reference),
-        head=state.head,
-    )
-
-
-def _axis_contents(s: AxisState, t: Transmission, axis: Axis) -> AxisState:
-    if not axis.oil_1.yields:
-        return s
-    return AxisState(
-        angle=s.angle,
-        rate=s.rate,
-        pressure_1=content(s.pressure_1, t.position, axis.oil_1).oil,
-        pressure_2=content(s.pressure_2, t.position, axis.oil_2).oil,
-        flow_1=s.flow_1,
-        flow_2=s.flow_2,
-    )
 
 
 def joint_torque(state: AxisState, transmission: Transmission, axis: Axis) -> float:
