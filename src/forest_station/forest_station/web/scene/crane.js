@@ -29,6 +29,11 @@ export class Crane {
     this.root.updateMatrixWorld(true);
   }
 
+  // Whether anybody tells where a joint is.
+  isKnown(signals) {
+    return this.joints.some(({ signal }) => signal && Number.isFinite(signals.value(signal)));
+  }
+
   // Where a point of a link is in the base frame, as last posed.
   place(link, xyz = [0, 0, 0]) {
     return this.links.get(link).localToWorld(new Vector3(...xyz));
