@@ -80,9 +80,11 @@ export class Crane {
   }
 }
 
-// A material in one flat colour for a whole crane.
+// A material in one flat colour for a whole crane. A translucent one loses where it lies in another crane's faces.
 export function plain(colour, opacity = 1) {
-  return new MeshBasicMaterial({ color: colour, opacity, transparent: opacity < 1, depthWrite: opacity === 1 });
+  const ghostly = opacity < 1;
+  const behind = { polygonOffset: ghostly, polygonOffsetFactor: 1, polygonOffsetUnits: 4 };
+  return new MeshBasicMaterial({ color: colour, opacity, transparent: ghostly, depthWrite: !ghostly, ...behind });
 }
 
 function move(joint) {
