@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.levers import levers_for_tip_velocity
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
@@ -125,7 +125,7 @@ def motion(machine: Machine, number: int, speed: float) -> Motion:
 
 def run(machine: Machine, model: Machine, number: int, row: Row) -> tuple[Trajectory, int]:
     """Return a motion's session, and the row in which the deadman is let go."""
-    done, settings = motion(model, number, row.speed), control_settings.Settings(tip_speed=row.speed)
+    done, settings = motion(model, number, row.speed), controller_settings.Settings(tip_speed=row.speed)
     given = (
         machine,
         done.levers,

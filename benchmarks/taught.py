@@ -14,7 +14,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from forest_control.config.settings import Settings, parameters
+from forest_control.config.controller_settings import Settings, parameters
 from forest_control.operator.levers import REST, Levers
 from forest_control.taught.cycle_file import load_cycle
 from forest_control.taught.plan import planned

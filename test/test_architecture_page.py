@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from forest_control.config import settings
+from forest_control.config import controller_settings
 from forest_control.operator import joystick_watch
 from forest_control.operator.joystick_watch import Sample
 from forest_control.operator.levers import Levers
@@ -87,7 +87,7 @@ class Crane:
         start = pose_at(start_tip(machine), machine)
         self.simulated = SimulatedMachine(machine, start, sensor_suite(machine, noise=False, seed=0), PERIOD)
         self.controller = GuardedController(
-            settings.parameters(machine, settings.Settings()), PermissionParameters()
+            controller_settings.parameters(machine, controller_settings.Settings()), PermissionParameters()
         )
         self.driver = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings())
         self.drive, self.voltages, self.report, self.count = valve_driver.REST, ZERO, None, 0

@@ -31,7 +31,8 @@ def terminate(*_):
             while word[6:] + " ended\\n" not in pathlib.Path(os.environ["DIARY"]).read_text():
                 time.sleep(0.01)
     end(0)
-signal.signal(signal.SIGTERM, terminate)
+if "loads" not in words:
+    signal.signal(signal.SIGTERM, terminate)
 tell("started " + " ".join(sys.argv[1:4]))
 for word in words:
     if word.startswith("says="):
@@ -298,6 +299,13 @@ def test_nodes_are_stopped_in_order_and_those_that_command_at_once_before_the_ot
     assert graph.exit_codes == dict.fromkeys(
         ["joystick", "controller", "recorder", "valve_driver", "simulator"], 0
     )
+
+
+def test_a_node_that_still_loads_when_it_is_told_to_stop_ends_well(graph_of, told):
+    graph = graph_of(simulator="loads")
+    with running(graph, told):
+        pass
+    assert graph.exit_codes == {"simulator": 0}
 
 
 def test_a_node_that_hangs_is_killed_and_zero_is_said_after_it(graph_of, guard, told, diary, monkeypatch):

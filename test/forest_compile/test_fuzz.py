@@ -23,7 +23,7 @@ from forest_compile.entry import Entry
 from forest_compile.frontend import translate
 from forest_compile.ir.values import NotTranslatedError
 from forest_control import compiled as control_compiled
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import controller
 from forest_control.valve import valve_driver, valve_driver_parameters
@@ -215,7 +215,7 @@ def test_the_loop_at_random_states_is_pythons_to_the_last_bit():
     machine, rng = load_machine("c180"), random.Random(6)
     suite, settings = (
         sensor_suite(machine, noise=True),
-        (control_settings.Settings(), valve_driver_parameters.Settings()),
+        (controller_settings.Settings(), valve_driver_parameters.Settings()),
     )
     k = loop_kernel.knowledge(machine, machine, *settings, suite)
     start = loop_kernel.begin(k, (0.0, 0.5, -1.5), suite)

@@ -7,7 +7,7 @@ pytest.importorskip("llvmlite")
 
 from forest_compile.kernel_cache import CachedKernel
 from forest_control import compiled
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import control_state, controller
 from forest_control.servo.joint_angle_filter import UNREAD
@@ -37,7 +37,7 @@ def run(step, state, p, arguments):
     """The outputs of a session; what the operator changes half way is told as the node tells it."""
     told = []
     for k, inputs in enumerate(arguments):
-        if k == 75 and isinstance(p, control_settings.Parameters):
+        if k == 75 and isinstance(p, controller_settings.Parameters):
             p, state = p._replace(lead=0.5 * p.lead), state._replace(changed=True)
         state, output = step(state, *inputs, p, DT)
         told.append(output)
@@ -48,7 +48,7 @@ def run(step, state, p, arguments):
 @pytest.mark.parametrize("scheme", list(Scheme))
 def test_the_controllers_step_is_the_interpreted_one(machine, scheme):
     compiled.CONTROLLER.kernel()
-    p = control_settings.parameters(load_machine(machine), control_settings.Settings(scheme=scheme))
+    p = controller_settings.parameters(load_machine(machine), controller_settings.Settings(scheme=scheme))
     inputs = [(one,) for one in control_inputs(int(scheme))]
     fast = run(compiled.controller_step(), control_state.REST, p, inputs)
     assert fast == run(controller.step_with_telemetry, control_state.REST, p, inputs)

@@ -154,6 +154,17 @@ def test_any_doubt_about_the_hand_lets_the_deadman_go_until_it_is_pressed_anew(m
         met.page.mouse.up()
 
 
+def test_a_button_that_loses_the_focus_to_another_one_is_no_doubt(met: PageStandIn) -> None:
+    met.page.get_by_role("button", name="Read the list again").focus()
+    met.page.keyboard.down("Shift")
+    held = wait(met, lambda hands: hands.held)
+    met.page.get_by_role("button", name="Mark a square").focus()
+    met.page.clock.run_for(200)
+    assert all(hands.held for hands in met.heard if hands.number > held.number)
+    met.page.keyboard.up("Shift")
+    wait(met, lambda hands: not hands.held)
+
+
 def test_a_page_that_hung_has_let_go(met: PageStandIn) -> None:
     met.page.keyboard.down("Shift")
     wait(met, lambda hands: hands.held)

@@ -187,6 +187,20 @@ def test_a_mapping_that_cannot_be_is_refused_in_a_sentence(js: Js, change: str, 
     assert js("hands/mapping.js", steps) == told
 
 
+def test_the_emergency_stop_is_told_once_by_its_own_panel(js: Js) -> None:
+    seat = {
+        "you_drive": True,
+        "asking": [],
+        "why_not": "",
+        "deadman": {"state": "waiting", "text": "Release it."},
+    }
+    why = """(m, seat) => {
+      const [here, status] = [{ held: true, why: "", you: "1" }, { armed: 1, factor: 1, limit: 0 }];
+      return [false, true].map((stopped) => m.whyText(seat, here, stopped, status));
+    }"""
+    assert js("hands/why.js", why, seat) == ["Release it.", ""]
+
+
 def test_history_keeps_the_newest_frames_and_begins_anew_when_time_goes_back(js: Js) -> None:
     steps = """(m) => {
       const history = new m.History(2, 3);

@@ -9,6 +9,8 @@ import asyncio
 import contextlib
 import itertools
 import json
+import math
+import struct
 import sys
 import time
 from collections.abc import AsyncIterator
@@ -19,6 +21,7 @@ import aiohttp
 from forest_station.operator.hands import Hands, encode_hands
 
 PERIOD = 0.02  # [s]
+FRAME_HEAD = 16  # bytes
 MET_S, PLAYED_S = 60.0, 120.0
 CENTRED = (0.0,) * 6
 UP, DOWN = (0.0, 0.0, 0.0, 0.5, 0.0, 0.0), (0.0, 0.0, 0.0, -0.5, 0.0, 0.0)
@@ -61,7 +64,7 @@ class StandInPage:
         self._listener.cancel()
         await self._stack.aclose()
 
-    async def ask(self, what: str, **arguments: object) -> dict:
+    async def ask(self, what: str, /, **arguments: object) -> dict:
         """Put a request and give its answer."""
         self.number += 1
         number = self.number
@@ -98,6 +101,24 @@ class StandInPage:
             self.settled = self.settled or held >= SETTLED
             if not self.settled and not held and k > MOVED_AFTER + SETTLED:
                 k = 0
+
+    async def steer(self) -> None:
+        """Hold the deadman, pressed anew when it is lost, and the stick as it is set, until cancelled.
+
+        The stick waits in the centre until the controller is armed: a busy computer may disarm it.
+        """
+        while True:
+            state, armed = self.seat["deadman"]["state"], self.value("controller/status/armed") == 1.0
+            await self.send(state != "waiting", self.stick if state == "held" and armed else CENTRED)
+            await asyncio.sleep(PERIOD)
+
+    def value(self, signal: str) -> float:
+        """The value of a signal in the newest frame; NaN where it is not known."""
+        names = [name for name, _ in self.heard["welcome"]["signals"]]
+        if signal not in names or len(self.frame) != FRAME_HEAD + 4 * len(names):
+            return math.nan
+        found: float = struct.unpack_from("<f", self.frame, FRAME_HEAD + 4 * names.index(signal))[0]
+        return found
 
     def _turned(self) -> tuple[float, ...]:
         """The stick at this message: to one side, centred, to the other."""

@@ -152,7 +152,9 @@ class Supervisor:
             if process.spec.name not in COMMANDING and process.popen.poll() is None:
                 process.popen.send_signal(signal.SIGTERM)
             hung = not _wait_or_kill(process.popen) or hung
-            self.exit_codes[process.spec.name] = process.popen.returncode
+            code = process.popen.returncode
+            # Who still loads when told to stop has no handler yet: it ends as it was told.
+            self.exit_codes[process.spec.name] = 0 if code == -signal.SIGTERM else code
         if hung:
             self._zero_voltage()  # it may have been the driver, without last words
         self._forward_logs()

@@ -13,7 +13,7 @@ from typing import Any
 from forest_compile import compiled_step, kernel_cache
 from forest_compile.compiled_step import CompiledStep, Example
 from forest_compile.kernel_cache import CachedKernel
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.limits import workspace
 from forest_control.operator import levers, operator_profile
 from forest_control.pipeline import bumpless_transfer, control_state, controller, motion_command, stop_profile
@@ -47,7 +47,7 @@ def driver_step() -> Step:
 @lru_cache(maxsize=1)
 def _control() -> Example:
     """Return values of the types that all machines share."""
-    p = control_settings.parameters(load_machine("c180"), control_settings.Settings())
+    p = controller_settings.parameters(load_machine("c180"), controller_settings.Settings())
     inputs = control_state.Inputs((0.0, 0.5, -1.5), (0.0, 0.0, 0.0), levers.REST, False)
     state, telemetry = controller.step_with_telemetry(control_state.REST, inputs, p, PERIOD)
     return Example(state, (inputs,), p, telemetry)

@@ -13,8 +13,8 @@ from typing import Any
 
 from rclpy.node import Node
 
+from forest_control.config.controller_settings import Parameters, Settings, parameters
 from forest_control.config.cycle_parameters import CycleParameters, TaughtNames
-from forest_control.config.settings import Parameters, Settings, parameters
 from forest_control.config.workspace_file import load_workspace
 from forest_control.operator.taught_command import NO_COMMAND, to_values
 from forest_control.taught.cycle_topics import CycleInputs, Report

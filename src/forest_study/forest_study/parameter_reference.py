@@ -8,13 +8,13 @@ from typing import Any
 
 from forest_bag.play.player_parameters import PlayerParameters, StepPlayerParameters
 from forest_bag.record.recorder_parameters import RecorderParameters
-from forest_control.config.controller_parameters import (
+from forest_control.config.controller_node_parameters import (
     ControllerParameters,
     ProfileParameter,
     WorkspaceParameter,
 )
+from forest_control.config.controller_settings import Settings
 from forest_control.config.cycle_parameters import CycleParameters, TaughtNames
-from forest_control.config.settings import Settings
 from forest_control.operator.device_joystick import DeviceParameters
 from forest_control.operator.joystick_sources import JoystickParameters
 from forest_control.operator.joystick_watch import WatchParameters

@@ -6,8 +6,8 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from forest_control.config import settings as control_settings
-from forest_control.config.settings import Settings
+from forest_control.config import controller_settings
+from forest_control.config.controller_settings import Settings
 from forest_control.operator.levers import Levers
 from forest_control.operator.operator_profile import Mode
 from forest_control.pipeline import controller
@@ -31,7 +31,7 @@ class Crane:
     """Joints of a bandwidth behind ideal valves, and the controller, one after the other."""
 
     def __init__(self, settings):
-        self.p, self.state = control_settings.parameters(MACHINE, settings), REST
+        self.p, self.state = controller_settings.parameters(MACHINE, settings), REST
         self.angles, self.rates, self.commands = START, ZERO, []
 
     def play(self, levers, seconds, seen=lambda q: q):
@@ -51,7 +51,7 @@ class Crane:
 
     def set(self, **settings):
         """Change parameters as the node does."""
-        self.p = control_settings.parameters(MACHINE, Settings(**settings))
+        self.p = controller_settings.parameters(MACHINE, Settings(**settings))
         self.state = self.state._replace(changed=True)
 
 

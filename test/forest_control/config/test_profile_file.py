@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from forest_control.config.controller_settings import Settings, parameters
 from forest_control.config.profile_file import KEYS, load_profile, shipped
 from forest_control.config.setting_file import SettingFileError
-from forest_control.config.settings import Settings, parameters
 from forest_control.operator.joystick_watch import WatchParameters
 from forest_control.operator.levers import Levers
 from forest_control.operator.operator_profile import shaped

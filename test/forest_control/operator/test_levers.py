@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from forest_control.config.settings import Settings, parameters
+from forest_control.config.controller_settings import Settings, parameters
 from forest_control.operator.levers import (
     AXIS_COUNT,
     BUTTON_COUNT,

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.config.settings import Settings, parameters
+from forest_control.config.controller_settings import Settings, parameters
 from forest_control.operator.levers import Levers
 from forest_control.operator.operator_profile import Frame, curve, rate_mode_velocity, shaped
 from forest_description.machine import load_machine

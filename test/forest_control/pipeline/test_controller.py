@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.config import settings as control_settings
-from forest_control.config.settings import Settings
+from forest_control.config import controller_settings
+from forest_control.config.controller_settings import Settings
 from forest_control.limits.velocity_scaling import ENOUGH, Limit, flow_demand
 from forest_control.limits.workspace import MOST, NO_WALL, PLANE, Wall, Workspace
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
@@ -31,7 +31,7 @@ every_tip_scheme = pytest.mark.parametrize("scheme", TIP_SCHEMES)
 
 
 def parameters(scheme=Scheme.JACOBIAN_POSITION, **settings):
-    return control_settings.parameters(MACHINE, Settings(scheme=scheme, **settings))
+    return controller_settings.parameters(MACHINE, Settings(scheme=scheme, **settings))
 
 
 def inputs(levers=(0.0, 0.0, 0.0), angles=MIDDLE, rates=ZERO, enabled=True):
@@ -215,20 +215,20 @@ def test_parameters_keep_the_margin_from_every_joint_limit():
 
 def test_each_axis_is_clipped_at_and_scaled_with_its_own_valve_s_rated_voltage():
     loader = load_machine("loader")
-    p = control_settings.parameters(loader, Settings(scheme=Scheme.JOINT, joint_rates=(3.0, 3.0, 3.0)))
+    p = controller_settings.parameters(loader, Settings(scheme=Scheme.JOINT, joint_rates=(3.0, 3.0, 3.0)))
     p = p._replace(velocity_limits=p.velocity_limits._replace(pumps=ENOUGH))
     assert p.rated_voltages == (6.0, 8.0, 8.0)
     _, output = controller.step(REST, inputs((1.0, 1.0, 1.0)), p, PERIOD)
     assert output.command == (6.0, 8.0, 8.0)
     half = 0.5 * rated_speeds(loader)[0]
-    p = control_settings.parameters(loader, Settings(scheme=Scheme.JOINT, joint_rates=(half, 0.1, 0.1)))
+    p = controller_settings.parameters(loader, Settings(scheme=Scheme.JOINT, joint_rates=(half, 0.1, 0.1)))
     _, output = controller.step(REST, inputs((1.0, 0.0, 0.0)), p, PERIOD)
     assert output.command[0] == pytest.approx(3.0)
 
 
 @pytest.mark.parametrize("scheme", [scheme for scheme in Scheme if scheme != Scheme.JOINT])
 def test_of_random_wishes_no_rate_and_no_flow_is_over_its_limit_and_the_tip_keeps_its_direction(scheme):
-    p = control_settings.parameters(MACHINE, Settings(scheme=scheme, tip_speed=3.0))
+    p = controller_settings.parameters(MACHINE, Settings(scheme=scheme, tip_speed=3.0))
     rng, held = np.random.default_rng(100 + int(scheme)), set()
     lower, upper = np.array(p.velocity_limits.lower), np.array(p.velocity_limits.upper)
     for _ in range(4000):  # 20 000 in all
@@ -257,7 +257,7 @@ def test_at_a_wall_the_tip_slides_and_the_cause_is_told(scheme):
     tip = tip_position(MIDDLE, LINKS)
     ground = Wall(PLANE, (0.0, 0.0, 1.0), ZERO, tip[2])
     walls = Workspace((ground, *(NO_WALL,) * (MOST - 1)), 4.0, 1)
-    p = control_settings.parameters(MACHINE, Settings(scheme=scheme, tip_speed=0.3), walls)
+    p = controller_settings.parameters(MACHINE, Settings(scheme=scheme, tip_speed=0.3), walls)
     state, output = REST, None
     for _ in range(100):
         state, output = controller.step(state, inputs((0.5, -0.5, 0.0)), p, PERIOD)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.levers import REST as LEVERS_AT_REST
 from forest_control.pipeline import control_state, controller, stop_profile
 from forest_control.servo import coordinated_servo
@@ -52,7 +52,7 @@ def test_a_joint_that_would_turn_round_is_not_commanded():
 
 def stop_of(away):
     """The stop as the deadman is let go in motion, the joints off their reference by some [rad]."""
-    p = control_settings.parameters(load_machine("c180"), control_settings.Settings())
+    p = controller_settings.parameters(load_machine("c180"), controller_settings.Settings())
     rates, wish = (0.05, 0.02, -0.03), (0.1, 0.2, -0.1)
     reference = tuple(angle + off for angle, off in zip(POSE, away, strict=True))
     memory = coordinated_servo.in_motion(wish, rates, coordinated_servo.MOST_SAMPLES)

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.config import settings as control_settings
-from forest_control.config.settings import Settings
+from forest_control.config import controller_settings
+from forest_control.config.controller_settings import Settings
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import control_state, controller
 from forest_control.pipeline.control_state import Inputs
@@ -22,7 +22,7 @@ RATED = 10.0  # [V]
 
 @pytest.mark.parametrize("scheme", list(Scheme))
 def test_the_controller_commands_finite_voltages_within_the_rating(scheme):
-    p = control_settings.parameters(MACHINE, Settings(scheme=scheme))
+    p = controller_settings.parameters(MACHINE, Settings(scheme=scheme))
     rng, state = np.random.default_rng(int(scheme)), control_state.REST
     low, high = np.array(p.velocity_limits.lower) - 0.1, np.array(p.velocity_limits.upper) + 0.1
     for _ in range(1500):

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.pipeline.controller import to_voltage
 from forest_control.safety.frozen_sensor import MOVING, Stillness, frozen, watched
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 
-P = control_settings.parameters(load_machine("c180"), control_settings.Settings())
+P = controller_settings.parameters(load_machine("c180"), controller_settings.Settings())
 DT = 0.005
 START = (0.2, 0.4, -1.5)
 every_joint = pytest.mark.parametrize("joint", range(3), ids=AXES)

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from forest_control.config.settings import Settings, parameters
+from forest_control.config.controller_settings import Settings, parameters
 from forest_control.operator.joystick_watch import NO_HEARTBEAT, NO_STAMP, Sample, unreadable_sample
 from forest_control.operator.levers import REST, Levers
 from forest_control.safety.driver_response import DriverSample

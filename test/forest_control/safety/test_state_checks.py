@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.safety.state_checks import implausible, plausible
 from forest_description.derived.limits import joint_limits
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 
 MACHINE = load_machine("c180")
-P = control_settings.parameters(MACHINE, control_settings.Settings(joint_margin=0.0))
+P = controller_settings.parameters(MACHINE, controller_settings.Settings(joint_margin=0.0))
 MIDDLE, ZERO = (0.2, 0.4, -1.4), (0.0, 0.0, 0.0)
 every_joint = pytest.mark.parametrize("joint", range(3), ids=AXES)
 

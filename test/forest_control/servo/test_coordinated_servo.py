@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from forest_control.config.settings import Settings, parameters
+from forest_control.config.controller_settings import Settings, parameters
 from forest_control.operator.levers import REST, Levers
 from forest_control.pipeline import control_state
 from forest_control.pipeline.control_state import Inputs

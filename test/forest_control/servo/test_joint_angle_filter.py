@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.config import settings as control_settings
-from forest_control.config.settings import Settings
+from forest_control.config import controller_settings
+from forest_control.config.controller_settings import Settings
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import controller
 from forest_control.pipeline.control_state import REST, Inputs
@@ -49,7 +49,7 @@ def settled(count, rng=None):
 
 
 def parameters(scheme=Scheme.COORDINATED, source=Source.CYLINDERS):
-    return control_settings.parameters(MACHINE, Settings(scheme=scheme, position_source=source))
+    return controller_settings.parameters(MACHINE, Settings(scheme=scheme, position_source=source))
 
 
 class Crane:

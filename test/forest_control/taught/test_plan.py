@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.config.settings import Settings, parameters
+from forest_control.config.controller_settings import Settings, parameters
 from forest_control.config.workspace_file import load_workspace
 from forest_control.limits.velocity_scaling import Limit, velocity_scaling
 from forest_control.pipeline.motion_limits import velocity_limits_at

@@ -126,6 +126,30 @@ OTHERS = [
         4,
         "stick.chambers.rod_dead_volume (0.013 m3) must be at most what the stroke sweeps (0.0125",
     ),
+    (
+        "c180_real",
+        "oil:\n  air:\n    vapour_pressure: = 0.4 bar\n    tank_pressure: = 0.35 bar\n",
+        4,
+        "oil.air.vapour_pressure (40000 Pa) must be smaller than tank_pressure (35000 Pa)",
+    ),
+    (
+        "c180_real",
+        "oil:\n  air:\n    share: = 60 percent\n",
+        4,
+        "= 60 percent (0.6 1) is outside",
+    ),
+    (
+        "c180_real",
+        "oil:\n  air:\n    tank_pressure: = 0 bar\n",
+        4,
+        "= 0 bar (0 Pa) is outside the range",
+    ),
+    (
+        "c180",
+        "oil:\n  air:\n    share: = 1 percent\n",
+        3,
+        "missing key oil.air.dissolving_pressure",
+    ),
     ("c180_real", "oil: null\n", 2, "oil is null, but the swing has chambers: how their oil yields needs"),
     (
         "c180_real",

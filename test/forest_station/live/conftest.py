@@ -43,9 +43,10 @@ def crane(tmp_path_factory, session_domain_id):
     node = Node("ears", context=context, enable_rosout=False, start_parameter_services=False)
     graph_log, station_log = folder / "graph.log", folder / "station.log"
     options = ("--join", "--port", str(port), "--no-browser")
+    cycles = ("--cycles", str(folder / "cycles"))
     try:
         with (
-            running("forest_bringup.graph", graph_log, session_domain_id) as graph,
+            running("forest_bringup.graph", graph_log, session_domain_id, *cycles) as graph,
             running("forest_station.station", station_log, session_domain_id, *options) as station,
         ):
             wait_for_text(station, station_log, "the page is at")

@@ -2,21 +2,21 @@
 
 import asyncio
 import contextlib
+import math
 import os
 import signal
-import struct
 import time
 
 import aiohttp
 import pytest
 from stall import Stall
-from stand_in_page import CENTRED, StandInPage, driving, opposite, play
+from stand_in_page import CENTRED, FRAME_HEAD, StandInPage, driving, opposite, play
 
+from forest_control.limits.velocity_scaling import Limit
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import publisher
 
 SHUTS_S, WATCH_S = 0.25, 0.15
-FRAME_HEAD = 16  # bytes
 ASIDE = (0.75, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -147,6 +147,88 @@ def test_parameters_are_told_set_and_refused_with_the_nodes_own_words(crane):
     play(scenario())
 
 
+async def set_controller(page, **values):
+    """Set parameters of the controller as the page does."""
+    for name, value in values.items():
+        told = await page.ask("set_parameter", node="controller", name=name, value=value)
+        assert told["ok"], told
+
+
+@contextlib.asynccontextmanager
+async def steered(crane, page):
+    """A page that has the seat holds the crane, at rest to begin with; then it lets go."""
+    page.stick = CENTRED
+    hands = asyncio.create_task(page.steer())
+    try:
+        await crane.ears.until(lambda: page.seat["deadman"]["state"] == "held")
+        yield
+    finally:
+        hands.cancel()
+        await crane.ears.still()
+
+
+def test_walls_that_the_page_sets_hold_the_driven_tip(crane):
+    floor = -2.2 + 0.15  # [m] of c180: its ground and margin
+
+    async def scenario():
+        async with StandInPage(crane.address) as page:
+            await page.take_seat()
+            await set_controller(page, workspace="c180", tip_speed=1.5)
+            async with steered(crane, page):
+                page.stick = (0.0, 0.0, 0.0, -1.0, 0.0, 0.0)
+                limit, speed = "controller/status/limit", "tip/twist/z"
+                await crane.ears.until(lambda: page.value(limit) == Limit.WALL and page.value(speed) > -0.05)
+                assert floor - 0.01 < page.value("tip/pose/z") < floor + 0.05
+                page.stick = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
+                await crane.ears.until(lambda: page.value("tip/pose/z") > floor + 0.5)
+            await set_controller(page, workspace="", tip_speed=0.5)
+
+    play(scenario())
+
+
+async def play_until(crane, page, condition):
+    """Go on with a cycle until a condition holds: a busy computer may pause it, as any doubt does."""
+
+    def told():
+        return condition() or page.heard["taught_work"]["phase"] == "paused"
+
+    while not condition():
+        await page.ask("resume_cycle")
+        await crane.ears.until(told)
+
+
+def test_what_is_taught_by_driving_is_played_paused_by_a_stick_and_resumed(crane):
+    async def scenario():
+        async with StandInPage(crane.address) as page, StandInPage(crane.address) as other:
+            await page.take_seat()
+
+            def tip():
+                return [page.value(f"tip/pose/{axis}") for axis in "xyz"]
+
+            def has(phase):
+                return lambda: page.heard.get("taught_work", {}).get("phase") == phase
+
+            await crane.ears.until(has("idle"))
+            home = tip()
+            assert (await page.ask("teach", cycle="home", what="pose", label="back"))["ok"]
+            assert "take the seat" in (await other.ask("play_cycle", cycle="home"))["text"]
+            async with steered(crane, page):
+                page.stick = ASIDE
+                await crane.ears.until(lambda: math.dist(tip(), home) > 0.5)
+                page.stick = CENTRED
+                assert (await page.ask("play_cycle", cycle="home"))["ok"]
+                await play_until(crane, page, lambda: math.dist(tip(), home) < 0.45)
+                page.stick = ASIDE
+                await crane.ears.until(has("paused"))
+                why = page.heard["taught_work"]["text"]
+                assert why == "home: paused: a stick moved." or "held" in why or "released" in why
+                page.stick = CENTRED
+                await play_until(crane, page, has("finished"))
+                assert math.dist(tip(), home) < 0.01
+
+    play(scenario())
+
+
 def test_frames_hold_every_signal_30_times_a_second(crane):
     async def scenario():
         async with StandInPage(crane.address) as page:
@@ -155,9 +237,7 @@ def test_frames_hold_every_signal_30_times_a_second(crane):
             assert {"joint_states/boom.position", "crane/boom_cylinder_rod.position", "tip/pose/x"} <= {
                 *names
             }
-            values = struct.unpack_from(f"<{len(names)}f", page.frame, FRAME_HEAD)
-            told = dict(zip(names, values, strict=True))
-            assert told["hydraulics/supply/pressure"] > 1e5
+            assert page.value("hydraulics/supply/pressure") > 1e5
             assert len(page.frame) == FRAME_HEAD + 4 * len(names)
             begun, frames = time.monotonic(), page.frames
             await crane.ears.until(lambda: page.frames > frames + 30)

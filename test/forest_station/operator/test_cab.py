@@ -42,12 +42,47 @@ def test_a_driver_moves_the_levers_and_holds_the_button():
     assert sum(joy.buttons) == 1
 
 
+def test_without_a_driver_the_levers_are_centred_and_no_button_is_pressed():
+    assert Driver().joy.axes == CENTRED
+    assert not any(Driver().joy.buttons)
+
+
 def test_the_pages_own_bit_of_the_deadmans_button_counts_for_nothing():
     driver = Driver()
     driver.cab.take("1", driver.now)
     for _ in range(5):
         driver.send(False, buttons=0b11 | 1 << BUTTON)
     assert driver.joy.buttons == tuple(int(place in (0, 1)) for place in range(21))
+
+
+def test_who_takes_a_seat_is_told_whether_it_is_theirs():
+    driver = Driver()
+    assert driver.cab.take("1", 10.0)
+    assert not driver.cab.take("2", 10.0)
+    assert driver.cab.take("1", 10.0)
+
+
+def test_a_driver_that_is_heard_keeps_the_seat():
+    driver = Driver().drive()
+    for _ in range(150):  # 3 s
+        driver.send(False)
+    assert not driver.cab.take("2", driver.now)
+    assert driver.cab.take("2", driver.now + 2.1)
+
+
+def test_a_page_that_tells_of_no_pong_holds_nothing():
+    driver = Driver()
+    driver.cab.take("1", driver.now)
+    for held in (False, False, True, True):
+        driver.number += 1
+        driver.cab.hear("1", Hands(held, driver.number, driver.now, CENTRED, 0, 0), driver.now)
+    assert driver.cab.deadman.state == State.WAITING
+
+
+def test_a_heartbeat_counts_until_its_timeout():
+    driver = Driver().drive()
+    driver.cab.judge(driver.now + TIMEOUT - 1e-6)
+    assert driver.joy.axes == UP
 
 
 def test_hands_of_a_page_that_does_not_drive_are_ignored():

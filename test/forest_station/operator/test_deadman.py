@@ -102,6 +102,24 @@ def test_a_network_that_was_slow_from_the_beginning_is_found_by_its_round_trip()
     assert "slow" in text(page.deadman)
 
 
+def test_below_its_bound_a_round_trip_is_no_trouble():
+    page = Page()
+    page.send(False, round_trip=ROUND_TRIP - 1e-6)
+    assert page.send(True, round_trip=ROUND_TRIP - 1e-6) == State.HELD
+
+
+def test_a_network_is_slow_only_where_a_page_that_was_answered_waits_for_it():
+    page = Page()
+    page.send(True)
+    assert "slow" not in text(page.deadman)  # in time: it waits for a release
+    page.send(False, round_trip=math.inf)
+    assert "slow" not in text(page.deadman)  # its first messages tell of no pong
+    page.press()
+    late = page.message(True)._replace(sent=page.now + page.ahead - 0.3)
+    held = heard_hands(page.deadman, late, page.now, 0.02)
+    assert (held.state, held.cause) == (State.HELD, "")
+
+
 def test_a_page_that_was_never_answered_holds_nothing():
     page = Page()
     assert {page.send(k % 2 == 1, round_trip=math.inf) for k in range(20)} == {State.WAITING}
@@ -134,10 +152,20 @@ def test_after_a_stop_it_must_be_pressed_anew():
 def test_clocks_that_drift_apart_do_not_end_it():
     for drift in (-4e-4, 4e-4):
         page = Page().press()
-        for _ in range(300 * 50):  # they differ by 0.12 s then
-            page.ahead += drift * PERIOD
+        for _ in range(300 * 20):  # they differ by 0.12 s then
+            page.ahead += drift * 0.05
+            page.now += 0.05 - PERIOD
             page.send(True)
         assert page.deadman.state == State.HELD
+
+
+def test_a_way_that_grows_faster_than_clocks_drift_ends_it():
+    page = Page().press()
+    for _ in range(1000 * 20):  # 0.12 s more than clocks may
+        page.ahead -= 6.2e-4 * 0.05
+        page.now += 0.05 - PERIOD
+        page.send(True)
+    assert page.deadman.state == State.WAITING
 
 
 def test_whatever_arrives_it_is_never_held_for_longer_than_the_timeout_after_a_heartbeat():

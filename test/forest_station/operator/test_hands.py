@@ -61,6 +61,7 @@ def test_the_layout_is_that_of_the_protocol():
         (with_bytes(TIME_AT, struct.pack("<d", math.inf)), "time is inf"),
         (with_bytes(AXIS_AT, struct.pack("<f", math.nan)), "axes are (nan"),
         (with_bytes(AXIS_AT, struct.pack("<f", 1.0001)), "axes are (1.0"),
+        (with_bytes(AXIS_AT, struct.pack("<f", -1.0001)), "axes are (-1.0"),
         (with_bytes(AXIS_AT + 20, struct.pack("<f", -math.inf)), "-inf)"),
         (with_bytes(BUTTONS_AT, struct.pack("<I", 2**BUTTONS)), "buttons are 0x200000"),
     ],

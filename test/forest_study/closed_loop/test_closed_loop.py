@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from recorded import recorded
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.joystick_sources import read_levers, thesis_levers
 from forest_control.operator.levers import REST, Levers
 from forest_control.servo.schemes import Scheme
@@ -25,12 +25,12 @@ START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
 
 
 def session(operator, duration, scheme=Scheme.JACOBIAN_POSITION, start=START, **options):
-    settings = control_settings.Settings(scheme=scheme)
+    settings = controller_settings.Settings(scheme=scheme)
     return run(C180, operator, duration, start, settings, valve_driver_parameters.Settings(), **options)
 
 
 def thesis(time):
-    return Operator(thesis_levers(time, control_settings.Settings().tip_speed))
+    return Operator(thesis_levers(time, controller_settings.Settings().tip_speed))
 
 
 def rms_mm(trajectory):
@@ -60,7 +60,7 @@ def test_pressures_stay_between_tank_and_what_relief_allows(scheme_d):
 def test_compensation_is_what_makes_it_track(scheme_d):
     """The same session with the driver's compensation off: the overlap eats the command."""
     off = valve_driver_parameters.Settings(compensate=False)
-    blind = run(C180, thesis, 10.0, START, control_settings.Settings(scheme=Scheme.JACOBIAN_POSITION), off)
+    blind = run(C180, thesis, 10.0, START, controller_settings.Settings(scheme=Scheme.JACOBIAN_POSITION), off)
     assert rms_mm(blind) > 1.5 * rms_mm(scheme_d)
 
 
@@ -156,7 +156,7 @@ def test_a_controller_that_believes_another_machine_still_keeps_limits():
         wild_levers(3),
         30.0,
         START,
-        control_settings.Settings(),
+        controller_settings.Settings(),
         valve_driver_parameters.Settings(),
         model=C180,
     )
@@ -174,7 +174,7 @@ def test_before_the_first_report_a_period_passes_under_shut_valves():
         lambda _: Operator(REST, False),
         2 * PERIOD,
         start,
-        control_settings.Settings(),
+        controller_settings.Settings(),
         valve_driver_parameters.Settings(),
     )
     assert still.angles[0] != pytest.approx(start, abs=1e-12)

@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
@@ -37,13 +37,13 @@ def pushed(machine, levers, settings, duration):
 @pytest.mark.parametrize("joint", [1, 2], ids=["boom", "stick"])
 def test_a_cylinder_slows_down_by_its_stroke_and_does_not_overshoot(machine, joint, sign):
     levers = Levers(0.0, *(sign if joint == i else 0.0 for i in (1, 2)))
-    settings = control_settings.Settings(scheme=Scheme.JOINT, joint_rates=(0.8, 0.5, 0.5))
+    settings = controller_settings.Settings(scheme=Scheme.JOINT, joint_rates=(0.8, 0.5, 0.5))
     moved, margins = pushed(machine, levers, settings, 10.0)
     margin = margins[:, joint]
     assert margin.min() > LEAST
     assert margin[-1] < FARTHEST
     assert margin.min() > margin[-1] - 0.05
-    governor = control_settings.parameters(machine, settings).velocity_limits
+    governor = controller_settings.parameters(machine, settings).velocity_limits
     stroke = governor.strokes[joint]
     lengths = [cylinder_length(angle, stroke.linkage) for angle in moved.angles[:, joint].tolist()]
     left = stroke.longest - np.array(lengths) if sign > 0.0 else np.array(lengths) - stroke.shortest
@@ -58,13 +58,13 @@ def test_the_loaders_swing_is_fed_what_its_hoses_take_and_its_pump_leaves():
     """Of the directions that it swings in, the worst: 17 mm beside the line without that."""
     along = np.array((0.0, -1.0, -1.0)) / math.sqrt(2.0)
     levers = levers_for_tip_velocity(tuple(along.tolist()), 1.0)
-    moved, _ = pushed(LOADER, levers, control_settings.Settings(tip_speed=1.0), 1.0)
+    moved, _ = pushed(LOADER, levers, controller_settings.Settings(tip_speed=1.0), 1.0)
     way = moved.tip - moved.tip[0]
     assert np.linalg.norm(way - np.outer(way @ along, along), axis=1).max() < 0.0145
 
 
 def test_in_all_26_directions_at_full_speed_the_tip_keeps_its_line_and_arrives():
-    settings = control_settings.Settings(tip_speed=1.0)
+    settings = controller_settings.Settings(tip_speed=1.0)
     for direction in DIRECTIONS:
         along = np.array(direction) / np.linalg.norm(direction)
         moved, margin = pushed(C180, levers_for_tip_velocity(tuple(along.tolist()), 1.0), settings, 10.0)

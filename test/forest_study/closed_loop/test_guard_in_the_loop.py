@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.config.settings import Settings, parameters
+from forest_control.config.controller_settings import Settings, parameters
 from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
 from forest_control.pipeline.control_state import ValveFeedback
 from forest_control.pipeline.guarded_controller import GuardedController

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.joystick_sources import thesis_levers
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
 from forest_control.servo.schemes import Scheme
@@ -17,13 +17,13 @@ from forest_study.closed_loop.loop_kernel import by_heart as run
 
 LOADER = load_machine("loader")
 START = pose_at(start_tip(LOADER), LOADER)
-TIP_SPEED = control_settings.Settings().tip_speed
+TIP_SPEED = controller_settings.Settings().tip_speed
 RADIUS, TURN = 0.4, 0.6  # [m], [rad/s]: 0.24 m/s
 TIP_SCHEMES = pytest.mark.parametrize("scheme", [Scheme.JACOBIAN_VELOCITY, Scheme.JACOBIAN_POSITION])
 
 
 def session(operator, duration, scheme, drive=valve_driver_parameters.Settings()):  # noqa: B008 (immutable)
-    return run(LOADER, operator, duration, START, control_settings.Settings(scheme=scheme), drive)
+    return run(LOADER, operator, duration, START, controller_settings.Settings(scheme=scheme), drive)
 
 
 def circle(across):
@@ -71,7 +71,7 @@ def test_it_tracks_the_thesis_input_as_the_c180_does(scheme):
 
 
 def test_joint_levers_give_the_joint_rates_that_they_ask_for():
-    asked = control_settings.Settings().joint_rates
+    asked = controller_settings.Settings().joint_rates
     for axis in range(3):
         for sign in (1.0, -1.0):
             levers = Levers(*(0.5 * sign if i == axis else 0.0 for i in range(3)))

@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("llvmlite")
 
 from forest_compile import flat_layout
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.levers import Levers
 from forest_control.operator.operator_profile import Mode
 from forest_control.servo.schemes import Scheme
@@ -25,6 +25,7 @@ from forest_study.closed_loop.closed_loop import Operator
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
+USUAL = controller_settings.Settings(), valve_driver_parameters.Settings()
 ROWS = 240
 
 
@@ -58,13 +59,13 @@ def assert_same(settings, drive, machine=C180, model=C180, seed=0):
 @pytest.mark.parametrize("scheme", list(Scheme))
 def test_every_scheme_is_the_interpreted_loop_to_the_last_bit(scheme):
     assert_same(
-        control_settings.Settings(scheme=scheme), valve_driver_parameters.Settings(adapt=scheme % 2 == 1)
+        controller_settings.Settings(scheme=scheme), valve_driver_parameters.Settings(adapt=scheme % 2 == 1)
     )
 
 
 def test_so_is_position_mode_and_a_driver_with_all_it_has():
     drive = valve_driver_parameters.Settings(adapt=True, slew_limit=500.0, dither_amplitude=0.05)
-    assert_same(control_settings.Settings(mode=Mode.POSITION), drive, seed=1)
+    assert_same(controller_settings.Settings(mode=Mode.POSITION), drive, seed=1)
 
 
 def test_so_is_another_machine_than_believed_with_slow_sensors_and_none():
@@ -79,13 +80,13 @@ def test_so_is_another_machine_than_believed_with_slow_sensors_and_none():
         stick=dataclasses.replace(C180.stick, valve=dataclasses.replace(C180.valve, curve=table)),
     )
     drive = valve_driver_parameters.Settings(adapt=True)
-    assert_same(control_settings.Settings(), drive, other, C180, seed=2)
-    assert_same(control_settings.Settings(), drive, C180, other, seed=3)
+    assert_same(controller_settings.Settings(), drive, other, C180, seed=2)
+    assert_same(controller_settings.Settings(), drive, C180, other, seed=3)
 
 
 def test_the_core_interpreted_is_the_core_compiled():
     suite, table = sensor_suite(C180, noise=True, seed=4), hand(4)[20:32]
-    settings, drive = control_settings.Settings(), valve_driver_parameters.Settings()
+    settings, drive = controller_settings.Settings(), valve_driver_parameters.Settings()
     fast = loop_kernel.run(C180, table, START, settings, drive, suite=suite)
     k = loop_kernel.knowledge(C180, C180, settings, drive, suite)
     loop, normals = loop_kernel.begin(k, START, suite), loop_kernel.draws(suite, len(table)).ravel().tolist()
@@ -104,7 +105,7 @@ def test_all_machines_and_settings_share_one_shape():
         k = loop_kernel.knowledge(
             machine,
             machine,
-            control_settings.Settings(),
+            controller_settings.Settings(),
             valve_driver_parameters.Settings(),
             sensor_suite(machine),
         )
@@ -114,25 +115,16 @@ def test_all_machines_and_settings_share_one_shape():
 
 def test_equal_seeds_repeat_and_others_do_not():
     suites = [sensor_suite(C180, noise=True, seed=seed) for seed in (1, 1, 2)]
-    tips = [
-        loop_kernel.run(
-            C180, hand(), START, control_settings.Settings(), valve_driver_parameters.Settings(), suite=suite
-        ).tip
-        for suite in suites
-    ]
+    tips = [loop_kernel.run(C180, hand(), START, *USUAL, suite=suite).tip for suite in suites]
     assert [np.array_equal(a, b) for a, b in pairwise(tips)] == [True, False]
 
 
 def test_faulty_sensors_are_refused():
     suite = sensor_suite(C180, faults=parse_faults("boom_resolver: absent from 2 s"))
     with pytest.raises(ValueError, match="faults are not compiled"):
-        loop_kernel.run(
-            C180, hand(), START, control_settings.Settings(), valve_driver_parameters.Settings(), suite=suite
-        )
+        loop_kernel.run(C180, hand(), START, *USUAL, suite=suite)
 
 
 def test_levers_without_a_deadman_are_refused():
     with pytest.raises(ValueError, match=r"shape \(240, 3\); allowed: a row of 4"):
-        loop_kernel.run(
-            C180, hand()[:, :3], START, control_settings.Settings(), valve_driver_parameters.Settings()
-        )
+        loop_kernel.run(C180, hand()[:, :3], START, *USUAL)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator import joystick_watch
 from forest_control.operator.joystick_watch import NO_HEARTBEAT, Sample, WatchParameters
 from forest_control.operator.levers import REST, Levers, levers_for_tip_velocity
@@ -54,7 +54,7 @@ class Stick:
 
 
 def session(stick, duration, scheme=Scheme.COORDINATED):
-    settings = control_settings.Settings(scheme=scheme, tip_speed=SPEED)
+    settings = controller_settings.Settings(scheme=scheme, tip_speed=SPEED)
     return run(C180, stick, duration, START, settings, valve_driver_parameters.Settings())
 
 
@@ -134,7 +134,7 @@ def test_let_go_in_the_midst_of_a_wild_motion_it_stops_as_soon(motion):
     name, start, wishes = motion
     held = [Operator(Levers(*levers)) for time, levers in wishes for _ in range(round(time / PERIOD))]
     rows = [Operator(REST)] * 20 + held + [Operator(REST, False)] * 120
-    settings = control_settings.Settings(tip_speed=SPEED), valve_driver_parameters.Settings()
+    settings = controller_settings.Settings(tip_speed=SPEED), valve_driver_parameters.Settings()
 
     def operator(time):
         return rows[round(time / PERIOD)]
@@ -202,7 +202,7 @@ def test_at_full_speed_into_a_limit_the_tip_keeps_its_line_stops_just_before_it_
     def operator(time):
         return Operator(forth if time < pushed else REST if time < pushed + 0.3 else back)
 
-    settings = control_settings.Settings(tip_speed=1.0)
+    settings = controller_settings.Settings(tip_speed=1.0)
     moved = run(C180, operator, pushed + 1.3, START, settings, valve_driver_parameters.Settings())
     arrived = round(pushed / PERIOD)
     way = moved.tip - moved.tip[0]
@@ -219,7 +219,7 @@ def test_from_outside_its_limits_the_crane_comes_back_and_goes_no_further_out():
     low = np.array(joint_limits(C180))[:, 0]
     start = (0.3, 0.4, float(low[2]) + np.radians(0.2))  # within the margin that is kept
     for push, inwards in ((Levers(0.0, 0.0, -1.0), False), (Levers(0.0, 0.0, 1.0), True)):
-        settings = control_settings.Settings(scheme=Scheme.COORDINATED)
+        settings = controller_settings.Settings(scheme=Scheme.COORDINATED)
         moved = run(
             C180, lambda _, p=push: Operator(p), 1.5, start, settings, valve_driver_parameters.Settings()
         )
@@ -234,12 +234,12 @@ BACK = Levers(-THERE.swing, -THERE.boom, -THERE.stick)
 def mad_settings(rng):
     """Scheme, mode and speed by chance."""
     scheme, mode = Scheme(int(rng.integers(1, 6))), Mode(int(rng.integers(2)))
-    return control_settings.Settings(scheme=scheme, mode=mode, tip_speed=float(rng.choice([0.05, SPEED])))
+    return controller_settings.Settings(scheme=scheme, mode=mode, tip_speed=float(rng.choice([0.05, SPEED])))
 
 
 def test_settings_that_change_100_times_a_second_do_not_make_the_tip_run():
     rng = np.random.default_rng(0)
-    pool = [control_settings.parameters(C180, mad_settings(rng)) for _ in range(40)]
+    pool = [controller_settings.parameters(C180, mad_settings(rng)) for _ in range(40)]
     drive = valve_driver_parameters.parameters(C180, valve_driver_parameters.Settings())
     loop = ClosedLoop(plant_parameters(C180), pool[0], drive, START, sensor_suite(C180))
     tips = []

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator import joystick_interpolation
 from forest_control.operator.joystick_sources import thesis_levers
 from forest_control.operator.levers import REST
@@ -29,7 +29,7 @@ def greatest_error(period, held):
 
     start = pose_at(start_tip(C180), C180)
     moved = run(
-        C180, operator, SECONDS, start, control_settings.Settings(), valve_driver_parameters.Settings()
+        C180, operator, SECONDS, start, controller_settings.Settings(), valve_driver_parameters.Settings()
     )
     return np.linalg.norm(moved.tip_error(), axis=1).max()
 

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.levers import REST, levers_for_tip_velocity
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
@@ -31,7 +31,7 @@ def session(scheme, overlap=1.0, pushed=True, seed=0):
     def operator(time):
         return Operator(push if pushed and PUSHED < time < RELEASED else REST)
 
-    settings, driver = control_settings.Settings(scheme=scheme), valve_driver_parameters.Settings()
+    settings, driver = controller_settings.Settings(scheme=scheme), valve_driver_parameters.Settings()
     model = dataclasses.replace(C180, valve=valve)
     return run(C180, operator, END if pushed else 3.0, START, settings, driver, model, noisy(C180, seed))
 
@@ -81,7 +81,7 @@ def pushed(machine, model, seed, adapt, released):
     levers[:, 3] = 1.0
     if released:
         levers[round(RELEASED / PERIOD) : round((RELEASED + 0.2) / PERIOD), 3] = 0.0
-    settings = control_settings.Settings(), valve_driver_parameters.Settings(adapt=adapt)
+    settings = controller_settings.Settings(), valve_driver_parameters.Settings(adapt=adapt)
     return loop_kernel.run(machine, levers, start, *settings, model, noisy(machine, seed))
 
 

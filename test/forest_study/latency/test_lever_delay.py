@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from forest_bag.read.timeseries import Series, bag_of
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator import joystick_interpolation
 from forest_control.operator.levers import REST, Levers, axes_from_levers
 from forest_control.valve import valve_driver_parameters
@@ -44,7 +44,7 @@ def driven(hand, period, interpolated=True):
 
     start = pose_at(start_tip(C180), C180)
     return run(
-        C180, operator, SECONDS, start, control_settings.Settings(), valve_driver_parameters.Settings()
+        C180, operator, SECONDS, start, controller_settings.Settings(), valve_driver_parameters.Settings()
     )
 
 

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.config.settings import Settings
+from forest_control.config.controller_settings import Settings
 from forest_control.limits.velocity_scaling import Limit
 from forest_control.operator.levers import REST, Levers
 from forest_control.operator.operator_profile import Mode

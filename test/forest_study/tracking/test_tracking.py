@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Scheme
 from forest_control.taught.plan import RAMP, greatest_speed
@@ -86,7 +86,8 @@ def test_a_reversed_path_ends_where_the_path_starts(name):
 
 @pytest.mark.parametrize("name", ["radial", "circle_h"])
 def test_a_plan_takes_at_most_1_1_of_the_least_time_and_the_governor_leaves_it_alone(name):
-    p = control_settings.parameters(C180, control_settings.Settings(scheme=Scheme.COORDINATED, tip_speed=1.0))
+    settings = controller_settings.Settings(scheme=Scheme.COORDINATED, tip_speed=1.0)
+    p = controller_settings.parameters(C180, settings)
     path = path_named(name)
     planned = plan(path, 1.0, p, 1)[0].profile.duration
     least = fastest(path, 1.0, RAMP, lambda place, along: greatest_speed(path.name, place, along, p)).duration

@@ -5,8 +5,8 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
+from forest_control.config.controller_settings import Parameters, Settings, parameters
 from forest_control.config.setting_file import SettingFileError
-from forest_control.config.settings import Parameters, Settings, parameters
 from forest_control.config.workspace_file import load_workspace
 from forest_control.taught.cycle_file import file_of, load_cycle, names, save_cycle
 from forest_control.taught.plan import Hold, Step, assumed_start, planned

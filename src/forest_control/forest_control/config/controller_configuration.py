@@ -3,13 +3,13 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from forest_control.config.controller_parameters import (
+from forest_control.config.controller_node_parameters import (
     ControllerParameters,
     ProfileParameter,
     WorkspaceParameter,
 )
+from forest_control.config.controller_settings import Parameters, Settings, parameters
 from forest_control.config.profile_file import load_profile
-from forest_control.config.settings import Parameters, Settings, parameters
 from forest_control.config.workspace_file import load_workspace
 from forest_control.operator.joystick_watch import WatchParameters
 from forest_description.machine import load_machine

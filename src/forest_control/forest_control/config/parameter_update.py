@@ -5,7 +5,7 @@ that come faster, as from a slider that is dragged, would hold levers and servos
 crane. So they wait, and the newest counts.
 """
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 
 SETTLED = 1.0  # [s] between two changes: a transfer fades in 0.2 s, the rocking of a swing in 1 s
 

@@ -6,8 +6,8 @@ not name is as in the shipped `default`. Shipped ones are named by their file, o
 
 from typing import Any
 
+from forest_control.config.controller_settings import Settings
 from forest_control.config.setting_file import SettingFileError, is_number, shipped_in, shown, tree_of
-from forest_control.config.settings import Settings
 from forest_description.types import AXES
 from forest_msgs_py.runtime.parameter_table import Parameter, table_rows
 

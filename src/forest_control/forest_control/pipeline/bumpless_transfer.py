@@ -5,7 +5,7 @@ from the pose at which it would command just that, where there is one. What rema
 to its command and fades (`FADE_TIME`).
 """
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, REST, Inputs, State, minus
 from forest_control.pipeline.stop_profile import NO_STOP
 from forest_control.servo import coordinated_servo

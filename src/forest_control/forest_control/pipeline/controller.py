@@ -15,7 +15,7 @@ valve gives at no load (`rated_speeds`); the driver makes the real valve behave 
 may change while the crane moves (`bumpless_transfer`).
 """
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_control.pipeline import stop_profile
 from forest_control.pipeline.bumpless_transfer import begun, faded, relearnt
 from forest_control.pipeline.control_state import (

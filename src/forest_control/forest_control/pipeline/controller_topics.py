@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_control.operator.joystick_watch import joystick_sample, unreadable_sample
 from forest_control.operator.levers import RIGHT_Y
 from forest_control.operator.taught_command import NO_COMMAND, from_values

@@ -6,8 +6,8 @@ joystick, state -> may the crane move? (`motion_permission`) -> may it follow a 
 
 from collections.abc import Callable
 
+from forest_control.config.controller_settings import Parameters
 from forest_control.config.parameter_update import ParameterUpdate
-from forest_control.config.settings import Parameters
 from forest_control.operator.taught_command import TaughtCommand
 from forest_control.pipeline.control_state import REST, Inputs, State, Telemetry, ValveFeedback
 from forest_control.pipeline.controller import step_with_telemetry

@@ -4,7 +4,7 @@ Each scheme has its servo (`schemes`, `coordinated_servo`). A stop that is close
 the same servo, and turns no valve round; one in open loop takes its rates as they are.
 """
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_control.pipeline import stop_profile
 from forest_control.pipeline.bumpless_transfer import offset_to, within_lead
 from forest_control.pipeline.control_state import Inputs, MotionCommand, Phase, Reference, Servo, State

@@ -5,7 +5,7 @@ taught command takes their place in the tip schemes while it counts (`taught_wat
 the stop along the path (`stop_profile`) asks in their place, until nothing is left of it.
 """
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_control.operator.levers import rate_mode_rates
 from forest_control.operator.operator_profile import (
     JOINT_ACCELERATION,

@@ -4,7 +4,7 @@ Walls take from the tip's velocity what is too fast towards them. Then J^-1 make
 factor scales them all, so that the tip keeps its direction (`velocity_scaling`).
 """
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_control.limits import workspace
 from forest_control.limits.actuator_speed_limits import joint_rate_limits
 from forest_control.limits.singularity import rates_near_singularity

@@ -15,7 +15,7 @@ Not seen: a frozen sensor behind a converter that adds noise, and one that freez
 
 from typing import NamedTuple
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_description.derived.actuator_kinematics import actuator_speeds_to_joint_rates
 from forest_description.types import AXES, Vec3
 

@@ -6,7 +6,7 @@
 import math
 from typing import Any
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_control.operator.joystick_watch import Joystick, Sample, is_released, problem_text
 from forest_control.safety import driver_response, frozen_sensor, motion_permission
 from forest_control.safety.driver_response import DriverSample

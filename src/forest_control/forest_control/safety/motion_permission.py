@@ -25,7 +25,7 @@ import math
 from enum import IntEnum
 from typing import NamedTuple
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_control.operator import joystick_watch
 from forest_control.operator.joystick_interpolation import CENTRED, InterpolatedLevers, interpolated
 from forest_control.operator.joystick_watch import Sample, Watch, WatchParameters, assessed_watch

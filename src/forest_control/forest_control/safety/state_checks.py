@@ -1,6 +1,6 @@
 """Whether a measured state of the joints can be true."""
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_description.types import AXES, Vec3
 
 BEYOND_LIMIT = 0.1  # [rad] outside the joint limits: end stops give, encoders are not perfect

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_control.limits.velocity_scaling import velocity_scaling
 from forest_control.limits.workspace import wall_scaling
 from forest_control.pipeline.motion_limits import velocity_limits_at

@@ -23,7 +23,7 @@ import math
 from enum import IntEnum
 from typing import NamedTuple
 
-from forest_control.config.settings import Parameters
+from forest_control.config.controller_settings import Parameters
 from forest_control.operator.taught_command import NO_COMMAND, SHARPEST, TaughtCommand
 from forest_control.taught.plan import RAMP, STEP, THERE, Hold, Leg, Step, leg
 from forest_control.taught.tip_path import PathError

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from forest_control.config.controller_settings import Parameters
 from forest_control.config.setting_file import SettingFileError
-from forest_control.config.settings import Parameters
 from forest_control.taught import player
 from forest_control.taught.cycle import CONFIRMATION, Cycle, Grapple, Pose, Segment
 from forest_control.taught.cycle_file import SPEED, checked_name, load_cycle, names, save_cycle

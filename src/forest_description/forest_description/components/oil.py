@@ -23,6 +23,21 @@ COLDEST, HOTTEST = 223.15, 423.15  # [K] -50 and 150 °C, beyond which no hydrau
 
 
 @dataclass(frozen=True)
+class EntrainedAir(ParameterSet):
+    """Free air in the oil, and where the oil boils; the thesis' oil has none and pulls without end."""
+
+    share: float = parameter("1", 1e-5, 0.2, "free air at tank pressure, by volume of the oil")
+    dissolving_pressure: float = parameter("Pa", 1e5, 5e7, "above the tank's, from which all is dissolved")
+    tank_pressure: float = parameter("Pa", 3e4, 3e5, "absolute pressure of the tank")
+    vapour_pressure: float = parameter("Pa", 0.0, 5e4, "absolute, at which the oil boils")
+
+    def __post_init__(self) -> None:
+        """Check ranges, and that the oil does not boil in the tank."""
+        super().__post_init__()
+        require_order("vapour_pressure", self.vapour_pressure, "tank_pressure", self.tank_pressure, "Pa")
+
+
+@dataclass(frozen=True)
 class Oil(ParameterSet):
     """The hydraulic oil; the thesis names it in its table of components and gives it no temperature."""
 
@@ -41,6 +56,7 @@ class Oil(ParameterSet):
     volume: float = parameter("m3", 1e-3, 100.0, "volume of all oil, in tank and lines")
     heat_loss_coefficient: float = parameter("W/K", 0.0, 1e6, "heat to the ambient per temperature above it")
     ambient_temperature: float = parameter("K", 200.0, 400.0, "of the air around the machine")
+    air: EntrainedAir | None = None  # may be left out
 
     def __post_init__(self) -> None:
         """Check ranges, and that the oil thins as it warms."""

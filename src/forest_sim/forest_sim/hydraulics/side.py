@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from forest_description.components.hose import Line
 from forest_sim.hydraulics.hydraulic_line import PortGuard, flow_rate, guard_flow, pressure_rate
-from forest_sim.hydraulics.oil_volume import OilVolume, capacitance, density_ratio, enthalpy, hose_drop
+from forest_sim.hydraulics.oil_law import density, enthalpy
+from forest_sim.hydraulics.oil_volume import OilVolume, content, hose_drop
 from forest_sim.hydraulics.port import Port
 
 
@@ -48,9 +49,9 @@ def side_rates(s: Side, supply: float, guard: PortGuard) -> SideRates:
     """
     line, outflow = s.line, s.taken
     if s.oil.yields:
-        line = Line(line.resistance, line.inertance, capacitance(s.position, s.oil))
+        line = Line(line.resistance, line.inertance, content(s.pressure, s.position, s.oil).capacitance)
         if s.oil.area != 0.0:  # a piston takes oil at the density that it has
-            outflow = density_ratio(s.pressure, s.oil) * s.taken
+            outflow = density(s.pressure, s.oil.oil).ratio * s.taken
     return SideRates(
         pressure_rate(s.pressure, s.flow, outflow, line, guard),
         flow_rate(s.pressure + hose_drop(s.flow, s.oil), s.flow, s.port, supply, line),
@@ -70,5 +71,5 @@ def storage(s: Side, supply: float, guard: PortGuard) -> Storage:
     brought, widened = s.flow + guard_flow(s.pressure, guard), s.oil.area * s.speed
     if s.oil.area == 0.0:
         brought -= s.taken
-    h = enthalpy(s.pressure, s.oil)
+    h = enthalpy(s.pressure, s.oil.oil)
     return Storage(inertial + h * brought - s.pressure * widened, (s.pressure - h) * brought)

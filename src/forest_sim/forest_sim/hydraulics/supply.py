@@ -25,6 +25,7 @@ from forest_description.components.pump import (
     PressureCompensatedPump,
     Pump,
 )
+from forest_sim.hydraulics.oil_law import INCOMPRESSIBLE, OilLaw, density, enthalpy
 
 
 class Supply(NamedTuple):
@@ -42,6 +43,8 @@ class Supply(NamedTuple):
     relief_conductance: float  # [m^3/(s Pa)]
     margin: float  # [Pa] of a load-sensing pump
     rate: float  # [1/s] of its lag; 0: P_r stands still
+    volume: float = 0.0  # [m^3] of oil with air in the manifold; 0: the capacitance is constant
+    oil: OilLaw = INCOMPRESSIBLE
 
 
 class SupplyState(NamedTuple):
@@ -59,8 +62,8 @@ class PumpFlow(NamedTuple):
     slope: float  # d(delivered)/dP_s [m^3/(s Pa)], never positive
 
 
-def supply(pump: Pump) -> Supply:
-    """Return the kernel's constants of a machine's pump."""
+def supply(pump: Pump, law: OilLaw = INCOMPRESSIBLE) -> Supply:
+    """Return the kernel's constants of a machine's pump, and of the oil in its manifold."""
     if isinstance(pump, IdealPump):
         return Supply(
             ideal=1,
@@ -92,7 +95,28 @@ def supply(pump: Pump) -> Supply:
         relief_conductance=pump.relief_conductance,
         margin=margin,
         rate=1.0 / lag,
+        volume=0.0 if law.air == 0.0 else pump.manifold_capacitance / law.compliance,
+        oil=law,
     )
+
+
+def manifold_oil(pressure: float, s: Supply) -> float:
+    """Return what the manifold holds at a pressure [Pa]: oil [m^3]; without air, that pressure."""
+    return s.volume * density(pressure, s.oil).ratio if s.volume > 0.0 else pressure
+
+
+def manifold_capacitance(pressure: float, s: Supply) -> float:
+    """Return C [m^3/Pa] of the manifold at a pressure [Pa]."""
+    if s.volume == 0.0:
+        return s.capacitance
+    return s.volume * density(pressure, s.oil).slope
+
+
+def manifold_energy(pressure: float, s: Supply) -> float:
+    """Return the energy [J] in the manifold: C P^2/2, or of oil with air V (nu h - P)."""
+    if s.volume == 0.0:
+        return 0.5 * s.capacitance * pressure**2
+    return s.volume * (enthalpy(pressure, s.oil) * density(pressure, s.oil).ratio - pressure)
 
 
 def pump_flow(pressure: float, reference: float, s: Supply) -> PumpFlow:

@@ -26,6 +26,7 @@ import numpy as np
 from forest_description.components.hose import Line
 from forest_description.types import AXES, Floats
 from forest_sim.hydraulics.oil_volume import OilVolume, stored_energy
+from forest_sim.hydraulics.supply import manifold_energy
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant import transmissions
 from forest_sim.solver.plant_parameters import PlantParameters
@@ -103,7 +104,7 @@ def unaccounted(total: Account) -> float:
 def oil_energy(simulation: Simulation, p: PlantParameters) -> float:
     """Return the energy [J] in manifold, hoses and chambers: C P^2/2, I Q^2/2 and `stored_energy`."""
     plant = simulation.plant
-    supply = 0.0 if p.supply.ideal else 0.5 * p.supply.capacitance * plant.supply.pressure**2
+    supply = 0.0 if p.supply.ideal else manifold_energy(plant.supply.pressure, p.supply)
     at = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
     return supply + sum(
         _hose(axis.line_1, axis.oil_1, state.pressure_1, state.flow_1, t.position)

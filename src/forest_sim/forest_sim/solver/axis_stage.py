@@ -10,12 +10,15 @@ from typing import NamedTuple
 from forest_description.components.hose import Line
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.hydraulics.hydraulic_line import LineSolution, PortGuard, solve_line, with_outflow
-from forest_sim.hydraulics.oil_volume import StageHose, density_ratio, stage_hose
+from forest_sim.hydraulics.oil_law import held_above_vapour, is_near
+from forest_sim.hydraulics.oil_volume import StageHose, settled_pressure, stage_hose
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_resistance
 from forest_sim.mechanics.friction import friction_slope
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.plant import AxisState, Ports, Transmission, passive_force
 from forest_sim.solver.plant_parameters import Axis
+
+TANGENTS = 30  # to the oil's law that a stage tries
 
 
 class AxisSolution(NamedTuple):
@@ -27,12 +30,15 @@ class AxisSolution(NamedTuple):
     two: LineSolution  # hose 2, its flow counted from the valve
     torque: float  # on the joint [N m]
     resistance: float  # -d(torque)/d(rate) [N m s]
+    position: float  # of the actuator [m; rad]
+    known: Pair  # pressures of both sides before the stage's flows [Pa]
     swept: Pair  # oil that port 1 takes and port 2 gives per actuator speed [m^2; m^3/rad]
     lines: tuple[Line, Line]  # as the stage took them: with the chambers' capacitance, the hoses' resistance
 
 
 def solve_axis(
     base: AxisState,
+    near: AxisState,
     rate: float,
     t: Transmission,
     ports: Ports,
@@ -46,6 +52,7 @@ def solve_axis(
     Args:
         base: the stage's known part; where there are chambers, with their oil in place of pressures
             (`plant.with_contents`).
+        near: a state whose pressures are near the stage's.
         rate: of the joint [rad/s].
         t: position and lever arm at the stage's end.
         ports: what the valve connects.
@@ -55,16 +62,17 @@ def solve_axis(
         h: the stage's implicit step [s].
     """
     if axis.oil_1.yields:
-        return _solve_with_chambers(base, rate, t, ports, supply, axis, guard, h)
+        return _solve_with_chambers(base, near, rate, t, ports, supply, axis, guard, h)
     hose_1 = StageHose(base.pressure_1, base.flow_1, axis.line_1)
     hose_2 = StageHose(base.pressure_2, -base.flow_2, axis.line_2)
     one, two = _solve_hoses(hose_1, hose_2, t.arm * rate, ports, supply, axis, guard, h)
     swept = axis.actuator.displacement_1, axis.actuator.displacement_2
-    return _solution(rate, t, one, two, swept, (axis.line_1, axis.line_2), axis, h)
+    return _solution(rate, t, one, two, hose_1, hose_2, swept, axis, h)
 
 
 def _solve_with_chambers(
     base: AxisState,
+    near: AxisState,
     rate: float,
     t: Transmission,
     ports: Ports,
@@ -73,21 +81,32 @@ def _solve_with_chambers(
     guard: PortGuard,
     h: float,
 ) -> AxisSolution:
-    """Do as `solve_axis` where the actuator has chambers; not inlined.
+    """Do as `solve_axis` where the oil of hose and chamber is one volume.
 
-    A piston takes no oil from its chamber, but moves its wall.
+    Oil with air is not linear in the pressure: its tangent is moved until it is near enough. A
+    piston takes no oil from its chamber, but moves its wall.
     """
-    hose_1 = stage_hose(base.pressure_1, base.flow_1, t.position, axis.line_1, axis.oil_1, h)
-    hose_2 = stage_hose(base.pressure_2, -base.flow_2, t.position, axis.line_2, axis.oil_2, h)
-    swept_1, swept_2, through = axis.actuator.displacement_1, axis.actuator.displacement_2, t.arm * rate
-    piston = axis.oil_1.area != 0.0
-    if piston:
+    oil_1, oil_2, through = axis.oil_1, axis.oil_2, t.arm * rate
+    swept_1, swept_2 = axis.actuator.displacement_1, axis.actuator.displacement_2
+    if oil_1.area != 0.0:
         through = 0.0
+    near_1 = held_above_vapour(near.pressure_1, 0.0, oil_1.oil)
+    near_2 = held_above_vapour(near.pressure_2, 0.0, oil_2.oil)
+    hose_1 = stage_hose(base.pressure_1, base.flow_1, t.position, near_1, axis.line_1, oil_1, h)
+    hose_2 = stage_hose(base.pressure_2, -base.flow_2, t.position, near_2, axis.line_2, oil_2, h)
     one, two = _solve_hoses(hose_1, hose_2, through, ports, supply, axis, guard, h)
-    if piston:
-        swept_1 *= density_ratio(one.pressure, axis.oil_1)
-        swept_2 *= density_ratio(two.pressure, axis.oil_2)
-    return _solution(rate, t, one, two, (swept_1, swept_2), (hose_1.line, hose_2.line), axis, h)
+    for _ in range(TANGENTS):
+        if is_near(one.pressure, near_1, oil_1.oil) and is_near(two.pressure, near_2, oil_2.oil):
+            break
+        near_1 = held_above_vapour(one.pressure, near_1, oil_1.oil)
+        near_2 = held_above_vapour(two.pressure, near_2, oil_2.oil)
+        hose_1 = stage_hose(base.pressure_1, base.flow_1, t.position, near_1, axis.line_1, oil_1, h)
+        hose_2 = stage_hose(base.pressure_2, -base.flow_2, t.position, near_2, axis.line_2, oil_2, h)
+        one, two = _solve_hoses(hose_1, hose_2, through, ports, supply, axis, guard, h)
+    if oil_1.area != 0.0:
+        swept_1 *= hose_1.density
+        swept_2 *= hose_2.density
+    return _solution(rate, t, one, two, hose_1, hose_2, (swept_1, swept_2), axis, h)
 
 
 def _solve_hoses(
@@ -121,8 +140,9 @@ def _solution(
     t: Transmission,
     one: LineSolution,
     two: LineSolution,
+    hose_1: StageHose,
+    hose_2: StageHose,
     swept: Pair,
-    lines: tuple[Line, Line],
     axis: Axis,
     h: float,
 ) -> AxisSolution:
@@ -137,8 +157,10 @@ def _solution(
         two=two,
         torque=t.arm * force,
         resistance=t.arm * t.arm * _resistance(speed, t, stiffness, axis, h),
+        position=t.position,
+        known=(hose_1.pressure, hose_2.pressure),
         swept=swept,
-        lines=lines,
+        lines=(hose_1.line, hose_2.line),
     )
 
 
@@ -183,13 +205,42 @@ def corrected_axis(
     more_1 = solution.swept[0] * moved - leakage * p_2
     more_2 = -solution.swept[1] * moved - leakage * p_1
     one, two = _both_with_outflow(solution.one, solution.two, more_1, more_2, leakage)
+    p_1, p_2 = one.pressure + p_1, two.pressure + p_2
+    if axis.oil_1.yields:
+        p_1, p_2 = _settled(base, solution, moved, p_1, p_2, axis, h)
     return AxisState(
         base.angle + h * rate,
         rate,
-        one.pressure + p_1,
-        two.pressure + p_2,
+        p_1,
+        p_2,
         one.flow + q_1,
         -two.flow - q_2,
+    )
+
+
+def _settled(
+    base: AxisState, solution: AxisSolution, moved: float, p_1: float, p_2: float, axis: Axis, h: float
+) -> Pair:
+    """Return the pressures at which both volumes hold the oil that has flowed; not inlined.
+
+    Args:
+        base: the stage's known part, with the oil in place of pressures.
+        solution: the axis before the correction.
+        moved: the correction of the actuator's speed [m/s; rad/s].
+        p_1: P_1 as the tangent has it [Pa].
+        p_2: P_2.
+        axis: its constants.
+        h: the stage's implicit step [s].
+    """
+    oil_1 = base.pressure_1 + solution.lines[0].capacitance * (p_1 - solution.known[0])
+    oil_2 = base.pressure_2 + solution.lines[1].capacitance * (p_2 - solution.known[1])
+    if axis.oil_1.area != 0.0:
+        oil_1 += h * solution.swept[0] * moved
+        oil_2 -= h * solution.swept[1] * moved
+    position = solution.position + h * moved
+    return (
+        settled_pressure(p_1, oil_1, position, axis.oil_1),
+        settled_pressure(p_2, oil_2, position, axis.oil_2),
     )
 
 

@@ -9,6 +9,7 @@ import math
 from typing import NamedTuple
 
 from forest_description.types import Vec3
+from forest_sim.hydraulics.oil_law import held_above_vapour
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.axis_stage import AxisSolution, corrected_axis, solve_axis
@@ -16,10 +17,10 @@ from forest_sim.solver.multibody import HeadState, Inertia, mechanics, resisted,
 from forest_sim.solver.plant import PlantState, Ports, transmissions
 from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.supply_stage import (
-    SUPPLY_TOLERANCE,
     UNBOUNDED,
     SupplyError,
     supply_error,
+    supply_tolerance,
     tightened_bounds,
 )
 
@@ -68,29 +69,36 @@ def solve_stage(
     error is.
     """
     iterate = Iterate(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply)
-    equations = _equations_at(base, iterate, ports, h, p)
+    equations = _equations_at(base, start, iterate, ports, h, p)
     after, size, supply_change = _newton_step(iterate, equations, 1.0, UNBOUNDED, p)
-    if _has_converged(size, supply_change, equations.supply.state.reference - iterate.supply.reference):
+    reference_change = equations.supply.state.reference - iterate.supply.reference
+    if _has_converged(size, supply_change, reference_change, supply_tolerance(after.supply.pressure, p)):
         return _stage_end(base, after, equations, h, p), 0
-    return _iterate_further(base, after, ports, h, p)
+    return _iterate_further(base, start, after, ports, h, p)
 
 
 def _iterate_further(
-    base: PlantState, iterate: Iterate, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
+    base: PlantState,
+    near: PlantState,
+    iterate: Iterate,
+    ports: tuple[Ports, Ports, Ports],
+    h: float,
+    p: PlantParameters,
 ) -> tuple[PlantState, int]:
     """Return what `solve_stage` does, from the second iteration on; seldom, hence not inlined."""
     failed, bounds = 1, UNBOUNDED
-    equations = _equations_at_again(base, iterate, ports, h, p)
+    equations = _equations_at_again(base, near, iterate, ports, h, p)
     for iteration in range(1, ITERATIONS):
         before, share = iterate.supply.pressure, 0.5 if DAMPED <= iteration < FULL else 1.0
         reference_change = equations.supply.state.reference - iterate.supply.reference
         iterate, size, supply_change = _newton_step(iterate, equations, share, bounds, p)
-        if share == 1.0 and _has_converged(size, supply_change, reference_change):
+        tolerance = supply_tolerance(iterate.supply.pressure, p)
+        if share == 1.0 and _has_converged(size, supply_change, reference_change, tolerance):
             failed = 0
             break
         if iteration >= BOUNDED:
             bounds = tightened_bounds(bounds, before, supply_change)
-        equations = _equations_at_again(base, iterate, ports, h, p)
+        equations = _equations_at_again(base, near, iterate, ports, h, p)
     return _stage_end(base, iterate, equations, h, p), failed
 
 
@@ -112,11 +120,11 @@ def _stage_end(
     )
 
 
-def _has_converged(rates: float, supply: float, reference: float) -> bool:
+def _has_converged(rates: float, supply: float, reference: float, tolerance: float) -> bool:
     """Tell whether corrections [rad/s; Pa; Pa] leave nothing to speak of for the next iteration."""
     if not rates < TOLERANCE:
         return False
-    return abs(supply) < SUPPLY_TOLERANCE and abs(reference) < REFERENCE_TOLERANCE
+    return abs(supply) < tolerance and abs(reference) < REFERENCE_TOLERANCE
 
 
 def _head_at(base: HeadState, rates: Pair, h: float) -> HeadState:
@@ -125,6 +133,7 @@ def _head_at(base: HeadState, rates: Pair, h: float) -> HeadState:
 
 def _equations_at(
     base: PlantState,
+    near: PlantState,
     iterate: Iterate,
     ports: tuple[Ports, Ports, Ports],
     h: float,
@@ -134,9 +143,9 @@ def _equations_at(
     u, w, supply = iterate.rates, iterate.head_rates, iterate.supply.pressure
     angles = base.swing.angle + h * u[0], base.boom.angle + h * u[1], base.stick.angle + h * u[2]
     t_1, t_2, t_3 = transmissions(angles[0], angles[1], angles[2], p)
-    swing = solve_axis(base.swing, u[0], t_1, ports[0], supply, p.swing, p.guard, h)
-    boom = solve_axis(base.boom, u[1], t_2, ports[1], supply, p.boom, p.guard, h)
-    stick = solve_axis(base.stick, u[2], t_3, ports[2], supply, p.stick, p.guard, h)
+    swing = solve_axis(base.swing, near.swing, u[0], t_1, ports[0], supply, p.swing, p.guard, h)
+    boom = solve_axis(base.boom, near.boom, u[1], t_2, ports[1], supply, p.boom, p.guard, h)
+    stick = solve_axis(base.stick, near.stick, u[2], t_3, ports[2], supply, p.stick, p.guard, h)
     m = mechanics(angles, u, _head_at(base.head, w, h), p)
     gained, head_gained = times(
         m.inertia,
@@ -166,10 +175,15 @@ def _equations_at(
 
 
 def _equations_at_again(
-    base: PlantState, iterate: Iterate, ports: tuple[Ports, Ports, Ports], h: float, p: PlantParameters
+    base: PlantState,
+    near: PlantState,
+    iterate: Iterate,
+    ports: tuple[Ports, Ports, Ports],
+    h: float,
+    p: PlantParameters,
 ) -> StageEquations:
     """Return what `_equations_at` does; not inlined."""
-    return _equations_at(base, iterate, ports, h, p)
+    return _equations_at(base, near, iterate, ports, h, p)
 
 
 def _newton_step(
@@ -196,9 +210,12 @@ def _newton_step(
         c = c[0] + z[0] * pressure, c[1] + z[1] * pressure, c[2] + z[2] * pressure
         d = d[0] + y[0] * pressure, d[1] + y[1] * pressure
     u, w = iterate.rates, iterate.head_rates
+    supply = held_above_vapour(
+        iterate.supply.pressure - share * pressure, iterate.supply.pressure, p.supply.oil
+    )
     after = Iterate(
         (u[0] - share * c[0], u[1] - share * c[1], u[2] - share * c[2]),
         (w[0] - share * d[0], w[1] - share * d[1]),
-        SupplyState(iterate.supply.pressure - share * pressure, equations.supply.state.reference),
+        SupplyState(supply, equations.supply.state.reference),
     )
     return after, max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1])), change

@@ -47,15 +47,16 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     middle = spools_after(simulation.spools, voltages, c, p)
     end = spools_after(simulation.spools, voltages, h, p)
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
-    base = ahead = start = with_contents(plant, p)
-    after, failures = plant, 0
+    base = start = with_contents(plant, p)
+    ahead = after = plant
+    failures = 0
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
         after, failed = solve_stage(base, ahead, rates, ports, c, p)
         failures += failed
         if stage == 0:
             # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
-            met = with_contents(after, p)
-            base, ahead = _blend(start, met, (1.0 - GAMMA) / GAMMA), _blend(start, met, 1.0 / GAMMA)
+            base = _blend(start, with_contents(after, p), (1.0 - GAMMA) / GAMMA)
+            ahead = _blend(plant, after, 1.0 / GAMMA)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
             if end != middle:
                 ports = ports_at(end, p)

@@ -29,7 +29,13 @@ from forest_sim.hydraulics.oil_volume import content
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.side import Side, side_rates
 from forest_sim.hydraulics.spool_dynamics import Spools
-from forest_sim.hydraulics.supply import SupplyState, pump_flow, reference_rate
+from forest_sim.hydraulics.supply import (
+    SupplyState,
+    manifold_capacitance,
+    manifold_oil,
+    pump_flow,
+    reference_rate,
+)
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
 from forest_sim.mechanics.manipulator import Pair
@@ -121,7 +127,7 @@ def with_contents(state: PlantState, p: PlantParameters) -> PlantState:
     That is what a step conserves, and what it is linear in. A hose without a chamber keeps its
     pressure: its capacitance is constant, so that both are one.
     """
-    if p.swing.oil_1.yields or p.boom.oil_1.yields or p.stick.oil_1.yields:
+    if p.swing.oil_1.yields or p.boom.oil_1.yields or p.stick.oil_1.yields or p.supply.volume > 0.0:
         return _contents(state, p)
     return state
 
@@ -133,7 +139,7 @@ def _contents(state: PlantState, p: PlantParameters) -> PlantState:
         swing=_axis_contents(state.swing, t_1, p.swing),
         boom=_axis_contents(state.boom, t_2, p.boom),
         stick=_axis_contents(state.stick, t_3, p.stick),
-        supply=state.supply,
+        supply=SupplyState(manifold_oil(state.supply.pressure, p.supply), state.supply.reference),
         head=state.head,
     )
 
@@ -144,8 +150,8 @@ def _axis_contents(s: AxisState, t: Transmission, axis: Axis) -> AxisState:
     return AxisState(
         angle=s.angle,
         rate=s.rate,
-        pressure_1=content(s.pressure_1, t.position, axis.oil_1),
-        pressure_2=content(s.pressure_2, t.position, axis.oil_2),
+        pressure_1=content(s.pressure_1, t.position, axis.oil_1).oil,
+        pressure_2=content(s.pressure_2, t.position, axis.oil_2).oil,
         flow_1=s.flow_1,
         flow_2=s.flow_2,
     )
@@ -237,7 +243,8 @@ def _supply_derivative(
     draw = supply_draw(state, ports)
     delivered = pump_flow(pressure, reference, p.supply).delivered
     return SupplyState(
-        (delivered - draw.flow) / p.supply.capacitance, reference_rate(reference, draw.load, p.supply)
+        (delivered - draw.flow) / manifold_capacitance(pressure, p.supply),
+        reference_rate(reference, draw.load, p.supply),
     )
 
 

@@ -13,6 +13,7 @@ from forest_description.machine import EndStops, Machine
 from forest_description.types import Vec3
 from forest_sim.hydraulics.actuator import Actuator, cylinder, motor
 from forest_sim.hydraulics.hydraulic_line import PortGuard
+from forest_sim.hydraulics.oil_law import INCOMPRESSIBLE, OilLaw, oil_law
 from forest_sim.hydraulics.oil_volume import NO_CHAMBER, OilVolume
 from forest_sim.hydraulics.spool_dynamics import SpoolLag, spool_lag
 from forest_sim.hydraulics.supply import Supply, supply
@@ -89,9 +90,14 @@ def parameters_of(machine: Machine) -> PlantParameters:
         body=fold_head(machine.manipulator),
         head=hanging_head(machine.manipulator),
         guard=_guard(machine),
-        supply=supply(machine.pump),
+        supply=supply(machine.pump, _manifold_oil(machine)),
         tip_force=(0.0, 0.0, 0.0),
     )
+
+
+def _manifold_oil(machine: Machine) -> OilLaw:
+    """Return the law of the manifold's oil; without air its capacitance is constant."""
+    return INCOMPRESSIBLE if machine.oil is None or machine.oil.air is None else oil_law(machine.oil)
 
 
 def _valve(machine: Machine, axis: int) -> SpoolValve:
@@ -119,8 +125,8 @@ def _cylinder(machine: Machine, axis: int) -> Axis:
     return Axis(
         line_1=lines[0],
         line_2=lines[1],
-        oil_1=_head_oil(machine, axis, lines[0]),
-        oil_2=_rod_oil(machine, axis, lines[1]),
+        oil_1=_cylinder_oil(machine, axis, 1, lines[0]),
+        oil_2=_cylinder_oil(machine, axis, 2, lines[1]),
         actuator=cylinder(drive, *lines) if drive.chambers is None else cylinder(drive, NO_DROP, NO_DROP),
         friction=friction(drive.friction),
         cushion=_cushion(drive),
@@ -131,43 +137,38 @@ def _cylinder(machine: Machine, axis: int) -> Axis:
 def _motor_oil(machine: Machine, line: Line) -> OilVolume:
     """Return the oil of one port of the motor; the hose's resistance is in the motor's law."""
     chambers = machine.swing.chambers
+    port = 0.0 if chambers is None else chambers.port_volume
+    return _with_hose(machine, 0, line._replace(resistance=0.0), port, 0.0)
+
+
+def _cylinder_oil(machine: Machine, axis: int, port: int, line: Line) -> OilVolume:
+    """Return the oil of one port of a cylinder; without a chamber the hose's resistance is in its law."""
+    drive = machine.boom if axis == 1 else machine.stick
+    chambers, shortest = drive.chambers, drive.retracted_length
     if chambers is None:
-        return NO_CHAMBER
-    return _with_hose(machine, 0, line._replace(resistance=0.0), chambers.port_volume, 0.0)
-
-
-def _head_oil(machine: Machine, axis: int, line: Line) -> OilVolume:
-    drive = machine.boom if axis == 1 else machine.stick
-    if drive.chambers is None:
-        return NO_CHAMBER
-    retracted = drive.chambers.head_dead_volume - drive.head_area * drive.retracted_length
-    return _with_hose(machine, axis, line, retracted, drive.head_area)
-
-
-def _rod_oil(machine: Machine, axis: int, line: Line) -> OilVolume:
-    drive = machine.boom if axis == 1 else machine.stick
-    if drive.chambers is None:
-        return NO_CHAMBER
-    extended = drive.retracted_length + drive.stroke
-    return _with_hose(
-        machine, axis, line, drive.chambers.rod_dead_volume + drive.rod_area * extended, -drive.rod_area
-    )
+        return _with_hose(machine, axis, line._replace(resistance=0.0), 0.0, 0.0)
+    if port == 1:
+        retracted = chambers.head_dead_volume - drive.head_area * shortest
+        return _with_hose(machine, axis, line, retracted, drive.head_area)
+    extended = chambers.rod_dead_volume + drive.rod_area * (shortest + drive.stroke)
+    return _with_hose(machine, axis, line, extended, -drive.rod_area)
 
 
 def _with_hose(machine: Machine, axis: int, line: Line, volume: float, area: float) -> OilVolume:
     """Return a chamber V = volume + area x and the oil in its hose as one volume."""
-    assert machine.oil is not None  # Machine.__post_init__ saw to it
-    compliance, drive, hose = 1.0 / machine.oil.bulk_modulus, machine.drives[axis], machine.hose_of(axis)
-    share = hose.oil_share(machine.oil.bulk_modulus)
-    laminar = drive.flow_regime == "laminar"
+    oil, chambers = machine.oil, machine.drives[axis].chambers
+    if oil is None or (chambers is None and oil.air is None):
+        return NO_CHAMBER
+    share = machine.hose_of(axis).oil_share(oil.bulk_modulus)
+    laminar = machine.drives[axis].flow_regime == "laminar"
     return OilVolume(
         yields=1,
-        volume=volume + share * line.capacitance / compliance,
+        volume=volume + share * line.capacitance * oil.bulk_modulus,
         area=area,
         wall=(1.0 - share) * line.capacitance,
-        compliance=compliance,
         laminar_drop=line.resistance if laminar else 0.0,
         turbulent_drop=0.0 if laminar else line.resistance,
+        oil=oil_law(oil),
     )
 
 

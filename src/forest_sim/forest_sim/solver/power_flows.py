@@ -21,7 +21,7 @@ from forest_sim.hydraulics.hydraulic_line import guard_flow
 from forest_sim.hydraulics.oil_volume import hose_drop
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.side import storage
-from forest_sim.hydraulics.supply import pump_flow
+from forest_sim.hydraulics.supply import manifold_capacitance, pump_flow
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
 from forest_sim.solver.integrator import Simulation
@@ -97,15 +97,18 @@ def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
         )
     pump = pump_flow(pressure, state.supply.reference, p.supply)
     hydraulic = pressure * pump.displaced
+    engine = hydraulic / p.supply.efficiency
+    if hydraulic < 0.0 and p.supply.volume > 0.0:  # the oil drives the pump, and its friction stays a loss
+        engine = hydraulic * p.supply.efficiency
     leakage = p.supply.leakage * pressure
     rate = state_derivative(state, ports, p).supply.pressure
     return PowerFlows(
         SupplyPower(
-            engine=hydraulic / p.supply.efficiency,
-            pump_friction=hydraulic / p.supply.efficiency - hydraulic,
+            engine=engine,
+            pump_friction=engine - hydraulic,
             pump_leakage=pressure * leakage,
             main_relief=pressure * (pump.displaced - leakage - pump.delivered),
-            manifold=p.supply.capacitance * pressure * rate,
+            manifold=manifold_capacitance(pressure, p.supply) * pressure * rate,
             supply=drawn,
         ),
         swing,

@@ -8,7 +8,13 @@ from typing import NamedTuple
 
 from forest_description.types import Vec3
 from forest_sim.hydraulics.hydraulic_line import supply_coupling
-from forest_sim.hydraulics.supply import SupplyState, pump_flow, reference_after
+from forest_sim.hydraulics.supply import (
+    SupplyState,
+    manifold_capacitance,
+    manifold_oil,
+    pump_flow,
+    reference_after,
+)
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.axis_stage import AxisSolution
 from forest_sim.solver.plant import Ports, sensed_load
@@ -47,7 +53,10 @@ def supply_error(
     h: float,
     p: PlantParameters,
 ) -> SupplyError:
-    """Return the manifold's equation, C (P_s - base) = h (delivered - drawn), at an iterate."""
+    """Return the manifold's equation, C (P_s - base) = h (delivered - drawn), at an iterate.
+
+    Where the oil holds air, `base` has what the manifold holds in place of its pressure.
+    """
     one = _axis_draw(axes[0], ports[0], supply, h)
     two = _axis_draw(axes[1], ports[1], supply, h)
     three = _axis_draw(axes[2], ports[2], supply, h)
@@ -55,9 +64,13 @@ def supply_error(
     pump = pump_flow(supply, reference, p.supply)
     drawn = one.flow + two.flow + three.flow
     conductance = one.conductance + two.conductance + three.conductance
+    stored = p.supply.capacitance * (supply - base.pressure)
+    if p.supply.volume > 0.0:
+        stored = manifold_oil(supply, p.supply) - base.pressure
+    capacitance = manifold_capacitance(supply, p.supply)
     return SupplyError(
-        residual=p.supply.capacitance * (supply - base.pressure) + h * (drawn - pump.delivered),
-        slope=p.supply.capacitance + h * (conductance - pump.slope),
+        residual=stored + h * (drawn - pump.delivered),
+        slope=capacitance + h * (conductance - pump.slope),
         by_rate=(h * arms[0] * one.gain, h * arms[1] * two.gain, h * arms[2] * three.gain),
         feeds=(one.feeds, two.feeds, three.feeds),
         state=SupplyState(supply, reference),
@@ -80,6 +93,11 @@ def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, h: float) -> Axi
         load=load,
         feeds=feeds,
     )
+
+
+def supply_tolerance(supply: float, p: PlantParameters) -> float:
+    """Return how small Newton's last correction of P_s must be [Pa]: near vacuum less than elsewhere."""
+    return min(SUPPLY_TOLERANCE, 1e-3 * (supply + p.supply.oil.above_vapour))
 
 
 def tightened_bounds(bounds: Pair, pressure: float, change: float) -> Pair:

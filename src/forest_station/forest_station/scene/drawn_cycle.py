@@ -3,8 +3,8 @@
 import math
 from typing import TypedDict
 
+from forest_control.config.controller_settings import Settings, parameters
 from forest_control.config.setting_file import SettingFileError
-from forest_control.config.settings import Settings, parameters
 from forest_control.config.workspace_file import load_workspace
 from forest_control.taught.cycle import CONFIRMATION, Cycle, Grapple, Path, Segment
 from forest_control.taught.plan import Leg, Step, assumed_start, planned

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from forest_control import compiled
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.joystick_watch import Sample
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import controller
@@ -99,7 +99,7 @@ def run(
     operator: Callable[[float], Joystick],
     duration: float,
     start: Vec3,
-    control: control_settings.Settings,
+    control: controller_settings.Settings,
     drive: valve_driver_parameters.Settings,
     model: Machine | None = None,
     sensor_suite: Suite | None = None,
@@ -128,7 +128,7 @@ def run(
     believed = machine if model is None else model
     suite = suite_of(machine) if sensor_suite is None else sensor_suite
     cores = (
-        control_settings.parameters(believed, control),
+        controller_settings.parameters(believed, control),
         valve_driver_parameters.parameters(believed, drive),
     )
     loop = ClosedLoop(p, *cores, start, suite, ways, late)
@@ -163,7 +163,7 @@ class ClosedLoop:
     def __init__(
         self,
         p: PlantParameters,
-        control: control_settings.Parameters,
+        control: controller_settings.Parameters,
         drive: valve_driver_parameters.Parameters,
         start: Vec3,
         suite: Suite,

@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.joystick_watch import Sample
 from forest_control.operator.levers import Levers
 from forest_control.pipeline import control_state, controller
@@ -78,7 +78,7 @@ class Knowledge(NamedTuple):
 
     sensors: Sensors  # and the plant that they measure
     links: Links  # of the machine
-    control: control_settings.Parameters
+    control: controller_settings.Parameters
     drive: valve_driver_parameters.Parameters
     guard: PermissionParameters
 

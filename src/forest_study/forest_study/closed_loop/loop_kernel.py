@@ -14,7 +14,7 @@ from forest_compile import flat_layout
 from forest_compile.entry import Entry
 from forest_compile.kernel_cache import CachedKernel, can_compile
 from forest_control import compiled as control_compiled
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator import levers
 from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_description.machine import Machine, load_machine
@@ -66,7 +66,7 @@ def by_heart(
     operator: Callable[[float], Joystick],
     duration: float,
     start: Vec3,
-    control: control_settings.Settings,
+    control: controller_settings.Settings,
     drive: valve_driver_parameters.Settings,
     model: Machine | None = None,
     suite: Suite | None = None,
@@ -96,7 +96,7 @@ def prepared(
     machine: Machine,
     levers: Floats,
     start: Vec3,
-    control: control_settings.Settings,
+    control: controller_settings.Settings,
     drive: valve_driver_parameters.Settings,
     model: Machine | None = None,
     suite: Suite | None = None,
@@ -134,7 +134,7 @@ def prepared(
 def knowledge(
     machine: Machine,
     model: Machine,
-    control: control_settings.Settings,
+    control: controller_settings.Settings,
     drive: valve_driver_parameters.Settings,
     suite: Suite,
 ) -> Knowledge:
@@ -142,7 +142,7 @@ def knowledge(
     return Knowledge(
         sensors=Sensors(plant_parameters(machine), suite.channels, suite.period, NOMINAL),
         links=machine.manipulator.links,
-        control=control_settings.parameters(model, control),
+        control=controller_settings.parameters(model, control),
         drive=valve_driver_parameters.parameters(model, drive),
         guard=loop_core.guard_of(suite),
     )
@@ -214,7 +214,7 @@ def _example() -> tuple[Knowledge, Loop]:
     """Return values of the types that all runs share."""
     machine = load_machine("c180")
     suite = sensor_suite.sensor_suite(machine)
-    k = knowledge(machine, machine, control_settings.Settings(), valve_driver_parameters.Settings(), suite)
+    k = knowledge(machine, machine, controller_settings.Settings(), valve_driver_parameters.Settings(), suite)
     return k, begin(k, (0.0, 0.5, -1.5), suite)
 
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.levers import REST, levers_for_tip_velocity
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at, start_tip
@@ -89,7 +89,7 @@ def session(way: str, quality: Quality, machine: Machine, seed: int = 0) -> Traj
     tip = start_tip(machine)
     hand = Hand(tip, machine, GAIN if way == "by sight" else 0.0)
     links = Links(state=quality, seed=seed) if way == "state" else Links(joystick=quality, seed=seed)
-    settings = control_settings.Settings(tip_speed=SPEED)
+    settings = controller_settings.Settings(tip_speed=SPEED)
     drive = valve_driver_parameters.Settings()
     start = pose_at(tip, machine)
     return run_loop(machine, hand.act, END, start, settings, drive, ways=links, watch=hand.watch)

@@ -22,7 +22,7 @@ import numpy as np
 
 from forest_bag.read.timeseries import Bag, NotInBag, read_bag
 from forest_bringup.graph_lock import GraphError
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.joystick_watch import NO_STAMP, Sample
 from forest_control.operator.levers import Levers, levers_from_axes
 from forest_control.valve import valve_driver_parameters
@@ -85,7 +85,7 @@ def replayed(session: Session, timing: Timing, machine: Machine) -> Trajectory:
         before, heard = heard, max(heard, bisect_right(timing.said, sent))
         return [_sample(session, timing.said[n], n, session.armed[k]) for n in range(before, heard)]
 
-    settings, drive = control_settings.Settings(), valve_driver_parameters.Settings()
+    settings, drive = controller_settings.Settings(), valve_driver_parameters.Settings()
     duration = len(session.armed) * PERIOD
     late = Lateness(timing.behind, timing.late if timing.said else ())
     return run_loop(machine, joystick, duration, session.start, settings, drive, late=late)

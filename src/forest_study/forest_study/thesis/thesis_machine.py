@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.joystick_sources import THESIS_DURATION, thesis_levers, thesis_tip_velocity
 from forest_control.operator.levers import REST, Levers
 from forest_control.servo.schemes import Scheme
@@ -73,9 +73,9 @@ def machine_of(plant: str, mismatch: float = 0.0) -> Machine:
     return dataclasses.replace(machine, valve=valve)
 
 
-def settings_of(scheme: Scheme, plant: str) -> control_settings.Settings:
+def settings_of(scheme: Scheme, plant: str) -> controller_settings.Settings:
     """Return the controller's settings made for a plant. Thesis section 5.2.1, 5.2.2."""
-    made = control_settings.Settings(scheme=scheme, tip_speed=TIP_SPEED, jacobian_at_joints=True)
+    made = controller_settings.Settings(scheme=scheme, tip_speed=TIP_SPEED, jacobian_at_joints=True)
     bandwidth = PLANTS[plant]
     if bandwidth is None:
         return made
@@ -129,7 +129,7 @@ def motion(trial: Trial) -> Motion:
     )
 
 
-def _levers_by_heart(start: Vec3, settings: control_settings.Settings, model: Machine) -> list[Levers]:
+def _levers_by_heart(start: Vec3, settings: controller_settings.Settings, model: Machine) -> list[Levers]:
     """Return the joint scheme's levers of every period: J^-1 of the wish at the pose that it should reach."""
     q, links, levers = start, model.manipulator.links, []
     for k in range(round(THESIS_DURATION / PERIOD) + 1):

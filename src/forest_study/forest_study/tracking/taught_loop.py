@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.levers import REST
 from forest_control.taught.player import Output, Phase
 from forest_control.taught.taught_work import Seen, TaughtWork
@@ -50,12 +50,12 @@ class TaughtLoop:
         machine: Machine,
         start: Vec3,
         folder: Path,
-        settings: control_settings.Settings | None = None,
+        settings: controller_settings.Settings | None = None,
         suite: Suite | None = None,
         plant: PlantParameters | None = None,
     ) -> None:
-        planned = control_settings.parameters(machine, control_settings.Settings())
-        in_force = planned if settings is None else control_settings.parameters(machine, settings)
+        planned = controller_settings.parameters(machine, controller_settings.Settings())
+        in_force = planned if settings is None else controller_settings.parameters(machine, settings)
         drive = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings())
         believed = plant_parameters(machine) if plant is None else plant
         sensors = sensor_suite(machine) if suite is None else suite

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_control.config import settings as control_settings
+from forest_control.config import controller_settings
 from forest_control.operator.levers import levers_for_tip_velocity
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Scheme
@@ -55,7 +55,7 @@ class Course(NamedTuple):
     """What all runs along a path have in common."""
 
     laps: tuple[Lap, ...]
-    settings: control_settings.Settings
+    settings: controller_settings.Settings
     model: Machine  # that controller and driver believe
     levers: Floats  # [N, 4] of `loop_kernel`
 
@@ -113,8 +113,8 @@ def prepare(
     Raises:
         PathError: as `track`.
     """
-    settings = control_settings.Settings(scheme=scheme, tip_speed=speed, position_source=source)
-    runs = plan(path, speed, control_settings.parameters(model, settings), laps)
+    settings = controller_settings.Settings(scheme=scheme, tip_speed=speed, position_source=source)
+    runs = plan(path, speed, controller_settings.parameters(model, settings), laps)
     end = runs[-1].start + runs[-1].profile.duration + REST
     times = [k * PERIOD for k in range(round(end / PERIOD))]
     levers = [(*levers_for_tip_velocity(_wish(time, runs), speed), 1.0) for time in times]
@@ -146,7 +146,7 @@ def scored(runs: tuple[Lap, ...], moved: Trajectory, machine: Machine) -> Sessio
     return Session(runs, moved, scores, total)
 
 
-def plan(path: TipPath, speed: float, p: control_settings.Parameters, laps: int) -> tuple[Lap, ...]:
+def plan(path: TipPath, speed: float, p: controller_settings.Parameters, laps: int) -> tuple[Lap, ...]:
     """Return laps one after the other, as fast as speed, ramps and the velocity limits allow."""
     runs: list[Lap] = []
     start = REST

@@ -1,0 +1,86 @@
+"""Claims about a crane whose oil holds air: nothing goes below its vapour, and no oil is lost over it."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from forest_description.machine import load_machine
+from forest_sim.hydraulics.oil_volume import content
+from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
+from forest_sim.simulation.open_loop import start_angles
+from forest_sim.solver.compiled_plant import compiled_advance, compiled_record
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.plant import transmissions
+from forest_sim.solver.plant_parameters import plant_parameters
+from forest_sim.solver.power_flows import power_flows
+from forest_sim.solver.state_recording import ENERGY, STATE
+
+REAL, LOADER = load_machine("c180_real"), load_machine("loader")
+BARE = dataclasses.replace(REAL, port_valves=None)  # nothing feeds a port but its own hose
+AIRY = dataclasses.replace(LOADER, oil=dataclasses.replace(LOADER.oil, air=REAL.oil.air))
+AIRLESS = dataclasses.replace(BARE, oil=dataclasses.replace(REAL.oil, air=None))
+VAPOUR = REAL.oil.air.vapour_pressure - REAL.oil.air.tank_pressure
+PRESSURES = [STATE.index(f"{axis}_pressure_{n}") for axis in ("swing", "boom", "stick") for n in (1, 2)]
+MANIFOLD = STATE.index("supply_pressure")
+
+
+def slammed(machine, seconds=15, seed=1):
+    """States and energies of a run whose valves go from end to end at random, and both ends."""
+    p, rng = plant_parameters(machine), np.random.default_rng(seed)
+    table = np.repeat(rng.choice([-10.0, 0.0, 10.0], (5 * seconds, 3)), 200, axis=0)
+    states, energies = np.zeros((1000 * seconds, len(STATE))), np.zeros((1000 * seconds, len(ENERGY)))
+    first = equilibrium(start_angles(machine), p)
+    last = compiled_record()(first, table, 1e-3, p, states, energies)
+    return states, energies, first, last
+
+
+def test_no_port_comes_below_the_oils_vapour():
+    states, energies, first, last = slammed(BARE)
+    lowest = states[:, PRESSURES].min()
+    assert VAPOUR < lowest < -0.09e6
+    assert slammed(AIRLESS)[0][:, PRESSURES].min() < -1e7  # the same slams pull oil without air without end
+    assert last.events.unconverged_stages == 0
+    total = with_stored_energy(account(energies.sum(axis=0)), first, last, plant_parameters(BARE))
+    assert abs(unaccounted(total)) < 1e-3 * float(total.engine)
+
+
+def test_a_manifold_that_its_pump_cannot_feed_stays_above_vacuum():
+    assert slammed(LOADER, 60)[0][:, MANIFOLD].min() < -0.15e6
+    states = slammed(AIRY, 60)[0]
+    assert states[:, MANIFOLD].min() > VAPOUR
+
+
+@pytest.mark.parametrize("pressure", [-0.09e6, 0.0, 1e6])
+def test_a_pump_on_an_emptied_manifold_loses_power_to_friction_and_gains_none(pressure):
+    p = plant_parameters(AIRY)
+    rest = equilibrium(start_angles(AIRY), p)
+    supply = rest.plant.supply._replace(pressure=pressure)
+    pump = power_flows(rest._replace(plant=rest.plant._replace(supply=supply)), p).pump
+    assert pump.pump_friction >= 0.0
+    lost = pump.pump_friction + pump.pump_leakage + pump.main_relief
+    assert pump.engine == pytest.approx(lost + pump.manifold + pump.supply, abs=1e-9)
+
+
+def test_oil_that_cavitates_behind_shut_valves_is_all_there_when_it_is_pressed_again():
+    """A boom thrown up pulls its head side empty, falls back and closes the cavity, again and again."""
+    p = plant_parameters(BARE)
+    rest = equilibrium((0.0, 0.4, -1.4), p)
+    boom = rest.plant.boom._replace(rate=0.8)
+    now = rest._replace(plant=rest.plant._replace(boom=boom))
+
+    def held(simulation):
+        plant = simulation.plant
+        t = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)[1]
+        return [
+            content(plant.boom.pressure_1, t.position, p.boom.oil_1).oil,
+            content(plant.boom.pressure_2, t.position, p.boom.oil_2).oil,
+        ]
+
+    before, lowest = held(now), 0.0
+    for _ in range(3000):
+        now = compiled_advance()(now, (0.0, 0.0, 0.0), 1e-3, 1, p)
+        lowest = min(lowest, now.plant.boom.pressure_1, now.plant.boom.pressure_2)
+    assert lowest < -0.05e6
+    assert held(now) == pytest.approx(before, rel=1e-9)
+    assert now.events.unconverged_stages == 0
