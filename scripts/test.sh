@@ -3,13 +3,12 @@
 set -euo pipefail
 # shellcheck source=scripts/setup.sh
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh" test
-workers=$(((3 * $(nproc) + 1) / 2))            # many tests wait for processes that they have started
 export ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST # tests talk to nobody outside this machine
 export OMP_NUM_THREADS=1                       # threads of BLAS only disturb the timing of the nodes
 cd "$root"
 if [[ $# -eq 0 ]]; then
     alone=test/forest_station/live # judged in tenths of a second, beside a browser: after the rest
-    "$venv/bin/python" -m pytest -p xdist --numprocesses "$workers" --maxprocesses 8 --dist loadfile \
+    "$venv/bin/python" -m pytest -p xdist --numprocesses auto --maxprocesses 8 --dist loadfile \
         --no-loadscope-reorder --ignore="$alone"
     set -- "$alone"
 fi

@@ -1,5 +1,6 @@
 """Recordings, replays and settings in a real browser, against a station with a simulated crane."""
 
+import io
 import json
 import shutil
 from pathlib import Path
@@ -11,6 +12,7 @@ pytest.importorskip("rclpy")
 pytest.importorskip("playwright")
 
 from browser import LOW, new_page
+from PIL import Image
 from running_graph import free_port, running, wait_for_text
 
 from forest_bag.cli.main import main as forest_bag
@@ -103,6 +105,13 @@ def holds_the_deadman(page):
     return page.evaluate("() => heldMessages") > 0
 
 
+def violet_pixels(page):
+    """How many pixels of the scene have the ghost's colour, more blue than red, and more red than green."""
+    picture = np.array(Image.open(io.BytesIO(page.locator("#scene canvas").screenshot())), dtype=int)
+    red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+    return np.count_nonzero((blue > red + 10) & (red > green + 10))
+
+
 def test_the_time_bar_moves_the_drawn_tip_to_where_it_was_recorded(page):
     open_replay(page, "coordinated")
     assert page.locator("#replay_banner").inner_text().startswith("REPLAY of coordinated")
@@ -128,12 +137,14 @@ def test_it_plays_and_steps_by_keys_and_the_hands_are_off_the_crane(page):
     assert page.evaluate("() => heldMessages") == 0
 
 
-def test_a_second_bag_is_laid_over_the_first(page):
+def test_a_second_bag_is_laid_over_the_first(page, wait_until):
     go_to(page, 3.0)
+    assert violet_pixels(page) < 10
     page.locator("#replay .overlay select").first.select_option("fault")
     apart = np.linalg.norm(recorded_tip("fault", 3.0) - recorded_tip("coordinated", 3.0))
     assert apart > 0.05
     page.wait_for_selector(f"#replay output:text('tips {apart:.2f} m apart')")
+    wait_until(lambda: violet_pixels(page) > 100)
     offset = page.locator("#replay .offset")
     offset.fill("0.5")
     offset.press("Enter")

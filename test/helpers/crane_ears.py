@@ -70,18 +70,20 @@ class CraneEars:
 
     async def moving(self) -> None:
         """Wait until the crane is driven, and has been for a while."""
-        await self.until(lambda: self.moves() and all(joy.held for joy in self.joy[-DRIVEN:]))
+        await self.until(self.driven)
 
     async def still(self) -> None:
-        await self.until(self.stands)
+        await self.until(lambda: self.voltages and not any(self.voltages[-1][1]))
 
-    def moves(self) -> bool:
-        """Whether the newest voltages open a valve."""
-        return bool(self.voltages) and any(self.voltages[-1][1])
+    def driven(self) -> bool:
+        """Whether the valves are open, and the deadman has been held for a while."""
+        opened = self.voltages and any(self.voltages[-1][1])
+        return bool(opened) and all(joy.held for joy in self.joy[-DRIVEN:])
 
-    def stands(self) -> bool:
-        """Whether the newest voltages are all zero."""
-        return bool(self.voltages) and not any(self.voltages[-1][1])
+    def at_rest(self) -> bool:
+        """Whether the deadman is released and the valves are shut."""
+        shut = self.voltages and not any(self.voltages[-1][1])
+        return bool(shut) and not any(joy.held for joy in self.joy[-1:])
 
     def stop(self) -> Stop:
         """The newest stop, of a crane that was moved."""

@@ -95,15 +95,14 @@ class DrivenPage:
         self.crane.ears.forget()
 
     def drive(self, hand: Hand, condition: Callable[[], Any] | None = None) -> None:
-        """Do what the page says until a condition holds, by default that the crane moves."""
-        condition = condition or self.crane.ears.moves
+        """Do what the page says until a condition holds, by default that the crane is driven."""
+        condition = condition or self.crane.ears.driven
         self.wait(lambda: self._obey(hand) or condition())
 
     def _sits(self) -> bool:
         if self.page.text_content("#seat .driver") == "You drive":
             return True
-        for button in self.page.query_selector_all("#seat .urgent"):
-            button.click()
+        self.page.evaluate("() => document.querySelector('#seat .urgent')?.click()")
         return False
 
     def _obey(self, hand: Hand) -> None:

@@ -57,7 +57,7 @@ def driver(opened) -> Iterator[DrivenPage]:
     yield opened
     for hand in (LEFT, RIGHT, STICK, PAD):
         hand.let_go(opened.page)
-    opened.wait(opened.crane.ears.stands)
+    opened.wait(opened.crane.ears.at_rest)
 
 
 def assert_nothing_moves(crane, page):
@@ -88,7 +88,7 @@ def test_a_hand_moves_the_drawn_crane_while_the_deadman_is_held(
     before = driver.tip()[axis]
     driver.drive(hand, lambda: sign * (driver.tip()[axis] - before) > SMALL_STEP)
     hand.let_go(driver.page)
-    driver.wait(crane.ears.stands)
+    driver.wait(crane.ears.at_rest)
 
 
 @pytest.mark.parametrize("way", ["click", "Escape", " "], ids=["click", "escape", "space"])
@@ -96,7 +96,7 @@ def test_an_emergency_stop_is_one_click_or_key_away(crane, driver, way):
     page = driver.page
     driver.drive(RIGHT)
     page.click("#emergency_stop .stop") if way == "click" else page.keyboard.press(way)
-    driver.wait(crane.ears.stands)
+    driver.wait(crane.ears.at_rest)
     page.wait_for_selector("#emergency_stop :text('STOPPED')")
     assert_nothing_moves(crane, driver)
     RIGHT.let_go(page)
@@ -117,7 +117,7 @@ def test_of_two_browsers_one_drives_until_it_hands_over_and_its_end_stops_the_cr
     other.drive(LEFT)
     stall = crane.stall()
     other.page.close()
-    driver.wait(crane.ears.stands)
+    driver.wait(crane.ears.at_rest)
     crane.assert_it_stopped(stall)
 
 
@@ -132,7 +132,7 @@ def test_a_browser_that_freezes_or_is_killed_stops_the_crane(crane, driver, play
             stall = crane.stall()
             for pid in processes():
                 os.kill(pid, number)
-            driver.wait(crane.ears.stands)
+            driver.wait(crane.ears.at_rest)
             crane.assert_it_stopped(stall)
             if number == signal.SIGSTOP:
                 for pid in processes():

@@ -30,7 +30,7 @@ export function mount(element, station) {
 function banner(replay) {
   const name = make("span", { className: "name" });
   replay.addEventListener("change", () => setText(name, replay.bag?.name ?? ""));
-  const text = make("span", {}, make("strong", {}, "REPLAY"), " of ", name, ". The live crane goes on without you.");
+  const text = make("span", {}, make("strong", {}, "REPLAY"), " of ", name, make("span", { className: "live" }, ". The live crane goes on."));
   const back = makeButton("Back to live", () => replay.leave());
   const element = make("div", { id: "replay_banner", role: "status", hidden: true }, text, back);
   replay.addEventListener("change", () => (element.hidden = !replay.active));

@@ -4,8 +4,9 @@ import { OrbitControls, PerspectiveCamera, Vector3 } from "../vendor/three.js";
 
 const KEPT = "forest.camera";
 const SETTLE_S = 0.22; // time constant of a change of view
+const FOLLOW_S = 0.08; // time constant in which the free camera follows a hand
 const HEAD_TURN = 0.55; // share of the swing that the operator's head follows
-const FREE_FOV = 42; // [deg]
+const FREE_FOV = 42; // [deg] until a drag takes over that of another view
 const ARRIVED = 0.02; // [m]
 const UP = new Vector3(0, 0, 1);
 
@@ -28,7 +29,6 @@ export class Cameras extends EventTarget {
     this.free = kept.free ?? {
       position: [1.25 * this.reach, -1.0 * this.reach, 0.3 * this.reach], target: [0.25 * this.reach, 0.08 * this.reach, 0],
     };
-    this.#jump();
   }
 
   // Takes the measures of another scene.
@@ -54,9 +54,16 @@ export class Cameras extends EventTarget {
     this.camera.updateProjectionMatrix();
   }
 
+  // Goes to where it belongs at once.
+  jump() {
+    this.arriving = this.view === "free";
+    this.step(100, 0, null);
+  }
+
   // Moves on by some seconds; the crane stands at a swing angle [rad] with its tip somewhere [m].
   step(seconds, swing, tip) {
     if (this.view === "free" && !this.arriving) {
+      this.controls.dampingFactor = 1 - Math.exp(-seconds / FOLLOW_S); // by time: pictures may be few
       this.controls.update();
       this.target.copy(this.controls.target);
       return;
@@ -77,7 +84,10 @@ export class Cameras extends EventTarget {
   }
 
   keep() {
-    if (this.view === "free" && !this.arriving) this.free = { position: this.camera.position.toArray(), target: this.target.toArray() };
+    if (this.view === "free" && !this.arriving) {
+      const { position, fov } = this.camera;
+      this.free = { position: position.toArray(), target: this.target.toArray(), fov };
+    }
     try {
       localStorage.setItem(KEPT, JSON.stringify({ view: this.view, free: this.free }));
     } catch {
@@ -90,7 +100,7 @@ export class Cameras extends EventTarget {
     if (this.view === "top") return this.#top();
     if (this.view === "side") return this.#side(swing);
     const [position, target] = [this.free.position, this.free.target].map((xyz) => new Vector3(...xyz));
-    return { position, target, fov: FREE_FOV };
+    return { position, target, fov: this.free.fov ?? FREE_FOV };
   }
 
   // From here on a person's hand moves the camera: a drag in any view begins where that view is.
@@ -132,11 +142,6 @@ export class Cameras extends EventTarget {
 
   #wide(landscape, portrait) {
     return this.camera.aspect > 1 ? landscape : portrait;
-  }
-
-  #jump() {
-    this.arriving = this.view === "free";
-    this.step(100, 0, null);
   }
 }
 

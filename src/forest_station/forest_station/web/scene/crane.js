@@ -29,6 +29,11 @@ export class Crane {
     this.root.updateMatrixWorld(true);
   }
 
+  // Whether anybody tells where a joint is.
+  isKnown(signals) {
+    return this.joints.some(({ signal }) => signal && Number.isFinite(signals.value(signal)));
+  }
+
   // Where a point of a link is in the base frame, as last posed.
   place(link, xyz = [0, 0, 0]) {
     return this.links.get(link).localToWorld(new Vector3(...xyz));
@@ -80,9 +85,11 @@ export class Crane {
   }
 }
 
-// A material in one flat colour for a whole crane.
+// A material in one flat colour for a whole crane. A translucent one loses where it lies in another crane's faces.
 export function plain(colour, opacity = 1) {
-  return new MeshBasicMaterial({ color: colour, opacity, transparent: opacity < 1, depthWrite: opacity === 1 });
+  const ghostly = opacity < 1;
+  const behind = { polygonOffset: ghostly, polygonOffsetFactor: 1, polygonOffsetUnits: 4 };
+  return new MeshBasicMaterial({ color: colour, opacity, transparent: ghostly, depthWrite: !ghostly, ...behind });
 }
 
 function move(joint) {

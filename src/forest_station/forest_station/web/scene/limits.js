@@ -41,7 +41,10 @@ export class Limits {
       shown.wall = this.walls.nearest(tip)?.wall ?? null;
       say(shown.wall ? `wall: ${shown.wall.name}` : "wall", tip);
     }
-    if (limit === RELEASED) shown.labels.push({ key: "limit", text: "deadman released", at: tip, kind: "calm" });
+    if (limit === RELEASED) {
+      const armed = signals.value("controller/status/armed") !== 0;
+      shown.labels.push({ key: "limit", text: armed ? "deadman released" : "controller waits", at: tip, kind: "calm" });
+    }
   }
 
   #saturation(signals, shown) {

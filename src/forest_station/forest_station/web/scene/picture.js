@@ -48,6 +48,7 @@ export class Picture {
   // Follows a frame; drawn or not, for the trail has every one.
   push(signals) {
     this.crane.pose(signals);
+    if (!this.crane.isKnown(signals)) return; // a bag may begin with other topics
     this.trail.push(signals.time, this.#tip(signals).toArray(), signals.point(COMMAND));
   }
 

@@ -29,6 +29,7 @@ class View {
     this.cameras = new Cameras(canvas, scene);
     this.labels = new Labels(overlay(element, "labels"));
     this.rate = overlay(element, "rate");
+    this.rate.textContent = "the first picture is on its way";
     element.append(viewButtons(this.cameras), legend());
     this.painter = new Worker("/web/scene/painter.js", { type: "module" });
     this.painter.onmessage = ({ data }) => this.#hear(data);
@@ -53,7 +54,8 @@ class View {
     this.#resize();
     this.then = performance.now();
     this.cameras.addEventListener("view", () => this.#stepSoon());
-    this.#stepSoon();
+    this.cameras.jump();
+    this.#step(this.then); // the first picture is seen from there
   }
 
   #say(message) {
@@ -72,6 +74,7 @@ class View {
 
   // Its scene goes once: a copy of each one would be another machine to the painter.
   #ghost(detail) {
+    this.element.toggleAttribute("data-ghost", Boolean(detail));
     if (!detail) {
       this.ghostScene = null;
       return this.#say({ kind: "ghost" });

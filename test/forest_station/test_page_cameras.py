@@ -1,0 +1,146 @@
+"""The free camera in a real browser: the picture follows a drag, one and two fingers, and the wheel."""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from browser import LOW, PHONE, new_page
+from page_stand_in import PageStandIn
+from playwright.sync_api import Browser
+
+from forest_description.machine import load_machine
+from forest_station.scene.scene_description import scene_of
+
+BACK = 3.0  # [px] within which a label is where it was
+AWAY = 20.0  # [px] from which on it is elsewhere
+# Where the picture shows the middle of the reach, and of the tip's height [px].
+PLACES = """() => [...document.querySelectorAll("#scene .label.figure")].map((label) => {
+  const { e, f } = new DOMMatrix(getComputedStyle(label).transform);
+  return [e, f];
+})"""
+
+
+class Picture:
+    """The page with a standing crane, drawn."""
+
+    def __init__(self, browser: Browser, viewport: dict[str, int]) -> None:
+        self.page, self.errors = new_page(browser, viewport)
+        met = PageStandIn(self.page)
+        met.pages |= {"/scene.json": scene_of(load_machine("c180")), "/bags.json": []}
+        met.open()
+        self.page.wait_for_function("() => document.querySelectorAll('#scene .label.figure').length === 2")
+        box = self.page.locator("#scene canvas").bounding_box()
+        assert box is not None
+        self.x, self.y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        self.touch = self.page.context.new_cdp_session(self.page)
+
+    def settled(self) -> list[list[float]]:
+        """Return where the labels are once they stay there: at first the page finds its size."""
+        seen = [self.places()]
+        while len(seen) < 10 or seen[-10:] != seen[-1:] * 10:
+            self.page.wait_for_timeout(50)
+            seen.append(self.places())
+        return seen[-1]
+
+    def places(self) -> list[list[float]]:
+        return self.page.evaluate(PLACES)
+
+    def wait(self, condition: Callable[[list[list[float]]], Any]) -> None:
+        """Wait until the labels' places meet a condition."""
+        for _ in range(600):
+            if condition(self.places()):
+                return
+            self.page.wait_for_timeout(50)
+        raise AssertionError(f"never; last: {self.places()}")
+
+    def view(self) -> str | None:
+        return self.page.text_content(".views [aria-pressed=true]")
+
+    def drag(self, way: float) -> None:
+        """Drag with the mouse, to the right."""
+        self.page.mouse.move(self.x, self.y)
+        self.page.mouse.down()
+        self.page.mouse.move(self.x + way, self.y, steps=4)
+        self.page.mouse.up()
+
+    def move_fingers(self, *fingers: tuple[tuple[float, float], tuple[float, float]]) -> None:
+        """Move fingers from offsets of the middle to others [px]."""
+        self._send("touchStart", [begin for begin, _ in fingers])
+        for share in (0.25, 0.5, 0.75, 1.0):
+            places = [tuple(a + share * (b - a) for a, b in zip(*each, strict=True)) for each in fingers]
+            self._send("touchMove", places)
+        self._send("touchEnd", [])
+
+    def _send(self, kind: str, places: list[Any]) -> None:
+        points = [{"x": self.x + x, "y": self.y + y, "id": i} for i, (x, y) in enumerate(places)]
+        self.touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+
+def apart(one: list[list[float]], other: list[list[float]]) -> float:
+    """Return how far a label went that went farthest [px]."""
+    return max(map(math.dist, one, other))
+
+
+def size(places: list[list[float]]) -> float:
+    """Return how far the labels are from each other [px]."""
+    return math.dist(*places)
+
+
+@pytest.fixture(scope="module")
+def desktop(browser: Browser) -> Iterator[Picture]:
+    picture = Picture(browser, LOW)
+    yield picture
+    assert picture.errors == []
+
+
+@pytest.fixture(scope="module")
+def phone(browser: Browser) -> Iterator[Picture]:
+    picture = Picture(browser, PHONE)
+    yield picture
+    assert picture.errors == []
+
+
+def test_a_drag_turns_the_picture_and_back(desktop: Picture) -> None:
+    assert desktop.view() == "side"
+    before = desktop.settled()
+    desktop.drag(60)
+    desktop.wait(lambda places: apart(places, before) > AWAY)
+    assert desktop.view() == "free"
+    desktop.drag(-60)
+    desktop.wait(lambda places: apart(places, before) < BACK)
+
+
+def test_the_wheel_goes_away_and_comes_nearer(desktop: Picture) -> None:
+    before = size(desktop.settled())
+    desktop.page.mouse.move(desktop.x, desktop.y)
+    desktop.page.mouse.wheel(0, 400)
+    desktop.wait(lambda places: size(places) < 0.9 * before)
+    desktop.page.mouse.wheel(0, -400)
+    desktop.wait(lambda places: abs(size(places) - before) < BACK)
+
+
+def test_the_free_camera_is_found_again_where_it_was_left(desktop: Picture) -> None:
+    left = desktop.settled()
+    desktop.page.keyboard.press("3")
+    desktop.wait(lambda places: apart(places, left) > AWAY)
+    desktop.page.keyboard.press("4")
+    desktop.wait(lambda places: apart(places, left) < BACK)
+
+
+def test_one_finger_turns_the_picture_and_back(phone: Picture) -> None:
+    before = phone.settled()
+    phone.move_fingers(((0, 0), (60, 0)))
+    phone.wait(lambda places: apart(places, before) > AWAY)
+    assert phone.view() == "free"
+    phone.move_fingers(((60, 0), (0, 0)))
+    phone.wait(lambda places: apart(places, before) < BACK)
+
+
+def test_two_fingers_pinched_go_away_and_moved_together_shift_the_picture(phone: Picture) -> None:
+    before = phone.settled()
+    phone.move_fingers(((-60, 0), (-30, 0)), ((60, 0), (30, 0)))
+    phone.wait(lambda places: size(places) < 0.8 * size(before))
+    farther = phone.settled()
+    phone.move_fingers(((-30, 0), (-30, 50)), ((30, 0), (30, 50)))
+    phone.wait(lambda places: all(y - was > AWAY for (_, y), (_, was) in zip(places, farther, strict=True)))
