@@ -187,6 +187,27 @@ def test_a_mapping_that_cannot_be_is_refused_in_a_sentence(js: Js, change: str, 
     assert js("hands/mapping.js", steps) == told
 
 
+def test_a_corner_of_the_square_that_was_passed_counts_and_the_way_on_is_told_from_where_the_tip_is(
+    js: Js,
+) -> None:
+    steps = """(m) => {
+      let attempt = m.begun(m.squareAt([5, 0, 1]));
+      return [[5.5, 0, 1], [5.9, 0.05, 1], [5.8, 1.1, 1], [4.9, 1.1, 1], [5, 0.05, 1]].map((tip, i) => {
+        attempt = m.after(attempt, tip, i);
+        const [word, key, metres] = m.isDone(attempt) ? ["done", "", 0] : m.way(attempt, tip);
+        return [attempt.side, word, key, Math.round(100 * metres)];
+      });
+    }"""
+    told = [
+        [0, "away", "W", 30],
+        [1, "left", "A", 75],
+        [2, "back", "S", 80],
+        [3, "right", "D", 110],
+        [4, "done", "", 0],
+    ]
+    assert js("exercise/square.js", steps) == told
+
+
 def test_the_emergency_stop_is_told_once_by_its_own_panel(js: Js) -> None:
     seat = {
         "you_drive": True,

@@ -2,7 +2,7 @@
 
 export const SIDE = 0.8; // [m]
 export const REACHED = 0.1; // [m] around a corner
-const FAR = 4; // [m] from the swing axis: from there the square lies towards the crane, else away from it
+const FAR = 6; // [m] from the swing axis, amid the reach: from there the square lies towards the crane, else away from it
 
 // Returns a level square that begins at the tip, its sides along the tip's own directions.
 export function squareAt([x, y, z]) {
@@ -14,7 +14,8 @@ export function begun(corners) {
   return { corners, side: 0, sum: 0, count: 0, most: 0, since: null, until: null };
 }
 
-// Returns the attempt after the tip was seen at a place and a time [s]. Time counts from the first motion on.
+// Returns the attempt after the tip was seen at a place and a time [s]. Time counts from the first motion on. A corner is
+// reached near it, or beside it: who goes too far is off the square, but not lost.
 export function after(attempt, tip, time) {
   if (isDone(attempt) || !tip.every(Number.isFinite)) return attempt;
   const [from, to] = side(attempt);
@@ -27,7 +28,7 @@ export function after(attempt, tip, time) {
     count: attempt.count + 1,
     most: Math.max(attempt.most, off),
   };
-  if (distance(tip, to) > REACHED) return next;
+  if (distance(tip, to) > REACHED && wayLeft(tip, from, to) > 0) return next;
   const last = attempt.side === attempt.corners.length - 1;
   return { ...next, side: attempt.side + 1, until: last ? time : null };
 }
@@ -46,12 +47,18 @@ export function result({ sum, count, most, since, until }) {
   return { rms: Math.sqrt(sum / count), most, seconds: until - since };
 }
 
-// What the left stick has to do next: its word and its key.
-export function way(attempt) {
-  const [from, to] = side(attempt);
-  const [x, y] = [to[0] - from[0], to[1] - from[1]];
-  if (Math.abs(x) > Math.abs(y)) return x > 0 ? ["away", "W"] : ["back", "S"];
-  return y > 0 ? ["left", "A"] : ["right", "D"];
+// What the left stick has to do next, from where the tip is: its word, its key, and how far [m].
+export function way(attempt, tip) {
+  const [, to] = side(attempt);
+  const [x, y] = [to[0] - tip[0], to[1] - tip[1]];
+  if (Math.abs(x) > Math.abs(y)) return x > 0 ? ["away", "W", x] : ["back", "S", -x];
+  return y > 0 ? ["left", "A", y] : ["right", "D", -y];
+}
+
+// How far the corner is along the side [m]; negative: the tip has passed it.
+function wayLeft(tip, from, to) {
+  const along = from.map((start, i) => to[i] - start);
+  return dot(to.map((end, i) => end - tip[i]), along) / Math.hypot(...along);
 }
 
 function distanceToSegment(point, from, to) {

@@ -8,7 +8,7 @@ export const LONGEST_GAP_MS = 100; // between two looks at the hands; a page tha
 export class Deadman {
   #holders = new Set();
   #down = new Set(); // what is physically pressed, whether or not it still counts
-  why = "nobody has pressed it";
+  why = ""; // why nobody holds it any more
 
   get held() {
     return this.#holders.size > 0;

@@ -29,7 +29,7 @@ export function whyText(seat, here, stopped, status) {
   if (seat.why_not) return seat.why_not;
   if (seat.asking.includes(here.you)) return `${seat.driver} is asked to hand over.`;
   if (!seat.you_drive) return seat.driver === null ? "Take the seat to drive." : "";
-  if (seat.deadman.state !== "held") return here.held ? seat.deadman.text : `${seat.deadman.text} (${here.why})`;
+  if (seat.deadman.state !== "held") return here.held || !here.why ? seat.deadman.text : `${seat.deadman.text} (${here.why})`;
   if (status.armed === 0) return "The controller does not move: centre the sticks, and see the diagnostics.";
   if (status.factor < 1 && LIMITS[status.limit]) {
     return `Slowed to ${Math.round(100 * status.factor)} % by ${LIMITS[status.limit]}.`;

@@ -29,7 +29,10 @@ class EmergencyStop {
     listenToKeys(() => this.stop());
     station.on("open", () => this.wanted && this.stop());
     station.on("emergency_stop", (message) => this.#hear(message));
-    station.on("seat", ({ you_drive: drives }) => (this.resetButton.disabled = !drives));
+    station.on("seat", ({ you_drive: drives }) => {
+      this.resetButton.disabled = !drives;
+      setText(this.resetButton, drives ? "Reset" : "Reset: take the seat");
+    });
     this.#show();
   }
 

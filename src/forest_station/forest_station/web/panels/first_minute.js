@@ -1,7 +1,7 @@
 // The first minute: a square to drive along, and what to do next, in one sentence at a time.
 
 import { make, makeButton, setText } from "../elements.js";
-import { after, begun, isDone, result, side, squareAt, way } from "../exercise/square.js";
+import { SIDE, after, begun, isDone, result, side, squareAt, way } from "../exercise/square.js";
 import { handsOf } from "../hands/hands.js";
 
 export const place = "left";
@@ -18,12 +18,17 @@ class FirstMinute {
     this.station = station;
     this.hands = hands;
     this.attempt = null;
-    this.drives = false;
+    this.seat = { driver: null, you_drive: false, deadman: { state: "waiting" } };
+    this.stopped = false;
     this.text = make("p", { role: "status" });
     this.button = makeButton("Mark a square", () => (this.attempt ? this.#end() : this.#begin()));
     element.append(this.text, this.button);
-    station.on("seat", ({ you_drive: drives }) => {
-      this.drives = drives;
+    station.on("seat", (seat) => {
+      this.seat = seat;
+      this.#show();
+    });
+    station.on("emergency_stop", ({ active }) => {
+      this.stopped = active;
       this.#show();
     });
     station.on("frame", ({ time }) => this.#follow(time));
@@ -52,10 +57,11 @@ class FirstMinute {
     const before = this.attempt.side;
     this.attempt = after(this.attempt, this.#tip(), time);
     if (this.attempt.side !== before) this.#draw();
+    else this.#show();
   }
 
   #draw() {
-    const shown = this.attempt && { corners: this.attempt.corners, side: side(this.attempt) };
+    const shown = this.attempt && { corners: this.attempt.corners, side: side(this.attempt), size: SIDE };
     this.station.emit("exercise", shown && !isDone(this.attempt) ? shown : null);
     this.#show();
   }
@@ -66,15 +72,28 @@ class FirstMinute {
   }
 
   #sentence() {
-    if (!this.attempt) return "Mark a square at the tip of the crane, and drive along it with the left stick.";
+    if (this.stopped) return "Stopped: press Reset, at the top.";
+    if (!this.attempt) {
+      return "Mark a square at the tip of the crane, and drive along it with the left stick. The space bar stops everything.";
+    }
     if (isDone(this.attempt)) {
       const { rms, most, seconds } = result(this.attempt);
       return `Done in ${seconds.toFixed(0)} s: ${cm(rms)} beside the square on average, ${cm(most)} at most.`;
     }
-    if (!this.drives) return "Somebody else drives: ask for control, at the top.";
-    if (!this.hands.deadman.held) return "With the sticks at rest, hold the left Shift key, or HOLD TO DRIVE with a finger.";
-    const [word, key] = way(this.attempt);
-    return `Side ${this.attempt.side + 1} of 4: keep holding, and push the left stick ${word}, or press ${key}.`;
+    if (!this.seat.you_drive) {
+      return this.seat.driver === null ? "Nobody drives: take the seat, at the top." : "Somebody else drives: ask for control, at the top.";
+    }
+    return this.#instruction();
+  }
+
+  #instruction() {
+    const number = `Side ${this.attempt.side + 1} of 4`;
+    if (!this.hands.deadman.held || this.seat.deadman.state === "waiting") {
+      if (this.attempt.since === null) return "With the sticks at rest, hold the left Shift key, or HOLD TO DRIVE with a finger.";
+      return `${number} waits: let go of everything, then hold the left Shift key again.`;
+    }
+    const [word, key, metres] = way(this.attempt, this.#tip());
+    return `${number}: keep Shift held, and push the left stick ${word}, or press ${key}: ${metres.toFixed(1)} m to go.`;
   }
 }
 

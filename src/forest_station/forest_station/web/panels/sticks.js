@@ -18,11 +18,18 @@ export function mount(element, station) {
   const deadman = makeHoldButton("HOLD TO DRIVE", (pressed) => hands.hold(BUTTON, pressed));
   deadman.append(make("small", {}, "deadman: this button, ", make("kbd", {}, "left Shift"), ", or a gamepad's left shoulder"));
   element.append(left.pad, deadman, right.pad);
-  hands.addEventListener("change", () => {
+  let counts = false; // for the server, which judges
+  const show = () => {
     left.show(hands.axes[LEFT_X], hands.axes[LEFT_Y]);
     right.show(hands.axes[RIGHT_X], hands.axes[RIGHT_Y]);
-    deadman.classList.toggle("held", hands.deadman.held);
-    deadman.setAttribute("aria-pressed", hands.deadman.held);
+    const { held } = hands.deadman;
+    deadman.dataset.state = held ? (counts ? "held" : "pressed") : "released";
+    deadman.setAttribute("aria-pressed", held);
+  };
+  hands.addEventListener("change", show);
+  station.on("seat", (seat) => {
+    counts = seat.you_drive && seat.deadman.state !== "waiting";
+    show();
   });
 }
 

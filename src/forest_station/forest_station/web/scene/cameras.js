@@ -1,6 +1,6 @@
 // Where the crane is seen from: cab, side, top, or free. Cab and side turn with the crane.
 
-import { OrbitControls, PerspectiveCamera, Vector3 } from "../vendor/three.js";
+import { Box3, OrbitControls, PerspectiveCamera, Vector3 } from "../vendor/three.js";
 
 const KEPT = "forest.camera";
 const SETTLE_S = 0.22; // time constant of a change of view
@@ -39,6 +39,18 @@ export class Cameras extends EventTarget {
     this.ground = ground;
     this.controls.maxDistance = 6 * this.reach;
     this.controls.minDistance = 0.15 * this.reach;
+  }
+
+  // Looks at something [m] from above, a little from behind: it is a third of the picture wide, and left is left.
+  lookAt(points, width) {
+    const box = points.reduce((grown, xyz) => grown.expandByPoint(new Vector3(...xyz)), new Box3());
+    const target = box.getCenter(new Vector3());
+    const away = new Vector3(-0.45, -0.15, 0.88).multiplyScalar(this.#far(3 * width, 3 * width, FREE_FOV));
+    this.free = { position: target.clone().add(away).toArray(), target: target.toArray(), fov: FREE_FOV };
+    this.view = "free";
+    this.arriving = true;
+    this.keep();
+    this.dispatchEvent(new Event("view"));
   }
 
   choose(view) {

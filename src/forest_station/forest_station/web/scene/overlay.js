@@ -3,7 +3,8 @@
 import { VIEWS } from "./cameras.js";
 
 const LEGEND = [["wish", "commanded path"], ["tip", "tip, last 20 s"], ["area", "reach"], ["wall", "wall, slow zone"],
-  ["out", "oil to the actuator"], ["back", "oil back"], ["ghost", "ghost: the second bag"]];
+  ["out", "oil to the actuator"], ["back", "oil back"], ["ghost", "ghost: the second bag"],
+  ["exercise", "your square"]];
 
 // Buttons, and the keys 1 to 4.
 export function viewButtons(cameras) {

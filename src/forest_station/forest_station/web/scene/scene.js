@@ -46,7 +46,7 @@ class View {
     this.station.on("signals", () => this.#signals());
     this.station.on("frame", ({ time, values }) => this.#sayValues({ kind: "frame", time }, values));
     this.station.on("ghost", (detail) => this.#ghost(detail));
-    this.station.on("exercise", (exercise) => this.#say({ kind: "exercise", exercise }));
+    this.station.on("exercise", (exercise) => this.#exercise(exercise));
     this.station.on("taught", (taught) => this.#say({ kind: "taught", taught }));
     this.station.on("parameters", ({ nodes }) => this.#settings(nodes.controller ?? {}));
     this.station.on("scene", (detail) => this.#change(detail ?? this.home));
@@ -56,6 +56,13 @@ class View {
     this.cameras.addEventListener("view", () => this.#stepSoon());
     this.cameras.jump();
     this.#step(this.then); // the first picture is seen from there
+  }
+
+  // A square that was just marked is looked at: from elsewhere it is a line.
+  #exercise(exercise) {
+    if (exercise && !("exercise" in this.element.dataset)) this.cameras.lookAt(exercise.corners, exercise.size);
+    this.element.toggleAttribute("data-exercise", Boolean(exercise));
+    this.#say({ kind: "exercise", exercise });
   }
 
   #say(message) {
