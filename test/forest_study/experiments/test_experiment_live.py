@@ -43,7 +43,7 @@ def switches():
 def kill_the_operator_in_motion(out, found, over):
     """Kill it once it drives, unless it is over before; keep what was switched then, and when it died."""
     log = out / "log" / "damping_boom" / f"{OPERATOR}.log"
-    while not (log.exists() and "at 1 of" in log.read_text()):
+    while not (log.exists() and "operator at " in log.read_text()):
         if over.wait(0.01):
             return
     try:
