@@ -89,6 +89,10 @@ def test_an_emergency_stop_of_any_page_shuts_the_valves_and_its_reset_needs_cent
         async with driving(crane) as (page, hands), StandInPage(crane.address) as other:
             assert (await other.ask("emergency_stop"))["ok"]
             await crane.ears.still()
+            hands.cancel()
+            hands = asyncio.create_task(page.hold())
+            crane.ears.forget()
+            await crane.ears.until(lambda: crane.ears.joy and crane.ears.joy[-1].axes == page.stick)
             await crane.ears.until(lambda: page.heard["emergency_stop"]["active"])
             refused = await page.ask("reset_emergency_stop")
             assert not refused["ok"]
@@ -96,7 +100,8 @@ def test_an_emergency_stop_of_any_page_shuts_the_valves_and_its_reset_needs_cent
             assert not (await other.ask("reset_emergency_stop"))["ok"]
             hands.cancel()
             await page.send(False)
-            await crane.ears.until(lambda: not any(crane.ears.joy[-1].axes))
+            crane.ears.forget()
+            await crane.ears.until(lambda: crane.ears.joy and not any(crane.ears.joy[-1].axes))
             assert (await page.ask("reset_emergency_stop"))["ok"]
             await crane.ears.until(lambda: not page.heard["emergency_stop"]["active"])
             states = {one["name"]: one["state"] for one in page.heard["emergency_stop"]["sources"]}
