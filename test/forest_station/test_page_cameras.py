@@ -26,7 +26,7 @@ class Picture:
 
     def __init__(self, browser: Browser, viewport: dict[str, int]) -> None:
         self.page, self.errors = new_page(browser, viewport)
-        met = PageStandIn(self.page)
+        self.met = met = PageStandIn(self.page, tuple((f"tip/pose/{axis}", "m") for axis in "xyz"))
         met.pages |= {"/scene.json": scene_of(load_machine("c180")), "/bags.json": []}
         met.open()
         self.page.wait_for_function("() => document.querySelectorAll('#scene .label.figure').length === 2")
@@ -126,6 +126,17 @@ def test_the_free_camera_is_found_again_where_it_was_left(desktop: Picture) -> N
     desktop.wait(lambda places: apart(places, left) > AWAY)
     desktop.page.keyboard.press("4")
     desktop.wait(lambda places: apart(places, left) < BACK)
+
+
+def test_a_square_that_is_marked_is_looked_at(desktop: Picture) -> None:
+    desktop.page.keyboard.press("2")
+    desktop.wait(lambda _: desktop.view() == "side")
+    before = desktop.settled()
+    desktop.met.send_frame(1, 0.0, [5.0, 0.0, 1.0])
+    desktop.page.get_by_role("button", name="Mark a square").click()
+    desktop.page.wait_for_selector("text=drive here")
+    desktop.wait(lambda places: apart(places, before) > AWAY)
+    assert desktop.view() == "free"
 
 
 def test_one_finger_turns_the_picture_and_back(phone: Picture) -> None:

@@ -225,6 +225,17 @@ def test_who_looks_on_sends_nothing_asks_for_control_and_the_driver_hands_over(m
     assert not wait(met, lambda hands: hands.number > count).held
 
 
+def test_the_button_tells_a_deadman_that_is_pressed_from_one_that_counts(met: PageStandIn) -> None:
+    met.page.keyboard.down("Shift")
+    wait(met, lambda hands: hands.held)
+    for judged, shown in (("waiting", "pressed"), ("held", "held")):
+        met.tell_seat(deadman=(judged, ""))
+        met.page.wait_for_selector(f"#sticks .hold[data-state={shown}]")
+    met.page.keyboard.up("Shift")
+    wait(met, lambda hands: not hands.held)
+    met.page.wait_for_selector("#sticks .hold[data-state=released]")
+
+
 def test_two_keys_stop_from_anywhere_also_while_others_drive(met: PageStandIn) -> None:
     met.tell_seat(driver="operator 2")
     met.page.get_by_role("button", name="Ask for control").focus()
@@ -245,7 +256,7 @@ def test_one_click_stops_and_a_refused_reset_tells_why(met: PageStandIn) -> None
     met.page.get_by_role("button", name="Reset").click()
     met.page.wait_for_selector("text=refused: the levers must be centred")
     met.tell_seat(driver="operator 2")
-    met.page.wait_for_selector("#emergency_stop button:disabled")  # only the driver resets
+    met.page.wait_for_selector("#emergency_stop button:disabled:text-is('Reset: take the seat')")
 
 
 def test_a_stop_lets_go_and_says_so_when_nobody_confirms_it(met: PageStandIn) -> None:
