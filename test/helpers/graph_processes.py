@@ -20,7 +20,9 @@ def nodes_of(supervisor):
             continue
         if int(parent) != supervisor.pid:
             continue
-        children |= {n: int(entry.name) for n in ALL if f"_{n}_node"[1:].encode() in b" ".join(command)}
+        # Whole arguments only: the fork server of `processes` names modules, too, in one long argument.
+        modules = {argument.rpartition(b".")[2] for argument in command}
+        children |= {name: int(entry.name) for name in ALL if f"{name}_node".encode() in modules}
     return children
 
 
