@@ -201,7 +201,7 @@ def test_a_mapping_is_edited_calibrated_and_kept_for_its_device(met: PageStandIn
         page.clock.run_for(200)  # two looks
     device.get_by_role("button", name="Done").click()
     page.reload()
-    page.wait_for_selector("#left_stick")
+    page.wait_for_selector(".driver[data-drives=true]")  # taking over lets the deadman go
     page.evaluate("plugIn('Joystick L', '', 3, 2)")
     page.evaluate("pads[0].axes = [0, 0, 0.5]; Object.assign(pads[0].buttons[1], {pressed: true})")
     wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0 and hands.held)
