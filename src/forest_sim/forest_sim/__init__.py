@@ -16,6 +16,7 @@ In the order in which data passes:
 - `analysis`: What follows from the equations: modes, checks of a machine file, comparisons, plots.
 - `linear_graph`: The circuits as linear graphs, and their state equations derived from them
   (chapter 3 of the thesis).
+- `fmi`: The machine as a unit for co-simulation in other tools (FMI 2.0).
 - `cli`: `forest-sim`: the simulator from the command line.
 
 May import: `forest_bag`, `forest_msgs_py`, `forest_description`, `forest_compile`.

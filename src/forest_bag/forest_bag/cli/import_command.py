@@ -90,7 +90,7 @@ def _encode_numbers(
 ) -> list[bytes | None]:
     """Sensors that the log has not got are absent, as ours are without a sample."""
     from forest_msgs_py.serialization.batch_encoder import Encoder
-    from forest_msgs_py.serialization.packing import columns
+    from forest_msgs_py.interfaces.topics import columns
 
     whole = np.full((len(stamps), len(columns(topic))), np.nan)
     whole[:, [columns(topic).index(label) for label in labels]] = values

@@ -13,7 +13,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.serialization.packing import columns
+from forest_msgs_py.interfaces.topics import columns
 from forest_sim.analysis.mode_map import MapPoint
 from forest_sim.simulation.energy_account import Account
 from forest_sim.simulation.sensor_log import LOGGED_TOPICS

@@ -14,7 +14,7 @@ import numpy as np
 
 from forest_compile.kernel_cache import can_compile
 from forest_description.geometry.kinematics import tip_position
-from forest_description.machine import Machine
+from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES, Vec3
 from forest_msgs_py.runtime.command_line import StatusLine
 from forest_sim.analysis import machine_check, mode_map, modes, pump_comparison, run_summary
@@ -270,6 +270,22 @@ def map_modes(machine: Machine, spacing: float, out: Path) -> int:
 def show_check(machine: Machine) -> int:
     """Print what a machine file amounts to."""
     print(machine_check.report(machine))
+    return 0
+
+
+def export_fmu(name: str, out: Path | None) -> int:
+    """Write a machine as an FMU, and print what is in it.
+
+    Raises:
+        RunError: the file cannot be made.
+    """
+    from forest_sim.fmi.export import export
+
+    fmu = out or Path(f"{load_machine(name).name}.fmu")
+    if fmu.suffix != ".fmu" or fmu.exists() or not fmu.parent.is_dir():
+        raise RunError(f"{fmu}: allowed: a new file that ends in .fmu, in a directory that is there")
+    inputs, outputs = export(name, fmu)
+    print(f"{fmu}: FMI 2.0 co-simulation, {inputs} inputs, {outputs} outputs")
     return 0
 
 

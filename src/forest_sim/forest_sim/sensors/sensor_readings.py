@@ -127,9 +127,28 @@ def report(
     """Do as `sampled`, and tell the truth beside; `k` holds the lengths of the machine's links, too."""
     s, links = k
     state, seen = sampled(state, simulation, normals, s, dt)
-    true = true_joints(simulation, s.plant)
+    return state, _with_truth(seen, simulation, s.plant, links)
+
+
+def report_at_rest(state: SensorState, simulation: Simulation, k: tuple[Sensors, Links]) -> Report:
+    """Return what the sensors have said last, and the truth beside; before the first sample.
+
+    Args:
+        state: of `at_rest`.
+        simulation: the machine, as `at_rest` had it.
+        k: as `report`.
+    """
+    s, links = k
+    readings = tuple([channel.reading for channel in state.channels])
+    flow, used = _supply(simulation, ports_at(simulation.spools, s.plant), s.plant)
+    seen = measurement(readings, state.estimates, s.plant, flow, used)
+    return _with_truth(seen, simulation, s.plant, links)
+
+
+def _with_truth(seen: Measurement, simulation: Simulation, p: PlantParameters, links: Links) -> Report:
+    true = true_joints(simulation, p)
     tip = tip_position(true.position, links)
-    return state, Report(seen, true, tip, tip_velocity(true.position, true.speed, links))
+    return Report(seen, true, tip, tip_velocity(true.position, true.speed, links))
 
 
 def sampled(
