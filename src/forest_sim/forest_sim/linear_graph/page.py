@@ -84,6 +84,46 @@ An impossible circuit is refused with the names of its elements. Impossible are:
 - a loop of across sources, or a cut-set of through sources;
 - a storage that depends on other storages;
 - a quadratic element whose law is not explicit.
+
+## How to run a circuit
+
+`forest_sim.linear_graph.graph_run.run` integrates the state equations with numbers.
+It returns every variable of the circuit over time.
+This opens the boom's valve of `c180_thesis` to 4 V. The piston's speed rises to 0.05 m/s.
+
+```python
+import numpy as np
+
+from forest_description.components.valve_characteristic import edges
+from forest_description.machine import load_machine
+from forest_sim.linear_graph.actuation_graphs import cylinder
+from forest_sim.linear_graph.actuation_parameters import actuation_parameters
+from forest_sim.linear_graph.graph_run import run
+from forest_sim.linear_graph.state_equations import state_equations
+
+machine = load_machine("c180_thesis")
+valve = edges(4.0, machine.valve_of(1).law)
+over_time = run(
+    state_equations(cylinder()),
+    inputs={"P_s": machine.pump.supply_pressure, "xdot": lambda t, states: 0.05 * np.tanh(t / 0.1)},
+    parameters=actuation_parameters(machine, "boom", valve.supply_1, valve.tank_2),
+    start={"P_C_1": 8e6, "P_C_2": 2e6},  # what is left out starts at zero
+    times=np.linspace(0.0, 1.0, 201),
+)
+for name in ("P_1", "Q_I_1", "F_xdot"):
+    print(f"{name} {over_time[name][-1]:.4g}")
+```
+
+It prints the head side's pressure [Pa], its flow [m³/s] and the force on the load [N] after 1 s:
+
+```text
+P_1 1.282e+07
+Q_I_1 0.000912
+F_xdot 1.678e+05
+```
+
+`test_graph_run.py` runs swing and boom with the speed that the simulator's plant has.
+Over a second of open valve, pressures and flows agree within 0.02 % of their range.
 """
 
 NOTES = {

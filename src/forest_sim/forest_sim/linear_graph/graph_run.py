@@ -1,0 +1,100 @@
+"""Run a circuit: its state equations, integrated over time with numbers for what they leave open.
+
+An input is a number, or a function of the time [s] and of the states by name. A displacement is the
+integral of a branch's across variable (an angle, a position): a state that no element stores, for
+inputs that depend on it. The integrator is stiff (Radau IIA, order 5), for hoses of milliseconds
+beside loads of seconds.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.integrate import solve_ivp
+from sympy import Expr
+
+from forest_description.types import Floats
+from forest_sim.linear_graph.linear_graph import GraphError
+from forest_sim.linear_graph.state_equations import StateEquations, across_symbol, through_symbol
+
+Course = float | Callable[[float, Mapping[str, float]], float]
+
+TOLERANCE = 1e-8  # of a state's value, for every step
+SMALLEST = {"P": 1.0, "Q": 1e-9, "W": 1e-9, "t": 1e-3, "V": 1e-9, "F": 1e-3}
+"""What a state's error may always be, by its letter [Pa, m^3/s, rad/s, N m, m/s, N]."""
+SMALLEST_DISPLACEMENT = 1e-9  # [rad, m]
+
+
+def run(
+    equations: StateEquations,
+    inputs: Mapping[str, Course],
+    parameters: Mapping[str, float],
+    start: Mapping[str, float],
+    times: ArrayLike,
+    displacements: Mapping[str, str] | None = None,
+) -> dict[str, Floats]:
+    """Return every variable of a circuit over time, by name: states, displacements, P_1, F_xdot ...
+
+    No step of the integrator is longer than the greatest distance of two times, so that an input
+    cannot do something unseen between them. Where an input jumps, end one run and start another.
+
+    Args:
+        equations: the circuit.
+        inputs: a course for each of its inputs, SI.
+        parameters: a value for each of its parameters, SI.
+        start: the states at the first time; those that are left out start at zero.
+        times: at least two, increasing, shape (N,) [s].
+        displacements: the branch whose across variable each of them integrates.
+
+    Raises:
+        GraphError: a name is missing or unknown, or the integrator gave up.
+        KeyError: a displacement of a branch that is not there.
+    """
+    moved = dict(displacements or {})
+    states = [symbol.name for symbol in equations.states]
+    names = [*states, *moved]
+    _require("input", [symbol.name for symbol in equations.inputs], inputs)
+    _require("parameter", [symbol.name for symbol in equations.parameters], parameters)
+    _require("state", names, [*names, *start])
+    grid = np.asarray(times, dtype=np.float64)
+
+    def arguments(time: float, state: Floats) -> tuple[Floats, list[float], Mapping[str, float]]:
+        now = dict(zip(names, state.tolist(), strict=True))
+        courses = [inputs[symbol.name] for symbol in equations.inputs]
+        given = [course(time, now) if callable(course) else course for course in courses]
+        return state[: len(states)], given, parameters
+
+    rates = equations.function(*equations.derivatives, *(equations.across[b] for b in moved.values()))
+    solution = solve_ivp(
+        lambda time, state: rates(*arguments(time, state)),
+        (grid[0], grid[-1]),
+        [start.get(name, 0.0) for name in names],
+        method="Radau",
+        t_eval=grid,
+        max_step=np.max(np.diff(grid)),
+        rtol=TOLERANCE,
+        atol=[SMALLEST[name[0]] for name in states] + [SMALLEST_DISPLACEMENT] * len(moved),
+    )
+    if not solution.success:
+        raise GraphError(f"{equations.tree.graph.name}: the integrator stopped: {solution.message}")
+    variables = _variables(equations)
+    evaluate = equations.function(*variables.values())
+    rows = [evaluate(*arguments(time, state)) for time, state in zip(grid, solution.y.T, strict=True)]
+    return dict(zip(variables, np.transpose(rows), strict=True)) | dict(zip(names, solution.y, strict=True))
+
+
+def _variables(equations: StateEquations) -> dict[str, Expr]:
+    """Return the expression of every branch's across and through variable by its symbol's name."""
+    branches = equations.tree.graph.branches
+    across = {across_symbol(branch).name: equations.across[branch.name] for branch in branches}
+    return across | {through_symbol(branch).name: equations.through[branch.name] for branch in branches}
+
+
+def _require(what: str, needed: Iterable[str], given: Iterable[str]) -> None:
+    """Check that names and values belong together."""
+    missing, unknown = sorted(set(needed) - set(given)), sorted(set(given) - set(needed))
+    if missing or unknown:
+        raise GraphError(
+            f"{what}: missing {', '.join(missing) or 'none'}, unknown {', '.join(unknown) or 'none'}; "
+            f"allowed: {', '.join(sorted(needed))}"
+        )
