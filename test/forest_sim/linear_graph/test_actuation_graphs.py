@@ -10,6 +10,7 @@ from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_sim.linear_graph.actuation_graphs import (
     cylinder,
+    cylinder_with_joint,
     cylinder_with_pi_hoses,
     cylinder_with_relief,
     cylinder_with_two_lumps,
@@ -221,3 +222,15 @@ def test_a_swinging_link_instead_of_the_velocity_source_becomes_a_state():
     driven = SWING.through["qdot_sw"].xreplace({W: Symbol("W_J", real=True)})
     assert same(rate * j, driven)
     assert len(e.states) == 5
+
+
+def test_a_lever_arm_is_an_input_that_speed_and_force_share():
+    """J dW/dt = arm F(arm W) + t_load, with the force that the circuit without a joint has."""
+    e = state_equations(cylinder_with_joint())
+    arm_, w, load = (Symbol(name, real=True) for name in ("arm", "W_J", "t_load"))
+    assert e.inputs == (P_S, load, arm_)
+    (j,) = par("J")
+    force = CYLINDER.through["xdot"].xreplace({V: arm_ * w})
+    assert e.states[:2] == (P_1, w)
+    assert sympy.simplify(e.derivatives[1] * j - (arm_ * force + load)) == 0
+    assert sympy.simplify(e.derivatives[0] - CYLINDER.derivatives[0].xreplace({V: arm_ * w})) == 0

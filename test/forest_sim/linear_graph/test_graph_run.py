@@ -10,11 +10,12 @@ from forest_description.components.valve_characteristic import edges
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
 from forest_description.types import AXES
-from forest_sim.linear_graph.actuation_graphs import cylinder, swing
+from forest_sim.linear_graph.actuation_graphs import cylinder, cylinder_with_joint, swing
 from forest_sim.linear_graph.actuation_parameters import actuation_parameters
 from forest_sim.linear_graph.graph_run import run
 from forest_sim.linear_graph.linear_graph import Branch, Domain, GraphError, Kind, LinearGraph
 from forest_sim.linear_graph.state_equations import state_equations
+from forest_sim.mechanics.manipulator import dynamics, fold_head
 from forest_sim.solver.compiled_plant import fastest_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.plant_parameters import plant_parameters
@@ -25,17 +26,26 @@ STEP = 1e-4  # [s], of the simulator
 VOLTAGE = 4.0
 
 
-@pytest.fixture(scope="module", params=["swing", "boom"])
-def simulated(request):
-    """Return an axis, and a second of the simulator with its valve open and the others shut: time, states."""
+@pytest.fixture(scope="module")
+def swinging():
+    return simulated("swing")
+
+
+@pytest.fixture(scope="module")
+def lifting():
+    return simulated("boom")
+
+
+def simulated(axis):
+    """Return a second of the simulator with one axis' valve open and the others shut: time, states."""
     p, count = plant_parameters(THESIS), round(1.0 / STEP)
     start = equilibrium((0.3, 0.2, -1.4), p)
     voltages = np.zeros((count, 3))
-    voltages[:, AXES.index(request.param)] = VOLTAGE
+    voltages[:, AXES.index(axis)] = VOLTAGE
     states = np.zeros((count + 1, len(STATE)))
     store(start, states[0])
     fastest_record()(start, voltages, STEP, p, states[1:], None)
-    return request.param, STEP * np.arange(count + 1), states
+    return STEP * np.arange(count + 1), states
 
 
 def column(states, name):
@@ -62,10 +72,18 @@ def hoses(axis, states, row=0):
     return {name: column(states, f"{axis}_{field}")[row] for name, field in fields.items()}
 
 
-def test_a_derived_circuit_runs_as_the_simulator_does(simulated):
-    axis, time, states = simulated
+def assert_alike(done, axis, states):
+    for name, value in hoses(axis, states, slice(None, None, 50)).items():
+        assert np.max(np.abs(done[name] - value)) < 2e-4 * np.ptp(value), name
+
+
+@pytest.mark.parametrize(
+    ("axis", "graph", "source", "run_of"),
+    [("swing", swing(), "qdot_sw", "swinging"), ("boom", cylinder(), "xdot", "lifting")],
+)
+def test_a_derived_circuit_runs_as_the_simulator_does(axis, graph, source, run_of, request):
+    time, states = request.getfixturevalue(run_of)
     speed = CubicSpline(time, piston_speed(axis, states))
-    graph, source = (swing(), "qdot_sw") if axis == "swing" else (cylinder(), "xdot")
     done = run(
         state_equations(graph),
         {"P_s": THESIS.pump.supply_pressure, source: lambda t, _: float(speed(t))},
@@ -74,8 +92,41 @@ def test_a_derived_circuit_runs_as_the_simulator_does(simulated):
         time[::50],
     )
     assert np.ptp(speed(time)) > 0.03
-    for name, value in hoses(axis, states, slice(None, None, 50)).items():
-        assert np.max(np.abs(done[name] - value)) < 2e-4 * np.ptp(value), name
+    assert_alike(done, axis, states)
+
+
+def load_torque(time, states, inertia):
+    """Return the torque on the boom's joint [N m] over time: gravity, the stick, what M_22 has beyond J."""
+    body = fold_head(THESIS.manipulator)
+    angles, rates = (np.column_stack([column(states, f"{a}_{f}") for a in AXES]) for f in ("angle", "rate"))
+    moved = [dynamics(tuple(q), tuple(w), body) for q, w in zip(angles.tolist(), rates.tolist(), strict=True)]
+    acceleration = CubicSpline(time, rates).derivative()(time)
+    others = np.array([(d.m_22 - inertia, d.m_23, d.bias[1]) for d in moved])
+    return -(others[:, 0] * acceleration[:, 1] + others[:, 1] * acceleration[:, 2] + others[:, 2])
+
+
+def test_the_booms_circuit_with_its_joint_moves_as_the_simulator_does(lifting):
+    """The speed is a state here, the lever arm follows the angle; of the simulator is the load alone."""
+    time, states = lifting
+    angle, rate = column(states, "boom_angle"), column(states, "boom_rate")
+    inertia = dynamics((0.3, angle[0], -1.4), (0.0, 0.0, 0.0), fold_head(THESIS.manipulator)).m_22
+    load = CubicSpline(time, load_torque(time, states, inertia))
+    done = run(
+        state_equations(cylinder_with_joint()),
+        {
+            "P_s": THESIS.pump.supply_pressure,
+            "t_load": lambda t, _: float(load(t)),
+            "arm": lambda _, x: lever_arm(x["q"], THESIS.linkages[0]),
+        },
+        open_valve("boom") | {"J": inertia},
+        hoses("boom", states) | {"q": angle[0]},
+        time[::50],
+        {"q": "J"},
+    )
+    assert np.ptp(angle) > 0.05
+    assert np.max(np.abs(done["q"] - angle[::50])) < 2e-4 * np.ptp(angle)
+    assert np.max(np.abs(done["W_J"] - rate[::50])) < 2e-4 * np.ptp(rate)
+    assert_alike(done, "boom", states)
 
 
 RESONATOR = state_equations(

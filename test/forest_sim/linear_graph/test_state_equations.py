@@ -5,6 +5,7 @@ import pytest
 import sympy
 from sympy import Abs, Symbol, sign, sqrt
 
+from forest_sim.linear_graph.actuation_graphs import cylinder_with_joint
 from forest_sim.linear_graph.layouts import CIRCUITS
 from forest_sim.linear_graph.linear_graph import Branch, Domain, GraphError, Kind, LinearGraph
 from forest_sim.linear_graph.state_equations import state_equations, tidy
@@ -140,10 +141,12 @@ def test_laws_that_leave_a_variable_open_are_named():
         derive(*e)
 
 
-@pytest.mark.parametrize("circuit", CIRCUITS, ids=lambda c: c.file)
-def test_no_circuit_makes_or_loses_power(circuit):
+@pytest.mark.parametrize(
+    "graph", [*(c.graph() for c in CIRCUITS), cylinder_with_joint()], ids=lambda g: g.name
+)
+def test_no_circuit_makes_or_loses_power(graph):
     """Tellegen: the products of all across and through variables add up to zero."""
-    e = state_equations(circuit.graph())
+    e = state_equations(graph)
     rng = np.random.default_rng(1)
     power = e.function(*(e.across[b.name] * e.through[b.name] for b in e.tree.graph.branches))
     for _ in range(20):

@@ -17,12 +17,15 @@ is the torque or force on the load.
 | gy_1, gy_2 | piston areas, head and rod side | m^2 |
 | B_sw, B | viscous damping | N m s/rad, N s/m |
 | qdot_sw, xdot | swing rate, piston speed, inputs | rad/s, m/s |
+| arm, t_load | lever arm of the joint, torque of gravity and of other links on it, inputs | m, N m |
+| J | inertia about the joint | kg m^2 |
 """
 
 from forest_sim.linear_graph.linear_graph import Branch, Domain, Kind, LinearGraph
 
 TANK = "tank"
 FRAME = "frame"
+COLUMN = "column"
 
 
 def swing() -> LinearGraph:
@@ -125,4 +128,22 @@ def cylinder_with_relief() -> LinearGraph:
     """Return the boom with an open relief valve at hose 1's capacitance, a linear path to the tank."""
     return cylinder().changed(
         "boom, relief branch", add=(Branch("R_v1", Kind.D_TYPE, "hose_1", TANK, "R_v1"),)
+    )
+
+
+def cylinder_with_joint() -> LinearGraph:
+    """Return the boom with its joint instead of a given piston speed: a lever arm turns an inertia.
+
+    Thesis eq. 3.16. The arm d(piston)/d(angle) goes with the angle: branches 5-6 are modulated.
+    """
+    rotation = Domain.ROTATION
+    return cylinder().changed(
+        "boom with its joint",
+        remove=("xdot",),
+        add=(
+            Branch("5", Kind.TRANSFORMER, "piston", FRAME, "arm", Domain.TRANSLATION, "6", modulated=True),
+            Branch("6", Kind.TRANSFORMER, "joint", COLUMN, "arm", rotation, "5", modulated=True),
+            Branch("J", Kind.A_TYPE, "joint", COLUMN, "J", rotation),
+            Branch("t_load", Kind.THROUGH_SOURCE, COLUMN, "joint", "t_load", rotation),
+        ),
     )

@@ -124,6 +124,18 @@ F_xdot 1.678e+05
 
 `test_graph_run.py` runs swing and boom with the speed that the simulator's plant has.
 Over a second of open valve, pressures and flows agree within 0.02 % of their range.
+
+A lever arm is a **modulated** two-port: its ratio is an input.
+`cylinder_with_joint` puts the lever arm and the joint's inertia in place of the given speed.
+The angle is a displacement of the run, the integral of the joint's speed:
+
+```text
+inputs={"arm": lambda t, states: lever_arm(states["q"], machine.boom.linkage), ...},
+displacements={"q": "J"}
+```
+
+The same test runs it against the simulator: the angle agrees within 0.02 % of its range, too.
+A ratio that is zero where the equations divide by it, as at a linkage's dead point, has no solution.
 """
 
 NOTES = {

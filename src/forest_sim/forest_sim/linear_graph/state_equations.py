@@ -13,7 +13,8 @@ one in the links (an orifice between two capacitances).
 | P_C_1, Q_I_1, W_2, F_xdot ... | across, through variable of branch C_1, I_1, 2, xdot |
 | C_1, P_s, D_m, xdot ... | parameter of an element, input of a source |
 
-Parameters are positive symbols, all others are real.
+Parameters are positive symbols, all others are real. The ratio of a modulated two-port is an input:
+its laws are algebraic, so they hold, and keep the power, at every instant of a ratio that changes.
 """
 
 from collections.abc import Callable, Sequence
@@ -74,8 +75,10 @@ def through_symbol(branch: Branch) -> Symbol:
 
 
 def parameter_symbol(branch: Branch) -> Symbol:
-    """Return the symbol of an element's constant."""
-    return Symbol(branch.parameter, positive=True)
+    """Return the symbol of an element's constant; of a modulated two-port, its input."""
+    return (
+        Symbol(branch.parameter, real=True) if branch.modulated else Symbol(branch.parameter, positive=True)
+    )
 
 
 def state_equations(graph: LinearGraph) -> StateEquations:
@@ -93,11 +96,13 @@ def state_equations(graph: LinearGraph) -> StateEquations:
         for variables in (across, through)
     )
     storages = graph.of(Kind.A_TYPE) + graph.of(Kind.T_TYPE)
+    sources, modulated = graph.of(*SOURCES), [branch for branch in graph.branches if branch.modulated]
+    constant = [b for b in graph.branches if b.kind not in SOURCES and not b.modulated]
     return StateEquations(
         tree=tree,
         states=tuple(across_symbol(b) if b.kind is Kind.A_TYPE else through_symbol(b) for b in storages),
-        inputs=tuple(_unique([input_symbol(b) for b in graph.of(*SOURCES)])),
-        parameters=tuple(_unique([parameter_symbol(b) for b in graph.branches if b.kind not in SOURCES])),
+        inputs=tuple(_unique([*map(input_symbol, sources), *map(parameter_symbol, modulated)])),
+        parameters=tuple(_unique([parameter_symbol(branch) for branch in constant])),
         derivatives=tuple(storage_rate(b, across[b.name], through[b.name]) for b in storages),
         across=across,
         through=through,
