@@ -15,7 +15,8 @@ from sympy import Expr
 
 from forest_description.types import Floats
 from forest_sim.linear_graph.linear_graph import GraphError
-from forest_sim.linear_graph.state_equations import StateEquations, across_symbol, through_symbol
+from forest_sim.linear_graph.state_equations import StateEquations
+from forest_sim.linear_graph.symbols import across_symbol, through_symbol
 
 Course = float | Callable[[float, Mapping[str, float]], float]
 

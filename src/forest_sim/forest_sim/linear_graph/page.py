@@ -23,12 +23,8 @@ from forest_sim.linear_graph.layouts import CIRCUITS, Circuit
 from forest_sim.linear_graph.linear_graph import TWO_PORTS, Domain, Kind
 from forest_sim.linear_graph.normal_tree import NormalTree
 from forest_sim.linear_graph.notation import latex, law, symbol_names, two_port_laws
-from forest_sim.linear_graph.state_equations import (
-    StateEquations,
-    across_symbol,
-    state_equations,
-    through_symbol,
-)
+from forest_sim.linear_graph.state_equations import StateEquations, state_equations
+from forest_sim.linear_graph.symbols import across_symbol, through_symbol
 
 INTRODUCTION = """# Linear graphs
 
@@ -57,6 +53,8 @@ Misprints of the printed derivation are listed in [equations](equations.md#mispr
    gyrator; D-types (resistances); T-type storages (inertances).
 2. The states are the across variables of the A-types in the tree, and the through variables of
    the T-types outside it.
+   A storage that depends on these is merged with them: an inertia J₂ behind a gear of ratio N
+   adds N² J₂, capacitances at one node add up.
 3. Each link gives one **compatibility** equation: the across variables of its loop.
 4. Each branch of the tree gives one **continuity** equation: the through variables of its cut-set.
 5. With the laws of the elements, there are as many equations as unknowns. What is neither state
@@ -82,7 +80,7 @@ An impossible circuit is refused with the names of its elements. Impossible are:
 
 - unconnected parts;
 - a loop of across sources, or a cut-set of through sources;
-- a storage that depends on other storages;
+- a storage that depends on an input or on a changing ratio;
 - a quadratic element whose law is not explicit.
 
 ## How to run a circuit
@@ -190,7 +188,7 @@ def element_table(tree: NormalTree) -> str:
 def equation_text(equations: StateEquations) -> str:
     """Return the state equations, and the variables that the rest of the machine needs, in LaTeX blocks."""
     graph = equations.tree.graph
-    storages = [*graph.of(Kind.A_TYPE), *graph.of(Kind.T_TYPE)]
+    storages = equations.tree.storages
     rates = [
         equations.through[b.name] if b.kind is Kind.A_TYPE else equations.across[b.name] for b in storages
     ]
