@@ -111,14 +111,14 @@ def test_only_the_derivation_of_equations_needs_sympy():
         for path in modules(package)
         if "sympy" in imported(path.read_text("utf-8"))
     }
-    assert users == {"graph_run", "merging", "notation", "page", "state_equations", "symbols"}
+    assert users == {"graph_run", "merging", "notation", "page", "quadratic", "state_equations", "symbols"}
 
 
 def test_no_simulation_imports_the_derivation_of_equations():
     """An installation without the extra ``graphs`` must run every node."""
     derivation = re.compile(
         r"^\s*from forest_sim\.linear_graph(\.| import )"
-        r"(graph_run|merging|state_equations|symbols|notation|page)\b",
+        r"(graph_run|merging|quadratic|state_equations|symbols|notation|page)\b",
         re.MULTILINE,
     )
     users = {
@@ -127,7 +127,7 @@ def test_no_simulation_imports_the_derivation_of_equations():
         for path in modules(package)
         if derivation.search(path.read_text("utf-8"))
     }
-    assert users == {"graph_run", "merging", "notation", "page", "state_equations"}
+    assert users == {"graph_run", "merging", "notation", "page", "quadratic", "state_equations"}
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -1,6 +1,7 @@
 """Circuits run: closed forms, and the thesis' circuits against the simulator's own plant."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,12 @@ from forest_description.components.valve_characteristic import edges
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
 from forest_description.types import AXES
-from forest_sim.linear_graph.actuation_graphs import cylinder, cylinder_with_joint, swing
+from forest_sim.linear_graph.actuation_graphs import (
+    cylinder,
+    cylinder_with_joint,
+    cylinder_with_underlap,
+    swing,
+)
 from forest_sim.linear_graph.actuation_parameters import actuation_parameters
 from forest_sim.linear_graph.graph_run import run
 from forest_sim.linear_graph.linear_graph import Branch, Domain, GraphError, Kind, LinearGraph
@@ -36,9 +42,9 @@ def lifting():
     return simulated("boom")
 
 
-def simulated(axis):
-    """Return a second of the simulator with one axis' valve open and the others shut: time, states."""
-    p, count = plant_parameters(THESIS), round(1.0 / STEP)
+def simulated(axis, machine=THESIS):
+    """Return a second of the simulator with one axis' valve open and the others at 0 V: time, states."""
+    p, count = plant_parameters(machine), round(1.0 / STEP)
     start = equilibrium((0.3, 0.2, -1.4), p)
     voltages = np.zeros((count, 3))
     voltages[:, AXES.index(axis)] = VOLTAGE
@@ -126,6 +132,22 @@ def test_the_booms_circuit_with_its_joint_moves_as_the_simulator_does(lifting):
     assert np.ptp(angle) > 0.05
     assert np.max(np.abs(done["q"] - angle[::50])) < 2e-4 * np.ptp(angle)
     assert np.max(np.abs(done["W_J"] - rate[::50])) < 2e-4 * np.ptp(rate)
+    assert_alike(done, "boom", states)
+
+
+def test_an_underlapped_valve_runs_as_the_simulators_does():
+    """The boom's four edges are open at once; both ports pass oil from the supply to the tank."""
+    machine = replace(THESIS, valve=replace(THESIS.valve, deadband_voltage=-5.0))
+    time, states = simulated("boom", machine)
+    e, speed = edges(VOLTAGE, machine.valve_of(1).law), CubicSpline(time, piston_speed("boom", states))
+    done = run(
+        state_equations(cylinder_with_underlap()),
+        {"P_s": machine.pump.supply_pressure, "xdot": lambda t, _: float(speed(t))},
+        actuation_parameters(machine, "boom", e.supply_1, e.tank_2) | {"C_T1": e.tank_1, "C_S2": e.supply_2},
+        hoses("boom", states),
+        time[::50],
+    )
+    assert min(np.max(done["Q_C_T1"]), np.max(done["Q_C_S2"])) > 1e-5
     assert_alike(done, "boom", states)
 
 

@@ -11,6 +11,7 @@ is the torque or force on the load.
 |---|---|---|
 | P_s | supply pressure | Pa |
 | C_R, C_R' | orifices of the spool towards port 1, from port 2 | Pa s^2/m^6 |
+| C_T1, C_S2 | orifices of an underlapped spool from port 1 to the tank, towards port 2 | Pa s^2/m^6 |
 | I, C, R | inertance, capacitance, resistance of hose 1, 2 | Pa s^2/m^3, m^3/Pa, Pa s/m^3 or Pa s^2/m^6 |
 | R_in, R_e1, R_e2 | leakage of the motor: across it, from its ports to the case drain | Pa s/m^3 |
 | D_m, N | displacement of the motor, ratio of the gear train | m^3/rad, 1 |
@@ -145,5 +146,16 @@ def cylinder_with_joint() -> LinearGraph:
             Branch("6", Kind.TRANSFORMER, "joint", COLUMN, "arm", rotation, "5", modulated=True),
             Branch("J", Kind.A_TYPE, "joint", COLUMN, "J", rotation),
             Branch("t_load", Kind.THROUGH_SOURCE, COLUMN, "joint", "t_load", rotation),
+        ),
+    )
+
+
+def cylinder_with_underlap() -> LinearGraph:
+    """Return the boom with an underlapped valve near its centre: each port is open to supply and tank."""
+    return cylinder().changed(
+        "boom, underlapped valve",
+        add=(
+            Branch("C_T1", Kind.QUADRATIC, "valve_1", TANK, "C_T1"),
+            Branch("C_S2", Kind.QUADRATIC, "supply", "valve_2", "C_S2"),
         ),
     )

@@ -81,7 +81,9 @@ An impossible circuit is refused with the names of its elements. Impossible are:
 - unconnected parts;
 - a loop of across sources, or a cut-set of through sources;
 - a storage that depends on an input or on a changing ratio;
-- a quadratic element whose law is not explicit.
+- a quadratic element whose law is not explicit. Two of them at one port, as an underlapped valve
+  has, are allowed (`cylinder_with_underlap`): their pair of laws has a closed form,
+  `forest_sim.linear_graph.quadratic.shunt_flow`.
 
 ## How to run a circuit
 

@@ -4,10 +4,8 @@ States are the across variables of the A-types in the normal tree and the throug
 T-types in the links; a storage that depends on these is merged with them (`merging`). Continuity
 and compatibility express every variable by the primary ones, across variables of tree branches and
 through variables of links; the element laws then form one equation for each primary variable that
-is neither state nor input. All but the quadratic ones are linear and are solved together. A
-quadratic law is explicit where its argument is known: Q of a D-type in the tree (an orifice in
-series with an inertance, a hose in series with a piston), P of one in the links (an orifice between
-two capacitances).
+is neither state nor input. All but the quadratic ones (`quadratic`) are linear and are solved
+together.
 
 `symbols` tells how variables and parameters are called. The ratio of a modulated two-port is an
 input: its laws are algebraic, so they hold, and keep the power, at every instant of a ratio that
@@ -20,12 +18,13 @@ from dataclasses import dataclass
 import numpy as np
 import sympy
 from numpy.typing import ArrayLike
-from sympy import Abs, Expr, Symbol, sign, sqrt
+from sympy import Expr, Symbol
 
 from forest_description.types import Floats
 from forest_sim.linear_graph.linear_graph import TWO_PORTS, Branch, Domain, GraphError, Kind, LinearGraph
 from forest_sim.linear_graph.merging import merged
 from forest_sim.linear_graph.normal_tree import NormalTree, normal_tree
+from forest_sim.linear_graph.quadratic import SHUNT_FLOW, shunt_flow, solve_quadratic
 from forest_sim.linear_graph.symbols import (
     SOURCES,
     across_symbol,
@@ -55,7 +54,8 @@ class StateEquations:
         States and inputs are in the order of the fields, parameters a dict by name.
         """
         arguments = [*self.states, *self.inputs, *self.parameters]
-        compiled = sympy.lambdify(arguments, list(expressions or self.derivatives), "numpy", cse=True)
+        modules = [{SHUNT_FLOW.__name__: shunt_flow}, "numpy"]
+        compiled = sympy.lambdify(arguments, list(expressions or self.derivatives), modules, cse=True)
         names = [symbol.name for symbol in self.parameters]
 
         def evaluate(states: ArrayLike, inputs: ArrayLike, parameters: dict[str, float]) -> Floats:
@@ -164,19 +164,7 @@ def _solved(tree: NormalTree, across: dict[str, Expr], through: dict[str, Expr])
     unknown = {primary(branch): branch for branch in graph.of(Kind.D_TYPE, *TWO_PORTS)}
     quadratic = {primary(branch): branch for branch in graph.of(Kind.QUADRATIC)}
     known = merged(tree, across, through, _solve_linear(graph, linear_laws(graph, across, through), unknown))
-    pending = dict(quadratic)
-    while pending:
-        found: dict[Symbol, Expr] = {}
-        for symbol, branch in pending.items():
-            given = (through if branch.name in inside else across)[branch.name].xreplace(known)
-            given = tidy(given.xreplace(known))
-            if not given.free_symbols & set(pending):
-                found[symbol] = _quadratic_law(branch, given, branch.name in inside)
-        if not found:
-            raise _implicit(graph, list(pending.values()))
-        pending = {symbol: branch for symbol, branch in pending.items() if symbol not in found}
-        known = {symbol: expression.xreplace(found) for symbol, expression in known.items()} | found
-    return known
+    return solve_quadratic(graph, across, through, known, quadratic)
 
 
 def _solve_linear(
@@ -195,22 +183,6 @@ def _solve_linear(
             f"element {', '.join(names)}"
         )
     return values
-
-
-def _quadratic_law(branch: Branch, given: Expr, in_tree: bool) -> Expr:
-    """Return a = R f|f| from f, or f = sign(a) sqrt(|a|/R) from a. Thesis eq. 3.1, 3.4, 3.10."""
-    constant = parameter_symbol(branch)
-    if in_tree == (branch.domain is Domain.HYDRAULIC):
-        return constant * given * Abs(given)
-    return sign(given) * sqrt(Abs(given) / constant)
-
-
-def _implicit(graph: LinearGraph, branches: Sequence[Branch]) -> GraphError:
-    names = ", ".join(f"{branch.name} (parameter {branch.parameter})" for branch in branches)
-    return GraphError(
-        f"{graph.name}: cannot eliminate the quadratic element {names}: neither its flow nor its drop "
-        "is given by states and inputs alone; put it in series with a storage of flow, or make it linear"
-    )
 
 
 def _unique(symbols: Sequence[Symbol]) -> list[Symbol]:
