@@ -148,6 +148,9 @@ Thesis fig. 3.9. The stick has the same graph.
 Branches 1 and 2 are the head side of the piston, 4 and 3 its rod side.
 Q₄ counts into the rod side, as in eq. 3.11; the flow of R₂ leaves the cylinder.
 The force on the load is the through variable of the piston's velocity source.""",
+    "boom_joint": """\
+Branches 5 and 6 are the lever arm d(piston)/d(angle) of eq. 3.16: a modulated transformer.
+The torque of the load is gravity's and that of the other links.""",
     "boom_pi": """\
 Half of each hose's capacitance stands at either end.
 Each orifice lies between two pressures that are states or inputs, so it is a link.
