@@ -75,6 +75,12 @@ def _parser() -> argparse.ArgumentParser:
         help="on the tip all the time, in the base frame [N]",
     )
     simulate.add_argument(
+        "--loads",
+        default="",
+        metavar="TEXT",
+        help="logs in the head, such as '500 kg from 2 s; 800 kg, 5 m from 4 s; 0 kg from 6 s'",
+    )
+    simulate.add_argument(
         "--sensor-faults",
         default="",
         metavar="TEXT",
@@ -191,6 +197,7 @@ def _simulate(options: argparse.Namespace) -> int:
     from forest_sim.cli.commands import simulate
     from forest_sim.sensors.sensor_faults import parse_faults
     from forest_sim.simulation.disturbance import Disturbance, parse_stuck_spools
+    from forest_sim.simulation.load import parse_loads
     from forest_sim.simulation.sensor_log import Sensing
 
     machine, voltages, angles, run = _run(options)
@@ -202,9 +209,13 @@ def _simulate(options: argparse.Namespace) -> int:
         stuck = parse_stuck_spools(options.stuck_spools)
     except ValueError as error:
         options.parser.error(f"argument --stuck-spools: {error}")
+    try:
+        loads = parse_loads(options.loads)
+    except ValueError as error:
+        options.parser.error(f"argument --loads: {error}")
     disturbance = Disturbance(stuck, (options.tip_force[0], options.tip_force[1], options.tip_force[2]))
     sensing = Sensing(options.sensor_noise, options.seed, faults)
-    return simulate(machine, voltages, angles, run, options.out, sensing, disturbance)
+    return simulate(machine, voltages, angles, run, options.out, sensing, disturbance, loads)
 
 
 def _pumps(options: argparse.Namespace) -> int:
