@@ -22,7 +22,8 @@ from forest_sim.solver.plant import transmissions
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE
 
-REAL, C180 = load_machine("c180_real"), load_machine("c180")
+HANGING, C180 = load_machine("c180_real"), load_machine("c180")
+REAL = dataclasses.replace(HANGING, manipulator=dataclasses.replace(HANGING.manipulator, pendulum=None))
 P = plant_parameters(REAL)
 POSE = (0.0, 0.4, -1.4)
 CLEAN = dataclasses.replace(REAL, oil=dataclasses.replace(REAL.oil, air=None))
@@ -36,7 +37,7 @@ PLAIN = dataclasses.replace(
 
 
 def recorded(machine, voltages, step, rows=400, period=5e-3):
-    """States [rows, 36] and energies of a run from the usual start, and both ends."""
+    """States [rows, 38] and energies of a run from the usual start, and both ends."""
     p, per_row = plant_parameters(machine), round(period / step)
     states, energies = np.zeros((rows, len(STATE))), np.zeros((rows, len(ENERGY)))
     times = (np.arange(rows * per_row) + 0.5) * step

@@ -163,7 +163,13 @@ def compare_pumps(machine: Machine, voltages: Voltages, angles: Vec3, run: Run, 
 
 
 def compare_machines(
-    machines: Sequence[Machine], axis: int, voltages: Voltages, angles: Vec3, run: Run, out: Path
+    machines: Sequence[Machine],
+    axis: int,
+    voltages: Voltages,
+    angles: Vec3,
+    run: Run,
+    out: Path,
+    loads: Loads = (),
 ) -> int:
     """Run the same input on several machines; write the picture of one axis."""
     substeps(run)
@@ -173,7 +179,7 @@ def compare_machines(
     _warn_if_interpreted()
     from forest_sim.analysis import machine_comparison
 
-    courses = machine_comparison.compare(machines, axis, voltages, angles, run)
+    courses = machine_comparison.compare(machines, axis, voltages, angles, run, loads)
     picture = machine_comparison.draw(courses, axis, voltages, out / "compare.png")
     print(f"{machine_comparison.table(courses)}\n  {picture}")
     return 0
