@@ -162,7 +162,7 @@ def test_logs_are_carried_as_the_schedule_says_and_the_bag_and_the_summary_tell_
         )
         assert ("links: joining" in table) == (name == "log")
     carried = told["log"][1].series(topics.GROUND_TRUTH_LOAD).values[:, 0]
-    assert carried.tolist() == [0.0] * 20 + [300.0] * 40 + [0.0] * 21
+    assert carried.tolist() == [0.0] * 21 + [300.0] * 40 + [0.0] * 20
     assert set(told["log"][0]["links_j"]) >= {"actuators", "joining", "carried_off", "unaccounted"}
     assert "links_j" not in told["empty"][0]
     assert topics.GROUND_TRUTH_LOAD.name not in {name.lstrip("/") for name in told["empty"][1].topics}

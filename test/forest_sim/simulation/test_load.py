@@ -87,8 +87,7 @@ def test_a_machine_under_way_changes_its_load_as_the_open_loop_does_and_repeats_
     again = whole(dry, Voltages("wild", wild, 3.0), START, Run(3.0), loads)
     assert all(np.array_equal(a, b, equal_nan=True) for a, b in zip(run, again, strict=True))
     machine = SimulatedMachine(dry, START, EXACT_SUITE, 0.005, loads=loads)
-    # The sensors' report of a row stands before its load changes, as the row does.
-    for row, load in zip(range(1, len(run.time)), run.load[:-1], strict=False):
+    for row, load in enumerate(run.load[1:], start=1):
         volts = wild(run.time[row - 1])
         report = machine.step(tuple(volts.tolist()))
         assert tuple(machine.load) == tuple(load)
@@ -101,5 +100,5 @@ def test_the_bags_topic_tells_the_log_and_a_log_in_the_machines_file_is_there_fr
     assert own_load(carrying.manipulator) == Load(250.0, 3.0)
     run = whole(carrying, Voltages("wild", wild, 0.2), START, Run(0.2), parse_loads("0 kg from 0.1 s"))
     told = SensorLog(carrying, 200.0).observe(run)[topics.GROUND_TRUTH_LOAD]
-    assert told[:20].tolist() == [[250.0, 3.0]] * 20
-    assert told[20:, 0].tolist() == [0.0] * 21
+    assert told[:21].tolist() == [[250.0, 3.0]] * 21
+    assert told[21:, 0].tolist() == [0.0] * 20

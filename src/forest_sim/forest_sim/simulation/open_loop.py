@@ -53,7 +53,7 @@ class Block(NamedTuple):
     states: Floats  # [N, 38]
     energies: Floats  # [N, 45] J, over the period before the row
     temperature: Floats  # [N] K, of the oil; NaN for a machine without
-    load: Floats  # [N, 2] kg, m: the log that is held from the row's time on
+    load: Floats  # [N, 2] kg, m: the log that was held over the period before the row
     load_change: Floats  # [N, 2] J, at the row's time: `LoadChange.joining`, `LoadChange.carried_off`
 
 
@@ -177,7 +177,7 @@ def _changed(simulation: Simulation, plant: ChangingPlant, load: Load, block: Bl
     if load == plant.load:
         return simulation
     change = plant.hold(load, simulation)
-    block.load[-1], block.load_change[-1] = load, (change.joining, change.carried_off)
+    block.load_change[-1] = change.joining, change.carried_off
     return change.simulation
 
 
