@@ -141,12 +141,13 @@ def test_machines_are_compared_under_the_same_voltages(forest_sim, tmp_path):
     out, path = tmp_path / "compared", tmp_path / "step.csv"
     path.write_text("time,swing,boom,stick\n0,0,4,0\n0.3,0,0,0\n", "utf-8")
     code, told, _ = forest_sim(
-        *("compare", "c180", "c180_real", "--voltages", path, "--duration", "0.6", "--out", out)
+        *("compare", "c180", "c180_real", "--voltages", path, "--duration", "0.6", "--out", out),
+        *("--loads", "900 kg from 0.3 s"),
     )
     assert code == 0
     ends = {line.split()[0]: float(line.split()[1]) for line in told.splitlines()[1:3]}
     assert list(ends) == ["c180", "c180_real"]
-    assert ends["c180"] != ends["c180_real"]
+    assert ends["c180"] > ends["c180_real"] + 0.2  # deg: it sags on the oil of its chambers
     assert png_size(out / "compare.png")[0] == 1000
 
 
