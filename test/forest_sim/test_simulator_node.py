@@ -196,10 +196,10 @@ def test_without_voltages_nothing_moves_until_a_log_is_grasped_and_it_springs_ba
     rest = r.truth[0].position[1]
     assert call(peer, "drop") == (False, "the head holds no log; grasp one first")
     assert call(peer, "grasp") == (True, "holds a log of 800 kg, 4 m long")
-    peer.until(lambda: r.truth[-1].position[1] < rest - 2e-4 and list(loads[-1].data[2:]) == [800.0, 4.0])
+    peer.until(lambda: r.truth[-1].position[1] < rest - 4e-4 and list(loads[-1].data[2:]) == [800.0, 4.0])
     assert call(peer, "grasp") == (False, "the head holds a log of 800 kg already; drop it first")
     assert call(peer, "drop") == (True, "dropped a log of 800 kg")
-    peer.until(lambda: r.truth[-1].position[1] > rest - 1e-4 and loads[-1].data[2] == 0.0)
+    peer.until(lambda: r.truth[-1].position[1] > rest - 2.5e-4 and loads[-1].data[2] == 0.0)
 
 
 def test_when_voltages_stop_the_spools_centre_within_the_timeout_and_not_before(rig, peer):
