@@ -55,7 +55,6 @@ class ServiceCalls:
                 return answered.result()
         raise NoAnswer(f"{name} did not answer within {PATIENCE:g} s.")
 
-
     async def trigger(self, name: str, once: bool = False) -> str:
         """Call a service that takes no arguments; return what it says, in a sentence.
 
