@@ -36,6 +36,7 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
         (CENTRED, CENTRED, CENTRED),
         Events(0, 0, 0),
         (0.0, 0.0, 0.0),
+        (0.0, 0.0),
     )
 
 
