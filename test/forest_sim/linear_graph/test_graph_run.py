@@ -196,7 +196,8 @@ def test_an_input_may_follow_a_displacement():
     [
         ({"inputs": {}}, "input: missing P_s, unknown none; allowed: P_s"),
         ({"parameters": HOSE | {"L": 1.0}}, "parameter: missing none, unknown L; allowed: C, I, R"),
-        ({"start": {"P": 1.0}}, "state: missing none, unknown P; allowed: P_C, Q_I"),
+        ({"start": {"P": 1.0}}, "state at the start: missing none, unknown P; allowed: P_C, Q_I"),
+        ({"displacements": {"q": "J"}}, "displaced branch: missing none, unknown J; allowed: C, I, P_s, R"),
     ],
 )
 def test_names_that_are_missing_or_unknown_are_told(changed, told):

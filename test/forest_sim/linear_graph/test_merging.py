@@ -55,6 +55,8 @@ def test_inertias_across_a_gear_are_one():
     assert sympy.simplify(GEARED.derivatives[0] - (n * var("t_s") - par("B") * w) / total) == 0
     assert GEARED.across["J_a"] == n * w
     assert sympy.simplify(GEARED.through["J_a"] - par("J_a") * n * GEARED.derivatives[0]) == 0
+    powers = [GEARED.across[b.name] * GEARED.through[b.name] for b in GEARED.tree.graph.branches]
+    assert sympy.simplify(sympy.Add(*powers)) == 0
 
 
 def test_a_geared_wheel_runs_up_as_its_closed_form():

@@ -49,15 +49,14 @@ def run(
 
     Raises:
         GraphError: a name is missing or unknown, or the integrator gave up.
-        KeyError: a displacement of a branch that is not there.
     """
-    moved = dict(displacements or {})
+    moved, grid = dict(displacements or {}), np.asarray(times, dtype=np.float64)
     states = [symbol.name for symbol in equations.states]
     names = [*states, *moved]
-    _require("input", [symbol.name for symbol in equations.inputs], inputs)
-    _require("parameter", [symbol.name for symbol in equations.parameters], parameters)
-    _require("state", names, [*names, *start])
-    grid = np.asarray(times, dtype=np.float64)
+    _require("input", inputs, [symbol.name for symbol in equations.inputs])
+    _require("parameter", parameters, [symbol.name for symbol in equations.parameters])
+    _require("state at the start", [*names, *start], names)
+    _require("displaced branch", [*equations.across, *moved.values()], equations.across)
 
     def arguments(time: float, state: Floats) -> tuple[Floats, list[float], Mapping[str, float]]:
         now = dict(zip(names, state.tolist(), strict=True))
@@ -91,11 +90,11 @@ def _variables(equations: StateEquations) -> dict[str, Expr]:
     return across | {through_symbol(branch).name: equations.through[branch.name] for branch in branches}
 
 
-def _require(what: str, needed: Iterable[str], given: Iterable[str]) -> None:
-    """Check that names and values belong together."""
-    missing, unknown = sorted(set(needed) - set(given)), sorted(set(given) - set(needed))
+def _require(what: str, given: Iterable[str], allowed: Iterable[str]) -> None:
+    """Check that exactly the allowed names are given."""
+    missing, unknown = sorted(set(allowed) - set(given)), sorted(set(given) - set(allowed))
     if missing or unknown:
         raise GraphError(
             f"{what}: missing {', '.join(missing) or 'none'}, unknown {', '.join(unknown) or 'none'}; "
-            f"allowed: {', '.join(sorted(needed))}"
+            f"allowed: {', '.join(sorted(allowed))}"
         )
