@@ -127,7 +127,8 @@ def test_no_simulation_imports_the_derivation_of_equations():
         for path in modules(package)
         if derivation.search(path.read_text("utf-8"))
     }
-    assert users == {"graph_run", "merging", "notation", "page", "quadratic", "state_equations"}
+    printed = {"page_text"}  # in the examples that the page shows
+    assert users - printed == {"graph_run", "merging", "notation", "page", "quadratic", "state_equations"}
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -65,22 +65,32 @@ def run(
         return state[: len(states)], given, parameters
 
     rates = equations.function(*equations.derivatives, *(equations.across[b] for b in moved.values()))
-    solution = solve_ivp(
-        lambda time, state: rates(*arguments(time, state)),
-        (grid[0], grid[-1]),
-        [start.get(name, 0.0) for name in names],
-        method="Radau",
-        t_eval=grid,
-        max_step=np.max(np.diff(grid)),
-        rtol=TOLERANCE,
-        atol=[SMALLEST[name[0]] for name in states] + [SMALLEST_DISPLACEMENT] * len(moved),
-    )
-    if not solution.success:
-        raise GraphError(f"{equations.tree.graph.name}: the integrator stopped: {solution.message}")
+    first = np.array([start.get(name, 0.0) for name in names])
+    small = [SMALLEST[name[0]] for name in states] + [SMALLEST_DISPLACEMENT] * len(moved)
+    rows = _integrated(lambda time, state: rates(*arguments(time, state)), first, grid, small)
     variables = _variables(equations)
     evaluate = equations.function(*variables.values())
-    rows = [evaluate(*arguments(time, state)) for time, state in zip(grid, solution.y.T, strict=True)]
-    return dict(zip(variables, np.transpose(rows), strict=True)) | dict(zip(names, solution.y, strict=True))
+    values = [evaluate(*arguments(time, state)) for time, state in zip(grid, rows, strict=True)]
+    return dict(zip(variables, np.transpose(values), strict=True)) | dict(zip(names, rows.T, strict=True))
+
+
+def _integrated(
+    slope: Callable[[float, Floats], Floats], first: Floats, times: Floats, small: list[float]
+) -> Floats:
+    """Return the states at the times, shape (N, states)."""
+    solution = solve_ivp(
+        slope,
+        (times[0], times[-1]),
+        first,
+        method="Radau",
+        t_eval=times,
+        max_step=np.max(np.diff(times)),
+        rtol=TOLERANCE,
+        atol=small,
+    )
+    if not solution.success:
+        raise GraphError(f"the integrator stopped: {solution.message}")
+    return np.asarray(solution.y.T)
 
 
 def _variables(equations: StateEquations) -> dict[str, Expr]:
