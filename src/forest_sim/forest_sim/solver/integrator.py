@@ -17,6 +17,7 @@ from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.conserved_oil import settled, with_contents
+from forest_sim.solver.drive import DriveState
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.multibody import HeadState
 from forest_sim.solver.plant import AxisState, PlantState, ports_at
@@ -145,6 +146,7 @@ def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
             a.reference + weight * (b.reference - a.reference),
         ),
         head=_blend_head(start.head, stage.head, weight),
+        drive=_blend_drive(start.drive, stage.drive, weight),
     )
 
 
@@ -154,6 +156,14 @@ def _blend_head(a: HeadState, b: HeadState, w: float) -> HeadState:
         a.beta + w * (b.beta - a.beta),
         a.alpha_rate + w * (b.alpha_rate - a.alpha_rate),
         a.beta_rate + w * (b.beta_rate - a.beta_rate),
+    )
+
+
+def _blend_drive(a: DriveState, b: DriveState, w: float) -> DriveState:
+    return DriveState(
+        a.motor_angle + w * (b.motor_angle - a.motor_angle),
+        a.motor_rate + w * (b.motor_rate - a.motor_rate),
+        a.bristle_angle + w * (b.bristle_angle - a.bristle_angle),
     )
 
 
