@@ -91,7 +91,7 @@ SCALE = np.array([*([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3] * 3), 2e7, 2e7, 1.0, 1.0, 1
 
 
 def pack(state: PlantState) -> np.ndarray:
-    """Return all states, the 18 of the axes, the pump's, the head's, the swing drive's, each over its scale."""
+    """Return all states, the axes' 18, pump's, hanging head's and swing drive's, each over its scale."""
     return np.array([x for part in state for x in part]) / SCALE
 
 

@@ -19,6 +19,7 @@ from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.conserved_oil import settled, with_contents
 from forest_sim.solver.drive import DriveState
 from forest_sim.solver.implicit_stage import solve_stage
+from forest_sim.solver.load_sensing import sensed_over
 from forest_sim.solver.multibody import HeadState
 from forest_sim.solver.plant import AxisState, PlantState, ports_at
 from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve
@@ -49,7 +50,9 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     middle = spools_after(simulation.spools, voltages, c, p)
     end = spools_after(simulation.spools, voltages, h, p)
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
-    base = start = held = with_contents(plant, p)
+    if p.supply.rate > 0.0:
+        ports = sensed_over(ports, simulation.spools, end, p)
+    base = begin = held = with_contents(plant, p)
     ahead = after = plant
     failures = 0
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
@@ -57,11 +60,13 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
         failures += failed
         if stage == 0:
             # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
-            base = _blend(start, held, (1.0 - GAMMA) / GAMMA)
+            base = _blend(begin, held, (1.0 - GAMMA) / GAMMA)
             ahead = _blend(plant, after, 1.0 / GAMMA)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
             if end != middle:
                 ports = ports_at(end, p)
+                if p.supply.rate > 0.0:
+                    ports = sensed_over(ports, simulation.spools, end, p)
     after = settled(after, held, p)
     events = _count(simulation.events, plant, after, failures, p.guard)
     return Simulation(after, end, events, _mean_accelerations(base, after, c))

@@ -74,6 +74,7 @@ class Ports(NamedTuple):
 
     port_1: Port
     port_2: Port
+    sensed: Pair = (0.0, 0.0)  # share of a step in which port 1, 2 is open to the supply
 
 
 class Draw(NamedTuple):
@@ -102,6 +103,7 @@ def valve_ports(spool_position: float, law: ValveLaw, vapour: float = -math.inf)
     return Ports(
         Port(e.supply_1, e.tank_1, law.leakage, law.load_check, vapour),
         Port(e.supply_2, e.tank_2, law.leakage, law.load_check, vapour),
+        (1.0 if e.supply_1 < math.inf else 0.0, 1.0 if e.supply_2 < math.inf else 0.0),
     )
 
 
