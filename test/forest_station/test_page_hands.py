@@ -165,6 +165,15 @@ def test_a_button_that_loses_the_focus_to_another_one_is_no_doubt(met: PageStand
     wait(met, lambda hands: not hands.held)
 
 
+def test_what_a_newcomer_reads_is_in_sight_beside_the_crane_and_on_a_phone_over_it(
+    met: PageStandIn, phone: PageStandIn
+) -> None:
+    for page, place in ((met.page, "#left"), (phone.page, "#scene")):
+        text = page.locator(f"{place} > #first_minute p")
+        assert text.is_visible()
+        assert "Mark a square" in text.inner_text()
+
+
 def test_a_page_that_hung_has_let_go(met: PageStandIn) -> None:
     met.page.keyboard.down("Shift")
     wait(met, lambda hands: hands.held)
@@ -201,7 +210,7 @@ def test_a_mapping_is_edited_calibrated_and_kept_for_its_device(met: PageStandIn
         page.clock.run_for(200)  # two looks
     device.get_by_role("button", name="Done").click()
     page.reload()
-    page.wait_for_selector("#left_stick")
+    page.wait_for_selector(".driver[data-drives=true]")  # taking over lets the deadman go
     page.evaluate("plugIn('Joystick L', '', 3, 2)")
     page.evaluate("pads[0].axes = [0, 0, 0.5]; Object.assign(pads[0].buttons[1], {pressed: true})")
     wait(met, lambda hands: hands.axes[LEFT_Y] == 1.0 and hands.held)
