@@ -71,7 +71,14 @@ EDGE = Direction(1.0, 9.0, 1e12, 1e12)
 
 @pytest.mark.parametrize(
     ("start", "end", "share"),
-    [(0.0, 4.0, 0.75), (4.0, 0.0, 0.75), (2.0, 3.0, 1.0), (-3.0, 0.9, 0.0), (1.5, 1.5, 1.0), (-9.0, 9.0, 4 / 9)],
+    [
+        (0.0, 4.0, 0.75),
+        (4.0, 0.0, 0.75),
+        (2.0, 3.0, 1.0),
+        (-3.0, 0.9, 0.0),
+        (1.5, 1.5, 1.0),
+        (-9.0, 9.0, 4 / 9),
+    ],
 )
 def test_a_port_is_open_for_its_share_of_a_step(start, end, share):
     assert open_share(start, end, EDGE) == pytest.approx(share, abs=1e-6)

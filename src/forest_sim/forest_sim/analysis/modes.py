@@ -88,7 +88,7 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
     """
     rest = equilibrium(angles, p)
     held = rest._replace(spools=(Spool(spools[0], 0.0), Spool(spools[1], 0.0), Spool(spools[2], 0.0)))
-    if all(is_shut(port) for axis in ports_at(held.spools, p) for port in axis):
+    if all(is_shut(a.port_1) and is_shut(a.port_2) for a in ports_at(held.spools, p)):
         return held
     for _ in range(round(SETTLING / SETTLING_STEP)):
         moved = step(held, spools, SETTLING_STEP, p).plant
@@ -112,7 +112,8 @@ def _turned(drive: DriveState, by: float, p: PlantParameters) -> DriveState:
 def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int, ...]]:
     """Return A [n, n] about an operating point and the places of its n states in `state_recording.STATE`."""
     ports = ports_at(point.spools, p)
-    kept = [i for i in range(18) if i % 6 < 4 or not is_shut(ports[i // 6][i % 6 - 4])]
+    both = [(a.port_1, a.port_2) for a in ports]
+    kept = [i for i in range(18) if i % 6 < 4 or not is_shut(both[i // 6][i % 6 - 4])]
     if not p.supply.ideal:
         kept += [18] if p.supply.rate == 0.0 else [18, 19]
     if p.head.mass > 0.0:

@@ -6,7 +6,7 @@
 | F_c, F_s, u_s | friction at speed, at breakaway; Stribeck speed | N m, rad/s |
 | k, c | stiffness and damping of the bristles | N m/rad, N m s/rad |
 | z_e | deflection up to which they only bend, a share of F_c/k | rad |
-| z_s | deflection at which they slide, (F_c + (F_s - F_c) exp(-(u/u_s)^2))/k | rad |
+| z_s | deflection at which they slide, (F_c + (F_s - F_c)/(1 + (u/u_s)^2))/k | rad |
 
     dz/dt = u (1 - s),   s = max(0, (abs(z) - z_e)/(z_s - z_e)) where u bends them further, else 0
     F = k z + c dz/dt/(1 + (c u/F_c)^2)
@@ -17,11 +17,13 @@ away under it. Here s is zero up to z_e, and nothing drifts that only bends. s i
 between, and an implicit step has a closed form. The damping falls with the speed, so that its force
 is at most F_c/2 where bristles slip back: friction gives energy at no state.
 
+Stribeck's curve is that of Hess and Soom, Friction at a lubricated line contact operating at
+oscillating sliding velocities, J. Tribology 112, 1990.
+
 A cylinder needs none of this: its oil holds it (`friction`). A swing's motor leaks, and only its
 bearing holds a crane on a slope.
 """
 
-import math
 from typing import NamedTuple
 
 from forest_description.components import drives
@@ -73,7 +75,7 @@ def bristles(given: drives.BearingFriction | None) -> Bristles:
 def sliding_friction(speed: float, b: Bristles) -> float:
     """Return k z_s [N m], the size of the friction in steady sliding at a speed [rad/s]."""
     ratio = speed / b.stribeck_speed
-    return b.coulomb + (b.breakaway - b.coulomb) * math.exp(-ratio * ratio)
+    return b.coulomb + (b.breakaway - b.coulomb) / (1.0 + ratio * ratio)
 
 
 def rubbing(deflection: float, speed: float, b: Bristles) -> Rubbing:
@@ -103,9 +105,10 @@ def stuck_after(deflection: float, speed: float, step: float, b: Bristles) -> St
     past, z, slope = sign * bent - b.elastic, bent, step
     if past > 0.0:
         ratio = speed / b.stribeck_speed
-        falling = (b.breakaway - b.coulomb) * math.exp(-ratio * ratio) / b.stiffness
+        fallen = 1.0 / (1.0 + ratio * ratio)
+        falling = (b.breakaway - b.coulomb) * fallen / b.stiffness
         yielding = b.coulomb / b.stiffness + falling - b.elastic
-        softening = 2.0 * ratio * sign * falling / b.stribeck_speed  # -d(yielding)/d(abs(u))
+        softening = 2.0 * ratio * sign * falling * fallen / b.stribeck_speed  # -d(yielding)/d(abs(u))
         way = step * abs(speed) / yielding
         kept = 1.0 / (1.0 + way)
         z = sign * (b.elastic + past * kept)

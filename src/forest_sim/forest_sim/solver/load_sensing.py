@@ -11,7 +11,6 @@ import math
 from forest_description.components.valve_characteristic import SHUT, Direction
 from forest_description.types import Vec3
 from forest_sim.hydraulics.spool_dynamics import Spools
-from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.plant import Ports
 from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve
 
