@@ -120,12 +120,12 @@ def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int,
         kept += [20, 21, 22, 23]
     kept += [24, 25] if p.drive.gear.inertia > 0.0 else []
     kept += [26] if p.drive.bearing.stiffness > 0.0 else []
-    x = _flat(point.plant)
+    x = states(point.plant)
     columns = []
     for place in kept:
         d = _difference(place)
         up, down = (
-            _flat(state_derivative(_shaped(x + sign * d * np.eye(STATES)[place]), ports, p))
+            states(state_derivative(_shaped(x + sign * d * np.eye(STATES)[place]), ports, p))
             for sign in (1, -1)
         )
         columns.append((up - down)[kept] / (2.0 * d))
@@ -194,7 +194,8 @@ def _difference(place: int) -> float:
     return DIFFERENCE[2] if place < 20 else DIFFERENCE[0]
 
 
-def _flat(state: PlantState) -> Floats:
+def states(state: PlantState) -> Floats:
+    """Return the plant's 27 states, or their rates of change, as `state_recording.STATE` has them."""
     return np.array([*state.swing, *state.boom, *state.stick, *state.supply, *state.head, *state.drive])
 
 
