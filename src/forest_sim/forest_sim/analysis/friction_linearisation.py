@@ -19,10 +19,11 @@ with r = b/A, is 0.9 of the teeth's stiffness at an amplitude A of 12.7 b.
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 from forest_description.types import AXES
-from forest_sim.mechanics.bristles import NO_BRISTLES
+from forest_sim.mechanics.bristles import NO_BRISTLES, sliding_friction
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force
 from forest_sim.mechanics.gear import without_play
 from forest_sim.solver.plant_parameters import PlantParameters
@@ -31,7 +32,7 @@ SMALL = 0.5  # U/u_0 up to which c(U) is within 10 % of the slope at rest
 SAMPLES = 400  # of a quarter of the sine
 FASTEST = 100.0  # [m/s] no piston is
 PLAYED = 12.7  # A/b from which play takes less than a tenth of the teeth's stiffness
-STANDSTILL = 1e-9  # [rad/s] under which a sliding bearing's friction has no sign
+STANDSTILL = 1e-9  # [rad/s] no swing is slower than that
 
 
 class AmplitudeLimits(NamedTuple):
@@ -43,10 +44,12 @@ class AmplitudeLimits(NamedTuple):
 
 def equivalent_damping(amplitude: float, f: Friction) -> float:
     """Return c(U) [N s/m] of a sine with an amplitude of speed above zero [m/s], by the midpoint rule."""
-    if f.breakaway == 0.0:
-        return 0.0
+    return 0.0 if f.breakaway == 0.0 else _damping_of(lambda u: friction_force(u, f), amplitude)
+
+
+def _damping_of(friction: Callable[[float], float], amplitude: float) -> float:
     sines = (math.sin(0.5 * math.pi * (k + 0.5) / SAMPLES) for k in range(SAMPLES))
-    return 2.0 * sum(friction_force(amplitude * s, f) * s for s in sines) / (SAMPLES * amplitude)
+    return 2.0 * sum(friction(amplitude * s) * s for s in sines) / (SAMPLES * amplitude)
 
 
 def amplitude_limits(f: Friction, viscous: float) -> AmplitudeLimits:
@@ -57,13 +60,18 @@ def amplitude_limits(f: Friction, viscous: float) -> AmplitudeLimits:
         viscous: B [N s/m].
     """
     small = SMALL * f.smoothing_speed
-    if equivalent_damping(FASTEST, f) > viscous:
-        return AmplitudeLimits(small, math.inf)
-    low, high = small, FASTEST
+    return AmplitudeLimits(small, _fast(lambda u: equivalent_damping(u, f), viscous, small))
+
+
+def _fast(damping: Callable[[float], float], viscous: float, low: float) -> float:
+    """Return the amplitude of speed from which a damping is below the viscous one; infinite if none."""
+    if damping(FASTEST) > viscous:
+        return math.inf
+    high = FASTEST
     for _ in range(60):
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if equivalent_damping(middle, f) > viscous else (low, middle)
-    return AmplitudeLimits(small, high)
+        low, high = (middle, high) if damping(middle) > viscous else (low, middle)
+    return high
 
 
 def axes_with_friction(p: PlantParameters) -> dict[str, AmplitudeLimits]:
@@ -91,8 +99,8 @@ def drive_limits(p: PlantParameters) -> DriveLimits | None:
     play = teeth.upper if p.drive.gear.inertia > 0.0 else 0.0
     if b.stiffness == 0.0:
         return DriveLimits(play, PLAYED * play, 0.0)
-    sliding = Friction(b.coulomb, b.breakaway, b.stribeck_speed, STANDSTILL)
-    fast = amplitude_limits(sliding, p.swing.actuator.damping).large
+    viscous = p.swing.actuator.damping
+    fast = _fast(lambda u: _damping_of(lambda v: sliding_friction(v, b), u), viscous, STANDSTILL)
     return DriveLimits(min(b.elastic, play) if play > 0.0 else b.elastic, PLAYED * play, fast)
 
 

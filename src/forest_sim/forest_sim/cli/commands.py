@@ -234,7 +234,13 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
                 }
                 for axis, end in ends.items()
             },
-            "swing_drive": None if swing is None else swing._asdict(),
+            "swing_drive": None
+            if swing is None
+            else {
+                "small_below_rad": swing.small,
+                "large_above_rad": swing.large,
+                "large_above_rad_s": swing.fast if math.isfinite(swing.fast) else None,
+            },
             "modes": modes.as_json(small),
             "modes_without_dry_friction": modes.as_json(large),
         }

@@ -23,7 +23,7 @@ class DriveSolution(NamedTuple):
 
     torque: float  # on the joint [N m]
     resistance: float  # -d(torque)/d(rate) [N m s]
-    share: float  # h K/D, of the joint's change of rate that the motor follows; 0 without play
+    share: float  # h K/D, of the joint's change of rate that the motor follows; 1 without play
     excess: float  # by which the motor is too fast at the guessed rates [rad/s]
     give: float  # 1/D [1/(kg m^2)]; 0 without play
 
@@ -53,7 +53,7 @@ def solve_drive(
     stuck, gear = stuck_after(base.bristle_angle, rate, h, laws.bearing), laws.gear
     if gear.inertia == 0.0:
         return DriveSolution(
-            torque - stuck.force, resistance + stuck.resistance, share=0.0, excess=0.0, give=0.0
+            torque - stuck.force, resistance + stuck.resistance, share=1.0, excess=0.0, give=0.0
         )
     twist, speed = base.motor_angle + h * motor_rate - angle, motor_rate - rate
     teeth = -end_stop_force(twist, speed, gear.teeth)
@@ -93,8 +93,7 @@ def drive_after(base: DriveState, rate: float, motor_rate: float, h: float, laws
         h: the stage's implicit step [s].
         laws: the constants.
     """
-    return DriveState(
-        motor_angle=base.motor_angle + h * motor_rate,
-        motor_rate=motor_rate,
-        bristle_angle=stuck_after(base.bristle_angle, rate, h, laws.bearing).deflection,
-    )
+    bristle_angle = stuck_after(base.bristle_angle, rate, h, laws.bearing).deflection
+    if laws.gear.inertia == 0.0:
+        return DriveState(0.0, 0.0, bristle_angle)
+    return DriveState(base.motor_angle + h * motor_rate, motor_rate, bristle_angle)

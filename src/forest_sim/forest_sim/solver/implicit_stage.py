@@ -46,7 +46,7 @@ class Iterate(NamedTuple):
     rates: Vec3  # of the joints [rad/s]
     head_rates: Pair  # of the hanging head [rad/s]
     supply: SupplyState
-    motor_rate: float  # of the swing's motor behind play [rad/s]
+    motor_rate: float  # of the swing's motor, seen at its joint [rad/s]: without play, the joint's
 
 
 class StageEnd(NamedTuple):
@@ -87,7 +87,7 @@ def solve_stage(
     h^2, the first correction is mostly the last: the next would be of order h^3, as the step's own
     error is.
     """
-    turning = 0.0
+    turning = rates[0]
     if p.drive.gear.inertia > 0.0:
         turning = base.drive.motor_rate + (rates[0] - base.swing.rate)
     iterate = Iterate(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply, turning)
@@ -135,13 +135,10 @@ def _stage_end(
     """Return the state at a stage's end, from the last iterate and the equations one correction before it."""
     supply_change, feeds = iterate.supply.pressure - equations.supply.state.pressure, equations.supply.feeds
     u, e = iterate.rates, equations
-    drive, turned = base.drive, u[0]
+    drive = base.drive
+    swing = corrected_axis(base.swing, iterate.motor_rate, e.swing, feeds[0], supply_change, p.swing, h)
     if p.drive.present:
         drive = drive_after(base.drive, u[0], iterate.motor_rate, h, p.drive)
-    if p.drive.gear.inertia > 0.0:
-        turned = iterate.motor_rate
-    swing = corrected_axis(base.swing, turned, e.swing, feeds[0], supply_change, p.swing, h)
-    if p.drive.gear.inertia > 0.0:
         angle = base.swing.angle + h * u[0]
         swing = AxisEnd(with_joint(swing.state, angle, u[0]), with_joint(swing.held, angle, u[0]))
     boom = corrected_axis(base.boom, u[1], e.boom, feeds[1], supply_change, p.boom, h)
@@ -178,9 +175,7 @@ def _equations_at(
     u, w, supply = iterate.rates, iterate.head_rates, iterate.supply.pressure
     angles = base.swing.angle + h * u[0], base.boom.angle + h * u[1], base.stick.angle + h * u[2]
     t_1, t_2, t_3 = transmissions(angles[0], angles[1], angles[2], p)
-    turned = u[0]
-    if p.drive.gear.inertia > 0.0:
-        turned = iterate.motor_rate
+    turned = iterate.motor_rate
     swing = solve_axis(base.swing, near.swing, turned, t_1, ports[0], supply, p.swing, p.guard, h)
     boom = solve_axis(base.boom, near.boom, u[1], t_2, ports[1], supply, p.boom, p.guard, h)
     stick = solve_axis(base.stick, near.stick, u[2], t_3, ports[2], supply, p.stick, p.guard, h)
@@ -201,7 +196,6 @@ def _equations_at(
     if p.drive.present:
         drive = solve_drive(base.drive, angles[0], u[0], turned, torque, resistance, h, p.drive)
         torque, resistance = drive.torque, drive.resistance
-    if p.drive.gear.inertia > 0.0:
         motor_gain = error.by_rate[0]
         error = through_gear(error, drive)
     return StageEquations(
@@ -260,11 +254,11 @@ def _newton_step(
     supply = held_above_vapour(
         iterate.supply.pressure - share * pressure, iterate.supply.pressure, p.supply.oil
     )
-    turning, motor = 0.0, iterate.motor_rate
-    if p.drive.gear.inertia > 0.0:
+    turning, motor = 0.0, u[0] - share * c[0]
+    if p.drive.present:
         e = equations.drive
-        turning = -e.share * c[0] - e.excess - e.give * equations.motor_gain * pressure
-        motor += share * turning
+        turning = e.share * c[0] + e.excess + e.give * equations.motor_gain * pressure
+        motor = iterate.motor_rate - share * turning
     after = Iterate(
         (u[0] - share * c[0], u[1] - share * c[1], u[2] - share * c[2]),
         (w[0] - share * d[0], w[1] - share * d[1]),

@@ -45,7 +45,7 @@ def open_share(start: float, end: float, d: Direction) -> float:
 def mean_load(loads: Vec3, shares: Vec3) -> float:
     """Return the mean of the greatest load [Pa] of axes that are open for shares of a step.
 
-    That is exact where one edge opens or shuts, or several open at once.
+    That is exact where one edge opens or shuts within the step.
     """
     greatest = 0.0
     for i in range(3):
