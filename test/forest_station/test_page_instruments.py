@@ -18,12 +18,13 @@ SIGNALS = (
     ("valve_driver/status/boom_backward_deadband", "V"),
     ("valve_driver/status/boom_forward_deadband", "V"),
     ("hydraulics/auxiliary/tank_temperature", "K"),
+    ("ground_truth/load/mass", "kg"),
     ("joint_states/boom.position", "rad"),
     *((f"tip/{kind}/{axis}", "") for kind in ("pose", "twist", "twist_command") for axis in "xyz"),
 )
 RATE = 30.0  # [Hz] of the frames
 UNKNOWN = (math.nan,) * 3  # the tip's command, as in the joint scheme
-FRAME = [18e6, 5e-4, 2.5, 1.25, 1.5, 313.15, math.pi / 6, 4.0, 0.0, 1.0, 0.3, 0.0, 0.4, *UNKNOWN]
+FRAME = [18e6, 5e-4, 2.5, 1.25, 1.5, 313.15, 620.0, math.pi / 6, 4.0, 0.0, 1.0, 0.3, 0.0, 0.4, *UNKNOWN]
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +52,7 @@ def test_values_are_told_in_the_operators_units(met: PageStandIn) -> None:
         ("flows", "supply 30.0"),
         ("spools", "boom valve 2.50"),
         ("temperatures", "tank 40.0"),
+        ("load", "log 620"),
         ("joints", "boom 30.0"),
         ("power", "hydraulic power 9.0"),
         ("power", "energy of the minute 90"),

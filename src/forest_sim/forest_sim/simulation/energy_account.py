@@ -11,7 +11,7 @@
 | friction | lost to viscous and dry friction and in cushions |
 | gear | lost between the teeth of a gear with play |
 | stops | taken by the end stops |
-| mechanical | handed to the links, less what they gave back on their way down |
+| mechanical | handed to the links, less what they gave back on their way down; see `link_account` |
 | stored | in oil, motor, teeth and bristles, less what was there at the start |
 
 The recorded flows of `power_flows` close at every instant, so their integrals close whatever the

@@ -39,6 +39,7 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
         (CENTRED, CENTRED, CENTRED),
         Events(0, 0, 0),
         (0.0, 0.0, 0.0),
+        (0.0, 0.0),
     )
 
 
