@@ -62,8 +62,8 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
         failures += failed
         if stage == 0:
             # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
-            base = _blend(start, held, (1.0 - GAMMA) / GAMMA)
-            ahead = _blend(plant, after, 1.0 / GAMMA)
+            base = _blend(start, held, (1.0 - GAMMA) / GAMMA, p)
+            ahead = _blend(plant, after, 1.0 / GAMMA, p)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
             if end != middle:
                 ports = ports_at(end, p)
@@ -157,7 +157,7 @@ def _openings(before: AxisState, after: AxisState, guard: PortGuard) -> tuple[in
     )
 
 
-def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
+def _blend(start: PlantState, stage: PlantState, weight: float, p: PlantParameters) -> PlantState:
     """Return start + weight (stage - start)."""
     a, b = start.supply, stage.supply
     return PlantState(
@@ -169,7 +169,7 @@ def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
             a.reference + weight * (b.reference - a.reference),
         ),
         head=_blend_head(start.head, stage.head, weight),
-        drive=_blend_drive(start.drive, stage.drive, weight),
+        drive=_blend_drive(start.drive, stage.drive, weight) if p.drive.present else start.drive,
     )
 
 
