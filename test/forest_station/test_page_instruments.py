@@ -60,6 +60,16 @@ def test_values_are_told_in_the_operators_units(met: PageStandIn) -> None:
         shows(met, panel, text)
 
 
+def test_the_driver_has_the_head_grasp_and_drop(met: PageStandIn) -> None:
+    for button, act in (("Grasp a log", "grasp"), ("Drop it", "drop")):
+        met.page.get_by_role("button", name=button).click()
+        met.page.wait_for_function("() => document.querySelector('#load .said').textContent === 'done'")
+        assert {"do": "grapple", "act": act}.items() <= met.asked[-1].items()
+    met.tell_seat(driver="operator 2")
+    met.page.wait_for_selector("#load button:disabled")
+    met.tell_seat()
+
+
 def test_an_instrument_is_one_file_dropped_in(met: PageStandIn) -> None:
     shows(met, "tip_speed", "measured 0.50")
     shows(met, "tip_speed", "commanded –")
