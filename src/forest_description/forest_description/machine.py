@@ -13,7 +13,7 @@ from pathlib import Path
 from forest_description.components.drives import CylinderDrive, SwingDrive
 from forest_description.components.hose import GeometricHose, Hose, Line, MeasuredHose
 from forest_description.components.inertia import require_rigid
-from forest_description.components.load import Log, Pendulum
+from forest_description.components.load import Log, Pendulum, RotatorAndGrapple
 from forest_description.components.oil import Oil
 from forest_description.components.pump import Pump
 from forest_description.components.sensors import Sensors
@@ -39,7 +39,7 @@ class Manipulator(ParameterSet):
     """
 
     log: Log | None
-    pendulum: Pendulum | None
+    pendulum: Pendulum | RotatorAndGrapple | None
     gravity: float = parameter("m/s2", 0.0, 30.0, "acceleration of gravity g")
     platform_tilt: float = parameter("rad", -1.0, 1.0, "tilt λ of the platform about its x axis")
     base_mass: float = parameter("kg", 0.0, 1e6, "mass of the swing base m1")
@@ -89,6 +89,11 @@ class Manipulator(ParameterSet):
             return
         if self.head_mass <= 0.0:
             raise MachineError("head_mass: a head that hangs (pendulum) needs a mass above 0 kg")
+        if isinstance(self.pendulum, RotatorAndGrapple) and self.pendulum.rotator_mass >= self.head_mass:
+            raise MachineError(
+                f"pendulum.rotator_mass ({self.pendulum.rotator_mass:g} kg) must be smaller than head_mass "
+                f"({self.head_mass:g} kg): the head is rotator and grapple together"
+            )
         if self.log is not None and (self.log.x < 0.0 or self.log.y != 0.0):
             raise MachineError(
                 f"log: ({self.log.x:g}, {self.log.y:g}) m: in a head that hangs (pendulum) its centre must "
@@ -140,6 +145,7 @@ class Machine(ParameterSet):
                 f"port_valves.relief_pressure ({valves.relief_pressure:g} Pa) must not be below "
                 f"pump.supply_pressure ({supply:g} Pa): every port would pass the pump's oil to the tank"
             )
+        self._check_bearing()
         for axis, name in enumerate(AXES):
             drive = self.drives[axis]
             if drive.chambers is not None and self.oil is None:
@@ -157,6 +163,16 @@ class Machine(ParameterSet):
                     f"{name}.length_exponent ({drive.length_exponent:g}) must be 1 with a geometric hose: "
                     "there is no measured length to go by"
                 )
+
+    def _check_bearing(self) -> None:
+        """Raise unless the swing's motor can break its bearing away."""
+        friction = self.swing.friction
+        most = self.swing.gear_ratio * self.swing.motor_displacement * self.pump.supply_pressure
+        if friction is not None and friction.breakaway_torque >= most:
+            raise MachineError(
+                f"swing.friction.breakaway_torque ({friction.breakaway_torque:g} N*m) must be smaller than "
+                f"what the motor has at pump.supply_pressure ({most:g} N*m): the swing would never turn"
+            )
 
     def _check_joints(self) -> None:
         """Raise unless boom and stick go where the kinematics are made for."""

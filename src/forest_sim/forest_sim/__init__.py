@@ -3,7 +3,7 @@
 In the order in which data passes:
 
 - `hydraulics`: Laws of supply, spools, ports, hoses and actuators.
-- `mechanics`: Laws of the rigid links, the hanging head, dry friction and end stops.
+- `mechanics`: Laws of the rigid links, the hanging head, gear, dry friction and end stops.
 - `solver`: The equations of motion together, and their steps in time, interpreted or compiled.
 - `sensors`: What the machine's sensors report of its true state.
 - `simulation`: Machines under way, with or without a graph: inputs, disturbances, energy, records,

@@ -7,7 +7,7 @@ times. Tests compare the two.
 
 | array | shape | holds |
 |---|---|---|
-| states | N, 36 | what `forest_sim.solver.state_recording.STATE` names |
+| states | N, 41 | what `forest_sim.solver.state_recording.STATE` names |
 | a column | N | one channel of `forest_sim.sensors.sensor_suite.CHANNELS`, in its unit |
 """
 
@@ -16,7 +16,6 @@ import zlib
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.signal import lfilter
 
 from forest_description.components.valve_characteristic import (
     POLYNOMIAL,
@@ -69,7 +68,7 @@ def true_columns(
     of["supply_pressure"] = states[:, PLACE["supply_pressure"]]
     of["swing_flow"] = states[:, PLACE["swing_flow_1"]]
     of["stick_flow"] = states[:, PLACE["stick_flow_1"]]
-    rate, p_1, p_2 = (states[:, PLACE[f"swing_{part}"]] for part in ("rate", "pressure_1", "pressure_2"))
+    rate, p_1, p_2 = _motor_rate(states, p), *(states[:, PLACE[f"swing_pressure_{i}"]] for i in (1, 2))
     entering: Floats = inlet_flow(rate, p_1, p_2, p.swing.actuator)  # type: ignore[arg-type, assignment]
     leaving: Floats = outlet_flow(rate, p_1, p_2, p.swing.actuator)  # type: ignore[arg-type, assignment]
     of["case_drain"] = entering - leaving
@@ -82,6 +81,11 @@ def true_columns(
     return of | {name: np.full(len(states), value) for name, value in steady.items()}
 
 
+def _motor_rate(states: Floats, p: PlantParameters) -> Floats:
+    """Return the rate of the swing's motor [rad/s]: behind a gear with play its own."""
+    return states[:, PLACE["drive_motor_rate" if p.drive.gear.inertia > 0.0 else "swing_rate"]]
+
+
 def _axis_columns(states: Floats, p: PlantParameters, place: int, name: str, valves: bool) -> Columns:
     own: Axis = (p.swing, p.boom, p.stick)[place]
     angle, rate, p_1, p_2, q_1, q_2 = (states[:, 6 * place + k] for k in range(6))
@@ -90,6 +94,8 @@ def _axis_columns(states: Floats, p: PlantParameters, place: int, name: str, val
     if place > 0:
         linkage = p.boom_linkage if place == 1 else p.stick_linkage
         of[f"{name}_transducer"], arm = length_and_arm(angle, linkage)
+    if place == 0:
+        rate = _motor_rate(states, p)
     one, two = port_pressures(arm * rate, p_1, p_2, own.actuator)  # type: ignore[arg-type]
     of[f"{name}_pressure_1_actuator"], of[f"{name}_pressure_2_actuator"] = one, two  # type: ignore[assignment]
     if valves:
@@ -184,9 +190,7 @@ def lagged(true: Floats, time_constant: float, period: float) -> Floats:
     """Return what a first-order lag leaves of a column that each row holds from the last one on."""
     if time_constant <= 0.0:
         return true
-    keep = math.exp(-period / time_constant)
-    filtered, _ = lfilter([1.0 - keep], [1.0, -keep], true, zi=[keep * true[0]])
-    return np.asarray(filtered, dtype=np.float64)
+    return _smoothed(true, math.exp(-period / time_constant), float(true[0]))
 
 
 def _sampled(true: Floats, c: SensorModel, period: float, normal: Floats) -> Floats:
@@ -206,5 +210,12 @@ def speeds(position: Floats, period: float) -> Floats:
     """Return the causal speed estimate of a machine (`signal_processing.estimate_speed`)."""
     keep = math.exp(-2.0 * math.pi * SPEED_BANDWIDTH * period)
     difference = np.diff(position, prepend=position[0]) / period
-    filtered = lfilter([1.0 - keep], [1.0, -keep], difference)
+    return _smoothed(difference, keep, 0.0)
+
+
+def _smoothed(column: Floats, keep: float, before: float) -> Floats:
+    """Return y[n] = (1 - k) x[n] + k y[n-1] of a column, from a value before it on."""
+    from scipy.signal import lfilter  # takes a second, which commands that filter nothing need not wait
+
+    filtered, _ = lfilter([1.0 - keep], [1.0, -keep], column, zi=[keep * before])
     return np.asarray(filtered, dtype=np.float64)

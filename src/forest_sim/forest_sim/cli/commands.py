@@ -20,6 +20,8 @@ from forest_msgs_py.runtime.command_line import StatusLine
 from forest_sim.analysis import machine_check, mode_map, modes, pump_comparison, run_summary
 from forest_sim.analysis.friction_linearisation import (
     axes_with_friction,
+    drive_limits,
+    is_rough,
     large_heading,
     small_heading,
     without_dry_friction,
@@ -27,6 +29,7 @@ from forest_sim.analysis.friction_linearisation import (
 from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
 from forest_sim.simulation.energy_account import account
+from forest_sim.simulation.load import Loads
 from forest_sim.simulation.open_loop import Run, RunError, blocks, require_within_limits, substeps
 from forest_sim.simulation.sensor_log import EXACT, Sensing, SensorLog
 from forest_sim.simulation.trajectory_files import DecimatedRows, TrajectoryFiles, path_in_errors
@@ -98,20 +101,21 @@ def simulate(
     out: Path,
     sensing: Sensing = EXACT,
     disturbance: Disturbance = UNDISTURBED,
+    loads: Loads = (),
 ) -> int:
     """Run a machine over an input; write trajectory, pictures and `summary.json`."""
     substeps(run)
     new_directory(out)
     _warn_if_interpreted()
     log, kept = SensorLog(machine, run.rate, sensing), DecimatedRows()
-    summary = run_summary.Summary(machine)
+    summary = run_summary.Summary(machine, disturbance.tip_force)
     progress = Progress(run.duration)
     with (
         path_in_errors(out),
         _deferred_stop_signals() as stopped,
-        contextlib.closing(TrajectoryFiles(out, machine, run.rate)) as files,
+        contextlib.closing(TrajectoryFiles(out, machine, run.rate, bool(loads))) as files,
     ):
-        for block in blocks(machine, voltages, angles, run, disturbance):
+        for block in blocks(machine, voltages, angles, run, disturbance, loads):
             observed = log.observe(block)
             files.write(block, observed)
             power = np.column_stack(account(block.energies)) * run.rate
@@ -161,7 +165,13 @@ def compare_pumps(machine: Machine, voltages: Voltages, angles: Vec3, run: Run, 
 
 
 def compare_machines(
-    machines: Sequence[Machine], axis: int, voltages: Voltages, angles: Vec3, run: Run, out: Path
+    machines: Sequence[Machine],
+    axis: int,
+    voltages: Voltages,
+    angles: Vec3,
+    run: Run,
+    out: Path,
+    loads: Loads = (),
 ) -> int:
     """Run the same input on several machines; write the picture of one axis."""
     substeps(run)
@@ -171,7 +181,7 @@ def compare_machines(
     _warn_if_interpreted()
     from forest_sim.analysis import machine_comparison
 
-    courses = machine_comparison.compare(machines, axis, voltages, angles, run)
+    courses = machine_comparison.compare(machines, axis, voltages, angles, run, loads)
     picture = machine_comparison.draw(courses, axis, voltages, out / "compare.png")
     print(f"{machine_comparison.table(courses)}\n  {picture}")
     return 0
@@ -218,9 +228,9 @@ def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
 def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> int:
     """Print frequencies and damping ratios at a pose; with dry friction, of small and large oscillations."""
     p = plant_parameters(machine)
-    ends = axes_with_friction(p)
+    ends, swing = axes_with_friction(p), drive_limits(p)
     small = modes.modes(angles, spools, p)
-    large = modes.modes(angles, spools, without_dry_friction(p)) if ends else small
+    large = modes.modes(angles, spools, without_dry_friction(p)) if is_rough(p) else small
     if as_json:
         result = {
             "machine": machine.name,
@@ -232,6 +242,13 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
                 }
                 for axis, end in ends.items()
             },
+            "swing_drive": None
+            if swing is None
+            else {
+                "small_below_rad": swing.small,
+                "large_above_rad": swing.large,
+                "large_above_rad_s": swing.fast if math.isfinite(swing.fast) else None,
+            },
             "modes": modes.as_json(small),
             "modes_without_dry_friction": modes.as_json(large),
         }
@@ -240,28 +257,28 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
     pose = ", ".join(f"{axis} {math.degrees(q):.1f}" for axis, q in zip(AXES, angles, strict=True))
     volts = ", ".join(f"{v:g}" for v in spools)
     print(f"  {machine.name}, {pose} deg, spools at {volts} V")
-    if ends:
-        print(f"  {small_heading(ends)}")
+    if is_rough(p):
+        print(f"  {small_heading(p)}")
     print(modes.table(small))
-    if ends:
-        print(f"  {large_heading(ends)}\n{modes.table(large)}")
+    if is_rough(p):
+        print(f"  {large_heading(p)}\n{modes.table(large)}")
     return 0
 
 
 def map_modes(machine: Machine, spacing: float, out: Path) -> int:
     """Write the slow modes over the workspace as CSV and picture."""
     new_directory(out)
-    ends = axes_with_friction(plant_parameters(machine))
+    p = plant_parameters(machine)
     points = mode_map.mode_map(machine, spacing)
     from forest_sim.analysis.plots import draw_map
 
     file = out / "modes.csv"
     file.write_text(mode_map.map_csv(points), encoding="utf-8")
-    if ends:
-        print(f"  {small_heading(ends)}")
+    if is_rough(p):
+        print(f"  {small_heading(p)}")
     print(mode_map.ranges([point.modes for point in points]))
-    if ends:
-        print(f"  {large_heading(ends)}\n{mode_map.ranges([point.sliding for point in points])}")
+    if is_rough(p):
+        print(f"  {large_heading(p)}\n{mode_map.ranges([point.sliding for point in points])}")
     picture = draw_map(points, spacing, machine, out / "modes.png")
     print(f"  {len(points)} poses\n  {file}\n  {picture}")
     return 0

@@ -16,8 +16,11 @@ from forest_description.types import Vec3
 from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.conserved_oil import settled, with_contents
+from forest_sim.solver.drive import DriveState
 from forest_sim.solver.implicit_stage import solve_stage
+from forest_sim.solver.load_sensing import sensed_over
 from forest_sim.solver.multibody import HeadState
 from forest_sim.solver.plant import AxisState, PlantState, ports_at
 from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve
@@ -40,6 +43,7 @@ class Simulation(NamedTuple):
     spools: Spools
     events: Events
     accelerations: Vec3  # of the joints over the last stage [rad/s^2], from which Newton starts
+    head_accelerations: Pair  # of the hanging head, as well
 
 
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
@@ -48,22 +52,28 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     middle = spools_after(simulation.spools, voltages, c, p)
     end = spools_after(simulation.spools, voltages, h, p)
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
+    if p.supply.rate > 0.0:
+        ports = sensed_over(ports, simulation.spools, end, p)
     base = start = held = with_contents(plant, p)
-    ahead = after = plant
+    ahead = after = _with_head_ahead(plant, simulation.head_accelerations, p.head.foresight * c)
     failures = 0
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
         after, held, failed = solve_stage(base, ahead, rates, ports, c, p)
         failures += failed
         if stage == 0:
             # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
-            base = _blend(start, held, (1.0 - GAMMA) / GAMMA)
-            ahead = _blend(plant, after, 1.0 / GAMMA)
+            base = _blend(start, held, (1.0 - GAMMA) / GAMMA, p)
+            ahead = _blend(plant, after, 1.0 / GAMMA, p)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
             if end != middle:
                 ports = ports_at(end, p)
+                if p.supply.rate > 0.0:
+                    ports = sensed_over(ports, simulation.spools, end, p)
     after = settled(after, held, p)
     events = _count(simulation.events, plant, after, failures, p.guard)
-    return Simulation(after, end, events, _mean_accelerations(base, after, c))
+    return Simulation(
+        after, end, events, _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
+    )
 
 
 def _mean_accelerations(before: PlantState, after: PlantState, time: float) -> Vec3:
@@ -74,6 +84,20 @@ def _mean_accelerations(before: PlantState, after: PlantState, time: float) -> V
         per_time * (after.boom.rate - before.boom.rate),
         per_time * (after.stick.rate - before.stick.rate),
     )
+
+
+def _head_accelerations(before: PlantState, after: PlantState, time: float) -> Pair:
+    """Return the hanging head's mean accelerations [rad/s^2] over a time [s]."""
+    a, b, per_time = before.head, after.head, 1.0 / time
+    return per_time * (b.alpha_rate - a.alpha_rate), per_time * (b.beta_rate - a.beta_rate)
+
+
+def _with_head_ahead(plant: PlantState, accelerations: Pair, time: float) -> PlantState:
+    """Return the plant with the head's rates [rad/s] that steady accelerations [rad/s^2] lead to."""
+    h = plant.head
+    rates = h.alpha_rate + time * accelerations[0], h.beta_rate + time * accelerations[1]
+    head = HeadState(h.alpha, h.beta, rates[0], rates[1])
+    return PlantState(plant.swing, plant.boom, plant.stick, plant.supply, head, plant.drive)
 
 
 def _rates_after(plant: PlantState, accelerations: Vec3, time: float) -> Vec3:
@@ -133,7 +157,7 @@ def _openings(before: AxisState, after: AxisState, guard: PortGuard) -> tuple[in
     )
 
 
-def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
+def _blend(start: PlantState, stage: PlantState, weight: float, p: PlantParameters) -> PlantState:
     """Return start + weight (stage - start)."""
     a, b = start.supply, stage.supply
     return PlantState(
@@ -145,6 +169,7 @@ def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
             a.reference + weight * (b.reference - a.reference),
         ),
         head=_blend_head(start.head, stage.head, weight),
+        drive=_blend_drive(start.drive, stage.drive, weight) if p.drive.present else start.drive,
     )
 
 
@@ -154,6 +179,14 @@ def _blend_head(a: HeadState, b: HeadState, w: float) -> HeadState:
         a.beta + w * (b.beta - a.beta),
         a.alpha_rate + w * (b.alpha_rate - a.alpha_rate),
         a.beta_rate + w * (b.beta_rate - a.beta_rate),
+    )
+
+
+def _blend_drive(a: DriveState, b: DriveState, w: float) -> DriveState:
+    return DriveState(
+        a.motor_angle + w * (b.motor_angle - a.motor_angle),
+        a.motor_rate + w * (b.motor_rate - a.motor_rate),
+        a.bristle_angle + w * (b.bristle_angle - a.bristle_angle),
     )
 
 

@@ -14,7 +14,7 @@ from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
 from forest_sim.hydraulics import port, spool_dynamics
 from forest_sim.mechanics import pendulum
-from forest_sim.solver import conserved_oil, implicit_stage, integrator, plant, power_flows
+from forest_sim.solver import conserved_oil, drive_stage, implicit_stage, integrator, plant, power_flows
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
@@ -32,6 +32,8 @@ NOINLINE = (
     plant._axis_derivative,
     conserved_oil._contents,
     conserved_oil._settled,
+    drive_stage.solve_drive,
+    drive_stage.drive_after,
 )
 # state, voltages and their stride, length and count of each row's steps and their stride, rows, recorded (0:
 # nothing, 1: states, 2: energies, too), parameters, states, energies

@@ -7,8 +7,8 @@ flows of `power_flows` are integrated over the integrator's own steps with the t
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
 | schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
-| states | N, 36 | what `STATE` names, one row per period |
-| energies | N, 45 | J over the period through what `ENERGY` names |
+| states | N, 41 | what `STATE` names, one row per period |
+| energies | N, 51 | J over the period through what `ENERGY` names |
 """
 
 import numpy as np
@@ -17,6 +17,7 @@ from forest_compile import flat_layout
 from forest_description.types import AXES, Floats
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool
 from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.solver.drive import DriveState
 from forest_sim.solver.integrator import Events, Simulation, step
 from forest_sim.solver.multibody import HANGING_STILL, HeadState
 from forest_sim.solver.plant import AxisState, PlantState
@@ -28,9 +29,10 @@ STATE = (
     *(f"{axis}_{field}" for axis in AXES for field in AxisState._fields),
     *(f"supply_{field}" for field in SupplyState._fields),
     *(f"head_{field}" for field in HeadState._fields),
+    *(f"drive_{field}" for field in DriveState._fields),
     *(f"{axis}_spool_{field}" for axis in AXES for field in Spool._fields),
     *Events._fields,
-    *(f"{axis}_acceleration" for axis in AXES),
+    *(f"{name}_acceleration" for name in (*AXES, "head_alpha", "head_beta")),
 )
 ENERGY = (
     *(f"pump_{field}" for field in SupplyPower._fields),
@@ -83,5 +85,6 @@ _EXAMPLE = Simulation(
     (CENTRED, CENTRED, CENTRED),
     Events(0, 0, 0),
     (0.0, 0.0, 0.0),
+    (0.0, 0.0),
 )
 _pack, _unpack = flat_layout.packer(_EXAMPLE), flat_layout.unpacker(_EXAMPLE)
