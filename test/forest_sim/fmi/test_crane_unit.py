@@ -108,8 +108,9 @@ def test_a_tool_sets_start_noise_and_force(run):
     pressures = [rows["hydraulics.pressures.boom_1_valve"] for rows in noisy]
     assert np.array_equal(pressures[0], pressures[1])
     assert not np.array_equal(pressures[0], pressures[2])
-    pulled, said = run(0.1, start_values=start | {"tip_force.z": -5000.0})
-    assert pulled[-1]["ground_truth.tip.pose.z"] < still[-1]["ground_truth.tip.pose.z"] - 1e-4
+    for more in ({"tip_force.z": -5000.0}, {"load.mass": 500.0}):
+        pulled, said = run(0.1, start_values=start | more)
+        assert pulled[-1]["ground_truth.tip.pose.z"] < still[-1]["ground_truth.tip.pose.z"] - 1e-4
 
 
 @pytest.mark.parametrize(
@@ -117,6 +118,7 @@ def test_a_tool_sets_start_noise_and_force(run):
     [
         (0.0005, {}, "a step of 0.0005 s; allowed: multiples of 0.001 s"),
         (0.005, {"start.boom": 3.0}, "boom at 171.9 deg, allowed there: "),
+        (0.005, {"load.mass": -1.0}, "a log of -1 kg"),
         (0.005, {"tip_force.x": 1e9}, "'tip_force' is [1000000000.0, 0.0, 0.0]"),
     ],
 )

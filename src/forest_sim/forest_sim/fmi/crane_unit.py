@@ -22,6 +22,7 @@ from forest_msgs_py.interfaces.topics import JOINT_STATE, Topic, columns
 from forest_sim.sensors.sensor_run import KERNEL as SENSORS
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.simulation.disturbance import parse_disturbance
+from forest_sim.simulation.load import checked_load, own_load
 from forest_sim.simulation.open_loop import RunError, require_within_limits
 from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, topic_values
 from forest_sim.simulation.simulated_machine import STEP, SimulatedMachine
@@ -56,6 +57,7 @@ class CraneUnit(Fmi2Slave):
             zip(_of_axes("start"), inverse_kinematics(start_tip(self._crane), links), strict=True)
         )
         self._values |= {"sensor_noise": False, "seed": 0} | dict.fromkeys((*VOLTAGES, *FORCES), 0.0)
+        self._values |= zip(LOAD, own_load(self._crane.manipulator), strict=True)
         for name in _of_axes("start"):
             self._add(Real, name, "angle of the joint at the start [rad]", Fmi2Causality.parameter)
         if self._crane.oil is not None:
@@ -67,6 +69,8 @@ class CraneUnit(Fmi2Slave):
             self._add(Real, name, "of the valve [V]", Fmi2Causality.input)
         for name in FORCES:
             self._add(Real, name, "on the tip, in the base frame [N]", Fmi2Causality.input)
+        for name, unit in zip(LOAD, ("kg", "m"), strict=True):
+            self._add(Real, name, f"of the log that the head holds [{unit}]", Fmi2Causality.input)
         self._machine = self._at_rest()
         self._tell_start()
         for topic in SIMULATED_TOPICS:
@@ -101,6 +105,9 @@ class CraneUnit(Fmi2Slave):
         if not all(abs(volt) <= GREATEST for volt in voltages):  # false for NaN as well
             raise ValueError(f"voltages {voltages} V at {current_time:g} s; allowed: +-{GREATEST:g} V")
         self._machine.disturb(parse_disturbance("", force))
+        load = checked_load(*(self._values[name] for name in LOAD))
+        if load != self._machine.load:
+            self._machine.hold(load)
         for _ in range(count):
             report = self._machine.step(voltages)
         self._tell(topic_values(report, self._machine.events))
@@ -167,4 +174,5 @@ def _outputs(topic: Topic) -> Iterator[tuple[str, str]]:
 
 
 VOLTAGES = _of_axes("voltage")
+LOAD = ("load.mass", "load.length")
 FORCES = tuple(f"tip_force.{axis}" for axis in "xyz")
