@@ -150,6 +150,20 @@ OTHERS = [
         3,
         "missing key oil.air.dissolving_pressure",
     ),
+    (
+        "c180_real",
+        "valve:\n  rated_voltage: = 1.15 V\n",
+        3,
+        "valve.hysteresis (0.4 V) keeps the valve shut at rated_voltage (1.15 V); allowed: below 0.3 V",
+    ),
+    (
+        "c180_real",
+        "valve:\n  dead_time: = 21 ms\n",
+        3,
+        "= 21 ms (0.021 s) is outside the range 0.0005 .. 0.02",
+    ),
+    ("c180_real", "valve:\n  hysteresis: = -1 V\n", 3, "= -1 V is outside the range 0 .. 5 V"),
+    ("c180_real", "valve:\n  spool_slew_limit: = 0 V/s\n", 3, "= 0 V/s is outside the range 1 .. 1"),
     ("c180_real", "oil: null\n", 2, "oil is null, but the swing has chambers: how their oil yields needs"),
     (
         "c180_real",

@@ -72,7 +72,23 @@ def warnings(machine: Machine) -> list[str]:
                     f"{name}: holding the crane still takes {highest / MPA:.1f} MPa {where}, "
                     f"more than {whose} {limit / MPA:.1f} MPa"
                 )
+    found += _play_warnings(machine)
     return found + _sensor_warnings(machine) + _inertia_warnings(machine) + _hose_warnings(machine)
+
+
+def _play_warnings(machine: Machine) -> list[str]:
+    """Return a sentence for each valve that its play may keep open at zero voltage."""
+    found = []
+    for place, axis in enumerate(AXES):
+        valve = machine.valve_of(place)
+        off = 0.5 * (valve.hysteresis or 0.0)
+        overlap = min(valve.law.forward.deadband_voltage, valve.law.backward.deadband_voltage)
+        if off > 0.0 and off >= overlap:
+            found.append(
+                f"{axis}: at zero voltage its spool may rest {off:g} V off the centre, and its overlap ends "
+                f"at {overlap:g} V: the {axis} creeps"
+            )
+    return found
 
 
 def _sensor_warnings(machine: Machine) -> list[str]:

@@ -48,7 +48,7 @@ class Block(NamedTuple):
 
     time: Floats  # [N] s
     voltages: Floats  # [N, 3] V, that act from the row's time on
-    states: Floats  # [N, 36]
+    states: Floats  # [N, 87]
     energies: Floats  # [N, 45] J, over the period before the row
     temperature: Floats  # [N] K, of the oil; NaN for a machine without
 

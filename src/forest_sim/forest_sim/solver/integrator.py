@@ -5,14 +5,14 @@ Y = y + step f(Y) for the f of `plant.state_derivative` (`implicit_stage.solve_s
 derivative is read off its increment, (Y - y)/step, never from f: f has no value when an orifice
 shuts on a flow.
 
-The step assumes that commands stand still over it. The spools' lags are linear and are advanced
-exactly.
+The step assumes that commands stand still over it. The spools are advanced exactly.
 """
 
 import math
 from typing import NamedTuple
 
 from forest_description.types import Vec3
+from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
 from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
@@ -40,13 +40,15 @@ class Simulation(NamedTuple):
     spools: Spools
     events: Events
     accelerations: Vec3  # of the joints over the last stage [rad/s^2], from which Newton starts
+    history: CommandHistory = NO_COMMANDS  # kept where a valve has a dead time
 
 
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
     """Advance the machine by h [s] with the valve voltages [V] held."""
     plant, c = simulation.plant, GAMMA * h
-    middle = spools_after(simulation.spools, voltages, c, p)
-    end = spools_after(simulation.spools, voltages, h, p)
+    acting, history = _acting(simulation.history, voltages, h, p)
+    middle = spools_after(simulation.spools, acting, c, p)
+    end = spools_after(simulation.spools, acting, h, p)
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
     base = start = held = with_contents(plant, p)
     ahead = after = plant
@@ -63,7 +65,15 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
                 ports = ports_at(end, p)
     after = settled(after, held, p)
     events = _count(simulation.events, plant, after, failures, p.guard)
-    return Simulation(after, end, events, _mean_accelerations(base, after, c))
+    return Simulation(after, end, events, _mean_accelerations(base, after, c), history)
+
+
+def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:
+    """Return the voltages that act on the spools in a step: those given, or those of a dead time ago [V]."""
+    late = p.valves[0].lag.dead_time, p.valves[1].lag.dead_time, p.valves[2].lag.dead_time
+    if late[0] == 0.0 and late[1] == 0.0 and late[2] == 0.0:
+        return Acting(voltages, history)
+    return after_dead_time(history, voltages, h, late)
 
 
 def _mean_accelerations(before: PlantState, after: PlantState, time: float) -> Vec3:

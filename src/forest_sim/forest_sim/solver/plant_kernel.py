@@ -12,7 +12,7 @@ from forest_compile.entry import Entry
 from forest_compile.kernel_cache import CachedKernel
 from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
-from forest_sim.hydraulics import port, spool_dynamics
+from forest_sim.hydraulics import command_history, port, spool_dynamics
 from forest_sim.mechanics import pendulum
 from forest_sim.solver import conserved_oil, implicit_stage, integrator, plant, power_flows
 from forest_sim.solver.equilibrium import equilibrium
@@ -24,6 +24,8 @@ NOINLINE = (
     port._two_edges,
     pendulum.pendulum_dynamics,
     spool_dynamics._second_order,
+    spool_dynamics._driven_spool,
+    command_history.after_dead_time,
     valve_characteristic._curved_opening,
     implicit_stage._iterate_further,
     implicit_stage._equations_at_again,

@@ -7,7 +7,7 @@ flows of `power_flows` are integrated over the integrator's own steps with the t
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
 | schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
-| states | N, 36 | what `STATE` names, one row per period |
+| states | N, 87 | what `STATE` names, one row per period |
 | energies | N, 45 | J over the period through what `ENERGY` names |
 """
 
@@ -15,6 +15,7 @@ import numpy as np
 
 from forest_compile import flat_layout
 from forest_description.types import AXES, Floats
+from forest_sim.hydraulics.command_history import SIZE, CommandHistory
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.integrator import Events, Simulation, step
@@ -31,6 +32,7 @@ STATE = (
     *(f"{axis}_spool_{field}" for axis in AXES for field in Spool._fields),
     *Events._fields,
     *(f"{axis}_acceleration" for axis in AXES),
+    *(f"command_{field}_{k}" for field in CommandHistory._fields for k in range(SIZE)),
 )
 ENERGY = (
     *(f"pump_{field}" for field in SupplyPower._fields),
