@@ -164,6 +164,42 @@ OTHERS = [
     ),
     ("c180_real", "valve:\n  hysteresis: = -1 V\n", 3, "= -1 V is outside the range 0 .. 5 V"),
     ("c180_real", "valve:\n  spool_slew_limit: = 0 V/s\n", 3, "= 0 V/s is outside the range 1 .. 1"),
+    (
+        "c180_real",
+        "boom:\n  chambers: null\n",
+        3,
+        "boom.chambers is null, but boom.holding_1 holds the oil in them; allowed: both, or neither",
+    ),
+    (
+        "c180_real",
+        "boom:\n  holding_1:\n    hysteresis: = 22 MPa\n    setting: = 21 MPa\n",
+        4,
+        "= 22 MPa (2.2e+07 Pa) is outside the range 0 .. 2e+07 Pa",
+    ),
+    (
+        "c180_real",
+        "stick:\n  holding_2:\n    setting: = 0.5 MPa\n",
+        4,
+        "stick.holding_2.hysteresis (1e+06 Pa) must be smaller than setting (500000 Pa)",
+    ),
+    (
+        "c180_real",
+        "boom:\n  holding_1:\n    kind: spring\n",
+        4,
+        "boom.holding_1.kind = 'spring' is unknown; allowed: counterbalance, pilot_check, rupture",
+    ),
+    (
+        "c180_real",
+        "boom:\n  holding_1:\n    kind: rupture\n    closing_flow: = 2 L/min\n",
+        3,
+        "missing key boom.holding_1.minimum_resistance",
+    ),
+    (
+        "c180_real",
+        "boom:\n  holding_1:\n    pilot_ratio: = 0 1\n",
+        4,
+        "boom.holding_1.pilot_ratio = 0 1 is outside the range 0.5 .. 20",
+    ),
     ("c180_real", "oil: null\n", 2, "oil is null, but the swing has chambers: how their oil yields needs"),
     (
         "c180_real",

@@ -27,17 +27,20 @@ P = plant_parameters(REAL)
 POSE = (0.0, 0.4, -1.4)
 CLEAN = dataclasses.replace(REAL, oil=dataclasses.replace(REAL.oil, air=None))
 SMOOTH = dataclasses.replace(REAL.valve, hysteresis=None, dead_time=None, spool_slew_limit=None)
-# Valves that follow at once, a supply that stands still, no port valves: what two volumes are compared on.
+# Valves that follow at once and hold no load, a supply that stands still, no port valves: what two
+# volumes are compared on.
 PLAIN = dataclasses.replace(
     CLEAN,
     pump=IdealPump(REAL.pump.supply_pressure),
     port_valves=None,
     valve=dataclasses.replace(SMOOTH, spool_bandwidth=None),
+    boom=dataclasses.replace(REAL.boom, holding_1=None),
+    stick=dataclasses.replace(REAL.stick, holding_1=None, holding_2=None),
 )
 
 
 def recorded(machine, voltages, step, rows=400, period=5e-3):
-    """States [rows, 87] and energies of a run from the usual start, and both ends."""
+    """States [rows, 93] and energies of a run from the usual start, and both ends."""
     p, per_row = plant_parameters(machine), round(period / step)
     states, energies = np.zeros((rows, len(STATE))), np.zeros((rows, len(ENERGY)))
     times = (np.arange(rows * per_row) + 0.5) * step

@@ -88,9 +88,9 @@ def test_spool_connects_port_1_to_supply_forwards_and_port_2_backwards():
     forward, backward, shut = (valve_ports(v, p.valves[0].law) for v in (5.0, -5.0, 0.5))
     c_r = forward.port_1.to_supply
     assert c_r < math.inf
-    assert forward == (Port(c_r, math.inf, 0.0), Port(math.inf, c_r, 0.0))
-    assert backward == (Port(math.inf, c_r, 0.0), Port(c_r, math.inf, 0.0))
-    assert shut == (Port(math.inf, math.inf, 0.0),) * 2
+    assert forward[:2] == (Port(c_r, math.inf, 0.0), Port(math.inf, c_r, 0.0))
+    assert backward[:2] == (Port(math.inf, c_r, 0.0), Port(c_r, math.inf, 0.0))
+    assert shut[:2] == (Port(math.inf, math.inf, 0.0),) * 2
 
 
 def test_lever_arms_are_the_derivative_of_the_cylinder_lengths():

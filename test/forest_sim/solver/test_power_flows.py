@@ -69,6 +69,7 @@ def test_every_part_hands_on_what_it_neither_loses_nor_stores(machine):
             lost = (
                 a.port_valves
                 + a.resistance
+                + a.holding
                 + a.compression
                 + a.leakage
                 + a.damping

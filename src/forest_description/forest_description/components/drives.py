@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from forest_description.components.hose import Hose
+from forest_description.components.load_holding import LoadHolding
 from forest_description.components.valve_parameters import Valve
 from forest_description.config.parameter import (
     MachineError,
@@ -86,6 +87,8 @@ class SwingDrive(ParameterSet):
     lower_limit: float = parameter("rad", -20.0, 20.0, "smallest swing angle")
     upper_limit: float = parameter("rad", -20.0, 20.0, "largest swing angle")
     chambers: MotorChambers | None = None  # may be left out
+    holding_1: LoadHolding | None = None
+    holding_2: LoadHolding | None = None
 
     def __post_init__(self) -> None:
         """Check ranges, and that the swing has room to move."""
@@ -114,6 +117,8 @@ class CylinderDrive(ParameterSet):
     friction: Friction | None = component()
     cushion: Cushion | None = component()
     chambers: CylinderChambers | None = None  # may be left out
+    holding_1: LoadHolding | None = None
+    holding_2: LoadHolding | None = None
 
     def __post_init__(self) -> None:
         """Check ranges, the areas, that rod and linkage allow the stroke, and that cushions fit in it."""

@@ -4,6 +4,7 @@ import dataclasses
 import math
 from collections.abc import Iterator
 
+from forest_description.components.load_holding import CounterbalanceValve
 from forest_description.config.parameter import choice_of, fields_of, parameter_of
 from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.derived.limits import joint_limits, workspace_limits
@@ -66,6 +67,7 @@ def warnings(machine: Machine) -> list[str]:
         for limit, whose in (
             (p.supply.set_pressure, "the pump's"),
             (p.guard.relief_pressure, "the relief valve's"),
+            (_counterbalance_setting(machine, place), "its counterbalance valve's"),
         ):
             if highest > limit:
                 found.append(
@@ -74,6 +76,12 @@ def warnings(machine: Machine) -> list[str]:
                 )
     found += _play_warnings(machine)
     return found + _sensor_warnings(machine) + _inertia_warnings(machine) + _hose_warnings(machine)
+
+
+def _counterbalance_setting(machine: Machine, place: int) -> float:
+    """Return the least load pressure [Pa] that opens a counterbalance valve of a cylinder; inf: none does."""
+    valves = (machine.drives[place].holding_1, machine.drives[place].holding_2)
+    return min((v.setting for v in valves if isinstance(v, CounterbalanceValve)), default=math.inf)
 
 
 def _play_warnings(machine: Machine) -> list[str]:

@@ -80,9 +80,7 @@ def spool_after(spool: Spool, voltage: float, time: float, lag: SpoolLag) -> Spo
 def _driven_spool(spool: Spool, voltage: float, time: float, lag: SpoolLag) -> Spool:
     """Return a spool with play or slew limit; not inlined."""
     target = behind_play(spool.target, voltage, lag.play)
-    after = _lagging(spool, target, time, lag)
-    if lag.slew < math.inf:
-        after = _slewed(spool, target, time, lag)
+    after = _slewed(spool, target, time, lag) if lag.slew < math.inf else _lagging(spool, target, time, lag)
     return Spool(after.position, after.rate, target)
 
 

@@ -48,8 +48,8 @@ class Block(NamedTuple):
 
     time: Floats  # [N] s
     voltages: Floats  # [N, 3] V, that act from the row's time on
-    states: Floats  # [N, 87]
-    energies: Floats  # [N, 45] J, over the period before the row
+    states: Floats  # [N, 93]
+    energies: Floats  # [N, 48] J, over the period before the row
     temperature: Floats  # [N] K, of the oil; NaN for a machine without
 
 

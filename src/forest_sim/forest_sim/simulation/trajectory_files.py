@@ -39,7 +39,7 @@ UNITS = {  # by a word of the name; the first that is in it
     "reference": "Pa",
     "flow": "m3/s",
 }
-LEFT_OUT = ("spool_rate", "spool_target", "acceleration")
+LEFT_OUT = ("spool_rate", "spool_target", "acceleration", "lift_one", "lift_two")
 COLUMNS = tuple(
     name
     for name in STATE

@@ -14,12 +14,14 @@ from typing import NamedTuple
 from forest_description.types import Vec3
 from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
 from forest_sim.hydraulics.hydraulic_line import PortGuard
+from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.conserved_oil import settled, with_contents
+from forest_sim.solver.holding_step import with_valves_moved
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.multibody import HeadState
-from forest_sim.solver.plant import AxisState, PlantState, ports_at
+from forest_sim.solver.plant import AxisState, PlantState, holds_loads, ports_at, with_lifts
 from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve
 
 GAMMA = 1.0 - math.sqrt(0.5)
@@ -41,15 +43,19 @@ class Simulation(NamedTuple):
     events: Events
     accelerations: Vec3  # of the joints over the last stage [rad/s^2], from which Newton starts
     history: CommandHistory = NO_COMMANDS  # kept where a valve has a dead time
+    lifts: AllLifts = NO_LIFTS  # of load-holding valves, half a step ago
 
 
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
     """Advance the machine by h [s] with the valve voltages [V] held."""
-    plant, c = simulation.plant, GAMMA * h
+    plant, lifts, c = simulation.plant, simulation.lifts, GAMMA * h
     acting, history = _acting(simulation.history, voltages, h, p)
     middle = spools_after(simulation.spools, acting, c, p)
     end = spools_after(simulation.spools, acting, h, p)
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
+    if holds_loads(p):
+        plant, lifts = with_valves_moved(plant, lifts, simulation.spools, h, p)
+        ports = with_lifts(ports, lifts)
     base = start = held = with_contents(plant, p)
     ahead = after = plant
     failures = 0
@@ -62,10 +68,10 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
             ahead = _blend(plant, after, 1.0 / GAMMA)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
             if end != middle:
-                ports = ports_at(end, p)
+                ports = ports_at(end, p, lifts)
     after = settled(after, held, p)
     events = _count(simulation.events, plant, after, failures, p.guard)
-    return Simulation(after, end, events, _mean_accelerations(base, after, c), history)
+    return Simulation(after, end, events, _mean_accelerations(base, after, c), history, lifts)
 
 
 def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:

@@ -14,7 +14,15 @@ from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
 from forest_sim.hydraulics import command_history, port, spool_dynamics
 from forest_sim.mechanics import pendulum
-from forest_sim.solver import conserved_oil, implicit_stage, integrator, plant, power_flows
+from forest_sim.solver import (
+    axis_stage,
+    conserved_oil,
+    holding_step,
+    implicit_stage,
+    integrator,
+    plant,
+    power_flows,
+)
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
@@ -26,6 +34,8 @@ NOINLINE = (
     spool_dynamics._second_order,
     spool_dynamics._driven_spool,
     command_history.after_dead_time,
+    holding_step.with_valves_moved,
+    axis_stage._solve_with_holding,
     valve_characteristic._curved_opening,
     implicit_stage._iterate_further,
     implicit_stage._equations_at_again,

@@ -7,8 +7,8 @@ flows of `power_flows` are integrated over the integrator's own steps with the t
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
 | schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
-| states | N, 87 | what `STATE` names, one row per period |
-| energies | N, 45 | J over the period through what `ENERGY` names |
+| states | N, 93 | what `STATE` names, one row per period |
+| energies | N, 48 | J over the period through what `ENERGY` names |
 """
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from forest_compile import flat_layout
 from forest_description.types import AXES, Floats
 from forest_sim.hydraulics.command_history import SIZE, CommandHistory
+from forest_sim.hydraulics.load_holding import Lifts
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.integrator import Events, Simulation, step
@@ -33,6 +34,7 @@ STATE = (
     *Events._fields,
     *(f"{axis}_acceleration" for axis in AXES),
     *(f"command_{field}_{k}" for field in CommandHistory._fields for k in range(SIZE)),
+    *(f"{axis}_lift_{field}" for axis in AXES for field in Lifts._fields),
 )
 ENERGY = (
     *(f"pump_{field}" for field in SupplyPower._fields),
