@@ -9,9 +9,12 @@ from browser import LOW, PHONE, new_page
 from page_stand_in import PageStandIn
 from playwright.sync_api import Browser
 
+from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
+from forest_description.types import AXES
 from forest_station.scene.scene_description import scene_of
 
+C180 = load_machine("c180")
 BACK = 3.0  # [px] within which a label is where it was
 AWAY = 20.0  # [px] from which on it is elsewhere
 # Where the picture shows the middle of the reach, and of the tip's height [px].
@@ -26,9 +29,14 @@ class Picture:
 
     def __init__(self, browser: Browser, viewport: dict[str, int]) -> None:
         self.page, self.errors = new_page(browser, viewport)
-        self.met = met = PageStandIn(self.page, tuple((f"tip/pose/{axis}", "m") for axis in "xyz"))
-        met.pages |= {"/scene.json": scene_of(load_machine("c180")), "/bags.json": []}
+        tip = [(f"tip/pose/{axis}", "m") for axis in "xyz"]
+        joints = [(f"joint_states/{axis}.position", "rad") for axis in AXES]
+        self.met = met = PageStandIn(self.page, (*tip, *joints))
+        met.pages |= {"/scene.json": scene_of(C180), "/bags.json": []}
         met.open()
+        self.page.wait_for_selector("#scene[data-rate]")
+        assert self.places() == []  # before anybody tells where the joints are, no crane stands there
+        met.send_frame(1, 0.0, [*start_tip(C180), *pose_at(start_tip(C180), C180)])
         self.page.wait_for_function("() => document.querySelectorAll('#scene .label.figure').length === 2")
         box = self.page.locator("#scene canvas").bounding_box()
         assert box is not None
@@ -132,7 +140,6 @@ def test_a_square_that_is_marked_is_looked_at(desktop: Picture) -> None:
     desktop.page.keyboard.press("2")
     desktop.wait(lambda _: desktop.view() == "side")
     before = desktop.settled()
-    desktop.met.send_frame(1, 0.0, [5.0, 0.0, 1.0])
     desktop.page.get_by_role("button", name="Mark a square").click()
     desktop.page.wait_for_selector("text=drive here")
     desktop.wait(lambda places: apart(places, before) > AWAY)

@@ -165,6 +165,15 @@ def test_a_button_that_loses_the_focus_to_another_one_is_no_doubt(met: PageStand
     wait(met, lambda hands: not hands.held)
 
 
+def test_what_a_newcomer_reads_is_in_sight_beside_the_crane_and_on_a_phone_over_it(
+    met: PageStandIn, phone: PageStandIn
+) -> None:
+    for page, place in ((met.page, "#left"), (phone.page, "#scene")):
+        text = page.locator(f"{place} > #first_minute p")
+        assert text.is_visible()
+        assert "Mark a square" in text.inner_text()
+
+
 def test_a_page_that_hung_has_let_go(met: PageStandIn) -> None:
     met.page.keyboard.down("Shift")
     wait(met, lambda hands: hands.held)

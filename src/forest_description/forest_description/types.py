@@ -1,5 +1,7 @@
 """The types that all packages share: numbers per axis, points in space, arrays."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,4 +13,5 @@ Quaternion = tuple[float, float, float, float]  # x, y, z, w
 ZERO: Vec3 = (0.0, 0.0, 0.0)
 
 Floats = NDArray[np.float64]
+Complexes = NDArray[np.complexfloating[Any, Any]]
 Bools = NDArray[np.bool_]

@@ -18,6 +18,7 @@ from forest_study.closed_loop.link_model import LinkError
 from forest_study.demo import replay
 from forest_study.latency import delay_study, timing
 from forest_study.results import StudyError, new_directory
+from forest_study.stability import bode_command
 from forest_study.tracking import track_command
 
 PROGRAM = "forest-study"
@@ -58,6 +59,10 @@ def _parser() -> argparse.ArgumentParser:
         commands, "timing", _timing, "how late a live bag's messages were, and what that costs the tip"
     )
     timing.add_arguments(punctual)
+    looped = _command(
+        commands, "bode", _bode, "each joint's position loop: Bode plot, gain and phase margins"
+    )
+    bode_command.add_arguments(looped)
     return parser
 
 
@@ -101,6 +106,10 @@ def _delay(options: argparse.Namespace) -> int:
         return delay_study.run(options)
     except LinkError as error:
         raise StudyError(f"delay: {error}") from error
+
+
+def _bode(options: argparse.Namespace) -> int:
+    return bode_command.run(options)
 
 
 def _track(options: argparse.Namespace) -> int:

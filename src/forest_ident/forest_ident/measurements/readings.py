@@ -16,7 +16,6 @@ import zlib
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.signal import lfilter
 
 from forest_description.components.valve_characteristic import (
     POLYNOMIAL,
@@ -184,9 +183,7 @@ def lagged(true: Floats, time_constant: float, period: float) -> Floats:
     """Return what a first-order lag leaves of a column that each row holds from the last one on."""
     if time_constant <= 0.0:
         return true
-    keep = math.exp(-period / time_constant)
-    filtered, _ = lfilter([1.0 - keep], [1.0, -keep], true, zi=[keep * true[0]])
-    return np.asarray(filtered, dtype=np.float64)
+    return _smoothed(true, math.exp(-period / time_constant), float(true[0]))
 
 
 def _sampled(true: Floats, c: SensorModel, period: float, normal: Floats) -> Floats:
@@ -206,5 +203,12 @@ def speeds(position: Floats, period: float) -> Floats:
     """Return the causal speed estimate of a machine (`signal_processing.estimate_speed`)."""
     keep = math.exp(-2.0 * math.pi * SPEED_BANDWIDTH * period)
     difference = np.diff(position, prepend=position[0]) / period
-    filtered = lfilter([1.0 - keep], [1.0, -keep], difference)
+    return _smoothed(difference, keep, 0.0)
+
+
+def _smoothed(column: Floats, keep: float, before: float) -> Floats:
+    """Return y[n] = (1 - k) x[n] + k y[n-1] of a column, from a value before it on."""
+    from scipy.signal import lfilter  # takes a second, which commands that filter nothing need not wait
+
+    filtered, _ = lfilter([1.0 - keep], [1.0, -keep], column, zi=[keep * before])
     return np.asarray(filtered, dtype=np.float64)

@@ -122,12 +122,12 @@ def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int,
         kept += [18] if p.supply.rate == 0.0 else [18, 19]
     if p.head.mass > 0.0:
         kept += [20, 21, 22, 23]
-    x = _flat(point.plant)
+    x = states(point.plant)
     columns = []
     for place in kept:
         d = _difference(place)
         up, down = (
-            _flat(state_derivative(_shaped(x + sign * d * np.eye(24)[place]), ports, p)) for sign in (1, -1)
+            states(state_derivative(_shaped(x + sign * d * np.eye(24)[place]), ports, p)) for sign in (1, -1)
         )
         columns.append((up - down)[kept] / (2.0 * d))
     return np.column_stack(columns), tuple(kept)
@@ -191,7 +191,8 @@ def _difference(place: int) -> float:
     return DIFFERENCE[2] if place < 20 else DIFFERENCE[0]
 
 
-def _flat(state: PlantState) -> Floats:
+def states(state: PlantState) -> Floats:
+    """Return the plant's 24 states, or their rates of change, as `state_recording.STATE` has them."""
     return np.array([*state.swing, *state.boom, *state.stick, *state.supply, *state.head])
 
 

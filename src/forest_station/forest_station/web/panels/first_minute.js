@@ -10,6 +10,7 @@ export const title = "First minute";
 const TIP = ["tip/pose/x", "tip/pose/y", "tip/pose/z"];
 
 export function mount(element, station) {
+  keepInSight(element.parentElement);
   new FirstMinute(element, station, handsOf(station));
 }
 
@@ -21,7 +22,7 @@ class FirstMinute {
     this.seat = { driver: null, you_drive: false, deadman: { state: "waiting" } };
     this.stopped = false;
     this.text = make("p", { role: "status" });
-    this.button = makeButton("Mark a square", () => (this.attempt ? this.#end() : this.#begin()));
+    this.button = makeButton("Mark a square", () => (this.attempt && !isDone(this.attempt) ? this.#end() : this.#begin()));
     element.append(this.text, this.button);
     station.on("seat", (seat) => {
       this.seat = seat;
@@ -67,7 +68,8 @@ class FirstMinute {
   }
 
   #show() {
-    setText(this.button, this.attempt ? "Take the square away" : "Mark a square");
+    const done = this.attempt && isDone(this.attempt);
+    setText(this.button, done ? "Mark another square" : this.attempt ? "Take the square away" : "Mark a square");
     setText(this.text, this.#sentence());
   }
 
@@ -95,6 +97,15 @@ class FirstMinute {
     const [word, key, metres] = way(this.attempt, this.#tip());
     return `${number}: keep Shift held, and push the left stick ${word}, or press ${key}: ${metres.toFixed(1)} m to go.`;
   }
+}
+
+// On a narrow screen the drawer hides the crane: what is read while driving lies over the scene there.
+function keepInSight(section) {
+  const [scene, home] = [document.getElementById("scene"), section.parentElement];
+  const narrow = matchMedia("(width < 60rem)");
+  const put = () => (narrow.matches ? scene : home).append(section);
+  narrow.addEventListener("change", put);
+  put();
 }
 
 function cm(metres) {

@@ -56,6 +56,8 @@ export class Picture {
   pose(signals) {
     const seconds = Math.min(LONGEST_S, Math.max(0, signals.time - this.time || 0));
     this.time = signals.time;
+    const known = this.crane.isKnown(signals); // where nobody tells a joint, no crane is better than a wrong one
+    for (const { root } of [this.crane, this.shadow, this.hoses, this.reach]) root.visible = known;
     this.crane.pose(signals);
     this.shadow.pose(signals);
     this.hoses.pose(signals, seconds);
@@ -63,7 +65,8 @@ export class Picture {
     this.trail.draw();
     const tip = this.tip();
     this.wish.pose(tip, signals.point(COMMAND));
-    const said = [...this.reach.pose(tip), ...this.exercise.labels(), ...this.taught.labels(), ...sway(this.crane, signals)];
+    const of_crane = known ? [...this.reach.pose(tip), ...sway(this.crane, signals)] : [];
+    const said = [...of_crane, ...this.exercise.labels(), ...this.taught.labels()];
     return [...said, ...this.limits.pose(signals, tip)];
   }
 

@@ -141,7 +141,7 @@ class View {
     if (message.kind === "failed") return this.#fail(message.text);
     this.tip = message.tip;
     this.labels.show(message.labels);
-    this.rate.textContent = `${message.rate} pictures/s · ${Math.round(100 * message.share)} %`;
+    this.rate.textContent = `${message.rate} ${message.rate === 1 ? "picture" : "pictures"}/s · ${Math.round(100 * message.share)} %`;
     this.element.dataset.rate = message.rate;
     this.#stepSoon();
   }

@@ -1,0 +1,75 @@
+"""How a joint answers a small oscillation of its spool, about a steady motion.
+
+| symbol | name | unit |
+|---|---|---|
+| A | `modes.linearise` | 1/s |
+| B | df/du of the spool's position, by central differences | |
+| H(jw) | joint rate over spool position, c (jw - A)^-1 B | rad/(s V) |
+
+It holds for amplitudes that keep the valve open, and the pose near.
+"""
+
+import math
+
+import numpy as np
+
+from forest_description.types import Complexes, Floats, Vec3
+from forest_sim.analysis.modes import linearise, operating_point, states, unguarded
+from forest_sim.hydraulics.spool_dynamics import Spool, SpoolLag
+from forest_sim.solver.plant import ports_at, state_derivative
+from forest_sim.solver.plant_parameters import PlantParameters
+
+DIFFERENCE = 1e-4  # [V] of a spool
+RATE = 1  # place of an axis' rate among its states
+
+
+def rate_response(
+    angles: Vec3, axis: int, voltage: float, p: PlantParameters, frequency: Floats
+) -> tuple[float, Complexes]:
+    """Return the rate of a joint in steady motion [rad/s], and H at some frequencies.
+
+    Args:
+        angles: pose through which the joint moves [rad].
+        axis: that moves; the others' valves are shut.
+        voltage: of its spool [V], beyond the overlap.
+        p: the machine; port valves, stops and cushions are left out.
+        frequency: [n] Hz.
+
+    Raises:
+        ValueError: the spool lies in its overlap.
+    """
+    p = unguarded(p)
+    spools = [0.0, 0.0, 0.0]
+    spools[axis] = voltage
+    point = operating_point(angles, (spools[0], spools[1], spools[2]), p)
+    a, kept = linearise(point, p)
+    up, down = (
+        states(state_derivative(point.plant, ports_at(_moved(point.spools, axis, by), p), p))
+        for by in (DIFFERENCE, -DIFFERENCE)
+    )
+    b = (up - down)[list(kept)] / (2.0 * DIFFERENCE)
+    if not b.any():
+        raise ValueError(f"{voltage:g} V leave the valve shut; allowed: more than its deadband")
+    place = kept.index(6 * axis + RATE)
+    values, vectors = np.linalg.eig(a)
+    weights = vectors[place] * np.linalg.solve(vectors, b.astype(complex))
+    s = 2j * math.pi * frequency[:, np.newaxis]
+    response: Complexes = np.sum(weights / (s - values), axis=1)
+    return point.plant.axes[axis].rate, response
+
+
+def spool_response(lag: SpoolLag, frequency: Floats) -> Complexes:
+    """Return the position of a spool over its voltage at some frequencies [Hz]."""
+    if lag.frequency == math.inf:
+        return np.ones(len(frequency), dtype=complex)
+    s = 2j * math.pi * frequency / lag.frequency
+    response: Complexes = 1.0 + s if lag.damping == 0.0 else 1.0 + 2.0 * lag.damping * s + s * s
+    return 1.0 / response
+
+
+def _moved(spools: tuple[Spool, Spool, Spool], axis: int, by: float) -> tuple[Spool, Spool, Spool]:
+    one, two, three = (
+        spool._replace(position=spool.position + by) if place == axis else spool
+        for place, spool in enumerate(spools)
+    )
+    return one, two, three

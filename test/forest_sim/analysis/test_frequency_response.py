@@ -1,0 +1,77 @@
+"""A joint's answer to its spool: as the simulated machine answers a small oscillation in motion."""
+
+import math
+
+import numpy as np
+import pytest
+
+from forest_description.derived.limits import start_tip
+from forest_description.machine import load_machine
+from forest_sim.analysis.frequency_response import rate_response, spool_response
+from forest_sim.analysis.modes import operating_point, unguarded
+from forest_sim.hydraulics.spool_dynamics import CENTRED, SpoolLag, spool_after
+from forest_sim.simulation.open_loop import start_angles
+from forest_sim.solver.compiled_plant import fastest_record
+from forest_sim.solver.plant_parameters import plant_parameters
+from forest_sim.solver.state_recording import ENERGY, STATE
+from forest_sim.solver.step_schedule import even
+
+STEP = 1e-3  # [s]
+AT_ONCE = SpoolLag(math.inf, 0.0)
+
+
+def answered(machine, angles, axis, volts, rate, frequency, amplitude=0.02, cycles=24):
+    """Return the rate's amplitude and phase over the spool's, when the joint comes through the pose.
+
+    It is half the difference of two runs: what the motion itself changes cancels.
+    """
+    p = unguarded(plant_parameters(machine))
+    p = p._replace(valves=tuple(valve._replace(lag=AT_ONCE) for valve in p.valves))
+    spools = tuple(volts if place == axis else 0.0 for place in range(3))
+    count = round(cycles / frequency / STEP)
+    before = rate * STEP * (count - 0.5 / frequency / STEP)
+    begun = tuple(angle - before * (place == axis) for place, angle in enumerate(angles))
+    point = operating_point(begun, spools, p)
+    time = STEP * np.arange(count)
+    rates = []
+    for sign in (1.0, -1.0):
+        given = np.tile(spools, (count, 1))
+        given[:, axis] += sign * amplitude * np.sin(2.0 * np.pi * frequency * (time + 0.5 * STEP))
+        states = np.zeros((count, len(STATE)))
+        fastest_record()(point, given, even(STEP, count, 1), p, states, np.zeros((count, len(ENERGY))))
+        rates.append(states[:, STATE.index(f"{('swing', 'boom', 'stick')[axis]}_rate")])
+    wave = 0.5 * (rates[0] - rates[1])
+    last = slice(count - round(1.0 / frequency / STEP), count)  # a whole cycle, the start's transient gone
+    turning = np.exp(-2j * np.pi * frequency * (time[last] + STEP))
+    return 2j * np.mean(wave[last] * turning) / amplitude
+
+
+@pytest.mark.parametrize(("axis", "volts"), [(0, 4.0), (1, 3.0), (2, -3.0)])
+@pytest.mark.parametrize("frequency", [8.0, 20.0])
+def test_the_simulated_machine_answers_so(axis, volts, frequency):
+    machine = load_machine("c180_real")
+    angles = start_angles(machine, start_tip(machine))
+    rate, told = rate_response(angles, axis, volts, plant_parameters(machine), np.array([frequency]))
+    assert rate * volts > 0.0
+    measured = answered(machine, angles, axis, volts, rate, frequency)
+    assert abs(measured - told[0]) < 0.03 * abs(told[0])
+
+
+def test_a_shut_valve_has_no_answer():
+    machine = load_machine("c180")
+    with pytest.raises(ValueError, match="allowed: more than its deadband"):
+        rate_response((0.0, 0.5, -1.5), 1, 0.0, plant_parameters(machine), np.array([1.0]))
+
+
+@pytest.mark.parametrize("lag", [SpoolLag(60.0, 0.0), SpoolLag(60.0, 0.7)])
+def test_a_spool_answers_as_its_law_does(lag):
+    frequency, step = 12.0, 1e-5
+    spool, seen = CENTRED, []
+    times = step * np.arange(round(2.0 / step))
+    for time in times.tolist():
+        spool = spool_after(spool, math.sin(2.0 * math.pi * frequency * (time + 0.5 * step)), step, lag)
+        seen.append(spool.position)
+    last = slice(-round(4.0 / frequency / step), None)
+    measured = 2j * np.mean(np.array(seen)[last] * np.exp(-2j * np.pi * frequency * (times[last] + step)))
+    assert abs(measured - spool_response(lag, np.array([frequency]))[0]) < 1e-3
+    assert spool_response(AT_ONCE, np.array([frequency]))[0] == 1.0
