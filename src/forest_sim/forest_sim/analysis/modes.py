@@ -26,6 +26,7 @@ import numpy as np
 from scipy.linalg import eig
 
 from forest_description.types import AXES, Floats, Vec3
+from forest_sim.hydraulics.command_history import held_commands
 from forest_sim.hydraulics.load_holding import is_held, restriction
 from forest_sim.hydraulics.port import is_shut
 from forest_sim.hydraulics.spool_dynamics import STUCK, Spool
@@ -83,7 +84,8 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
         p: the machine, `unguarded`.
     """
     rest = equilibrium(angles, p)
-    held = rest._replace(spools=(Spool(spools[0], 0.0), Spool(spools[1], 0.0), Spool(spools[2], 0.0)))
+    one, two, three = (Spool(position, 0.0, position) for position in spools)
+    held = rest._replace(spools=(one, two, three), history=held_commands(spools))
     still = (
         p.valves[0]._replace(lag=STUCK),
         p.valves[1]._replace(lag=STUCK),

@@ -39,6 +39,12 @@ _LONG_AGO: Row = (AGED, AGED, AGED, AGED, AGED, AGED, AGED, AGED, AGED, AGED, AG
 NO_COMMANDS = CommandHistory(_LONG_AGO, _ZEROS, _ZEROS, _ZEROS)
 
 
+def held_commands(voltages: Vec3) -> CommandHistory:
+    """Return the history of voltages [V] that have been held for long."""
+    one, two, three = ((v, v, v, v, v, v, v, v, v, v, v, v) for v in voltages)
+    return CommandHistory(_LONG_AGO, one, two, three)
+
+
 def after_dead_time(history: CommandHistory, voltages: Vec3, step: float, dead_times: Vec3) -> Acting:
     """Return what acts on the spools in a step.
 
