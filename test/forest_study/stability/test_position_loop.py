@@ -41,10 +41,13 @@ def swings(machine, axis, volts, gain, seconds):
 
 
 def linear(machine):
-    """The machine without what the loop leaves out: play, slew limit and load holding of its valves."""
+    """The machine without what the loop leaves out, play, slew limit and load holding of its valves.
+
+    Their dead time is left out, too: with it the stick's push fades into the pose's own change.
+    """
     return replace(
         machine,
-        valve=replace(machine.valve, hysteresis=None, spool_slew_limit=None),
+        valve=replace(machine.valve, hysteresis=None, dead_time=None, spool_slew_limit=None),
         boom=replace(machine.boom, holding_1=None),
         stick=replace(machine.stick, holding_1=None, holding_2=None),
     )
