@@ -14,22 +14,14 @@ from forest_sim.solver.plant import AxisState, PlantState, valve_ports
 from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 
-def with_valves_moved(
-    plant: PlantState, lifts: AllLifts, spools: Spools, h: float, p: PlantParameters
-) -> tuple[PlantState, AllLifts]:
-    """Return the plant and the lifts with which a step of h [s] begins; not inlined."""
+def lifts_after(plant: PlantState, lifts: AllLifts, spools: Spools, h: float, p: PlantParameters) -> AllLifts:
+    """Return the lifts with which a step of h [s] is made; not inlined."""
     supply = plant.supply.pressure
-    swing = _moved(plant.swing, lifts[0], spools[0].position, p.valves[0].law, supply, h, p.swing)
-    boom = _moved(plant.boom, lifts[1], spools[1].position, p.valves[1].law, supply, h, p.boom)
-    stick = _moved(plant.stick, lifts[2], spools[2].position, p.valves[2].law, supply, h, p.stick)
-    stopped = PlantState(
-        _stopped(plant.swing, swing, p.swing),
-        _stopped(plant.boom, boom, p.boom),
-        _stopped(plant.stick, stick, p.stick),
-        plant.supply,
-        plant.head,
+    return (
+        _moved(plant.swing, lifts[0], spools[0].position, p.valves[0].law, supply, h, p.swing),
+        _moved(plant.boom, lifts[1], spools[1].position, p.valves[1].law, supply, h, p.boom),
+        _moved(plant.stick, lifts[2], spools[2].position, p.valves[2].law, supply, h, p.stick),
     )
-    return stopped, (swing, boom, stick)
 
 
 def _moved(
@@ -53,12 +45,6 @@ def _line_pressure(flow: float, port: Port, supply: float) -> float:
     return 0.0 if is_shut(port) else port_pressure(0.0, flow, port, supply)
 
 
-def _stopped(s: AxisState, lifts: Lifts, axis: Axis) -> AxisState:
-    """Return an axis whose oil has stopped at a valve that has shut on it."""
-    flow_1 = _flow(s.flow_1, lifts.one, axis.holding_1)
-    flow_2 = -_flow(-s.flow_2, lifts.two, axis.holding_2)
-    return AxisState(s.angle, s.rate, s.pressure_1, s.pressure_2, flow_1, flow_2)
-
-
-def _flow(flow: float, lift: float, v: HoldingValve) -> float:
+def flowing(flow: float, lift: float, v: HoldingValve) -> float:
+    """Return a flow to the actuator [m^3/s] with which a step begins: none from it through a shut valve."""
     return 0.0 if is_held(flow, restriction(lift, v)) else flow

@@ -18,7 +18,7 @@ from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.conserved_oil import settled, with_contents
-from forest_sim.solver.holding_step import with_valves_moved
+from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.multibody import HeadState
 from forest_sim.solver.plant import AxisState, PlantState, holds_loads, ports_at, with_lifts
@@ -54,9 +54,9 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     end = spools_after(simulation.spools, acting, h, p)
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
     if holds_loads(p):
-        plant, lifts = with_valves_moved(plant, lifts, simulation.spools, h, p)
+        lifts = lifts_after(plant, lifts, simulation.spools, h, p)
         ports = with_lifts(ports, lifts)
-    base = start = held = with_contents(plant, p)
+    base = start = held = with_contents(plant, lifts, p)
     ahead = after = plant
     failures = 0
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
@@ -77,7 +77,7 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
 def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:
     """Return the voltages that act on the spools in a step: those given, or those of a dead time ago [V]."""
     late = p.valves[0].lag.dead_time, p.valves[1].lag.dead_time, p.valves[2].lag.dead_time
-    if late[0] == 0.0 and late[1] == 0.0 and late[2] == 0.0:
+    if late[0] + late[1] + late[2] == 0.0:
         return Acting(voltages, history)
     return after_dead_time(history, voltages, h, late)
 

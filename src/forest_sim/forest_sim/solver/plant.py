@@ -127,7 +127,7 @@ def with_lifts(ports: tuple[Ports, Ports, Ports], lifts: AllLifts) -> tuple[Port
 
 def holds_loads(p: PlantParameters) -> bool:
     """Tell whether a machine has load-holding valves."""
-    return p.swing.holds != 0 or p.boom.holds != 0 or p.stick.holds != 0
+    return p.swing.holds + p.boom.holds + p.stick.holds != 0
 
 
 def transmissions(

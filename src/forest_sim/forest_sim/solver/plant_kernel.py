@@ -34,7 +34,7 @@ NOINLINE = (
     spool_dynamics._second_order,
     spool_dynamics._driven_spool,
     command_history.after_dead_time,
-    holding_step.with_valves_moved,
+    holding_step.lifts_after,
     axis_stage._solve_with_holding,
     valve_characteristic._curved_opening,
     implicit_stage._iterate_further,
