@@ -45,6 +45,8 @@ def test_every_message_of_step_k_is_stamped_k_dt_and_logged_then(lockstep_bag):
         assert series.log_time_ns.tolist() == expected, topic.name
     assert max(abs(bag.series(topics.VALVE_VOLTAGES).values).max(axis=0)) > 1.0
     assert not bag.series(topics.AUXILIARY).column("missed_deadlines").any()
+    mass = bag.series(topics.GROUND_TRUTH_LOAD).column("mass")
+    assert mass.tolist() == [0.0] * 60 + [400.0] * 80 + [0.0] * 60
 
 
 def test_the_joystick_replayed_beside_programs_that_take_every_core_gives_the_run_again_to_the_last_bit(

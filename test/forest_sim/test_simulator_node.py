@@ -12,6 +12,8 @@ from stall import Stall
 
 pytest.importorskip("rclpy")
 
+from std_srvs.srv import Trigger
+
 from forest_description.derived.limits import start_tip
 from forest_description.geometry.kinematics import tip_orientation
 from forest_description.machine import load_machine
@@ -88,6 +90,15 @@ def rig(peer, start_simulator):
         return Rig(peer, start_simulator, *ros_args)
 
     return start
+
+
+def call(peer, action):
+    """What the simulator answers to ~/grasp or ~/drop."""
+    client = peer.node.create_client(Trigger, f"/simulator/{action}")
+    peer.until(client.service_is_ready)
+    future = client.call_async(Trigger.Request())
+    peer.until(future.done)
+    return future.result().success, future.result().message
 
 
 def missed(message):
@@ -175,11 +186,20 @@ def test_voltages_move_every_joint_in_the_direction_of_their_sign(rig, peer):
     peer.until(moved)
 
 
-def test_without_voltages_nothing_moves(rig, peer):
-    r = rig()
+def test_without_voltages_nothing_moves_until_a_log_is_grasped_and_it_springs_back_when_that_is_dropped(
+    rig, peer
+):
+    r, loads = rig("-p", "log_mass:=800.0"), peer.hear(topics.GROUND_TRUTH_LOAD)
     peer.until(lambda: len(r.truth) > 100)
     assert list(r.truth[-1].position) == pytest.approx(list(r.truth[0].position), abs=1e-9)
     assert r.centred()
+    rest = r.truth[0].position[1]
+    assert call(peer, "drop") == (False, "the head holds no log; grasp one first")
+    assert call(peer, "grasp") == (True, "holds a log of 800 kg, 4 m long")
+    peer.until(lambda: r.truth[-1].position[1] < rest - 4e-4 and list(loads[-1].data[2:]) == [800.0, 4.0])
+    assert call(peer, "grasp") == (False, "the head holds a log of 800 kg already; drop it first")
+    assert call(peer, "drop") == (True, "dropped a log of 800 kg")
+    peer.until(lambda: r.truth[-1].position[1] > rest - 2.5e-4 and loads[-1].data[2] == 0.0)
 
 
 def test_when_voltages_stop_the_spools_centre_within_the_timeout_and_not_before(rig, peer):
@@ -219,6 +239,8 @@ REFUSED = {
     "initial_tip:=[5.5, .nan, 1.0]": "parameter 'initial_tip' is [5.5, nan, 1.0]; allowed: ",
     "sensor_noise:=3": "parameter 'sensor_noise' is 3; allowed: true or false",
     "seed:=-1": "parameter 'seed' is -1; allowed: 0 .. ",
+    'loads:="500 kg at 2 s"': "parameter 'loads': '500 kg at 2 s' is no load; allowed: MASS kg from TIME s",
+    "log_mass:=-3.0": "parameter 'log_mass' is -3.0; allowed: 1 .. 10000 kg",
     'sensor_faults:="boom: frozen"': "parameter 'sensor_faults': 'boom: frozen': there is no sensor 'boom'",
     'sensor_faults:="boom_spool: melted"': "'melted' is no fault; allowed: absent; frozen; bias NUMBER UNIT",
     "machine:=loader -p initial_tip:=[5.5, 0.0, 1.0]": "the reach from there is 0.2 .. 4.3 m",

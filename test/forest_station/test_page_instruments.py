@@ -18,12 +18,13 @@ SIGNALS = (
     ("valve_driver/status/boom_backward_deadband", "V"),
     ("valve_driver/status/boom_forward_deadband", "V"),
     ("hydraulics/auxiliary/tank_temperature", "K"),
+    ("ground_truth/load/mass", "kg"),
     ("joint_states/boom.position", "rad"),
     *((f"tip/{kind}/{axis}", "") for kind in ("pose", "twist", "twist_command") for axis in "xyz"),
 )
 RATE = 30.0  # [Hz] of the frames
 UNKNOWN = (math.nan,) * 3  # the tip's command, as in the joint scheme
-FRAME = [18e6, 5e-4, 2.5, 1.25, 1.5, 313.15, math.pi / 6, 4.0, 0.0, 1.0, 0.3, 0.0, 0.4, *UNKNOWN]
+FRAME = [18e6, 5e-4, 2.5, 1.25, 1.5, 313.15, 620.0, math.pi / 6, 4.0, 0.0, 1.0, 0.3, 0.0, 0.4, *UNKNOWN]
 
 
 @pytest.fixture(scope="module")
@@ -51,11 +52,22 @@ def test_values_are_told_in_the_operators_units(met: PageStandIn) -> None:
         ("flows", "supply 30.0"),
         ("spools", "boom valve 2.50"),
         ("temperatures", "tank 40.0"),
+        ("load", "log 620"),
         ("joints", "boom 30.0"),
         ("power", "hydraulic power 9.0"),
         ("power", "energy of the minute 90"),
     ):
         shows(met, panel, text)
+
+
+def test_the_driver_has_the_head_grasp_and_drop(met: PageStandIn) -> None:
+    for button, act in (("Grasp a log", "grasp"), ("Drop it", "drop")):
+        met.page.get_by_role("button", name=button).click()
+        met.page.wait_for_function("() => document.querySelector('#load .said').textContent === 'done'")
+        assert {"do": "grapple", "act": act}.items() <= met.asked[-1].items()
+    met.tell_seat(driver="operator 2")
+    met.page.wait_for_selector("#load button:disabled")
+    met.tell_seat()
 
 
 def test_an_instrument_is_one_file_dropped_in(met: PageStandIn) -> None:

@@ -12,6 +12,6 @@ def lockstep_session(out, source):
     return [
         graph.joystick(str(source), 0.0, 0, faults),
         *graph.control("c180", "jacobian_position", shadow=False, describe=False),
-        graph.simulator("c180"),
+        graph.simulator("c180", "400 kg from 0.3 s; 0 kg from 0.7 s"),
         graph.recorder(out / "bag"),
     ]

@@ -133,9 +133,10 @@ def control(
     )
 
 
-def simulator(machine: str) -> NodeSpec:
-    """Return the simulated machine."""
-    return NodeSpec("simulator", "forest_sim.simulator_node", machine_arguments(machine), urgent=True)
+def simulator(machine: str, loads: str = "") -> NodeSpec:
+    """Return the simulated machine, with a schedule of the logs in its head."""
+    arguments = machine_arguments(machine) + (parameter("loads", loads) if loads else ())
+    return NodeSpec("simulator", "forest_sim.simulator_node", arguments, urgent=True)
 
 
 def recorder(bag: Path) -> NodeSpec:

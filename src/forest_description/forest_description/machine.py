@@ -13,7 +13,7 @@ from pathlib import Path
 from forest_description.components.drives import CylinderDrive, SwingDrive
 from forest_description.components.hose import GeometricHose, Hose, Line, MeasuredHose
 from forest_description.components.inertia import require_rigid
-from forest_description.components.load import Log, Pendulum
+from forest_description.components.load import Log, Pendulum, RotatorAndGrapple
 from forest_description.components.oil import Oil
 from forest_description.components.pump import Pump
 from forest_description.components.sensors import Sensors
@@ -39,7 +39,7 @@ class Manipulator(ParameterSet):
     """
 
     log: Log | None
-    pendulum: Pendulum | None
+    pendulum: Pendulum | RotatorAndGrapple | None
     gravity: float = parameter("m/s2", 0.0, 30.0, "acceleration of gravity g")
     platform_tilt: float = parameter("rad", -1.0, 1.0, "tilt λ of the platform about its x axis")
     base_mass: float = parameter("kg", 0.0, 1e6, "mass of the swing base m1")
@@ -89,6 +89,11 @@ class Manipulator(ParameterSet):
             return
         if self.head_mass <= 0.0:
             raise MachineError("head_mass: a head that hangs (pendulum) needs a mass above 0 kg")
+        if isinstance(self.pendulum, RotatorAndGrapple) and self.pendulum.rotator_mass >= self.head_mass:
+            raise MachineError(
+                f"pendulum.rotator_mass ({self.pendulum.rotator_mass:g} kg) must be smaller than head_mass "
+                f"({self.head_mass:g} kg): the head is rotator and grapple together"
+            )
         if self.log is not None and (self.log.x < 0.0 or self.log.y != 0.0):
             raise MachineError(
                 f"log: ({self.log.x:g}, {self.log.y:g}) m: in a head that hangs (pendulum) its centre must "

@@ -7,7 +7,8 @@ the machine's command timeout count as zero.
 
 Sensors are exact unless `sensor_noise` is set; `sensor_faults` hold either way. A sensor that is
 absent, or drops its sample, is missing from its message; a message of which nothing is left is not
-sent. `stuck_spools` and `tip_force` may be set while the node runs.
+sent. `stuck_spools` and `tip_force` may be set while the node runs. Live, `~/grasp` and `~/drop` take
+a log into the head and let it go.
 """
 
 import sys
@@ -25,13 +26,15 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter
+from forest_msgs_py.runtime.services import offer_triggers
 from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.types import PERIOD, PERIOD_NS
 from forest_sim.simulation.deadlines import Deadlines
 from forest_sim.simulation.disturbance import parse_disturbance
+from forest_sim.simulation.grapple import Grapple
 from forest_sim.simulation.sensor_log import topic_values
 from forest_sim.simulation.simulator_parameters import SimulatorParameters, simulated_machine
-from forest_sim.simulation.simulator_topics import PART, SimulatorInputs, SimulatorOutputs
+from forest_sim.simulation.simulator_topics import PART, SimulatorInputs, SimulatorOutputs, further_topics
 
 
 class SimulatorNode(Node):
@@ -50,8 +53,8 @@ class SimulatorNode(Node):
             )
         self._changing = threading.Lock()  # parameters come in the executor's thread
         self.add_on_set_parameters_callback(self._on_parameters)
-        self._hangs = machine.manipulator.pendulum is not None
-        self._outputs = SimulatorOutputs(self._node_clock, p.plain_arrays, self._hangs)
+        further = further_topics(machine, bool(p.loads) or not self._node_clock.lockstep)
+        self._outputs = SimulatorOutputs(self._node_clock, p.plain_arrays, further)
         publisher = self._node_clock.publisher(topics.DIAGNOSTICS)
         self._diagnostics = Diagnostics(self, (PART, "machine"), "valves centred", publisher)
         self._outputs.say_description(machine)
@@ -62,6 +65,8 @@ class SimulatorNode(Node):
         self._deadlines = Deadlines(time.monotonic_ns(), PERIOD_NS)
         if self._node_clock.lockstep:
             self._node_clock.every(0.0, self._make_step)
+        else:  # a service knows no step
+            offer_triggers(self, Grapple(self._machine, self._changing, self.get_parameter).actions)
 
     def _on_parameters(self, changed: list[Any]) -> SetParametersResult:
         values = {name: self.get_parameter(name).value for name in ("stuck_spools", "tip_force")}
@@ -77,7 +82,7 @@ class SimulatorNode(Node):
     def _machine_values(self) -> dict[str, Any]:
         counts = self._machine.events._asdict() | {"missed_deadlines": self._deadlines.missed}
         named = {f"{what.replace('_', ' ')} since start": count for what, count in counts.items()}
-        return {"machine": self._machine.machine.name} | named
+        return {"machine": self._machine.machine.name, "load [kg]": self._machine.load.mass} | named
 
     def _keep_time(self, stopping: threading.Event) -> None:
         """Keep the time, live, until the node stops."""
@@ -99,9 +104,7 @@ class SimulatorNode(Node):
         with self._changing:
             report = self._machine.step(voltages)
         values = topic_values(report, self._machine.events, self._deadlines.missed)
-        if self._hangs:
-            values[topics.GROUND_TRUTH_HEAD] = self._machine.head_joints
-        self._outputs.say(self._stamp, values)
+        self._outputs.say(self._stamp, values, self._machine)
         self._diagnostics.publish(self._stamp)  # last: nobody waits for it
 
 

@@ -32,6 +32,17 @@ LONG = """stick:
   retracted_length: = 1.2 m
   stroke: = 1.5 m
 """
+GRAPPLE = """manipulator:
+  pendulum:
+    kind: grapple
+    rotator_mass: = {mass} kg
+    rotator_centre: = {centre} m
+    rotator_length: = 0.5 m
+    grapple_centre: = 0.5 m
+    grapple_inertia: = 90 kg*m2
+    grip: = 0.8 m
+    damping: = 400 N*m*s/rad
+"""
 BODIES = [
     ("c180", "boom_xx: = 0 kg*m2", "boom_zz (833.6518 kg*m2) must not be above boom_xx + boom_yy (756.0469"),
     ("c180", "boom_xx: = 0 kg*m2", "no rigid body has such moments of inertia; allowed: boom_xx of 77.6049 "),
@@ -71,6 +82,31 @@ OTHERS = [
         "boom.angle_offset: over the stroke the boom goes from 87.3 to 196.0 deg; allowed: within -180",
     ),
     ("c180", "boom:\n  angle_offset: = 300 deg\n", 3, "the boom goes from -274.7 to -166.0 deg; allowed"),
+    (
+        "c180",
+        GRAPPLE.format(mass=700, centre=0.2),
+        5,
+        "pendulum.rotator_mass (700 kg) must be smaller than head_mass (700 kg): the head is rotator and",
+    ),
+    (
+        "c180",
+        GRAPPLE.format(mass=100, centre=0.6),
+        6,
+        "manipulator.pendulum.rotator_centre (0.6 m) must be smaller than rotator_length (0.5 m)",
+    ),
+    ("c180", GRAPPLE.format(mass=-1, centre=0.2), 5, "rotator_mass = -1 kg is outside the range 0 .. 100000"),
+    (
+        "c180",
+        "manipulator:\n  pendulum:\n    kind: claw\n",
+        4,
+        "manipulator.pendulum.kind = 'claw' is unknown; allowed: no kind, grapple",
+    ),
+    (
+        "loader",
+        "manipulator:\n  log:\n    mass: = 80 kg\n    x: = 0.6 m\n    y: = 0 m\n    length: = 70 m\n",
+        7,
+        "manipulator.log.length = 70 m is outside the range 0 .. 50 m",
+    ),
     (
         "c180",
         "port_valves:\n  relief_pressure: = 200 bar\n",

@@ -120,7 +120,7 @@ NOT_A_NUMBER = [
     (f"{TABLE}.voltages", f"voltages: {number(3, 'V')}", f"{TABLE}.voltages.value", "values, unit, source"),
     ("manipulator.gravity", f"gravity: {number('.nan', 'm/s2')}", "manipulator.gravity", "0 .. 30 m/s2"),
     ("boom.stroke", "stroke: {value: 480, unit: mm}", "boom.stroke.source", "source: where it comes from"),
-    ("manipulator.log", "log: 3", "manipulator.log", "mass, x, y or null"),
+    ("manipulator.log", "log: 3", "manipulator.log", "mass, x, y, length or null"),
 ]
 WORDS = [
     ("boom.flow_regime", "flow_regime: wild", "boom.flow_regime = 'wild'", "laminar, turbulent"),

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from forest_description.components.load import Log, Pendulum
+from forest_description.components.load import Log, Pendulum, RotatorAndGrapple
 from forest_description.derived.bodies import (
     PlanarBody,
     boom_body,
@@ -13,6 +13,7 @@ from forest_description.derived.bodies import (
     hanging_body,
     point_mass,
     stick_body,
+    with_log,
 )
 from forest_description.machine import load_machine
 
@@ -97,3 +98,40 @@ def test_head_and_log_weigh_in_the_stick_or_hang_never_both():
     assert hanging.mass * hanging.length == pytest.approx(C180.head_mass * 0.9 + log.mass * log.x)
     about_joint = 60.0 + C180.head_mass * 0.9**2 + log.mass * log.x**2
     assert hanging.inertia + hanging.mass * hanging.length**2 == pytest.approx(about_joint)
+
+
+PARTS = RotatorAndGrapple(
+    rotator_mass=100.0,
+    rotator_centre=0.2,
+    rotator_length=0.5,
+    grapple_centre=0.6,
+    grapple_inertia=80.0,
+    grip=0.9,
+    damping=300.0,
+)
+HANGING = dataclasses.replace(C180, pendulum=PARTS)
+
+
+def test_rotator_and_grapple_are_one_head_of_both_their_masses():
+    head, grapple = hanging_body(HANGING), C180.head_mass - 100.0
+    assert head.mass == C180.head_mass
+    assert head.mass * head.length == pytest.approx(100.0 * 0.2 + grapple * 1.1)
+    about_joint = 100.0 * 0.2**2 + 80.0 + grapple * 1.1**2
+    assert head.inertia + head.mass * head.length**2 == pytest.approx(about_joint)
+
+
+@pytest.mark.parametrize(
+    ("crane", "place"),
+    [
+        (C180, (0.0, 0.0)),
+        (dataclasses.replace(C180, pendulum=Pendulum(0.9, 60.0, 250.0)), (0.9, 0.0)),
+        (HANGING, (1.4, 0.0)),
+        (dataclasses.replace(C180, log=Log(1.0, 0.3, -0.2)), (0.3, -0.2)),
+    ],
+    ids=["fixed head", "hanging head", "grapple", "log of its own"],
+)
+def test_a_log_is_held_where_the_head_grips(crane, place):
+    holding = with_log(crane, 450.0, 4.0)
+    assert holding.log == Log(450.0, *place, 4.0)
+    assert holding.log.inertia == pytest.approx(450.0 * 4.0**2 / 12.0)
+    assert with_log(holding, 0.0, 4.0) == dataclasses.replace(crane, log=None)

@@ -1,6 +1,7 @@
 """A joint's answer to its spool: as the simulated machine answers a small oscillation in motion."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -49,7 +50,8 @@ def answered(machine, angles, axis, volts, rate, frequency, amplitude=0.02, cycl
 @pytest.mark.parametrize(("axis", "volts"), [(0, 4.0), (1, 3.0), (2, -3.0)])
 @pytest.mark.parametrize("frequency", [8.0, 20.0])
 def test_the_simulated_machine_answers_so(axis, volts, frequency):
-    machine = load_machine("c180_real")
+    hanging = load_machine("c180_real")  # a head that hangs sways on for longer than is measured
+    machine = replace(hanging, manipulator=replace(hanging.manipulator, pendulum=None))
     angles = start_angles(machine, start_tip(machine))
     rate, told = rate_response(angles, axis, volts, plant_parameters(machine), np.array([frequency]))
     assert rate * volts > 0.0

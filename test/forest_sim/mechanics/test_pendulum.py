@@ -8,7 +8,7 @@ import pytest
 from energies import kinetic_energy, pendulum_kinetic_energy, pendulum_potential_energy, potential_energy
 from scipy.integrate import solve_ivp
 
-from forest_description.components.load import Pendulum
+from forest_description.components.load import Log, Pendulum
 from forest_description.machine import load_machine
 from forest_sim.mechanics import pendulum
 from forest_sim.mechanics.manipulator import dynamics, fold_head
@@ -22,7 +22,10 @@ from forest_sim.mechanics.pendulum import (
 
 C180 = load_machine().manipulator
 HANGING = dataclasses.replace(
-    C180, platform_tilt=0.15, pendulum=Pendulum(length=0.9, inertia=60.0, damping=250.0)
+    C180,
+    platform_tilt=0.15,
+    pendulum=Pendulum(length=0.9, inertia=60.0, damping=250.0),
+    log=Log(mass=500.0, x=1.4, y=0.0, length=4.0),
 )
 BODY, HEAD = fold_head(HANGING), hanging_head(HANGING)
 G = 9.81
@@ -147,7 +150,7 @@ def test_hangs_still_at_rest_along_gravity(tilt, swing):
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_small_swings_have_the_frequency_of_a_compound_pendulum(axis):
-    """sqrt(m g L / (I_t + m L^2)), from the linearised equations with the crane held."""
+    """sqrt(m g L / I), I about the joint; a log of 4 m turns in the crane's plane and rolls out of it."""
     h = 1e-5
     body = fold_head(dataclasses.replace(HANGING, platform_tilt=0.0))
 
@@ -157,13 +160,15 @@ def test_small_swings_have_the_frequency_of_a_compound_pendulum(axis):
 
     stiffness = (at(h).head_bias[axis] - at(-h).head_bias[axis]) / (2 * h)
     inertia = (at(0.0).m_alpha, at(0.0).m_beta)[axis]
-    expected = math.sqrt(HEAD.mass * G * HEAD.length / (HEAD.inertia + HEAD.mass * HEAD.length**2))
+    moment = 700.0 * 0.9 + 500.0 * 1.4
+    about_joint = 60.0 + 700.0 * 0.9**2 + 500.0 * 1.4**2 + (500.0 * 4.0**2 / 12.0 if axis == 0 else 0.0)
+    expected = math.sqrt(G * moment / about_joint)
     assert math.sqrt(stiffness / inertia) == pytest.approx(expected, rel=1e-8)
 
 
 def test_head_without_length_or_inertia_is_the_point_mass_folded_into_the_stick():
-    point = HangingHead(HANGING.head_mass, 1e-9, 0.0, 0.0)
-    folded = fold_head(dataclasses.replace(HANGING, pendulum=None))
+    point = HangingHead(HANGING.head_mass, 1e-9, 0.0, 0.0, 0.0, 0.0)
+    folded = fold_head(dataclasses.replace(HANGING, pendulum=None, log=None))
     assert C180.head_folding == "full"
     for x in states(50, 7):
         q, rates, angles, angle_rates = split(x)
@@ -177,7 +182,7 @@ def test_head_without_length_or_inertia_is_the_point_mass_folded_into_the_stick(
 
 def test_head_does_not_weigh_twice():
     assert BODY.stick_mass == HANGING.stick_mass
-    assert HEAD.mass == HANGING.head_mass
+    assert HEAD.mass == HANGING.head_mass + 500.0
     assert hanging_head(C180).mass == 0.0
     assert fold_head(C180).stick_mass == C180.stick_mass + C180.head_mass
 

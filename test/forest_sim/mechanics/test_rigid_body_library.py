@@ -17,6 +17,7 @@ pin = pytest.importorskip("pinocchio", reason="the rigid-body library (PyPI: pin
 TILT, COUNT, CLOSE = 0.13, 100, 1e-8
 C180, THESIS, LOADER = load_machine("c180"), load_machine("c180_thesis"), load_machine("loader")
 LOG = Log(mass=900.0, x=0.4, y=-0.3)
+LONG_LOG = Log(mass=500.0, x=1.4, y=0.0, length=4.0)
 HANGING = {"pendulum": Pendulum(0.9, 60.0, 0.0), "log": Log(500.0, 1.4, 0.0)}
 DRIVEN = ("swing", "boom", "stick")
 FROM_ABSOLUTE = np.eye(5)  # the joint at the tip turns against the stick, alpha counts from the vertical
@@ -62,10 +63,18 @@ def assert_close(ours, theirs):
         variant(C180),
         variant(THESIS),
         variant(C180, log=LOG),
+        variant(C180, log=LONG_LOG),
         variant(THESIS, log=LOG, stick_xy=120.0),
         variant(LOADER, pendulum=None),
     ],
-    ids=["c180", "thesis", "c180 with log", "thesis with log and product", "loader with its head fixed"],
+    ids=[
+        "c180",
+        "thesis",
+        "c180 with log",
+        "c180 with a long log",
+        "thesis with log and product",
+        "loader with its head fixed",
+    ],
 )
 def test_mass_matrix_bias_and_gravity_are_those_of_the_library(machine):
     model, body = library_model(machine), fold_head(machine.manipulator)
@@ -88,13 +97,18 @@ def model_by_hand(machine):
     lifting = pin.JointModelRevoluteUnaligned(0.0, -1.0, 0.0)
     cross = model.addJoint(model.getJointId("stick"), lifting, at_tip, HEAD_JOINTS[0])
     hook = model.addJoint(cross, pin.JointModelRX(), pin.SE3.Identity(), HEAD_JOINTS[1])
-    centre, tensor = np.array([0.0, 0.0, -head.length]), np.diag([head.inertia, head.inertia, 0.0])
+    centre, log = np.array([0.0, 0.0, -head.length]), head.log_inertia
+    tensor = np.diag([head.inertia, head.inertia + log, log])
     model.appendBodyToJoint(hook, pin.Inertia(head.mass, centre, tensor), pin.SE3.Identity())
     return model
 
 
 @pytest.mark.parametrize("build", [library_model, model_by_hand], ids=["URDF", "by hand"])
-@pytest.mark.parametrize("machine", [variant(C180, **HANGING), variant(LOADER)], ids=["c180", "loader"])
+@pytest.mark.parametrize(
+    "machine",
+    [variant(C180, **HANGING), variant(C180, **(HANGING | {"log": LONG_LOG})), variant(LOADER)],
+    ids=["c180", "c180 with a long log", "loader"],
+)
 def test_hanging_head_moves_as_in_the_library(machine, build):
     model, m = build(machine), machine.manipulator
     body, head = fold_head(m), hanging_head(m)

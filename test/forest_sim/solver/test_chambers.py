@@ -22,7 +22,8 @@ from forest_sim.solver.plant import transmissions
 from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE
 
-REAL, C180 = load_machine("c180_real"), load_machine("c180")
+HANGING, C180 = load_machine("c180_real"), load_machine("c180")
+REAL = dataclasses.replace(HANGING, manipulator=dataclasses.replace(HANGING.manipulator, pendulum=None))
 P = plant_parameters(REAL)
 POSE = (0.0, 0.4, -1.4)
 CLEAN = dataclasses.replace(REAL, oil=dataclasses.replace(REAL.oil, air=None))
@@ -40,7 +41,7 @@ PLAIN = dataclasses.replace(
 
 
 def recorded(machine, voltages, step, rows=400, period=5e-3):
-    """States [rows, 93] and energies of a run from the usual start, and both ends."""
+    """States [rows, 95] and energies of a run from the usual start, and both ends."""
     p, per_row = plant_parameters(machine), round(period / step)
     states, energies = np.zeros((rows, len(STATE))), np.zeros((rows, len(ENERGY)))
     times = (np.arange(rows * per_row) + 0.5) * step
@@ -117,14 +118,15 @@ def test_trapped_oil_stays_trapped_while_the_crane_swings_on_it():
     assert held(end) == pytest.approx(held(start), rel=1e-9)
 
 
-def test_the_error_falls_with_the_square_of_the_step():
+@pytest.mark.parametrize("machine", [REAL, HANGING], ids=["fixed head", "hanging head"])
+def test_the_error_falls_with_the_square_of_the_step(machine):
     def sines(t):
         return np.column_stack(
             [5.0 * np.sin(2.0 * t), 4.0 * np.sin(3.0 * t + 1.0), 4.0 * np.sin(2.5 * t + 2.0)]
         )
 
+    machine = dataclasses.replace(machine, valve=SMOOTH)
     angles = [STATE.index(f"{axis}_angle") for axis in ("swing", "boom", "stick")]
-    machine = dataclasses.replace(REAL, valve=SMOOTH)
     fine, *coarser = (recorded(machine, sines, step)[0][:, angles] for step in (6.25e-5, 2.5e-4, 5e-4, 1e-3))
     errors = [float(np.abs(states - fine).max()) for states in coarser]
     assert errors[2] < 5e-5

@@ -295,3 +295,18 @@ def test_a_station_that_dies_or_freezes_stops_the_crane_by_the_controllers_watch
                 assert not any(joy.held for joy in crane.ears.joy)
 
     play(scenario())
+
+
+def test_the_driver_has_the_simulated_head_grasp_and_drop(crane):
+    # The last one here: a dropped log leaves the crane rocking.
+    async def scenario():
+        async with driving(crane) as (page, _), StandInPage(crane.address) as other:
+            await crane.ears.until(lambda: "welcome" in other.heard)
+            assert not (await other.ask("grapple", act="grasp"))["ok"]
+            assert "allowed: grasp or drop" in (await page.ask("grapple", act="throw"))["text"]
+            grasped = await page.ask("grapple", act="grasp")
+            assert (grasped["ok"], grasped["text"]) == (True, "Holds a log of 500 kg, 4 m long.")
+            assert "already" in (await page.ask("grapple", act="grasp"))["text"]
+            assert (await page.ask("grapple", act="drop"))["text"] == "Dropped a log of 500 kg."
+
+    play(scenario())

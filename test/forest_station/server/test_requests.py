@@ -54,4 +54,5 @@ def test_the_driver_alone_resets_and_sets():
         "leave_seat",
         "reset_emergency_stop",
         "set_parameter",
+        "grapple",
     }

@@ -50,6 +50,11 @@ def parameter(unit: str, low: float, high: float, doc: str, may_be_left_out: boo
     return dataclasses.field(metadata=told)
 
 
+def optional_parameter(unit: str, low: float, high: float, doc: str) -> Any:
+    """Return a dataclass field for a parameter that may be left out, and is None then."""
+    return dataclasses.field(default=None, metadata={"parameter": Parameter(unit, low, high, doc)})
+
+
 def curve(unit: str, low: float, high: float, doc: str) -> Any:
     """Return a dataclass field for a row of numbers, a tuple of floats; arguments as ``parameter``."""
     return dataclasses.field(metadata={"parameter": Parameter(unit, low, high, doc), "row": True})

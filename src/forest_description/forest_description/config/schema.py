@@ -121,7 +121,8 @@ def _keys(field: FieldKind) -> str:
     """Return in words which keys a section has, or which sorts of it there are."""
     if len(field.kinds) > 1:
         return (
-            f"kind ({', '.join(str(getattr(kind, 'kind', '')) for kind in field.kinds)}) and the kind's own"
+            f"kind ({', '.join(str(getattr(kind, 'kind', 'none')) for kind in field.kinds)}) "
+            "and the kind's own"
         )
     return ", ".join(field_kinds(field.kinds[0]))
 
@@ -159,10 +160,13 @@ def sort_of(key: str, item: Branch, kinds: tuple[type, ...]) -> type:
         if named is not None:
             raise MachineError(f"{named.place}: unknown key {key}.kind: {key} has only one")
         return kinds[0]
+    if named is None and "" in sorts:
+        return sorts[""]
     text = named.text if isinstance(named, Leaf) else None
     if text not in sorts:
         place, given = (named.place, f"{key}.kind = {text!r} is unknown") if named else (item.place, "")
-        raise MachineError(f"{place}: {given or f'missing key {key}.kind'}; allowed: {', '.join(sorts)}")
+        words = ", ".join(sort or "no kind" for sort in sorts)
+        raise MachineError(f"{place}: {given or f'missing key {key}.kind'}; allowed: {words}")
     return sorts[text]
 
 

@@ -11,8 +11,10 @@ joint, y across, upwards when the link points forward, z the joint axis.
 | I_xy | product of inertia about it, the integral of x y dm (the inertia tensor holds -I_xy) | kg m^2 |
 """
 
+import dataclasses
 from typing import NamedTuple
 
+from forest_description.components.load import Log, RotatorAndGrapple
 from forest_description.machine import Manipulator
 
 
@@ -34,6 +36,7 @@ class HangingBody(NamedTuple):
     mass: float
     length: float  # joint to centre of mass [m]
     inertia: float  # about the centre of mass, across the axis [kg m^2]
+    log_inertia: float  # what a log in the crane's plane adds about the level axis across that [kg m^2]
 
 
 def point_mass(mass: float, x: float, y: float) -> PlanarBody:
@@ -90,17 +93,51 @@ def stick_body(m: Manipulator) -> PlanarBody:
         loaded = loaded._replace(xx=stick.xx, xy=stick.xy)
     if m.log is None:
         return loaded
-    return combined(loaded, point_mass(m.log.mass, m.stick_length + m.log.x, m.log.y))
+    log = point_mass(m.log.mass, m.stick_length + m.log.x, m.log.y)
+    return combined(loaded, log._replace(yy=m.log.inertia, zz=m.log.inertia))
 
 
 def hanging_body(m: Manipulator) -> HangingBody | None:
     """Return head and log under the pendulum's joint as one body, None without a pendulum."""
     if m.pendulum is None:
         return None
-    head = HangingBody(m.head_mass, m.pendulum.length, m.pendulum.inertia)
+    if isinstance(m.pendulum, RotatorAndGrapple):
+        head = _rotator_and_grapple(m.pendulum, m.head_mass)
+    else:
+        head = HangingBody(m.head_mass, m.pendulum.length, m.pendulum.inertia, 0.0)
     if m.log is None:
         return head
-    mass = head.mass + m.log.mass
-    length = (head.mass * head.length + m.log.mass * m.log.x) / mass
-    own = head.mass * (head.length - length) ** 2 + m.log.mass * (m.log.x - length) ** 2
-    return HangingBody(mass, length, head.inertia + own)
+    return _on_axis(head, HangingBody(m.log.mass, m.log.x, 0.0, m.log.inertia))
+
+
+def _rotator_and_grapple(p: RotatorAndGrapple, head_mass: float) -> HangingBody:
+    """Return both parts as one body."""
+    grapple = head_mass - p.rotator_mass, p.rotator_length + p.grapple_centre, p.grapple_inertia
+    return _on_axis(HangingBody(*grapple, 0.0), HangingBody(p.rotator_mass, p.rotator_centre, 0.0, 0.0))
+
+
+def _on_axis(a: HangingBody, b: HangingBody) -> HangingBody:
+    """Return two bodies on one axis as one: parallel axes to the common centre of mass."""
+    mass = a.mass + b.mass
+    length = (a.mass * a.length + b.mass * b.length) / mass
+    apart = a.mass * (a.length - length) ** 2 + b.mass * (b.length - length) ** 2
+    return HangingBody(mass, length, a.inertia + b.inertia + apart, a.log_inertia + b.log_inertia)
+
+
+def with_log(m: Manipulator, mass: float, length: float) -> Manipulator:
+    """Return a crane whose head holds a log of a mass [kg] and a length [m]; of no mass: none.
+
+    The log's centre is where the machine's own log has it, at the grapple's grip, or at the head's
+    centre.
+    """
+    if mass == 0.0:
+        return dataclasses.replace(m, log=None)
+    x, y = (m.log.x, m.log.y) if m.log is not None else (_grip(m), 0.0)
+    return dataclasses.replace(m, log=Log(mass, x, y, length))
+
+
+def _grip(m: Manipulator) -> float:
+    """Return how far from the tip a log is held [m]."""
+    if isinstance(m.pendulum, RotatorAndGrapple):
+        return m.pendulum.rotator_length + m.pendulum.grip
+    return 0.0 if m.pendulum is None else m.pendulum.length

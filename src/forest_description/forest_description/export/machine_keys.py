@@ -31,7 +31,8 @@ manipulator:
 
 - Without `based_on` every key must be given. *Or null* marks the keys that may be `null`; *or left
   out* those that need not be there, which means the same.
-- A section whose `kind` differs from the base's is given anew, with all its keys.
+- A section whose `kind` differs from the base's is given anew, with all its keys. A `pendulum`
+  without `kind` is one body; with `kind: grapple` its parts are told.
 - A unit may be any of the quantity. Ranges are in SI and wide: they catch a slipped decimal point,
   not an unusual crane.
 - A slip is answered with file, line, key and what is allowed: `forest-sim check my_crane.yaml`.
@@ -58,6 +59,7 @@ Numbers that contradict each other are refused, too:
 - a pump that its own leakage or its engine keeps from its pressure; half a pump
 - a compensator band above the pump's pressure or the load-sensing margin
 - friction whose `smoothing_speed` is above its `stribeck_speed`
+- a rotator as heavy as its head, or with its centre beyond its end; a log off a hanging head's axis
 
 What is possible and not wise, `forest-sim check` warns of.
 """

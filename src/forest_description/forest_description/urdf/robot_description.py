@@ -18,6 +18,7 @@ rod's eye is up to 0.17 m off). The two joints of a hanging head (`HEAD_JOINTS`)
 positions in the message.
 """
 
+import dataclasses
 import math
 from xml.etree import ElementTree
 
@@ -103,10 +104,12 @@ def _head(robot: ElementTree.Element, machine: Machine) -> None:
             _log(head, m.log, (m.log.x, 0.0, m.log.y))
         joint(robot, "head", "fixed", ("stick", "head"), tip)
         return
-    diagonal, centre = (hanging.inertia, hanging.inertia, 0.0), (0.0, 0.0, -hanging.length)
+    pitch, yaw = hanging.inertia + hanging.log_inertia, hanging.log_inertia
+    diagonal, centre = (hanging.inertia, pitch, yaw), (0.0, 0.0, -hanging.length)
     link(robot, "head_cross")
     head = link(robot, "head", Inertial(hanging.mass, centre, diagonal, 0.0))
-    visual(head, "sphere", (0.0, 0.0, -m.pendulum.length), radius=repr(ball))
+    empty = hanging_body(dataclasses.replace(m, log=None)) or hanging
+    visual(head, "sphere", (0.0, 0.0, -empty.length), radius=repr(ball))
     if m.log is not None:
         _log(head, m.log, (0.0, 0.0, -m.log.x))
     in_plane = joint(robot, HEAD_JOINTS[0], "revolute", ("stick", "head_cross"), tip, LIFTING)
@@ -116,9 +119,10 @@ def _head(robot: ElementTree.Element, machine: Machine) -> None:
 
 
 def _log(head: ElementTree.Element, log: Log, centre: Vec3) -> None:
-    """Draw a log across the crane's plane, as thick as its mass makes it."""
-    radius = math.sqrt(log.mass / (math.pi * LOG_LENGTH * LOG_DENSITY))
-    visual(head, "cylinder", centre, ALONG_Y, radius=repr(max(radius, 0.05)), length=repr(LOG_LENGTH))
+    """Draw a log as thick as its mass makes it: in the crane's plane; one without length, across that."""
+    length, direction = (log.length, ALONG_X) if log.length else (LOG_LENGTH, ALONG_Y)
+    radius = math.sqrt(log.mass / (math.pi * length * LOG_DENSITY))
+    visual(head, "cylinder", centre, direction, radius=repr(max(radius, 0.05)), length=repr(length))
 
 
 def _moving_joints(robot: ElementTree.Element, machine: Machine) -> None:

@@ -220,6 +220,11 @@ GROUND_TRUTH_HEAD = Topic(
     doc="True joints of a hanging head: its sway; without effort, and only where the machine file has one.",
     publishers=("simulator with a hanging head",), subscribers=("viewer",),
 )
+GROUND_TRUTH_LOAD = Topic(
+    name="ground_truth/load", type=FLOAT_ARRAY, labels=("mass", "length"), units=("kg", "m"), rate_hz=_RATE,
+    doc="Log in the simulated head, 0 for none. In lockstep: with a schedule, or a log in the machine file.",
+    publishers=(_SIMULATOR,), subscribers=_NOBODY,
+)
 VIEWER_JOINT_STATES = Topic(
     name="viewer/joint_states", type=JOINT_STATE, labels=(*JOINTS, *CYLINDER_JOINTS, *HEAD_JOINTS),
     units=(*("rad, rad/s, N·m",) * 4, "m, m/s, N", "rad, rad/s, N·m", "m, m/s, N", *("rad, rad/s, N·m",) * 2),

@@ -8,6 +8,7 @@ import numpy as np
 from forest_bag.plots.standard_plots import finish_axes, new_figure, widen
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats, Vec3
+from forest_sim.simulation.load import Loads
 from forest_sim.simulation.open_loop import Run, whole
 from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver.plant import AxisState
@@ -19,12 +20,14 @@ PANELS = (
     ("pressure_1", "port 1 [MPa]"),
     ("pressure_2", "port 2 [MPa]"),
 )
+SWAY = ("alpha", "sway [deg]")
 FACTORS = {
     "angle": 180.0 / np.pi,
     "rate": 180.0 / np.pi,
     "pressure_1": 1e-6,
     "pressure_2": 1e-6,
     "spool_position": 1.0,
+    "alpha": 180.0 / np.pi,
 }
 LEAST_SPAN = 1.0  # of a panel [deg; deg/s; MPa]
 
@@ -38,6 +41,7 @@ class Course:
             field: states[:, STATE.index(f"{AXES[axis]}_{field}")]
             for field in (*AxisState._fields, "spool_position")
         }
+        self._columns["alpha"] = states[:, STATE.index("head_alpha")]
 
     def column(self, field: str) -> Floats:
         """Return a state [N] in a picture's units."""
@@ -45,10 +49,10 @@ class Course:
 
 
 def compare(
-    machines: Sequence[Machine], axis: int, voltages: Voltages, angles: Vec3, run: Run
+    machines: Sequence[Machine], axis: int, voltages: Voltages, angles: Vec3, run: Run, loads: Loads = ()
 ) -> list[Course]:
-    """Run the same voltages on every machine, from the same angles [rad] at rest; return one axis' course."""
-    blocks = [(machine.name, whole(machine, voltages, angles, run)) for machine in machines]
+    """Run the same voltages and loads on every machine, all from the same angles [rad]; return one axis."""
+    blocks = [(machine.name, whole(machine, voltages, angles, run, loads)) for machine in machines]
     return [Course(name, axis, block.time, block.states) for name, block in blocks]
 
 
@@ -75,13 +79,15 @@ def draw(courses: Sequence[Course], axis: int, voltages: Voltages, out: Path) ->
         out: file.
     """
     names = " and ".join(course.name for course in courses)
-    figure, panels = new_figure(len(PANELS) + 1, 1, 10.0, f"{AXES[axis]}: {names}")
+    sways = any(course.column("alpha").any() for course in courses)
+    drawn = (*PANELS, SWAY) if sways else PANELS
+    figure, panels = new_figure(len(drawn) + 1, 1, 10.0, f"{AXES[axis]}: {names}")
     time = courses[0].time
     panels[0].plot(time, voltages.at(time)[:, axis], color="0.4")
     for place, course in enumerate(courses):
         panels[0].plot(time, course.column("spool_position"), f"C{place}", linewidth=0.8)
     finish_axes(panels[0], "voltage, spools [V]")
-    for panel, (field, label) in zip(panels[1:], PANELS, strict=True):
+    for panel, (field, label) in zip(panels[1:], drawn, strict=True):
         for place, course in enumerate(courses):
             panel.plot(course.time, course.column(field), f"C{place}", linewidth=1.1, label=course.name)
         widen(panel, LEAST_SPAN)

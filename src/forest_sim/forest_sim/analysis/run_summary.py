@@ -9,8 +9,9 @@ import numpy as np
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
-from forest_description.types import AXES, Floats, Vec3
+from forest_description.types import AXES, ZERO, Floats, Vec3
 from forest_sim.simulation.energy_account import Account, account, unaccounted, with_stored_energy
+from forest_sim.simulation.link_account import LinkBalance
 from forest_sim.simulation.open_loop import Block, Run
 from forest_sim.solver.integrator import Events
 from forest_sim.solver.plant_parameters import plant_parameters
@@ -27,8 +28,10 @@ _DIGITS = 6  # significant
 class Summary:
     """Totals and extremes of a run."""
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(self, machine: Machine, tip_force: Vec3 = ZERO) -> None:
+        """Begin; the force [N] is on the tip all the time."""
         self._machine = machine
+        self._links, self._has_load = LinkBalance(machine, tip_force), False
         self._limits = np.array(joint_limits(machine))
         self._first: Floats | None = None
         self._last: Floats = np.zeros(len(STATE))
@@ -49,6 +52,8 @@ class Summary:
         self._last, self._time = block.states[-1], float(block.time[-1])
         self._temperature = float(block.temperature[-1])
         self._energies += block.energies.sum(axis=0)
+        self._links.add(block)
+        self._has_load = self._has_load or bool(block.load[:, 0].any())
         pressures, angles = block.states[:, _PRESSURES], block.states[:, _ANGLES]
         self._highest = np.maximum(self._highest, pressures.max(axis=0))
         self._lowest = np.minimum(self._lowest, pressures.min(axis=0))
@@ -73,6 +78,12 @@ class Summary:
         parts = {name: float(value) for name, value in total._asdict().items()}
         return parts | {"unaccounted": unaccounted(total)}
 
+    def links(self) -> dict[str, float]:
+        """Return the account of the links [J]."""
+        found = self._links.result()
+        parts = found._asdict() | {"unaccounted": found.unaccounted}
+        return {name: _round(value) for name, value in parts.items()}
+
     def result(self, run: Run, voltages: str, start: Vec3) -> dict[str, Any]:
         """Return everything, for `summary.json`: SI units, degrees where the name says so."""
         wall = max(time.monotonic() - self._began, 1e-9)
@@ -80,6 +91,7 @@ class Summary:
         end = tip_position((angles[0], angles[1], angles[2]), links)
         events = dict(zip(Events._fields, self._last[_EVENTS].astype(int).tolist(), strict=True))
         names = [STATE[place] for place in _PRESSURES]
+        loads = {"links_j": self.links()} if self._has_load else {}
         return {
             "machine": self._machine.name,
             "pump": self._machine.pump.kind,
@@ -93,6 +105,7 @@ class Summary:
             "end_tip_m": [_round(x) for x in end],
             "tip_path_m": _round(self._path),
             "energy_j": {name: _round(value) for name, value in self.energy().items()},
+            **loads,
             "mean_engine_power_w": _round(self._energies[0] / self._time) if self._time else 0.0,
             "events": events,
             "highest_pressure_pa": dict(zip(names, map(_round, self._highest.tolist()), strict=True)),
@@ -127,6 +140,8 @@ def table(result: dict[str, Any]) -> str:
             for name in (*Account._fields[1:], "unaccounted")
         ),
     ]
+    links = result.get("links_j", {})
+    rows += [(f"links: {name.replace('_', ' ')}", f"{value / 1e3:9.2f} kJ") for name, value in links.items()]
     if events["unconverged_stages"]:
         rows.append(("unconverged", f"{events['unconverged_stages']} stages of the integrator"))
     return "\n".join(f"  {name:<18} {value}" for name, value in rows)

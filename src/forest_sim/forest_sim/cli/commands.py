@@ -27,6 +27,7 @@ from forest_sim.analysis.friction_linearisation import (
 from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
 from forest_sim.simulation.energy_account import account
+from forest_sim.simulation.load import Loads
 from forest_sim.simulation.open_loop import Run, RunError, blocks, require_within_limits, substeps
 from forest_sim.simulation.sensor_log import EXACT, Sensing, SensorLog
 from forest_sim.simulation.trajectory_files import DecimatedRows, TrajectoryFiles, path_in_errors
@@ -98,20 +99,21 @@ def simulate(
     out: Path,
     sensing: Sensing = EXACT,
     disturbance: Disturbance = UNDISTURBED,
+    loads: Loads = (),
 ) -> int:
     """Run a machine over an input; write trajectory, pictures and `summary.json`."""
     substeps(run)
     new_directory(out)
     _warn_if_interpreted()
     log, kept = SensorLog(machine, run.rate, sensing), DecimatedRows()
-    summary = run_summary.Summary(machine)
+    summary = run_summary.Summary(machine, disturbance.tip_force)
     progress = Progress(run.duration)
     with (
         path_in_errors(out),
         _deferred_stop_signals() as stopped,
-        contextlib.closing(TrajectoryFiles(out, machine, run.rate)) as files,
+        contextlib.closing(TrajectoryFiles(out, machine, run.rate, bool(loads))) as files,
     ):
-        for block in blocks(machine, voltages, angles, run, disturbance):
+        for block in blocks(machine, voltages, angles, run, disturbance, loads):
             observed = log.observe(block)
             files.write(block, observed)
             power = np.column_stack(account(block.energies)) * run.rate
@@ -161,7 +163,13 @@ def compare_pumps(machine: Machine, voltages: Voltages, angles: Vec3, run: Run, 
 
 
 def compare_machines(
-    machines: Sequence[Machine], axis: int, voltages: Voltages, angles: Vec3, run: Run, out: Path
+    machines: Sequence[Machine],
+    axis: int,
+    voltages: Voltages,
+    angles: Vec3,
+    run: Run,
+    out: Path,
+    loads: Loads = (),
 ) -> int:
     """Run the same input on several machines; write the picture of one axis."""
     substeps(run)
@@ -171,7 +179,7 @@ def compare_machines(
     _warn_if_interpreted()
     from forest_sim.analysis import machine_comparison
 
-    courses = machine_comparison.compare(machines, axis, voltages, angles, run)
+    courses = machine_comparison.compare(machines, axis, voltages, angles, run, loads)
     picture = machine_comparison.draw(courses, axis, voltages, out / "compare.png")
     print(f"{machine_comparison.table(courses)}\n  {picture}")
     return 0

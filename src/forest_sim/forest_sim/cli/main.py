@@ -20,6 +20,7 @@ from forest_description.types import AXES, Vec3
 from forest_msgs_py.runtime import command_line
 from forest_msgs_py.runtime.command_line import number, whole
 from forest_sim.simulation import voltage_profiles
+from forest_sim.simulation.load import Loads, parse_loads
 from forest_sim.simulation.open_loop import Run, RunError, require_within_limits, start_angles
 from forest_sim.simulation.voltage_profiles import InputError, Voltages
 
@@ -74,6 +75,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar=("X", "Y", "Z"),
         help="on the tip all the time, in the base frame [N]",
     )
+    _add_loads(simulate)
     simulate.add_argument(
         "--sensor-faults",
         default="",
@@ -86,6 +88,7 @@ def _parser() -> argparse.ArgumentParser:
     compared.add_argument("machines", nargs="+", metavar="NAME|FILE", help="two or more machines")
     compared.add_argument("--axis", choices=AXES, default="boom", help="that is drawn; default: boom")
     _add_run(compared)
+    _add_loads(compared)
     rest = _command(commands, "equilibrium", _equilibrium, "pressures, forces and torques at rest at a pose")
     _add_pose(rest)
     rest.add_argument("--json", action="store_true", help="print JSON in SI units")
@@ -169,6 +172,15 @@ def _add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--chirp-to", type=hertz, default=5.0, metavar="HZ", help="default: 5")
 
 
+def _add_loads(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--loads",
+        default="",
+        metavar="TEXT",
+        help="logs in the head, such as '500 kg from 2 s; 800 kg, 5 m from 4 s; 0 kg from 6 s'",
+    )
+
+
 def _add_pose(parser: argparse.ArgumentParser) -> None:
     pose = parser.add_mutually_exclusive_group()
     pose.add_argument(
@@ -204,7 +216,7 @@ def _simulate(options: argparse.Namespace) -> int:
         options.parser.error(f"argument --stuck-spools: {error}")
     disturbance = Disturbance(stuck, (options.tip_force[0], options.tip_force[1], options.tip_force[2]))
     sensing = Sensing(options.sensor_noise, options.seed, faults)
-    return simulate(machine, voltages, angles, run, options.out, sensing, disturbance)
+    return simulate(machine, voltages, angles, run, options.out, sensing, disturbance, _loads(options))
 
 
 def _pumps(options: argparse.Namespace) -> int:
@@ -220,7 +232,7 @@ def _compare(options: argparse.Namespace) -> int:
         options.parser.error("argument NAME|FILE: one machine compares with nothing; allowed: two or more")
     machines = [_machine(options, name) for name in options.machines]
     given = _run(options, machines[0])
-    return compare_machines(machines, AXES.index(options.axis), *given[1:], options.out)
+    return compare_machines(machines, AXES.index(options.axis), *given[1:], options.out, _loads(options))
 
 
 def _equilibrium(options: argparse.Namespace) -> int:
@@ -287,6 +299,16 @@ def _voltages(options: argparse.Namespace) -> Voltages:
             f"allowed: {', '.join(voltage_profiles.NAMES)} or a CSV file"
         )
     return voltage_profiles.read_voltages(path)
+
+
+def _loads(options: argparse.Namespace) -> Loads:
+    """Return the schedule of the logs; a bad one ends the program with a sentence."""
+    loads: Loads = ()
+    try:
+        loads = parse_loads(options.loads)
+    except ValueError as error:
+        options.parser.error(f"argument --loads: {error}")
+    return loads
 
 
 def _tip(given: Sequence[float] | None) -> Vec3 | None:

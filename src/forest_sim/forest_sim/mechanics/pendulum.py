@@ -10,6 +10,7 @@ q_2, q_3 of swing, boom and stick, and
 | d | unit vector from the joint to the head's centre, (sin α cos β, sin β, -cos α cos β) | 1 |
 | m, L | mass of head and log; distance of their centre from the joint | kg; m |
 | I_t | their inertia about that centre, across the head's axis | kg m^2 |
+| I_l | what a log's length adds: a slender rod in the crane's plane along e = (cos α, 0, sin α) | kg m^2 |
 
 All vectors stand in the frame that turns with the swing: x away from the swing axis, y left, z up.
 The head is a body of revolution that does not spin: T = 1/2 m |p'|^2 + 1/2 I_t |d'|^2 with p = tip
@@ -20,6 +21,9 @@ The head is a body of revolution that does not spin: T = 1/2 m |p'|^2 + 1/2 I_t 
 and the bias is the same sum with t_j, d_j replaced by the accelerations that are there when no
 joint accelerates, less gravity. At β = ±π/2 the angles are singular: α has no inertia there.
 
+The rotator keeps a log in the crane's plane, where the crane lays it on its own load: T gains
+1/2 I_l |e'|^2, with |e'|^2 = α'^2 + q_1'^2 cos^2 α. Its roll about β is that of a rod: none.
+
 Everything in this module but `hanging_head` is in the subset of Python that Numba compiles, and
 what the plant needs in that of `translate`.
 """
@@ -27,6 +31,7 @@ what the plant needs in that of `translate`.
 import math
 from typing import NamedTuple
 
+from forest_description.components.load import RotatorAndGrapple
 from forest_description.derived.bodies import hanging_body
 from forest_description.machine import Manipulator
 from forest_description.types import Vec3
@@ -39,7 +44,9 @@ class HangingHead(NamedTuple):
     mass: float
     length: float  # joint to centre of mass [m]
     inertia: float  # about the centre of mass, across the axis [kg m^2]
+    log_inertia: float  # of a log along the crane's plane, about its centre [kg m^2]
     damping: float  # of each of the joint's two axes [N m s/rad]
+    foresight: float  # share of its last accelerations that its rates are guessed from in a step
 
 
 class PendulumDynamics(NamedTuple):
@@ -76,8 +83,10 @@ def hanging_head(m: Manipulator) -> HangingHead:
     """Return the constants of the hanging head; its mass is zero when the machine has no pendulum."""
     body = hanging_body(m)
     if body is None or m.pendulum is None:
-        return HangingHead(0.0, 1.0, 0.0, 0.0)
-    return HangingHead(body.mass, body.length, body.inertia, m.pendulum.damping)
+        return HangingHead(0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+    # A guess makes a step faster. A head told as one body has none, so that recorded runs of it repeat.
+    foresight = 1.0 if isinstance(m.pendulum, RotatorAndGrapple) else 0.0
+    return HangingHead(*body, m.pendulum.damping, foresight)
 
 
 def pendulum_dynamics(
@@ -103,11 +112,15 @@ def pendulum_dynamics(
     d_alpha, d_beta = (c_a * c_b, 0.0, s_a * c_b), (-s_a * s_b, c_b, c_a * s_b)
     d_swing = (-s_b, s_a * c_b, 0.0)  # z x d
 
+    log, log_turn = head.log_inertia * (c_a * c_a), head.log_inertia * s_a * c_a * rates[0]
     tip, turning = _accelerations(q, rates, angles, angle_rates, body)
     force = _sum(mass, tip, first, turning)  # that the bias takes at the tip
     moment = _sum(first, tip, second, turning)  # and along the directions in which d moves
     return PendulumDynamics(
-        m_11=mass * (radius * radius) + 2.0 * first * radius * d_swing[1] + second * _dot(d_swing, d_swing),
+        m_11=mass * (radius * radius)
+        + 2.0 * first * radius * d_swing[1]
+        + second * _dot(d_swing, d_swing)
+        + log,
         m_12=first * z_2 * s_b,
         m_13=first * z_3 * s_b,
         m_22=mass * (x_2 * x_2 + z_2 * z_2),
@@ -118,14 +131,14 @@ def pendulum_dynamics(
             (first * (x_2 * d_alpha[2] - z_2 * d_alpha[0]), first * (x_2 * d_beta[2] - z_2 * d_beta[0])),
             (first * (x_3 * d_alpha[2] - z_3 * d_alpha[0]), first * (x_3 * d_beta[2] - z_3 * d_beta[0])),
         ),
-        m_alpha=second * (c_b * c_b),
+        m_alpha=second * (c_b * c_b) + head.log_inertia,
         m_beta=second,
         crane_bias=(
-            radius * force[1] + _dot(d_swing, moment),
+            radius * force[1] + _dot(d_swing, moment) - 2.0 * log_turn * angle_rates[0],
             x_2 * force[2] - z_2 * force[0],
             x_3 * force[2] - z_3 * force[0],
         ),
-        head_bias=(_dot(d_alpha, moment), _dot(d_beta, moment)),
+        head_bias=(_dot(d_alpha, moment) + log_turn * rates[0], _dot(d_beta, moment)),
     )
 
 

@@ -10,7 +10,7 @@
 | leakage | lost in the swing motor |
 | friction | lost to viscous and dry friction and in cushions |
 | stops | taken by the end stops |
-| mechanical | handed to the links, less what they gave back on their way down |
+| mechanical | handed to the links, less what they gave back on their way down; see `link_account` |
 | stored | in the pressure and the motion of the oil, less what was there at the start |
 
 The recorded flows of `power_flows` close at every instant, so their integrals close whatever the

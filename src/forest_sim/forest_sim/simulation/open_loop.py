@@ -5,7 +5,8 @@ The oil warms from block to block by what the machine loses.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -14,15 +15,16 @@ from forest_description.derived.limits import joint_limits, start_tip, workspace
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats, Vec3
-from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance, disturbed
+from forest_sim.simulation.changing_plant import ChangingPlant
+from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
 from forest_sim.simulation.energy_account import dissipated_energy
+from forest_sim.simulation.load import Load, Loads, by_period
 from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver import step_schedule
 from forest_sim.solver.compiled_plant import fastest_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.oil_temperature import UPDATE_PERIOD, parameters_at, temperature_after
-from forest_sim.solver.plant_parameters import plant_parameters
+from forest_sim.solver.oil_temperature import UPDATE_PERIOD, temperature_after
 from forest_sim.solver.state_recording import ENERGY, STATE, store
 from forest_sim.solver.step_schedule import StepSchedule
 
@@ -48,9 +50,11 @@ class Block(NamedTuple):
 
     time: Floats  # [N] s
     voltages: Floats  # [N, 3] V, that act from the row's time on
-    states: Floats  # [N, 93]
+    states: Floats  # [N, 95]
     energies: Floats  # [N, 48] J, over the period before the row
     temperature: Floats  # [N] K, of the oil; NaN for a machine without
+    load: Floats  # [N, 2] kg, m: the log that was held over the period before the row
+    load_change: Floats  # [N, 2] J, at the row's time: `LoadChange.joining`, `LoadChange.carried_off`
 
 
 def start_angles(machine: Machine, tip: Vec3 | None = None) -> Vec3:
@@ -111,6 +115,7 @@ def blocks(
     angles: Vec3,
     run: Run,
     disturbance: Disturbance = UNDISTURBED,
+    loads: Loads = (),
 ) -> Iterator[Block]:
     """Simulate, and give the rows as they come; the first block is the start alone.
 
@@ -120,37 +125,60 @@ def blocks(
         angles: joint angles at the start [rad].
         run: how long and how finely.
         disturbance: what else acts on it, all the time.
+        loads: logs that its head grasps and drops.
 
     Raises:
         RunError: step and rate do not fit.
     """
-    p, oil = disturbed(plant_parameters(machine), disturbance), machine.oil
+    plant, oil = ChangingPlant(machine, disturbance), machine.oil
     temperature = math.nan if oil is None else oil.reference_temperature
     rows = round(run.duration * run.rate)
     commanded = _short_after_jumps if run.short_after_jumps else _even
-    per_block = max(1, round(BLOCK * run.rate))
-    simulation, advance = equilibrium(angles, p), fastest_record()
+    changes = {row: load for row, load in by_period(loads, run.rate).items() if row < rows}
+    simulation, advance = equilibrium(angles, plant.p), fastest_record()
     # Compiled here, so that whoever times the rows times the simulation alone.
     first = step_schedule.even(run.step, 1, 1)
-    advance(simulation, np.zeros((1, 3)), first, p, np.zeros((1, len(STATE))), np.zeros((1, len(ENERGY))))
-    yield _start(simulation, voltages, temperature)
-    for begin in range(0, rows, per_block):
-        count = min(per_block, rows - begin)
+    empty = np.zeros((1, 3)), first, plant.p, np.zeros((1, len(STATE))), np.zeros((1, len(ENERGY)))
+    advance(simulation, *empty)
+    block = _start(simulation, voltages, temperature, plant.load)
+    simulation = _changed(simulation, plant, changes.get(0, plant.load), block)
+    yield block
+    for begin, end in pairwise(_edges(rows, run.rate, changes)):
+        count = end - begin
         given, volts = commanded(voltages, run, begin, count)
         states, energies = np.zeros((count, len(STATE))), np.zeros((count, len(ENERGY)))
-        simulation = advance(simulation, volts, given, p, states, energies)
-        after = np.arange(begin + 1, begin + count + 1) / run.rate
-        yield Block(
+        simulation = advance(simulation, volts, given, plant.p, states, energies)
+        after = np.arange(begin + 1, end + 1) / run.rate
+        block = Block(
             time=after,
             voltages=voltages.at(after),
             states=states,
             energies=energies,
             temperature=np.full(count, temperature),
+            load=np.full((count, 2), plant.load),
+            load_change=np.zeros((count, 2)),
         )
+        simulation = _changed(simulation, plant, changes.get(end, plant.load), block)
+        yield block
         if oil is not None:
             time = count / run.rate
             temperature = temperature_after(temperature, dissipated_energy(energies) / time, oil, time)
-            p = disturbed(parameters_at(machine, temperature), disturbance)
+            plant.warm(temperature)
+
+
+def _edges(rows: int, rate: float, changes: Mapping[int, Load]) -> list[int]:
+    """Return at which rows blocks begin and end: they are of `BLOCK`, or end where the load changes."""
+    per_block = max(1, round(BLOCK * rate))
+    return sorted({0, rows, *range(0, rows, per_block), *changes})
+
+
+def _changed(simulation: Simulation, plant: ChangingPlant, load: Load, block: Block) -> Simulation:
+    """Return the machine at a block's last row as it holds another log from then on, if it does."""
+    if load == plant.load:
+        return simulation
+    change = plant.hold(load, simulation)
+    block.load_change[-1] = change.joining, change.carried_off
+    return change.simulation
 
 
 def _even(voltages: Voltages, run: Run, begin: int, rows: int) -> tuple[StepSchedule, Floats]:
@@ -174,7 +202,7 @@ def _short_after_jumps(voltages: Voltages, run: Run, begin: int, rows: int) -> t
     return kept, voltages.at(step_schedule.middles(kept, begin * period))
 
 
-def _start(simulation: Simulation, voltages: Voltages, temperature: float) -> Block:
+def _start(simulation: Simulation, voltages: Voltages, temperature: float, load: Load) -> Block:
     states = np.zeros((1, len(STATE)))
     store(simulation, states[0])
     time = np.zeros(1)
@@ -184,10 +212,12 @@ def _start(simulation: Simulation, voltages: Voltages, temperature: float) -> Bl
         states=states,
         energies=np.zeros((1, len(ENERGY))),
         temperature=np.full(1, temperature),
+        load=np.array([load]),
+        load_change=np.zeros((1, 2)),
     )
 
 
-def whole(machine: Machine, voltages: Voltages, angles: Vec3, run: Run) -> Block:
-    """Return a whole run as one block, for runs that fit into memory."""
-    parts = list(blocks(machine, voltages, angles, run))
+def whole(machine: Machine, voltages: Voltages, angles: Vec3, run: Run, loads: Loads = ()) -> Block:
+    """Return a whole run as one block, for runs that fit into memory; arguments as `blocks`."""
+    parts = list(blocks(machine, voltages, angles, run, loads=loads))
     return Block(*(np.concatenate(column) for column in zip(*parts, strict=True)))

@@ -28,8 +28,12 @@ from forest_sim.solver.state_recording import restore
 TopicTables = dict[Topic, Floats]
 TopicValues = dict[Topic, tuple[float, ...]]
 
-SIMULATED_TOPICS = tuple(t for t in topics.TOPICS if "simulator" in t.publishers and t.labels)
-"""What the simulator publishes as numbers; `topic_values` gives them."""
+SIMULATED_TOPICS = tuple(
+    topic
+    for topic in topics.TOPICS
+    if "simulator" in topic.publishers and topic.labels and topic != topics.GROUND_TRUTH_LOAD
+)
+"""What every simulated machine tells as numbers; `topic_values` gives them."""
 LOGGED_TOPICS = (*SIMULATED_TOPICS, topics.VALVE_VOLTAGES)
 
 
@@ -65,7 +69,7 @@ class SensorLog:
                 self._sensors.set_plant(self._plant, self._around)
         rows = [self._sample(restore(row)) for row in block.states]
         observed = {topic: np.array([row[topic] for row in rows], dtype=np.float64) for topic in rows[0]}
-        return observed | {topics.VALVE_VOLTAGES: block.voltages}
+        return observed | {topics.VALVE_VOLTAGES: block.voltages, topics.GROUND_TRUTH_LOAD: block.load}
 
     def _sample(self, simulation: Simulation) -> TopicValues:
         """Return one row of every topic but the voltages."""

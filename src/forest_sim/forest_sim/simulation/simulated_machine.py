@@ -1,6 +1,6 @@
 """A machine that runs on and on: plant, oil and sensors together, one sampling period at a time.
 
-What the simulator node wraps. Faults and the force on the tip may change between two periods.
+What the simulator node wraps. Faults, load and the force on the tip may change between two periods.
 """
 
 import math
@@ -12,12 +12,13 @@ from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_readings import Report
 from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import Suite
-from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance, disturbed
+from forest_sim.simulation.changing_plant import ChangingPlant
+from forest_sim.simulation.disturbance import Disturbance
+from forest_sim.simulation.load import Load, Loads, by_period
 from forest_sim.solver.compiled_plant import ready_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Events, advance
-from forest_sim.solver.oil_temperature import WarmingOil, parameters_at
-from forest_sim.solver.plant_parameters import plant_parameters
+from forest_sim.solver.oil_temperature import WarmingOil
 
 STEP = 1e-3  # [s] of the integrator
 
@@ -34,6 +35,7 @@ class SimulatedMachine:
         warms: bool = True,
         rig: bool = False,
         run: str = "",
+        loads: Loads = (),
     ) -> None:
         """Start at rest at the joint angles [rad].
 
@@ -45,18 +47,19 @@ class SimulatedMachine:
             warms: its oil does, if it is described.
             rig: it is a test rig, see `sensors.Surroundings`.
             run: name of the run, see `noise_generator`.
+            loads: logs that its head grasps and drops.
         """
         self.machine, self._period = machine, period
+        self._changes, self._periods = by_period(loads, 1.0 / period), 0
         self._substeps = round(period / STEP)
         compiled = ready_advance()
         self.is_compiled = compiled is not None
         self._advance = compiled or advance
-        self._undisturbed = self._plant = plant_parameters(machine)
-        self._disturbance = UNDISTURBED
-        self._simulation = equilibrium(angles, self._plant)
+        self._plant = ChangingPlant(machine)
+        self._simulation = equilibrium(angles, self._plant.p)
         self._around = sensor_readings.surroundings(machine)._replace(rig=rig)
         links = machine.manipulator.links
-        self._sensors = SensorRun(self._simulation, self._plant, links, suite, self._around, run)
+        self._sensors = SensorRun(self._simulation, self._plant.p, links, suite, self._around, run)
         self._oil = WarmingOil(machine.oil, period) if machine.oil and warms else None
 
     @property
@@ -74,20 +77,32 @@ class SimulatedMachine:
 
     def disturb(self, disturbance: Disturbance) -> None:
         """Let spools be stuck and a force act on the tip, from now on."""
-        self._disturbance = disturbance
-        self._plant = disturbed(self._undisturbed, disturbance)
-        self._sensors.set_plant(self._plant, self._around)
+        self._plant.disturb(disturbance)
+        self._sensors.set_plant(self._plant.p, self._around)
+
+    @property
+    def load(self) -> Load:
+        """The log that the head holds."""
+        return self._plant.load
+
+    def hold(self, load: Load) -> None:
+        """Let the head hold another log, from now on: what is heavier joins, what is lighter was dropped."""
+        self._simulation = self._plant.hold(load, self._simulation).simulation
+        self._sensors.set_plant(self._plant.p, self._around)
 
     def step(self, voltages: Vec3) -> Report:
         """Move on by a period under held voltages [V]; return what the sensors say then, and the truth."""
-        self._simulation = self._advance(self._simulation, voltages, STEP, self._substeps, self._plant)
+        if self._periods in self._changes:
+            self.hold(self._changes[self._periods])
+        self._periods += 1
+        self._simulation = self._advance(self._simulation, voltages, STEP, self._substeps, self._plant.p)
         report = self._sensors.sample(self._simulation, self._period)
-        if self._oil is not None and self._oil.has_warmed(lambda: self._simulation, self._plant):
+        if self._oil is not None and self._oil.has_warmed(lambda: self._simulation, self._plant.p):
             self._warm(self._oil.temperature)  # for the periods to come
         return report
 
     def _warm(self, temperature: float) -> None:
         """Take the parameters of a temperature of the oil [K]."""
-        self._undisturbed = parameters_at(self.machine, temperature)
+        self._plant.warm(temperature)
         self._around = self._around._replace(temperatures=(temperature,) * 3)
-        self.disturb(self._disturbance)
+        self._sensors.set_plant(self._plant.p, self._around)

@@ -9,6 +9,7 @@ from forest_msgs_py.runtime.parameter_table import Parameter, ParameterError, tu
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_suite import calibrated, sensor_suite
 from forest_sim.simulation.disturbance import parse_disturbance
+from forest_sim.simulation.load import GREATEST_LENGTH, GREATEST_MASS, LOG_LENGTH, parse_loads
 from forest_sim.simulation.simulated_machine import SimulatedMachine
 
 
@@ -26,6 +27,11 @@ class SimulatorParameters(NamedTuple):
     sensor_faults: Annotated[str, Parameter("e.g. boom_resolver: frozen from 2 s; swing_flow: absent")] = ""
     stuck_spools: Annotated[str, tunable("axes whose spools do not move")] = ""
     tip_force: Annotated[tuple[float, ...], tunable("on the tip, base frame", "N")] = (0.0, 0.0, 0.0)
+    loads: Annotated[str, Parameter("logs in the head, e.g. 500 kg from 2 s; 0 kg from 6 s")] = ""
+    log_mass: Annotated[float, tunable("of the log that ~/grasp takes", "kg", 1.0, GREATEST_MASS)] = 500.0
+    log_length: Annotated[float, tunable("of the log that ~/grasp takes", "m", 0.0, GREATEST_LENGTH)] = (
+        LOG_LENGTH
+    )
 
 
 class CommanderParameters(NamedTuple):
@@ -56,7 +62,11 @@ def simulated_machine(machine: Machine, p: SimulatorParameters, period: float) -
     except ValueError as error:
         raise ParameterError(f"parameter 'sensor_faults': {error}") from error
     suite = suite if p.sensor_static_errors else calibrated(suite)
-    made = SimulatedMachine(machine, angles, suite, period, p.oil_warms, p.rig, p.noise_run)
+    try:
+        loads = parse_loads(p.loads)
+    except ValueError as error:
+        raise ParameterError(f"parameter 'loads': {error}") from error
+    made = SimulatedMachine(machine, angles, suite, period, p.oil_warms, p.rig, p.noise_run, loads)
     try:
         made.disturb(parse_disturbance(p.stuck_spools, p.tip_force))
     except ValueError as error:

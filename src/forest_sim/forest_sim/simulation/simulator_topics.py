@@ -1,5 +1,6 @@
 """The simulator's input from a topic, and its outputs to topics: conversions only, which decide nothing."""
 
+from collections.abc import Callable
 from typing import Any
 
 from forest_description.machine import Machine
@@ -7,17 +8,31 @@ from forest_description.types import ZERO, Vec3
 from forest_description.urdf.robot_description import robot_description
 from forest_msgs_py.clock.node_clock import number_publisher
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.interfaces.topics import message_class
+from forest_msgs_py.interfaces.topics import Topic, message_class
 from forest_msgs_py.safety.clipping import Clipping
 from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
 from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, TopicValues
+from forest_sim.simulation.simulated_machine import SimulatedMachine
 from forest_sim.simulation.voltage_command import VoltageInput
 
 PART = "voltages"  # on /diagnostics
 FRAME = "base_link"
 FRAMED = (topics.POSE, topics.TWIST)  # types
+
+
+FurtherTopics = dict[Topic, Callable[[SimulatedMachine], tuple[float, ...]]]
+
+
+def further_topics(machine: Machine, has_loads: bool) -> FurtherTopics:
+    """Return the topics that not every simulated machine has: of a head that hangs, and of its log."""
+    found: FurtherTopics = {}
+    if machine.manipulator.pendulum is not None:
+        found[topics.GROUND_TRUTH_HEAD] = lambda running: running.head_joints
+    if has_loads or machine.manipulator.log is not None:
+        found[topics.GROUND_TRUTH_LOAD] = lambda running: running.load
+    return found
 
 
 class SimulatorInputs:
@@ -67,13 +82,14 @@ class SimulatorOutputs:
     Args:
         clock: of the node, whose publishers are used.
         plain: arrays carry no stamp.
-        hanging: the machine's head hangs, and its joints are told.
+        further: topics that not every machine has, and what they tell.
     """
 
-    def __init__(self, clock: Any, plain: bool, hanging: bool) -> None:
+    def __init__(self, clock: Any, plain: bool, further: FurtherTopics) -> None:
+        self._further = further
         self._publishers = {
             topic: number_publisher(clock, topic, FRAME if topic.type in FRAMED else "", plain)
-            for topic in (*SIMULATED_TOPICS, *([topics.GROUND_TRUTH_HEAD] if hanging else []))
+            for topic in (*SIMULATED_TOPICS, *further)
         }
         self._description = clock.publisher(topics.ROBOT_DESCRIPTION)
 
@@ -82,7 +98,8 @@ class SimulatorOutputs:
         text = robot_description(machine)
         self._description.publish(message_class(topics.ROBOT_DESCRIPTION)(data=text))
 
-    def say(self, stamp: int, values: TopicValues) -> None:
-        """Publish the numbers of every topic under a stamp [ns]."""
+    def say(self, stamp: int, values: TopicValues, machine: SimulatedMachine) -> None:
+        """Publish the numbers of every topic, and those of the further ones, under a stamp [ns]."""
+        values |= {topic: told(machine) for topic, told in self._further.items()}
         for topic, numbers in values.items():
             self._publishers[topic].publish(stamp, numbers)

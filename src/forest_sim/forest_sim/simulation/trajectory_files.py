@@ -16,7 +16,13 @@ from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_description.urdf.robot_description import robot_description
 from forest_msgs_py.interfaces.topic_qos import offered_qos
-from forest_msgs_py.interfaces.topics import GROUND_TRUTH_TIP_POSE, ROBOT_DESCRIPTION, Topic, message_class
+from forest_msgs_py.interfaces.topics import (
+    GROUND_TRUTH_LOAD,
+    GROUND_TRUTH_TIP_POSE,
+    ROBOT_DESCRIPTION,
+    Topic,
+    message_class,
+)
 from forest_msgs_py.serialization.batch_encoder import Encoder
 from forest_msgs_py.serialization.cdr import to_cdr
 from forest_sim.simulation.energy_account import Account, account
@@ -63,16 +69,25 @@ def _unit(name: str) -> str:
 class TrajectoryFiles:
     """`trajectory.csv` and the bag `trajectory` in a directory."""
 
-    def __init__(self, directory: Path, machine: Machine, rate: float) -> None:
+    def __init__(self, directory: Path, machine: Machine, rate: float, loads: bool = False) -> None:
+        """Begin both files.
+
+        Args:
+            directory: where they are.
+            machine: that runs.
+            rate: of the rows [Hz].
+            loads: its head grasps or drops logs, which the bag tells.
+        """
         self._rate = rate
+        self._topics = (*LOGGED_TOPICS, GROUND_TRUTH_LOAD) if loads else LOGGED_TOPICS
         self._sequence = 0
         self.bag = directory / "trajectory"
         self.csv = directory / "trajectory.csv"
         self._csv = self.csv.open("w", encoding="utf-8", newline="\n")
         self._csv.write(csv_header() + "\n")
         self._writer = BagWriter(self.bag, Layout(chunk_bytes=CHUNK_BYTES))
-        self._encoders = {topic: Encoder(topic, FRAME) for topic in LOGGED_TOPICS}
-        for topic in (ROBOT_DESCRIPTION, *LOGGED_TOPICS):
+        self._encoders = {topic: Encoder(topic, FRAME) for topic in self._topics}
+        for topic in (ROBOT_DESCRIPTION, *self._topics):
             self._writer.add_topic(_resolved(topic), topic.type, [offered_qos(topic)], "")
         text = to_cdr(message_class(ROBOT_DESCRIPTION)(data=robot_description(machine)))
         self._writer.write(_resolved(ROBOT_DESCRIPTION), text, 0, 0, 1)
@@ -85,7 +100,7 @@ class TrajectoryFiles:
         """
         self._write_csv(block, observed[GROUND_TRUTH_TIP_POSE][:, :3])
         stamps = np.round(block.time * 1e9).astype(np.int64)
-        encoded = [(_resolved(t), self._encoders[t].encode(stamps, observed[t])) for t in LOGGED_TOPICS]
+        encoded = [(_resolved(t), self._encoders[t].encode(stamps, observed[t])) for t in self._topics]
         for row, stamp in enumerate(stamps.tolist()):
             self._sequence += 1
             for name, messages in encoded:

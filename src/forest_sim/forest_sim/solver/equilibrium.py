@@ -37,6 +37,7 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
         (CENTRED, CENTRED, CENTRED),
         Events(0, 0, 0),
         (0.0, 0.0, 0.0),
+        (0.0, 0.0),
         lifts=(_lifts(p.swing), _lifts(p.boom), _lifts(p.stick)),
     )
 

@@ -17,6 +17,7 @@ from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.conserved_oil import settled, with_contents
 from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.implicit_stage import solve_stage
@@ -42,6 +43,7 @@ class Simulation(NamedTuple):
     spools: Spools
     events: Events
     accelerations: Vec3  # of the joints over the last stage [rad/s^2], from which Newton starts
+    head_accelerations: Pair  # of the hanging head, as well
     history: CommandHistory = NO_COMMANDS  # kept where a valve has a dead time
     lifts: AllLifts = NO_LIFTS  # of load-holding valves, half a step ago
 
@@ -57,7 +59,7 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
         lifts = lifts_after(plant, lifts, simulation.spools, h, p)
         ports = with_lifts(ports, lifts)
     base = start = held = with_contents(plant, lifts, p)
-    ahead = after = plant
+    ahead = after = _with_head_ahead(plant, simulation.head_accelerations, p.head.foresight * c)
     failures = 0
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
         after, held, failed = solve_stage(base, ahead, rates, ports, c, p)
@@ -71,7 +73,8 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
                 ports = ports_at(end, p, lifts)
     after = settled(after, held, p)
     events = _count(simulation.events, plant, after, failures, p.guard)
-    return Simulation(after, end, events, _mean_accelerations(base, after, c), history, lifts)
+    rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
+    return Simulation(after, end, events, rates_after, head_after, history, lifts)
 
 
 def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:
@@ -89,6 +92,21 @@ def _mean_accelerations(before: PlantState, after: PlantState, time: float) -> V
         per_time * (after.swing.rate - before.swing.rate),
         per_time * (after.boom.rate - before.boom.rate),
         per_time * (after.stick.rate - before.stick.rate),
+    )
+
+
+def _head_accelerations(before: PlantState, after: PlantState, time: float) -> Pair:
+    """Return the hanging head's mean accelerations [rad/s^2] over a time [s]."""
+    a, b, per_time = before.head, after.head, 1.0 / time
+    return per_time * (b.alpha_rate - a.alpha_rate), per_time * (b.beta_rate - a.beta_rate)
+
+
+def _with_head_ahead(plant: PlantState, accelerations: Pair, time: float) -> PlantState:
+    """Return the plant with the head's rates [rad/s] that steady accelerations [rad/s^2] lead to."""
+    h = plant.head
+    rates = h.alpha_rate + time * accelerations[0], h.beta_rate + time * accelerations[1]
+    return PlantState(
+        plant.swing, plant.boom, plant.stick, plant.supply, HeadState(h.alpha, h.beta, rates[0], rates[1])
     )
 
 

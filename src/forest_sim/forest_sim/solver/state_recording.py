@@ -7,7 +7,7 @@ flows of `power_flows` are integrated over the integrator's own steps with the t
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
 | schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
-| states | N, 93 | what `STATE` names, one row per period |
+| states | N, 95 | what `STATE` names, one row per period |
 | energies | N, 48 | J over the period through what `ENERGY` names |
 """
 
@@ -32,7 +32,7 @@ STATE = (
     *(f"head_{field}" for field in HeadState._fields),
     *(f"{axis}_spool_{field}" for axis in AXES for field in Spool._fields),
     *Events._fields,
-    *(f"{axis}_acceleration" for axis in AXES),
+    *(f"{name}_acceleration" for name in (*AXES, "head_alpha", "head_beta")),
     *(f"command_{field}_{k}" for field in CommandHistory._fields for k in range(SIZE)),
     *(f"{axis}_lift_{field}" for axis in AXES for field in Lifts._fields),
 )
@@ -87,5 +87,6 @@ _EXAMPLE = Simulation(
     (CENTRED, CENTRED, CENTRED),
     Events(0, 0, 0),
     (0.0, 0.0, 0.0),
+    (0.0, 0.0),
 )
 _pack, _unpack = flat_layout.packer(_EXAMPLE), flat_layout.unpacker(_EXAMPLE)

@@ -5,7 +5,6 @@ from typing import Any
 
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter
-from std_srvs.srv import Trigger
 
 from forest_msgs_py.safety.diagnostics import WELL
 from forest_station.graph.notices import STALE, PartStatus
@@ -58,10 +57,7 @@ class CycleClient:
             answer = await self._calls.call(SetParameters, f"{NODE}/set_parameters", request)
             if refused := [result.reason for result in answer.results if not result.successful]:
                 raise NoAnswer(f"{refused[0]}.")
-        answer = await self._calls.call(Trigger, f"{NODE}/{service}", Trigger.Request())
-        if not answer.success:
-            raise NoAnswer(f"{answer.message}.")
-        return f"{answer.message}."
+        return await self._calls.trigger(f"{NODE}/{service}")
 
     def _must_be_there(self) -> None:
         if not self.told["there"]:

@@ -5,6 +5,7 @@ import time
 from typing import Any
 
 from rclpy.node import Node
+from std_srvs.srv import Trigger
 
 PATIENCE = 3.0  # [s] for a service to be found, and to answer
 AGAIN = 0.5  # [s] after which a question without an answer is put once more
@@ -53,6 +54,21 @@ class ServiceCalls:
             if done:
                 return answered.result()
         raise NoAnswer(f"{name} did not answer within {PATIENCE:g} s.")
+
+    async def trigger(self, name: str, once: bool = False) -> str:
+        """Call a service that takes no arguments; return what it says, in a sentence.
+
+        Args:
+            name: of the service, in the node's namespace.
+            once: as in `call`.
+
+        Raises:
+            NoAnswer: nobody offers the service, it does not answer, or it refuses.
+        """
+        answer = await self.call(Trigger, name, Trigger.Request(), once)
+        if not answer.success:
+            raise NoAnswer(f"{answer.message}.")
+        return f"{answer.message}."
 
 
 def _answer_to(asked: Any, answered: "asyncio.Future[Any]") -> None:

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from forest_station.server.station import Station
 
 
+GRAPPLE = ("grasp", "drop")
+"""What the simulated head may be told to do."""
+
+
 class Refused(Exception):
     """A request is refused; the text is a sentence for the person who asked."""
 
@@ -98,10 +102,19 @@ async def _set_parameter(station: "Station", _page: str, arguments: Mapping[str,
     return text
 
 
+async def _grapple(station: "Station", _page: str, arguments: Mapping[str, Any]) -> str:
+    act = arguments.get("act")
+    if act not in GRAPPLE:
+        raise Refused(f"Act is {act!r}; allowed: {' or '.join(GRAPPLE)}.")
+    said = await station.graph.calls.trigger(f"simulator/{act}", once=True)
+    return said[0].upper() + said[1:]
+
+
 REQUESTS: Mapping[str, Request] = {
     "take_seat": Request(_take_seat),
     "leave_seat": Request(_leave_seat, drivers_only=True),
     "emergency_stop": Request(_emergency_stop),
     "reset_emergency_stop": Request(_reset_emergency_stop, drivers_only=True),
     "set_parameter": Request(_set_parameter, drivers_only=True),
+    "grapple": Request(_grapple, drivers_only=True),
 }

@@ -8,7 +8,8 @@ import shutil
 import signal
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,7 @@ from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_msgs_py.runtime.command_line import StatusLine, number
 from forest_msgs_py.types import PERIOD
+from forest_sim.simulation.load import parse_loads
 from forest_study.results import write_json
 
 LISTENERS = 2  # controller and recorder: the bag holds the session from its first joystick sample
@@ -123,17 +125,25 @@ def _parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--joystick", type=graph.source_path, default="thesis", metavar="thesis|FILE.csv|BAG")
     parser.add_argument(
         "--joystick-faults",
-        type=_faults,
+        type=partial(_parsed, parse_joystick_faults),
         default="",
         metavar="TEXT",
         help="as 'lost from 3 s until 4 s; ...'",
     )
+    parser.add_argument(
+        "--loads",
+        type=partial(_parsed, parse_loads),
+        default="",
+        metavar="TEXT",
+        help="logs in the head, as '500 kg from 2 s; 0 kg from 6 s'",
+    )
     return parser.parse_args(arguments)
 
 
-def _faults(text: str) -> str:
+def _parsed(parse: Callable[[str], object], text: str) -> str:
+    """Return a text that a node will understand."""
     try:
-        parse_joystick_faults(text)
+        parse(text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from error
     return text
@@ -149,7 +159,7 @@ def _demo(options: argparse.Namespace) -> int:
     nodes = [
         graph.joystick(options.joystick, duration, LISTENERS, options.joystick_faults),
         *graph.control(options.machine, options.scheme, False, False, profile),
-        graph.simulator(options.machine),
+        graph.simulator(options.machine, options.loads),
         graph.recorder(bag),
     ]
     logs = options.out / "log"
