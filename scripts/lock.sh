@@ -24,7 +24,8 @@ compile_run_and_test() { # compile_run_and_test RUN_LOCK TEST_LOCK OPTIONS...
     while IFS= read -r name; do
         names+=(--no-emit-package "$name")
     done < <(sed -n 's/^\([a-z0-9][a-z0-9._-]*\)==.*/\1/p' "$run" | sort -u)
-    compile "$@" --extra test --constraint "$run" "${names[@]}" --output-file "$test" pyproject.toml
+    # FMPy's lark would lie in the folder of ROS's lark-parser, which serves it as well.
+    compile "$@" --extra test --constraint "$run" "${names[@]}" --no-emit-package lark --output-file "$test" pyproject.toml
 }
 
 # EmPy is published as source only and needed only where messages are generated, so never here.

@@ -18,7 +18,8 @@ from mcap_ros2.decoder import DecoderFactory
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.definitions import message_definition
 from forest_msgs_py.interfaces.messages import JoyValues
-from forest_msgs_py.serialization.packing import Packer, columns, pack_joy
+from forest_msgs_py.interfaces.topics import columns
+from forest_msgs_py.serialization.packing import Packer, pack_joy
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from forest_description.components.drives import Cushion, Friction
+from forest_description.components.drives import Backlash, BearingFriction, Cushion, Friction
 from forest_description.components.load import Log, Pendulum
 from forest_description.components.pump import (
     ConstantFlowPump,
@@ -20,6 +20,7 @@ from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import Machine, load_machine
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.compiled_plant import compiled_advance
+from forest_sim.solver.drive import DriveState
 from forest_sim.solver.multibody import HeadState
 from forest_sim.solver.plant import AxisState, PlantState, ports_at, state_derivative
 from forest_sim.solver.plant_parameters import PlantParameters
@@ -39,6 +40,8 @@ PUMPS = {
     ),
 }
 FRICTION = Friction(coulomb_force=4e3, breakaway_force=7e3, stribeck_speed=0.02, smoothing_speed=2e-3)
+BEARING = BearingFriction(800.0, 1100.0, 0.01, stiffness=1e7, damping=5e4, elastic_share=0.8)
+BACKLASH = Backlash(free_way=1.5e-3, motor_inertia=2.4e-3, stiffness=3e7, damping=1.2e4)
 CUSHION = Cushion(length=0.08, resistance=3e7)
 
 
@@ -60,7 +63,9 @@ def full_machine(pump: str = "load sensing") -> Machine:
     measured = dataclasses.replace(
         C180.valve, curve=TableCurve((2.0, 4.0, 7.0, 10.0), (9e13, 1.2e13, 3e12, 1e12)), spool_bandwidth=20.0
     )
-    swing = dataclasses.replace(C180.swing, flow_regime="turbulent", valve=leaking)
+    swing = dataclasses.replace(
+        C180.swing, flow_regime="turbulent", valve=leaking, friction=BEARING, backlash=BACKLASH
+    )
     boom = dataclasses.replace(
         C180.boom, flow_regime="laminar", valve=underlapped, friction=FRICTION, cushion=CUSHION
     )
@@ -82,11 +87,11 @@ def advance(simulation, voltages, h, count, p):
     return compiled_advance()(simulation, voltages, h, count, p)
 
 
-SCALE = np.array([*([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3] * 3), 2e7, 2e7, 1.0, 1.0, 1.0, 1.0])
+SCALE = np.array([*([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3] * 3), 2e7, 2e7, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1e-3])
 
 
 def pack(state: PlantState) -> np.ndarray:
-    """Return all states, the 18 of the axes, the pump's, the hanging head's, each over its natural scale."""
+    """Return all states, the axes' 18, pump's, hanging head's and swing drive's, each over its scale."""
     return np.array([x for part in state for x in part]) / SCALE
 
 
@@ -94,7 +99,7 @@ def unpack(y: np.ndarray) -> PlantState:
     """Return the state that `pack` was given."""
     v = (y * SCALE).tolist()
     axes = (AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]))
-    return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]))
+    return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]), DriveState(*v[24:27]))
 
 
 def reference(simulation, p: PlantParameters, seconds: float) -> np.ndarray:

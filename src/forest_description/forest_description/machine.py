@@ -145,6 +145,7 @@ class Machine(ParameterSet):
                 f"port_valves.relief_pressure ({valves.relief_pressure:g} Pa) must not be below "
                 f"pump.supply_pressure ({supply:g} Pa): every port would pass the pump's oil to the tank"
             )
+        self._check_bearing()
         for axis, name in enumerate(AXES):
             drive = self.drives[axis]
             if drive.chambers is not None and self.oil is None:
@@ -172,6 +173,16 @@ class Machine(ParameterSet):
                     f"{name}.chambers is null, but {name}.{port} holds the oil in them; allowed: both, or "
                     f"neither"
                 )
+
+    def _check_bearing(self) -> None:
+        """Raise unless the swing's motor can break its bearing away."""
+        friction = self.swing.friction
+        most = self.swing.gear_ratio * self.swing.motor_displacement * self.pump.supply_pressure
+        if friction is not None and friction.breakaway_torque >= most:
+            raise MachineError(
+                f"swing.friction.breakaway_torque ({friction.breakaway_torque:g} N*m) must be smaller than "
+                f"what the motor has at pump.supply_pressure ({most:g} N*m): the swing would never turn"
+            )
 
     def _check_joints(self) -> None:
         """Raise unless boom and stick go where the kinematics are made for."""

@@ -3,7 +3,7 @@
 In the order in which data passes:
 
 - `hydraulics`: Laws of supply, spools, ports, hoses and actuators.
-- `mechanics`: Laws of the rigid links, the hanging head, dry friction and end stops.
+- `mechanics`: Laws of the rigid links, the hanging head, gear, dry friction and end stops.
 - `solver`: The equations of motion together, and their steps in time, interpreted or compiled.
 - `sensors`: What the machine's sensors report of its true state.
 - `simulation`: Machines under way, with or without a graph: inputs, disturbances, energy, records,
@@ -16,6 +16,7 @@ In the order in which data passes:
 - `analysis`: What follows from the equations: modes, checks of a machine file, comparisons, plots.
 - `linear_graph`: The circuits as linear graphs, and their state equations derived from them
   (chapter 3 of the thesis).
+- `fmi`: The machine as a unit for co-simulation in other tools (FMI 2.0).
 - `cli`: `forest-sim`: the simulator from the command line.
 
 May import: `forest_bag`, `forest_msgs_py`, `forest_description`, `forest_compile`.

@@ -158,6 +158,30 @@ OTHERS = [
     ),
     (
         "c180_real",
+        "swing:\n  friction:\n    breakaway_torque: = 700 N*m\n",
+        4,
+        "swing.friction.breakaway_torque (700 N*m) must not be below coulomb_torque (800 N*m)",
+    ),
+    (
+        "c180_real",
+        "swing:\n  friction:\n    stiffness: = 1e5 N*m/rad\n",
+        4,
+        "swing.friction.stiffness (100000 N*m/rad): the bearing would turn 0.011 rad before it breaks away",
+    ),
+    (
+        "c180_real",
+        "swing:\n  friction:\n    breakaway_torque: = 40000 N*m\n    stiffness: = 1e8 N*m/rad\n",
+        4,
+        "swing.friction.breakaway_torque (40000 N*m) must be smaller than what the motor has",
+    ),
+    (
+        "c180_real",
+        "swing:\n  backlash:\n    free_way: = 5 deg\n  lower_limit: = -1 deg\n  upper_limit: = 1 deg\n",
+        4,
+        "swing.backlash.free_way (0.0872665 rad) must be smaller than the swing's travel (0.0349066 rad)",
+    ),
+    (
+        "c180_real",
         "stick:\n  chambers:\n    rod_dead_volume: = 13 L\n",
         4,
         "stick.chambers.rod_dead_volume (0.013 m3) must be at most what the stroke sweeps (0.0125",
@@ -248,6 +272,18 @@ OTHERS = [
         "boom:\n  chambers:\n    head_dead_volume: = 1 L\n",
         3,
         "missing key boom.chambers.rod_dead_volume",
+    ),
+    (
+        "c180",
+        "swing:\n  friction:\n    coulomb_torque: = 800 N*m\n",
+        3,
+        "missing key swing.friction.breakaway_torque",
+    ),
+    (
+        "c180_real",
+        "swing:\n  backlash:\n    motor_inertia: = 0 kg*m2\n",
+        4,
+        "swing.backlash.motor_inertia = 0 kg*m2 is outside the range 1e-06 .. 10 kg*m2",
     ),
     (
         "c180_real",

@@ -6,9 +6,9 @@ import pytest
 pytest.importorskip("rclpy")
 
 from forest_msgs_py.interfaces import messages, topics
+from forest_msgs_py.interfaces.topics import columns
 from forest_msgs_py.serialization.batch_encoder import Encoder
 from forest_msgs_py.serialization.cdr import to_cdr
-from forest_msgs_py.serialization.packing import columns
 
 STAMPS = np.array([0, 5_000_000, 1_700_000_000_123_456_789])
 

@@ -9,8 +9,9 @@ pytest.importorskip("rclpy")
 
 from forest_msgs_py.interfaces import messages, topics
 from forest_msgs_py.interfaces.messages import JoyValues
+from forest_msgs_py.interfaces.topics import columns
 from forest_msgs_py.serialization.cdr import to_cdr
-from forest_msgs_py.serialization.packing import Packer, columns, pack_clock, pack_joy
+from forest_msgs_py.serialization.packing import Packer, pack_clock, pack_joy
 
 STAMP = 1_700_000_000_123_456_789
 NAN = math.nan

@@ -14,6 +14,7 @@ from forest_description.machine import load_machine
 from forest_sim.analysis.friction_linearisation import (
     amplitude_limits,
     axes_with_friction,
+    drive_limits,
     equivalent_damping,
     without_dry_friction,
 )
@@ -22,6 +23,7 @@ from forest_sim.analysis.modes import modes, slow_modes
 from forest_sim.cli.main import main
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force, friction_slope
 from forest_sim.simulation.open_loop import start_angles
+from forest_sim.solver.multibody import HANGING_STILL, mechanics
 from forest_sim.solver.plant_parameters import plant_parameters
 
 LOADER = load_machine("loader")
@@ -29,6 +31,7 @@ P = plant_parameters(LOADER)
 POSE = start_angles(LOADER)
 SEALS = Friction(400.0, 700.0, 0.02, 0.003)
 ARM = lever_arm(POSE[2], P.stick_linkage)
+SHUT = (0.0, 0.0, 0.0)
 
 
 def stick(p):
@@ -125,3 +128,27 @@ def test_json_has_both_ends_with_their_amplitudes(machine, axes, more, capsys):
     told = json.loads(capsys.readouterr().out)
     assert list(told["dry_friction_speeds_m_s"]) == axes
     assert len(told["modes_without_dry_friction"]) == len(told["modes"]) + more
+
+
+def test_a_swing_that_sticks_has_ends_of_its_own():
+    """Small: the bearing's spring alone. Large: as the machine without play and bearing friction."""
+    real = load_machine("c180_real")
+    real = dataclasses.replace(real, manipulator=dataclasses.replace(real.manipulator, pendulum=None))
+    p = plant_parameters(real)
+    ends, b = drive_limits(p), real.swing.friction
+    assert ends.small == pytest.approx(b.elastic_share * b.coulomb_torque / b.stiffness)
+    r = 0.5 * real.swing.backlash.free_way / ends.large
+    assert 2.0 / math.pi * (math.asin(r) + r * math.sqrt(1.0 - r * r)) == pytest.approx(0.1, rel=0.01)
+    time = (np.arange(4000) + 0.5) * 2.0 * math.pi / 4000
+    speeds = ends.fast * np.sin(time)
+    friction = np.sign(speeds) * (800.0 + 300.0 / (1.0 + (speeds / b.stribeck_speed) ** 2))
+    taken = float(np.mean(friction * np.sin(time))) * 2.0 / ends.fast
+    assert taken == pytest.approx(real.swing.damping, rel=1e-3)
+    pose = (0.0, 0.4, -1.4)
+    small, large = (slow_modes(modes(pose, SHUT, q))["swing"] for q in (p, without_dry_friction(p)))
+    inertia = mechanics(pose, SHUT, HANGING_STILL, p).inertia.m_11
+    assert 2.0 * math.pi * small.frequency == pytest.approx(math.sqrt(b.stiffness / inertia), rel=1e-3)
+    bare = dataclasses.replace(real.swing, friction=None, backlash=None)
+    rigid = slow_modes(modes(pose, SHUT, plant_parameters(dataclasses.replace(real, swing=bare))))["swing"]
+    assert large.frequency == pytest.approx(rigid.frequency, rel=0.02)
+    assert drive_limits(P) is None

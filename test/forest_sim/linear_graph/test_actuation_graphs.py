@@ -7,13 +7,16 @@ from sympy import Abs, Symbol, sign, sqrt
 
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
+from forest_description.types import AXES
 from forest_sim.linear_graph.actuation_graphs import (
     cylinder,
+    cylinder_with_joint,
     cylinder_with_pi_hoses,
     cylinder_with_relief,
     cylinder_with_two_lumps,
     swing,
 )
+from forest_sim.linear_graph.actuation_parameters import actuation_parameters
 from forest_sim.linear_graph.linear_graph import Branch, Domain, Kind
 from forest_sim.linear_graph.state_equations import state_equations
 from forest_sim.mechanics.manipulator import dynamics, fold_head
@@ -116,18 +119,7 @@ def samples():
 
 
 def parameters(axis, c_r):
-    """Return the graph's parameters from the machine."""
-    lines = THESIS.line(axis, 1), THESIS.line(axis, 2)
-    values = {"C_R": c_r[2 * axis], "C_R'": c_r[2 * axis + 1]}
-    for port, line in enumerate(lines, start=1):
-        values |= {f"R_{port}": line.resistance, f"I_{port}": line.inertance, f"C_{port}": line.capacitance}
-    if axis == 0:
-        drive = THESIS.swing
-        values |= {"D_m": drive.motor_displacement, "N": drive.gear_ratio, "B_sw": drive.damping}
-        leak = drive.external_leakage_resistance
-        return values | {"R_in": drive.internal_leakage_resistance, "R_e1": leak, "R_e2": leak}
-    piston = (THESIS.boom, THESIS.stick)[axis - 1]
-    return values | {"gy_1": piston.head_area, "gy_2": piston.rod_area, "B": piston.damping}
+    return actuation_parameters(THESIS, AXES[axis], c_r[2 * axis], c_r[2 * axis + 1])
 
 
 def arm(axis, x):
@@ -230,3 +222,15 @@ def test_a_swinging_link_instead_of_the_velocity_source_becomes_a_state():
     driven = SWING.through["qdot_sw"].xreplace({W: Symbol("W_J", real=True)})
     assert same(rate * j, driven)
     assert len(e.states) == 5
+
+
+def test_a_lever_arm_is_an_input_that_speed_and_force_share():
+    """J dW/dt = arm F(arm W) + t_load, with the force that the circuit without a joint has."""
+    e = state_equations(cylinder_with_joint())
+    arm_, w, load = (Symbol(name, real=True) for name in ("arm", "W_J", "t_load"))
+    assert e.inputs == (P_S, load, arm_)
+    (j,) = par("J")
+    force = CYLINDER.through["xdot"].xreplace({V: arm_ * w})
+    assert e.states[:2] == (P_1, w)
+    assert sympy.simplify(e.derivatives[1] * j - (arm_ * force + load)) == 0
+    assert sympy.simplify(e.derivatives[0] - CYLINDER.derivatives[0].xreplace({V: arm_ * w})) == 0

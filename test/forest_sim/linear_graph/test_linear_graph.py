@@ -7,6 +7,10 @@ from forest_sim.linear_graph.linear_graph import Branch, Domain, GraphError, Kin
 SOURCE = Branch("P_s", Kind.ACROSS_SOURCE, "supply", "tank", "P_s")
 RESISTANCE = Branch("R", Kind.D_TYPE, "supply", "port", "R")
 CAPACITANCE = Branch("C", Kind.A_TYPE, "port", "tank", "C")
+MODULATED = (
+    Branch("1", Kind.GYRATOR, "port", "tank", "D", partner="2", modulated=True),
+    Branch("2", Kind.GYRATOR, "shaft", "frame", "D", Domain.ROTATION, "1", modulated=True),
+)
 MOTOR_1 = Branch("1", Kind.GYRATOR, "port", "tank", "D", partner="2")
 MOTOR_2 = Branch("2", Kind.GYRATOR, "shaft", "frame", "D", Domain.ROTATION, "1")
 
@@ -34,6 +38,15 @@ def test_a_circuit_keeps_its_branches_in_order():
         (
             [SOURCE, RESISTANCE, CAPACITANCE, MOTOR_1, Branch("2", Kind.GYRATOR, "a", "b", "N", partner="1")],
             "gyrator branch 1 needs a partner of the same kind and parameter",
+        ),
+        ([SOURCE, RESISTANCE, CAPACITANCE, MODULATED[0], MOTOR_2], "1 needs a partner of the same kind"),
+        (
+            [SOURCE, Branch("R", Kind.D_TYPE, "supply", "port", "R", modulated=True), CAPACITANCE],
+            "R cannot take an input as parameter; allowed: two-ports",
+        ),
+        (
+            [SOURCE, Branch("R", Kind.D_TYPE, "supply", "port", "D"), CAPACITANCE, *MODULATED],
+            "R cannot take an input as parameter",
         ),
         ([SOURCE, CAPACITANCE, Branch("I", Kind.T_TYPE, "a", "b", "I")], "no path leads from P_s to I"),
         (

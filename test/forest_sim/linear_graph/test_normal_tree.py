@@ -114,33 +114,6 @@ def test_of_a_transformer_the_branch_enters_that_leaves_the_inertia_its_state():
             ],
             "Q_a, Q_b are a cut-set of through sources",
         ),
-        ([PUMP, element("C", Kind.A_TYPE, "supply", "tank")], r"storage C \(bound by P_s\)"),
-        (
-            [
-                PUMP,
-                element("R", Kind.D_TYPE, "supply", "a"),
-                element("C_a", Kind.A_TYPE, "a", "tank"),
-                element("C_b", Kind.A_TYPE, "tank", "a"),
-            ],
-            r"dependent energy storage C_b \(bound by C_a\)",
-        ),
-        (
-            [
-                PUMP,
-                element("I_a", Kind.T_TYPE, "supply", "a"),
-                element("I_b", Kind.T_TYPE, "a", "b"),
-                element("R", Kind.D_TYPE, "b", "tank"),
-            ],
-            r"dependent energy storage I_a \(bound by I_b\)",
-        ),
-        (
-            [
-                element("J_a", Kind.A_TYPE, "motor", "frame", TURNING),
-                *gear("N", "motor", "joint"),
-                element("J_b", Kind.A_TYPE, "joint", "frame", TURNING),
-            ],
-            r"dependent energy storage J_a \(bound by 3\)",
-        ),
         (
             [
                 Branch("w_a", Kind.ACROSS_SOURCE, "motor", "frame", "w_a", TURNING),
@@ -156,6 +129,13 @@ def test_circuits_without_a_normal_tree_are_refused_by_element(branches, told):
         normal_tree(LinearGraph("test", tuple(branches)))
 
 
-def test_without_its_capacitance_a_hose_ties_its_inertance_to_the_piston():
-    with pytest.raises(GraphError, match=r"dependent energy storage I_1 \(bound by 1\)"):
-        normal_tree(cylinder().changed("stiff hose", remove=["C_1"]))
+def test_storages_that_depend_on_others_are_told():
+    wheels = (
+        element("J_a", Kind.A_TYPE, "motor", "frame", TURNING),
+        element("J_b", Kind.A_TYPE, "joint", "frame", TURNING),
+    )
+    tree = normal_tree(LinearGraph("test", (wheels[0], *gear("N", "motor", "joint"), wheels[1])))
+    assert (tree.dependent, tree.storages) == (wheels[:1], wheels[1:])
+    stiff = normal_tree(cylinder().changed("stiff hose", remove=["C_1"]))
+    assert [branch.name for branch in stiff.dependent] == ["I_1"]
+    assert [branch.name for branch in stiff.storages] == ["C_2", "I_2"]

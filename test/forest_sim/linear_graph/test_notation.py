@@ -5,7 +5,7 @@ import pytest
 from forest_sim.linear_graph.actuation_graphs import cylinder, swing
 from forest_sim.linear_graph.linear_graph import Branch, Domain, Kind
 from forest_sim.linear_graph.notation import latex, law, symbol_names, two_port_laws
-from forest_sim.linear_graph.state_equations import across_symbol, through_symbol
+from forest_sim.linear_graph.symbols import across_symbol, through_symbol
 
 
 @pytest.mark.parametrize(

@@ -41,10 +41,11 @@ def test_the_page_shows_every_circuit_with_its_drawing(written):
         assert f"(graphs/{circuit.file}.svg)" in page
 
 
-def test_the_pages_example_runs(written, capsys):
-    code = written["linear-graphs.md"].partition("```python\n")[2].partition("```")[0]
+@pytest.mark.parametrize(("place", "told"), [(0, "R_v1"), (1, None)])
+def test_the_pages_examples_run_and_print_what_is_told(written, capsys, place, told):
+    code, _, after = written["linear-graphs.md"].split("```python\n")[1 + place].partition("```")
     exec(compile(code, "linear-graphs.md", "exec"), {})
-    assert "R_v1" in capsys.readouterr().out
+    assert (told or after.partition("```text\n")[2].partition("```")[0]) in capsys.readouterr().out
 
 
 def test_no_table_cell_is_torn_by_a_bar(written):

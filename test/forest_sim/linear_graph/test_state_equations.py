@@ -5,12 +5,15 @@ import pytest
 import sympy
 from sympy import Abs, Symbol, sign, sqrt
 
+from forest_sim.linear_graph.actuation_graphs import cylinder_with_underlap
 from forest_sim.linear_graph.layouts import CIRCUITS
 from forest_sim.linear_graph.linear_graph import Branch, Domain, GraphError, Kind, LinearGraph
 from forest_sim.linear_graph.state_equations import state_equations, tidy
 
 PUMP = Branch("P_s", Kind.ACROSS_SOURCE, "supply", "tank", "P_s")
 TURNING = Domain.ROTATION
+
+GRAPHS = [*(c.graph() for c in CIRCUITS), cylinder_with_underlap()]
 
 
 def element(name, kind, start, end, domain=Domain.HYDRAULIC):
@@ -114,15 +117,19 @@ def test_a_quadratic_element_may_wait_for_another():
 
 
 @pytest.mark.parametrize(
-    "shunt", [element("R_l", Kind.D_TYPE, "a", "tank"), element("R_l", Kind.QUADRATIC, "a", "tank")]
+    "shunts",
+    [
+        [element("R_l", Kind.D_TYPE, "a", "tank")],
+        [element(name, Kind.QUADRATIC, "a", "tank") for name in ("R_l", "R_m")],
+    ],
 )
-def test_a_quadratic_element_in_a_loop_of_resistances_is_named(shunt):
+def test_a_quadratic_element_in_a_loop_of_resistances_is_named(shunts):
     with pytest.raises(GraphError, match=r"cannot eliminate the quadratic element .*R_q \(parameter R_q\)"):
         derive(
             PUMP,
             element("I", Kind.T_TYPE, "supply", "a"),
             element("R_q", Kind.QUADRATIC, "a", "tank"),
-            shunt,
+            *shunts,
         )
 
 
@@ -140,10 +147,10 @@ def test_laws_that_leave_a_variable_open_are_named():
         derive(*e)
 
 
-@pytest.mark.parametrize("circuit", CIRCUITS, ids=lambda c: c.file)
-def test_no_circuit_makes_or_loses_power(circuit):
+@pytest.mark.parametrize("graph", GRAPHS, ids=lambda g: g.name)
+def test_no_circuit_makes_or_loses_power(graph):
     """Tellegen: the products of all across and through variables add up to zero."""
-    e = state_equations(circuit.graph())
+    e = state_equations(graph)
     rng = np.random.default_rng(1)
     power = e.function(*(e.across[b.name] * e.through[b.name] for b in e.tree.graph.branches))
     for _ in range(20):
@@ -153,10 +160,9 @@ def test_no_circuit_makes_or_loses_power(circuit):
         assert abs(powers.sum()) < 1e-12 * np.abs(powers).sum()
 
 
-@pytest.mark.parametrize("circuit", CIRCUITS, ids=lambda c: c.file)
-def test_an_elements_arrow_changes_signs_only(circuit):
+@pytest.mark.parametrize("graph", [g for g in GRAPHS if not g.of(Kind.THROUGH_SOURCE)], ids=lambda g: g.name)
+def test_an_elements_arrow_changes_signs_only(graph):
     """Turned round, D-types and storages leave the machine as it is: same pump flow, same load."""
-    graph = circuit.graph()
     branches = graph.of(Kind.D_TYPE, Kind.QUADRATIC, Kind.A_TYPE, Kind.T_TYPE)
     names = [branch.name for branch in branches]
     turned = [Branch(b.name, b.kind, b.end, b.start, b.parameter, b.domain) for b in branches]

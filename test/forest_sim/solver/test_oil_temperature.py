@@ -90,7 +90,7 @@ def test_the_heat_of_a_moving_machine_is_the_sum_of_its_losses():
         losses = pump.pump_friction + pump.pump_leakage + pump.main_relief
         for a in (flows.swing, flows.boom, flows.stick):
             losses += a.throttling + a.port_valves + a.resistance + a.leakage + a.damping + a.dry_friction
-            losses += a.cushion
+            losses += a.cushion + a.gear
         assert dissipated_power(flows) == pytest.approx(losses, rel=1e-6)
 
 

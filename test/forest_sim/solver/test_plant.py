@@ -90,6 +90,7 @@ def test_spool_connects_port_1_to_supply_forwards_and_port_2_backwards():
     assert c_r < math.inf
     assert forward[:2] == (Port(c_r, math.inf, 0.0), Port(math.inf, c_r, 0.0))
     assert backward[:2] == (Port(math.inf, c_r, 0.0), Port(c_r, math.inf, 0.0))
+    assert (forward.sensed, backward.sensed, shut.sensed) == ((1.0, 0.0), (0.0, 1.0), (0.0, 0.0))
     assert shut[:2] == (Port(math.inf, math.inf, 0.0),) * 2
 
 

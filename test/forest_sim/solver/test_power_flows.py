@@ -75,8 +75,9 @@ def test_every_part_hands_on_what_it_neither_loses_nor_stores(machine):
                 + a.damping
                 + a.dry_friction
                 + a.cushion
+                + a.gear
             )
-            assert gap(a.inlets, -a.hose, -lost, -a.stop, -a.joint) < 1e-9
+            assert gap(a.inlets, -a.hose, -lost, -a.stop, -a.elastic, -a.joint) < 1e-9
 
 
 @pytest.mark.parametrize("machine", MACHINES)
@@ -136,6 +137,7 @@ def test_what_is_called_a_loss_never_gives_power_back(machine):
                 a.damping,
                 a.dry_friction,
                 a.cushion,
+                a.gear,
             ]
         # A turbulent hose's loss counts the flow that moves the load, not what leaks behind it.
         assert min(losses) >= -1e-6 * abs(flows.pump.engine)

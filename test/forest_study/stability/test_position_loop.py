@@ -41,13 +41,15 @@ def swings(machine, axis, volts, gain, seconds):
 
 
 def linear(machine):
-    """The machine without what the loop leaves out, play, slew limit and load holding of its valves.
+    """The machine without what the loop leaves out: play, slew limit and load holding of its valves.
 
-    Their dead time is left out, too: with it the stick's push fades into the pose's own change.
+    Their dead time is left out, too: with it the stick's push fades into the pose's own change. So is the
+    play of the swing's gear: a swaying head frees its teeth, and they rattle at any gain.
     """
     return replace(
         machine,
         valve=replace(machine.valve, hysteresis=None, dead_time=None, spool_slew_limit=None),
+        swing=replace(machine.swing, backlash=None),
         boom=replace(machine.boom, holding_1=None),
         stick=replace(machine.stick, holding_1=None, holding_2=None),
     )

@@ -89,8 +89,8 @@ def _encode_numbers(
     topic: Topic, labels: tuple[str, ...], stamps: NDArray[np.int64], values: Floats
 ) -> list[bytes | None]:
     """Sensors that the log has not got are absent, as ours are without a sample."""
+    from forest_msgs_py.interfaces.topics import columns
     from forest_msgs_py.serialization.batch_encoder import Encoder
-    from forest_msgs_py.serialization.packing import columns
 
     whole = np.full((len(stamps), len(columns(topic))), np.nan)
     whole[:, [columns(topic).index(label) for label in labels]] = values

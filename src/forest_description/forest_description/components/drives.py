@@ -15,6 +15,8 @@ from forest_description.config.parameter import (
 )
 from forest_description.geometry.linkage import Linkage, joint_angle
 
+LONGEST_STUCK = 0.01  # [rad] that a bearing gives way before it slides; rolling bearings give under 1e-3
+
 
 @dataclass(frozen=True)
 class Friction(ParameterSet):
@@ -28,14 +30,53 @@ class Friction(ParameterSet):
     def __post_init__(self) -> None:
         """Check ranges, that breaking away is no easier than sliding, and that its peak shows."""
         super().__post_init__()
-        if self.breakaway_force < self.coulomb_force:
-            raise MachineError(
-                f"breakaway_force ({self.breakaway_force:g} N) must not be below coulomb_force "
-                f"({self.coulomb_force:g} N)"
-            )
+        _require_peak("force", self.coulomb_force, self.breakaway_force, "N")
         if self.breakaway_force > self.coulomb_force:
             smoothed, falls = self.smoothing_speed, self.stribeck_speed
             require_order("smoothing_speed", smoothed, "stribeck_speed", falls, "m/s")
+
+
+@dataclass(frozen=True)
+class BearingFriction(ParameterSet):
+    """Dry friction of the swing's bearing and seals, which sticks; the thesis has viscous friction alone."""
+
+    coulomb_torque: float = parameter("N*m", 1.0, 1e7, "friction at speed")
+    breakaway_torque: float = parameter("N*m", 1.0, 1e7, "friction just before it slides")
+    stribeck_speed: float = parameter("rad/s", 1e-5, 1.0, "over which breakaway falls to coulomb friction")
+    stiffness: float = parameter("N*m/rad", 1e4, 1e12, "of the bristles that stick")
+    damping: float = parameter("N*m*s/rad", 0.0, 1e9, "of the bristles that stick")
+    elastic_share: float = parameter(
+        "1", 0.0, 0.99, "of the coulomb torque, up to which bristles only bend; above it they yield, too"
+    )
+
+    def __post_init__(self) -> None:
+        """Check ranges, that breaking away is no easier than sliding, and that it takes no long way."""
+        super().__post_init__()
+        _require_peak("torque", self.coulomb_torque, self.breakaway_torque, "N*m")
+        way = self.breakaway_torque / self.stiffness
+        if way > LONGEST_STUCK:
+            raise MachineError(
+                f"stiffness ({self.stiffness:g} N*m/rad): the bearing would turn {way:g} rad before it "
+                f"breaks away; allowed: at most {LONGEST_STUCK:g} rad"
+            )
+
+
+def _require_peak(of: str, coulomb: float, breakaway: float, unit: str) -> None:
+    """Raise unless breaking away takes as much as sliding does."""
+    if breakaway < coulomb:
+        raise MachineError(
+            f"breakaway_{of} ({breakaway:g} {unit}) must not be below coulomb_{of} ({coulomb:g} {unit})"
+        )
+
+
+@dataclass(frozen=True)
+class Backlash(ParameterSet):
+    """Play of the swing's gear, and the motor that it lets go; the thesis has a gear without."""
+
+    free_way: float = parameter("rad", 1e-6, 0.1, "of the joint between its teeth with the motor held, 2 b")
+    motor_inertia: float = parameter("kg*m2", 1e-6, 10.0, "of the motor and what turns with it, at its shaft")
+    stiffness: float = parameter("N*m/rad", 1e4, 1e11, "of teeth and gear, seen at the joint")
+    damping: float = parameter("N*m*s/rad", 0.0, 1e9, "of the teeth in contact, seen at the joint")
 
 
 @dataclass(frozen=True)
@@ -87,13 +128,18 @@ class SwingDrive(ParameterSet):
     lower_limit: float = parameter("rad", -20.0, 20.0, "smallest swing angle")
     upper_limit: float = parameter("rad", -20.0, 20.0, "largest swing angle")
     chambers: MotorChambers | None = None  # may be left out
+    friction: BearingFriction | None = None  # may be left out
+    backlash: Backlash | None = None  # may be left out
     holding_1: LoadHolding | None = None
     holding_2: LoadHolding | None = None
 
     def __post_init__(self) -> None:
-        """Check ranges, and that the swing has room to move."""
+        """Check ranges, and that the swing has room to move, past its gear's play too."""
         super().__post_init__()
         require_order("lower_limit", self.lower_limit, "upper_limit", self.upper_limit, "rad")
+        if self.backlash is not None:
+            travel = self.upper_limit - self.lower_limit
+            require_order("backlash.free_way", self.backlash.free_way, "the swing's travel", travel, "rad")
 
 
 @dataclass(frozen=True)

@@ -60,6 +60,7 @@ UNITS: dict[str, Unit] = {
     "N/m": Unit("N/m", 1.0),
     "N*s/m": Unit("N*s/m", 1.0),
     "N*s2/m2": Unit("N*s2/m2", 1.0),
+    "N*m": Unit("N*m", 1.0),
     "N*m/rad": Unit("N*m/rad", 1.0),
     "N*m*s/rad": Unit("N*m*s/rad", 1.0),
     "Pa*s2/m6": Unit("Pa*s2/m6", 1.0),

@@ -7,7 +7,7 @@ times. Tests compare the two.
 
 | array | shape | holds |
 |---|---|---|
-| states | N, 95 | what `forest_sim.solver.state_recording.STATE` names |
+| states | N, 98 | what `forest_sim.solver.state_recording.STATE` names |
 | a column | N | one channel of `forest_sim.sensors.sensor_suite.CHANNELS`, in its unit |
 """
 
@@ -68,7 +68,7 @@ def true_columns(
     of["supply_pressure"] = states[:, PLACE["supply_pressure"]]
     of["swing_flow"] = states[:, PLACE["swing_flow_1"]]
     of["stick_flow"] = states[:, PLACE["stick_flow_1"]]
-    rate, p_1, p_2 = (states[:, PLACE[f"swing_{part}"]] for part in ("rate", "pressure_1", "pressure_2"))
+    rate, p_1, p_2 = _motor_rate(states, p), *(states[:, PLACE[f"swing_pressure_{i}"]] for i in (1, 2))
     entering: Floats = inlet_flow(rate, p_1, p_2, p.swing.actuator)  # type: ignore[arg-type, assignment]
     leaving: Floats = outlet_flow(rate, p_1, p_2, p.swing.actuator)  # type: ignore[arg-type, assignment]
     of["case_drain"] = entering - leaving
@@ -81,6 +81,11 @@ def true_columns(
     return of | {name: np.full(len(states), value) for name, value in steady.items()}
 
 
+def _motor_rate(states: Floats, p: PlantParameters) -> Floats:
+    """Return the rate of the swing's motor [rad/s]: behind a gear with play its own."""
+    return states[:, PLACE["drive_motor_rate" if p.drive.gear.inertia > 0.0 else "swing_rate"]]
+
+
 def _axis_columns(states: Floats, p: PlantParameters, place: int, name: str, valves: bool) -> Columns:
     own: Axis = (p.swing, p.boom, p.stick)[place]
     angle, rate, p_1, p_2, q_1, q_2 = (states[:, 6 * place + k] for k in range(6))
@@ -89,6 +94,8 @@ def _axis_columns(states: Floats, p: PlantParameters, place: int, name: str, val
     if place > 0:
         linkage = p.boom_linkage if place == 1 else p.stick_linkage
         of[f"{name}_transducer"], arm = length_and_arm(angle, linkage)
+    if place == 0:
+        rate = _motor_rate(states, p)
     one, two = port_pressures(arm * rate, p_1, p_2, own.actuator)  # type: ignore[arg-type]
     of[f"{name}_pressure_1_actuator"], of[f"{name}_pressure_2_actuator"] = one, two  # type: ignore[assignment]
     if valves:

@@ -314,6 +314,19 @@ def unlisted(name: str, type_name: str) -> Topic:
     )
 
 
+def columns(topic: Topic) -> tuple[str, ...]:
+    """The numbers of one message, in the order in which values are packed into it.
+
+    Raises:
+        ValueError: the topic's messages are not made of a stamp and numbers.
+    """
+    if topic.type == JOINT_STATE:
+        return tuple(f"{name}.{part}" for part in ("position", "velocity", "effort") for name in topic.labels)
+    if topic.type in (FLOAT_ARRAY, POSE, TWIST):
+        return topic.labels
+    raise ValueError(f"{topic.name}: {topic.type} is not a stamp and numbers")
+
+
 def message_class(topic: Topic) -> Any:
     """The Python class of the topic's messages.
 

@@ -7,7 +7,7 @@ each: those of a `Packer`'s template. So all are copies of it with the numbers p
 symbol        meaning
 ============  ==============================================================================================
 stamps_ns     ROS time, int64 [N]
-values        float64 [N, k], k numbers per message in the order of `packing.columns`
+values        float64 [N, k], k numbers per message in the order of `topics.columns`
 ============  ==============================================================================================
 
 Kept beside rosbags' typestore, whose bytes are the same: 0.7 µs a message instead of 14 µs

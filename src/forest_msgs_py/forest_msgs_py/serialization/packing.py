@@ -18,26 +18,13 @@ from forest_msgs_py.interfaces.messages import (
     sensor_joint_state,
     twist_stamped,
 )
-from forest_msgs_py.interfaces.topics import FLOAT_ARRAY, JOINT_STATE, POSE, TWIST, Topic
+from forest_msgs_py.interfaces.topics import FLOAT_ARRAY, JOINT_STATE, POSE, TWIST, Topic, columns
 from forest_msgs_py.serialization.cdr import ENCAPSULATION, to_cdr
 from forest_msgs_py.types import NS_PER_S
 
 DOUBLE = 8  # bytes
 MARKED_STAMP = 1_234_567_891_987_654_321  # [ns]
 MARK = 1.2345678912345e-77  # times 1, 2, 3 …; no message has such numbers
-
-
-def columns(topic: Topic) -> tuple[str, ...]:
-    """The numbers of one message in the order that `Packer.pack` takes them.
-
-    Raises:
-        ValueError: the topic's messages are not made of a stamp and numbers.
-    """
-    if topic.type == JOINT_STATE:
-        return tuple(f"{name}.{part}" for part in ("position", "velocity", "effort") for name in topic.labels)
-    if topic.type in (FLOAT_ARRAY, POSE, TWIST):
-        return topic.labels
-    raise ValueError(f"{topic.name}: {topic.type} is not a stamp and numbers")
 
 
 class Run(NamedTuple):
@@ -74,7 +61,7 @@ class Packer:
         self.whole = self._template((True,) * self._size)  # of a message in which nothing is missing
 
     def pack(self, stamp_ns: int, values: Sequence[float]) -> bytes | None:
-        """A message with this stamp and these numbers, in the order of `columns`.
+        """A message with this stamp and these numbers, in the order of `topics.columns`.
 
         NaN stands for a sensor without a sample, which is left out; None if nothing is left.
         """

@@ -17,6 +17,7 @@ import numpy as np
 from forest_description.types import Complexes, Floats, Vec3
 from forest_sim.analysis.modes import linearise, operating_point, states, unguarded
 from forest_sim.hydraulics.spool_dynamics import Spool, SpoolLag
+from forest_sim.mechanics.gear import without_play
 from forest_sim.solver.plant import ports_at, state_derivative
 from forest_sim.solver.plant_parameters import PlantParameters
 
@@ -33,13 +34,14 @@ def rate_response(
         angles: pose through which the joint moves [rad].
         axis: that moves; the others' valves are shut.
         voltage: of its spool [V], beyond the overlap.
-        p: the machine; port valves, stops and cushions are left out.
+        p: the machine; port valves, stops, cushions and a gear's play are left out.
         frequency: [n] Hz.
 
     Raises:
         ValueError: the spool lies in its overlap.
     """
     p = unguarded(p)
+    p = p._replace(drive=p.drive._replace(gear=without_play(p.drive.gear)))
     spools = [0.0, 0.0, 0.0]
     spools[axis] = voltage
     point = operating_point(angles, (spools[0], spools[1], spools[2]), p)

@@ -1,4 +1,4 @@
-"""Dry friction in a linear model: for which oscillations it is a damper, and for which it may be left out.
+"""Dry friction and play in a linear model: what they are to small oscillations, when they may be left out.
 
 | symbol | name | unit |
 |---|---|---|
@@ -12,18 +12,27 @@
 c falls from the slope dF/du at rest towards zero. A linearisation about rest has the slope: it is
 for small oscillations, in which the seals stick. Large oscillations hardly feel the dry friction.
 About a steady motion the slope is that at its speed, and the same amplitudes hold.
+
+A bearing that sticks is a spring up to the angle z_e that its bristles only bend. A gear with play
+holds nothing within b to either side. Its describing function, 1 - 2/pi (asin r + r sqrt(1 - r^2))
+with r = b/A, is 0.9 of the teeth's stiffness at an amplitude A of 12.7 b.
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 from forest_description.types import AXES
+from forest_sim.mechanics.bristles import NO_BRISTLES, sliding_friction
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force
+from forest_sim.mechanics.gear import without_play
 from forest_sim.solver.plant_parameters import PlantParameters
 
 SMALL = 0.5  # U/u_0 up to which c(U) is within 10 % of the slope at rest
 SAMPLES = 400  # of a quarter of the sine
 FASTEST = 100.0  # [m/s] no piston is
+PLAYED = 12.7  # A/b from which play takes less than a tenth of the teeth's stiffness
+STANDSTILL = 1e-9  # [rad/s] no swing is slower than that
 
 
 class AmplitudeLimits(NamedTuple):
@@ -35,10 +44,12 @@ class AmplitudeLimits(NamedTuple):
 
 def equivalent_damping(amplitude: float, f: Friction) -> float:
     """Return c(U) [N s/m] of a sine with an amplitude of speed above zero [m/s], by the midpoint rule."""
-    if f.breakaway == 0.0:
-        return 0.0
+    return 0.0 if f.breakaway == 0.0 else _damping_of(lambda u: friction_force(u, f), amplitude)
+
+
+def _damping_of(friction: Callable[[float], float], amplitude: float) -> float:
     sines = (math.sin(0.5 * math.pi * (k + 0.5) / SAMPLES) for k in range(SAMPLES))
-    return 2.0 * sum(friction_force(amplitude * s, f) * s for s in sines) / (SAMPLES * amplitude)
+    return 2.0 * sum(friction(amplitude * s) * s for s in sines) / (SAMPLES * amplitude)
 
 
 def amplitude_limits(f: Friction, viscous: float) -> AmplitudeLimits:
@@ -49,13 +60,18 @@ def amplitude_limits(f: Friction, viscous: float) -> AmplitudeLimits:
         viscous: B [N s/m].
     """
     small = SMALL * f.smoothing_speed
-    if equivalent_damping(FASTEST, f) > viscous:
-        return AmplitudeLimits(small, math.inf)
-    low, high = small, FASTEST
+    return AmplitudeLimits(small, _fast(lambda u: equivalent_damping(u, f), viscous, small))
+
+
+def _fast(damping: Callable[[float], float], viscous: float, low: float) -> float:
+    """Return the amplitude of speed from which a damping is below the viscous one; infinite if none."""
+    if damping(FASTEST) > viscous:
+        return math.inf
+    high = FASTEST
     for _ in range(60):
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if equivalent_damping(middle, f) > viscous else (low, middle)
-    return AmplitudeLimits(small, high)
+        low, high = (middle, high) if damping(middle) > viscous else (low, middle)
+    return high
 
 
 def axes_with_friction(p: PlantParameters) -> dict[str, AmplitudeLimits]:
@@ -67,24 +83,67 @@ def axes_with_friction(p: PlantParameters) -> dict[str, AmplitudeLimits]:
     }
 
 
+class DriveLimits(NamedTuple):
+    """Amplitudes of the swing between which neither linear model holds."""
+
+    small: float  # [rad] below: the bearing is a spring, and the teeth do not touch
+    large: float  # [rad] above: play counts for less than a tenth
+    fast: float  # [rad/s] above: the bearing takes less energy than viscous friction does
+
+
+def drive_limits(p: PlantParameters) -> DriveLimits | None:
+    """Return where the two linear models of the swing end; None without play and bearing friction."""
+    b, teeth = p.drive.bearing, p.drive.gear.teeth
+    if not p.drive.present:
+        return None
+    play = teeth.upper if p.drive.gear.inertia > 0.0 else 0.0
+    if b.stiffness == 0.0:
+        return DriveLimits(play, PLAYED * play, 0.0)
+    viscous = p.swing.actuator.damping
+    fast = _fast(lambda u: _damping_of(lambda v: sliding_friction(v, b), u), viscous, STANDSTILL)
+    return DriveLimits(min(b.elastic, play) if play > 0.0 else b.elastic, PLAYED * play, fast)
+
+
+def is_rough(p: PlantParameters) -> bool:
+    """Tell whether small oscillations differ from large ones."""
+    return bool(axes_with_friction(p)) or p.drive.present != 0
+
+
 def without_dry_friction(p: PlantParameters) -> PlantParameters:
-    """Return the parameters with every axis' dry friction left out."""
-    return p.with_axes(friction=FRICTIONLESS)
+    """Return the parameters with every axis' dry friction left out, and the gear's play."""
+    drive = p.drive._replace(bearing=NO_BRISTLES, gear=without_play(p.drive.gear))
+    return p.with_axes(friction=FRICTIONLESS)._replace(drive=drive)
 
 
-def small_heading(ends: dict[str, AmplitudeLimits]) -> str:
+def small_heading(p: PlantParameters) -> str:
     """Return in words what a table of small oscillations is for."""
-    speeds = ", ".join(f"{name} {1e3 * end.small:.3g} mm/s" for name, end in ends.items())
-    return f"small oscillations: dry friction as the damper that its slope is; piston speeds below {speeds}"
+    ends, swing, told = axes_with_friction(p), drive_limits(p), []
+    if ends:
+        speeds = ", ".join(f"{name} {1e3 * end.small:.3g} mm/s" for name, end in ends.items())
+        told.append(f"dry friction as the damper that its slope is; piston speeds below {speeds}")
+    if swing is not None:
+        told.append(
+            f"a bearing that sticks, teeth that do not touch; swing angles below {1e3 * swing.small:.3g} mrad"
+        )
+    return f"small oscillations: {'; '.join(told)}"
 
 
-def large_heading(ends: dict[str, AmplitudeLimits]) -> str:
+def large_heading(p: PlantParameters) -> str:
     """Return in words what a table of large oscillations is for."""
-    speeds = ", ".join(
-        f"{name} {1e3 * end.large:.3g} mm/s" if math.isfinite(end.large) else f"{name} never"
-        for name, end in ends.items()
-    )
-    return (
-        "large oscillations: without dry friction, which takes less energy than viscous friction does "
-        f"at piston speeds above {speeds}"
-    )
+    ends, swing, told = axes_with_friction(p), drive_limits(p), []
+    if ends:
+        speeds = ", ".join(f"{name} {_speed(end.large, 'mm/s')}" for name, end in ends.items())
+        told.append(
+            "without dry friction, which takes less energy than viscous friction does "
+            f"at piston speeds above {speeds}"
+        )
+    if swing is not None:
+        told.append(
+            f"without play and bearing friction; swing angles above {1e3 * swing.large:.3g} mrad, "
+            f"rates above {_speed(swing.fast, 'mrad/s')}"
+        )
+    return f"large oscillations: {'; '.join(told)}"
+
+
+def _speed(speed: float, unit: str) -> str:
+    return f"{1e3 * speed:.3g} {unit}" if math.isfinite(speed) else "never"

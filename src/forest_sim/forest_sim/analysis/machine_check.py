@@ -13,6 +13,7 @@ from forest_description.machine import Machine
 from forest_description.types import AXES, Vec3
 from forest_sim.analysis.friction_linearisation import (
     axes_with_friction,
+    is_rough,
     large_heading,
     small_heading,
     without_dry_friction,
@@ -185,7 +186,7 @@ def report(machine: Machine) -> str:
         low, high = (math.degrees(limit) for limit in limits[place])
         plus, minus = speeds[axis]
         oscillation = _oscillation(small[axis])
-        if axis in rubbing:
+        if axis in rubbing or (axis == "swing" and p.drive.present):
             oscillation = f"{_oscillation(large[axis])} (small: {oscillation})"
         lines.append(
             f"  {axis:<6} {low:7.1f} .. {high:6.1f} deg, {plus:+.2f}/{minus:+.2f} rad/s, {oscillation}"
@@ -194,8 +195,8 @@ def report(machine: Machine) -> str:
         f"  speeds at full voltage, oscillations with shut valves; boom at {math.degrees(angles[1]):.1f}, "
         f"stick at {math.degrees(angles[2]):.1f} deg"
     )
-    if rubbing:
-        lines += [f"  {small_heading(rubbing)}", f"  {large_heading(rubbing)}"]
+    if is_rough(p):
+        lines += [f"  {small_heading(p)}", f"  {large_heading(p)}"]
     lines += [
         "workspace",
         f"  reach  {w.reach_min:.2f} .. {w.reach_max:.2f} m from the swing axis",

@@ -16,7 +16,7 @@ of the working range, but an emptied hose lies right at the edge of an anti-cavi
 
 Dry friction is linearised like all else. At rest that is a strong damper, which holds for small
 oscillations only; `friction_linearisation` tells for which, and gives the parameters for large
-ones.
+ones. A swing's bearing sticks at rest, and its gear stands in the middle of its play.
 """
 
 import math
@@ -31,18 +31,20 @@ from forest_sim.hydraulics.load_holding import is_held, restriction
 from forest_sim.hydraulics.port import is_shut
 from forest_sim.hydraulics.spool_dynamics import STUCK, Spool
 from forest_sim.hydraulics.supply import SupplyState
-from forest_sim.mechanics.end_stop import UNCUSHIONED, EndStop
+from forest_sim.mechanics.end_stop import NO_STOP, UNCUSHIONED
+from forest_sim.solver.drive import DriveState
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation, step
 from forest_sim.solver.multibody import HeadState
 from forest_sim.solver.plant import AxisState, PlantState, Ports, ports_at, state_derivative
 from forest_sim.solver.plant_parameters import NO_GUARD, PlantParameters
 
-NO_STOP = EndStop(-math.inf, math.inf, 0.0, 0.0)
 DIFFERENCE = (1e-6, 1e-6, 10.0, 10.0, 1e-8, 1e-8)  # rad, rad/s, Pa, m^3/s: rounding and curvature both small
+DRIVE_PARTS = ("motor", "motor", "links")  # of `DriveState`
 PARTS = {"angle": "links", "rate": "links", "pressure_1": "oil", "pressure_2": "oil"}
 SETTLING, SETTLING_STEP = 3.0, 5e-3  # [s] over which the steady motion at a pose is found
 SHUT: Vec3 = (0.0, 0.0, 0.0)  # [V] of the spools
+STATES = 27  # of `PlantState`
 SLOWEST = 1e-3  # [Hz] anything below is no oscillation but rounding
 
 
@@ -52,7 +54,7 @@ class Mode(NamedTuple):
     frequency: float  # w_n/2pi [Hz]
     damping: float  # zeta
     axes: Vec3  # participation of swing, boom, stick
-    parts: dict[str, float]  # participation of links, oil, hoses (flow), pump, hanging head
+    parts: dict[str, float]  # participation of links, oil, hoses (flow), pump, head; of a motor behind play
 
     @property
     def axis(self) -> str:
@@ -65,6 +67,8 @@ class Mode(NamedTuple):
         links, hoses, pump, head = (self.parts[name] for name in ("links", "hoses", "pump", "head"))
         if head > 0.5:
             return "hanging head"
+        if self.parts.get("motor", 0.0) > links:
+            return "motor in gear"
         if links >= max(hoses, pump):
             return "links on oil"
         return "oil in hoses" if hoses >= pump else "oil and pump"
@@ -72,7 +76,8 @@ class Mode(NamedTuple):
 
 def unguarded(p: PlantParameters) -> PlantParameters:
     """Return the parameters without what works at the edges of the working range only."""
-    return p._replace(guard=NO_GUARD).with_axes(stop=NO_STOP, cushion=UNCUSHIONED)
+    drive = p.drive._replace(gear=p.drive.gear._replace(stop=NO_STOP))
+    return p._replace(guard=NO_GUARD, drive=drive).with_axes(stop=NO_STOP, cushion=UNCUSHIONED)
 
 
 def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulation:
@@ -91,13 +96,14 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
         p.valves[1]._replace(lag=STUCK),
         p.valves[2]._replace(lag=STUCK),
     )
-    if all(is_shut(port) for axis in ports_at(held.spools, p) for port in axis[:2]):
+    if all(is_shut(a.port_1) and is_shut(a.port_2) for a in ports_at(held.spools, p)):
         return held
     for _ in range(round(SETTLING / SETTLING_STEP)):
         after = step(held, spools, SETTLING_STEP, p._replace(valves=still))
         moved = after.plant
         plant = moved._replace(
             swing=moved.swing._replace(angle=angles[0]),
+            drive=_turned(moved.drive, angles[0] - moved.swing.angle, p),
             boom=moved.boom._replace(angle=angles[1]),
             stick=moved.stick._replace(angle=angles[2]),
         )
@@ -116,6 +122,13 @@ def _flows(
     return not is_shut(spool) and not is_held(flow, held)
 
 
+def _turned(drive: DriveState, by: float, p: PlantParameters) -> DriveState:
+    """Return the swing's drive with its motor turned as the joint is [rad]."""
+    if p.drive.gear.inertia == 0.0:
+        return drive
+    return drive._replace(motor_angle=drive.motor_angle + by)
+
+
 def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int, ...]]:
     """Return A [n, n] about an operating point and the places of its n states in `state_recording.STATE`."""
     ports = ports_at(point.spools, p, point.lifts)
@@ -124,12 +137,15 @@ def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int,
         kept += [18] if p.supply.rate == 0.0 else [18, 19]
     if p.head.mass > 0.0:
         kept += [20, 21, 22, 23]
+    kept += [24, 25] if p.drive.gear.inertia > 0.0 else []
+    kept += [26] if p.drive.bearing.stiffness > 0.0 else []
     x = states(point.plant)
     columns = []
     for place in kept:
         d = _difference(place)
         up, down = (
-            states(state_derivative(_shaped(x + sign * d * np.eye(24)[place]), ports, p)) for sign in (1, -1)
+            states(state_derivative(_shaped(x + sign * d * np.eye(STATES)[place]), ports, p))
+            for sign in (1, -1)
         )
         columns.append((up - down)[kept] / (2.0 * d))
     return np.column_stack(columns), tuple(kept)
@@ -159,12 +175,16 @@ def _mode(value: complex, weights: Floats, kept: tuple[int, ...]) -> Mode:
     weights = weights / np.sum(weights)
     axes = [0.0, 0.0, 0.0]
     parts = dict.fromkeys(("links", "oil", "hoses", "pump", "head"), 0.0)
+    parts |= {"motor": 0.0} if 24 in kept else {}
     for place, weight in zip(kept, weights.tolist(), strict=True):
         if place < 18:
             axes[place // 6] += weight
             parts[PARTS.get(AxisState._fields[place % 6], "hoses")] += weight
-        else:
+        elif place < 24:
             parts["pump" if place < 20 else "head"] += weight
+        else:
+            axes[0] += weight
+            parts[DRIVE_PARTS[place - 24]] += weight
     natural = abs(value)
     return Mode(natural / (2.0 * math.pi), -value.real / natural, (axes[0], axes[1], axes[2]), parts)
 
@@ -194,14 +214,14 @@ def _difference(place: int) -> float:
 
 
 def states(state: PlantState) -> Floats:
-    """Return the plant's 24 states, or their rates of change, as `state_recording.STATE` has them."""
-    return np.array([*state.swing, *state.boom, *state.stick, *state.supply, *state.head])
+    """Return the plant's 27 states, or their rates of change, as `state_recording.STATE` has them."""
+    return np.array([*state.swing, *state.boom, *state.stick, *state.supply, *state.head, *state.drive])
 
 
 def _shaped(x: Floats) -> PlantState:
     v = x.tolist()
     axes = AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18])
-    return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]))
+    return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]), DriveState(*v[24:27]))
 
 
 def as_json(found: list[Mode]) -> list[dict[str, Any]]:

@@ -13,7 +13,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.machine import Machine
 from forest_description.types import AXES, Floats
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.serialization.packing import columns
+from forest_msgs_py.interfaces.topics import columns
 from forest_sim.analysis.mode_map import MapPoint
 from forest_sim.simulation.energy_account import Account
 from forest_sim.simulation.sensor_log import LOGGED_TOPICS
@@ -28,6 +28,7 @@ COLOURS = {
     "hoses": "#ff7f0e",
     "leakage": "#bcbd22",
     "friction": "#9467bd",
+    "gear": "#e377c2",
     "stops": "#8c564b",
     "mechanical": "#2ca02c",
     "stored": "#17becf",
@@ -45,7 +46,7 @@ def draw_run(kept: Rows, machine: Machine, out: Path) -> list[Path]:
     """Draw all pictures of a run.
 
     Args:
-        kept: "time" [N] s, "power" [N, 10] W in the order of `Account`, and each observed topic's
+        kept: "time" [N] s, "power" [N, 11] W in the order of `Account`, and each observed topic's
             columns.
         machine: what was simulated.
         out: directory for the files.
@@ -125,7 +126,7 @@ def draw_pumps(
 
     Args:
         time: [N] s.
-        powers: by pump, [N, 10] W in the order of `Account`.
+        powers: by pump, [N, 11] W in the order of `Account`.
         energies: by pump, the account [J] by entry.
         paths: by pump, how far the tip went [m].
         out: file.

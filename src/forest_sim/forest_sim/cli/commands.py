@@ -14,12 +14,14 @@ import numpy as np
 
 from forest_compile.kernel_cache import can_compile
 from forest_description.geometry.kinematics import tip_position
-from forest_description.machine import Machine
+from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES, Vec3
 from forest_msgs_py.runtime.command_line import StatusLine
 from forest_sim.analysis import machine_check, mode_map, modes, pump_comparison, run_summary
 from forest_sim.analysis.friction_linearisation import (
     axes_with_friction,
+    drive_limits,
+    is_rough,
     large_heading,
     small_heading,
     without_dry_friction,
@@ -226,9 +228,9 @@ def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
 def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> int:
     """Print frequencies and damping ratios at a pose; with dry friction, of small and large oscillations."""
     p = plant_parameters(machine)
-    ends = axes_with_friction(p)
+    ends, swing = axes_with_friction(p), drive_limits(p)
     small = modes.modes(angles, spools, p)
-    large = modes.modes(angles, spools, without_dry_friction(p)) if ends else small
+    large = modes.modes(angles, spools, without_dry_friction(p)) if is_rough(p) else small
     if as_json:
         result = {
             "machine": machine.name,
@@ -240,6 +242,13 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
                 }
                 for axis, end in ends.items()
             },
+            "swing_drive": None
+            if swing is None
+            else {
+                "small_below_rad": swing.small,
+                "large_above_rad": swing.large,
+                "large_above_rad_s": swing.fast if math.isfinite(swing.fast) else None,
+            },
             "modes": modes.as_json(small),
             "modes_without_dry_friction": modes.as_json(large),
         }
@@ -248,28 +257,28 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
     pose = ", ".join(f"{axis} {math.degrees(q):.1f}" for axis, q in zip(AXES, angles, strict=True))
     volts = ", ".join(f"{v:g}" for v in spools)
     print(f"  {machine.name}, {pose} deg, spools at {volts} V")
-    if ends:
-        print(f"  {small_heading(ends)}")
+    if is_rough(p):
+        print(f"  {small_heading(p)}")
     print(modes.table(small))
-    if ends:
-        print(f"  {large_heading(ends)}\n{modes.table(large)}")
+    if is_rough(p):
+        print(f"  {large_heading(p)}\n{modes.table(large)}")
     return 0
 
 
 def map_modes(machine: Machine, spacing: float, out: Path) -> int:
     """Write the slow modes over the workspace as CSV and picture."""
     new_directory(out)
-    ends = axes_with_friction(plant_parameters(machine))
+    p = plant_parameters(machine)
     points = mode_map.mode_map(machine, spacing)
     from forest_sim.analysis.plots import draw_map
 
     file = out / "modes.csv"
     file.write_text(mode_map.map_csv(points), encoding="utf-8")
-    if ends:
-        print(f"  {small_heading(ends)}")
+    if is_rough(p):
+        print(f"  {small_heading(p)}")
     print(mode_map.ranges([point.modes for point in points]))
-    if ends:
-        print(f"  {large_heading(ends)}\n{mode_map.ranges([point.sliding for point in points])}")
+    if is_rough(p):
+        print(f"  {large_heading(p)}\n{mode_map.ranges([point.sliding for point in points])}")
     picture = draw_map(points, spacing, machine, out / "modes.png")
     print(f"  {len(points)} poses\n  {file}\n  {picture}")
     return 0
@@ -278,6 +287,22 @@ def map_modes(machine: Machine, spacing: float, out: Path) -> int:
 def show_check(machine: Machine) -> int:
     """Print what a machine file amounts to."""
     print(machine_check.report(machine))
+    return 0
+
+
+def export_fmu(name: str, out: Path | None) -> int:
+    """Write a machine as an FMU, and print what is in it.
+
+    Raises:
+        RunError: the file cannot be made.
+    """
+    from forest_sim.fmi.export import export
+
+    fmu = out or Path(f"{load_machine(name).name}.fmu")
+    if fmu.suffix != ".fmu" or fmu.exists() or not fmu.parent.is_dir():
+        raise RunError(f"{fmu}: allowed: a new file that ends in .fmu, in a directory that is there")
+    inputs, outputs = export(name, fmu)
+    print(f"{fmu}: FMI 2.0 co-simulation, {inputs} inputs, {outputs} outputs")
     return 0
 
 

@@ -108,6 +108,17 @@ def _parser() -> argparse.ArgumentParser:
     modes.add_argument("--map", action="store_true", help="over the workspace, valves shut; needs --out")
     modes.add_argument("--spacing", type=number(0.02, 2.0, "m"), default=0.1, help="of the map; default: 0.1")
     modes.add_argument("--out", type=Path, metavar="DIR", help="directory to be made for the map")
+    exported = commands.add_parser(
+        "export",
+        help="a machine as an FMU, for Simulink, Amesim, OpenModelica and others",
+        description="Write a machine as an FMU for co-simulation (FMI 2.0).",
+        epilog=EPILOGUE,
+    )
+    exported.set_defaults(command=_export, parser=exported)
+    exported.add_argument("--fmu", required=True, metavar="NAME|FILE", dest="machine", help="the machine")
+    exported.add_argument(
+        "--out", type=Path, metavar="FILE.fmu", help="to be made; default: the machine's name"
+    )
     check = _command(commands, "check", _check, "load a machine file and tell what it amounts to")
     check.add_argument("machine", metavar="FILE", help="machine file or name")
     return parser
@@ -253,6 +264,12 @@ def _modes(options: argparse.Namespace) -> int:
     if options.map:
         return map_modes(machine, options.spacing, options.out)
     return show_modes(machine, _pose(options, machine), tuple(options.voltages), options.json)
+
+
+def _export(options: argparse.Namespace) -> int:
+    from forest_sim.cli.commands import export_fmu
+
+    return export_fmu(options.machine, options.out)
 
 
 def _check(options: argparse.Namespace) -> int:

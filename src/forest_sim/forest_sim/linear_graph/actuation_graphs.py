@@ -11,18 +11,22 @@ is the torque or force on the load.
 |---|---|---|
 | P_s | supply pressure | Pa |
 | C_R, C_R' | orifices of the spool towards port 1, from port 2 | Pa s^2/m^6 |
+| C_T1, C_S2 | orifices of an underlapped spool from port 1 to the tank, towards port 2 | Pa s^2/m^6 |
 | I, C, R | inertance, capacitance, resistance of hose 1, 2 | Pa s^2/m^3, m^3/Pa, Pa s/m^3 or Pa s^2/m^6 |
 | R_in, R_e1, R_e2 | leakage of the motor: across it, from its ports to the case drain | Pa s/m^3 |
 | D_m, N | displacement of the motor, ratio of the gear train | m^3/rad, 1 |
 | gy_1, gy_2 | piston areas, head and rod side | m^2 |
 | B_sw, B | viscous damping | N m s/rad, N s/m |
 | qdot_sw, xdot | swing rate, piston speed, inputs | rad/s, m/s |
+| arm, t_load | lever arm of the joint, torque of gravity and of other links on it, inputs | m, N m |
+| J | inertia about the joint | kg m^2 |
 """
 
 from forest_sim.linear_graph.linear_graph import Branch, Domain, Kind, LinearGraph
 
 TANK = "tank"
 FRAME = "frame"
+COLUMN = "column"
 
 
 def swing() -> LinearGraph:
@@ -125,4 +129,33 @@ def cylinder_with_relief() -> LinearGraph:
     """Return the boom with an open relief valve at hose 1's capacitance, a linear path to the tank."""
     return cylinder().changed(
         "boom, relief branch", add=(Branch("R_v1", Kind.D_TYPE, "hose_1", TANK, "R_v1"),)
+    )
+
+
+def cylinder_with_joint() -> LinearGraph:
+    """Return the boom with its joint instead of a given piston speed: a lever arm turns an inertia.
+
+    Thesis eq. 3.16. The arm d(piston)/d(angle) goes with the angle: branches 5-6 are modulated.
+    """
+    rotation = Domain.ROTATION
+    return cylinder().changed(
+        "boom with its joint",
+        remove=("xdot",),
+        add=(
+            Branch("5", Kind.TRANSFORMER, "piston", FRAME, "arm", Domain.TRANSLATION, "6", modulated=True),
+            Branch("6", Kind.TRANSFORMER, "joint", COLUMN, "arm", rotation, "5", modulated=True),
+            Branch("J", Kind.A_TYPE, "joint", COLUMN, "J", rotation),
+            Branch("t_load", Kind.THROUGH_SOURCE, COLUMN, "joint", "t_load", rotation),
+        ),
+    )
+
+
+def cylinder_with_underlap() -> LinearGraph:
+    """Return the boom with an underlapped valve near its centre: each port is open to supply and tank."""
+    return cylinder().changed(
+        "boom, underlapped valve",
+        add=(
+            Branch("C_T1", Kind.QUADRATIC, "valve_1", TANK, "C_T1"),
+            Branch("C_S2", Kind.QUADRATIC, "supply", "valve_2", "C_S2"),
+        ),
     )

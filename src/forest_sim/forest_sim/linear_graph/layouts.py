@@ -5,10 +5,12 @@ the tank below; the actuator's mechanical side stands on a panel in the middle.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 from forest_sim.linear_graph.actuation_graphs import (
     cylinder,
+    cylinder_with_joint,
     cylinder_with_pi_hoses,
     cylinder_with_relief,
     cylinder_with_two_lumps,
@@ -71,6 +73,29 @@ def _cylinder(before: dict[str, float], after: dict[str, float], bends: dict[str
     )
 
 
+def _with_joint(circuit: Layout) -> Layout:
+    """Return a cylinder's layout with the joint below the piston, and the tank below the joint."""
+    middle, frame = circuit.nodes["piston"].x, circuit.panels[Domain.TRANSLATION]
+    bottom, tank = frame.bottom + 230.0, circuit.rails["tank"]
+    rails = {
+        "tank": Rail(tank.left, tank.right, bottom + 30.0),
+        "column": Rail(middle - 110, middle + 110, 510),
+    }
+    return replace(
+        circuit,
+        height=int(bottom) + 100,
+        nodes=circuit.nodes | {"joint": Point(middle, 380)},
+        rails=circuit.rails | rails,
+        bends=circuit.bends | {"5": 28, "t_load": -60, "6": 60},
+        couplings=(
+            Coupling("1", 0.16, 0.3),
+            Coupling("4", 0.16, 0.7),
+            Coupling("5", 0.85, 0.2, Point(-32, 0)),
+        ),
+        panels=circuit.panels | {Domain.ROTATION: Box(frame.left, 348, frame.right, bottom)},
+    )
+
+
 BEFORE = {"supply": 60.0, "valve_1": 180.0, "hose_1": 300.0, "port_1": 420.0}
 AFTER = {"port_2": 800.0, "hose_2": 920.0, "valve_2": 1040.0}
 LONG_BEFORE = {
@@ -89,6 +114,9 @@ RELIEF = {"C_1": -28.0, "R_v1": 28.0}
 CIRCUITS = (
     Circuit("swing", "Swing", swing, SWING),
     Circuit("boom", "Boom and stick", cylinder, _cylinder(BEFORE, AFTER, {})),
+    Circuit(
+        "boom_joint", "Boom with its joint", cylinder_with_joint, _with_joint(_cylinder(BEFORE, AFTER, {}))
+    ),
     Circuit("boom_pi", "Other hoses: pi", cylinder_with_pi_hoses, _cylinder(BEFORE, AFTER, PARALLEL)),
     Circuit(
         "boom_two_lumps",

@@ -19,7 +19,8 @@ their equations, `drawing` draws, `actuation_graphs` holds the thesis' circuits.
 | quadratic D-type | a = R f abs(f) | f = B a abs(a) |
 
 Two-ports are pairs of branches 1, 2 that take in as much power as they give: a transformer of ratio
-n, a_1 = n a_2 and f_2 = -n f_1; a gyrator of ratio r, f_1 = r a_2 and f_2 = -r a_1.
+n, a_1 = n a_2 and f_2 = -n f_1; a gyrator of ratio r, f_1 = r a_2 and f_2 = -r a_1. A modulated
+two-port has an input as its ratio, such as a joint's lever arm, which goes with the angle.
 """
 
 from collections import Counter
@@ -72,7 +73,7 @@ class Branch:
 
     The parameter is the element's constant, or the input of a source; two branches with one
     parameter share it. Of a two-port both branches name each other as partner, and the one that is
-    listed first is port 1.
+    listed first is port 1. The parameter of a modulated two-port is an input, given over time.
     """
 
     name: str
@@ -82,6 +83,7 @@ class Branch:
     parameter: str
     domain: Domain = Domain.HYDRAULIC
     partner: str | None = None
+    modulated: bool = False
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,7 @@ class LinearGraph:
             raise GraphError(f"{self.name}: more than one branch is called {_listed(repeated)}")
         for branch in self.branches:
             self._check(branch)
+        self._check_modulated()
         for domain in self.domains:
             self._check_connected(domain)
 
@@ -145,11 +148,24 @@ class LinearGraph:
             if branch.partner is not None:
                 raise GraphError(f"{self.name}: {branch.name} is no two-port, it cannot have a partner")
         elif not any(
-            (p.partner, p.kind, p.parameter) == (branch.name, branch.kind, branch.parameter) for p in partners
+            (p.partner, p.kind, p.parameter, p.modulated)
+            == (branch.name, branch.kind, branch.parameter, branch.modulated)
+            for p in partners
         ):
             raise GraphError(
                 f"{self.name}: {branch.kind.value} branch {branch.name} needs a partner of the same kind and "
                 f"parameter that names it, not {branch.partner}"
+            )
+
+    def _check_modulated(self) -> None:
+        """Check that what is an input is no constant elsewhere."""
+        ratios = {branch.parameter for branch in self.branches if branch.modulated}
+        constant = [b.name for b in self.branches if b.parameter in ratios and not b.modulated]
+        constant += [b.name for b in self.branches if b.modulated and b.kind not in TWO_PORTS]
+        if constant:
+            raise GraphError(
+                f"{self.name}: {_listed(constant)} cannot take an input as parameter; allowed: two-ports, "
+                "both branches modulated"
             )
 
     def _check_connected(self, domain: Domain) -> None:

@@ -4,7 +4,7 @@ The classical rule: a tree is filled in the order across sources, A-type storage
 D-types, T-type storages; through sources stay outside. Of a transformer exactly one branch is in
 the tree, of a gyrator both or none, and among these choices the one is taken that leaves most
 A-types inside and most T-types outside. An A-type that finds no place in the tree, or a T-type that
-is needed to complete it, depends on the others: it has no state of its own, and is refused.
+is needed to complete it, depends on the others: it has no state of its own (`merging`).
 
 What is outside is a link. A link closes one loop of tree branches (compatibility: its across
 variable is the sum along the path), and cutting a tree branch leaves one set of links to cross
@@ -22,6 +22,8 @@ from itertools import product
 
 from forest_sim.linear_graph.linear_graph import Branch, GraphError, Kind, LinearGraph, component
 
+STORAGES = (Kind.A_TYPE, Kind.T_TYPE)
+
 
 @dataclass(frozen=True)
 class NormalTree:
@@ -31,6 +33,17 @@ class NormalTree:
     tree: tuple[Branch, ...]
     links: tuple[Branch, ...]
     loops: dict[str, dict[str, int]]
+
+    @property
+    def storages(self) -> tuple[Branch, ...]:
+        """Return the storages with a state of their own: A-types in the tree, then T-types in the links."""
+        dependent = self.dependent
+        return tuple(b for k in STORAGES for b in self.graph.of(k) if b not in dependent)
+
+    @property
+    def dependent(self) -> tuple[Branch, ...]:
+        """Return the storages whose variable the tree's others determine."""
+        return tuple(_dependent(self.graph, self.tree))
 
     def compatibility(self) -> dict[str, dict[str, int]]:
         """Return for every link the tree branches that add up to its across variable.
@@ -55,8 +68,8 @@ def normal_tree(graph: LinearGraph) -> NormalTree:
     """Return the normal tree. Thesis section 3.3, 3.4: so its states are chosen, without saying so.
 
     Raises:
-        GraphError: a loop of across sources, a cut-set of through sources, two-ports that leave no
-            choice, or a storage that depends on others.
+        GraphError: a loop of across sources, a cut-set of through sources, or two-ports that leave
+            no choice.
     """
     _check_sources(graph)
     candidates = [tree for chosen in _two_port_choices(graph) if (tree := _filled(graph, chosen)) is not None]
@@ -71,9 +84,7 @@ def normal_tree(graph: LinearGraph) -> NormalTree:
     inside = {branch.name for branch in best}
     links = tuple(branch for branch in graph.branches if branch.name not in inside)
     loops = {link.name: _path(link, best) for link in links}
-    result = NormalTree(graph, tuple(best), links, loops)
-    _refuse_dependent(result)
-    return result
+    return NormalTree(graph, tuple(best), links, loops)
 
 
 def _check_sources(graph: LinearGraph) -> None:
@@ -119,20 +130,7 @@ def _filled(graph: LinearGraph, two_ports: list[Branch]) -> list[Branch] | None:
 def _dependent(graph: LinearGraph, tree: Iterable[Branch]) -> list[Branch]:
     """Return the storages without a state of their own: A-types outside the tree, T-types inside."""
     inside = {branch.name for branch in tree}
-    return [b for b in graph.of(Kind.A_TYPE, Kind.T_TYPE) if (b.kind is Kind.T_TYPE) == (b.name in inside)]
-
-
-def _refuse_dependent(tree: NormalTree) -> None:
-    dependent = []
-    continuity = tree.continuity()
-    for branch in _dependent(tree.graph, tree.tree):
-        others = tree.loops if branch.kind is Kind.A_TYPE else continuity
-        dependent.append(f"{branch.name} (bound by {', '.join(others[branch.name])})")
-    if dependent:
-        raise GraphError(
-            f"{tree.graph.name}: dependent energy storage {', '.join(dependent)}; merge it with "
-            "what binds it, or put a D-type between"
-        )
+    return [b for b in graph.of(*STORAGES) if (b.kind is Kind.T_TYPE) == (b.name in inside)]
 
 
 def _path(link: Branch, tree: Iterable[Branch]) -> dict[str, int]:

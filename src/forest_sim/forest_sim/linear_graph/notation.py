@@ -4,7 +4,7 @@ from sympy import Symbol
 
 from forest_sim.linear_graph.drawing_geometry import notation
 from forest_sim.linear_graph.linear_graph import Branch, Domain, Kind, LinearGraph
-from forest_sim.linear_graph.state_equations import (
+from forest_sim.linear_graph.symbols import (
     SOURCES,
     across_symbol,
     input_symbol,

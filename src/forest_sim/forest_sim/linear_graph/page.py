@@ -23,88 +23,9 @@ from forest_sim.linear_graph.layouts import CIRCUITS, Circuit
 from forest_sim.linear_graph.linear_graph import TWO_PORTS, Domain, Kind
 from forest_sim.linear_graph.normal_tree import NormalTree
 from forest_sim.linear_graph.notation import latex, law, symbol_names, two_port_laws
-from forest_sim.linear_graph.state_equations import (
-    StateEquations,
-    across_symbol,
-    state_equations,
-    through_symbol,
-)
-
-INTRODUCTION = """# Linear graphs
-
-`python -m forest_sim.linear_graph.page` writes this page; do not edit it by hand.
-
-Each actuation subsystem is a linear graph, as in sections 3.3 and 3.4 of the thesis.
-The graph is data (`forest_sim.linear_graph.actuation_graphs`).
-`forest_sim.linear_graph.state_equations` derives the state equations from it.
-Tests compare them with the simulator's equations (`test_actuation_graphs.py`).
-Misprints of the printed derivation are listed in [equations](equations.md#misprints-corrected).
-
-## How to read a graph
-
-- The arrow is the positive direction of a branch.
-- The across variable (pressure P, angular velocity W, velocity V) drops along the arrow.
-- The through variable (flow Q, torque t, force F) runs along the arrow.
-- Bold branches are the normal tree. Thin branches are links; each closes one loop with the tree.
-- A pump that delivers has a negative flow.
-- The through variable of a velocity source is the torque or force on the load.
-- Port 1 of the valve is open to the supply, port 2 to the tank.
-
-## How the equations follow
-
-1. The normal tree takes branches in this order: across sources; as many A-type storages
-   (capacitances) as possible; one branch of each transformer; both branches or none of each
-   gyrator; D-types (resistances); T-type storages (inertances).
-2. The states are the across variables of the A-types in the tree, and the through variables of
-   the T-types outside it.
-3. Each link gives one **compatibility** equation: the across variables of its loop.
-4. Each branch of the tree gives one **continuity** equation: the through variables of its cut-set.
-5. With the laws of the elements, there are as many equations as unknowns. What is neither state
-   nor input is eliminated.
-
-## How to change a circuit
-
-Change its branches. This needs sympy: `scripts/setup.sh test`, or
-`pip install 'forest-crane[graphs]'`.
-
-```python
-from forest_sim.linear_graph.actuation_graphs import cylinder
-from forest_sim.linear_graph.linear_graph import Branch, Kind
-from forest_sim.linear_graph.state_equations import state_equations
-
-relief = Branch("R_v1", Kind.D_TYPE, "hose_1", "tank", "R_v1")
-equations = state_equations(cylinder().changed("boom with relief", add=[relief]))
-print(dict(zip(equations.states, equations.derivatives)))
-print(equations.through["xdot"])  # force on the load
-```
-
-An impossible circuit is refused with the names of its elements. Impossible are:
-
-- unconnected parts;
-- a loop of across sources, or a cut-set of through sources;
-- a storage that depends on other storages;
-- a quadratic element whose law is not explicit.
-"""
-
-NOTES = {
-    "swing": """\
-Thesis fig. 3.8. Branches 1 and 2 are the motor, 3 and 4 the gear train.
-P₁ is the pressure across the motor.
-The torque on the load is the through variable of the swing's velocity source.""",
-    "boom": """\
-Thesis fig. 3.9. The stick has the same graph.
-Branches 1 and 2 are the head side of the piston, 4 and 3 its rod side.
-Q₄ counts into the rod side, as in eq. 3.11; the flow of R₂ leaves the cylinder.
-The force on the load is the through variable of the piston's velocity source.""",
-    "boom_pi": """\
-Half of each hose's capacitance stands at either end.
-Each orifice lies between two pressures that are states or inputs, so it is a link.
-Its law is used in the other direction: flow from pressure drop.""",
-    "boom_two_lumps": """\
-Hose 1 has two lumps. This adds two states.""",
-    "boom_relief": """\
-An open relief valve with a linear characteristic joins hose 1 to the tank. This adds one term.""",
-}
+from forest_sim.linear_graph.page_text import INTRODUCTION, NOTES
+from forest_sim.linear_graph.state_equations import StateEquations, state_equations
+from forest_sim.linear_graph.symbols import across_symbol, through_symbol
 
 
 def element_table(tree: NormalTree) -> str:
@@ -138,7 +59,7 @@ def element_table(tree: NormalTree) -> str:
 def equation_text(equations: StateEquations) -> str:
     """Return the state equations, and the variables that the rest of the machine needs, in LaTeX blocks."""
     graph = equations.tree.graph
-    storages = [*graph.of(Kind.A_TYPE), *graph.of(Kind.T_TYPE)]
+    storages = equations.tree.storages
     rates = [
         equations.through[b.name] if b.kind is Kind.A_TYPE else equations.across[b.name] for b in storages
     ]

@@ -1,19 +1,15 @@
 """State equations of a linear graph, derived: element laws, continuity and compatibility, elimination.
 
 States are the across variables of the A-types in the normal tree and the through variables of the
-T-types in the links. Continuity and compatibility express every variable by the primary ones,
-across variables of tree branches and through variables of links; the element laws then form one
-equation for each primary variable that is neither state nor input. All but the quadratic ones are
-linear and are solved together. A quadratic law is explicit where its argument is known: Q of a
-D-type in the tree (an orifice in series with an inertance, a hose in series with a piston), P of
-one in the links (an orifice between two capacitances).
+T-types in the links; a storage that depends on these is merged with them (`merging`). Continuity
+and compatibility express every variable by the primary ones, across variables of tree branches and
+through variables of links; the element laws then form one equation for each primary variable that
+is neither state nor input. All but the quadratic ones (`quadratic`) are linear and are solved
+together.
 
-| symbol | name |
-|---|---|
-| P_C_1, Q_I_1, W_2, F_xdot ... | across, through variable of branch C_1, I_1, 2, xdot |
-| C_1, P_s, D_m, xdot ... | parameter of an element, input of a source |
-
-Parameters are positive symbols, all others are real.
+`symbols` tells how variables and parameters are called. The ratio of a modulated two-port is an
+input: its laws are algebraic, so they hold, and keep the power, at every instant of a ratio that
+changes.
 """
 
 from collections.abc import Callable, Sequence
@@ -22,13 +18,22 @@ from dataclasses import dataclass
 import numpy as np
 import sympy
 from numpy.typing import ArrayLike
-from sympy import Abs, Expr, Symbol, sign, sqrt
+from sympy import Expr, Symbol
 
 from forest_description.types import Floats
 from forest_sim.linear_graph.linear_graph import TWO_PORTS, Branch, Domain, GraphError, Kind, LinearGraph
+from forest_sim.linear_graph.merging import merged
 from forest_sim.linear_graph.normal_tree import NormalTree, normal_tree
-
-SOURCES = (Kind.ACROSS_SOURCE, Kind.THROUGH_SOURCE)
+from forest_sim.linear_graph.quadratic import SHUNT_FLOW, shunt_flow, solve_quadratic
+from forest_sim.linear_graph.symbols import (
+    SOURCES,
+    across_symbol,
+    input_symbol,
+    parameter_symbol,
+    state_symbol,
+    storage_rate,
+    through_symbol,
+)
 
 
 @dataclass(frozen=True)
@@ -49,7 +54,8 @@ class StateEquations:
         States and inputs are in the order of the fields, parameters a dict by name.
         """
         arguments = [*self.states, *self.inputs, *self.parameters]
-        compiled = sympy.lambdify(arguments, list(expressions or self.derivatives), "numpy", cse=True)
+        modules = [{SHUNT_FLOW.__name__: shunt_flow}, "numpy"]
+        compiled = sympy.lambdify(arguments, list(expressions or self.derivatives), modules, cse=True)
         names = [symbol.name for symbol in self.parameters]
 
         def evaluate(states: ArrayLike, inputs: ArrayLike, parameters: dict[str, float]) -> Floats:
@@ -59,46 +65,28 @@ class StateEquations:
         return evaluate
 
 
-def across_symbol(branch: Branch) -> Symbol:
-    """Return the symbol of a branch's across variable; of an across source, its input."""
-    if branch.kind is Kind.ACROSS_SOURCE:
-        return Symbol(branch.parameter, real=True)
-    return Symbol(f"{branch.domain.across}_{branch.name}", real=True)
-
-
-def through_symbol(branch: Branch) -> Symbol:
-    """Return the symbol of a branch's through variable; of a through source, its input."""
-    if branch.kind is Kind.THROUGH_SOURCE:
-        return Symbol(branch.parameter, real=True)
-    return Symbol(f"{branch.domain.through}_{branch.name}", real=True)
-
-
-def parameter_symbol(branch: Branch) -> Symbol:
-    """Return the symbol of an element's constant."""
-    return Symbol(branch.parameter, positive=True)
-
-
 def state_equations(graph: LinearGraph) -> StateEquations:
     """Derive the state equations. Thesis eq. 3.7, 3.13 are what it gives for the thesis' circuits.
 
     Raises:
-        GraphError: the circuit has no normal tree, or an element's law cannot be eliminated
-            explicitly.
+        GraphError: the circuit has no normal tree, a storage depends on what cannot be
+            differentiated, or an element's law cannot be eliminated explicitly.
     """
     tree = normal_tree(graph)
     across, through = primary_variables(tree)
-    known = _solved(graph, across, through, {branch.name for branch in tree.tree})
+    known = _solved(tree, across, through)
     across, through = (
         {name: tidy(expression.xreplace(known)) for name, expression in variables.items()}
         for variables in (across, through)
     )
-    storages = graph.of(Kind.A_TYPE) + graph.of(Kind.T_TYPE)
+    sources, modulated = graph.of(*SOURCES), [branch for branch in graph.branches if branch.modulated]
+    constant = [b for b in graph.branches if b.kind not in SOURCES and not b.modulated]
     return StateEquations(
         tree=tree,
-        states=tuple(across_symbol(b) if b.kind is Kind.A_TYPE else through_symbol(b) for b in storages),
-        inputs=tuple(_unique([input_symbol(b) for b in graph.of(*SOURCES)])),
-        parameters=tuple(_unique([parameter_symbol(b) for b in graph.branches if b.kind not in SOURCES])),
-        derivatives=tuple(storage_rate(b, across[b.name], through[b.name]) for b in storages),
+        states=tuple(state_symbol(branch) for branch in tree.storages),
+        inputs=tuple(_unique([*map(input_symbol, sources), *map(parameter_symbol, modulated)])),
+        parameters=tuple(_unique([parameter_symbol(branch) for branch in constant])),
+        derivatives=tuple(storage_rate(b, across[b.name], through[b.name]) for b in tree.storages),
         across=across,
         through=through,
     )
@@ -139,15 +127,6 @@ def linear_laws(graph: LinearGraph, across: dict[str, Expr], through: dict[str, 
     return laws
 
 
-def storage_rate(branch: Branch, across: Expr, through: Expr) -> Expr:
-    """Return the rate of a storage's state: f/C, a/I, or k a of a spring. Thesis eq. 3.4, 3.10."""
-    if branch.kind is Kind.A_TYPE:
-        return through / parameter_symbol(branch)
-    if branch.domain is Domain.HYDRAULIC:
-        return across / parameter_symbol(branch)
-    return across * parameter_symbol(branch)
-
-
 def tidy(expression: Expr) -> Expr:
     """Return a sum; terms over the same sum as denominator share one factored coefficient."""
     total, fractions = sympy.S.Zero, dict[tuple[Expr, Expr], Expr]()
@@ -167,11 +146,6 @@ def tidy(expression: Expr) -> Expr:
     return sympy.Add(total, *shared)
 
 
-def input_symbol(branch: Branch) -> Symbol:
-    """Return the symbol of a source's input."""
-    return across_symbol(branch) if branch.kind is Kind.ACROSS_SOURCE else through_symbol(branch)
-
-
 def _resistance_variables(
     branch: Branch, across: dict[str, Expr], through: dict[str, Expr]
 ) -> tuple[Expr, Expr]:
@@ -180,30 +154,17 @@ def _resistance_variables(
     return (f, a) if branch.domain is Domain.HYDRAULIC else (a, f)
 
 
-def _solved(
-    graph: LinearGraph, across: dict[str, Expr], through: dict[str, Expr], inside: set[str]
-) -> dict[Symbol, Expr]:
+def _solved(tree: NormalTree, across: dict[str, Expr], through: dict[str, Expr]) -> dict[Symbol, Expr]:
     """Return the primary variables that are neither state nor input, in states, inputs and parameters."""
+    graph, inside = tree.graph, {branch.name for branch in tree.tree}
 
     def primary(branch: Branch) -> Symbol:
         return (across if branch.name in inside else through)[branch.name]
 
     unknown = {primary(branch): branch for branch in graph.of(Kind.D_TYPE, *TWO_PORTS)}
     quadratic = {primary(branch): branch for branch in graph.of(Kind.QUADRATIC)}
-    known = _solve_linear(graph, linear_laws(graph, across, through), unknown)
-    pending = dict(quadratic)
-    while pending:
-        found: dict[Symbol, Expr] = {}
-        for symbol, branch in pending.items():
-            given = (through if branch.name in inside else across)[branch.name].xreplace(known)
-            given = tidy(given.xreplace(known))
-            if not given.free_symbols & set(pending):
-                found[symbol] = _quadratic_law(branch, given, branch.name in inside)
-        if not found:
-            raise _implicit(graph, list(pending.values()))
-        pending = {symbol: branch for symbol, branch in pending.items() if symbol not in found}
-        known = {symbol: expression.xreplace(found) for symbol, expression in known.items()} | found
-    return known
+    known = merged(tree, across, through, _solve_linear(graph, linear_laws(graph, across, through), unknown))
+    return solve_quadratic(graph, across, through, known, quadratic)
 
 
 def _solve_linear(
@@ -222,22 +183,6 @@ def _solve_linear(
             f"element {', '.join(names)}"
         )
     return values
-
-
-def _quadratic_law(branch: Branch, given: Expr, in_tree: bool) -> Expr:
-    """Return a = R f|f| from f, or f = sign(a) sqrt(|a|/R) from a. Thesis eq. 3.1, 3.4, 3.10."""
-    constant = parameter_symbol(branch)
-    if in_tree == (branch.domain is Domain.HYDRAULIC):
-        return constant * given * Abs(given)
-    return sign(given) * sqrt(Abs(given) / constant)
-
-
-def _implicit(graph: LinearGraph, branches: Sequence[Branch]) -> GraphError:
-    names = ", ".join(f"{branch.name} (parameter {branch.parameter})" for branch in branches)
-    return GraphError(
-        f"{graph.name}: cannot eliminate the quadratic element {names}: neither its flow nor its drop "
-        "is given by states and inputs alone; put it in series with a storage of flow, or make it linear"
-    )
 
 
 def _unique(symbols: Sequence[Symbol]) -> list[Symbol]:

@@ -24,6 +24,9 @@ class EndStop(NamedTuple):
     damping: float  # [N s/m; N m s/rad], while in contact
 
 
+NO_STOP = EndStop(-math.inf, math.inf, 0.0, 0.0)
+
+
 def end_stop_force(position: float, speed: float, stop: EndStop) -> float:
     """Return the stop's force [N; N m], positive towards larger positions; zero off the ends.
 

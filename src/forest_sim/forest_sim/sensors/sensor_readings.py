@@ -39,7 +39,15 @@ from forest_sim.sensors.signal_processing import (
     updated_estimates,
 )
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant import AxisState, Ports, Transmission, ports_at, supply_draw, transmissions
+from forest_sim.solver.plant import (
+    AxisState,
+    Ports,
+    Transmission,
+    motor_side,
+    ports_at,
+    supply_draw,
+    transmissions,
+)
 from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 
@@ -127,9 +135,28 @@ def report(
     """Do as `sampled`, and tell the truth beside; `k` holds the lengths of the machine's links, too."""
     s, links = k
     state, seen = sampled(state, simulation, normals, s, dt)
-    true = true_joints(simulation, s.plant)
+    return state, _with_truth(seen, simulation, s.plant, links)
+
+
+def report_at_rest(state: SensorState, simulation: Simulation, k: tuple[Sensors, Links]) -> Report:
+    """Return what the sensors have said last, and the truth beside; before the first sample.
+
+    Args:
+        state: of `at_rest`.
+        simulation: the machine, as `at_rest` had it.
+        k: as `report`.
+    """
+    s, links = k
+    readings = tuple([channel.reading for channel in state.channels])
+    flow, used = _supply(simulation, ports_at(simulation.spools, s.plant), s.plant)
+    seen = measurement(readings, state.estimates, s.plant, flow, used)
+    return _with_truth(seen, simulation, s.plant, links)
+
+
+def _with_truth(seen: Measurement, simulation: Simulation, p: PlantParameters, links: Links) -> Report:
+    true = true_joints(simulation, p)
     tip = tip_position(true.position, links)
-    return state, Report(seen, true, tip, tip_velocity(true.position, true.speed, links))
+    return Report(seen, true, tip, tip_velocity(true.position, true.speed, links))
 
 
 def sampled(
@@ -163,11 +190,12 @@ def true_joints(simulation: Simulation, p: PlantParameters) -> Motion:
     """Return the joints' true angles [rad], rates [rad/s] and actuator torques [N m]."""
     swing, boom, stick = simulation.plant.swing, simulation.plant.boom, simulation.plant.stick
     t_1, t_2, t_3 = _transmissions(simulation, p)
+    motor = motor_side(simulation.plant, p)
     return Motion(
         (swing.angle, boom.angle, stick.angle),
         (swing.rate, boom.rate, stick.rate),
         (
-            _true_force(swing, p.swing, t_1) * t_1.arm,
+            _true_force(motor, p.swing, t_1) * t_1.arm,
             _true_force(boom, p.boom, t_2) * t_2.arm,
             _true_force(stick, p.stick, t_3) * t_3.arm,
         ),
@@ -184,11 +212,12 @@ def _true_values(
 ) -> tuple[float, ...]:
     plant, supply, spools = simulation.plant, simulation.plant.supply.pressure, simulation.spools
     t_1, t_2, t_3 = _transmissions(simulation, p)
-    second = _motor_inflow(plant.swing, p.swing) if around.rig else plant.stick.flow_1
+    motor = motor_side(plant, p)
+    second = _motor_inflow(motor, p.swing) if around.rig else plant.stick.flow_1
     return (
         *(plant.swing.angle, plant.boom.angle, plant.stick.angle),
         *(t_2.position, t_3.position),
-        *axis_pressures(plant.swing, p.swing, t_1, ports[0], supply),
+        *axis_pressures(motor, p.swing, t_1, ports[0], supply),
         *axis_pressures(plant.boom, p.boom, t_2, ports[1], supply),
         *axis_pressures(plant.stick, p.stick, t_3, ports[2], supply),
         supply,
@@ -197,7 +226,7 @@ def _true_values(
         around.engine_speed,
         *(spools[0].position, spools[1].position, spools[2].position),
         *around.tilt,
-        _case_drain_flow(plant.swing, p.swing),
+        _case_drain_flow(motor, p.swing),
     )
 
 

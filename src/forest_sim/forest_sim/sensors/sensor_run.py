@@ -48,6 +48,7 @@ class SensorRun:
         self._generator = noise_generator(suite, run) if is_random else None
         self._state = sensor_readings.at_rest(simulation, plant, suite, around)
         self._constants = Sensors(plant, suite.channels, suite.period, around), links
+        self.at_rest = sensor_readings.report_at_rest(self._state, simulation, self._constants)
         kernel = KERNEL.ready()
         self._report = CompiledStep(kernel, _example()) if kernel else sensor_readings.report
 

@@ -9,13 +9,14 @@
 | hoses | lost to the hoses' resistance |
 | leakage | lost in the swing motor |
 | friction | lost to viscous and dry friction and in cushions |
+| gear | lost between the teeth of a gear with play |
 | stops | taken by the end stops |
 | mechanical | handed to the links, less what they gave back on their way down; see `link_account` |
-| stored | in the pressure and the motion of the oil, less what was there at the start |
+| stored | in oil, motor, teeth and bristles, less what was there at the start |
 
 The recorded flows of `power_flows` close at every instant, so their integrals close whatever the
 states do: their sum tests nothing of a run. `with_stored_energy` therefore computes `stored` from
-the oil's states at both ends. What the account then leaves open, `unaccounted`, is the error of the
+the states at both ends. What the account then leaves open, `unaccounted`, is the error of the
 integration.
 """
 
@@ -27,6 +28,7 @@ from forest_description.components.hose import Line
 from forest_description.types import AXES, Floats
 from forest_sim.hydraulics.oil_volume import OilVolume, stored_energy
 from forest_sim.hydraulics.supply import manifold_energy
+from forest_sim.solver.drive import drive_energy
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant import transmissions
 from forest_sim.solver.plant_parameters import PlantParameters
@@ -43,6 +45,7 @@ class Account(NamedTuple):
     hoses: Floats
     leakage: Floats
     friction: Floats
+    gear: Floats
     stops: Floats
     mechanical: Floats
     stored: Floats
@@ -56,9 +59,10 @@ _PARTS = {
     "hoses": ("resistance",),
     "leakage": ("leakage",),
     "friction": ("damping", "dry_friction", "cushion"),
+    "gear": ("gear",),
     "stops": ("stop",),
     "mechanical": ("joint",),
-    "stored": ("pump_manifold", "hose"),
+    "stored": ("pump_manifold", "hose", "elastic"),
 }
 
 
@@ -69,7 +73,7 @@ def dissipated_energy(energies: Floats) -> float:
 
 
 def account(energies: Floats) -> Account:
-    """Return the account of recorded energies [..., 48], `state_recording.ENERGY`."""
+    """Return the account of recorded energies [..., 54], `state_recording.ENERGY`."""
     parts = {
         entry: sum(energies[..., place] for name in names for place in _places(name))
         for entry, names in _PARTS.items()
@@ -93,12 +97,18 @@ def with_stored_energy(total: Account, first: Simulation, last: Simulation, p: P
         last: the machine at the end.
         p: its parameters.
     """
-    return total._replace(stored=np.asarray(oil_energy(last, p) - oil_energy(first, p)))
+    return total._replace(stored=np.asarray(stored_in(last, p) - stored_in(first, p)))
 
 
 def unaccounted(total: Account) -> float:
     """Return what an account leaves open [J]: the engine's work less the sum of all other entries."""
     return float(total.engine) - float(sum(total[1:]))
+
+
+def stored_in(simulation: Simulation, p: PlantParameters) -> float:
+    """Return the energy [J] in the oil, and in the drives: motor, teeth and bristles."""
+    plant = simulation.plant
+    return oil_energy(simulation, p) + drive_energy(plant.drive, plant.swing.angle, p.drive)
 
 
 def oil_energy(simulation: Simulation, p: PlantParameters) -> float:

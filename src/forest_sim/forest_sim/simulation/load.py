@@ -84,6 +84,20 @@ def _number(entry: str, text: str, greatest: float, unit: str) -> float:
     return value
 
 
+def checked_load(mass: float, length: float) -> Load:
+    """Return a log of a mass [kg] and a length [m].
+
+    Raises:
+        ValueError: there is no such log; the text says what is allowed.
+    """
+    if not (0.0 <= mass <= GREATEST_MASS and 0.0 <= length <= GREATEST_LENGTH):  # false for NaN as well
+        raise ValueError(
+            f"a log of {mass:g} kg, {length:g} m; "
+            f"allowed: 0 .. {GREATEST_MASS:g} kg, 0 .. {GREATEST_LENGTH:g} m"
+        )
+    return Load(mass, length)
+
+
 def own_load(m: Manipulator) -> Load:
     """Return the log that a machine's file gives to its head."""
     return Load(0.0) if m.log is None else Load(m.log.mass, m.log.length or 0.0)

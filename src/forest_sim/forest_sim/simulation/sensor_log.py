@@ -1,7 +1,7 @@
 """What the topics of a graph would carry during a run: the sensors' reports and the simulator's truth.
 
 The one place of offline runs that knows the sensors; columns as
-`forest_msgs_py.serialization.packing.columns` has them.
+`forest_msgs_py.interfaces.topics.columns` has them.
 """
 
 import math

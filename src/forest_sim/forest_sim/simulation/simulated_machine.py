@@ -75,6 +75,11 @@ class SimulatedMachine:
         rates = head.alpha_rate - plant.boom.rate - plant.stick.rate, head.beta_rate
         return (*head_joint_positions(angles, (head.alpha, head.beta)), *rates, math.nan, math.nan)
 
+    @property
+    def at_rest(self) -> Report:
+        """What the sensors said before the first step, and the truth."""
+        return self._sensors.at_rest
+
     def disturb(self, disturbance: Disturbance) -> None:
         """Let spools be stuck and a force act on the tip, from now on."""
         self._plant.disturb(disturbance)

@@ -46,6 +46,7 @@ def _settled(state: PlantState, held: PlantState, p: PlantParameters) -> PlantSt
         stick=_settled_axis(state.stick, held.stick, t_3, p.stick),
         supply=state.supply,
         head=state.head,
+        drive=state.drive,
     )
 
 
@@ -71,6 +72,7 @@ def _contents(state: PlantState, lifts: AllLifts, p: PlantParameters) -> PlantSt
         stick=_axis_contents(state.stick, t_3, lifts[2], p.stick),
         supply=SupplyState(manifold_oil(state.supply.pressure, p.supply), state.supply.reference),
         head=state.head,
+        drive=state.drive,
     )
 
 

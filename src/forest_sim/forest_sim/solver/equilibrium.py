@@ -6,6 +6,7 @@ from forest_sim.hydraulics.load_holding import Lifts, resting_lift
 from forest_sim.hydraulics.spool_dynamics import CENTRED
 from forest_sim.hydraulics.supply import Supply, SupplyState, pump_flow
 from forest_sim.mechanics.pendulum import hanging_angles
+from forest_sim.solver.drive import DriveState
 from forest_sim.solver.integrator import Events, Simulation
 from forest_sim.solver.multibody import HANGING_STILL, HeadState, mechanics
 from forest_sim.solver.plant import AxisState, PlantState
@@ -18,8 +19,9 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
     """Return the machine at rest at the joint angles [rad], valves shut.
 
     The trapped volumes leave one pressure per cylinder free: the less loaded chamber gets `PRELOAD`
-    of the supply pressure. The swing's hoses have leaked empty; on a tilted platform the swing
-    cannot rest and starts to creep, and so does every axis whose valve leaks or is underlapped.
+    of the supply pressure. A gear with play stands in the middle of it, and bristles are straight.
+    The swing's hoses have leaked empty; on a tilted platform the swing starts to creep unless its
+    friction sticks, and so does every axis whose valve leaks or is underlapped.
     """
     angles = float(angles[0]), float(angles[1]), float(angles[2])  # compiled kernels know no whole numbers
     head = HeadState(*hanging_angles(angles[0], p.body), 0.0, 0.0) if p.head.mass > 0.0 else HANGING_STILL
@@ -33,6 +35,7 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
             stick=_hold(angles[2], bias[2] / lever_arm(angles[2], p.stick_linkage), p.stick, p),
             supply=idle_supply(p.supply),
             head=head,
+            drive=DriveState(angles[0] if p.drive.gear.inertia > 0.0 else 0.0, 0.0, 0.0),
         ),
         (CENTRED, CENTRED, CENTRED),
         Events(0, 0, 0),

@@ -2,7 +2,7 @@
 
 The stiffness comes from the orifices (C_R = inf inside the overlap) and the hoses, so a stage
 eliminates flows and pressures exactly (`hydraulic_line.solve_line`) and is left with three joint
-rates, a real pump's pressure and a hanging head's two rates.
+rates, a real pump's pressure, a hanging head's two rates and that of a motor behind play.
 """
 
 import math
@@ -12,9 +12,15 @@ from forest_description.types import Vec3
 from forest_sim.hydraulics.oil_law import held_above_vapour
 from forest_sim.hydraulics.supply import SupplyState, manifold_oil
 from forest_sim.mechanics.manipulator import Pair
-from forest_sim.solver.axis_stage import AxisSolution, corrected_axis, solve_axis
+from forest_sim.solver.axis_stage import AxisEnd, AxisSolution, corrected_axis, solve_axis
+from forest_sim.solver.drive_stage import (
+    DriveSolution,
+    drive_after,
+    solve_drive,
+    through_gear,
+)
 from forest_sim.solver.multibody import HeadState, Inertia, mechanics, resisted, solve, times
-from forest_sim.solver.plant import PlantState, Ports, transmissions
+from forest_sim.solver.plant import PlantState, Ports, transmissions, with_joint
 from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.supply_stage import (
     UNBOUNDED,
@@ -25,9 +31,11 @@ from forest_sim.solver.supply_stage import (
 )
 
 TOLERANCE = 1e-4  # [rad/s] of Newton's last correction; the next one would be a thousandth of it at 1 ms
+MOTOR_SHARE = 0.01  # of its correction that counts: at the joint it weighs a hundredth of the crane
 REFERENCE_TOLERANCE = 1.0  # [Pa] of P_r, which is not corrected but found anew
 BOUNDED = 6  # iterations after which the supply's pressure is kept between bounds, for its pump's kinks
 NO_FEEDS = ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
+NO_DRIVE = DriveSolution(torque=0.0, resistance=0.0, share=0.0, excess=0.0, give=0.0)
 ITERATIONS = 60
 DAMPED, FULL = 12, 24  # iterations between which kinks (dry friction, a relief valve) are met by half steps
 
@@ -38,6 +46,7 @@ class Iterate(NamedTuple):
     rates: Vec3  # of the joints [rad/s]
     head_rates: Pair  # of the hanging head [rad/s]
     supply: SupplyState
+    motor_rate: float  # of the swing's motor, seen at its joint [rad/s]: without play, the joint's
 
 
 class StageEnd(NamedTuple):
@@ -58,6 +67,8 @@ class StageEquations(NamedTuple):
     residual: Vec3  # of the joints [N m s]
     head_residual: Pair
     supply: SupplyError
+    motor_gain: float  # h d(the swing's draw)/d(its motor's rate) [m^3 s]
+    drive: DriveSolution
 
 
 def solve_stage(
@@ -76,7 +87,10 @@ def solve_stage(
     h^2, the first correction is mostly the last: the next would be of order h^3, as the step's own
     error is.
     """
-    iterate = Iterate(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply)
+    turning = rates[0]
+    if p.drive.gear.inertia > 0.0:
+        turning = base.drive.motor_rate + (rates[0] - base.swing.rate)
+    iterate = Iterate(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply, turning)
     equations = _equations_at(base, start, iterate, ports, h, p)
     after, size, supply_change = _newton_step(iterate, equations, 1.0, UNBOUNDED, p)
     reference_change = equations.supply.state.reference - iterate.supply.reference
@@ -121,14 +135,19 @@ def _stage_end(
     """Return the state at a stage's end, from the last iterate and the equations one correction before it."""
     supply_change, feeds = iterate.supply.pressure - equations.supply.state.pressure, equations.supply.feeds
     u, e = iterate.rates, equations
-    swing = corrected_axis(base.swing, u[0], e.swing, feeds[0], supply_change, p.swing, h)
+    drive = base.drive
+    swing = corrected_axis(base.swing, iterate.motor_rate, e.swing, feeds[0], supply_change, p.swing, h)
+    if p.drive.present:
+        drive = drive_after(base.drive, u[0], iterate.motor_rate, h, p.drive)
+        angle = base.swing.angle + h * u[0]
+        swing = AxisEnd(with_joint(swing.state, angle, u[0]), with_joint(swing.held, angle, u[0]))
     boom = corrected_axis(base.boom, u[1], e.boom, feeds[1], supply_change, p.boom, h)
     stick = corrected_axis(base.stick, u[2], e.stick, feeds[2], supply_change, p.stick, h)
     head = _head_at(base.head, iterate.head_rates, h)
     held = SupplyState(manifold_oil(iterate.supply.pressure, p.supply), iterate.supply.reference)
     return StageEnd(
-        PlantState(swing.state, boom.state, stick.state, iterate.supply, head),
-        PlantState(swing.held, boom.held, stick.held, held, head),
+        PlantState(swing.state, boom.state, stick.state, iterate.supply, head, drive),
+        PlantState(swing.held, boom.held, stick.held, held, head, drive),
         failed,
     )
 
@@ -156,7 +175,8 @@ def _equations_at(
     u, w, supply = iterate.rates, iterate.head_rates, iterate.supply.pressure
     angles = base.swing.angle + h * u[0], base.boom.angle + h * u[1], base.stick.angle + h * u[2]
     t_1, t_2, t_3 = transmissions(angles[0], angles[1], angles[2], p)
-    swing = solve_axis(base.swing, near.swing, u[0], t_1, ports[0], supply, p.swing, p.guard, h)
+    turned = iterate.motor_rate
+    swing = solve_axis(base.swing, near.swing, turned, t_1, ports[0], supply, p.swing, p.guard, h)
     boom = solve_axis(base.boom, near.boom, u[1], t_2, ports[1], supply, p.boom, p.guard, h)
     stick = solve_axis(base.stick, near.stick, u[2], t_3, ports[2], supply, p.stick, p.guard, h)
     m = mechanics(angles, u, _head_at(base.head, w, h), p)
@@ -172,18 +192,26 @@ def _equations_at(
         error = supply_error(
             base.supply, supply, (swing, boom, stick), ports, (t_1.arm, t_2.arm, t_3.arm), h, p
         )
+    torque, resistance, drive, motor_gain = swing.torque, swing.resistance, NO_DRIVE, 0.0
+    if p.drive.present:
+        drive = solve_drive(base.drive, angles[0], u[0], turned, torque, resistance, h, p.drive)
+        torque, resistance = drive.torque, drive.resistance
+        motor_gain = error.by_rate[0]
+        error = through_gear(error, drive)
     return StageEquations(
         swing=swing,
         boom=boom,
         stick=stick,
-        matrix=resisted(m.inertia, (swing.resistance, boom.resistance, stick.resistance), p.head.damping, h),
+        matrix=resisted(m.inertia, (resistance, boom.resistance, stick.resistance), p.head.damping, h),
         residual=(
-            gained[0] + h * (m.bias[0] - swing.torque),
+            gained[0] + h * (m.bias[0] - torque),
             gained[1] + h * (m.bias[1] - boom.torque),
             gained[2] + h * (m.bias[2] - stick.torque),
         ),
         head_residual=(head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
         supply=error,
+        motor_gain=motor_gain,
+        drive=drive,
     )
 
 
@@ -226,9 +254,19 @@ def _newton_step(
     supply = held_above_vapour(
         iterate.supply.pressure - share * pressure, iterate.supply.pressure, p.supply.oil
     )
+    turning, motor = 0.0, u[0] - share * c[0]
+    if p.drive.present:
+        e = equations.drive
+        turning = e.share * c[0] + e.excess + e.give * equations.motor_gain * pressure
+        motor = iterate.motor_rate - share * turning
     after = Iterate(
         (u[0] - share * c[0], u[1] - share * c[1], u[2] - share * c[2]),
         (w[0] - share * d[0], w[1] - share * d[1]),
         SupplyState(supply, equations.supply.state.reference),
+        motor,
     )
-    return after, max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1])), change
+    return (
+        after,
+        max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1]), MOTOR_SHARE * abs(turning)),
+        change,
+    )

@@ -19,8 +19,10 @@ from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.conserved_oil import settled, with_contents
+from forest_sim.solver.drive import DriveState
 from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.implicit_stage import solve_stage
+from forest_sim.solver.load_sensing import sensed_over
 from forest_sim.solver.multibody import HeadState
 from forest_sim.solver.plant import AxisState, PlantState, holds_loads, ports_at, with_lifts
 from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve
@@ -58,6 +60,8 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     if holds_loads(p):
         lifts = lifts_after(plant, lifts, simulation.spools, h, p)
         ports = with_lifts(ports, lifts)
+    if p.supply.rate > 0.0:
+        ports = sensed_over(ports, simulation.spools, end, p)
     base = start = held = with_contents(plant, lifts, p)
     ahead = after = _with_head_ahead(plant, simulation.head_accelerations, p.head.foresight * c)
     failures = 0
@@ -66,11 +70,13 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
         failures += failed
         if stage == 0:
             # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
-            base = _blend(start, held, (1.0 - GAMMA) / GAMMA)
-            ahead = _blend(plant, after, 1.0 / GAMMA)
+            base = _blend(start, held, (1.0 - GAMMA) / GAMMA, p)
+            ahead = _blend(plant, after, 1.0 / GAMMA, p)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
             if end != middle:
                 ports = ports_at(end, p, lifts)
+                if p.supply.rate > 0.0:
+                    ports = sensed_over(ports, simulation.spools, end, p)
     after = settled(after, held, p)
     events = _count(simulation.events, plant, after, failures, p.guard)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
@@ -105,9 +111,8 @@ def _with_head_ahead(plant: PlantState, accelerations: Pair, time: float) -> Pla
     """Return the plant with the head's rates [rad/s] that steady accelerations [rad/s^2] lead to."""
     h = plant.head
     rates = h.alpha_rate + time * accelerations[0], h.beta_rate + time * accelerations[1]
-    return PlantState(
-        plant.swing, plant.boom, plant.stick, plant.supply, HeadState(h.alpha, h.beta, rates[0], rates[1])
-    )
+    head = HeadState(h.alpha, h.beta, rates[0], rates[1])
+    return PlantState(plant.swing, plant.boom, plant.stick, plant.supply, head, plant.drive)
 
 
 def _rates_after(plant: PlantState, accelerations: Vec3, time: float) -> Vec3:
@@ -167,7 +172,7 @@ def _openings(before: AxisState, after: AxisState, guard: PortGuard) -> tuple[in
     )
 
 
-def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
+def _blend(start: PlantState, stage: PlantState, weight: float, p: PlantParameters) -> PlantState:
     """Return start + weight (stage - start)."""
     a, b = start.supply, stage.supply
     return PlantState(
@@ -179,6 +184,7 @@ def _blend(start: PlantState, stage: PlantState, weight: float) -> PlantState:
             a.reference + weight * (b.reference - a.reference),
         ),
         head=_blend_head(start.head, stage.head, weight),
+        drive=_blend_drive(start.drive, stage.drive, weight) if p.drive.present else start.drive,
     )
 
 
@@ -188,6 +194,14 @@ def _blend_head(a: HeadState, b: HeadState, w: float) -> HeadState:
         a.beta + w * (b.beta - a.beta),
         a.alpha_rate + w * (b.alpha_rate - a.alpha_rate),
         a.beta_rate + w * (b.beta_rate - a.beta_rate),
+    )
+
+
+def _blend_drive(a: DriveState, b: DriveState, w: float) -> DriveState:
+    return DriveState(
+        a.motor_angle + w * (b.motor_angle - a.motor_angle),
+        a.motor_rate + w * (b.motor_rate - a.motor_rate),
+        a.bristle_angle + w * (b.bristle_angle - a.bristle_angle),
     )
 
 

@@ -36,7 +36,7 @@ def dissipated_power(flows: PowerFlows) -> float:
     All of it is taken to warm the oil: friction of seals, gears and pump too.
     """
     axes = (flows.swing, flows.boom, flows.stick)
-    work = sum(axis.joint + axis.stop + axis.hose for axis in axes)
+    work = sum(axis.joint + axis.stop + axis.hose + axis.elastic for axis in axes)
     return flows.pump.engine - flows.pump.manifold - work
 
 

@@ -3,7 +3,7 @@
 State, in Appendix B's order, for swing, boom and stick in turn: joint angle [rad], joint rate
 [rad/s], pressure in hose 1 and in hose 2 [Pa], flow through hose 1 from the valve and through hose
 2 to the valve [m^3/s]. A real pump adds the pressure in its manifold, a hanging head its two angles
-and their rates.
+and their rates, a swing whose gear has play or whose bearing sticks what `drive` has.
 
 A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only
 case); a negative one the reverse. Tank is zero pressure. Actuator coordinates are the swing angle
@@ -38,6 +38,7 @@ from forest_sim.hydraulics.supply import (
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
 from forest_sim.mechanics.manipulator import Pair
+from forest_sim.solver.drive import AT_REST, DriveState, driven
 from forest_sim.solver.multibody import HANGING_STILL, HeadState, Mechanics, mechanics, solve
 from forest_sim.solver.plant_parameters import Axis, PlantParameters, plant_parameters
 
@@ -54,13 +55,14 @@ class AxisState(NamedTuple):
 
 
 class PlantState(NamedTuple):
-    """The 18 states of Thesis eq. 3.20, and those of the pump and of a hanging head."""
+    """The 18 states of Thesis eq. 3.20, and those of the pump, of a hanging head and of the swing's drive."""
 
     swing: AxisState
     boom: AxisState
     stick: AxisState
     supply: SupplyState
     head: HeadState
+    drive: DriveState = AT_REST
 
     @property
     def axes(self) -> tuple[AxisState, AxisState, AxisState]:
@@ -73,6 +75,7 @@ class Ports(NamedTuple):
 
     port_1: Port
     port_2: Port
+    sensed: Pair = (0.0, 0.0)  # share of a step in which port 1, 2 is open to the supply
     lifts: Lifts = SEATED_LIFTS  # of its load-holding valves, if any
 
 
@@ -102,6 +105,7 @@ def valve_ports(spool_position: float, law: ValveLaw, vapour: float = -math.inf)
     return Ports(
         Port(e.supply_1, e.tank_1, law.leakage, law.load_check, vapour),
         Port(e.supply_2, e.tank_2, law.leakage, law.load_check, vapour),
+        (1.0 if e.supply_1 < math.inf else 0.0, 1.0 if e.supply_2 < math.inf else 0.0),
     )
 
 
@@ -119,9 +123,9 @@ def ports_at(spools: Spools, p: PlantParameters, lifts: AllLifts = NO_LIFTS) -> 
 def with_lifts(ports: tuple[Ports, Ports, Ports], lifts: AllLifts) -> tuple[Ports, Ports, Ports]:
     """Return ports with other lifts of their load-holding valves."""
     return (
-        Ports(ports[0].port_1, ports[0].port_2, lifts[0]),
-        Ports(ports[1].port_1, ports[1].port_2, lifts[1]),
-        Ports(ports[2].port_1, ports[2].port_2, lifts[2]),
+        Ports(ports[0].port_1, ports[0].port_2, ports[0].sensed, lifts[0]),
+        Ports(ports[1].port_1, ports[1].port_2, ports[1].sensed, lifts[1]),
+        Ports(ports[2].port_1, ports[2].port_2, ports[2].sensed, lifts[2]),
     )
 
 
@@ -168,21 +172,50 @@ def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: Pl
 
     A shut orifice (C_R = inf) has a derivative only at zero flow; the integrator holds it there.
     """
-    swing, boom, stick = state.swing, state.boom, state.stick
-    t_1, t_2, t_3 = transmissions(swing.angle, boom.angle, stick.angle, p)
-    angles, rates = (swing.angle, boom.angle, stick.angle), (swing.rate, boom.rate, stick.rate)
-    torques = (
-        joint_torque(swing, t_1, p.swing),
-        joint_torque(boom, t_2, p.boom),
-        joint_torque(stick, t_3, p.stick),
+    swing, boom, stick = motor_side(state, p), state.boom, state.stick
+    joint = state.swing.angle, state.swing.rate
+    t_1, t_2, t_3 = transmissions(joint[0], boom.angle, stick.angle, p)
+    angles, rates = (joint[0], boom.angle, stick.angle), (joint[1], boom.rate, stick.rate)
+    torques, drive = (
+        (
+            joint_torque(swing, t_1, p.swing),
+            joint_torque(boom, t_2, p.boom),
+            joint_torque(stick, t_3, p.stick),
+        ),
+        AT_REST,
     )
+    if p.drive.present:
+        swung = driven(state.drive, joint[0], joint[1], torques[0], p.drive)
+        torques, drive = (swung.torque, torques[1], torques[2]), swung.rates
     (a_1, a_2, a_3), (a_alpha, a_beta) = accelerations(mechanics(angles, rates, state.head, p), torques)
     return PlantState(
-        swing=_axis_derivative(swing, a_1, t_1, ports[0], state.supply.pressure, p.swing, p),
+        swing=with_joint(
+            _axis_derivative(swing, a_1, t_1, ports[0], state.supply.pressure, p.swing, p), joint[1], a_1
+        ),
         boom=_axis_derivative(boom, a_2, t_2, ports[1], state.supply.pressure, p.boom, p),
         stick=_axis_derivative(stick, a_3, t_3, ports[2], state.supply.pressure, p.stick, p),
         supply=_supply_derivative(state, ports, p),
         head=HeadState(state.head.alpha_rate, state.head.beta_rate, a_alpha, a_beta),
+        drive=drive,
+    )
+
+
+def motor_side(state: PlantState, p: PlantParameters) -> AxisState:
+    """Return the swing as its motor has it: behind a gear with play, with the motor's angle and rate."""
+    if p.drive.gear.inertia == 0.0:
+        return state.swing
+    return with_joint(state.swing, state.drive.motor_angle, state.drive.motor_rate)
+
+
+def with_joint(s: AxisState, angle: float, rate: float) -> AxisState:
+    """Return an axis with another angle and rate."""
+    return AxisState(
+        angle=angle,
+        rate=rate,
+        pressure_1=s.pressure_1,
+        pressure_2=s.pressure_2,
+        flow_1=s.flow_1,
+        flow_2=s.flow_2,
     )
 
 

@@ -17,6 +17,7 @@ from forest_sim.mechanics import pendulum
 from forest_sim.solver import (
     axis_stage,
     conserved_oil,
+    drive_stage,
     holding_step,
     implicit_stage,
     integrator,
@@ -44,6 +45,8 @@ NOINLINE = (
     plant._axis_derivative,
     conserved_oil._contents,
     conserved_oil._settled,
+    drive_stage.solve_drive,
+    drive_stage.drive_after,
 )
 # state, voltages and their stride, length and count of each row's steps and their stride, rows, recorded (0:
 # nothing, 1: states, 2: energies, too), parameters, states, energies

@@ -18,8 +18,10 @@ from forest_sim.hydraulics.oil_law import INCOMPRESSIBLE, OilLaw, oil_law
 from forest_sim.hydraulics.oil_volume import NO_CHAMBER, OilVolume
 from forest_sim.hydraulics.spool_dynamics import SpoolLag, spool_lag
 from forest_sim.hydraulics.supply import Supply, supply
-from forest_sim.mechanics.end_stop import UNCUSHIONED, CushionBrake, EndStop
+from forest_sim.mechanics.bristles import Bristles, bristles
+from forest_sim.mechanics.end_stop import NO_STOP, UNCUSHIONED, CushionBrake, EndStop
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction
+from forest_sim.mechanics.gear import NO_GEAR, Gear
 from forest_sim.mechanics.manipulator import Body, fold_head
 from forest_sim.mechanics.pendulum import HangingHead, hanging_head
 
@@ -50,6 +52,14 @@ class Axis(NamedTuple):
     holding_2: HoldingValve
 
 
+class DriveLaws(NamedTuple):
+    """What stands between the swing's motor and its joint: a gear with play, a bearing that sticks."""
+
+    present: int  # 0: none of it
+    gear: Gear
+    bearing: Bristles
+
+
 class PlantParameters(NamedTuple):
     """Everything the equations of motion need."""
 
@@ -64,6 +74,7 @@ class PlantParameters(NamedTuple):
     guard: PortGuard
     supply: Supply
     tip_force: Vec3  # [N] on the tip from outside, in the base frame
+    drive: DriveLaws
 
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
@@ -96,6 +107,25 @@ def parameters_of(machine: Machine) -> PlantParameters:
         guard=_guard(machine),
         supply=supply(machine.pump, _manifold_oil(machine)),
         tip_force=(0.0, 0.0, 0.0),
+        drive=_drive(machine),
+    )
+
+
+def _drive(machine: Machine) -> DriveLaws:
+    given = machine.swing
+    present = given.backlash is not None or given.friction is not None
+    return DriveLaws(int(present), _gear(machine), bristles(given.friction))
+
+
+def _gear(machine: Machine) -> Gear:
+    given, ratio = machine.swing.backlash, machine.swing.gear_ratio
+    if given is None:
+        return NO_GEAR
+    half = 0.5 * given.free_way
+    return Gear(
+        inertia=given.motor_inertia * ratio * ratio,
+        teeth=EndStop(-half, half, given.stiffness, given.damping),
+        stop=_swing_stop(joint_limits(machine)[0], machine.end_stops),
     )
 
 
@@ -121,7 +151,7 @@ def _swing(machine: Machine) -> Axis:
         actuator=motor(machine.swing, *_in_series(lines, oil)),
         friction=FRICTIONLESS,
         cushion=UNCUSHIONED,
-        stop=_swing_stop(joint_limits(machine)[0], machine.end_stops),
+        stop=NO_STOP if machine.swing.backlash else _swing_stop(joint_limits(machine)[0], machine.end_stops),
         holds=_holds(machine, 0),
         holding_1=holding_valve(machine.swing.holding_1),
         holding_2=holding_valve(machine.swing.holding_2),
@@ -202,13 +232,13 @@ def _guard(machine: Machine) -> PortGuard:
 
 def _swing_stop(limits: tuple[float, float], stops: EndStops | None) -> EndStop:
     if stops is None:
-        return EndStop(-math.inf, math.inf, 0.0, 0.0)
+        return NO_STOP
     return EndStop(*limits, stops.swing_stiffness, stops.swing_damping)
 
 
 def _cylinder_stop(drive: CylinderDrive, stops: EndStops | None) -> EndStop:
     if stops is None:
-        return EndStop(-math.inf, math.inf, 0.0, 0.0)
+        return NO_STOP
     extended = drive.retracted_length + drive.stroke
     return EndStop(drive.retracted_length, extended, stops.cylinder_stiffness, stops.cylinder_damping)
 

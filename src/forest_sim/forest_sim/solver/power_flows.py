@@ -10,7 +10,7 @@ signs, and their integrals over a run are its energy account.
 | pump | engine | pump_friction, pump_leakage, main_relief | manifold | supply |
 | valve | supply | throttling | | hose inlets |
 | hose | its inlet | port_valves, resistance, holding, compression | hose | actuator |
-| actuator | | leakage, damping, dry_friction, cushion | stop | joint |
+| actuator | | leakage, damping, dry_friction, cushion, gear | stop, elastic | joint |
 | links | joint, external | | kinetic and potential energy | |
 """
 
@@ -25,6 +25,7 @@ from forest_sim.hydraulics.side import storage
 from forest_sim.hydraulics.supply import manifold_capacitance, pump_flow
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
+from forest_sim.solver.drive import NO_POWER, DrivePower, drive_power
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant import (
     AxisState,
@@ -32,6 +33,7 @@ from forest_sim.solver.plant import (
     Transmission,
     axis_draw,
     joint_torque,
+    motor_side,
     ports_at,
     sides,
     state_derivative,
@@ -68,6 +70,8 @@ class AxisPower(NamedTuple):
     cushion: float
     stop: float  # stored and lost in the end stop
     joint: float  # handed to the joint
+    gear: float  # lost between the teeth of a gear with play
+    elastic: float  # stored in motor, teeth and the bristles of a bearing that sticks
 
 
 class PowerFlows(NamedTuple):
@@ -84,9 +88,13 @@ def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     state, ports = simulation.plant, ports_at(simulation.spools, p, simulation.lifts)
     t_1, t_2, t_3 = transmissions(state.swing.angle, state.boom.angle, state.stick.angle, p)
     pressure = state.supply.pressure
-    swing = _axis_power(state.swing, t_1, ports[0], pressure, p.swing, p)
-    boom = _axis_power(state.boom, t_2, ports[1], pressure, p.boom, p)
-    stick = _axis_power(state.stick, t_3, ports[2], pressure, p.stick, p)
+    motor, drive = motor_side(state, p), NO_POWER
+    if p.drive.present:
+        torque = joint_torque(motor, t_1, p.swing)
+        drive = drive_power(state.drive, state.swing.angle, state.swing.rate, torque, p.drive)
+    swing = _axis_power(motor, t_1, ports[0], pressure, p.swing, drive, p)
+    boom = _axis_power(state.boom, t_2, ports[1], pressure, p.boom, NO_POWER, p)
+    stick = _axis_power(state.stick, t_3, ports[2], pressure, p.stick, NO_POWER, p)
     drawn = swing.supply + boom.supply + stick.supply
     if p.supply.ideal:
         return PowerFlows(
@@ -120,7 +128,13 @@ def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
 
 
 def _axis_power(
-    s: AxisState, t: Transmission, ports: Ports, supply: float, axis: Axis, p: PlantParameters
+    s: AxisState,
+    t: Transmission,
+    ports: Ports,
+    supply: float,
+    axis: Axis,
+    drive: DrivePower,
+    p: PlantParameters,
 ) -> AxisPower:
     a, u = axis.actuator, t.arm * s.rate
     q_1 = inlet_flow(u, s.pressure_1, s.pressure_2, a)
@@ -146,10 +160,12 @@ def _axis_power(
         leakage=a.internal_leakage * ((p_1 - p_2) * (p_1 - p_2))
         + a.external_leakage * (p_1 * p_1 + p_2 * p_2),
         damping=a.damping * u * u,
-        dry_friction=friction_force(u, axis.friction) * u,
+        dry_friction=friction_force(u, axis.friction) * u + drive.friction,
         cushion=cushion_resistance(t.position, u, axis.cushion) * abs(u) * u * u,
-        stop=-end_stop_force(t.position, u, axis.stop) * u,
-        joint=joint_torque(s, t, axis) * s.rate,
+        stop=-end_stop_force(t.position, u, axis.stop) * u + drive.stop,
+        joint=joint_torque(s, t, axis) * s.rate - drive.friction - drive.gear - drive.elastic - drive.stop,
+        gear=drive.gear,
+        elastic=drive.elastic,
     )
 
 

@@ -7,8 +7,8 @@ flows of `power_flows` are integrated over the integrator's own steps with the t
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
 | schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
-| states | N, 95 | what `STATE` names, one row per period |
-| energies | N, 48 | J over the period through what `ENERGY` names |
+| states | N, 98 | what `STATE` names, one row per period |
+| energies | N, 54 | J over the period through what `ENERGY` names |
 """
 
 import numpy as np
@@ -19,6 +19,7 @@ from forest_sim.hydraulics.command_history import SIZE, CommandHistory
 from forest_sim.hydraulics.load_holding import Lifts
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool
 from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.solver.drive import DriveState
 from forest_sim.solver.integrator import Events, Simulation, step
 from forest_sim.solver.multibody import HANGING_STILL, HeadState
 from forest_sim.solver.plant import AxisState, PlantState
@@ -30,6 +31,7 @@ STATE = (
     *(f"{axis}_{field}" for axis in AXES for field in AxisState._fields),
     *(f"supply_{field}" for field in SupplyState._fields),
     *(f"head_{field}" for field in HeadState._fields),
+    *(f"drive_{field}" for field in DriveState._fields),
     *(f"{axis}_spool_{field}" for axis in AXES for field in Spool._fields),
     *Events._fields,
     *(f"{name}_acceleration" for name in (*AXES, "head_alpha", "head_beta")),

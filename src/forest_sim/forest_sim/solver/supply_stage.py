@@ -17,7 +17,8 @@ from forest_sim.hydraulics.supply import (
 )
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.axis_stage import AxisSolution
-from forest_sim.solver.plant import Ports, sensed_load
+from forest_sim.solver.load_sensing import mean_load
+from forest_sim.solver.plant import Ports
 from forest_sim.solver.plant_parameters import PlantParameters
 
 SUPPLY_TOLERANCE = 1e3  # [Pa] of Newton's last correction of P_s
@@ -30,7 +31,8 @@ class AxisDraw(NamedTuple):
     flow: float  # [m^3/s]
     conductance: float  # d(flow)/dP_s [m^3/(s Pa)]
     gain: float  # d(flow)/d(actuator speed) [m^2; m^3/rad]
-    load: float  # that it shows [Pa]
+    load: float  # that it shows [Pa], 0 or more
+    sensed: float  # the share of the step in which it does
     feeds: Pair  # d(flow into hose 1, 2)/dP_s [m^3/(s Pa)]
 
 
@@ -60,7 +62,10 @@ def supply_error(
     one = _axis_draw(axes[0], ports[0], supply, h)
     two = _axis_draw(axes[1], ports[1], supply, h)
     three = _axis_draw(axes[2], ports[2], supply, h)
-    reference = reference_after(base.reference, max(one.load, two.load, three.load), p.supply, h)
+    reference = base.reference
+    if p.supply.rate > 0.0:
+        loads, shares = (one.load, two.load, three.load), (one.sensed, two.sensed, three.sensed)
+        reference = reference_after(reference, mean_load(loads, shares), p.supply, h)
     pump = pump_flow(supply, reference, p.supply)
     drawn = one.flow + two.flow + three.flow
     conductance = one.conductance + two.conductance + three.conductance
@@ -82,8 +87,9 @@ def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, h: float) -> Axi
     one = supply_coupling(axis.one, ports.port_1, supply, axis.lines[0], h)
     two = supply_coupling(axis.two, ports.port_2, supply, axis.lines[1], h)
     gain = axis.swept[0] * one.gain - axis.swept[1] * two.gain
+    first, second = ports.sensed
     load = max(
-        sensed_load(axis.one.port_pressure, ports.port_1), sensed_load(axis.two.port_pressure, ports.port_2)
+        axis.one.port_pressure if first > 0.0 else 0.0, axis.two.port_pressure if second > 0.0 else 0.0
     )
     feeds = one.feed, two.feed
     return AxisDraw(
@@ -91,6 +97,7 @@ def _axis_draw(axis: AxisSolution, ports: Ports, supply: float, h: float) -> Axi
         conductance=one.conductance + two.conductance,
         gain=gain,
         load=load,
+        sensed=max(first, second),
         feeds=feeds,
     )
 

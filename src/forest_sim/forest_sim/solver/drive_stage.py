@@ -1,0 +1,99 @@
+"""What a gear with play and a bearing that sticks do to an implicit stage.
+
+Bristles have a closed form at a guessed rate. The motor's rate w is one more unknown of Newton's,
+which its own equation eliminates: it is as stiff as the teeth, and no other row feels it.
+
+    J (w - base) + h (T - torque(w)) = 0,   D = J + h (R + K)
+
+with T the teeth's torque, K its slope -dT/d(u - w) and R the oil's -d(torque)/dw. At the joint the
+gear is then an actuator of the torque T - K excess and the resistance K (1 - share).
+"""
+
+from typing import NamedTuple
+
+from forest_sim.mechanics.bristles import stuck_after
+from forest_sim.mechanics.end_stop import end_stop_force, end_stop_resistance
+from forest_sim.solver.drive import DriveState
+from forest_sim.solver.plant_parameters import DriveLaws
+from forest_sim.solver.supply_stage import SupplyError
+
+
+class DriveSolution(NamedTuple):
+    """The drive of a stage at guessed rates."""
+
+    torque: float  # on the joint [N m]
+    resistance: float  # -d(torque)/d(rate) [N m s]
+    share: float  # h K/D, of the joint's change of rate that the motor follows; 1 without play
+    excess: float  # by which the motor is too fast at the guessed rates [rad/s]
+    give: float  # 1/D [1/(kg m^2)]; 0 without play
+
+
+def solve_drive(
+    base: DriveState,
+    angle: float,
+    rate: float,
+    motor_rate: float,
+    torque: float,
+    resistance: float,
+    h: float,
+    laws: DriveLaws,
+) -> DriveSolution:
+    """Return what the drive makes of the swing's solution.
+
+    Args:
+        base: the stage's known part.
+        angle: of the joint at the stage's end [rad].
+        rate: of the joint there [rad/s].
+        motor_rate: of the motor there [rad/s].
+        torque: of the swing's actuator; with play, at the motor's rate [N m].
+        resistance: its -d(torque)/d(rate) [N m s].
+        h: the stage's implicit step [s].
+        laws: the constants.
+    """
+    stuck, gear = stuck_after(base.bristle_angle, rate, h, laws.bearing), laws.gear
+    if gear.inertia == 0.0:
+        return DriveSolution(
+            torque - stuck.force, resistance + stuck.resistance, share=1.0, excess=0.0, give=0.0
+        )
+    twist, speed = base.motor_angle + h * motor_rate - angle, motor_rate - rate
+    teeth = -end_stop_force(twist, speed, gear.teeth)
+    stiff = end_stop_resistance(twist, speed, gear.teeth, h)
+    give = 1.0 / (gear.inertia + h * (resistance + stiff))
+    share = give * h * stiff
+    excess = give * (gear.inertia * (motor_rate - base.motor_rate) + h * (teeth - torque))
+    stopped = end_stop_resistance(angle, rate, gear.stop, h)
+    return DriveSolution(
+        torque=teeth - stiff * excess + end_stop_force(angle, rate, gear.stop) - stuck.force,
+        resistance=stiff * (1.0 - share) + stopped + stuck.resistance,
+        share=share,
+        excess=excess,
+        give=give,
+    )
+
+
+def through_gear(e: SupplyError, drive: DriveSolution) -> SupplyError:
+    """Return the manifold's equation after the motor's rate is eliminated from it."""
+    gain = e.by_rate[0]
+    return SupplyError(
+        residual=e.residual - gain * drive.excess,
+        slope=e.slope + gain * gain * drive.give,
+        by_rate=(gain * drive.share, e.by_rate[1], e.by_rate[2]),
+        feeds=e.feeds,
+        state=e.state,
+    )
+
+
+def drive_after(base: DriveState, rate: float, motor_rate: float, h: float, laws: DriveLaws) -> DriveState:
+    """Return the drive at a stage's end.
+
+    Args:
+        base: the stage's known part.
+        rate: of the joint at the stage's end [rad/s].
+        motor_rate: of the motor there [rad/s].
+        h: the stage's implicit step [s].
+        laws: the constants.
+    """
+    bristle_angle = stuck_after(base.bristle_angle, rate, h, laws.bearing).deflection
+    if laws.gear.inertia == 0.0:
+        return DriveState(0.0, 0.0, bristle_angle)
+    return DriveState(base.motor_angle + h * motor_rate, motor_rate, bristle_angle)

@@ -1,0 +1,58 @@
+"""What a load-sensing line feels over a time step in which edges open or shut.
+
+The line feels an axis from the moment its edge to the supply opens: what the pump's control follows
+jumps. Taken at the ends of stages alone, that moment would be off by up to a step, and a step an
+integration of first order. A port therefore has its share of the step with that edge open, and the
+control follows the mean of the greatest load.
+"""
+
+import math
+
+from forest_description.components.valve_characteristic import SHUT, Direction
+from forest_description.types import Vec3
+from forest_sim.hydraulics.spool_dynamics import Spools
+from forest_sim.solver.plant import Ports
+from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve
+
+
+def sensed_over(
+    ports: tuple[Ports, Ports, Ports], start: Spools, end: Spools, p: PlantParameters
+) -> tuple[Ports, Ports, Ports]:
+    """Return ports with their shares of a step over which the spools move from start to end."""
+    return (
+        _sensed_over(ports[0], start[0].position, end[0].position, p.valves[0]),
+        _sensed_over(ports[1], start[1].position, end[1].position, p.valves[1]),
+        _sensed_over(ports[2], start[2].position, end[2].position, p.valves[2]),
+    )
+
+
+def _sensed_over(ports: Ports, start: float, end: float, valve: SpoolValve) -> Ports:
+    if valve.lag.frequency == math.inf:  # the spool is there at once
+        start = end
+    forward = open_share(start, end, valve.law.forward)
+    shares = forward, open_share(-start, -end, valve.law.backward)
+    return Ports(ports.port_1, ports.port_2, shares, ports.lifts)
+
+
+def open_share(start: float, end: float, d: Direction) -> float:
+    """Return the share of a straight way between two spool positions [V] on which an edge is open."""
+    edge = d.deadband_voltage + SHUT * (d.rated_voltage - d.deadband_voltage)
+    before, after = start - edge, end - edge
+    if (before > 0.0) == (after > 0.0):
+        return 1.0 if after > 0.0 else 0.0
+    return max(before, after) / abs(after - before)
+
+
+def mean_load(loads: Vec3, shares: Vec3) -> float:
+    """Return the mean of the greatest load [Pa] of axes that are open for shares of a step.
+
+    That is exact where one edge opens or shuts within the step.
+    """
+    greatest = 0.0
+    for i in range(3):
+        if shares[i] == 1.0:
+            greatest = max(greatest, loads[i])
+    for i in range(3):
+        if 0.0 < shares[i] < 1.0:
+            greatest += shares[i] * max(0.0, loads[i] - greatest)
+    return greatest

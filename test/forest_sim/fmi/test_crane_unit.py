@@ -1,0 +1,135 @@
+"""A machine as an FMU: FMPy runs it as another tool would, and it goes as our own simulation does."""
+
+import json
+import subprocess
+import sys
+import sysconfig
+
+import numpy as np
+import pytest
+
+from forest_description.machine import load_machine
+from forest_description.types import AXES
+from forest_msgs_py.interfaces.topics import ACTUATOR_STATES, JOINT_STATES, columns
+from forest_sim.cli.main import main
+from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.simulation.open_loop import start_angles
+from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, topic_values
+from forest_sim.simulation.simulated_machine import SimulatedMachine
+
+MACHINE, DURATION, PERIOD = "c180_real", 2.0, 0.005
+# Only what the venv's folder holds: no .pth is read, and so our packages come from the FMU alone.
+TOOL = """
+import json, sys
+sys.path.append(sys.argv[1])
+import numpy as np
+from fmpy import simulate_fmu
+asked = json.loads(sys.argv[3])
+given = None
+if asked["voltages"]:
+    names = ["time", "voltage.swing", "voltage.boom", "voltage.stick"]
+    given = np.rec.fromarrays(np.loadtxt(asked["voltages"], delimiter=",", skiprows=1).T, names=names)
+try:
+    rows = simulate_fmu(
+        sys.argv[2], stop_time=asked["duration"], step_size=asked["step"], output_interval=asked["step"],
+        input=given, start_values=asked["start_values"], debug_logging=True,
+        logger=lambda environment, name, status, category, text: print(text.decode()),
+    )
+except Exception as error:
+    sys.exit(f"FMPy: {error}")
+np.save(asked["out"], rows)
+print(sys.modules["forest_sim"].__file__)
+"""
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory):
+    """The FMU of a machine, from the command line."""
+    path = tmp_path_factory.mktemp("fmu") / "crane.fmu"
+    assert main(["export", "--fmu", MACHINE, "--out", str(path)]) == 0
+    return path
+
+
+@pytest.fixture
+def run(fmu, tmp_path):
+    """Run the FMU in a process of its own; return its rows, and what the process said."""
+
+    def simulate(duration, step=PERIOD, voltages=None, start_values=None):
+        out = tmp_path / "rows.npy"
+        out.unlink(missing_ok=True)
+        asked = {"voltages": voltages and str(voltages), "duration": duration, "step": step, "out": str(out)}
+        asked["start_values"] = start_values or {}
+        folder = sysconfig.get_paths()["platlib"]
+        command = [sys.executable, "-S", "-c", TOOL, folder, str(fmu), json.dumps(asked)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        return (np.load(out) if done.returncode == 0 else None), done.stdout + done.stderr
+
+    return simulate
+
+
+@pytest.fixture(scope="module")
+def voltages(tmp_path_factory):
+    """Voltages that hold for a period each; FMPy interpolates between rows."""
+    time = np.arange(0.0, DURATION + PERIOD, PERIOD)
+    rows = np.column_stack(
+        [time, 3.0 * np.sin(2.0 * time), 5.0 * np.sin(4.0 * time), 4.0 * np.cos(3.0 * time)]
+    )
+    path = tmp_path_factory.mktemp("voltages") / "voltages.csv"
+    np.savetxt(path, rows, delimiter=",", header="time," + ",".join(AXES), comments="", fmt="%.17g")
+    return path
+
+
+def test_in_another_tool_it_goes_as_the_simulator_does_without_our_packages(run, voltages):
+    rows, said = run(DURATION, voltages=voltages)
+    assert rows is not None, said
+    assert "/resources/forest_sim/" in said
+    machine, given = load_machine(MACHINE), np.loadtxt(voltages, delimiter=",", skiprows=1)
+    simulator = SimulatedMachine(machine, start_angles(machine), sensor_suite(machine), PERIOD)
+    ours = [topic_values(simulator.at_rest, simulator.events)]
+    ours += [topic_values(simulator.step(tuple(row[1:])), simulator.events) for row in given[:-1]]
+    compared = 0
+    for topic in SIMULATED_TOPICS:
+        for place, column in enumerate(columns(topic)):
+            name = f"{topic.name.replace('/', '.')}.{column}"
+            estimated = topic in (JOINT_STATES, ACTUATOR_STATES) and column.endswith("velocity")
+            if name in rows.dtype.names and not estimated:
+                np.testing.assert_array_equal(rows[name], [values[topic][place] for values in ours], name)
+                compared += 1
+    assert compared > 50
+    assert np.ptp(rows["joint_states.boom.position"]) > 0.1
+
+
+def test_a_tool_sets_start_noise_and_force(run):
+    start = {"start.swing": 0.2, "start.boom": 0.5, "start.stick": -1.5}
+    still, said = run(0.1, start_values=start)
+    assert still is not None, said
+    assert [still[0][f"ground_truth.joint_states.{axis}.position"] for axis in AXES] == [0.2, 0.5, -1.5]
+    noisy = [run(0.1, start_values=start | {"sensor_noise": True, "seed": seed})[0] for seed in (1, 1, 2)]
+    pressures = [rows["hydraulics.pressures.boom_1_valve"] for rows in noisy]
+    assert np.array_equal(pressures[0], pressures[1])
+    assert not np.array_equal(pressures[0], pressures[2])
+    for more in ({"tip_force.z": -5000.0}, {"load.mass": 500.0}):
+        pulled, said = run(0.1, start_values=start | more)
+        assert pulled[-1]["ground_truth.tip.pose.z"] < still[-1]["ground_truth.tip.pose.z"] - 1e-4
+
+
+@pytest.mark.parametrize(
+    ("step", "start", "reason"),
+    [
+        (0.0005, {}, "a step of 0.0005 s; allowed: multiples of 0.001 s"),
+        (0.005, {"start.boom": 3.0}, "boom at 171.9 deg, allowed there: "),
+        (0.005, {"load.mass": -1.0}, "a log of -1 kg"),
+        (0.005, {"tip_force.x": 1e9}, "'tip_force' is [1000000000.0, 0.0, 0.0]"),
+    ],
+)
+def test_what_cannot_be_is_told_in_the_tools_log(run, step, start, reason):
+    rows, said = run(0.01, step=step, start_values=start)
+    assert rows is None
+    assert reason in said
+
+
+def test_a_file_that_is_there_is_left_alone(fmu, capsys):
+    before = fmu.read_bytes()
+    assert main(["export", "--fmu", MACHINE, "--out", str(fmu)]) == 1
+    assert "allowed: a new file that ends in .fmu" in capsys.readouterr().err
+    assert fmu.read_bytes() == before
