@@ -72,7 +72,7 @@ def test_proportional_control_swings_up_beyond_the_gain_that_is_told_and_calms_b
 
 def test_from_the_command_line(tmp_path, capsys):
     out = tmp_path / "bode"
-    assert main(["bode", "--machine", "c180_real", "--tip", "5.5", "0", "1", "--out", str(out)]) == 0
+    assert main(["bode", "--machine", "c180", "--tip", "5.5", "0", "1", "--out", str(out)]) == 0
     printed = capsys.readouterr().out
     assert all(axis in printed for axis in AXES)
     told = json.loads((out / "bode.json").read_text("utf-8"))
