@@ -152,6 +152,7 @@ class Machine(ParameterSet):
                 raise MachineError(
                     f"oil is null, but the {name} has chambers: how their oil yields needs its bulk_modulus"
                 )
+            self._check_holding(name, drive)
             if not isinstance(self.hose_of(axis), GeometricHose):
                 continue
             if self.oil is None:
@@ -162,6 +163,15 @@ class Machine(ParameterSet):
                 raise MachineError(
                     f"{name}.length_exponent ({drive.length_exponent:g}) must be 1 with a geometric hose: "
                     "there is no measured length to go by"
+                )
+
+    def _check_holding(self, name: str, drive: SwingDrive | CylinderDrive) -> None:
+        """Raise if a load-holding valve has no oil of its own behind it, or a relief valve undoes it."""
+        for port, valve in (("holding_1", drive.holding_1), ("holding_2", drive.holding_2)):
+            if valve is not None and drive.chambers is None:
+                raise MachineError(
+                    f"{name}.chambers is null, but {name}.{port} holds the oil in them; allowed: both, or "
+                    f"neither"
                 )
 
     def _check_bearing(self) -> None:

@@ -7,7 +7,12 @@ import numpy as np
 import pytest
 
 from forest_description.components.valve_characteristic import CURVE_SIZE, edges, voltage_for_opening
-from forest_description.components.valve_parameters import BackwardValve, PolynomialCurve, TableCurve
+from forest_description.components.valve_parameters import (
+    BackwardValve,
+    FlowCurve,
+    PolynomialCurve,
+    TableCurve,
+)
 from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 
@@ -91,6 +96,29 @@ def test_a_table_gives_back_what_was_measured_in_proportion():
     assert conductances(5.5, TABLE)[0] == pytest.approx(between, rel=1e-12)
     assert conductances(1.25, TABLE)[0] == pytest.approx(0.5 * conductances(1.5, TABLE)[0], rel=1e-12)
     assert edges(1.0, TABLE.law).supply_1 == math.inf
+
+
+def test_a_flow_curve_opens_in_proportion_to_its_flow():
+    flows = (1e-5, 2e-4, 4e-4, 8e-4, 1.6e-3)
+    valve = replace(VALVE, curve=FlowCurve(VOLTS, flows))
+    for volts, flow in zip(VOLTS, flows, strict=True):
+        assert conductances(volts, valve)[0] == pytest.approx(flow / flows[-1], rel=1e-12)
+    drop = 7e5  # [Pa]: the resistances that these flows stand for make the same valve
+    table = TableCurve(VOLTS, tuple(drop / flow**2 for flow in flows))
+    for volts in np.linspace(-11.0, 11.0, 89):
+        assert conductances(volts, valve) == pytest.approx(conductances(volts, replace(valve, curve=table)))
+
+
+@pytest.mark.parametrize(
+    ("flows", "told"),
+    [
+        ((1e-3,), r"curve.voltages \(5\) and curve.flows \(1\) must be equally many"),
+        ((1e-4, 2e-4, 1e-4, 3e-4, 4e-4), "curve.flows must rise with the voltage"),
+    ],
+)
+def test_a_flow_curve_that_cannot_be_is_refused(flows, told):
+    with pytest.raises(MachineError, match=told):
+        replace(VALVE, curve=FlowCurve(VOLTS, flows))
 
 
 def test_a_polynomial_gives_back_its_resistance_in_proportion():

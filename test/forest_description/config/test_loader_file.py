@@ -125,9 +125,14 @@ NOT_A_NUMBER = [
 WORDS = [
     ("boom.flow_regime", "flow_regime: wild", "boom.flow_regime = 'wild'", "laminar, turbulent"),
     ("pump.kind", "kind: variable", "pump.kind = 'variable'", PUMPS),
-    (f"{TABLE}.kind", "kind: spline", f"{TABLE}.kind = 'spline'", "polynomial, table"),
+    (f"{TABLE}.kind", "kind: spline", f"{TABLE}.kind = 'spline'", "polynomial, table, flow"),
     ("manipulator.head_folding", "head_folding: some", "manipulator.head_folding", "thesis, full"),
-    ("valve.curve", "curve: straight", "valve.curve", "kind (polynomial, table) and the kind's own or null"),
+    (
+        "valve.curve",
+        "curve: straight",
+        "valve.curve",
+        "kind (polynomial, table, flow) and the kind's own or null",
+    ),
 ]
 # These values are each possible, but not together: the key named first is the one whose line is told.
 CONTRADICTIONS = [

@@ -65,6 +65,12 @@ def test_a_shut_valve_has_no_answer():
         rate_response((0.0, 0.5, -1.5), 1, 0.0, plant_parameters(machine), np.array([1.0]))
 
 
+def test_a_dead_time_turns_the_phase_alone():
+    frequency = np.array([1.0, 12.0, 40.0])
+    late, lag = (spool_response(SpoolLag(60.0, 0.7, dead_time=t), frequency) for t in (0.008, 0.0))
+    assert late / lag == pytest.approx(np.exp(-2j * np.pi * frequency * 0.008))
+
+
 @pytest.mark.parametrize("lag", [SpoolLag(60.0, 0.0), SpoolLag(60.0, 0.7)])
 def test_a_spool_answers_as_its_law_does(lag):
     frequency, step = 12.0, 1e-5

@@ -51,7 +51,7 @@ def test_the_angles_are_those_asked_for_and_nothing_flows_or_moves():
         rest = equilibrium(q, P)
         for angle, state in zip(q, rest.plant[:3], strict=True):
             assert (state.angle, state.rate, state.flow_1, state.flow_2) == (angle, 0.0, 0.0, 0.0)
-        assert rest.spools == ((0.0, 0.0),) * 3
+        assert rest.spools == ((0.0, 0.0, 0.0),) * 3
         assert (rest.plant.swing.pressure_1, rest.plant.swing.pressure_2) == (0.0, 0.0)
 
 

@@ -69,6 +69,7 @@ def test_every_part_hands_on_what_it_neither_loses_nor_stores(machine):
             lost = (
                 a.port_valves
                 + a.resistance
+                + a.holding
                 + a.compression
                 + a.leakage
                 + a.damping
@@ -106,7 +107,7 @@ def moved(state, rate, time):
 def test_the_links_store_what_the_joints_and_the_outer_force_give_them(machine):
     force, h = (3e3, -2e3, -5e3), 1e-4
     for k, (simulation, p) in enumerate(violent_states(machine, 3.0)):
-        if k % 10:
+        if k % 10 != 5:  # not the first, in which hardly anything moves
             continue
         p = p._replace(tip_force=force)
         state, flows = simulation.plant, power_flows(simulation, p)

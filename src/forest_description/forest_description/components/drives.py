@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from forest_description.components.hose import Hose
+from forest_description.components.load_holding import LoadHolding
 from forest_description.components.valve_parameters import Valve
 from forest_description.config.parameter import (
     MachineError,
@@ -129,6 +130,8 @@ class SwingDrive(ParameterSet):
     chambers: MotorChambers | None = None  # may be left out
     friction: BearingFriction | None = None  # may be left out
     backlash: Backlash | None = None  # may be left out
+    holding_1: LoadHolding | None = None
+    holding_2: LoadHolding | None = None
 
     def __post_init__(self) -> None:
         """Check ranges, and that the swing has room to move, past its gear's play too."""
@@ -160,6 +163,8 @@ class CylinderDrive(ParameterSet):
     friction: Friction | None = component()
     cushion: Cushion | None = component()
     chambers: CylinderChambers | None = None  # may be left out
+    holding_1: LoadHolding | None = None
+    holding_2: LoadHolding | None = None
 
     def __post_init__(self) -> None:
         """Check ranges, the areas, that rod and linkage allow the stroke, and that cushions fit in it."""

@@ -25,6 +25,7 @@ from forest_description.config.parameter import (
     parameter,
     require_order,
 )
+from forest_description.types import Floats
 
 
 @dataclass(frozen=True)
@@ -75,26 +76,65 @@ class TableCurve(ParameterSet):
         Raises:
             MachineError: The rows do not fit each other or the valve's voltages, or C_R grows.
         """
-        volts, c_r = np.array(self.voltages), np.array(self.resistances)
-        if len(volts) != len(c_r):
-            raise MachineError(
-                f"curve.voltages ({len(volts)}) and curve.resistances ({len(c_r)}) must be equally many"
-            )
-        s = (volts - deadband_voltage) / (rated_voltage - deadband_voltage)
-        if np.any(np.diff(volts) <= 0.0) or s[0] <= 0.0 or not math.isclose(s[-1], 1.0):
-            raise MachineError(
-                f"curve.voltages must rise from above deadband_voltage ({deadband_voltage:g} V) to "
-                f"rated_voltage ({rated_voltage:g} V)"
-            )
+        strokes = _strokes(self.voltages, "resistances", self.resistances, deadband_voltage, rated_voltage)
+        c_r = np.array(self.resistances)
         if np.any(np.diff(c_r) > 0.0):
             raise MachineError("curve.resistances must fall with the voltage")
-        opening = np.sqrt(c_r[-1] / c_r)
-        s[-1] = 1.0
-        return Curve(
-            TABLE,
-            _filled("curve.voltages", [0.0, *s.tolist()], 1.0),
-            _filled("curve.resistances", [0.0, *opening.tolist()], 1.0),
+        return _table(strokes, "resistances", np.sqrt(c_r[-1] / c_r))
+
+
+@dataclass(frozen=True)
+class FlowCurve(ParameterSet):
+    """Flow as data sheets print it: at some voltages, all at one pressure drop. Only its shape counts."""
+
+    kind: ClassVar[str] = "flow"
+
+    voltages: tuple[float, ...] = curve(
+        "V", 0.0, 50.0, "rising, from the edge of the overlap to the rated one"
+    )
+    flows: tuple[float, ...] = curve(
+        "m3/s", 1e-9, 1.0, "through an edge there, rising; the overlap's is not given"
+    )
+
+    def curve(self, deadband_voltage: float, rated_voltage: float) -> Curve:
+        """Return the kernel's curve; at one pressure drop the opening is in proportion to the flow.
+
+        Raises:
+            MachineError: The rows do not fit each other or the valve's voltages, or the flow falls.
+        """
+        strokes = _strokes(self.voltages, "flows", self.flows, deadband_voltage, rated_voltage)
+        flows = np.array(self.flows)
+        if np.any(np.diff(flows) < 0.0):
+            raise MachineError("curve.flows must rise with the voltage")
+        return _table(strokes, "flows", flows / flows[-1])
+
+
+def _strokes(
+    voltages: tuple[float, ...], name: str, row: tuple[float, ...], deadband_voltage: float, rated: float
+) -> Floats:
+    """Return the strokes s of a curve's voltages [V] beside a row of its own; a ``MachineError`` if unfit."""
+    volts = np.array(voltages)
+    if len(volts) != len(row):
+        raise MachineError(
+            f"curve.voltages ({len(volts)}) and curve.{name} ({len(row)}) must be equally many"
         )
+    s: Floats = (volts - deadband_voltage) / (rated - deadband_voltage)
+    if np.any(np.diff(volts) <= 0.0) or s[0] <= 0.0 or not math.isclose(s[-1], 1.0):
+        raise MachineError(
+            f"curve.voltages must rise from above deadband_voltage ({deadband_voltage:g} V) to "
+            f"rated_voltage ({rated:g} V)"
+        )
+    s[-1] = 1.0
+    return s
+
+
+def _table(strokes: Floats, name: str, openings: Floats) -> Curve:
+    """Return a curve through openings at strokes, and through zero at the overlap's edge."""
+    return Curve(
+        TABLE,
+        _filled("curve.voltages", [0.0, *strokes.tolist()], 1.0),
+        _filled(f"curve.{name}", [0.0, *openings.tolist()], 1.0),
+    )
 
 
 def _filled(what: str, numbers: list[float], last: float) -> Knots:
@@ -135,12 +175,25 @@ class Valve(ParameterSet):
         "none", "ideal", doc="check valve between supply and spool: a load does not go back to the manifold"
     )
     backward: BackwardValve | None = component()
-    curve: PolynomialCurve | TableCurve | None = component()
+    curve: PolynomialCurve | TableCurve | FlowCurve | None = component()
     spool_bandwidth: float | None = parameter(
         "Hz", 0.1, 500.0, "of the spool's lag; null: it follows at once"
     )
     spool_damping: float | None = parameter(
         "1", 0.1, 5.0, "damping ratio of a second-order spool; null: first order"
+    )
+    hysteresis: float | None = parameter(
+        "V", 0.0, 5.0, "width of the spool's play: up and down apart by it", may_be_left_out=True
+    )
+    dead_time: float | None = parameter(
+        "s",
+        0.0005,
+        0.02,
+        "of electronics and pilot stage; a voltage acts so much later",
+        may_be_left_out=True,
+    )
+    spool_slew_limit: float | None = parameter(
+        "V/s", 1.0, 1e5, "greatest rate of the spool", may_be_left_out=True
     )
 
     def __post_init__(self) -> None:
@@ -155,7 +208,18 @@ class Valve(ParameterSet):
         if self.backward is not None:
             edge = self.backward.deadband_voltage
             require_order("backward.deadband_voltage", edge, "rated_voltage", self.rated_voltage, "V")
+        self._check_play()
         _ = self.law
+
+    def _check_play(self) -> None:
+        """Raise unless the rated voltage opens both directions against the play."""
+        back = self.deadband_voltage if self.backward is None else self.backward.deadband_voltage
+        most = 2.0 * (self.rated_voltage - max(self.deadband_voltage, back))
+        if self.hysteresis is not None and self.hysteresis >= most:
+            raise MachineError(
+                f"hysteresis ({self.hysteresis:g} V) keeps the valve shut at rated_voltage "
+                f"({self.rated_voltage:g} V); allowed: below {most:g} V"
+            )
 
     @property
     def law(self) -> ValveLaw:

@@ -32,6 +32,7 @@ UNITS: dict[str, Unit] = {
     "ms": Unit("s", 1e-3),
     "Hz": Unit("Hz", 1.0),
     "V": Unit("V", 1.0),
+    "V/s": Unit("V/s", 1.0),
     "K": Unit("K", 1.0),
     "Pa": Unit("Pa", 1.0),
     "MPa": Unit("Pa", 1e6),

@@ -37,6 +37,7 @@ manipulator:
   not an unusual crane.
 - A slip is answered with file, line, key and what is allowed: `forest-sim check my_crane.yaml`.
 - A constant flow pump's relief valve opens at its `supply_pressure`.
+- A curve of `kind: flow` has the flows that a data sheet prints over the voltage, all at one drop.
 - A polynomial C_R must fall from `deadband_voltage` to `rated_voltage`. The first is negative if
   the valve is underlapped.
 
@@ -49,7 +50,9 @@ Numbers that contradict each other are refused, too:
 - moments and products of inertia that no rigid body has: I_zz above I_xx + I_yy, and so round;
   a plane body has I_zz = I_xx + I_yy. With `head_folding: thesis`, an I_xx of 0 means: not told
 - inertia without mass; a stick that nothing resists
-- `spool_damping` without `spool_bandwidth`; a rated voltage within the overlap
+- `spool_damping` without `spool_bandwidth`; a rated voltage within the overlap; `hysteresis` that
+  keeps the valve shut at its rated voltage
+- load holding without `chambers`; a counterbalance valve whose hysteresis is above its setting
 - a rod side larger than the head side; swapped limits; boom angles beyond ±180°
 - a stroke that passes a dead point of the linkage, or is longer than the retracted cylinder
 - a port relief below the pump's or the anti-cavitation pressure; a main relief below the pump's

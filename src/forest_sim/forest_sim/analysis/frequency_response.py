@@ -6,7 +6,8 @@
 | B | df/du of the spool's position, by central differences | |
 | H(jw) | joint rate over spool position, c (jw - A)^-1 B | rad/(s V) |
 
-It holds for amplitudes that keep the valve open, and the pose near.
+It holds for amplitudes that keep the valve open and load-holding valves where they are, and the pose
+near.
 """
 
 import math
@@ -46,7 +47,7 @@ def rate_response(
     point = operating_point(angles, (spools[0], spools[1], spools[2]), p)
     a, kept = linearise(point, p)
     up, down = (
-        states(state_derivative(point.plant, ports_at(_moved(point.spools, axis, by), p), p))
+        states(state_derivative(point.plant, ports_at(_moved(point.spools, axis, by), p, point.lifts), p))
         for by in (DIFFERENCE, -DIFFERENCE)
     )
     b = (up - down)[list(kept)] / (2.0 * DIFFERENCE)
@@ -61,12 +62,13 @@ def rate_response(
 
 
 def spool_response(lag: SpoolLag, frequency: Floats) -> Complexes:
-    """Return the position of a spool over its voltage at some frequencies [Hz]."""
+    """Return the position of a spool over its voltage at some frequencies [Hz], without play and slew."""
+    late: Complexes = np.exp(-2j * math.pi * frequency * lag.dead_time)
     if lag.frequency == math.inf:
-        return np.ones(len(frequency), dtype=complex)
+        return late
     s = 2j * math.pi * frequency / lag.frequency
     response: Complexes = 1.0 + s if lag.damping == 0.0 else 1.0 + 2.0 * lag.damping * s + s * s
-    return 1.0 / response
+    return late / response
 
 
 def _moved(spools: tuple[Spool, Spool, Spool], axis: int, by: float) -> tuple[Spool, Spool, Spool]:

@@ -4,6 +4,7 @@ import dataclasses
 import math
 from collections.abc import Iterator
 
+from forest_description.components.load_holding import CounterbalanceValve
 from forest_description.config.parameter import choice_of, fields_of, parameter_of
 from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.derived.limits import joint_limits, workspace_limits
@@ -67,13 +68,36 @@ def warnings(machine: Machine) -> list[str]:
         for limit, whose in (
             (p.supply.set_pressure, "the pump's"),
             (p.guard.relief_pressure, "the relief valve's"),
+            (_counterbalance_setting(machine, place), "its counterbalance valve's"),
         ):
             if highest > limit:
                 found.append(
                     f"{name}: holding the crane still takes {highest / MPA:.1f} MPa {where}, "
                     f"more than {whose} {limit / MPA:.1f} MPa"
                 )
+    found += _play_warnings(machine)
     return found + _sensor_warnings(machine) + _inertia_warnings(machine) + _hose_warnings(machine)
+
+
+def _counterbalance_setting(machine: Machine, place: int) -> float:
+    """Return the least load pressure [Pa] that opens a counterbalance valve of a cylinder; inf: none does."""
+    valves = (machine.drives[place].holding_1, machine.drives[place].holding_2)
+    return min((v.setting for v in valves if isinstance(v, CounterbalanceValve)), default=math.inf)
+
+
+def _play_warnings(machine: Machine) -> list[str]:
+    """Return a sentence for each valve that its play may keep open at zero voltage."""
+    found = []
+    for place, axis in enumerate(AXES):
+        valve = machine.valve_of(place)
+        off = 0.5 * (valve.hysteresis or 0.0)
+        overlap = min(valve.law.forward.deadband_voltage, valve.law.backward.deadband_voltage)
+        if off > 0.0 and off >= overlap:
+            found.append(
+                f"{axis}: at zero voltage its spool may rest {off:g} V off the centre, and its overlap ends "
+                f"at {overlap:g} V: the {axis} creeps"
+            )
+    return found
 
 
 def _sensor_warnings(machine: Machine) -> list[str]:

@@ -21,8 +21,14 @@ PANELS = (
     ("pressure_2", "port 2 [MPa]"),
 )
 SWAY = ("alpha", "sway [deg]")
-FACTORS = {"angle": 180.0 / np.pi, "rate": 180.0 / np.pi, "pressure_1": 1e-6, "pressure_2": 1e-6}
-FACTORS["alpha"] = FACTORS["angle"]
+FACTORS = {
+    "angle": 180.0 / np.pi,
+    "rate": 180.0 / np.pi,
+    "pressure_1": 1e-6,
+    "pressure_2": 1e-6,
+    "spool_position": 1.0,
+    "alpha": 180.0 / np.pi,
+}
 LEAST_SPAN = 1.0  # of a panel [deg; deg/s; MPa]
 
 
@@ -32,7 +38,8 @@ class Course:
     def __init__(self, name: str, axis: int, time: Floats, states: Floats) -> None:
         self.name, self.time = name, time
         self._columns = {
-            field: states[:, STATE.index(f"{AXES[axis]}_{field}")] for field in AxisState._fields
+            field: states[:, STATE.index(f"{AXES[axis]}_{field}")]
+            for field in (*AxisState._fields, "spool_position")
         }
         self._columns["alpha"] = states[:, STATE.index("head_alpha")]
 
@@ -63,7 +70,7 @@ def _row(course: Course) -> str:
 
 
 def draw(courses: Sequence[Course], axis: int, voltages: Voltages, out: Path) -> Path:
-    """Draw an axis of every machine: its voltage, motion and pressures.
+    """Draw an axis of every machine: its voltage and spool, motion and pressures.
 
     Args:
         courses: from `compare`.
@@ -77,7 +84,9 @@ def draw(courses: Sequence[Course], axis: int, voltages: Voltages, out: Path) ->
     figure, panels = new_figure(len(drawn) + 1, 1, 10.0, f"{AXES[axis]}: {names}")
     time = courses[0].time
     panels[0].plot(time, voltages.at(time)[:, axis], color="0.4")
-    finish_axes(panels[0], "voltage [V]")
+    for place, course in enumerate(courses):
+        panels[0].plot(time, course.column("spool_position"), f"C{place}", linewidth=0.8)
+    finish_axes(panels[0], "voltage, spools [V]")
     for panel, (field, label) in zip(panels[1:], drawn, strict=True):
         for place, course in enumerate(courses):
             panel.plot(course.time, course.column(field), f"C{place}", linewidth=1.1, label=course.name)

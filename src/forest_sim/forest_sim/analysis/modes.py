@@ -26,15 +26,17 @@ import numpy as np
 from scipy.linalg import eig
 
 from forest_description.types import AXES, Floats, Vec3
+from forest_sim.hydraulics.command_history import held_commands
+from forest_sim.hydraulics.load_holding import is_held, restriction
 from forest_sim.hydraulics.port import is_shut
-from forest_sim.hydraulics.spool_dynamics import Spool
+from forest_sim.hydraulics.spool_dynamics import STUCK, Spool
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.end_stop import NO_STOP, UNCUSHIONED
 from forest_sim.solver.drive import DriveState
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation, step
 from forest_sim.solver.multibody import HeadState
-from forest_sim.solver.plant import AxisState, PlantState, ports_at, state_derivative
+from forest_sim.solver.plant import AxisState, PlantState, Ports, ports_at, state_derivative
 from forest_sim.solver.plant_parameters import NO_GUARD, PlantParameters
 
 DIFFERENCE = (1e-6, 1e-6, 10.0, 10.0, 1e-8, 1e-8)  # rad, rad/s, Pa, m^3/s: rounding and curvature both small
@@ -87,19 +89,37 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
         p: the machine, `unguarded`.
     """
     rest = equilibrium(angles, p)
-    held = rest._replace(spools=(Spool(spools[0], 0.0), Spool(spools[1], 0.0), Spool(spools[2], 0.0)))
+    one, two, three = (Spool(position, 0.0, position) for position in spools)
+    held = rest._replace(spools=(one, two, three), history=held_commands(spools))
+    still = (
+        p.valves[0]._replace(lag=STUCK),
+        p.valves[1]._replace(lag=STUCK),
+        p.valves[2]._replace(lag=STUCK),
+    )
     if all(is_shut(a.port_1) and is_shut(a.port_2) for a in ports_at(held.spools, p)):
         return held
     for _ in range(round(SETTLING / SETTLING_STEP)):
-        moved = step(held, spools, SETTLING_STEP, p).plant
+        after = step(held, spools, SETTLING_STEP, p._replace(valves=still))
+        moved = after.plant
         plant = moved._replace(
             swing=moved.swing._replace(angle=angles[0]),
             drive=_turned(moved.drive, angles[0] - moved.swing.angle, p),
             boom=moved.boom._replace(angle=angles[1]),
             stick=moved.stick._replace(angle=angles[2]),
         )
-        held = held._replace(plant=plant)
+        held = held._replace(plant=plant, lifts=after.lifts)
     return held
+
+
+def _flows(
+    point: Simulation, ports: tuple[Ports, Ports, Ports], axis: int, port: int, p: PlantParameters
+) -> bool:
+    """Tell whether the flow through hose 1 or 2 of an axis (port 0 or 1) is a state: nothing shuts it."""
+    state, valves = point.plant.axes[axis], (p.axes[axis].holding_1, p.axes[axis].holding_2)
+    flow = -state.flow_2 if port else state.flow_1
+    held = restriction(point.lifts[axis][port], valves[port])
+    spool = ports[axis].port_2 if port else ports[axis].port_1
+    return not is_shut(spool) and not is_held(flow, held)
 
 
 def _turned(drive: DriveState, by: float, p: PlantParameters) -> DriveState:
@@ -111,9 +131,8 @@ def _turned(drive: DriveState, by: float, p: PlantParameters) -> DriveState:
 
 def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int, ...]]:
     """Return A [n, n] about an operating point and the places of its n states in `state_recording.STATE`."""
-    ports = ports_at(point.spools, p)
-    both = [(a.port_1, a.port_2) for a in ports]
-    kept = [i for i in range(18) if i % 6 < 4 or not is_shut(both[i // 6][i % 6 - 4])]
+    ports = ports_at(point.spools, p, point.lifts)
+    kept = [i for i in range(18) if i % 6 < 4 or _flows(point, ports, i // 6, i % 6 - 4, p)]
     if not p.supply.ideal:
         kept += [18] if p.supply.rate == 0.0 else [18, 19]
     if p.head.mass > 0.0:

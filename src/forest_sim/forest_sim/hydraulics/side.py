@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from forest_description.components.hose import Line
 from forest_sim.hydraulics.hydraulic_line import PortGuard, flow_rate, guard_flow, pressure_rate
+from forest_sim.hydraulics.load_holding import UNRESTRICTED, Restriction, holding_drop, is_held
 from forest_sim.hydraulics.oil_law import density, enthalpy
 from forest_sim.hydraulics.oil_volume import OilVolume, content, hose_drop
 from forest_sim.hydraulics.port import Port
@@ -23,6 +24,7 @@ class Side(NamedTuple):
     port: Port
     line: Line
     oil: OilVolume
+    held: Restriction = UNRESTRICTED  # its load-holding valve
 
 
 class SideRates(NamedTuple):
@@ -52,10 +54,11 @@ def side_rates(s: Side, supply: float, guard: PortGuard) -> SideRates:
         line = Line(line.resistance, line.inertance, content(s.pressure, s.position, s.oil).capacitance)
         if s.oil.area != 0.0:  # a piston takes oil at the density that it has
             outflow = density(s.pressure, s.oil.oil).ratio * s.taken
-    return SideRates(
-        pressure_rate(s.pressure, s.flow, outflow, line, guard),
-        flow_rate(s.pressure + hose_drop(s.flow, s.oil), s.flow, s.port, supply, line),
-    )
+    flow = 0.0
+    if not is_held(s.flow, s.held):
+        beyond = s.pressure + hose_drop(s.flow, s.oil) + holding_drop(s.flow, s.held)
+        flow = flow_rate(beyond, s.flow, s.port, supply, line)
+    return SideRates(pressure_rate(s.pressure, s.flow, outflow, line, guard), flow)
 
 
 def storage(s: Side, supply: float, guard: PortGuard) -> Storage:

@@ -4,7 +4,7 @@
 |---|---|
 | engine | work of the shaft |
 | pump | lost in the pump: friction, leakage, main relief valve |
-| throttling | lost in the valves' edges, where the oil of chambers gives back its compression, too |
+| throttling | lost in valves' edges and load-holding valves, less the compression that chambers give back |
 | port_valves | lost over relief and anti-cavitation valves |
 | hoses | lost to the hoses' resistance |
 | leakage | lost in the swing motor |
@@ -54,7 +54,7 @@ class Account(NamedTuple):
 _PARTS = {
     "engine": ("pump_engine",),
     "pump": ("pump_pump_friction", "pump_pump_leakage", "pump_main_relief"),
-    "throttling": ("throttling", "compression"),
+    "throttling": ("throttling", "holding", "compression"),
     "port_valves": ("port_valves",),
     "hoses": ("resistance",),
     "leakage": ("leakage",),
@@ -73,7 +73,7 @@ def dissipated_energy(energies: Floats) -> float:
 
 
 def account(energies: Floats) -> Account:
-    """Return the account of recorded energies [..., 51], `state_recording.ENERGY`."""
+    """Return the account of recorded energies [..., 54], `state_recording.ENERGY`."""
     parts = {
         entry: sum(energies[..., place] for name in names for place in _places(name))
         for entry, names in _PARTS.items()

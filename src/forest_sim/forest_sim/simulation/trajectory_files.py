@@ -45,8 +45,11 @@ UNITS = {  # by a word of the name; the first that is in it
     "reference": "Pa",
     "flow": "m3/s",
 }
+LEFT_OUT = ("spool_rate", "spool_target", "acceleration", "lift_one", "lift_two")
 COLUMNS = tuple(
-    name for name in STATE if name not in Events._fields and not name.endswith(("spool_rate", "acceleration"))
+    name
+    for name in STATE
+    if name not in Events._fields and not name.endswith(LEFT_OUT) and not name.startswith("command_")
 )
 _PLACES = [STATE.index(name) for name in COLUMNS]
 

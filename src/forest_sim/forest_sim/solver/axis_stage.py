@@ -10,11 +10,13 @@ from typing import NamedTuple
 from forest_description.components.hose import Line
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.hydraulics.hydraulic_line import LineSolution, PortGuard, solve_line, with_outflow
+from forest_sim.hydraulics.load_holding import Restriction, restriction
 from forest_sim.hydraulics.oil_law import held_above_vapour, is_near
 from forest_sim.hydraulics.oil_volume import StageHose, stage_hose
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_resistance
 from forest_sim.mechanics.friction import friction_slope
 from forest_sim.mechanics.manipulator import Pair
+from forest_sim.solver.holding_stage import first_flow, held_hose, next_flow
 from forest_sim.solver.plant import AxisState, Ports, Transmission, passive_force
 from forest_sim.solver.plant_parameters import Axis
 
@@ -69,6 +71,8 @@ def solve_axis(
         h: the stage's implicit step [s].
     """
     if axis.oil_1.yields:
+        if axis.holds:
+            return _solve_with_holding(base, near, rate, t, ports, supply, axis, guard, h)
         return _solve_with_chambers(base, near, rate, t, ports, supply, axis, guard, h)
     hose_1 = StageHose(base.pressure_1, base.flow_1, axis.line_1)
     hose_2 = StageHose(base.pressure_2, -base.flow_2, axis.line_2)
@@ -114,6 +118,83 @@ def _solve_with_chambers(
         swept_1 *= hose_1.density
         swept_2 *= hose_2.density
     return _solution(rate, t, one, two, hose_1, hose_2, (swept_1, swept_2), axis, h)
+
+
+def _solve_with_holding(
+    base: AxisState,
+    near: AxisState,
+    rate: float,
+    t: Transmission,
+    ports: Ports,
+    supply: float,
+    axis: Axis,
+    guard: PortGuard,
+    h: float,
+) -> AxisSolution:
+    """Do as `_solve_with_chambers` with load-holding valves, whose tangents move along; not inlined."""
+    oil_1, oil_2, through = axis.oil_1, axis.oil_2, t.arm * rate
+    swept_1, swept_2 = axis.actuator.displacement_1, axis.actuator.displacement_2
+    if oil_1.area != 0.0:
+        through = 0.0
+    near_1 = held_above_vapour(near.pressure_1, 0.0, oil_1.oil)
+    near_2 = held_above_vapour(near.pressure_2, 0.0, oil_2.oil)
+    held_1, held_2 = (
+        restriction(ports.lifts.one, axis.holding_1),
+        restriction(ports.lifts.two, axis.holding_2),
+    )
+    flow_1 = first_flow(near.flow_1, near_1, ports.port_1, held_1, supply)
+    flow_2 = first_flow(-near.flow_2, near_2, ports.port_2, held_2, supply)
+    one, two, hose_1, hose_2 = _tangents(
+        base, (near_1, near_2), (flow_1, flow_2), (held_1, held_2), through, t, ports, supply, axis, guard, h
+    )
+    for _ in range(TANGENTS):
+        after_1 = next_flow(one, flow_1, ports.port_1, held_1, supply)
+        after_2 = next_flow(two, flow_2, ports.port_2, held_2, supply)
+        steady = after_1 == flow_1 and after_2 == flow_2
+        if steady and is_near(one.pressure, near_1, oil_1.oil) and is_near(two.pressure, near_2, oil_2.oil):
+            break
+        near_1 = held_above_vapour(one.pressure, near_1, oil_1.oil)
+        near_2 = held_above_vapour(two.pressure, near_2, oil_2.oil)
+        flow_1, flow_2 = after_1, after_2
+        one, two, hose_1, hose_2 = _tangents(
+            base,
+            (near_1, near_2),
+            (flow_1, flow_2),
+            (held_1, held_2),
+            through,
+            t,
+            ports,
+            supply,
+            axis,
+            guard,
+            h,
+        )
+    if oil_1.area != 0.0:
+        swept_1 *= hose_1.density
+        swept_2 *= hose_2.density
+    return _solution(rate, t, one, two, hose_1, hose_2, (swept_1, swept_2), axis, h)
+
+
+def _tangents(
+    base: AxisState,
+    near: Pair,
+    flows: Pair,
+    held: tuple[Restriction, Restriction],
+    through: float,
+    t: Transmission,
+    ports: Ports,
+    supply: float,
+    axis: Axis,
+    guard: PortGuard,
+    h: float,
+) -> tuple[LineSolution, LineSolution, StageHose, StageHose]:
+    """Return both hoses along tangents at pressures [Pa] and at flows through load-holding valves [m^3/s]."""
+    hose_1 = stage_hose(base.pressure_1, base.flow_1, t.position, near[0], axis.line_1, axis.oil_1, h)
+    hose_2 = stage_hose(base.pressure_2, -base.flow_2, t.position, near[1], axis.line_2, axis.oil_2, h)
+    hose_1 = held_hose(hose_1, flows[0], held[0], h)
+    hose_2 = held_hose(hose_2, flows[1], held[1], h)
+    one, two = _solve_hoses(hose_1, hose_2, through, ports, supply, axis, guard, h)
+    return one, two, hose_1, hose_2
 
 
 def _solve_hoses(

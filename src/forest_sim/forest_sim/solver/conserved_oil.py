@@ -5,15 +5,20 @@ none of it; the pressure follows from it. Where a hose has a constant capacitanc
 are one, and both functions here return what they are given.
 """
 
+from forest_sim.hydraulics.load_holding import AllLifts, Lifts
 from forest_sim.hydraulics.oil_volume import content, settled_pressure
 from forest_sim.hydraulics.supply import SupplyState, manifold_oil
+from forest_sim.solver.holding_step import flowing
 from forest_sim.solver.plant import AxisState, PlantState, Transmission, transmissions
 from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 
-def with_contents(state: PlantState, p: PlantParameters) -> PlantState:
-    """Return a state with the oil that each volume holds [m^3] in place of its pressure."""
-    return _contents(state, p) if _conserves_oil(p) else state
+def with_contents(state: PlantState, lifts: AllLifts, p: PlantParameters) -> PlantState:
+    """Return a state with the oil that each volume holds [m^3] in place of its pressure.
+
+    Oil stops where a load-holding valve has shut on it.
+    """
+    return _contents(state, lifts, p) if _conserves_oil(p) else state
 
 
 def settled(state: PlantState, held: PlantState, p: PlantParameters) -> PlantState:
@@ -58,27 +63,31 @@ def _settled_axis(s: AxisState, held: AxisState, t: Transmission, axis: Axis) ->
     )
 
 
-def _contents(state: PlantState, p: PlantParameters) -> PlantState:
+def _contents(state: PlantState, lifts: AllLifts, p: PlantParameters) -> PlantState:
     """Return what `with_contents` does; not inlined."""
     t_1, t_2, t_3 = transmissions(state.swing.angle, state.boom.angle, state.stick.angle, p)
     return PlantState(
-        swing=_axis_contents(state.swing, t_1, p.swing),
-        boom=_axis_contents(state.boom, t_2, p.boom),
-        stick=_axis_contents(state.stick, t_3, p.stick),
+        swing=_axis_contents(state.swing, t_1, lifts[0], p.swing),
+        boom=_axis_contents(state.boom, t_2, lifts[1], p.boom),
+        stick=_axis_contents(state.stick, t_3, lifts[2], p.stick),
         supply=SupplyState(manifold_oil(state.supply.pressure, p.supply), state.supply.reference),
         head=state.head,
         drive=state.drive,
     )
 
 
-def _axis_contents(s: AxisState, t: Transmission, axis: Axis) -> AxisState:
+def _axis_contents(s: AxisState, t: Transmission, lifts: Lifts, axis: Axis) -> AxisState:
     if not axis.oil_1.yields:
         return s
+    flow_1, flow_2 = s.flow_1, s.flow_2
+    if axis.holds:
+        flow_1 = flowing(flow_1, lifts.one, axis.holding_1)
+        flow_2 = -flowing(-flow_2, lifts.two, axis.holding_2)
     return AxisState(
         angle=s.angle,
         rate=s.rate,
         pressure_1=content(s.pressure_1, t.position, axis.oil_1).oil,
         pressure_2=content(s.pressure_2, t.position, axis.oil_2).oil,
-        flow_1=s.flow_1,
-        flow_2=s.flow_2,
+        flow_1=flow_1,
+        flow_2=flow_2,
     )

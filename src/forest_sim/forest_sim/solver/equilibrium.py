@@ -2,6 +2,7 @@
 
 from forest_description.geometry.linkage import lever_arm
 from forest_description.types import Vec3
+from forest_sim.hydraulics.load_holding import Lifts, resting_lift
 from forest_sim.hydraulics.spool_dynamics import CENTRED
 from forest_sim.hydraulics.supply import Supply, SupplyState, pump_flow
 from forest_sim.mechanics.pendulum import hanging_angles
@@ -40,7 +41,12 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
         Events(0, 0, 0),
         (0.0, 0.0, 0.0),
         (0.0, 0.0),
+        lifts=(_lifts(p.swing), _lifts(p.boom), _lifts(p.stick)),
     )
+
+
+def _lifts(axis: Axis) -> Lifts:
+    return Lifts(resting_lift(axis.holding_1), resting_lift(axis.holding_2))
 
 
 def idle_supply(s: Supply) -> SupplyState:

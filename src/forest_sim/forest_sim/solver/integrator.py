@@ -5,24 +5,26 @@ Y = y + step f(Y) for the f of `plant.state_derivative` (`implicit_stage.solve_s
 derivative is read off its increment, (Y - y)/step, never from f: f has no value when an orifice
 shuts on a flow.
 
-The step assumes that commands stand still over it. The spools' lags are linear and are advanced
-exactly.
+The step assumes that commands stand still over it. The spools are advanced exactly.
 """
 
 import math
 from typing import NamedTuple
 
 from forest_description.types import Vec3
+from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
 from forest_sim.hydraulics.hydraulic_line import PortGuard
+from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.conserved_oil import settled, with_contents
 from forest_sim.solver.drive import DriveState
+from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.load_sensing import sensed_over
 from forest_sim.solver.multibody import HeadState
-from forest_sim.solver.plant import AxisState, PlantState, ports_at
+from forest_sim.solver.plant import AxisState, PlantState, holds_loads, ports_at, with_lifts
 from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve
 
 GAMMA = 1.0 - math.sqrt(0.5)
@@ -44,17 +46,23 @@ class Simulation(NamedTuple):
     events: Events
     accelerations: Vec3  # of the joints over the last stage [rad/s^2], from which Newton starts
     head_accelerations: Pair  # of the hanging head, as well
+    history: CommandHistory = NO_COMMANDS  # kept where a valve has a dead time
+    lifts: AllLifts = NO_LIFTS  # of load-holding valves, half a step ago
 
 
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
     """Advance the machine by h [s] with the valve voltages [V] held."""
-    plant, c = simulation.plant, GAMMA * h
-    middle = spools_after(simulation.spools, voltages, c, p)
-    end = spools_after(simulation.spools, voltages, h, p)
+    plant, lifts, c = simulation.plant, simulation.lifts, GAMMA * h
+    acting, history = _acting(simulation.history, voltages, h, p)
+    middle = spools_after(simulation.spools, acting, c, p)
+    end = spools_after(simulation.spools, acting, h, p)
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
+    if holds_loads(p):
+        lifts = lifts_after(plant, lifts, simulation.spools, h, p)
+        ports = with_lifts(ports, lifts)
     if p.supply.rate > 0.0:
         ports = sensed_over(ports, simulation.spools, end, p)
-    base = start = held = with_contents(plant, p)
+    base = start = held = with_contents(plant, lifts, p)
     ahead = after = _with_head_ahead(plant, simulation.head_accelerations, p.head.foresight * c)
     failures = 0
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
@@ -66,14 +74,21 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
             ahead = _blend(plant, after, 1.0 / GAMMA, p)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
             if end != middle:
-                ports = ports_at(end, p)
+                ports = ports_at(end, p, lifts)
                 if p.supply.rate > 0.0:
                     ports = sensed_over(ports, simulation.spools, end, p)
     after = settled(after, held, p)
     events = _count(simulation.events, plant, after, failures, p.guard)
-    return Simulation(
-        after, end, events, _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
-    )
+    rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
+    return Simulation(after, end, events, rates_after, head_after, history, lifts)
+
+
+def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:
+    """Return the voltages that act on the spools in a step: those given, or those of a dead time ago [V]."""
+    late = p.valves[0].lag.dead_time, p.valves[1].lag.dead_time, p.valves[2].lag.dead_time
+    if late[0] + late[1] + late[2] == 0.0:
+        return Acting(voltages, history)
+    return after_dead_time(history, voltages, h, late)
 
 
 def _mean_accelerations(before: PlantState, after: PlantState, time: float) -> Vec3:

@@ -30,7 +30,8 @@ def _sensed_over(ports: Ports, start: float, end: float, valve: SpoolValve) -> P
     if valve.lag.frequency == math.inf:  # the spool is there at once
         start = end
     forward = open_share(start, end, valve.law.forward)
-    return Ports(ports.port_1, ports.port_2, (forward, open_share(-start, -end, valve.law.backward)))
+    shares = forward, open_share(-start, -end, valve.law.backward)
+    return Ports(ports.port_1, ports.port_2, shares, ports.lifts)
 
 
 def open_share(start: float, end: float, d: Direction) -> float:

@@ -25,6 +25,7 @@ from forest_description.geometry.linkage import Linkage, length_and_arm
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
+from forest_sim.hydraulics.load_holding import NO_LIFTS, SEATED_LIFTS, AllLifts, Lifts, restriction
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.side import Side, side_rates
 from forest_sim.hydraulics.spool_dynamics import Spools
@@ -70,11 +71,12 @@ class PlantState(NamedTuple):
 
 
 class Ports(NamedTuple):
-    """What the spool's four edges connect the hoses of one axis to."""
+    """What the spool's four edges connect the hoses of one axis to, and what holds its load behind them."""
 
     port_1: Port
     port_2: Port
     sensed: Pair = (0.0, 0.0)  # share of a step in which port 1, 2 is open to the supply
+    lifts: Lifts = SEATED_LIFTS  # of its load-holding valves, if any
 
 
 class Draw(NamedTuple):
@@ -107,14 +109,29 @@ def valve_ports(spool_position: float, law: ValveLaw, vapour: float = -math.inf)
     )
 
 
-def ports_at(spools: Spools, p: PlantParameters) -> tuple[Ports, Ports, Ports]:
-    """Return the ports of swing, boom and stick at the spools' positions."""
+def ports_at(spools: Spools, p: PlantParameters, lifts: AllLifts = NO_LIFTS) -> tuple[Ports, Ports, Ports]:
+    """Return the ports of swing, boom and stick at the positions of spools and of load-holding valves."""
     vapour = -p.supply.oil.above_vapour
-    return (
+    ports = (
         valve_ports(spools[0].position, p.valves[0].law, vapour),
         valve_ports(spools[1].position, p.valves[1].law, vapour),
         valve_ports(spools[2].position, p.valves[2].law, vapour),
     )
+    return with_lifts(ports, lifts) if holds_loads(p) else ports
+
+
+def with_lifts(ports: tuple[Ports, Ports, Ports], lifts: AllLifts) -> tuple[Ports, Ports, Ports]:
+    """Return ports with other lifts of their load-holding valves."""
+    return (
+        Ports(ports[0].port_1, ports[0].port_2, ports[0].sensed, lifts[0]),
+        Ports(ports[1].port_1, ports[1].port_2, ports[1].sensed, lifts[1]),
+        Ports(ports[2].port_1, ports[2].port_2, ports[2].sensed, lifts[2]),
+    )
+
+
+def holds_loads(p: PlantParameters) -> bool:
+    """Tell whether a machine has load-holding valves."""
+    return p.swing.holds + p.boom.holds + p.stick.holds != 0
 
 
 def transmissions(
@@ -229,9 +246,14 @@ def sides(s: AxisState, t: Transmission, ports: Ports, axis: Axis) -> tuple[Side
     speed = t.arm * s.rate
     q_1 = inlet_flow(speed, s.pressure_1, s.pressure_2, axis.actuator)
     q_2 = outlet_flow(speed, s.pressure_1, s.pressure_2, axis.actuator)
+    held_1, held_2 = (
+        restriction(ports.lifts.one, axis.holding_1),
+        restriction(ports.lifts.two, axis.holding_2),
+    )
+    line_1, line_2 = axis.line_1, axis.line_2
     return (
-        Side(s.pressure_1, s.flow_1, q_1, t.position, speed, ports.port_1, axis.line_1, axis.oil_1),
-        Side(s.pressure_2, -s.flow_2, -q_2, t.position, speed, ports.port_2, axis.line_2, axis.oil_2),
+        Side(s.pressure_1, s.flow_1, q_1, t.position, speed, ports.port_1, line_1, axis.oil_1, held_1),
+        Side(s.pressure_2, -s.flow_2, -q_2, t.position, speed, ports.port_2, line_2, axis.oil_2, held_2),
     )
 
 

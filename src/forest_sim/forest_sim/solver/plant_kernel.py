@@ -12,9 +12,18 @@ from forest_compile.entry import Entry
 from forest_compile.kernel_cache import CachedKernel
 from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
-from forest_sim.hydraulics import port, spool_dynamics
+from forest_sim.hydraulics import command_history, port, spool_dynamics
 from forest_sim.mechanics import pendulum
-from forest_sim.solver import conserved_oil, drive_stage, implicit_stage, integrator, plant, power_flows
+from forest_sim.solver import (
+    axis_stage,
+    conserved_oil,
+    drive_stage,
+    holding_step,
+    implicit_stage,
+    integrator,
+    plant,
+    power_flows,
+)
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
@@ -24,6 +33,10 @@ NOINLINE = (
     port._two_edges,
     pendulum.pendulum_dynamics,
     spool_dynamics._second_order,
+    spool_dynamics._driven_spool,
+    command_history.after_dead_time,
+    holding_step.lifts_after,
+    axis_stage._solve_with_holding,
     valve_characteristic._curved_opening,
     implicit_stage._iterate_further,
     implicit_stage._equations_at_again,

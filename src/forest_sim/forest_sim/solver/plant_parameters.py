@@ -13,6 +13,7 @@ from forest_description.machine import EndStops, Machine
 from forest_description.types import Vec3
 from forest_sim.hydraulics.actuator import Actuator, cylinder, motor
 from forest_sim.hydraulics.hydraulic_line import PortGuard
+from forest_sim.hydraulics.load_holding import HoldingValve, holding_valve
 from forest_sim.hydraulics.oil_law import INCOMPRESSIBLE, OilLaw, oil_law
 from forest_sim.hydraulics.oil_volume import NO_CHAMBER, OilVolume
 from forest_sim.hydraulics.spool_dynamics import SpoolLag, spool_lag
@@ -46,6 +47,9 @@ class Axis(NamedTuple):
     friction: Friction
     cushion: CushionBrake
     stop: EndStop
+    holds: int  # not 0: load-holding valves stand between hoses and volumes
+    holding_1: HoldingValve
+    holding_2: HoldingValve
 
 
 class DriveLaws(NamedTuple):
@@ -148,6 +152,9 @@ def _swing(machine: Machine) -> Axis:
         friction=FRICTIONLESS,
         cushion=UNCUSHIONED,
         stop=NO_STOP if machine.swing.backlash else _swing_stop(joint_limits(machine)[0], machine.end_stops),
+        holds=_holds(machine, 0),
+        holding_1=holding_valve(machine.swing.holding_1),
+        holding_2=holding_valve(machine.swing.holding_2),
     )
 
 
@@ -164,7 +171,15 @@ def _cylinder(machine: Machine, axis: int) -> Axis:
         friction=friction(drive.friction),
         cushion=_cushion(drive),
         stop=_cylinder_stop(drive, machine.end_stops),
+        holds=_holds(machine, axis),
+        holding_1=holding_valve(drive.holding_1),
+        holding_2=holding_valve(drive.holding_2),
     )
+
+
+def _holds(machine: Machine, axis: int) -> int:
+    drive = machine.drives[axis]
+    return int(drive.holding_1 is not None or drive.holding_2 is not None)
 
 
 def _in_series(lines: tuple[Line, Line], oil: tuple[OilVolume, OilVolume]) -> tuple[Line, Line]:

@@ -9,7 +9,7 @@ signs, and their integrals over a run are its energy account.
 |---|---|---|---|---|
 | pump | engine | pump_friction, pump_leakage, main_relief | manifold | supply |
 | valve | supply | throttling | | hose inlets |
-| hose | its inlet | port_valves, resistance, compression | hose | actuator |
+| hose | its inlet | port_valves, resistance, holding, compression | hose | actuator |
 | actuator | | leakage, damping, dry_friction, cushion, gear | stop, elastic | joint |
 | links | joint, external | | kinetic and potential energy | |
 """
@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.hydraulic_line import guard_flow
+from forest_sim.hydraulics.load_holding import holding_drop
 from forest_sim.hydraulics.oil_volume import hose_drop
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.side import storage
@@ -62,6 +63,7 @@ class AxisPower(NamedTuple):
     compression: float  # of the oil in chambers, given back where it leaves; 0 without chambers
     port_valves: float  # lost over relief and anti-cavitation valves
     resistance: float  # lost in the hoses
+    holding: float  # lost in load-holding valves
     leakage: float  # lost inside the motor and to its case drain
     damping: float  # lost to viscous friction
     dry_friction: float
@@ -83,7 +85,7 @@ class PowerFlows(NamedTuple):
 
 def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     """Return where the power goes at a state. Thesis section 2.2, fig. 2.3."""
-    state, ports = simulation.plant, ports_at(simulation.spools, p)
+    state, ports = simulation.plant, ports_at(simulation.spools, p, simulation.lifts)
     t_1, t_2, t_3 = transmissions(state.swing.angle, state.boom.angle, state.stick.angle, p)
     pressure = state.supply.pressure
     motor, drive = motor_side(state, p), NO_POWER
@@ -154,6 +156,7 @@ def _axis_power(
         resistance=(s.pressure_1 - p_1) * q_1
         + (p_2 - s.pressure_2) * q_2
         + (drop_1 * one.flow + drop_2 * two.flow),
+        holding=holding_drop(one.flow, one.held) * one.flow + holding_drop(two.flow, two.held) * two.flow,
         leakage=a.internal_leakage * ((p_1 - p_2) * (p_1 - p_2))
         + a.external_leakage * (p_1 * p_1 + p_2 * p_2),
         damping=a.damping * u * u,

@@ -7,14 +7,16 @@ flows of `power_flows` are integrated over the integrator's own steps with the t
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
 | schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
-| states | N, 41 | what `STATE` names, one row per period |
-| energies | N, 51 | J over the period through what `ENERGY` names |
+| states | N, 98 | what `STATE` names, one row per period |
+| energies | N, 54 | J over the period through what `ENERGY` names |
 """
 
 import numpy as np
 
 from forest_compile import flat_layout
 from forest_description.types import AXES, Floats
+from forest_sim.hydraulics.command_history import SIZE, CommandHistory
+from forest_sim.hydraulics.load_holding import Lifts
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.drive import DriveState
@@ -33,6 +35,8 @@ STATE = (
     *(f"{axis}_spool_{field}" for axis in AXES for field in Spool._fields),
     *Events._fields,
     *(f"{name}_acceleration" for name in (*AXES, "head_alpha", "head_beta")),
+    *(f"command_{field}_{k}" for field in CommandHistory._fields for k in range(SIZE)),
+    *(f"{axis}_lift_{field}" for axis in AXES for field in Lifts._fields),
 )
 ENERGY = (
     *(f"pump_{field}" for field in SupplyPower._fields),
