@@ -54,6 +54,7 @@ class SimulatorNode(Node):
         self._changing = threading.Lock()  # parameters come in the executor's thread
         self.add_on_set_parameters_callback(self._on_parameters)
         further = further_topics(machine, bool(p.loads) or not self._node_clock.lockstep)
+        self._tells_load = topics.GROUND_TRUTH_LOAD in further
         self._outputs = SimulatorOutputs(self._node_clock, p.plain_arrays, further)
         publisher = self._node_clock.publisher(topics.DIAGNOSTICS)
         self._diagnostics = Diagnostics(self, (PART, "machine"), "valves centred", publisher)
@@ -82,7 +83,8 @@ class SimulatorNode(Node):
     def _machine_values(self) -> dict[str, Any]:
         counts = self._machine.events._asdict() | {"missed_deadlines": self._deadlines.missed}
         named = {f"{what.replace('_', ' ')} since start": count for what, count in counts.items()}
-        return {"machine": self._machine.machine.name, "load [kg]": self._machine.load.mass} | named
+        load = {"load [kg]": self._machine.load.mass} if self._tells_load else {}
+        return {"machine": self._machine.machine.name} | load | named
 
     def _keep_time(self, stopping: threading.Event) -> None:
         """Keep the time, live, until the node stops."""

@@ -109,7 +109,7 @@ displacements={"q": "J"}
 ```
 
 The same test runs it against the simulator: the angle agrees within 0.02 % of its range, too.
-A ratio that is zero where the equations divide by it, as at a linkage's dead point, has no solution.
+A ratio that becomes zero has no solution where the equations divide by it: a linkage's dead point.
 """
 
 NOTES = {
