@@ -38,10 +38,17 @@ class CraneEars:
     """Everything said on /joy and /valve_voltages since `forget`."""
 
     def __init__(self, node: Any) -> None:
-        profile = QoSProfile(depth=KEPT, reliability=ReliabilityPolicy.RELIABLE)
+        # A reliable reader keeps what follows a lost sample back until that comes again: never, from a station
+        # that was killed, whose last second of /joy would be missing.
+        reliability = {
+            topics.JOY: ReliabilityPolicy.BEST_EFFORT,
+            topics.VALVE_VOLTAGES: ReliabilityPolicy.RELIABLE,
+        }
         self._polled = {
-            topic: PolledSubscription(node, message_class(topic), topic.name, profile, raw=True)
-            for topic in (topics.JOY, topics.VALVE_VOLTAGES)
+            topic: PolledSubscription(
+                node, message_class(topic), topic.name, QoSProfile(depth=KEPT, reliability=kind), raw=True
+            )
+            for topic, kind in reliability.items()
         }
         self._reader = ArrayReader(topics.VALVE_VOLTAGES)
         self.forget()
