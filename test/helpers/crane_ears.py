@@ -38,8 +38,8 @@ class CraneEars:
     """Everything said on /joy and /valve_voltages since `forget`."""
 
     def __init__(self, node: Any) -> None:
-        # A reliable reader keeps what follows a lost sample back until that comes again: never, from a station
-        # that was killed, whose last second of /joy would be missing.
+        # A reliable reader keeps back what follows a lost sample until that comes again: from a station that
+        # was killed never, and its last second of /joy would be missing.
         reliability = {
             topics.JOY: ReliabilityPolicy.BEST_EFFORT,
             topics.VALVE_VOLTAGES: ReliabilityPolicy.RELIABLE,
