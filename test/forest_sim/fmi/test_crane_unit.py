@@ -29,14 +29,11 @@ given = None
 if asked["voltages"]:
     names = ["time", "voltage.swing", "voltage.boom", "voltage.stick"]
     given = np.rec.fromarrays(np.loadtxt(asked["voltages"], delimiter=",", skiprows=1).T, names=names)
-try:
-    rows = simulate_fmu(
-        sys.argv[2], stop_time=asked["duration"], step_size=asked["step"], output_interval=asked["step"],
-        input=given, start_values=asked["start_values"], debug_logging=True,
-        logger=lambda environment, name, status, category, text: print(text.decode()),
-    )
-except Exception as error:
-    sys.exit(f"FMPy: {error}")
+rows = simulate_fmu(
+    sys.argv[2], stop_time=asked["duration"], step_size=asked["step"], output_interval=asked["step"],
+    input=given, start_values=asked["start_values"], debug_logging=True,
+    logger=lambda environment, name, status, category, text: print(text.decode()),
+)
 np.save(asked["out"], rows)
 print(sys.modules["forest_sim"].__file__)
 """

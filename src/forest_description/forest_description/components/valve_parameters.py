@@ -22,6 +22,7 @@ from forest_description.config.parameter import (
     choice,
     component,
     curve,
+    optional_parameter,
     parameter,
     require_order,
 )
@@ -182,19 +183,13 @@ class Valve(ParameterSet):
     spool_damping: float | None = parameter(
         "1", 0.1, 5.0, "damping ratio of a second-order spool; null: first order"
     )
-    hysteresis: float | None = parameter(
-        "V", 0.0, 5.0, "width of the spool's play: up and down apart by it", may_be_left_out=True
+    hysteresis: float | None = optional_parameter(
+        "V", 0.0, 5.0, "width of the spool's play: up and down apart by it"
     )
-    dead_time: float | None = parameter(
-        "s",
-        0.0005,
-        0.02,
-        "of electronics and pilot stage; a voltage acts so much later",
-        may_be_left_out=True,
+    dead_time: float | None = optional_parameter(
+        "s", 0.0005, 0.02, "of electronics and pilot stage; a voltage acts so much later"
     )
-    spool_slew_limit: float | None = parameter(
-        "V/s", 1.0, 1e5, "greatest rate of the spool", may_be_left_out=True
-    )
+    spool_slew_limit: float | None = optional_parameter("V/s", 1.0, 1e5, "greatest rate of the spool")
 
     def __post_init__(self) -> None:
         """Check ranges, that the valve opens at all, the spool's lag, and the curve."""

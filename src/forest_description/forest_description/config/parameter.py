@@ -34,7 +34,7 @@ class Choice(NamedTuple):
     doc: str
 
 
-def parameter(unit: str, low: float, high: float, doc: str, may_be_left_out: bool = False) -> Any:
+def parameter(unit: str, low: float, high: float, doc: str) -> Any:
     """Return a dataclass field for one parameter.
 
     Args:
@@ -42,12 +42,8 @@ def parameter(unit: str, low: float, high: float, doc: str, may_be_left_out: boo
         low: Smallest allowed value [unit], inclusive.
         high: Largest allowed value [unit], inclusive.
         doc: Meaning, a few words.
-        may_be_left_out: None by default; the fields after it need a default, too.
     """
-    told = {"parameter": Parameter(unit, low, high, doc)}
-    if may_be_left_out:
-        return dataclasses.field(default=None, metadata=told)
-    return dataclasses.field(metadata=told)
+    return dataclasses.field(metadata={"parameter": Parameter(unit, low, high, doc)})
 
 
 def optional_parameter(unit: str, low: float, high: float, doc: str) -> Any:
