@@ -37,3 +37,7 @@ def test_a_loop_that_never_turns_over_has_no_bound():
     assert found.gain == math.inf
     assert math.isnan(found.gain_frequency)
     assert found.phase == pytest.approx(90.0, abs=0.01)
+
+
+def test_a_phase_that_rises_over_the_bound_sets_none():
+    assert margins(FREQUENCY, 4.0 * (S + 1.0) ** 2 / S**3).gain == math.inf
