@@ -31,10 +31,10 @@ from forest_control.pipeline import controller
 from forest_control.valve import valve_driver
 from forest_description.geometry.kinematics import nearest_pose
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors import sensor_readings, sensor_run
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import step
-from forest_sim.solver.plant_parameters import plant_parameters
 
 COMPILERS = {"ours": "forest_compile", "numba": "Numba"}
 STEPS, REPEATS = 5000, 40

@@ -16,9 +16,9 @@ import work as benchmark
 from forest_compile import flat_layout, machine_code
 from forest_compile.frontend import translate
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import STATE
 from work import SAMPLE, Floats
 

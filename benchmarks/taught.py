@@ -21,7 +21,7 @@ from forest_control.taught.plan import planned
 from forest_control.taught.player import Phase
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
-from forest_sim.solver.plant_parameters import plant_parameters
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_study.closed_loop.closed_loop import Operator
 from forest_study.tracking.taught_loop import TaughtLoop, cross_track
 from forest_study.tracking.tracking import noisy

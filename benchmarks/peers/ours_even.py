@@ -11,9 +11,9 @@ import numpy as np
 
 import work as benchmark
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import STATE
 from forest_sim.solver.step_schedule import even
 from peers import Run

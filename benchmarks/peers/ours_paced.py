@@ -11,10 +11,10 @@ import numpy as np
 
 import work as benchmark
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver import step_schedule
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import STATE
 from peers import Run
 from work import SAMPLE, Floats, Work

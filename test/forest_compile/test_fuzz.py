@@ -28,11 +28,11 @@ from forest_control.operator.levers import Levers
 from forest_control.pipeline import controller
 from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors import sensor_readings, sensor_run
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.solver import compiled_plant, integrator
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_study.closed_loop import loop_core, loop_kernel
 
 STATES = int(os.environ.get("FUZZ_STATES", "30"))

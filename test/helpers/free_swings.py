@@ -3,9 +3,9 @@
 import numpy as np
 
 from forest_sim.analysis.modes import operating_point, unguarded
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.compiled_plant import compiled_advance
-from forest_sim.solver.plant_parameters import plant_parameters
 
 SHUT = (0.0, 0.0, 0.0)
 

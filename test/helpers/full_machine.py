@@ -18,12 +18,12 @@ from forest_description.components.pump import (
 from forest_description.components.valve_parameters import BackwardValve, TableCurve
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import Machine, load_machine
+from forest_sim.equations.drive import DriveState
+from forest_sim.equations.multibody import HeadState
+from forest_sim.equations.plant import AxisState, PlantState, ports_at, state_derivative
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.compiled_plant import compiled_advance
-from forest_sim.solver.drive import DriveState
-from forest_sim.solver.multibody import HeadState
-from forest_sim.solver.plant import AxisState, PlantState, ports_at, state_derivative
-from forest_sim.solver.plant_parameters import PlantParameters
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)

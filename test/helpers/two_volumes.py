@@ -11,12 +11,12 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from forest_description.machine import Machine
+from forest_sim.equations.multibody import HANGING_STILL, mechanics, solve
+from forest_sim.equations.plant import transmissions, valve_ports
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.port import is_shut, port_pressure
 from forest_sim.mechanics.end_stop import end_stop_force
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.multibody import HANGING_STILL, mechanics, solve
-from forest_sim.solver.plant import transmissions, valve_ports
-from forest_sim.solver.plant_parameters import plant_parameters
 
 CREEPING = 2e6  # [Pa s/m^3] of a turbulent hose at tiny flows: 2 kPa at 1 L/s, so that it has a slope
 SCALE = np.array([1.0, 1.0, 2e7, 2e7, 2e7, 2e7, 3e-3, 3e-3] * 3)

@@ -4,7 +4,10 @@ In the order in which data passes:
 
 - `hydraulics`: Laws of supply, spools, ports, hoses and actuators.
 - `mechanics`: Laws of the rigid links, the hanging head, gear, dry friction and end stops.
-- `solver`: The equations of motion together, and their steps in time, interpreted or compiled.
+- `equations`: The equations of motion: states, constants, links and drive, put together from the
+  parts' laws.
+- `solver`: Steps in time of the equations of motion, implicit and of second order, interpreted or
+  compiled.
 - `sensors`: What the machine's sensors report of its true state.
 - `simulation`: Machines under way, with or without a graph: inputs, disturbances, energy, records,
   batches.

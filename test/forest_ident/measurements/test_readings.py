@@ -3,12 +3,12 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_ident.measurements.readings import lagged, read, true_columns
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_model import SensorMemory, sample
 from forest_sim.sensors.sensor_readings import surroundings, true_values
 from forest_sim.sensors.sensor_suite import CHANNELS, sensor_suite
 from forest_sim.simulation.open_loop import Run, start_angles, whole
 from forest_sim.simulation.voltage_profiles import thesis
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import restore
 
 

@@ -10,10 +10,10 @@ from forest_description.derived.limits import start_tip
 from forest_description.machine import load_machine
 from forest_sim.analysis.frequency_response import rate_response, spool_response
 from forest_sim.analysis.modes import operating_point, unguarded
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.spool_dynamics import CENTRED, SpoolLag, spool_after
 from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.compiled_plant import fastest_record
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE
 from forest_sim.solver.step_schedule import even
 

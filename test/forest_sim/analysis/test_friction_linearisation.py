@@ -21,10 +21,10 @@ from forest_sim.analysis.friction_linearisation import (
 from forest_sim.analysis.mode_map import map_csv, mode_map
 from forest_sim.analysis.modes import modes, slow_modes
 from forest_sim.cli.main import main
+from forest_sim.equations.multibody import HANGING_STILL, mechanics
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force, friction_slope
 from forest_sim.simulation.open_loop import start_angles
-from forest_sim.solver.multibody import HANGING_STILL, mechanics
-from forest_sim.solver.plant_parameters import plant_parameters
 
 LOADER = load_machine("loader")
 P = plant_parameters(LOADER)

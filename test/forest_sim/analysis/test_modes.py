@@ -14,10 +14,10 @@ from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
 from forest_sim.analysis.mode_map import mode_map
 from forest_sim.analysis.modes import modes, operating_point, slow_modes, unguarded
+from forest_sim.equations.plant import ports_at, state_derivative
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.simulation.open_loop import start_angles
-from forest_sim.solver.plant import ports_at, state_derivative
-from forest_sim.solver.plant_parameters import plant_parameters
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 START = start_angles(C180)

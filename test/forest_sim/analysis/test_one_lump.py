@@ -16,9 +16,9 @@ from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_sim.analysis.machine_check import warnings
 from forest_sim.analysis.modes import SHUT, modes, slow_modes
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.simulation.open_loop import start_angles
-from forest_sim.solver.plant_parameters import plant_parameters
 
 DOCS = Path(__file__).parents[3] / "docs" / "explanation" / "equations.md"
 C180 = load_machine("c180")

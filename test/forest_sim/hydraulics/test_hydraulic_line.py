@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import NO_GUARD
 from forest_sim.hydraulics.hydraulic_line import (
     PortGuard,
     flow_rate,
@@ -15,7 +16,6 @@ from forest_sim.hydraulics.hydraulic_line import (
     with_outflow,
 )
 from forest_sim.hydraulics.port import Port
-from forest_sim.solver.plant_parameters import NO_GUARD
 
 MACHINE = load_machine("c180")
 LINE = MACHINE.line(2, 1)

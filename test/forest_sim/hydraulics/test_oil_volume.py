@@ -8,6 +8,7 @@ from scipy.integrate import quad
 
 from forest_description.components.hose import Line
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import NO_GUARD
 from forest_sim.hydraulics.hydraulic_line import solve_line
 from forest_sim.hydraulics.oil_law import density, enthalpy, oil_law
 from forest_sim.hydraulics.oil_volume import (
@@ -20,7 +21,6 @@ from forest_sim.hydraulics.oil_volume import (
 )
 from forest_sim.hydraulics.port import Port
 from forest_sim.hydraulics.side import Side, side_rates, storage
-from forest_sim.solver.plant_parameters import NO_GUARD
 
 OIL = load_machine("c180_real").oil
 BETA, AREA, WALL = OIL.bulk_modulus, 0.01824, 3.5e-13

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import NO_GUARD
 from forest_sim.hydraulics.hydraulic_line import (
     PortGuard,
     flow_rate,
@@ -14,7 +15,6 @@ from forest_sim.hydraulics.hydraulic_line import (
     supply_coupling,
 )
 from forest_sim.hydraulics.port import Port, edge_flow, edge_flows, port_flow, solve_port
-from forest_sim.solver.plant_parameters import NO_GUARD
 
 LINE = load_machine("c180").line(2, 1)
 GUARD = PortGuard(24e6, 1e-8, 0.0, 1e-7)

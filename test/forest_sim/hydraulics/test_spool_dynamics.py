@@ -8,9 +8,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.spool_dynamics import CENTRED, STUCK, Spool, SpoolLag, spool_after, spool_lag
 from forest_sim.solver.integrator import spools_after
-from forest_sim.solver.plant_parameters import plant_parameters
 
 C180 = load_machine("c180")
 W = 2.0 * math.pi * 12.0

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from full_machine import BAND, PRESSURE, PUMPS, RELIEF, SHARED, with_pump
 
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.supply import (
     SupplyState,
     available_flow,
@@ -16,7 +17,6 @@ from forest_sim.hydraulics.supply import (
     supply,
 )
 from forest_sim.solver.equilibrium import idle_supply
-from forest_sim.solver.plant_parameters import plant_parameters
 
 COMPENSATED, CONSTANT, SENSING = (supply(PUMPS[n]) for n in ("compensated", "constant flow", "load sensing"))
 FULL = 2 * 45e-6 * 2500 / 60.0  # two pumps, 45 cm3/rev, 2500 rpm

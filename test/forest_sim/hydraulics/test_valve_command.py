@@ -8,12 +8,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.command_history import AGED, NO_COMMANDS, SIZE, after_dead_time
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool, SpoolLag, behind_play, spool_after
 from forest_sim.solver.compiled_plant import FlatPlant, compiled_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import advance
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import STATE, record, store
 
 REAL = load_machine("c180_real")

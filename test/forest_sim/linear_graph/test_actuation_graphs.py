@@ -8,6 +8,7 @@ from sympy import Abs, Symbol, sign, sqrt
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
 from forest_description.types import AXES
+from forest_sim.equations.plant import thesis_state_derivative
 from forest_sim.linear_graph.actuation_graphs import (
     cylinder,
     cylinder_with_joint,
@@ -20,7 +21,6 @@ from forest_sim.linear_graph.actuation_parameters import actuation_parameters
 from forest_sim.linear_graph.linear_graph import Branch, Domain, Kind
 from forest_sim.linear_graph.state_equations import state_equations
 from forest_sim.mechanics.manipulator import dynamics, fold_head
-from forest_sim.solver.plant import thesis_state_derivative
 
 THESIS = load_machine("c180_thesis")
 SWING, CYLINDER = state_equations(swing()), state_equations(cylinder())

@@ -11,6 +11,7 @@ from forest_description.components.valve_characteristic import edges
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
 from forest_description.types import AXES
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.linear_graph.actuation_graphs import (
     cylinder,
     cylinder_with_joint,
@@ -24,7 +25,6 @@ from forest_sim.linear_graph.state_equations import state_equations
 from forest_sim.mechanics.manipulator import dynamics, fold_head
 from forest_sim.solver.compiled_plant import fastest_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import STATE, store
 
 THESIS = load_machine("c180_thesis")

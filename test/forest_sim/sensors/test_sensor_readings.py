@@ -10,12 +10,12 @@ import pytest
 from forest_description.geometry.linkage import cylinder_length, lever_arm
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_suite import CHANNELS, EXACT_SUITE, draw, noise_generator, sensor_suite
 from forest_sim.sensors.signal_processing import SPEED_BANDWIDTH
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 
 MACHINE, THESIS = load_machine("c180"), load_machine("c180_thesis")
 P = plant_parameters(MACHINE)

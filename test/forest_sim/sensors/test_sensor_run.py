@@ -6,6 +6,7 @@ pytest.importorskip("llvmlite")
 
 from forest_compile.kernel_cache import CachedKernel
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors import sensor_run
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_readings import surroundings
@@ -13,7 +14,6 @@ from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 
 DT = 0.005
 FAULTS = "boom_resolver: drop 30 %; swing_flow: absent; stick_pressure_1_valve: frozen from 0.1 s until 0.2 s"

@@ -8,11 +8,11 @@ import pytest
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_faults import parse_faults
 from forest_sim.sensors.sensor_suite import EXACT_SUITE, draw, noise_generator, sensor_suite
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 
 MACHINE = load_machine("c180")
 P = plant_parameters(MACHINE)

@@ -9,6 +9,7 @@ from forest_description.derived.limits import pose_at, start_tip
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
 from forest_description.types import AXES
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.simulation.disturbance import (
     GREATEST_FORCE,
     Disturbance,
@@ -18,7 +19,6 @@ from forest_sim.simulation.disturbance import (
 )
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 
 C180 = load_machine("c180")
 START = (0.0, 0.5, -1.5)

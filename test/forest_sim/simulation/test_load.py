@@ -9,6 +9,7 @@ import pytest
 from forest_description.components.load import Log, RotatorAndGrapple
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_suite import EXACT_SUITE
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
 from forest_sim.simulation.link_account import LinkBalance
@@ -17,7 +18,6 @@ from forest_sim.simulation.open_loop import Run, whole
 from forest_sim.simulation.sensor_log import SensorLog
 from forest_sim.simulation.simulated_machine import SimulatedMachine
 from forest_sim.simulation.voltage_profiles import Voltages
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import restore
 
 C180 = load_machine("c180")

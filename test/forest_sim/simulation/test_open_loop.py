@@ -10,6 +10,7 @@ import pytest
 from energies import kinetic_energy, potential_energy
 
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.simulation import voltage_profiles
 from forest_sim.simulation.energy_account import (
     Account,
@@ -32,7 +33,6 @@ from forest_sim.simulation.trajectory_files import DecimatedRows
 from forest_sim.solver import state_recording
 from forest_sim.solver.compiled_plant import compiled_advance, compiled_record, fastest_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE, restore
 from forest_sim.solver.step_schedule import even

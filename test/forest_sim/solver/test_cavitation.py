@@ -8,6 +8,8 @@ import pytest
 
 from forest_description.components.hose import Line
 from forest_description.machine import load_machine
+from forest_sim.equations.plant import ports_at, transmissions
+from forest_sim.equations.plant_parameters import NO_GUARD, plant_parameters
 from forest_sim.hydraulics.hydraulic_line import solve_line
 from forest_sim.hydraulics.oil_volume import content
 from forest_sim.hydraulics.port import Port
@@ -16,8 +18,6 @@ from forest_sim.simulation.energy_account import account, unaccounted, with_stor
 from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.compiled_plant import compiled_advance, compiled_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant import ports_at, transmissions
-from forest_sim.solver.plant_parameters import NO_GUARD, plant_parameters
 from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE, restore
 

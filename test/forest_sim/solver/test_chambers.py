@@ -11,15 +11,15 @@ from forest_description.components.pump import IdealPump
 from forest_description.geometry.linkage import length_and_arm
 from forest_description.machine import load_machine
 from forest_sim.analysis.modes import SHUT, modes, slow_modes
+from forest_sim.equations.multibody import HANGING_STILL, mechanics
+from forest_sim.equations.plant import transmissions
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.oil_volume import content
 from forest_sim.simulation import voltage_profiles
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
 from forest_sim.solver import state_recording
 from forest_sim.solver.compiled_plant import compiled_advance, compiled_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.multibody import HANGING_STILL, mechanics
-from forest_sim.solver.plant import transmissions
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE
 
 HANGING, C180 = load_machine("c180_real"), load_machine("c180")

@@ -5,9 +5,9 @@ import pytest
 pytest.importorskip("llvmlite")
 
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.compiled_plant import FlatPlant, compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import STATE
 
 P = plant_parameters(load_machine("c180"))

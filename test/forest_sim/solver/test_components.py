@@ -19,12 +19,12 @@ from full_machine import (
 )
 
 from forest_description.components.valve_parameters import BackwardValve
+from forest_sim.equations.plant import ports_at, state_derivative
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.integrator import GAMMA, spools_after, step
-from forest_sim.solver.plant import ports_at, state_derivative
-from forest_sim.solver.plant_parameters import plant_parameters
 
 MODERATE, WIDE = (3.0, 2.5, -3.5), (9.0, 9.0, 9.0)
 CASES = {

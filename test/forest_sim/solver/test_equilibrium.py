@@ -7,11 +7,11 @@ import pytest
 
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
+from forest_sim.equations.plant import to_array
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import PRELOAD, equilibrium
-from forest_sim.solver.plant import to_array
-from forest_sim.solver.plant_parameters import plant_parameters
 
 MACHINE = load_machine("c180")
 P = plant_parameters(MACHINE)

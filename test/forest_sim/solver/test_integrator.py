@@ -8,20 +8,20 @@ from scipy.integrate import solve_ivp
 
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
-from forest_sim.hydraulics.port import is_shut
-from forest_sim.hydraulics.spool_dynamics import Spool
-from forest_sim.solver.compiled_plant import compiled_advance
-from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.implicit_stage import solve_stage
-from forest_sim.solver.integrator import GAMMA, Simulation, spools_after, step
-from forest_sim.solver.plant import (
+from forest_sim.equations.plant import (
     from_array,
     state_derivative,
     thesis_state_derivative,
     to_array,
     valve_ports,
 )
-from forest_sim.solver.plant_parameters import plant_parameters
+from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.hydraulics.port import is_shut
+from forest_sim.hydraulics.spool_dynamics import Spool
+from forest_sim.solver.compiled_plant import compiled_advance
+from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.implicit_stage import solve_stage
+from forest_sim.solver.integrator import GAMMA, Simulation, spools_after, step
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 SCALE = np.tile([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3], 3)

@@ -11,6 +11,8 @@ from forest_description.components.drives import CylinderChambers
 from forest_description.components.load import Log, RotatorAndGrapple
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
+from forest_sim.equations.multibody import HANGING_STILL, mechanics
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.simulation.changing_plant import ChangingPlant
 from forest_sim.simulation.load import Load, loaded, parse_loads
@@ -19,8 +21,6 @@ from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.load_change import kinetic_energy
-from forest_sim.solver.multibody import HANGING_STILL, mechanics
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import STATE
 
 C180 = load_machine("c180")

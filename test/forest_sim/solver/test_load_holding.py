@@ -12,12 +12,12 @@ from two_volumes import CHAMBER_1, CHAMBER_2
 from forest_description.components.load_holding import CounterbalanceValve, PilotCheckValve, RuptureValve
 from forest_description.components.pump import IdealPump
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.load_holding import holding_valve, lift_after, restriction
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
 from forest_sim.solver import state_recording
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE
 
 REAL = load_machine("c180_real")

@@ -10,9 +10,9 @@ from forest_description.derived.actuator_kinematics import rated_speeds
 from forest_description.derived.limits import joint_limits, pose_at, start_tip
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 
 LOADER = load_machine("loader")
 P = plant_parameters(LOADER)

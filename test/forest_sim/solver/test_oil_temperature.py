@@ -7,6 +7,7 @@ import pytest
 
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.oil_temperature import (
@@ -16,7 +17,6 @@ from forest_sim.solver.oil_temperature import (
     temperature_after,
     temperature_rate,
 )
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power_flows import power_flows
 
 MACHINE = load_machine("c180")

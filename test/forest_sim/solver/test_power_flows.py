@@ -10,10 +10,10 @@ from forest_description.components.drives import Cushion, Friction
 from forest_description.components.load import Pendulum
 from forest_description.geometry.kinematics import inverse_kinematics, tip_velocity
 from forest_description.machine import load_machine
+from forest_sim.equations.plant import ports_at, state_derivative
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant import ports_at, state_derivative
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power_flows import power_flows
 
 THESIS, C180, REAL = (load_machine(name) for name in ("c180_thesis", "c180", "c180_real"))

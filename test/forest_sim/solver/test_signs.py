@@ -4,11 +4,11 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_description.types import AXES
+from forest_sim.equations.plant import axis_draw, ports_at
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_readings import at_rest, measure
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant import axis_draw, ports_at
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power_flows import power_flows
 
 MACHINES = [load_machine(name) for name in ("c180_thesis", "c180", "loader")]

@@ -14,8 +14,8 @@ from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import inverse_kinematics, tip_position
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_suite import sensor_suite
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 from forest_study.closed_loop.loop_kernel import by_heart as run
 

@@ -12,9 +12,9 @@ from forest_description.types import AXES
 from forest_msgs_py.types import PERIOD
 from forest_sim.analysis.frequency_response import rate_response
 from forest_sim.analysis.modes import operating_point, unguarded
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.compiled_plant import compiled_advance
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_study.cli import main
 from forest_study.stability.margins import margins
 from forest_study.stability.position_loop import FREQUENCY, position_loop

@@ -255,7 +255,7 @@ def test_a_pose_is_taught_and_reached_and_the_grapple_waits_for_a_person(tmp_pat
 
 
 def test_another_load_than_believed_leaves_the_tip_near_its_path(taught):
-    from forest_sim.solver.plant_parameters import plant_parameters
+    from forest_sim.equations.plant_parameters import plant_parameters
 
     crane = dataclasses.replace(C180.manipulator, head_mass=2.0 * C180.manipulator.head_mass)
     loop = playing(taught, plant=plant_parameters(dataclasses.replace(C180, manipulator=crane)))

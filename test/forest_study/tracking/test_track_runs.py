@@ -14,7 +14,7 @@ from forest_control.servo.schemes import Scheme
 from forest_control.taught.tip_path import polyline
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
-from forest_sim.solver.plant_parameters import parameters_of, plant_parameters
+from forest_sim.equations.plant_parameters import parameters_of, plant_parameters
 from forest_study import cli
 from forest_study.closed_loop import closed_loop, model_mismatch
 from forest_study.closed_loop.closed_loop import Operator

@@ -19,12 +19,12 @@ from forest_ident.experiments.experiment_plan import Plan
 from forest_ident.measurements.readings import PLACE, Columns, read, true_columns
 from forest_ident.measurements.session import Session
 from forest_msgs_py.types import PERIOD
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.sensors.sensor_suite import Suite, sensor_suite
 from forest_sim.solver.compiled_plant import FlatPlant
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.oil_temperature import WarmingOil, parameters_at
-from forest_sim.solver.plant_parameters import plant_parameters
 
 SUBSTEPS = 5
 ANGLES = [PLACE[f"{axis}_angle"] for axis in ("swing", "boom", "stick")]

@@ -27,14 +27,14 @@ from forest_description.components.valve_characteristic import (
 )
 from forest_description.geometry.linkage import Linkage
 from forest_description.types import AXES, Floats
+from forest_sim.equations.plant import valve_ports
+from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.port import Port, port_pressure
 from forest_sim.sensors.sensor_model import ABSENT, SensorModel
 from forest_sim.sensors.sensor_readings import Surroundings
 from forest_sim.sensors.sensor_suite import CHANNELS, Suite
 from forest_sim.sensors.signal_processing import SPEED_BANDWIDTH
-from forest_sim.solver.plant import valve_ports
-from forest_sim.solver.plant_parameters import Axis, PlantParameters
 from forest_sim.solver.state_recording import STATE
 
 Columns = dict[str, Floats]

@@ -21,12 +21,12 @@ from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES, Floats
 from forest_ident.measurements.readings import Columns, lagged, true_columns
 from forest_ident.measurements.session import THERMOCOUPLES, Session
+from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors.sensor_readings import surroundings
 from forest_sim.solver.compiled_plant import fastest_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.oil_temperature import parameters_at
-from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.solver.state_recording import STATE, store
 from forest_sim.solver.step_schedule import even
 

@@ -16,10 +16,10 @@ import numpy as np
 
 from forest_description.types import Complexes, Floats, Vec3
 from forest_sim.analysis.modes import linearise, operating_point, states, unguarded
+from forest_sim.equations.plant import ports_at, state_derivative
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.spool_dynamics import Spool, SpoolLag
 from forest_sim.mechanics.gear import without_play
-from forest_sim.solver.plant import ports_at, state_derivative
-from forest_sim.solver.plant_parameters import PlantParameters
 
 DIFFERENCE = 1e-4  # [V] of a spool
 RATE = 1  # place of an axis' rate among its states

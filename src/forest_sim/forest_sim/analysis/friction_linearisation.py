@@ -23,10 +23,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from forest_description.types import AXES
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.mechanics.bristles import NO_BRISTLES, sliding_friction
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force
 from forest_sim.mechanics.gear import without_play
-from forest_sim.solver.plant_parameters import PlantParameters
 
 SMALL = 0.5  # U/u_0 up to which c(U) is within 10 % of the slope at rest
 SAMPLES = 400  # of a quarter of the sine

@@ -19,9 +19,9 @@ from forest_sim.analysis.friction_linearisation import (
     without_dry_friction,
 )
 from forest_sim.analysis.modes import SHUT, Mode, modes, operating_point, slow_modes, unguarded
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 
 MPA = 1e6
 GRID = 8  # poses of boom and of stick, less one

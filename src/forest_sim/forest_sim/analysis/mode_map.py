@@ -9,8 +9,8 @@ from forest_description.machine import Machine
 from forest_description.types import AXES
 from forest_sim.analysis.friction_linearisation import without_dry_friction
 from forest_sim.analysis.modes import SHUT, Mode, modes, slow_modes
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.simulation.open_loop import RunError, start_angles
-from forest_sim.solver.plant_parameters import plant_parameters
 
 
 class MapPoint(NamedTuple):

@@ -26,18 +26,18 @@ import numpy as np
 from scipy.linalg import eig
 
 from forest_description.types import AXES, Floats, Vec3
+from forest_sim.equations.drive import DriveState
+from forest_sim.equations.multibody import HeadState
+from forest_sim.equations.plant import AxisState, PlantState, Ports, ports_at, state_derivative
+from forest_sim.equations.plant_parameters import NO_GUARD, PlantParameters
 from forest_sim.hydraulics.command_history import held_commands
 from forest_sim.hydraulics.load_holding import is_held, restriction
 from forest_sim.hydraulics.port import is_shut
 from forest_sim.hydraulics.spool_dynamics import STUCK, Spool
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.end_stop import NO_STOP, UNCUSHIONED
-from forest_sim.solver.drive import DriveState
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation, step
-from forest_sim.solver.multibody import HeadState
-from forest_sim.solver.plant import AxisState, PlantState, Ports, ports_at, state_derivative
-from forest_sim.solver.plant_parameters import NO_GUARD, PlantParameters
 
 DIFFERENCE = (1e-6, 1e-6, 10.0, 10.0, 1e-8, 1e-8)  # rad, rad/s, Pa, m^3/s: rounding and curvature both small
 DRIVE_PARTS = ("motor", "motor", "links")  # of `DriveState`

@@ -10,11 +10,11 @@ from forest_description.derived.limits import joint_limits
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_description.types import AXES, ZERO, Floats, Vec3
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.simulation.energy_account import Account, account, unaccounted, with_stored_energy
 from forest_sim.simulation.link_account import LinkBalance
 from forest_sim.simulation.open_loop import Block, Run
 from forest_sim.solver.integrator import Events
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE, restore
 
 ENERGY_GAP = 0.005  # of the energy that passed through, above which a run is warned of

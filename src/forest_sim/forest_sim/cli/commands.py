@@ -26,6 +26,7 @@ from forest_sim.analysis.friction_linearisation import (
     small_heading,
     without_dry_friction,
 )
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
 from forest_sim.simulation.energy_account import account
@@ -35,7 +36,6 @@ from forest_sim.simulation.sensor_log import EXACT, Sensing, SensorLog
 from forest_sim.simulation.trajectory_files import DecimatedRows, TrajectoryFiles, path_in_errors
 from forest_sim.simulation.voltage_profiles import Voltages
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import plant_parameters
 
 QUIET = 2.0  # [s] after which a run begins to say how far it is
 REPORT_EVERY = 1.0  # [s] on a terminal; elsewhere ten times rarer

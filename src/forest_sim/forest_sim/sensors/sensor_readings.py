@@ -16,6 +16,16 @@ from forest_description.components.pump import IdealPump
 from forest_description.geometry.kinematics import Links, tip_position, tip_velocity
 from forest_description.machine import Machine
 from forest_description.types import Vec3
+from forest_sim.equations.plant import (
+    AxisState,
+    Ports,
+    Transmission,
+    motor_side,
+    ports_at,
+    supply_draw,
+    transmissions,
+)
+from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.port import port_pressure
 from forest_sim.hydraulics.supply import saturation
@@ -39,16 +49,6 @@ from forest_sim.sensors.signal_processing import (
     updated_estimates,
 )
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant import (
-    AxisState,
-    Ports,
-    Transmission,
-    motor_side,
-    ports_at,
-    supply_draw,
-    transmissions,
-)
-from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 
 class Surroundings(NamedTuple):

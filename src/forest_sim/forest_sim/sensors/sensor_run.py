@@ -13,13 +13,13 @@ from forest_compile.kernel_cache import CachedKernel
 from forest_description.geometry.kinematics import Links
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
+from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_readings import Report, Sensors, Surroundings
 from forest_sim.sensors.sensor_suite import EXACT_SUITE, NO_DRAWS, Suite, conditions, draw, noise_generator
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 
 
 class SensorRun:

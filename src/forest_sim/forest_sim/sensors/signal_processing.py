@@ -24,9 +24,9 @@ from typing import NamedTuple
 
 from forest_description.geometry.linkage import lever_arm
 from forest_description.types import Vec3
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.actuator import Actuator
 from forest_sim.sensors.sensor_suite import PLACES
-from forest_sim.solver.plant_parameters import PlantParameters
 
 SPEED_BANDWIDTH = 25.0  # [Hz]
 

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from forest_description.types import AXES, Vec3
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.spool_dynamics import STUCK
-from forest_sim.solver.plant_parameters import PlantParameters
 
 
 class Disturbance(NamedTuple):

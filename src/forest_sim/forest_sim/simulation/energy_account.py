@@ -26,12 +26,12 @@ import numpy as np
 
 from forest_description.components.hose import Line
 from forest_description.types import AXES, Floats
+from forest_sim.equations.drive import drive_energy
+from forest_sim.equations.plant import transmissions
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.oil_volume import OilVolume, stored_energy
 from forest_sim.hydraulics.supply import manifold_energy
-from forest_sim.solver.drive import drive_energy
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant import transmissions
-from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.state_recording import ENERGY
 
 

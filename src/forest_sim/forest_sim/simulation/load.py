@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 from forest_description.derived.bodies import with_log
 from forest_description.machine import Manipulator
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.mechanics.manipulator import fold_head
 from forest_sim.mechanics.pendulum import hanging_head
-from forest_sim.solver.plant_parameters import PlantParameters
 
 GREATEST_MASS = 1e4  # [kg] of a log, more than a loader of this sort lifts
 GREATEST_LENGTH = 30.0  # [m] of a whole tree

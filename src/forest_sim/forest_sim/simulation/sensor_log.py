@@ -14,6 +14,7 @@ from forest_description.machine import Machine
 from forest_description.types import Floats
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import Topic
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_readings import Report
 from forest_sim.sensors.sensor_run import SensorRun
@@ -22,7 +23,6 @@ from forest_sim.sensors.signal_processing import Motion
 from forest_sim.simulation.open_loop import Block
 from forest_sim.solver.integrator import Events, Simulation
 from forest_sim.solver.oil_temperature import parameters_at
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import restore
 
 TopicTables = dict[Topic, Floats]

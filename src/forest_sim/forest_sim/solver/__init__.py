@@ -1,1 +1,1 @@
-"""The equations of motion together, and their steps in time, interpreted or compiled."""
+"""Steps in time of the equations of motion, implicit and of second order, interpreted or compiled."""

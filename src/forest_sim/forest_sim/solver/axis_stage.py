@@ -8,6 +8,8 @@ is lost.
 from typing import NamedTuple
 
 from forest_description.components.hose import Line
+from forest_sim.equations.plant import AxisState, Ports, Transmission, passive_force
+from forest_sim.equations.plant_parameters import Axis
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.hydraulics.hydraulic_line import LineSolution, PortGuard, solve_line, with_outflow
 from forest_sim.hydraulics.load_holding import Restriction, restriction
@@ -17,8 +19,6 @@ from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_resistanc
 from forest_sim.mechanics.friction import friction_slope
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.holding_stage import first_flow, held_hose, next_flow
-from forest_sim.solver.plant import AxisState, Ports, Transmission, passive_force
-from forest_sim.solver.plant_parameters import Axis
 
 
 class AxisEnd(NamedTuple):

@@ -15,10 +15,10 @@ import numpy as np
 from forest_compile import flat_layout
 from forest_compile.kernel_cache import can_compile
 from forest_description.types import Floats, Vec3
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.solver import state_recording
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.plant_kernel import KERNEL, example
-from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.state_recording import STATE, restore, store
 from forest_sim.solver.step_schedule import StepSchedule, schedule_of
 

@@ -5,12 +5,12 @@ none of it; the pressure follows from it. Where a hose has a constant capacitanc
 are one, and both functions here return what they are given.
 """
 
+from forest_sim.equations.plant import AxisState, PlantState, Transmission, transmissions
+from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.load_holding import AllLifts, Lifts
 from forest_sim.hydraulics.oil_volume import content, settled_pressure
 from forest_sim.hydraulics.supply import SupplyState, manifold_oil
 from forest_sim.solver.holding_step import flowing
-from forest_sim.solver.plant import AxisState, PlantState, Transmission, transmissions
-from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 
 def with_contents(state: PlantState, lifts: AllLifts, p: PlantParameters) -> PlantState:

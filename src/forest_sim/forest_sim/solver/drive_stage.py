@@ -11,10 +11,10 @@ gear is then an actuator of the torque T - K excess and the resistance K (1 - sh
 
 from typing import NamedTuple
 
+from forest_sim.equations.drive import DriveState
+from forest_sim.equations.plant_parameters import DriveLaws
 from forest_sim.mechanics.bristles import stuck_after
 from forest_sim.mechanics.end_stop import end_stop_force, end_stop_resistance
-from forest_sim.solver.drive import DriveState
-from forest_sim.solver.plant_parameters import DriveLaws
 from forest_sim.solver.supply_stage import SupplyError
 
 

@@ -2,15 +2,15 @@
 
 from forest_description.geometry.linkage import lever_arm
 from forest_description.types import Vec3
+from forest_sim.equations.drive import DriveState
+from forest_sim.equations.multibody import HANGING_STILL, HeadState, mechanics
+from forest_sim.equations.plant import AxisState, PlantState
+from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.load_holding import Lifts, resting_lift
 from forest_sim.hydraulics.spool_dynamics import CENTRED
 from forest_sim.hydraulics.supply import Supply, SupplyState, pump_flow
 from forest_sim.mechanics.pendulum import hanging_angles
-from forest_sim.solver.drive import DriveState
 from forest_sim.solver.integrator import Events, Simulation
-from forest_sim.solver.multibody import HANGING_STILL, HeadState, mechanics
-from forest_sim.solver.plant import AxisState, PlantState
-from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 PRELOAD = 0.1  # pressure in the less loaded chamber, as a share of the supply's
 

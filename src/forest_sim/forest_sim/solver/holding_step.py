@@ -7,11 +7,11 @@ as a poppet is slower than the step: `response_time` is 2 ms or more.
 """
 
 from forest_description.components.valve_characteristic import ValveLaw
+from forest_sim.equations.plant import AxisState, PlantState, valve_ports
+from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.load_holding import AllLifts, HoldingValve, Lifts, is_held, lift_after, restriction
 from forest_sim.hydraulics.port import Port, is_shut, port_pressure
 from forest_sim.hydraulics.spool_dynamics import Spools
-from forest_sim.solver.plant import AxisState, PlantState, valve_ports
-from forest_sim.solver.plant_parameters import Axis, PlantParameters
 
 
 def lifts_after(plant: PlantState, lifts: AllLifts, spools: Spools, h: float, p: PlantParameters) -> AllLifts:

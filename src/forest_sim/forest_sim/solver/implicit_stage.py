@@ -9,6 +9,9 @@ import math
 from typing import NamedTuple
 
 from forest_description.types import Vec3
+from forest_sim.equations.multibody import HeadState, Inertia, mechanics, resisted, solve, times
+from forest_sim.equations.plant import PlantState, Ports, transmissions, with_joint
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.oil_law import held_above_vapour
 from forest_sim.hydraulics.supply import SupplyState, manifold_oil
 from forest_sim.mechanics.manipulator import Pair
@@ -19,9 +22,6 @@ from forest_sim.solver.drive_stage import (
     solve_drive,
     through_gear,
 )
-from forest_sim.solver.multibody import HeadState, Inertia, mechanics, resisted, solve, times
-from forest_sim.solver.plant import PlantState, Ports, transmissions, with_joint
-from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.supply_stage import (
     UNBOUNDED,
     SupplyError,

@@ -12,6 +12,10 @@ import math
 from typing import NamedTuple
 
 from forest_description.types import Vec3
+from forest_sim.equations.drive import DriveState
+from forest_sim.equations.multibody import HeadState
+from forest_sim.equations.plant import AxisState, PlantState, holds_loads, ports_at, with_lifts
+from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
 from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts
@@ -19,13 +23,9 @@ from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.conserved_oil import settled, with_contents
-from forest_sim.solver.drive import DriveState
 from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.load_sensing import sensed_over
-from forest_sim.solver.multibody import HeadState
-from forest_sim.solver.plant import AxisState, PlantState, holds_loads, ports_at, with_lifts
-from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve
 
 GAMMA = 1.0 - math.sqrt(0.5)
 

@@ -13,12 +13,12 @@ rates stay. The crane's spring back is then the work of the oil that the log has
 from typing import NamedTuple
 
 from forest_description.types import Vec3
+from forest_sim.equations.multibody import Mechanics, mechanics, solve, times
+from forest_sim.equations.plant import PlantState
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.mechanics.potential_energy import pendulum_potential_energy, potential_energy
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.multibody import Mechanics, mechanics, solve, times
-from forest_sim.solver.plant import PlantState
-from forest_sim.solver.plant_parameters import PlantParameters
 
 
 class LoadChange(NamedTuple):

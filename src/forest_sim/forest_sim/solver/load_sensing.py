@@ -10,9 +10,9 @@ import math
 
 from forest_description.components.valve_characteristic import SHUT, Direction
 from forest_description.types import Vec3
+from forest_sim.equations.plant import Ports
+from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.hydraulics.spool_dynamics import Spools
-from forest_sim.solver.plant import Ports
-from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve
 
 
 def sensed_over(

@@ -22,8 +22,8 @@ from collections.abc import Callable
 from forest_description.components.oil import COLDEST, HOTTEST, Oil
 from forest_description.derived.temperature import at_temperature
 from forest_description.machine import Machine
+from forest_sim.equations.plant_parameters import PlantParameters, parameters_of
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant_parameters import PlantParameters, parameters_of
 from forest_sim.solver.power_flows import PowerFlows, power_flows
 
 UPDATE_PERIOD = 1.0  # [s] of simulated time, in which a machine at full loss warms by a quarter of a degree

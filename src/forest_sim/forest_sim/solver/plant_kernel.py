@@ -12,6 +12,8 @@ from forest_compile.entry import Entry
 from forest_compile.kernel_cache import CachedKernel
 from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
+from forest_sim.equations import plant
+from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.hydraulics import command_history, port, spool_dynamics
 from forest_sim.mechanics import pendulum
 from forest_sim.solver import (
@@ -21,12 +23,10 @@ from forest_sim.solver import (
     holding_step,
     implicit_stage,
     integrator,
-    plant,
     power_flows,
 )
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 
 # What is seldom called, or only with the energy account: inlined, it would make the whole larger.
 NOINLINE = (

@@ -16,18 +16,8 @@ signs, and their integrals over a run are its energy account.
 
 from typing import NamedTuple
 
-from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
-from forest_sim.hydraulics.hydraulic_line import guard_flow
-from forest_sim.hydraulics.load_holding import holding_drop
-from forest_sim.hydraulics.oil_volume import hose_drop
-from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
-from forest_sim.hydraulics.side import storage
-from forest_sim.hydraulics.supply import manifold_capacitance, pump_flow
-from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
-from forest_sim.mechanics.friction import friction_force
-from forest_sim.solver.drive import NO_POWER, DrivePower, drive_power
-from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant import (
+from forest_sim.equations.drive import NO_POWER, DrivePower, drive_power
+from forest_sim.equations.plant import (
     AxisState,
     Ports,
     Transmission,
@@ -39,7 +29,17 @@ from forest_sim.solver.plant import (
     state_derivative,
     transmissions,
 )
-from forest_sim.solver.plant_parameters import Axis, PlantParameters
+from forest_sim.equations.plant_parameters import Axis, PlantParameters
+from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
+from forest_sim.hydraulics.hydraulic_line import guard_flow
+from forest_sim.hydraulics.load_holding import holding_drop
+from forest_sim.hydraulics.oil_volume import hose_drop
+from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
+from forest_sim.hydraulics.side import storage
+from forest_sim.hydraulics.supply import manifold_capacitance, pump_flow
+from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
+from forest_sim.mechanics.friction import friction_force
+from forest_sim.solver.integrator import Simulation
 
 
 class SupplyPower(NamedTuple):

@@ -15,15 +15,15 @@ import numpy as np
 
 from forest_compile import flat_layout
 from forest_description.types import AXES, Floats
+from forest_sim.equations.drive import DriveState
+from forest_sim.equations.multibody import HANGING_STILL, HeadState
+from forest_sim.equations.plant import AxisState, PlantState
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.command_history import SIZE, CommandHistory
 from forest_sim.hydraulics.load_holding import Lifts
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool
 from forest_sim.hydraulics.supply import SupplyState
-from forest_sim.solver.drive import DriveState
 from forest_sim.solver.integrator import Events, Simulation, step
-from forest_sim.solver.multibody import HANGING_STILL, HeadState
-from forest_sim.solver.plant import AxisState, PlantState
-from forest_sim.solver.plant_parameters import PlantParameters
 from forest_sim.solver.power_flows import AxisPower, SupplyPower, power_flows
 from forest_sim.solver.step_schedule import StepSchedule, schedule_of
 

@@ -7,6 +7,8 @@ import math
 from typing import NamedTuple
 
 from forest_description.types import Vec3
+from forest_sim.equations.plant import Ports
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.hydraulic_line import supply_coupling
 from forest_sim.hydraulics.supply import (
     SupplyState,
@@ -18,8 +20,6 @@ from forest_sim.hydraulics.supply import (
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.axis_stage import AxisSolution
 from forest_sim.solver.load_sensing import mean_load
-from forest_sim.solver.plant import Ports
-from forest_sim.solver.plant_parameters import PlantParameters
 
 SUPPLY_TOLERANCE = 1e3  # [Pa] of Newton's last correction of P_s
 UNBOUNDED = (-math.inf, math.inf)

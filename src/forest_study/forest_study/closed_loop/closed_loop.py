@@ -32,6 +32,7 @@ from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_description.types import ZERO, Floats, Vec3
 from forest_msgs_py.types import PERIOD, PERIOD_NS
+from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_suite import Suite, draw, noise_generator
 from forest_sim.sensors.sensor_suite import sensor_suite as suite_of
@@ -39,7 +40,6 @@ from forest_sim.sensors.signal_processing import Measurement
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop.link_model import Link, Quality, Reports, reported
 from forest_study.closed_loop.loop_core import SUBSTEPS, Happened, driver_inputs, guard_of, sample
 

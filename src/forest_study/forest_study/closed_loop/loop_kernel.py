@@ -20,12 +20,12 @@ from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
+from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors import sensor_readings, sensor_suite
 from forest_sim.sensors.sensor_readings import CHANNEL_COUNT, NOMINAL, Sensors
 from forest_sim.sensors.sensor_suite import Suite, noise_generator
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop import closed_loop, loop_core
 from forest_study.closed_loop.closed_loop import Joystick, Operator, Trajectory
 from forest_study.closed_loop.link_model import Reports

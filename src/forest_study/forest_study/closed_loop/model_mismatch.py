@@ -20,7 +20,7 @@ import numpy as np
 
 from forest_description.components.valve_characteristic import Direction
 from forest_description.machine import Machine
-from forest_sim.solver.plant_parameters import PlantParameters, SpoolValve, parameters_of
+from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve, parameters_of
 
 STREAM = 2  # of a seed's draws; a sensor suite's are 0 and 1
 HIGHEST = {"deadband": 1.0, "gain": 0.9, "head_mass": 10.0, "spool": 10.0}

@@ -22,8 +22,8 @@ from forest_description.machine import Machine
 from forest_description.types import Complexes, Floats, Vec3
 from forest_msgs_py.types import PERIOD
 from forest_sim.analysis.frequency_response import rate_response, spool_response
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.spool_dynamics import spool_lag
-from forest_sim.solver.plant_parameters import plant_parameters
 
 LATE = 1.5 * PERIOD  # [s] T: a period from sample to voltage, and half of the one in which it holds
 LOWEST, HIGHEST, COUNT = 0.02, 80.0, 3000  # [Hz], [Hz], frequencies

@@ -20,8 +20,8 @@ from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
+from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors.sensor_suite import Suite, sensor_suite
-from forest_sim.solver.plant_parameters import PlantParameters, plant_parameters
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 from forest_study.closed_loop.loop_core import Happened
 

@@ -24,8 +24,8 @@ from forest_description.derived.limits import pose_at
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.sensors.sensor_suite import Suite, calibrated, sensor_suite
-from forest_sim.solver.plant_parameters import PlantParameters
 from forest_study.closed_loop import loop_kernel
 from forest_study.closed_loop.closed_loop import Trajectory
 

@@ -7,10 +7,16 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
+from forest_sim.equations.plant import (
+    from_array,
+    thesis_state_derivative,
+    to_array,
+    transmissions,
+    valve_ports,
+)
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.port import Port
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.plant import from_array, thesis_state_derivative, to_array, transmissions, valve_ports
-from forest_sim.solver.plant_parameters import plant_parameters
 
 THESIS = load_machine("c180_thesis")
 SUPPLY = 3000 * 6894.7

@@ -8,10 +8,10 @@ import pytest
 from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.hydraulic_line import guard_flow
 from forest_sim.hydraulics.supply import supply
 from forest_sim.mechanics.end_stop import end_stop_force
-from forest_sim.solver.plant_parameters import plant_parameters
 
 C180, THESIS = load_machine("c180"), load_machine("c180_thesis")
 

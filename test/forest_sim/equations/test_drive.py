@@ -10,12 +10,12 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from forest_description.machine import load_machine
+from forest_sim.equations.multibody import HANGING_STILL, mechanics
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
 from forest_sim.solver import integrator, state_recording
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.multibody import HANGING_STILL, mechanics
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.state_recording import ENERGY, STATE
 
 REAL = load_machine("c180_real")
@@ -155,8 +155,8 @@ def test_compiled_steps_are_the_interpreted_ones_to_the_last_bit():
 
 
 def test_sensors_have_the_joint_and_the_oil_the_motor():
+    from forest_sim.equations.plant import motor_side
     from forest_sim.sensors.sensor_readings import true_joints
-    from forest_sim.solver.plant import motor_side
 
     p = plant_parameters(REAL)
     now = advance(equilibrium(POSE, p), (2.0, 0.0, 0.0), 1e-3, 137, p)

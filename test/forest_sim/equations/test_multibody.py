@@ -9,14 +9,14 @@ from forest_description.components.drives import Cushion
 from forest_description.components.load import Pendulum
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
+from forest_sim.equations.multibody import HANGING_STILL, Inertia, mechanics, resisted, solve, times
+from forest_sim.equations.plant import passive_force, ports_at, supply_draw
+from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.port import port_pressure
 from forest_sim.hydraulics.spool_dynamics import Spool
 from forest_sim.simulation.disturbance import checked_tip_force
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.multibody import HANGING_STILL, Inertia, mechanics, resisted, solve, times
 from forest_sim.solver.oil_temperature import dissipated_power
-from forest_sim.solver.plant import passive_force, ports_at, supply_draw
-from forest_sim.solver.plant_parameters import plant_parameters
 from forest_sim.solver.power_flows import AxisPower, PowerFlows, SupplyPower
 
 C180 = load_machine("c180")

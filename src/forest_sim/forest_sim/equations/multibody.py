@@ -13,9 +13,9 @@ that.
 from typing import NamedTuple
 
 from forest_description.types import Vec3
+from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.mechanics.manipulator import Pair, dynamics, tip_load_torques
 from forest_sim.mechanics.pendulum import pendulum_damping, pendulum_dynamics
-from forest_sim.solver.plant_parameters import PlantParameters
 
 
 class HeadState(NamedTuple):

@@ -24,6 +24,9 @@ from forest_description.components.valve_characteristic import ValveLaw, edges
 from forest_description.geometry.linkage import Linkage, length_and_arm
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
+from forest_sim.equations.drive import AT_REST, DriveState, driven
+from forest_sim.equations.multibody import HANGING_STILL, HeadState, Mechanics, mechanics, solve
+from forest_sim.equations.plant_parameters import Axis, PlantParameters, plant_parameters
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.hydraulics.load_holding import NO_LIFTS, SEATED_LIFTS, AllLifts, Lifts, restriction
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
@@ -38,9 +41,6 @@ from forest_sim.hydraulics.supply import (
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
 from forest_sim.mechanics.manipulator import Pair
-from forest_sim.solver.drive import AT_REST, DriveState, driven
-from forest_sim.solver.multibody import HANGING_STILL, HeadState, Mechanics, mechanics, solve
-from forest_sim.solver.plant_parameters import Axis, PlantParameters, plant_parameters
 
 
 class AxisState(NamedTuple):

@@ -5,10 +5,10 @@ A machine without either has none of this: `PlantParameters.drive.present` is 0.
 
 from typing import NamedTuple
 
+from forest_sim.equations.plant_parameters import DriveLaws
 from forest_sim.mechanics.bristles import rubbing
 from forest_sim.mechanics.end_stop import end_stop_force
 from forest_sim.mechanics.gear import teeth_depth, teeth_energy
-from forest_sim.solver.plant_parameters import DriveLaws
 
 
 class DriveState(NamedTuple):

@@ -1,0 +1,1 @@
+"""The equations of motion: states, constants, links and drive, put together from the parts' laws."""
