@@ -15,7 +15,7 @@ from forest_description.components.hose import GeometricHose, Hose, Line, Measur
 from forest_description.components.inertia import require_rigid
 from forest_description.components.load import Log, Pendulum, RotatorAndGrapple
 from forest_description.components.oil import Oil
-from forest_description.components.pump import Pump
+from forest_description.components.pump import LoadSensingPump, Pump
 from forest_description.components.sensors import Sensors
 from forest_description.components.valve_parameters import PortValves, Valve
 from forest_description.config import schema, source_tree
@@ -153,6 +153,7 @@ class Machine(ParameterSet):
                     f"oil is null, but the {name} has chambers: how their oil yields needs its bulk_modulus"
                 )
             self._check_holding(name, drive)
+            self._check_compensator(name, self.valve_of(axis))
             if not isinstance(self.hose_of(axis), GeometricHose):
                 continue
             if self.oil is None:
@@ -173,6 +174,29 @@ class Machine(ParameterSet):
                     f"{name}.chambers is null, but {name}.{port} holds the oil in them; allowed: both, or "
                     f"neither"
                 )
+
+    def _check_compensator(self, name: str, valve: Valve) -> None:
+        """Raise unless the pump leaves a compensator the pressure that it works with."""
+        given, pump = valve.compensator, self.pump
+        if given is None:
+            return
+        if valve.deadband_voltage < 0.0 or (valve.backward and valve.backward.deadband_voltage < 0.0):
+            raise MachineError(
+                f"{name}: a valve with a compensator must not be underlapped; allowed: a "
+                f"deadband_voltage of at least 0 V"
+            )
+        if isinstance(pump, LoadSensingPump):
+            used = given.setting + (given.control_range if given.kind == "after_spool" else 0.0)
+            if used >= pump.margin:
+                raise MachineError(
+                    f"{name}: its compensator uses {used:g} Pa (compensator.setting, behind the spool "
+                    f"with its control_range), and pump.margin is {pump.margin:g} Pa; allowed: less than that"
+                )
+        elif given.kind == "after_spool":
+            raise MachineError(
+                f"{name}: a compensator after_spool shares what a load-sensing pump leaves over the greatest "
+                f"load; allowed: pump.kind load_sensing, or a compensator before_spool"
+            )
 
     def _check_bearing(self) -> None:
         """Raise unless the swing's motor can break its bearing away."""

@@ -12,7 +12,7 @@ from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.load_sensing import mean_load, open_share
 
-MACHINES = ("c180_thesis", "c180", "c180_real", "loader")
+MACHINES = ("c180_thesis", "c180", "c180_real", "forwarder", "loader")
 FINE, LIMIT = 6.25e-5, 5e-5  # s, rad
 HELD = 0.02  # [s] of each voltage
 

@@ -127,9 +127,9 @@ def _with_lifts(
     """Return ports with their load-holding valves and compensators at other lifts."""
     if is_compensated(p):
         ports = (
-            _metered(ports[0], lifts[0], p.valves[0]),
-            _metered(ports[1], lifts[1], p.valves[1]),
-            _metered(ports[2], lifts[2], p.valves[2]),
+            metered(ports[0], lifts[0], p.valves[0]),
+            metered(ports[1], lifts[1], p.valves[1]),
+            metered(ports[2], lifts[2], p.valves[2]),
         )
     return (
         Ports(ports[0].port_1, ports[0].port_2, ports[0].sensed, lifts[0]),
@@ -138,7 +138,7 @@ def _with_lifts(
     )
 
 
-def _metered(ports: Ports, lifts: Lifts, valve: SpoolValve) -> Ports:
+def metered(ports: Ports, lifts: Lifts, valve: SpoolValve) -> Ports:
     """Return ports with their compensator in series with the edge that is open to the supply."""
     if valve.compensator.sort == NONE:
         return ports

@@ -31,7 +31,7 @@ NO_GUARD = PortGuard(math.inf, 0.0, -math.inf, 0.0)
 
 
 class SpoolValve(NamedTuple):
-    """One valve: what its edges do at a spool position, how the spool follows the voltage, what meters before."""
+    """One valve: what its edges do at a spool position, how the spool follows, and its compensator."""
 
     law: ValveLaw
     lag: SpoolLag

@@ -29,7 +29,7 @@ from forest_description.components import compensator as components
 
 NONE, BEFORE, AFTER = 0, 1, 2
 """Sorts of compensator."""
-SHUT = 1e-6  # opening below which it is shut
+LEAST = 1e-4  # opening of a shut one: its clearance; through it the load-sensing line fills
 BALANCED = 1e-12  # [1] of an opening that Newton finds
 BALANCING_STEPS = 60
 
@@ -61,8 +61,9 @@ def compensator(given: components.Compensator | None) -> Compensator:
 
 
 def in_series(opening: float, c: Compensator) -> float:
-    """Return C_c [Pa s^2/m^6] of a compensator; infinite when shut."""
-    return c.resistance / (opening * opening) if opening > SHUT else math.inf
+    """Return C_c [Pa s^2/m^6] of a compensator."""
+    passing = max(LEAST, opening)
+    return c.resistance / (passing * passing)
 
 
 def balance(drop: float, edge: float, supply: float, greatest: float, c: Compensator) -> float:

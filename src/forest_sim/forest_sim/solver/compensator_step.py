@@ -2,12 +2,14 @@
 
 Their openings are known half a step from the states, as load-holding valves are (`holding_step`):
 all stages of a step have them as they are. A compensator is in series with whichever edge of its
-spool is open to the pump.
+spool is open to the pump. The load-sensing line has a relief valve: an axis at its end leaves the
+others the pump's margin.
 """
 
 import math
 
-from forest_sim.equations.plant import AxisState, PlantState, valve_ports
+from forest_description.components.valve_characteristic import edges
+from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import Axis, PlantParameters, SpoolValve
 from forest_sim.hydraulics.compensator import NONE, balance, opening_after
 from forest_sim.hydraulics.load_holding import AllLifts, Lifts
@@ -19,11 +21,11 @@ def openings_after(
     plant: PlantState, lifts: AllLifts, spools: Spools, h: float, p: PlantParameters
 ) -> AllLifts:
     """Return the lifts with the compensators' openings with which a step of h [s] is made."""
-    x, supply = (spools[0].position, spools[1].position, spools[2].position), plant.supply.pressure
-    swing = _metering(plant.swing, x[0], p.valves[0], p.swing)
-    boom = _metering(plant.boom, x[1], p.valves[1], p.boom)
-    stick = _metering(plant.stick, x[2], p.valves[2], p.stick)
-    greatest = max(swing[1], boom[1], stick[1])
+    swing = _metering(plant.swing, spools[0].position, p.valves[0], p.swing)
+    boom = _metering(plant.boom, spools[1].position, p.valves[1], p.boom)
+    stick = _metering(plant.stick, spools[2].position, p.valves[2], p.stick)
+    greatest = min(max(swing[1], boom[1], stick[1]), p.supply.set_pressure - p.supply.margin)
+    supply = plant.supply.pressure
     return (
         _opened(lifts[0], swing, greatest, supply, h, p.valves[0]),
         _opened(lifts[1], boom, greatest, supply, h, p.valves[1]),
@@ -36,11 +38,11 @@ def _metering(s: AxisState, spool: float, valve: SpoolValve, axis: Axis) -> tupl
 
     A centred spool connects its compensator's load line to the tank.
     """
-    ports = valve_ports(spool, valve.law)
-    if ports.port_1.to_supply < math.inf:
-        return ports.port_1.to_supply, s.pressure_1 + hose_drop(s.flow_1, axis.oil_1)
-    if ports.port_2.to_supply < math.inf:
-        return ports.port_2.to_supply, s.pressure_2 + hose_drop(-s.flow_2, axis.oil_2)
+    edge = edges(spool, valve.law)
+    if edge.supply_1 < math.inf:
+        return edge.supply_1, s.pressure_1 + hose_drop(s.flow_1, axis.oil_1)
+    if edge.supply_2 < math.inf:
+        return edge.supply_2, s.pressure_2 + hose_drop(-s.flow_2, axis.oil_2)
     return math.inf, 0.0
 
 
