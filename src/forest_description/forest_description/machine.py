@@ -153,7 +153,7 @@ class Machine(ParameterSet):
                     f"oil is null, but the {name} has chambers: how their oil yields needs its bulk_modulus"
                 )
             self._check_holding(name, drive)
-            self._check_compensator(name, self.valve_of(axis))
+            self._check_compensator("valve" if drive.valve is None else f"{name}.valve", self.valve_of(axis))
             if not isinstance(self.hose_of(axis), GeometricHose):
                 continue
             if self.oil is None:
@@ -175,27 +175,27 @@ class Machine(ParameterSet):
                     f"neither"
                 )
 
-    def _check_compensator(self, name: str, valve: Valve) -> None:
+    def _check_compensator(self, where: str, valve: Valve) -> None:
         """Raise unless the pump leaves a compensator the pressure that it works with."""
         given, pump = valve.compensator, self.pump
         if given is None:
             return
         if valve.deadband_voltage < 0.0 or (valve.backward and valve.backward.deadband_voltage < 0.0):
             raise MachineError(
-                f"{name}: a valve with a compensator must not be underlapped; allowed: a "
-                f"deadband_voltage of at least 0 V"
+                f"{where}.deadband_voltage ({valve.deadband_voltage:g} V): a valve with a compensator must "
+                f"not be underlapped; allowed: at least 0 V, backward too"
             )
         if isinstance(pump, LoadSensingPump):
             used = given.setting + (given.control_range if given.kind == "after_spool" else 0.0)
             if used >= pump.margin:
                 raise MachineError(
-                    f"{name}: its compensator uses {used:g} Pa (compensator.setting, behind the spool "
-                    f"with its control_range), and pump.margin is {pump.margin:g} Pa; allowed: less than that"
+                    f"{where}.compensator.setting ({given.setting:g} Pa): the compensator uses {used:g} Pa "
+                    f"of pump.margin ({pump.margin:g} Pa); allowed: less than that"
                 )
         elif given.kind == "after_spool":
             raise MachineError(
-                f"{name}: a compensator after_spool shares what a load-sensing pump leaves over the greatest "
-                f"load; allowed: pump.kind load_sensing, or a compensator before_spool"
+                f"{where}.compensator.kind = after_spool shares what a load-sensing pump leaves over the "
+                f"greatest load; allowed: before_spool, or pump.kind load_sensing"
             )
 
     def _check_bearing(self) -> None:
