@@ -158,6 +158,19 @@ OTHERS = [
     ),
     (
         "c180_real",
+        "boom:\n  friction:\n    pressure_coefficient: = 0.01 N/Pa\n",
+        4,
+        "boom.friction.pressure_coefficient (0.01 N/Pa): at any pressure the seals would hold the rod side's "
+        "piston; allowed: below 0.009234 N/Pa",
+    ),
+    (
+        "c180_real",
+        "stick:\n  friction:\n    coulomb_force: = 0 N\n",
+        4,
+        "stick.friction.pressure_coefficient is of seals that pressure adds to; allowed: a coulomb_force above",
+    ),
+    (
+        "c180_real",
         "swing:\n  friction:\n    breakaway_torque: = 700 N*m\n",
         4,
         "swing.friction.breakaway_torque (700 N*m) must not be below coulomb_torque (800 N*m)",

@@ -58,7 +58,7 @@ Numbers that contradict each other are refused, too:
 - a port relief below the pump's or the anti-cavitation pressure; a main relief below the pump's
 - a pump that its own leakage or its engine keeps from its pressure; half a pump
 - a compensator band above the pump's pressure or the load-sensing margin
-- friction whose `smoothing_speed` is above its `stribeck_speed`
+- friction whose `smoothing_speed` is above its `stribeck_speed`; seals that pressure alone would hold
 - breaking away that is easier than sliding, or takes over 0.01 rad, or more than the motor has
 - a gear whose play is wider than the swing's travel
 - a rotator as heavy as its head, or with its centre beyond its end; a log off a hanging head's axis
