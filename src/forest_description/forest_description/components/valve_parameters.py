@@ -170,7 +170,7 @@ class Valve(ParameterSet):
     )
     port_2_area: float = parameter("1", 0.05, 20.0, "area of port 2's edges over that of port 1's")
     leakage_conductance: float = parameter(
-        "m3/(s*Pa)", 0.0, 1e-9, "laminar leakage past each of the four edges"
+        "m3/(s*Pa)", 0.0, 1e-9, "laminar leakage past each of the four edges, spool centred"
     )
     load_check: str = choice(
         "none", "ideal", doc="check valve between supply and spool: a load does not go back to the manifold"
@@ -190,6 +190,9 @@ class Valve(ParameterSet):
         "s", 0.0005, 0.02, "of electronics and pilot stage; a voltage acts so much later"
     )
     spool_slew_limit: float | None = optional_parameter("V/s", 1.0, 1e5, "greatest rate of the spool")
+    leakage_edge_ratio: float | None = optional_parameter(
+        "1", 1.001, 1000.0, "leakage at the overlap's edge over that at the centre; left out: everywhere the same"
+    )
 
     def __post_init__(self) -> None:
         """Check ranges, that the valve opens at all, the spool's lag, and the curve."""
@@ -204,6 +207,7 @@ class Valve(ParameterSet):
             edge = self.backward.deadband_voltage
             require_order("backward.deadband_voltage", edge, "rated_voltage", self.rated_voltage, "V")
         self._check_play()
+        self._check_leakage()
         _ = self.law
 
     def _check_play(self) -> None:
@@ -214,6 +218,19 @@ class Valve(ParameterSet):
             raise MachineError(
                 f"hysteresis ({self.hysteresis:g} V) keeps the valve shut at rated_voltage "
                 f"({self.rated_voltage:g} V); allowed: below {most:g} V"
+            )
+
+    def _check_leakage(self) -> None:
+        """Raise unless leakage that follows the overlap has both of them."""
+        if self.leakage_edge_ratio is None:
+            return
+        least = self.deadband_voltage
+        if self.backward is not None:
+            least = min(least, self.backward.deadband_voltage)
+        if self.leakage_conductance == 0.0 or least <= 0.0:
+            raise MachineError(
+                "leakage_edge_ratio is of leakage through an overlap; allowed: a leakage_conductance and a "
+                "deadband_voltage above 0 in both directions"
             )
 
     @property
@@ -233,6 +250,7 @@ class Valve(ParameterSet):
             curve=shape,
             leakage=self.leakage_conductance,
             load_check=int(self.load_check == "ideal"),
+            edge_ratio=self.leakage_edge_ratio or 1.0,
         )
 
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from forest_description.components.valve_characteristic import ValveLaw, edges
+from forest_description.components.valve_characteristic import ValveLaw, edges, leakage_at
 from forest_description.geometry.linkage import Linkage, length_and_arm
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
@@ -101,10 +101,10 @@ def valve_ports(spool_position: float, law: ValveLaw, vapour: float = -math.inf)
         law: of the valve.
         vapour: pressure at which the oil boils [Pa].
     """
-    e = edges(spool_position, law)
+    e, leakage = edges(spool_position, law), leakage_at(spool_position, law)
     return Ports(
-        Port(e.supply_1, e.tank_1, law.leakage, law.load_check, vapour),
-        Port(e.supply_2, e.tank_2, law.leakage, law.load_check, vapour),
+        Port(e.supply_1, e.tank_1, leakage.mean, law.load_check, vapour, leakage.skew),
+        Port(e.supply_2, e.tank_2, leakage.mean, law.load_check, vapour, -leakage.skew),
         (1.0 if e.supply_1 < math.inf else 0.0, 1.0 if e.supply_2 < math.inf else 0.0),
     )
 
