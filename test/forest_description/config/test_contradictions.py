@@ -157,6 +157,19 @@ OTHERS = [
         "boom.friction.smoothing_speed (0.02 m/s) must be smaller than stribeck_speed (0.012 m/s)",
     ),
     (
+        "c180",
+        "valve:\n  leakage_edge_ratio: = 20 1\n",
+        3,
+        "valve.leakage_edge_ratio is of leakage through an overlap; allowed: a leakage_conductance and a",
+    ),
+    (
+        "c180",
+        "valve:\n  leakage_conductance: = 1e-14 m3/(s*Pa)\n  leakage_edge_ratio: = 20 1\n"
+        "  deadband_voltage: = -0.1 V\n",
+        4,
+        "deadband_voltage above 0 in both directions",
+    ),
+    (
         "c180_real",
         "boom:\n  friction:\n    pressure_coefficient: = 0.01 N/Pa\n",
         4,
