@@ -132,9 +132,9 @@ def test_the_swings_stop_is_as_stiff_as_the_file_says_and_the_cylinders_as_their
     for axis, drive in ((p.boom, C180.boom), (p.stick, C180.stick)):
         force = passive_force(drive.retracted_length - 0.01, 0.0, axis.friction, axis)
         assert force == pytest.approx(0.01 * stops.cylinder_stiffness)
-        assert passive_force(drive.retracted_length - 0.01, -0.1, axis.friction, axis) - force == pytest.approx(
-            0.1 * stops.cylinder_damping
-        )
+        assert passive_force(
+            drive.retracted_length - 0.01, -0.1, axis.friction, axis
+        ) - force == pytest.approx(0.1 * stops.cylinder_damping)
 
 
 @pytest.mark.parametrize("force", [(-2e6, 0.0, 0.0), (0.0, 2e6, 0.0), (0.0, 0.0, -1.1e6)])

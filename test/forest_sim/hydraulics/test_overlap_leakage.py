@@ -25,7 +25,7 @@ DIAMETER, CLEARANCE, VISCOSITY, OVERLAP, ROUNDING = 0.016, 6e-6, 0.03, 0.5e-3, 2
 
 
 def clearance_flow(drop, volts):
-    """Flow [m^3/s] past an edge that is so far from the centre, towards its opening [V]. Merritt 1967, 3.2."""
+    """Flow [m^3/s] past an edge so far from the centre, towards its opening [V]. Merritt 1967, 3.2."""
     length = OVERLAP * (1.0 - volts) + ROUNDING
     return math.pi * DIAMETER * CLEARANCE**3 / (12.0 * VISCOSITY * length) * drop
 

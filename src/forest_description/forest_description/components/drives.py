@@ -201,9 +201,9 @@ class CylinderDrive(ParameterSet):
         most = self.rod_area * self.friction.coulomb_force / self.friction.breakaway_force
         if self.friction.pressure_coefficient >= most:
             raise MachineError(
-                f"friction.pressure_coefficient ({self.friction.pressure_coefficient:g} N/Pa): at any pressure "
-                f"the seals would hold the rod side's piston; allowed: below {most:g} N/Pa, rod_area times "
-                f"coulomb_force over breakaway_force"
+                f"friction.pressure_coefficient ({self.friction.pressure_coefficient:g} N/Pa): at any "
+                f"pressure the seals would hold the rod side's piston; allowed: below {most:g} N/Pa, rod_area "
+                f"times coulomb_force over breakaway_force"
             )
 
     def _check_chambers(self) -> None:

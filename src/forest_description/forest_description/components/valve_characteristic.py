@@ -64,7 +64,7 @@ class ValveLaw(NamedTuple):
 
 
 class Leakage(NamedTuple):
-    """What leaks past a port's two edges [m³/(s Pa)]; of port 1, of port 2 with the other sign of ``skew``."""
+    """What leaks past port 1's two edges [m³/(s Pa)]; past port 2's with the other sign of ``skew``."""
 
     mean: float
     skew: float  # half of what the supply's edge leaks more than the tank's

@@ -28,6 +28,8 @@ from forest_description.config.parameter import (
 )
 from forest_description.types import Floats
 
+JET_ANGLE = math.radians(69.0)  # [rad] of the jet through a sharp edge to the spool's axis: von Mises
+
 
 @dataclass(frozen=True)
 class PolynomialCurve(ParameterSet):
@@ -190,8 +192,11 @@ class Valve(ParameterSet):
         "s", 0.0005, 0.02, "of electronics and pilot stage; a voltage acts so much later"
     )
     spool_slew_limit: float | None = optional_parameter("V/s", 1.0, 1e5, "greatest rate of the spool")
+    centring_force: float | None = optional_parameter(
+        "N/V", 0.1, 1e5, "of the spring for each volt of stroke, against flow forces; left out: none act"
+    )
     leakage_edge_ratio: float | None = optional_parameter(
-        "1", 1.001, 1000.0, "leakage at the overlap's edge over that at the centre; left out: everywhere the same"
+        "1", 1.001, 1000.0, "leakage at the overlap's edge over that at the centre; left out: 1"
     )
 
     def __post_init__(self) -> None:
@@ -201,6 +206,10 @@ class Valve(ParameterSet):
             raise MachineError(
                 f"spool_damping ({self.spool_damping:g}) is of a lag that spool_bandwidth: null leaves out; "
                 f"allowed: null, or a spool_bandwidth"
+            )
+        if self.centring_force is not None and self.spool_bandwidth is None:
+            raise MachineError(
+                "centring_force is of a spool that flow forces push; allowed: with a spool_bandwidth"
             )
         require_order("deadband_voltage", self.deadband_voltage, "rated_voltage", self.rated_voltage, "V")
         if self.backward is not None:
@@ -232,6 +241,20 @@ class Valve(ParameterSet):
                 "leakage_edge_ratio is of leakage through an overlap; allowed: a leakage_conductance and a "
                 "deadband_voltage above 0 in both directions"
             )
+
+    def jet_stiffness(self, drop: float, density: float) -> float:
+        """Return the greatest flow force [N/V] over the stroke at a pressure drop [Pa] over an edge.
+
+        The law is that of `forest_sim.hydraulics.flow_force`; the edge's area is taken to be linear.
+        """
+        law = self.law
+        return max(
+            drop
+            * math.sqrt(2.0 * density / min(way.resistance_1, way.resistance_2))
+            * math.cos(JET_ANGLE)
+            / (way.rated_voltage - way.deadband_voltage)
+            for way in (law.forward, law.backward)
+        )
 
     @property
     def law(self) -> ValveLaw:

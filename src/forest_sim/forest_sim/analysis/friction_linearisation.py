@@ -77,11 +77,11 @@ def _fast(damping: Callable[[float], float], viscous: float, low: float) -> floa
 
 def with_pressed_seals(p: PlantParameters, state: PlantState) -> PlantParameters:
     """Return the parameters with the seals' friction as it is at a state's pressures, at any others."""
-    axes = {
-        name: axis._replace(friction=pressed(axis.friction, s.pressure_1, s.pressure_2))
-        for name, axis, s in zip(AXES, p.axes, state.axes, strict=True)
-    }
-    return p._replace(**axes)
+    swing, boom, stick = (
+        axis._replace(friction=pressed(axis.friction, s.pressure_1, s.pressure_2))
+        for axis, s in zip(p.axes, state.axes, strict=True)
+    )
+    return p._replace(swing=swing, boom=boom, stick=stick)
 
 
 def axes_with_friction(p: PlantParameters) -> dict[str, AmplitudeLimits]:

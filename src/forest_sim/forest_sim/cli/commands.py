@@ -32,7 +32,14 @@ from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
 from forest_sim.simulation.energy_account import account
 from forest_sim.simulation.load import Loads
-from forest_sim.simulation.open_loop import Run, RunError, blocks, require_within_limits, start_angles, substeps
+from forest_sim.simulation.open_loop import (
+    Run,
+    RunError,
+    blocks,
+    require_within_limits,
+    start_angles,
+    substeps,
+)
 from forest_sim.simulation.sensor_log import EXACT, Sensing, SensorLog
 from forest_sim.simulation.trajectory_files import DecimatedRows, TrajectoryFiles, path_in_errors
 from forest_sim.simulation.voltage_profiles import Voltages

@@ -136,7 +136,7 @@ def _manifold_oil(machine: Machine) -> OilLaw:
 
 def _valve(machine: Machine, axis: int) -> SpoolValve:
     valve = machine.valve_of(axis)
-    return SpoolValve(valve.law, spool_lag(valve))
+    return SpoolValve(valve.law, spool_lag(valve, 0.0 if machine.oil is None else machine.oil.density))
 
 
 def _swing(machine: Machine) -> Axis:

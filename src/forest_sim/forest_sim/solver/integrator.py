@@ -26,6 +26,7 @@ from forest_sim.solver.conserved_oil import settled, with_contents
 from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.load_sensing import sensed_over
+from forest_sim.solver.pushed_spools import feels_jets, pushed
 
 GAMMA = 1.0 - math.sqrt(0.5)
 
@@ -52,10 +53,11 @@ class Simulation(NamedTuple):
 
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
     """Advance the machine by h [s] with the valve voltages [V] held."""
-    plant, lifts, c = simulation.plant, simulation.lifts, GAMMA * h
+    plant, spools, lifts, c = simulation.plant, simulation.spools, simulation.lifts, GAMMA * h
     acting, history = _acting(simulation.history, voltages, h, p)
-    middle = spools_after(simulation.spools, acting, c, p)
-    end = spools_after(simulation.spools, acting, h, p)
+    if feels_jets(p):
+        spools = pushed(plant, spools, p)
+    middle, end = spools_after(spools, acting, c, p), spools_after(spools, acting, h, p)
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
     if holds_loads(p):
         lifts = lifts_after(plant, lifts, simulation.spools, h, p)

@@ -24,6 +24,7 @@ from forest_sim.solver import (
     implicit_stage,
     integrator,
     power_flows,
+    pushed_spools,
 )
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
@@ -36,6 +37,7 @@ NOINLINE = (
     spool_dynamics._driven_spool,
     command_history.after_dead_time,
     holding_step.lifts_after,
+    pushed_spools.pushed,
     axis_stage._solve_with_holding,
     valve_characteristic._curved_opening,
     implicit_stage._iterate_further,
