@@ -202,8 +202,8 @@ class CylinderDrive(ParameterSet):
         if self.friction.pressure_coefficient >= most:
             raise MachineError(
                 f"friction.pressure_coefficient ({self.friction.pressure_coefficient:g} N/Pa): at any "
-                f"pressure the seals would hold the rod side's piston; allowed: below {most:g} N/Pa, rod_area "
-                f"times coulomb_force over breakaway_force"
+                f"pressure the seals would hold the rod side's piston; allowed: below {most:g} N/Pa, "
+                f"rod_area times coulomb_force over breakaway_force"
             )
 
     def _check_chambers(self) -> None:
