@@ -22,7 +22,7 @@ from forest_ident.estimators.least_squares import LinearFit, solve
 from forest_ident.measurements.differentiator import derivative, inner, smooth
 from forest_ident.measurements.readings import length_and_arm
 from forest_ident.measurements.session import Session
-from forest_sim.mechanics.friction import friction, friction_force, pressed
+from forest_sim.mechanics.friction import friction, friction_force
 from forest_sim.mechanics.manipulator import dynamics, fold_head
 
 BANDWIDTH = 5.0  # [Hz]
@@ -65,7 +65,7 @@ def _dry_friction(machine: Machine, axis: int, speed: Floats, one: Floats, two: 
         return np.zeros_like(speed)
     law = friction(machine.boom.friction if axis == 1 else machine.stick.friction)
     rows = zip(speed.tolist(), one.tolist(), two.tolist(), strict=True)
-    return np.array([friction_force(v, pressed(law, p_1, p_2)) for v, p_1, p_2 in rows])
+    return np.array([friction_force(v, law, p_1, p_2) for v, p_1, p_2 in rows])
 
 
 def damping(machine: Machine, session: Session, axis: int) -> LinearFit:

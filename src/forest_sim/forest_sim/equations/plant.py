@@ -39,7 +39,7 @@ from forest_sim.hydraulics.supply import (
     reference_rate,
 )
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
-from forest_sim.mechanics.friction import Friction, friction_force, pressed
+from forest_sim.mechanics.friction import friction_force
 from forest_sim.mechanics.manipulator import Pair
 
 
@@ -151,21 +151,22 @@ def joint_torque(state: AxisState, transmission: Transmission, axis: Axis) -> fl
     """Return the torque [N m] of an axis' actuator and end stop on its joint. Thesis eq. 3.16, 3.18, 3.19."""
     speed = transmission.arm * state.rate
     force = actuator_force(speed, state.pressure_1, state.pressure_2, axis.actuator)
-    seals = pressed(axis.friction, state.pressure_1, state.pressure_2)
-    return transmission.arm * (force + passive_force(transmission.position, speed, seals, axis))
+    pressures = state.pressure_1, state.pressure_2
+    return transmission.arm * (force + passive_force(transmission.position, speed, pressures, axis))
 
 
-def passive_force(position: float, speed: float, seals: Friction, axis: Axis) -> float:
+def passive_force(position: float, speed: float, pressures: Pair, axis: Axis) -> float:
     """Return what dry friction, cushion and end stop do to the load [N; N m].
 
     Args:
         position: of the actuator [rad; m].
         speed: of the actuator [rad/s; m/s].
-        seals: its friction under the pressures (`pressed`).
+        pressures: in its chambers [Pa].
         axis: its constants.
     """
     braking = cushion_resistance(position, speed, axis.cushion) * abs(speed) * speed
-    return end_stop_force(position, speed, axis.stop) - braking - friction_force(speed, seals)
+    rubbing = friction_force(speed, axis.friction, pressures[0], pressures[1])
+    return end_stop_force(position, speed, axis.stop) - braking - rubbing
 
 
 def accelerations(m: Mechanics, torques: Vec3) -> tuple[Vec3, Pair]:

@@ -21,9 +21,22 @@ sign, small beside a pilot-operated spool's own.
 """
 
 import math
+from typing import NamedTuple
 
 from forest_description.components.valve_parameters import JET_ANGLE
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
+
+
+class Jets(NamedTuple):
+    """What flow forces do to a spool, as a voltage F/k [V]."""
+
+    force: float  # when the last step began
+    push: float  # in that step's middle
+
+
+AllJets = tuple[Jets, Jets, Jets]
+STILL = Jets(0.0, 0.0)
+NO_JETS = (STILL, STILL, STILL)
 
 
 def jet_factor(density: float, centring_force: float) -> float:

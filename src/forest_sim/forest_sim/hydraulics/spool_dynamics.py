@@ -43,13 +43,11 @@ class SpoolLag(NamedTuple):
 
 
 class Spool(NamedTuple):
-    """Where a spool is, how fast it moves (second order only), what it goes for, and what pushes it."""
+    """Where a spool is, how fast it moves (second order only), and what it goes for."""
 
     position: float  # [V]
     rate: float  # [V/s]
     target: float = 0.0  # u [V]; without play it is not kept
-    force: float = 0.0  # F/k of the flow forces when the last step began [V]
-    push: float = 0.0  # F/k in the step's middle [V]
 
 
 Spools = tuple[Spool, Spool, Spool]
@@ -72,8 +70,8 @@ def spool_lag(valve: Valve, density: float = 0.0) -> SpoolLag:
     )
 
 
-def spool_after(spool: Spool, voltage: float, time: float, lag: SpoolLag) -> Spool:
-    """Return a spool after a time [s] under a held voltage [V].
+def spool_after(spool: Spool, voltage: float, time: float, lag: SpoolLag, push: float = 0.0) -> Spool:
+    """Return a spool after a time [s] under a held voltage [V] and flow forces that push it by F/k [V].
 
     Thesis section 3.2.2. Differs: the thesis takes the spool to follow at once; so does a frequency
     of inf.
@@ -82,15 +80,15 @@ def spool_after(spool: Spool, voltage: float, time: float, lag: SpoolLag) -> Spo
         return spool
     if lag.play == 0.0 and lag.slew == math.inf and lag.jet == 0.0:
         return _lagging(spool, voltage, time, lag)
-    return _driven_spool(spool, voltage, time, lag)
+    return _driven_spool(spool, voltage, time, lag, push)
 
 
-def _driven_spool(spool: Spool, voltage: float, time: float, lag: SpoolLag) -> Spool:
+def _driven_spool(spool: Spool, voltage: float, time: float, lag: SpoolLag, push: float) -> Spool:
     """Return a spool with play, slew limit or flow forces; not inlined."""
     target = behind_play(spool.target, voltage, lag.play)
-    aim = target - spool.push
+    aim = target - push
     after = _slewed(spool, aim, time, lag) if lag.slew < math.inf else _lagging(spool, aim, time, lag)
-    return Spool(after.position, after.rate, target, spool.force, spool.push)
+    return Spool(after.position, after.rate, target)
 
 
 def behind_play(target: float, voltage: float, play: float) -> float:

@@ -55,17 +55,32 @@ def pressed(f: Friction, pressure_1: float, pressure_2: float) -> Friction:
     return Friction(grown * f.coulomb, grown * f.breakaway, f.stribeck_speed, f.smoothing_speed)
 
 
-def friction_force(speed: float, f: Friction) -> float:
-    """Return the friction [N] at a speed [m/s], with the speed's sign (it opposes the motion)."""
+def friction_force(speed: float, f: Friction, pressure_1: float = 0.0, pressure_2: float = 0.0) -> float:
+    """Return the friction [N], with the speed's sign (it opposes the motion).
+
+    Args:
+        speed: u [m/s].
+        f: its constants.
+        pressure_1: in the chamber of port 1 [Pa].
+        pressure_2: of port 2 [Pa].
+    """
     if f.breakaway == 0.0:
         return 0.0
-    return _magnitude(speed, f) * speed / math.sqrt(speed * speed + f.smoothing_speed * f.smoothing_speed)
+    return (
+        _magnitude(speed, pressed(f, pressure_1, pressure_2))
+        * speed
+        / math.sqrt(speed * speed + f.smoothing_speed * f.smoothing_speed)
+    )
 
 
-def friction_slope(speed: float, f: Friction) -> float:
-    """Return dF/du [N s/m]; negative where the Stribeck effect falls faster than the sign rises."""
+def friction_slope(speed: float, f: Friction, pressure_1: float = 0.0, pressure_2: float = 0.0) -> float:
+    """Return dF/du [N s/m]; negative where the Stribeck effect falls faster than the sign rises.
+
+    Arguments as `friction_force`.
+    """
     if f.breakaway == 0.0:
         return 0.0
+    f = pressed(f, pressure_1, pressure_2)
     root = math.sqrt(speed * speed + f.smoothing_speed * f.smoothing_speed)
     ratio = speed / f.stribeck_speed
     falling = (f.breakaway - f.coulomb) * math.exp(-ratio * ratio) * 2.0 * ratio / f.stribeck_speed

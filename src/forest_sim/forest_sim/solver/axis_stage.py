@@ -16,7 +16,7 @@ from forest_sim.hydraulics.load_holding import Restriction, restriction
 from forest_sim.hydraulics.oil_law import held_above_vapour, is_near
 from forest_sim.hydraulics.oil_volume import StageHose, stage_hose
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_resistance
-from forest_sim.mechanics.friction import Friction, friction_slope, pressed
+from forest_sim.mechanics.friction import friction_slope
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.holding_stage import first_flow, held_hose, next_flow
 
@@ -237,8 +237,8 @@ def _solution(
     """Return what both hoses do to the joint."""
     a, speed = axis.actuator, t.arm * rate
     stiffness = a.displacement_1 * swept[0] * one.stiffness + a.displacement_2 * swept[1] * two.stiffness
-    seals = pressed(axis.friction, one.pressure, two.pressure)
-    passive = passive_force(t.position, speed, seals, axis)
+    pressures = one.pressure, two.pressure
+    passive = passive_force(t.position, speed, pressures, axis)
     force = actuator_force(speed, one.pressure, two.pressure, a) + passive
     return AxisSolution(
         rate=rate,
@@ -246,7 +246,7 @@ def _solution(
         one=one,
         two=two,
         torque=t.arm * force,
-        resistance=t.arm * t.arm * _resistance(speed, t, stiffness, seals, axis, h),
+        resistance=t.arm * t.arm * _resistance(speed, t, stiffness, pressures, axis, h),
         known=(hose_1.pressure, hose_2.pressure),
         swept=swept,
         lines=(hose_1.line, hose_2.line),
@@ -254,7 +254,7 @@ def _solution(
 
 
 def _resistance(
-    speed: float, t: Transmission, stiffness: float, seals: Friction, axis: Axis, h: float
+    speed: float, t: Transmission, stiffness: float, pressures: Pair, axis: Axis, h: float
 ) -> float:
     """Return -dF/du [N s/m; N m s/rad] of an actuator within a stage, the oil's stiffness first.
 
@@ -267,7 +267,7 @@ def _resistance(
         stiffness
         + a.linear_resistance
         + 2.0 * braking * abs(speed)
-        + friction_slope(speed, seals)
+        + friction_slope(speed, axis.friction, pressures[0], pressures[1])
         + end_stop_resistance(t.position, speed, axis.stop, h)
     )
 

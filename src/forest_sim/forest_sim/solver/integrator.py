@@ -17,6 +17,7 @@ from forest_sim.equations.multibody import HeadState
 from forest_sim.equations.plant import AxisState, PlantState, holds_loads, ports_at, with_lifts
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
+from forest_sim.hydraulics.flow_force import NO_JETS, AllJets
 from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
@@ -49,15 +50,17 @@ class Simulation(NamedTuple):
     head_accelerations: Pair  # of the hanging head, as well
     history: CommandHistory = NO_COMMANDS  # kept where a valve has a dead time
     lifts: AllLifts = NO_LIFTS  # of load-holding valves, half a step ago
+    jets: AllJets = NO_JETS  # flow forces on the spools, where they have any
 
 
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
     """Advance the machine by h [s] with the valve voltages [V] held."""
-    plant, spools, lifts, c = simulation.plant, simulation.spools, simulation.lifts, GAMMA * h
+    plant, lifts, jets, c = simulation.plant, simulation.lifts, simulation.jets, GAMMA * h
     acting, history = _acting(simulation.history, voltages, h, p)
     if feels_jets(p):
-        spools = pushed(plant, spools, p)
-    middle, end = spools_after(spools, acting, c, p), spools_after(spools, acting, h, p)
+        jets = pushed(plant, simulation.spools, jets, p)
+    middle = spools_after(simulation.spools, acting, c, p, jets)
+    end = spools_after(simulation.spools, acting, h, p, jets)
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
     if holds_loads(p):
         lifts = lifts_after(plant, lifts, simulation.spools, h, p)
@@ -82,7 +85,7 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     after = settled(after, held, p)
     events = _count(simulation.events, plant, after, failures, p.guard)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
-    return Simulation(after, end, events, rates_after, head_after, history, lifts)
+    return Simulation(after, end, events, rates_after, head_after, history, lifts, jets)
 
 
 def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:
@@ -133,18 +136,20 @@ def advance(simulation: Simulation, voltages: Vec3, h: float, count: int, p: Pla
     return simulation
 
 
-def spools_after(spools: Spools, voltages: Vec3, time: float, p: PlantParameters) -> Spools:
+def spools_after(
+    spools: Spools, voltages: Vec3, time: float, p: PlantParameters, jets: AllJets = NO_JETS
+) -> Spools:
     """Return the spools after a time [s] under held voltages [V]; they end at the rated one."""
     return (
-        _spool_after(spools[0], voltages[0], time, p.valves[0]),
-        _spool_after(spools[1], voltages[1], time, p.valves[1]),
-        _spool_after(spools[2], voltages[2], time, p.valves[2]),
+        _spool_after(spools[0], voltages[0], time, p.valves[0], jets[0].push),
+        _spool_after(spools[1], voltages[1], time, p.valves[1], jets[1].push),
+        _spool_after(spools[2], voltages[2], time, p.valves[2], jets[2].push),
     )
 
 
-def _spool_after(spool: Spool, voltage: float, time: float, valve: SpoolValve) -> Spool:
+def _spool_after(spool: Spool, voltage: float, time: float, valve: SpoolValve, push: float) -> Spool:
     rated = valve.law.forward.rated_voltage
-    return spool_after(spool, max(-rated, min(rated, voltage)), time, valve.lag)
+    return spool_after(spool, max(-rated, min(rated, voltage)), time, valve.lag, push)
 
 
 def _count(e: Events, before: PlantState, after: PlantState, failed: int, guard: PortGuard) -> Events:

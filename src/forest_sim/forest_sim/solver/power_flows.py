@@ -38,7 +38,7 @@ from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.side import storage
 from forest_sim.hydraulics.supply import manifold_capacitance, pump_flow
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
-from forest_sim.mechanics.friction import friction_force, pressed
+from forest_sim.mechanics.friction import friction_force
 from forest_sim.solver.integrator import Simulation
 
 
@@ -144,7 +144,6 @@ def _axis_power(
     lost_2, in_2 = _valve(s.pressure_2, -s.flow_2, ports.port_2, supply)
     one, two = sides(s, t, ports, axis)
     taken_up_1, taken_up_2 = storage(one, supply, p.guard), storage(two, supply, p.guard)
-    seals = pressed(axis.friction, s.pressure_1, s.pressure_2)
     drop_1, drop_2 = hose_drop(one.flow, axis.oil_1), hose_drop(two.flow, axis.oil_2)
     return AxisPower(
         supply=supply * axis_draw(s, ports, supply).flow,
@@ -161,7 +160,7 @@ def _axis_power(
         leakage=a.internal_leakage * ((p_1 - p_2) * (p_1 - p_2))
         + a.external_leakage * (p_1 * p_1 + p_2 * p_2),
         damping=a.damping * u * u,
-        dry_friction=friction_force(u, seals) * u + drive.friction,
+        dry_friction=friction_force(u, axis.friction, s.pressure_1, s.pressure_2) * u + drive.friction,
         cushion=cushion_resistance(t.position, u, axis.cushion) * abs(u) * u * u,
         stop=-end_stop_force(t.position, u, axis.stop) * u + drive.stop,
         joint=joint_torque(s, t, axis) * s.rate - drive.friction - drive.gear - drive.elastic - drive.stop,

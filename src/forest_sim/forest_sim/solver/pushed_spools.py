@@ -7,8 +7,8 @@ the jets take less than half of a spool's stroke, which a machine file must obey
 
 from forest_sim.equations.plant import AxisState, PlantState, valve_ports
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
-from forest_sim.hydraulics.flow_force import port_momentum
-from forest_sim.hydraulics.spool_dynamics import Spool, Spools
+from forest_sim.hydraulics.flow_force import AllJets, Jets, port_momentum
+from forest_sim.hydraulics.spool_dynamics import Spools
 
 
 def feels_jets(p: PlantParameters) -> bool:
@@ -16,21 +16,21 @@ def feels_jets(p: PlantParameters) -> bool:
     return p.valves[0].lag.jet + p.valves[1].lag.jet + p.valves[2].lag.jet != 0.0
 
 
-def pushed(plant: PlantState, spools: Spools, p: PlantParameters) -> Spools:
-    """Return the spools with which a step begins, and what pushes them in it; not inlined."""
+def pushed(plant: PlantState, spools: Spools, jets: AllJets, p: PlantParameters) -> AllJets:
+    """Return what pushes the spools in a step that begins with them; not inlined."""
     supply = plant.supply.pressure
     return (
-        _pushed(plant.swing, spools[0], p.valves[0], supply),
-        _pushed(plant.boom, spools[1], p.valves[1], supply),
-        _pushed(plant.stick, spools[2], p.valves[2], supply),
+        _pushed(plant.swing, spools[0].position, jets[0], p.valves[0], supply),
+        _pushed(plant.boom, spools[1].position, jets[1], p.valves[1], supply),
+        _pushed(plant.stick, spools[2].position, jets[2], p.valves[2], supply),
     )
 
 
-def _pushed(s: AxisState, spool: Spool, valve: SpoolValve, supply: float) -> Spool:
+def _pushed(s: AxisState, position: float, jets: Jets, valve: SpoolValve, supply: float) -> Jets:
     if valve.lag.jet == 0.0:
-        return spool
-    ports = valve_ports(spool.position, valve.law)
+        return jets
+    ports = valve_ports(position, valve.law)
     one = port_momentum(s.pressure_1, s.flow_1, ports.port_1, supply)
     two = port_momentum(s.pressure_2, -s.flow_2, ports.port_2, supply)
     force = valve.lag.jet * (one - two)
-    return Spool(spool.position, spool.rate, spool.target, force, 1.5 * force - 0.5 * spool.force)
+    return Jets(force, 1.5 * force - 0.5 * jets.force)

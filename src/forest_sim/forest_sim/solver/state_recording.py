@@ -20,6 +20,7 @@ from forest_sim.equations.multibody import HANGING_STILL, HeadState
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.command_history import SIZE, CommandHistory
+from forest_sim.hydraulics.flow_force import Jets
 from forest_sim.hydraulics.load_holding import Lifts
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool
 from forest_sim.hydraulics.supply import SupplyState
@@ -37,6 +38,7 @@ STATE = (
     *(f"{name}_acceleration" for name in (*AXES, "head_alpha", "head_beta")),
     *(f"command_{field}_{k}" for field in CommandHistory._fields for k in range(SIZE)),
     *(f"{axis}_lift_{field}" for axis in AXES for field in Lifts._fields),
+    *(f"{axis}_jets_{field}" for axis in AXES for field in Jets._fields),
 )
 ENERGY = (
     *(f"pump_{field}" for field in SupplyPower._fields),
