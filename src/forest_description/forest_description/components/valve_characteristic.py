@@ -175,6 +175,11 @@ def leakage_at(spool_voltage: float, law: ValveLaw) -> Leakage:
     """Return what leaks past the edges at a spool position; arguments as ``edges``."""
     if law.edge_ratio == 1.0:
         return Leakage(law.leakage, 0.0)
+    return _overlap_leakage(spool_voltage, law)
+
+
+def _overlap_leakage(spool_voltage: float, law: ValveLaw) -> Leakage:
+    """Return what ``leakage_at`` does where it follows the overlap; not inlined."""
     forward = law.leakage * leakage_share(spool_voltage, law.forward.deadband_voltage, law.edge_ratio)
     backward = law.leakage * leakage_share(-spool_voltage, law.backward.deadband_voltage, law.edge_ratio)
     return Leakage(0.5 * (forward + backward), 0.5 * (forward - backward))

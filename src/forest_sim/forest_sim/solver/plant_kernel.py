@@ -40,6 +40,7 @@ NOINLINE = (
     pushed_spools.pushed,
     axis_stage._solve_with_holding,
     valve_characteristic._curved_opening,
+    valve_characteristic._overlap_leakage,
     implicit_stage._iterate_further,
     implicit_stage._equations_at_again,
     power_flows.power_flows,
