@@ -93,29 +93,39 @@ class Transmission(NamedTuple):
     arm: float  # d(position)/d(angle) [1; m/rad]
 
 
-def valve_ports(spool_position: float, law: ValveLaw, vapour: float = -math.inf) -> Ports:
+def valve_ports(spool_position: float, law: ValveLaw, vapour: float = -math.inf, tank: float = 0.0) -> Ports:
     """Return both ports at a spool position; shut inside the overlap. Thesis eq. 3.1, 3.2, fig. 2.5.
 
     Args:
         spool_position: [V].
         law: of the valve.
         vapour: pressure at which the oil boils [Pa].
+        tank: P_t in the tank line [Pa].
     """
     e = edges(spool_position, law)
     return Ports(
-        Port(e.supply_1, e.tank_1, law.leakage, law.load_check, vapour),
-        Port(e.supply_2, e.tank_2, law.leakage, law.load_check, vapour),
+        Port(e.supply_1, e.tank_1, law.leakage, law.load_check, vapour, tank),
+        Port(e.supply_2, e.tank_2, law.leakage, law.load_check, vapour, tank),
         (1.0 if e.supply_1 < math.inf else 0.0, 1.0 if e.supply_2 < math.inf else 0.0),
     )
 
 
-def ports_at(spools: Spools, p: PlantParameters, lifts: AllLifts = NO_LIFTS) -> tuple[Ports, Ports, Ports]:
-    """Return the ports of swing, boom and stick at the positions of spools and of load-holding valves."""
+def ports_at(
+    spools: Spools, p: PlantParameters, lifts: AllLifts = NO_LIFTS, tank: float = 0.0
+) -> tuple[Ports, Ports, Ports]:
+    """Return the ports of swing, boom and stick at the positions of spools and of load-holding valves.
+
+    Args:
+        spools: of the valves.
+        p: the machine.
+        lifts: of its load-holding valves.
+        tank: P_t in the tank line [Pa].
+    """
     vapour = -p.supply.oil.above_vapour
     ports = (
-        valve_ports(spools[0].position, p.valves[0].law, vapour),
-        valve_ports(spools[1].position, p.valves[1].law, vapour),
-        valve_ports(spools[2].position, p.valves[2].law, vapour),
+        valve_ports(spools[0].position, p.valves[0].law, vapour, tank),
+        valve_ports(spools[1].position, p.valves[1].law, vapour, tank),
+        valve_ports(spools[2].position, p.valves[2].law, vapour, tank),
     )
     return with_lifts(ports, lifts) if holds_loads(p) else ports
 
