@@ -30,12 +30,15 @@ from forest_sim.equations.plant_parameters import Axis, PlantParameters, plant_p
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.hydraulics.load_holding import NO_LIFTS, SEATED_LIFTS, AllLifts, Lifts, restriction
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
+from forest_sim.hydraulics.pump_drive import UNDRIVEN, PumpState, engine_torque, stroke_rate
 from forest_sim.hydraulics.side import Side, side_rates
 from forest_sim.hydraulics.spool_dynamics import Spools
 from forest_sim.hydraulics.supply import (
     SupplyState,
+    asked_stroke,
+    flow_at,
     manifold_capacitance,
-    pump_flow,
+    pump_torque,
     reference_rate,
 )
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
@@ -55,7 +58,7 @@ class AxisState(NamedTuple):
 
 
 class PlantState(NamedTuple):
-    """The 18 states of Thesis eq. 3.20, and those of the pump, of a hanging head and of the swing's drive."""
+    """The 18 states of Thesis eq. 3.20, and those of pump, hanging head and the swing's drive."""
 
     swing: AxisState
     boom: AxisState
@@ -63,6 +66,7 @@ class PlantState(NamedTuple):
     supply: SupplyState
     head: HeadState
     drive: DriveState = AT_REST
+    pump: PumpState = UNDRIVEN
 
     @property
     def axes(self) -> tuple[AxisState, AxisState, AxisState]:
@@ -207,6 +211,7 @@ def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: Pl
         supply=_supply_derivative(state, ports, p),
         head=HeadState(state.head.alpha_rate, state.head.beta_rate, a_alpha, a_beta),
         drive=drive,
+        pump=pump_derivative(state, p),
     )
 
 
@@ -275,11 +280,24 @@ def _supply_derivative(
         return SupplyState(0.0, 0.0)
     pressure, reference = state.supply
     draw = supply_draw(state, ports)
-    delivered = pump_flow(pressure, reference, p.supply).delivered
+    delivered = flow_at(state.supply, state.pump, p.supply).delivered
     return SupplyState(
         (delivered - draw.flow) / manifold_capacitance(pressure, p.supply),
         reference_rate(reference, draw.load, p.supply),
     )
+
+
+def pump_derivative(state: PlantState, p: PlantParameters) -> PumpState:
+    """Return the derivatives of swash plate [1/s] and engine [rad/s^2]; one at rest stays so."""
+    d, pump = p.supply.drive, state.pump
+    if d.present == 0:
+        return UNDRIVEN
+    asked, turning = asked_stroke(state.supply, p.supply).value, 0.0
+    if d.inertia > 0.0 and pump.speed > 0.0:
+        stroke = pump.stroke if d.up > 0.0 else asked
+        load = pump_torque(stroke, state.supply.pressure, p.supply)
+        turning = (engine_torque(pump.speed, d) - load) / d.inertia
+    return PumpState(stroke_rate(pump.stroke, asked, d), turning)
 
 
 def supply_draw(state: PlantState, ports: tuple[Ports, Ports, Ports]) -> Draw:

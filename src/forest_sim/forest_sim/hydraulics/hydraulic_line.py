@@ -80,6 +80,13 @@ def guard_flow(pressure: float, guard: PortGuard) -> float:
     return 0.0
 
 
+def guard_conductance(pressure: float, guard: PortGuard) -> float:
+    """Return -d(flow)/d(pressure) [m^3/(s Pa)] of `guard_flow`."""
+    if pressure > guard.relief_pressure:
+        return guard.relief_conductance
+    return guard.anticavitation_conductance if pressure < guard.anticavitation_pressure else 0.0
+
+
 def pressure_rate(
     pressure: float, flow: float, actuator_flow: float, line: Line, guard: PortGuard, tank: float = 0.0
 ) -> float:

@@ -19,6 +19,7 @@ from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
 from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts
+from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.manipulator import Pair
@@ -26,6 +27,7 @@ from forest_sim.solver.conserved_oil import settled, with_contents
 from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.load_sensing import sensed_over
+from forest_sim.solver.tank_step import tank_after
 
 GAMMA = 1.0 - math.sqrt(0.5)
 
@@ -48,6 +50,7 @@ class Simulation(NamedTuple):
     head_accelerations: Pair  # of the hanging head, as well
     history: CommandHistory = NO_COMMANDS  # kept where a valve has a dead time
     lifts: AllLifts = NO_LIFTS  # of load-holding valves, half a step ago
+    tank: float = 0.0  # P_t in the tank line [Pa], half a step ago
 
 
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
@@ -56,7 +59,10 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     acting, history = _acting(simulation.history, voltages, h, p)
     middle = spools_after(simulation.spools, acting, c, p)
     end = spools_after(simulation.spools, acting, h, p)
-    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
+    tank = simulation.tank
+    if p.tank_line.capacitance > 0.0:
+        tank = tank_after(plant, simulation.spools, tank, h, p)
+    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, NO_LIFTS, tank)
     if holds_loads(p):
         lifts = lifts_after(plant, lifts, simulation.spools, h, p)
         ports = with_lifts(ports, lifts)
@@ -74,13 +80,13 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
             ahead = _blend(plant, after, 1.0 / GAMMA, p)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
             if end != middle:
-                ports = ports_at(end, p, lifts)
+                ports = ports_at(end, p, lifts, tank)
                 if p.supply.rate > 0.0:
                     ports = sensed_over(ports, simulation.spools, end, p)
     after = settled(after, held, p)
-    events = _count(simulation.events, plant, after, failures, p.guard)
+    events = _count(simulation.events, plant, after, failures, p.guard, tank)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
-    return Simulation(after, end, events, rates_after, head_after, history, lifts)
+    return Simulation(after, end, events, rates_after, head_after, history, lifts, tank)
 
 
 def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:
@@ -112,7 +118,7 @@ def _with_head_ahead(plant: PlantState, accelerations: Pair, time: float) -> Pla
     h = plant.head
     rates = h.alpha_rate + time * accelerations[0], h.beta_rate + time * accelerations[1]
     head = HeadState(h.alpha, h.beta, rates[0], rates[1])
-    return PlantState(plant.swing, plant.boom, plant.stick, plant.supply, head, plant.drive)
+    return PlantState(plant.swing, plant.boom, plant.stick, plant.supply, head, plant.drive, plant.pump)
 
 
 def _rates_after(plant: PlantState, accelerations: Vec3, time: float) -> Vec3:
@@ -145,14 +151,16 @@ def _spool_after(spool: Spool, voltage: float, time: float, valve: SpoolValve) -
     return spool_after(spool, max(-rated, min(rated, voltage)), time, valve.lag)
 
 
-def _count(e: Events, before: PlantState, after: PlantState, failed: int, guard: PortGuard) -> Events:
+def _count(
+    e: Events, before: PlantState, after: PlantState, failed: int, guard: PortGuard, tank: float
+) -> Events:
     """Count the port valves that opened over a step, and the stages whose Newton did not converge."""
     if guard.relief_conductance == 0.0 and guard.anticavitation_conductance == 0.0:
         return Events(e.relief_openings, e.anticavitation_openings, e.unconverged_stages + failed)
     a, b, c = (
-        _openings(before.swing, after.swing, guard),
-        _openings(before.boom, after.boom, guard),
-        _openings(before.stick, after.stick, guard),
+        _openings(before.swing, after.swing, guard, tank),
+        _openings(before.boom, after.boom, guard, tank),
+        _openings(before.stick, after.stick, guard, tank),
     )
     return Events(
         e.relief_openings + a[0] + b[0] + c[0],
@@ -161,9 +169,9 @@ def _count(e: Events, before: PlantState, after: PlantState, failed: int, guard:
     )
 
 
-def _openings(before: AxisState, after: AxisState, guard: PortGuard) -> tuple[int, int]:
+def _openings(before: AxisState, after: AxisState, guard: PortGuard, tank: float) -> tuple[int, int]:
     """Return how many of an axis' relief and anti-cavitation valves opened over a step."""
-    relief, check = guard.relief_pressure, guard.anticavitation_pressure
+    relief, check = guard.relief_pressure + tank, guard.anticavitation_pressure + tank
     return (
         int(before.pressure_1 <= relief < after.pressure_1)
         + int(before.pressure_2 <= relief < after.pressure_2),
@@ -185,6 +193,7 @@ def _blend(start: PlantState, stage: PlantState, weight: float, p: PlantParamete
         ),
         head=_blend_head(start.head, stage.head, weight),
         drive=_blend_drive(start.drive, stage.drive, weight) if p.drive.present else start.drive,
+        pump=_blend_pump(start.pump, stage.pump, weight) if p.supply.drive.present else start.pump,
     )
 
 
@@ -195,6 +204,10 @@ def _blend_head(a: HeadState, b: HeadState, w: float) -> HeadState:
         a.alpha_rate + w * (b.alpha_rate - a.alpha_rate),
         a.beta_rate + w * (b.beta_rate - a.beta_rate),
     )
+
+
+def _blend_pump(a: PumpState, b: PumpState, w: float) -> PumpState:
+    return PumpState(a.stroke + w * (b.stroke - a.stroke), a.speed + w * (b.speed - a.speed))
 
 
 def _blend_drive(a: DriveState, b: DriveState, w: float) -> DriveState:

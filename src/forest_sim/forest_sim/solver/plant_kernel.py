@@ -14,7 +14,7 @@ from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
 from forest_sim.equations import plant
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
-from forest_sim.hydraulics import command_history, port, spool_dynamics
+from forest_sim.hydraulics import command_history, port, spool_dynamics, supply
 from forest_sim.mechanics import pendulum
 from forest_sim.solver import (
     axis_stage,
@@ -24,6 +24,7 @@ from forest_sim.solver import (
     implicit_stage,
     integrator,
     power_flows,
+    tank_step,
 )
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
@@ -36,6 +37,8 @@ NOINLINE = (
     spool_dynamics._driven_spool,
     command_history.after_dead_time,
     holding_step.lifts_after,
+    tank_step.tank_after,
+    supply.flow_after,
     axis_stage._solve_with_holding,
     valve_characteristic._curved_opening,
     implicit_stage._iterate_further,
