@@ -93,7 +93,7 @@ SCALE = np.array([*(AXIS_SCALE * 3), 2e7, 2e7, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1e-
 
 
 def pack(state: PlantState) -> np.ndarray:
-    """Return all states, the axes' 18, supply's, hanging head's, swing drive's and pump's, each over its scale."""
+    """Return all states over their scales: the axes' 18, supply's, head's, swing drive's and pump's."""
     return np.array([x for part in state for x in part]) / SCALE
 
 

@@ -52,7 +52,7 @@ class Comparison:
     """One input on four pumps."""
 
     time: Floats  # [N] s
-    powers: dict[str, Floats]  # by kind of pump, [N, 10] W, means between the times
+    powers: dict[str, Floats]  # by kind of pump, [N, 12] W, means between the times
     energies: dict[str, dict[str, float]]  # by kind of pump, J
     paths: dict[str, float]  # by kind of pump, how far the tip went [m]
 

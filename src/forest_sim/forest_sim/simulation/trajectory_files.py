@@ -44,6 +44,8 @@ UNITS = {  # by a word of the name; the first that is in it
     "pressure": "Pa",
     "reference": "Pa",
     "flow": "m3/s",
+    "stroke": "1",
+    "speed": "rad/s",
 }
 LEFT_OUT = ("spool_rate", "spool_target", "acceleration", "lift_one", "lift_two")
 COLUMNS = tuple(
