@@ -107,7 +107,7 @@ def unpack(y: np.ndarray) -> PlantState:
 
 def reference(simulation, p: PlantParameters, seconds: float) -> np.ndarray:
     """Integrate `state_derivative` with the spools held, by scipy's Radau."""
-    ports = ports_at(simulation.spools, p, simulation.lifts, simulation.tank)
+    ports = ports_at(simulation.spools, p, simulation.lifts, simulation.tank.seen)
     solution = solve_ivp(
         lambda _, y: pack(state_derivative(unpack(y), ports, p)),
         (0.0, seconds),

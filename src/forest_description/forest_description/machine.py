@@ -177,8 +177,9 @@ class Machine(ParameterSet):
         taken = line.preload + line.resistance * flow**2
         if taken >= pump.supply_pressure:
             raise MachineError(
-                f"tank_line takes {taken:g} Pa at the pump's full flow ({flow:g} m3/s); allowed: less than "
-                f"pump.supply_pressure ({pump.supply_pressure:g} Pa)"
+                f"tank_line.resistance ({line.resistance:g} Pa*s2/m6) takes {taken:g} Pa at the pump's full "
+                f"flow, with its preload; allowed: less than pump.supply_pressure "
+                f"({pump.supply_pressure:g} Pa)"
             )
 
     def _check_holding(self, name: str, drive: SwingDrive | CylinderDrive) -> None:

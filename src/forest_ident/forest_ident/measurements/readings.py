@@ -7,7 +7,7 @@ times. Tests compare the two.
 
 | array | shape | holds |
 |---|---|---|
-| states | N, 101 | what `forest_sim.solver.state_recording.STATE` names |
+| states | N, 102 | what `forest_sim.solver.state_recording.STATE` names |
 | a column | N | one channel of `forest_sim.sensors.sensor_suite.CHANNELS`, in its unit |
 """
 
@@ -103,7 +103,7 @@ def _axis_columns(states: Floats, p: PlantParameters, place: int, name: str, val
     of[f"{name}_pressure_1_actuator"], of[f"{name}_pressure_2_actuator"] = one, two  # type: ignore[assignment]
     if valves:
         supply, law = states[:, PLACE["supply_pressure"]], p.valves[place].law
-        tank = states[:, PLACE["tank_pressure"]]
+        tank = states[:, PLACE["tank_seen"]]
         supply = supply - tank
         of[f"{name}_pressure_1_valve"] = tank + valve_pressures(p_1 - tank, q_1, spool, supply, law, 1)
         of[f"{name}_pressure_2_valve"] = tank + valve_pressures(p_2 - tank, -q_2, spool, supply, law, 2)

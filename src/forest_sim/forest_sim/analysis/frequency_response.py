@@ -49,7 +49,7 @@ def rate_response(
     up, down = (
         states(
             state_derivative(
-                point.plant, ports_at(_moved(point.spools, axis, by), p, point.lifts, point.tank), p
+                point.plant, ports_at(_moved(point.spools, axis, by), p, point.lifts, point.tank.seen), p
             )
         )
         for by in (DIFFERENCE, -DIFFERENCE)

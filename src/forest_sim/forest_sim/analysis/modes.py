@@ -133,7 +133,7 @@ def _turned(drive: DriveState, by: float, p: PlantParameters) -> DriveState:
 
 def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int, ...]]:
     """Return A [n, n] about an operating point and the places of its n states in `state_recording.STATE`."""
-    ports = ports_at(point.spools, p, point.lifts, point.tank)
+    ports = ports_at(point.spools, p, point.lifts, point.tank.seen)
     kept = [i for i in range(18) if i % 6 < 4 or _flows(point, ports, i // 6, i % 6 - 4, p)]
     if not p.supply.ideal:
         kept += [18] if p.supply.rate == 0.0 else [18, 19]

@@ -34,7 +34,12 @@ COLOURS = {
     "return_line": "#c49c94",
     "stored": "#17becf",
 }
-LABELS = {"pump": "pump losses", "port_valves": "port valves", "return_line": "tank line", "mechanical": "work on the links"}
+LABELS = {
+    "pump": "pump losses",
+    "port_valves": "port valves",
+    "return_line": "tank line",
+    "mechanical": "work on the links",
+}
 SMALL = 0.002  # of the engine's work: less has no place in a legend
 
 
@@ -133,7 +138,7 @@ def draw_pumps(
         out: file.
     """
     figure = Figure(figsize=(10.0, 9.0), dpi=100, layout="constrained")
-    figure.suptitle("The same voltages on four pumps")
+    figure.suptitle("The same motion on four pumps")
     grid = figure.add_gridspec(3, 1)
     shaft, work, bars = (figure.add_subplot(grid[row]) for row in range(3))
     for place, (name, power) in enumerate(powers.items()):

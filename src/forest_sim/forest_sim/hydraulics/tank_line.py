@@ -20,8 +20,6 @@ from typing import NamedTuple
 
 from forest_description.components.tank_line import TankLine
 
-SHARE = 1.0 - math.sqrt(0.5)  # of a step that each of two stages takes implicitly (L-stable, order 2)
-
 
 class ReturnLine(NamedTuple):
     """Constants of the law; a capacitance of 0: there is no line, and P_t is zero."""
@@ -31,7 +29,15 @@ class ReturnLine(NamedTuple):
     capacitance: float  # C [m^3/Pa]
 
 
+class TankState(NamedTuple):
+    """The tank line between two steps."""
+
+    pressure: float  # P_t [Pa]
+    seen: float  # P_t in the middle of the step before, with which its flows were found [Pa]
+
+
 NO_LINE = ReturnLine(0.0, 0.0, 0.0)
+DRAINED = TankState(0.0, 0.0)
 
 
 def return_line(line: TankLine | None) -> ReturnLine:
@@ -44,28 +50,33 @@ def line_flow(pressure: float, line: ReturnLine) -> float:
     return math.sqrt((pressure - line.preload) / line.resistance) if pressure > line.preload else 0.0
 
 
-def pressure_after(pressure: float, flow: float, yielding: float, step: float, line: ReturnLine) -> float:
-    """Return P_t [Pa] after a step in whose middle the valves return a flow.
+def pressure_amid(before: float, flow: float, yielding: float, step: float, line: ReturnLine) -> float:
+    """Return P_t [Pa] in the middle of a step, implicitly: C (P_t - before) = step/2 (Q - q(P_t)).
 
     Args:
-        pressure: P_t before [Pa].
-        flow: Q at that pressure [m^3/s].
+        before: P_t at its beginning [Pa].
+        flow: Q if P_t stayed so [m^3/s].
         yielding: -dQ/dP_t [m^3/(s Pa)], of port valves that are open.
         step: [s].
         line: the line.
     """
-    per_stage = line.capacitance / (SHARE * step)
-    admittance = per_stage + yielding
-    first = _solved(pressure, flow, admittance, line)
-    base = pressure + (1.0 - SHARE) / SHARE * (first - pressure)
-    return _solved((per_stage * base + yielding * pressure) / admittance, flow, admittance, line)
-
-
-def _solved(known: float, flow: float, admittance: float, line: ReturnLine) -> float:
-    """Return the P_t at which admittance (P_t - known) = flow - q(P_t), or zero if it would be less."""
-    shut = known + flow / admittance
+    admittance = 2.0 * line.capacitance / step + yielding
+    shut = before + flow / admittance
     if shut <= line.preload:
         return max(0.0, shut)
     beyond = admittance * (shut - line.preload)
     q = 2.0 * beyond / (1.0 + math.sqrt(1.0 + 4.0 * admittance * line.resistance * beyond))
     return line.preload + line.resistance * q * q
+
+
+def pressure_after(state: TankState, returned: float, step: float, line: ReturnLine) -> TankState:
+    """Return the tank line after a step.
+
+    Args:
+        state: P_t at its beginning, and in its middle.
+        returned: mean of what the valves return over it [m^3/s].
+        step: [s].
+        line: the line.
+    """
+    passed = line_flow(state.seen, line)
+    return TankState(max(0.0, state.pressure + step / line.capacitance * (returned - passed)), state.seen)

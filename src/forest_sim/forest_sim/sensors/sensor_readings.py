@@ -149,7 +149,9 @@ def report_at_rest(state: SensorState, simulation: Simulation, k: tuple[Sensors,
     """
     s, links = k
     readings = tuple([channel.reading for channel in state.channels])
-    flow, used = _supply(simulation, ports_at(simulation.spools, s.plant, NO_LIFTS, simulation.tank), s.plant)
+    flow, used = _supply(
+        simulation, ports_at(simulation.spools, s.plant, NO_LIFTS, simulation.tank.seen), s.plant
+    )
     seen = measurement(readings, state.estimates, s.plant, flow, used)
     return _with_truth(seen, simulation, s.plant, links)
 
@@ -174,7 +176,7 @@ def sampled(
     """
     time = state.time + dt
     due = time > state.next_sample - TIME_TOLERANCE
-    ports = ports_at(simulation.spools, s.plant, NO_LIFTS, simulation.tank)
+    ports = ports_at(simulation.spools, s.plant, NO_LIFTS, simulation.tank.seen)
     before = state.channels
     true = _true_values(simulation, ports, s.plant, s.around)
     samples = tuple(
@@ -206,7 +208,7 @@ def true_joints(simulation: Simulation, p: PlantParameters) -> Motion:
 
 def true_values(simulation: Simulation, p: PlantParameters, around: Surroundings) -> tuple[float, ...]:
     """Return what every channel would read if it were exact, in the order of `CHANNELS`."""
-    ports = ports_at(simulation.spools, p, NO_LIFTS, simulation.tank)
+    ports = ports_at(simulation.spools, p, NO_LIFTS, simulation.tank.seen)
     return _true_values(simulation, ports, p, around)
 
 

@@ -76,7 +76,7 @@ def dissipated_energy(energies: Floats) -> float:
 
 
 def account(energies: Floats) -> Account:
-    """Return the account of recorded energies [..., 60], `state_recording.ENERGY`."""
+    """Return the account of recorded energies [..., 63], `state_recording.ENERGY`."""
     parts = {
         entry: sum(energies[..., place] for name in names for place in _places(name))
         for entry, names in _PARTS.items()
@@ -120,7 +120,7 @@ def oil_energy(simulation: Simulation, p: PlantParameters) -> float:
     plant = simulation.plant
     supply = 0.0 if p.supply.ideal else manifold_energy(plant.supply.pressure, p.supply)
     at = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
-    returning = 0.5 * p.tank_line.capacitance * simulation.tank**2
+    returning = 0.5 * p.tank_line.capacitance * simulation.tank.pressure**2
     return (
         supply
         + returning

@@ -22,12 +22,13 @@ from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts
 from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.hydraulics.tank_line import DRAINED, TankState, pressure_after
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.conserved_oil import settled, with_contents
 from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.load_sensing import sensed_over
-from forest_sim.solver.tank_step import tank_after
+from forest_sim.solver.tank_step import returned_flow, tank_amid
 
 GAMMA = 1.0 - math.sqrt(0.5)
 
@@ -50,7 +51,7 @@ class Simulation(NamedTuple):
     head_accelerations: Pair  # of the hanging head, as well
     history: CommandHistory = NO_COMMANDS  # kept where a valve has a dead time
     lifts: AllLifts = NO_LIFTS  # of load-holding valves, half a step ago
-    tank: float = 0.0  # P_t in the tank line [Pa], half a step ago
+    tank: TankState = DRAINED
 
 
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
@@ -59,10 +60,10 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     acting, history = _acting(simulation.history, voltages, h, p)
     middle = spools_after(simulation.spools, acting, c, p)
     end = spools_after(simulation.spools, acting, h, p)
-    tank = simulation.tank
+    tank, returned = simulation.tank, 0.0
     if p.tank_line.capacitance > 0.0:
-        tank = tank_after(plant, simulation.spools, tank, h, p)
-    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, NO_LIFTS, tank)
+        tank = tank_amid(plant, simulation.spools, tank, h, p)
+    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, NO_LIFTS, tank.seen)
     if holds_loads(p):
         lifts = lifts_after(plant, lifts, simulation.spools, h, p)
         ports = with_lifts(ports, lifts)
@@ -74,17 +75,21 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
         after, held, failed = solve_stage(base, ahead, rates, ports, c, p)
         failures += failed
+        if p.tank_line.capacitance > 0.0:
+            returned += (GAMMA if stage else 1.0 - GAMMA) * returned_flow(after, ports, p)
         if stage == 0:
             # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
             base = _blend(start, held, (1.0 - GAMMA) / GAMMA, p)
             ahead = _blend(plant, after, 1.0 / GAMMA, p)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
             if end != middle:
-                ports = ports_at(end, p, lifts, tank)
+                ports = ports_at(end, p, lifts, tank.seen)
                 if p.supply.rate > 0.0:
                     ports = sensed_over(ports, simulation.spools, end, p)
+    if p.tank_line.capacitance > 0.0:
+        tank = pressure_after(tank, returned, h, p.tank_line)
     after = settled(after, held, p)
-    events = _count(simulation.events, plant, after, failures, p.guard, tank)
+    events = _count(simulation.events, plant, after, failures, p.guard, tank.seen)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
     return Simulation(after, end, events, rates_after, head_after, history, lifts, tank)
 

@@ -9,8 +9,8 @@ signs, and their integrals over a run are its energy account.
 |---|---|---|---|---|
 | pump | engine | pump_friction, pump_leakage, main_relief | manifold, flywheel | supply |
 | valve | supply | throttling | | hose inlets, tank line |
-| tank line | returned | return_line | tank_line | |
-| hose | its inlet | port_valves, resistance, holding, compression | hose | actuator |
+| tank line | returned, relieved | return_line | tank_line | |
+| hose | its inlet | port_valves, resistance, holding, compression | hose | actuator, tank line |
 | actuator | | leakage, damping, dry_friction, cushion, gear | stop, elastic | joint |
 | links | joint, external | | kinetic and potential energy | |
 """
@@ -79,7 +79,8 @@ class AxisPower(NamedTuple):
     joint: float  # handed to the joint
     gear: float  # lost between the teeth of a gear with play
     elastic: float  # stored in motor, teeth and the bristles of a bearing that sticks
-    returned: float  # handed to the tank line
+    returned: float  # handed to the tank line by the valve's edges
+    relieved: float  # handed to it by port valves, less what they take from it
 
 
 class PowerFlows(NamedTuple):
@@ -93,7 +94,7 @@ class PowerFlows(NamedTuple):
 
 def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     """Return where the power goes at a state. Thesis section 2.2, fig. 2.3."""
-    state, ports = simulation.plant, ports_at(simulation.spools, p, simulation.lifts, simulation.tank)
+    state, ports = simulation.plant, ports_at(simulation.spools, p, simulation.lifts, simulation.tank.seen)
     t_1, t_2, t_3 = transmissions(state.swing.angle, state.boom.angle, state.stick.angle, p)
     pressure = state.supply.pressure
     motor, drive = motor_side(state, p), NO_POWER
@@ -104,8 +105,10 @@ def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     boom = _axis_power(state.boom, t_2, ports[1], pressure, p.boom, NO_POWER, p)
     stick = _axis_power(state.stick, t_3, ports[2], pressure, p.stick, NO_POWER, p)
     drawn = swing.supply + boom.supply + stick.supply
-    lost = simulation.tank * line_flow(simulation.tank, p.tank_line)
+    seen = simulation.tank.seen
+    lost = seen * line_flow(seen, p.tank_line)
     taken_up = swing.returned + boom.returned + stick.returned - lost
+    taken_up += swing.relieved + boom.relieved + stick.relieved
     if p.supply.ideal:
         return PowerFlows(
             SupplyPower(
@@ -194,7 +197,8 @@ def _axis_power(
         joint=joint_torque(s, t, axis) * s.rate - drive.friction - drive.gear - drive.elastic - drive.stop,
         gear=drive.gear,
         elastic=drive.elastic,
-        returned=tank * (to_tank - guarded_1 - guarded_2),
+        returned=tank * to_tank,
+        relieved=-tank * (guarded_1 + guarded_2),
     )
 
 

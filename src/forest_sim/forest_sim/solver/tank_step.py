@@ -1,8 +1,8 @@
 """The tank line over a step: it takes what all valves return, and they see its pressure.
 
-Its pressure is known half a step from the states, as the lifts of `holding_step` are: a step's
-flows are those in the middle of the line's step (leapfrog, second order). The line itself is
-implicit, and so is what port valves do to it, so that no line is too small for the step.
+All of a step has the line's pressure in its middle (second order), foreseen from the flows at its
+beginning. What the stages then return is what the line gets, so that no oil is lost between them.
+The foresight is implicit, in what port valves do to the line, too: no line is too small for it.
 """
 
 from typing import NamedTuple
@@ -24,7 +24,7 @@ from forest_sim.hydraulics.oil_volume import content
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.side import Side, side_rates
 from forest_sim.hydraulics.spool_dynamics import Spools
-from forest_sim.hydraulics.tank_line import pressure_after
+from forest_sim.hydraulics.tank_line import TankState, pressure_amid
 
 
 class Returned(NamedTuple):
@@ -34,15 +34,31 @@ class Returned(NamedTuple):
     yielding: float  # -dQ/dP_t of port valves over a step [m^3/(s Pa)]
 
 
-def tank_after(plant: PlantState, spools: Spools, tank: float, h: float, p: PlantParameters) -> float:
-    """Return P_t [Pa] with which a step of h [s] is made; not inlined."""
-    ports, supply = ports_at(spools, p, NO_LIFTS, tank), plant.supply.pressure
+def tank_amid(plant: PlantState, spools: Spools, tank: TankState, h: float, p: PlantParameters) -> TankState:
+    """Return the tank line with P_t in the middle of a step of h [s]; not inlined."""
+    ports, half = ports_at(spools, p, NO_LIFTS, tank.pressure), 0.5 * h
+    supply = plant.supply.pressure
     t_1, t_2, t_3 = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
-    swing = _returned(motor_side(plant, p), t_1, ports[0], supply, p.swing, p.guard, h)
-    boom = _returned(plant.boom, t_2, ports[1], supply, p.boom, p.guard, h)
-    stick = _returned(plant.stick, t_3, ports[2], supply, p.stick, p.guard, h)
+    swing = _returned(motor_side(plant, p), t_1, ports[0], supply, p.swing, p.guard, half)
+    boom = _returned(plant.boom, t_2, ports[1], supply, p.boom, p.guard, half)
+    stick = _returned(plant.stick, t_3, ports[2], supply, p.stick, p.guard, half)
     flow = swing.flow + boom.flow + stick.flow
-    return pressure_after(tank, flow, swing.yielding + boom.yielding + stick.yielding, h, p.tank_line)
+    yielding = swing.yielding + boom.yielding + stick.yielding
+    return TankState(tank.pressure, pressure_amid(tank.pressure, flow, yielding, h, p.tank_line))
+
+
+def returned_flow(plant: PlantState, ports: tuple[Ports, Ports, Ports], p: PlantParameters) -> float:
+    """Return what all valves return at a state [m^3/s]; not inlined."""
+    swing = _given_back(plant.swing, ports[0], plant.supply.pressure, p.guard)
+    boom = _given_back(plant.boom, ports[1], plant.supply.pressure, p.guard)
+    return swing + boom + _given_back(plant.stick, ports[2], plant.supply.pressure, p.guard)
+
+
+def _given_back(s: AxisState, ports: Ports, supply: float, guard: PortGuard) -> float:
+    tank = ports.port_1.tank
+    through = tank_flow(s.pressure_1, s.flow_1, ports.port_1, supply)
+    through += tank_flow(s.pressure_2, -s.flow_2, ports.port_2, supply)
+    return through - guard_flow(s.pressure_1 - tank, guard) - guard_flow(s.pressure_2 - tank, guard)
 
 
 def _returned(
