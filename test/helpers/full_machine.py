@@ -22,14 +22,15 @@ from forest_sim.equations.drive import DriveState
 from forest_sim.equations.multibody import HeadState
 from forest_sim.equations.plant import AxisState, PlantState, ports_at, state_derivative
 from forest_sim.equations.plant_parameters import PlantParameters
+from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.compiled_plant import compiled_advance
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
 PRESSURE = C180.pump.supply_pressure
-SHARED = {field.name: getattr(C180.pump, field.name) for field in dataclasses.fields(C180.pump)}
-BAND, RELIEF = SHARED.pop("compensator_band"), SHARED.pop("relief_pressure")
+SHARED = {field.name: getattr(C180.pump, field.name) for field in dataclasses.fields(ConstantFlowPump)}
+BAND, RELIEF = C180.pump.compensator_band, C180.pump.relief_pressure
 
 PUMPS = {
     "ideal": IdealPump(PRESSURE),
@@ -87,11 +88,12 @@ def advance(simulation, voltages, h, count, p):
     return compiled_advance()(simulation, voltages, h, count, p)
 
 
-SCALE = np.array([*([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3] * 3), 2e7, 2e7, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1e-3])
+AXIS_SCALE, PUMP_SCALE = [1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3], [1.0, 100.0]
+SCALE = np.array([*(AXIS_SCALE * 3), 2e7, 2e7, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1e-3, *PUMP_SCALE])
 
 
 def pack(state: PlantState) -> np.ndarray:
-    """Return all states, the axes' 18, pump's, hanging head's and swing drive's, each over its scale."""
+    """Return all states over their scales: the axes' 18, supply's, head's, swing drive's and pump's."""
     return np.array([x for part in state for x in part]) / SCALE
 
 
@@ -99,12 +101,13 @@ def unpack(y: np.ndarray) -> PlantState:
     """Return the state that `pack` was given."""
     v = (y * SCALE).tolist()
     axes = (AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]))
-    return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]), DriveState(*v[24:27]))
+    head, drive = HeadState(*v[20:24]), DriveState(*v[24:27])
+    return PlantState(*axes, SupplyState(*v[18:20]), head, drive, PumpState(*v[27:29]))
 
 
 def reference(simulation, p: PlantParameters, seconds: float) -> np.ndarray:
     """Integrate `state_derivative` with the spools held, by scipy's Radau."""
-    ports = ports_at(simulation.spools, p)
+    ports = ports_at(simulation.spools, p, simulation.lifts, simulation.tank.seen)
     solution = solve_ivp(
         lambda _, y: pack(state_derivative(unpack(y), ports, p)),
         (0.0, seconds),

@@ -15,8 +15,9 @@ from forest_description.components.hose import GeometricHose, Hose, Line, Measur
 from forest_description.components.inertia import require_rigid
 from forest_description.components.load import Log, Pendulum, RotatorAndGrapple
 from forest_description.components.oil import Oil
-from forest_description.components.pump import LoadSensingPump, Pump
+from forest_description.components.pump import IdealPump, LoadSensingPump, Pump
 from forest_description.components.sensors import Sensors
+from forest_description.components.tank_line import TankLine
 from forest_description.components.valve_parameters import PortValves, Valve
 from forest_description.config import schema, source_tree
 from forest_description.config.parameter import MachineError, ParameterSet, choice, parameter
@@ -134,6 +135,7 @@ class Machine(ParameterSet):
     port_valves: PortValves | None
     end_stops: EndStops | None
     command_timeout: float = parameter("s", 0.005, 10.0, "age at which a voltage command counts as zero")
+    tank_line: TankLine | None = None
 
     def __post_init__(self) -> None:
         """Check ranges, where the joints go, the port valves, and what hoses known by their bore need."""
@@ -147,6 +149,7 @@ class Machine(ParameterSet):
             )
         self._check_bearing()
         self._check_jets()
+        self._check_tank_line()
         for axis, name in enumerate(AXES):
             drive = self.drives[axis]
             if drive.chambers is not None and self.oil is None:
@@ -166,6 +169,20 @@ class Machine(ParameterSet):
                     f"{name}.length_exponent ({drive.length_exponent:g}) must be 1 with a geometric hose: "
                     "there is no measured length to go by"
                 )
+
+    def _check_tank_line(self) -> None:
+        """Raise if the tank line takes all of the pump's pressure."""
+        line, pump = self.tank_line, self.pump
+        if line is None:
+            return
+        flow = 0.0 if isinstance(pump, IdealPump) else pump.flow_limit
+        taken = line.preload + line.resistance * flow**2
+        if taken >= pump.supply_pressure:
+            raise MachineError(
+                f"tank_line.resistance ({line.resistance:g} Pa*s2/m6) takes {taken:g} Pa at the pump's full "
+                f"flow, with its preload; allowed: less than pump.supply_pressure "
+                f"({pump.supply_pressure:g} Pa)"
+            )
 
     def _check_holding(self, name: str, drive: SwingDrive | CylinderDrive) -> None:
         """Raise if a load-holding valve has no oil of its own behind it, or a relief valve undoes it."""

@@ -14,8 +14,8 @@ from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
 
 PUMP = load_machine("c180").pump
-SHARED = {field.name: getattr(PUMP, field.name) for field in fields(PUMP) if field.name != "compensator_band"}
-RELIEF = SHARED.pop("relief_pressure")
+SHARED = {field.name: getattr(PUMP, field.name) for field in fields(ConstantFlowPump)}
+RELIEF = PUMP.relief_pressure
 SENSING = LoadSensingPump(
     **SHARED, relief_pressure=RELIEF, compensator_band=5e5, margin=2e6, response_time=0.05
 )

@@ -63,6 +63,13 @@ COMPENSATOR = (
     "valve:\n  compensator:\n    kind: {kind}\n    setting: = {setting} MPa\n    control_range: = 0.4 MPa\n"
     "    minimum_resistance: = 5e10 Pa*s2/m6\n    response_time: = 15 ms\n"
 )
+ENGINE = """pump:
+  engine:
+    inertia: = 3 kg*m2
+    droop: = {droop} percent
+    torque: = {torque} N*m
+    stall_speed: = {stall} rpm
+"""
 OTHERS = [
     ("c180_thesis", "manipulator:\n  head_folding: full\n", 2, "allowed: boom_xx of 77.6049 kg*m2 or more"),
     (
@@ -148,6 +155,53 @@ OTHERS = [
         "pump:\n  compensator_band: = 9 MPa\n  supply_pressure: = 8 MPa\n",
         3,
         "pump.compensator_band (9e+06 Pa) must be smaller than supply_pressure (8e+06 Pa)",
+    ),
+    (
+        "c180",
+        "pump:\n  stroke_up_time: = 0 s\n  stroke_down_time: = 1 s\n",
+        3,
+        "= 0 s is outside the range 0.001",
+    ),
+    (
+        "loader",
+        "pump:\n  stroke_up_time: = 50 ms\n",
+        3,
+        "pump.stroke_up_time alone; allowed: stroke_up_time and",
+    ),
+    ("loader", "pump:\n  stroke_down_time: = 50 ms\n", 3, "pump.stroke_down_time alone; allowed: stroke_up"),
+    ("c180", "pump:\n  torque_limit: = -90 N*m\n", 3, "pump.torque_limit = -90 N*m is outside the range 1"),
+    (
+        "c180",
+        "pump:\n  torque_limit: = 8 N*m\n",
+        3,
+        "pump.torque_limit (8 N*m) does not even hold supply_pressure against leakage_resistance",
+    ),
+    ("c180", ENGINE.format(droop=120, torque=550, stall=800), 5, "droop = 120 percent (1.2 1) is outside"),
+    (
+        "c180",
+        ENGINE.format(droop=0, torque=550, stall=800),
+        5,
+        "pump.engine.droop = 0 percent (0 1) is outside",
+    ),
+    ("c180", ENGINE.format(droop=8, torque=-550, stall=800), 6, "torque = -550 N*m is outside the range 1"),
+    ("c180", ENGINE.format(droop=8, torque=9, stall=800), 6, "pump.engine.torque (9 N*m) does not even hold"),
+    (
+        "c180",
+        ENGINE.format(droop=8, torque=550, stall=2400),
+        7,
+        "pump.engine.stall_speed (251.327 rad/s) must be below the speed at greatest torque (240.855 rad/s)",
+    ),
+    (
+        "c180",
+        "tank_line:\n  preload: = 2 bar\n  resistance: = 2e12 Pa*s2/m6\n  capacitance: = 1e-11 m3/Pa\n",
+        4,
+        "tank_line.resistance (2e+12 Pa*s2/m6) takes 2.8325e+07 Pa at the pump's full flow, with its",
+    ),
+    (
+        "c180",
+        "tank_line:\n  preload: = 2 bar\n  resistance: = 0 Pa*s2/m6\n  capacitance: = 1e-11 m3/Pa\n",
+        4,
+        "tank_line.resistance = 0 Pa*s2/m6 is outside the range 1e+07 .. 1e+14 Pa*s2/m6",
     ),
     (
         "loader",

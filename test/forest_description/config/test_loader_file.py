@@ -64,7 +64,7 @@ MISSING = [
 ]
 RENAMED = [
     ("boom.stroke", f"strok: {number(480, 'mm')}", "boom.strok", "retracted_length, stroke, pivot_to_base"),
-    ("pump.margin", f"margn: {number(22, 'bar')}", "pump.margn", "compensator_band, margin, response_time"),
+    ("pump.margin", f"margn: {number(22, 'bar')}", "pump.margn", "engine, margin, response_time"),
     ("end_stops.swing_damping", f"swing_dampin: {number(1, 'N')}", "end_stops.swing_dampin", "swing_damping"),
     ("stick.flow_regime", "flow: turbulent", "stick.flow", "flow_regime, valve"),
     ("port_valves", "port_valve:", "port_valve", "port_valves, end_stops"),

@@ -218,8 +218,13 @@ def test_friction_cushion_and_flow_regime_are_chosen_per_axis(write):
 def test_every_sort_of_every_component_declares_its_parameters():
     declared = parameters(Machine)
     for sort in (IdealPump, PressureCompensatedPump, ConstantFlowPump, LoadSensingPump):
-        assert {f"pump.{field.name}" for field in dataclasses.fields(sort)} <= set(declared)
-    for key in ("valve.curve.coefficients", "valve.curve.voltages", "stick.valve.backward.deadband_voltage"):
+        assert {f"pump.{field.name}" for field in dataclasses.fields(sort)} <= {*declared, "pump.engine"}
+    for key in (
+        "pump.engine.droop",
+        "valve.curve.coefficients",
+        "valve.curve.voltages",
+        "stick.valve.backward.deadband_voltage",
+    ):
         assert key in declared
 
 

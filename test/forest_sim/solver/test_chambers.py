@@ -38,6 +38,7 @@ SMOOTH = dataclasses.replace(REAL.valve, hysteresis=None, dead_time=None, spool_
 PLAIN = dataclasses.replace(
     CLEAN,
     pump=IdealPump(REAL.pump.supply_pressure),
+    tank_line=None,
     port_valves=None,
     valve=dataclasses.replace(SMOOTH, spool_bandwidth=None),
     boom=dataclasses.replace(REAL.boom, holding_1=None),

@@ -20,7 +20,7 @@ from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import ENERGY, STATE
 
-REAL = load_machine("c180_real")
+REAL, C180 = load_machine("c180_real"), load_machine("c180")
 VALVE = REAL.boom.holding_1
 MPA = 1e6
 POSE = (0.0, 0.4, -1.4)
@@ -31,9 +31,11 @@ WIDE = dataclasses.replace(REAL.valve, minimum_resistance=1e10, port_2_area=0.05
 
 
 def crane(boom, valve=REAL.valve, head_mass=700.0):
-    """c180_real with one load-holding valve at most, at the boom's head side, its seals without friction."""
+    """c180_real with one load-holding valve at most, at the boom's head side; c180's pump, free seals."""
     return dataclasses.replace(
         REAL,
+        pump=C180.pump,
+        tank_line=None,
         valve=valve,
         boom=dataclasses.replace(REAL.boom, holding_1=boom, friction=None),
         stick=dataclasses.replace(REAL.stick, holding_1=None, holding_2=None, friction=None),

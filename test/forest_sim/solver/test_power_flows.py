@@ -63,11 +63,12 @@ def test_every_part_hands_on_what_it_neither_loses_nor_stores(machine):
         flows = power_flows(simulation, p)
         pump = flows.pump
         lost = pump.pump_friction + pump.pump_leakage + pump.main_relief
-        assert gap(pump.engine, -lost, -pump.manifold, -pump.supply) < 1e-9
+        assert gap(pump.engine, -lost, -pump.manifold, -pump.flywheel, -pump.supply) < 1e-9
         for a in (flows.swing, flows.boom, flows.stick):
-            assert gap(a.supply, -a.throttling, -a.inlets) < 1e-9
+            assert gap(a.supply, -a.throttling, -a.inlets, -a.returned) < 1e-9
             lost = (
                 a.port_valves
+                + a.relieved
                 + a.resistance
                 + a.holding
                 + a.compression

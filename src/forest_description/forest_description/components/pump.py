@@ -12,7 +12,23 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from forest_description.config.parameter import MachineError, ParameterSet, parameter, require_order
+from forest_description.config.parameter import (
+    MachineError,
+    ParameterSet,
+    optional_parameter,
+    parameter,
+    require_order,
+)
+
+
+@dataclass(frozen=True)
+class Engine(ParameterSet):
+    """Diesel engine whose governor lets the speed droop; a pump without one turns at constant speed."""
+
+    inertia: float = parameter("kg*m2", 0.01, 1e3, "of crankshaft, flywheel and pumps")
+    droop: float = parameter("1", 1e-3, 1.0, "share of shaft_speed lost from no load to greatest torque")
+    torque: float = parameter("N*m", 1.0, 1e5, "greatest that it gives, as far as engine_power allows")
+    stall_speed: float = parameter("rad/s", 1.0, 1000.0, "below it the engine stalls: it gives no torque")
 
 
 @dataclass(frozen=True)
@@ -44,7 +60,9 @@ class _RealPump(ParameterSet):
     supply_pressure: float = parameter("Pa", 1e5, 5e7, "pressure that the pump keeps, at no flow")
     count: float = parameter("1", 1.0, 20.0, "number of equal pumps on one manifold")
     displacement: float = parameter("m3/rad", 1e-8, 1e-3, "greatest displacement of one pump")
-    shaft_speed: float = parameter("rad/s", 1.0, 1000.0, "speed of the engine and the pumps")
+    shaft_speed: float = parameter(
+        "rad/s", 1.0, 1000.0, "speed of the engine and the pumps; without load, where it droops"
+    )
     engine_power: float = parameter("W", 100.0, 1e7, "greatest power that the engine gives to the pumps")
     mechanical_efficiency: float = parameter("1", 0.1, 1.0, "hydraulic over shaft power, friction's share")
     leakage_resistance: float = parameter("Pa*s/m3", 1e8, 1e18, "from the outlet to the tank, all pumps")
@@ -91,15 +109,25 @@ class ConstantFlowPump(_RealPump):
     kind: ClassVar[str] = "constant_flow"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _ControlledPump(_RealPump):
     """A pump that takes its stroke back at a pressure; the main relief valve is there for its failure."""
 
     relief_pressure: float = parameter("Pa", 1e5, 1e8, "at which the main relief valve opens")
     compensator_band: float = parameter("Pa", 1e3, 1e7, "pressure by which full stroke lies below no flow")
+    stroke_up_time: float | None = optional_parameter(
+        "s", 1e-3, 10.0, "time constant of the swash plate towards more displacement"
+    )
+    stroke_down_time: float | None = optional_parameter(
+        "s", 1e-3, 10.0, "time constant of the swash plate towards less displacement"
+    )
+    torque_limit: float | None = optional_parameter(
+        "N*m", 1.0, 1e6, "displacement of all pumps times pressure, at most"
+    )
+    engine: Engine | None = None
 
     def __post_init__(self) -> None:
-        """Check ranges, that full stroke is reached, and that the relief valve is shut in control."""
+        """Check ranges, that the relief valve is shut in control, and what swash plate and engine need."""
         super().__post_init__()
         band, most = self.compensator_band, self.supply_pressure
         require_order("compensator_band", band, "supply_pressure", most, "Pa")
@@ -107,6 +135,29 @@ class _ControlledPump(_RealPump):
             raise MachineError(
                 f"relief_pressure ({self.relief_pressure:g} Pa) must not be below supply_pressure "
                 f"({self.supply_pressure:g} Pa): the pump would deliver over it at rest"
+            )
+        if (self.stroke_up_time is None) != (self.stroke_down_time is None):
+            given = "stroke_down_time" if self.stroke_up_time is None else "stroke_up_time"
+            raise MachineError(f"{given} alone; allowed: stroke_up_time and stroke_down_time, or neither")
+        if self.torque_limit is not None:
+            self._require_torque("torque_limit", self.torque_limit, 1.0)
+        if self.engine is not None:
+            self._require_torque("engine.torque", self.engine.torque, self.mechanical_efficiency)
+            drooped = (1.0 - self.engine.droop) * self.shaft_speed
+            if self.engine.stall_speed >= drooped:
+                raise MachineError(
+                    f"engine.stall_speed ({self.engine.stall_speed:g} rad/s) must be below the speed at "
+                    f"greatest torque ({drooped:g} rad/s): the engine would stall before it gives it"
+                )
+
+    def _require_torque(self, name: str, torque: float, efficiency: float) -> None:
+        """Raise if a torque [N m] does not hold the pressure against leakage."""
+        leaked = self.supply_pressure / self.leakage_resistance
+        needed = leaked / self.shaft_speed * self.supply_pressure / efficiency
+        if torque <= needed:
+            raise MachineError(
+                f"{name} ({torque:g} N*m) does not even hold supply_pressure against leakage_resistance; "
+                f"allowed: above {needed:g} N*m"
             )
 
 

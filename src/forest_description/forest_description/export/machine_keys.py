@@ -62,6 +62,9 @@ Numbers that contradict each other are refused, too:
 - a port relief below the pump's or the anti-cavitation pressure; a main relief below the pump's
 - a pump that its own leakage or its engine keeps from its pressure; half a pump
 - a compensator band above the pump's pressure or the load-sensing margin
+- one of the swash plate's two times alone; a torque that does not even hold the pump's pressure
+- an engine that stalls before it gives its greatest torque
+- a tank line that takes all of the pump's pressure at its full flow
 - friction whose `smoothing_speed` is above its `stribeck_speed`; seals that pressure alone would hold
 - breaking away that is easier than sliding, or takes over 0.01 rad, or more than the motor has
 - a gear whose play is wider than the swing's travel

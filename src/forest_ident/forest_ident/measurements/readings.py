@@ -7,7 +7,7 @@ times. Tests compare the two.
 
 | array | shape | holds |
 |---|---|---|
-| states | N, 98 | what `forest_sim.solver.state_recording.STATE` names |
+| states | N, 102 | what `forest_sim.solver.state_recording.STATE` names |
 | a column | N | one channel of `forest_sim.sensors.sensor_suite.CHANNELS`, in its unit |
 """
 
@@ -77,8 +77,11 @@ def true_columns(
         of["stick_flow"] = entering
     tank, pump, motor = around.temperatures
     steady = {"tank_temperature": tank, "pump_temperature": pump, "motor_temperature": motor}
-    steady |= {"engine_speed": around.engine_speed}
     steady |= {"platform_pitch": around.tilt[0], "platform_roll": around.tilt[1]}
+    droops = p.supply.drive.inertia > 0.0
+    of["engine_speed"] = (
+        states[:, PLACE["pump_speed"]] if droops else np.full(len(states), around.engine_speed)
+    )
     return of | {name: np.full(len(states), value) for name, value in steady.items()}
 
 
@@ -101,8 +104,10 @@ def _axis_columns(states: Floats, p: PlantParameters, place: int, name: str, val
     of[f"{name}_pressure_1_actuator"], of[f"{name}_pressure_2_actuator"] = one, two  # type: ignore[assignment]
     if valves:
         supply, law = states[:, PLACE["supply_pressure"]], p.valves[place].law
-        of[f"{name}_pressure_1_valve"] = valve_pressures(p_1, q_1, spool, supply, law, 1)
-        of[f"{name}_pressure_2_valve"] = valve_pressures(p_2, -q_2, spool, supply, law, 2)
+        tank = states[:, PLACE["tank_seen"]]
+        supply = supply - tank
+        of[f"{name}_pressure_1_valve"] = tank + valve_pressures(p_1 - tank, q_1, spool, supply, law, 1)
+        of[f"{name}_pressure_2_valve"] = tank + valve_pressures(p_2 - tank, -q_2, spool, supply, law, 2)
     return of
 
 
@@ -111,7 +116,7 @@ def valve_pressures(
 ) -> Floats:
     """Return the pressure [Pa] between the spool's edges and a hose; behind shut edges it is the hose's.
 
-    Thesis eq. 3.1, 4.1.
+    Thesis eq. 3.1, 4.1. All pressures are above that of the tank line.
 
     Args:
         hose: pressure in the hose [Pa].

@@ -47,7 +47,11 @@ def rate_response(
     point = operating_point(angles, (spools[0], spools[1], spools[2]), p)
     a, kept = linearise(point, p)
     up, down = (
-        states(state_derivative(point.plant, ports_at(_moved(point.spools, axis, by), p, point.lifts), p))
+        states(
+            state_derivative(
+                point.plant, ports_at(_moved(point.spools, axis, by), p, point.lifts, point.tank.seen), p
+            )
+        )
         for by in (DIFFERENCE, -DIFFERENCE)
     )
     b = (up - down)[list(kept)] / (2.0 * DIFFERENCE)

@@ -21,6 +21,12 @@ PANELS = (
     ("pressure_2", "port 2 [MPa]"),
 )
 SWAY = ("alpha", "sway [deg]")
+SUPPLY = (
+    ("supply_pressure", "supply [MPa]"),
+    ("pump_stroke", "displacement"),
+    ("pump_speed", "engine [rpm]"),
+    ("tank_pressure", "tank line [MPa]"),
+)
 FACTORS = {
     "angle": 180.0 / np.pi,
     "rate": 180.0 / np.pi,
@@ -28,6 +34,10 @@ FACTORS = {
     "pressure_2": 1e-6,
     "spool_position": 1.0,
     "alpha": 180.0 / np.pi,
+    "supply_pressure": 1e-6,
+    "pump_stroke": 1.0,
+    "pump_speed": 30.0 / np.pi,
+    "tank_pressure": 1e-6,
 }
 LEAST_SPAN = 1.0  # of a panel [deg; deg/s; MPa]
 
@@ -42,10 +52,15 @@ class Course:
             for field in (*AxisState._fields, "spool_position")
         }
         self._columns["alpha"] = states[:, STATE.index("head_alpha")]
+        self._columns |= {field: states[:, STATE.index(field)] for field, _ in SUPPLY}
 
     def column(self, field: str) -> Floats:
         """Return a state [N] in a picture's units."""
         return FACTORS[field] * self._columns[field]
+
+    def has(self, field: str) -> bool:
+        """Tell whether a state is one of the machine's: it is not zero all the time."""
+        return bool(self._columns[field].any())
 
 
 def compare(
@@ -79,9 +94,11 @@ def draw(courses: Sequence[Course], axis: int, voltages: Voltages, out: Path) ->
         out: file.
     """
     names = " and ".join(course.name for course in courses)
-    sways = any(course.column("alpha").any() for course in courses)
-    drawn = (*PANELS, SWAY) if sways else PANELS
-    figure, panels = new_figure(len(drawn) + 1, 1, 10.0, f"{AXES[axis]}: {names}")
+    drawn = [*PANELS, *([SWAY] if any(course.has("alpha") for course in courses) else [])]
+    if any(course.has("pump_stroke") or course.has("tank_pressure") for course in courses):
+        drawn += [panel for panel in SUPPLY if any(course.has(panel[0]) for course in courses)]
+    height = max(10.0, 1.4 * len(drawn))
+    figure, panels = new_figure(len(drawn) + 1, 1, height, f"{AXES[axis]}: {names}")
     time = courses[0].time
     panels[0].plot(time, voltages.at(time)[:, axis], color="0.4")
     for place, course in enumerate(courses):
@@ -89,8 +106,10 @@ def draw(courses: Sequence[Course], axis: int, voltages: Voltages, out: Path) ->
     finish_axes(panels[0], "voltage, spools [V]")
     for panel, (field, label) in zip(panels[1:], drawn, strict=True):
         for place, course in enumerate(courses):
-            panel.plot(course.time, course.column(field), f"C{place}", linewidth=1.1, label=course.name)
-        widen(panel, LEAST_SPAN)
+            if course.has(field) or field not in dict(SUPPLY):
+                panel.plot(course.time, course.column(field), f"C{place}", linewidth=1.1, label=course.name)
+        if field not in dict(SUPPLY):
+            widen(panel, LEAST_SPAN)
         finish_axes(panel, label, legend=field == "angle")
     panels[-1].set_xlabel("time [s]")
     figure.savefig(out)

@@ -33,6 +33,7 @@ from forest_sim.equations.plant_parameters import NO_GUARD, PlantParameters
 from forest_sim.hydraulics.command_history import held_commands
 from forest_sim.hydraulics.load_holding import is_held, restriction
 from forest_sim.hydraulics.port import is_shut
+from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import STUCK, Spool
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.end_stop import NO_STOP, UNCUSHIONED
@@ -44,7 +45,8 @@ DRIVE_PARTS = ("motor", "motor", "links")  # of `DriveState`
 PARTS = {"angle": "links", "rate": "links", "pressure_1": "oil", "pressure_2": "oil"}
 SETTLING, SETTLING_STEP = 3.0, 5e-3  # [s] over which the steady motion at a pose is found
 SHUT: Vec3 = (0.0, 0.0, 0.0)  # [V] of the spools
-STATES = 27  # of `PlantState`
+STATES = 29  # of `PlantState`
+PUMP = 27  # where those of swash plate and engine begin
 SLOWEST = 1e-3  # [Hz] anything below is no oscillation but rounding
 
 
@@ -107,7 +109,7 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
             boom=moved.boom._replace(angle=angles[1]),
             stick=moved.stick._replace(angle=angles[2]),
         )
-        held = held._replace(plant=plant, lifts=after.lifts)
+        held = held._replace(plant=plant, lifts=after.lifts, tank=after.tank)
     return held
 
 
@@ -131,7 +133,7 @@ def _turned(drive: DriveState, by: float, p: PlantParameters) -> DriveState:
 
 def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int, ...]]:
     """Return A [n, n] about an operating point and the places of its n states in `state_recording.STATE`."""
-    ports = ports_at(point.spools, p, point.lifts)
+    ports = ports_at(point.spools, p, point.lifts, point.tank.seen)
     kept = [i for i in range(18) if i % 6 < 4 or _flows(point, ports, i // 6, i % 6 - 4, p)]
     if not p.supply.ideal:
         kept += [18] if p.supply.rate == 0.0 else [18, 19]
@@ -139,6 +141,8 @@ def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int,
         kept += [20, 21, 22, 23]
     kept += [24, 25] if p.drive.gear.inertia > 0.0 else []
     kept += [26] if p.drive.bearing.stiffness > 0.0 else []
+    kept += [PUMP] if p.supply.drive.up > 0.0 else []
+    kept += [PUMP + 1] if p.supply.drive.inertia > 0.0 else []
     x = states(point.plant)
     columns = []
     for place in kept:
@@ -180,8 +184,10 @@ def _mode(value: complex, weights: Floats, kept: tuple[int, ...]) -> Mode:
         if place < 18:
             axes[place // 6] += weight
             parts[PARTS.get(AxisState._fields[place % 6], "hoses")] += weight
+        elif place < 20 or place >= PUMP:
+            parts["pump"] += weight
         elif place < 24:
-            parts["pump" if place < 20 else "head"] += weight
+            parts["head"] += weight
         else:
             axes[0] += weight
             parts[DRIVE_PARTS[place - 24]] += weight
@@ -214,14 +220,18 @@ def _difference(place: int) -> float:
 
 
 def states(state: PlantState) -> Floats:
-    """Return the plant's 27 states, or their rates of change, as `state_recording.STATE` has them."""
-    return np.array([*state.swing, *state.boom, *state.stick, *state.supply, *state.head, *state.drive])
+    """Return the plant's 29 states, or their rates of change, as `state_recording.STATE` has them."""
+    return np.array(
+        [*state.swing, *state.boom, *state.stick, *state.supply, *state.head, *state.drive, *state.pump]
+    )
 
 
 def _shaped(x: Floats) -> PlantState:
     v = x.tolist()
     axes = AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18])
-    return PlantState(*axes, SupplyState(*v[18:20]), HeadState(*v[20:24]), DriveState(*v[24:27]))
+    return PlantState(
+        *axes, SupplyState(*v[18:20]), HeadState(*v[20:24]), DriveState(*v[24:27]), PumpState(*v[27:29])
+    )
 
 
 def as_json(found: list[Mode]) -> list[dict[str, Any]]:

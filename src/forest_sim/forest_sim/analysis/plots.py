@@ -31,9 +31,15 @@ COLOURS = {
     "gear": "#e377c2",
     "stops": "#8c564b",
     "mechanical": "#2ca02c",
+    "return_line": "#c49c94",
     "stored": "#17becf",
 }
-LABELS = {"pump": "pump losses", "port_valves": "port valves", "mechanical": "work on the links"}
+LABELS = {
+    "pump": "pump losses",
+    "port_valves": "port valves",
+    "return_line": "tank line",
+    "mechanical": "work on the links",
+}
 SMALL = 0.002  # of the engine's work: less has no place in a legend
 
 
@@ -46,7 +52,7 @@ def draw_run(kept: Rows, machine: Machine, out: Path) -> list[Path]:
     """Draw all pictures of a run.
 
     Args:
-        kept: "time" [N] s, "power" [N, 11] W in the order of `Account`, and each observed topic's
+        kept: "time" [N] s, "power" [N, 12] W in the order of `Account`, and each observed topic's
             columns.
         machine: what was simulated.
         out: directory for the files.
@@ -126,13 +132,13 @@ def draw_pumps(
 
     Args:
         time: [N] s.
-        powers: by pump, [N, 11] W in the order of `Account`.
+        powers: by pump, [N, 12] W in the order of `Account`.
         energies: by pump, the account [J] by entry.
         paths: by pump, how far the tip went [m].
         out: file.
     """
     figure = Figure(figsize=(10.0, 9.0), dpi=100, layout="constrained")
-    figure.suptitle("The same voltages on four pumps")
+    figure.suptitle("The same motion on four pumps")
     grid = figure.add_gridspec(3, 1)
     shaft, work, bars = (figure.add_subplot(grid[row]) for row in range(3))
     for place, (name, power) in enumerate(powers.items()):

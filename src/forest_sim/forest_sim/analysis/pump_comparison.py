@@ -1,9 +1,9 @@
 """The same machine with each of the four sorts of pump. Thesis section 2.2, fig. 2.3.
 
 What a sort needs and the machine's own pump does not say comes from the default machine and from
-the files in `pumps/`, where every number has its source. The voltages are the same, the motion is
-not: a load-sensing pump leaves the valve no more than its margin, and less goes through at the same
-opening. Hence the tip's path.
+the files in `pumps/`, where every number has its source. Motion and load are the same: the machine
+with the load-sensing pump, which leaves its valves least, runs with the given voltages. All others
+repeat its motion by a servo (`same_motion`), which opens their valves less.
 """
 
 import dataclasses
@@ -19,12 +19,15 @@ from forest_description.components.pump import (
     PressureCompensatedPump,
     Pump,
 )
+from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine, load_machine
-from forest_description.types import Floats, Vec3
+from forest_description.types import AXES, Floats, Vec3
 from forest_sim.analysis.run_summary import Summary
+from forest_sim.analysis.same_motion import following
 from forest_sim.simulation.energy_account import Account, account
-from forest_sim.simulation.open_loop import Run, blocks
+from forest_sim.simulation.open_loop import Run, blocks, whole
 from forest_sim.simulation.voltage_profiles import Voltages
+from forest_sim.solver.state_recording import STATE
 
 FILES = Path(__file__).resolve().parents[1] / "pumps"
 SORTS: dict[type[Any], str] = {
@@ -33,6 +36,8 @@ SORTS: dict[type[Any], str] = {
     ConstantFlowPump: str(FILES / "constant_flow.yaml"),
     LoadSensingPump: str(FILES / "load_sensing.yaml"),
 }
+REFERENCE = LoadSensingPump
+ANGLES = [STATE.index(f"{axis}_angle") for axis in AXES]
 POINTS = 2000  # rows kept for the picture
 
 
@@ -49,38 +54,44 @@ def with_pump(machine: Machine, sort: type[Any]) -> Machine:
 
 @dataclasses.dataclass(frozen=True)
 class Comparison:
-    """One input on four pumps."""
+    """One motion on four pumps."""
 
     time: Floats  # [N] s
-    powers: dict[str, Floats]  # by kind of pump, [N, 10] W, means between the times
+    powers: dict[str, Floats]  # by kind of pump, [N, 12] W, means between the times
     energies: dict[str, dict[str, float]]  # by kind of pump, J
     paths: dict[str, float]  # by kind of pump, how far the tip went [m]
+    apart: dict[str, float]  # by kind of pump, RMS of the tip's distance from where the first was [m]
 
 
 def compare(machine: Machine, voltages: Voltages, angles: Vec3, run: Run) -> Comparison:
-    """Run the same voltages on the machine with each sort of pump.
+    """Run the machine with each sort of pump along the same motion.
 
     Args:
         machine: its own pump is one of them.
-        voltages: what drives it.
+        voltages: what drives it where its pump is a load-sensing one.
         angles: joint angles at the start [rad].
         run: how long and how finely.
     """
-    powers, energies, paths = {}, {}, {}
-    time: Floats = np.zeros(0)
+    found = Comparison(np.zeros(0), {}, {}, {}, {})
+    led = with_pump(machine, REFERENCE)
+    reference = whole(led, voltages, angles, run)
+    links = machine.manipulator.links
+    tips = np.array([tip_position(row, links) for row in reference.states[:, ANGLES]])
     for sort in SORTS:
-        variant = with_pump(machine, sort)
-        summary = Summary(variant)
-        times, rows = [], []
-        for block in blocks(variant, voltages, angles, run):
+        variant, given = with_pump(machine, sort), voltages
+        if sort is not REFERENCE:
+            given = following(variant, led, reference, run)
+        summary, parts = Summary(variant), []
+        for block in blocks(variant, given, angles, run):
             summary.add(block)
-            times.append(block.time)
-            rows.append(np.column_stack(account(block.energies)) * run.rate)
-        result = summary.result(run, voltages.name, angles)
-        time, power = _thinned(np.concatenate(times)[1:], np.concatenate(rows)[1:])
-        name = variant.pump.kind.replace("_", " ")
-        powers[name], energies[name], paths[name] = power, result["energy_j"], result["tip_path_m"]
-    return Comparison(time, powers, energies, paths)
+            parts.append(block)
+        result, name = summary.result(run, voltages.name, angles), variant.pump.kind.replace("_", " ")
+        power = np.concatenate([np.column_stack(account(block.energies)) * run.rate for block in parts])
+        time, found.powers[name] = _thinned(np.concatenate([b.time for b in parts])[1:], power[1:])
+        found.energies[name], found.paths[name] = result["energy_j"], result["tip_path_m"]
+        reached = np.array([tip_position(row, links) for b in parts for row in b.states[:, ANGLES]])
+        found.apart[name] = float(np.sqrt(np.mean(np.sum((reached - tips) ** 2, axis=1))))
+    return dataclasses.replace(found, time=time)
 
 
 def _thinned(time: Floats, power: Floats) -> tuple[Floats, Floats]:
@@ -104,4 +115,6 @@ def table(comparison: Comparison) -> str:
     lines.append(f"  {'tip path [m]':<14}" + "".join(f"{path:>{width}.2f}" for path in paths))
     shares = [comparison.energies[name]["engine"] / 1e3 / max(comparison.paths[name], 1e-9) for name in names]
     lines.append(f"  {'engine [kJ/m]':<14}" + "".join(f"{share:>{width}.1f}" for share in shares))
+    apart = "".join(f"{1e3 * comparison.apart[name]:>{width}.1f}" for name in names)
+    lines.append(f"  {'apart [mm RMS]':<14}{apart}")
     return "\n".join(lines)

@@ -149,7 +149,7 @@ def simulate(
 
 
 def compare_pumps(machine: Machine, voltages: Voltages, angles: Vec3, run: Run, out: Path) -> int:
-    """Run the same input on the four sorts of pump; write table, picture and `pumps.json`."""
+    """Run the same motion on the four sorts of pump; write table, picture and `pumps.json`."""
     substeps(run)
     new_directory(out)
     _warn_if_interpreted()
@@ -162,6 +162,7 @@ def compare_pumps(machine: Machine, voltages: Voltages, angles: Vec3, run: Run, 
         "duration_s": run.duration,
         "energy_j": comparison.energies,
         "tip_path_m": comparison.paths,
+        "tip_apart_m": comparison.apart,
     }
     (out / "pumps.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
     picture = draw_pumps(

@@ -82,7 +82,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="TEXT",
         help="such as 'boom_resolver: frozen from 2 s; swing_flow: absent'",
     )
-    pumps = _command(commands, "pumps", _pumps, "the same input on the four sorts of pump: power and energy")
+    pumps = _command(commands, "pumps", _pumps, "the same motion on the four sorts of pump: power and energy")
     _add_run(pumps)
     compared = _command(commands, "compare", _compare, "the same input on several machines: one axis, drawn")
     compared.add_argument("machines", nargs="+", metavar="NAME|FILE", help="two or more machines")

@@ -31,12 +31,15 @@ from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_fl
 from forest_sim.hydraulics.compensator import NONE, in_series
 from forest_sim.hydraulics.load_holding import NO_LIFTS, SEATED_LIFTS, AllLifts, Lifts, restriction
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure, with_resistance
+from forest_sim.hydraulics.pump_drive import UNDRIVEN, PumpState, engine_torque, stroke_rate
 from forest_sim.hydraulics.side import Side, side_rates
 from forest_sim.hydraulics.spool_dynamics import Spools
 from forest_sim.hydraulics.supply import (
     SupplyState,
+    asked_stroke,
+    flow_at,
     manifold_capacitance,
-    pump_flow,
+    pump_torque,
     reference_rate,
 )
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
@@ -56,7 +59,7 @@ class AxisState(NamedTuple):
 
 
 class PlantState(NamedTuple):
-    """The 18 states of Thesis eq. 3.20, and those of the pump, of a hanging head and of the swing's drive."""
+    """The 18 states of Thesis eq. 3.20, and those of pump, hanging head and the swing's drive."""
 
     swing: AxisState
     boom: AxisState
@@ -64,6 +67,7 @@ class PlantState(NamedTuple):
     supply: SupplyState
     head: HeadState
     drive: DriveState = AT_REST
+    pump: PumpState = UNDRIVEN
 
     @property
     def axes(self) -> tuple[AxisState, AxisState, AxisState]:
@@ -94,29 +98,39 @@ class Transmission(NamedTuple):
     arm: float  # d(position)/d(angle) [1; m/rad]
 
 
-def valve_ports(spool_position: float, law: ValveLaw, vapour: float = -math.inf) -> Ports:
+def valve_ports(spool_position: float, law: ValveLaw, vapour: float = -math.inf, tank: float = 0.0) -> Ports:
     """Return both ports at a spool position; shut inside the overlap. Thesis eq. 3.1, 3.2, fig. 2.5.
 
     Args:
         spool_position: [V].
         law: of the valve.
         vapour: pressure at which the oil boils [Pa].
+        tank: P_t in the tank line [Pa].
     """
     e, leakage = edges(spool_position, law), leakage_at(spool_position, law)
     return Ports(
-        Port(e.supply_1, e.tank_1, leakage.mean, law.load_check, vapour, leakage.skew),
-        Port(e.supply_2, e.tank_2, leakage.mean, law.load_check, vapour, -leakage.skew),
+        Port(e.supply_1, e.tank_1, leakage.mean, law.load_check, vapour, leakage.skew, tank),
+        Port(e.supply_2, e.tank_2, leakage.mean, law.load_check, vapour, -leakage.skew, tank),
         (1.0 if e.supply_1 < math.inf else 0.0, 1.0 if e.supply_2 < math.inf else 0.0),
     )
 
 
-def ports_at(spools: Spools, p: PlantParameters, lifts: AllLifts = NO_LIFTS) -> tuple[Ports, Ports, Ports]:
-    """Return the ports of swing, boom and stick at the positions of spools and of load-holding valves."""
+def ports_at(
+    spools: Spools, p: PlantParameters, lifts: AllLifts = NO_LIFTS, tank: float = 0.0
+) -> tuple[Ports, Ports, Ports]:
+    """Return the ports of swing, boom and stick at the positions of spools and of load-holding valves.
+
+    Args:
+        spools: of the valves.
+        p: the machine.
+        lifts: of its load-holding valves.
+        tank: P_t in the tank line [Pa].
+    """
     vapour = -p.supply.oil.above_vapour
     ports = (
-        valve_ports(spools[0].position, p.valves[0].law, vapour),
-        valve_ports(spools[1].position, p.valves[1].law, vapour),
-        valve_ports(spools[2].position, p.valves[2].law, vapour),
+        valve_ports(spools[0].position, p.valves[0].law, vapour, tank),
+        valve_ports(spools[1].position, p.valves[1].law, vapour, tank),
+        valve_ports(spools[2].position, p.valves[2].law, vapour, tank),
     )
     return _with_lifts(ports, lifts, p) if has_poppets(p) else ports
 
@@ -234,6 +248,7 @@ def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: Pl
         supply=_supply_derivative(state, ports, p),
         head=HeadState(state.head.alpha_rate, state.head.beta_rate, a_alpha, a_beta),
         drive=drive,
+        pump=pump_derivative(state, p),
     )
 
 
@@ -302,11 +317,24 @@ def _supply_derivative(
         return SupplyState(0.0, 0.0)
     pressure, reference = state.supply
     draw = supply_draw(state, ports)
-    delivered = pump_flow(pressure, reference, p.supply).delivered
+    delivered = flow_at(state.supply, state.pump, p.supply).delivered
     return SupplyState(
         (delivered - draw.flow) / manifold_capacitance(pressure, p.supply),
         reference_rate(reference, draw.load, p.supply),
     )
+
+
+def pump_derivative(state: PlantState, p: PlantParameters) -> PumpState:
+    """Return the derivatives of swash plate [1/s] and engine [rad/s^2]; one at rest stays so."""
+    d, pump = p.supply.drive, state.pump
+    if d.present == 0:
+        return UNDRIVEN
+    asked, turning = asked_stroke(state.supply, p.supply).value, 0.0
+    if d.inertia > 0.0 and pump.speed > 0.0:
+        stroke = pump.stroke if d.up > 0.0 else asked
+        load = pump_torque(stroke, state.supply.pressure, p.supply)
+        turning = (engine_torque(pump.speed, d) - load) / d.inertia
+    return PumpState(stroke_rate(pump.stroke, asked, d), turning)
 
 
 def supply_draw(state: PlantState, ports: tuple[Ports, Ports, Ports]) -> Draw:

@@ -19,6 +19,7 @@ from forest_sim.hydraulics.oil_law import INCOMPRESSIBLE, OilLaw, oil_law
 from forest_sim.hydraulics.oil_volume import NO_CHAMBER, OilVolume
 from forest_sim.hydraulics.spool_dynamics import SpoolLag, spool_lag
 from forest_sim.hydraulics.supply import Supply, supply
+from forest_sim.hydraulics.tank_line import ReturnLine, return_line
 from forest_sim.mechanics.bristles import Bristles, bristles
 from forest_sim.mechanics.end_stop import NO_STOP, UNCUSHIONED, CushionBrake, EndStop
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction
@@ -77,6 +78,7 @@ class PlantParameters(NamedTuple):
     supply: Supply
     tip_force: Vec3  # [N] on the tip from outside, in the base frame
     drive: DriveLaws
+    tank_line: ReturnLine
 
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
@@ -110,6 +112,7 @@ def parameters_of(machine: Machine) -> PlantParameters:
         supply=supply(machine.pump, _manifold_oil(machine)),
         tip_force=(0.0, 0.0, 0.0),
         drive=_drive(machine),
+        tank_line=return_line(machine.tank_line),
     )
 
 

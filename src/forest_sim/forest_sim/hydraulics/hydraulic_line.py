@@ -11,7 +11,7 @@ pressure.
 | p | pressure in the valve's port, between its edges and the inertance | Pa |
 | Q | flow from the valve into the hose | m^3/s |
 | q | flow from the hose into the actuator | m^3/s |
-| P_s | supply pressure; the tank is at zero | Pa |
+| P_s | supply pressure | Pa |
 | I, C | inertance; capacitance | Pa s^2/m^3; m^3/Pa |
 
 Flows count from the valve towards the actuator here, for both hoses. The thesis counts hose 2 the
@@ -67,7 +67,12 @@ class Coupling(NamedTuple):
 
 
 def guard_flow(pressure: float, guard: PortGuard) -> float:
-    """Return the flow [m^3/s] that the port valves let into the hose (negative: relieved to tank)."""
+    """Return the flow [m^3/s] that the port valves let into the hose (negative: relieved to tank).
+
+    Args:
+        pressure: in the hose, above that of the tank line [Pa].
+        guard: the valves.
+    """
     if pressure > guard.relief_pressure:
         return guard.relief_conductance * (guard.relief_pressure - pressure)
     if pressure < guard.anticavitation_pressure:
@@ -75,9 +80,18 @@ def guard_flow(pressure: float, guard: PortGuard) -> float:
     return 0.0
 
 
-def pressure_rate(pressure: float, flow: float, actuator_flow: float, line: Line, guard: PortGuard) -> float:
-    """Return dP/dt [Pa/s] = (Q - q + port valves)/C. Thesis eq. 3.7, 3.13, 4.6."""
-    return (flow - actuator_flow + guard_flow(pressure, guard)) / line.capacitance
+def guard_conductance(pressure: float, guard: PortGuard) -> float:
+    """Return -d(flow)/d(pressure) [m^3/(s Pa)] of `guard_flow`."""
+    if pressure > guard.relief_pressure:
+        return guard.relief_conductance
+    return guard.anticavitation_conductance if pressure < guard.anticavitation_pressure else 0.0
+
+
+def pressure_rate(
+    pressure: float, flow: float, actuator_flow: float, line: Line, guard: PortGuard, tank: float = 0.0
+) -> float:
+    """Return dP/dt [Pa/s] = (Q - q + port valves)/C, these above P_t [Pa]. Thesis eq. 3.7, 3.13, 4.6."""
+    return (flow - actuator_flow + guard_flow(pressure - tank, guard)) / line.capacitance
 
 
 def flow_rate(pressure: float, flow: float, port: Port, supply: float, line: Line) -> float:
@@ -122,10 +136,11 @@ def solve_line(
         step: the stage's implicit step gamma h [s].
     """
     shut = _solve_with_port_valve(pressure, flow, actuator_flow, leakage, port, supply, line, step)
-    if shut.pressure > guard.relief_pressure and guard.relief_conductance > 0.0:
-        conductance, opening = guard.relief_conductance, guard.relief_pressure
-    elif shut.pressure < guard.anticavitation_pressure and guard.anticavitation_conductance > 0.0:
-        conductance, opening = guard.anticavitation_conductance, guard.anticavitation_pressure
+    relieved, fed = guard.relief_pressure + port.tank, guard.anticavitation_pressure + port.tank
+    if shut.pressure > relieved and guard.relief_conductance > 0.0:
+        conductance, opening = guard.relief_conductance, relieved
+    elif shut.pressure < fed and guard.anticavitation_conductance > 0.0:
+        conductance, opening = guard.anticavitation_conductance, fed
     else:
         return shut
     outflow = actuator_flow - conductance * opening

@@ -5,7 +5,8 @@
 | p | pressure in the port, between its edges and the hose's inertance | Pa |
 | Q | flow from the port into the hose | m^3/s |
 | P | pressure in the hose's capacitance | Pa |
-| P_s | supply pressure; the tank is at zero | Pa |
+| P_s | supply pressure | Pa |
+| P_t | pressure in the tank line, zero without one | Pa |
 | C_R | an edge's resistance, inf when shut | Pa s^2/m^6 |
 
 A load check sits between supply and spool. Without it, oil goes back into the manifold whenever the
@@ -34,6 +35,7 @@ class Port(NamedTuple):
     load_check: int = 0  # not 0: no oil goes back through the edge to the supply
     vapour: float = -math.inf  # [Pa] pressure at which the oil boils
     skew: float = 0.0  # k [m^3/(s Pa)]: g + k leak past the supply's edge, g - k past the tank's
+    tank: float = 0.0  # P_t [Pa]
 
 
 class PortSolution(NamedTuple):
@@ -78,21 +80,29 @@ def apply_load_check(flow: float, port: Port, supply: float) -> Port:
 
 def without_supply(port: Port) -> Port:
     """Return a port without its edge to the supply."""
-    return Port(math.inf, port.to_tank, port.leakage, port.load_check, port.vapour, port.skew)
+    return Port(math.inf, port.to_tank, port.leakage, port.load_check, port.vapour, port.skew, port.tank)
 
 
 def with_resistance(port: Port, more: float) -> Port:
     """Return a port with another resistance [Pa s^2/m^6] in series with its edge to the supply."""
-    return Port(port.to_supply + more, port.to_tank, port.leakage, port.load_check, port.vapour, port.skew)
+    return Port(
+        port.to_supply + more,
+        port.to_tank,
+        port.leakage,
+        port.load_check,
+        port.vapour,
+        port.skew,
+        port.tank,
+    )
 
 
 def port_flow(p: float, port: Port, supply: float) -> float:
     """Return Q [m^3/s] through a port at the pressure p [Pa]: both edges and what leaks past them."""
     return (
         edge_flow(supply - p, port.to_supply)
-        + edge_flow(-p, port.to_tank)
-        + port.leakage * (supply - 2.0 * p)
-        + port.skew * supply
+        + edge_flow(port.tank - p, port.to_tank)
+        + port.leakage * (supply + port.tank - 2.0 * p)
+        + port.skew * (supply - port.tank)
     )
 
 
@@ -108,14 +118,17 @@ def edge_flows(flow: float, p: float, port: Port, supply: float) -> tuple[float,
         port: what the valve connects.
         supply: P_s [Pa].
     """
-    from_supply, to_tank = (port.leakage + port.skew) * (supply - p), (port.leakage - port.skew) * p
+    from_supply = (port.leakage + port.skew) * (supply - p)
+    to_tank = (port.leakage - port.skew) * (p - port.tank)
     if port.load_check != 0 and p > supply:
         port = without_supply(port)
     if port.to_tank == math.inf:
         return flow + to_tank, to_tank
     if port.to_supply == math.inf:
         return from_supply, from_supply - flow
-    return from_supply + edge_flow(supply - p, port.to_supply), to_tank + edge_flow(p, port.to_tank)
+    return from_supply + edge_flow(supply - p, port.to_supply), to_tank + edge_flow(
+        p - port.tank, port.to_tank
+    )
 
 
 def edge_flow(drop: float, resistance: float) -> float:
@@ -138,13 +151,18 @@ def solve_port(intercept: float, admittance: float, port: Port, supply: float) -
     """
     if port.to_supply == math.inf and port.to_tank == math.inf:
         yielding = 2.0 * port.leakage + admittance
-        leaked = (port.leakage + port.skew) * supply
+        leaked = _leaked(port, supply)
         return PortSolution((leaked - intercept) / yielding, 2.0 * port.leakage / yielding)
     if port.to_tank == math.inf:
         return _one_edge(intercept, admittance, port.to_supply, supply, port, supply)
     if port.to_supply == math.inf:
-        return _one_edge(intercept, admittance, port.to_tank, 0.0, port, supply)
+        return _one_edge(intercept, admittance, port.to_tank, port.tank, port, supply)
     return _two_edges(intercept, admittance, port, supply)
+
+
+def _leaked(port: Port, supply: float) -> float:
+    """Return what leaks into a port at zero pressure [m^3/s]."""
+    return (port.leakage + port.skew) * supply + (port.leakage - port.skew) * port.tank
 
 
 def _one_edge(
@@ -152,7 +170,7 @@ def _one_edge(
 ) -> PortSolution:
     """Solve a port with one edge open, from the pressure `source`; leakage is linear and goes along."""
     yielding = 2.0 * port.leakage + admittance
-    y = intercept - (port.leakage + port.skew) * supply + yielding * source
+    y = intercept - _leaked(port, supply) + yielding * source
     root = math.sqrt(1.0 + 4.0 * yielding * resistance * abs(y))  # = 1 + yielding d(drop)/do
     o = 2.0 * y / (1.0 + root)
     slope = 2.0 * resistance * abs(o)  # d(drop)/do
@@ -162,7 +180,7 @@ def _one_edge(
 def _two_edges(intercept: float, admittance: float, port: Port, supply: float) -> PortSolution:
     """Solve a port with both edges open, as an underlapped valve has them near its centre."""
     reach = max(port.to_supply, port.to_tank) * intercept * intercept
-    low, high = min(0.0, supply) - reach, max(0.0, supply) + reach
+    low, high = min(port.tank, supply) - reach, max(port.tank, supply) + reach
     p = 0.5 * (low + high)
     conductance, moved = 0.0, high - low
     for _ in range(ROOT_ITERATIONS):
@@ -185,7 +203,9 @@ def _two_edges(intercept: float, admittance: float, port: Port, supply: float) -
 def port_conductance(p: float, port: Port, supply: float) -> float:
     """Return -dQ/dp [m^3/(s Pa)] of a port."""
     return (
-        edge_conductance(supply - p, port.to_supply) + edge_conductance(-p, port.to_tank) + 2.0 * port.leakage
+        edge_conductance(supply - p, port.to_supply)
+        + edge_conductance(port.tank - p, port.to_tank)
+        + 2.0 * port.leakage
     )
 
 

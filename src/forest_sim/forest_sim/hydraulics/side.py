@@ -58,7 +58,7 @@ def side_rates(s: Side, supply: float, guard: PortGuard) -> SideRates:
     if not is_held(s.flow, s.held):
         beyond = s.pressure + hose_drop(s.flow, s.oil) + holding_drop(s.flow, s.held)
         flow = flow_rate(beyond, s.flow, s.port, supply, line)
-    return SideRates(pressure_rate(s.pressure, s.flow, outflow, line, guard), flow)
+    return SideRates(pressure_rate(s.pressure, s.flow, outflow, line, guard, s.port.tank), flow)
 
 
 def storage(s: Side, supply: float, guard: PortGuard) -> Storage:
@@ -71,7 +71,7 @@ def storage(s: Side, supply: float, guard: PortGuard) -> Storage:
     inertial = s.line.inertance * s.flow * rates.flow
     if not s.oil.yields:
         return Storage(inertial + s.line.capacitance * s.pressure * rates.pressure, 0.0)
-    brought, widened = s.flow + guard_flow(s.pressure, guard), s.oil.area * s.speed
+    brought, widened = s.flow + guard_flow(s.pressure - s.port.tank, guard), s.oil.area * s.speed
     if s.oil.area == 0.0:
         brought -= s.taken
     h = enthalpy(s.pressure, s.oil.oil)

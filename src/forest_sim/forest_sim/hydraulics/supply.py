@@ -11,8 +11,9 @@
     C dP_s/dt = Q_d - P_s/R_leak - relief(P_s) - S
 
 Displacement and engine limit the flow, min(Q_max, W/P_s); a compensator takes it back to zero
-within a narrow band under P_r. Thesis section 2.2, 3.2.1, fig. 2.3, 3.4. An ideal pump has none of
-this: P_s stands still.
+within a narrow band under P_r. Thesis section 2.2, 3.2.1, fig. 2.3, 3.4. A swash plate that takes
+time is asked for that displacement, and an engine that droops turns it (`pump_drive`). An ideal
+pump has none of this: P_s stands still.
 """
 
 import math
@@ -26,6 +27,16 @@ from forest_description.components.pump import (
     Pump,
 )
 from forest_sim.hydraulics.oil_law import INCOMPRESSIBLE, OilLaw, density, enthalpy
+from forest_sim.hydraulics.pump_drive import (
+    NO_DRIVE,
+    UNDRIVEN,
+    PumpDrive,
+    PumpState,
+    Sloped,
+    pump_drive,
+    speed_after,
+    stroke_after,
+)
 
 
 class Supply(NamedTuple):
@@ -45,6 +56,7 @@ class Supply(NamedTuple):
     rate: float  # [1/s] of its lag; 0: P_r stands still
     volume: float = 0.0  # [m^3] of oil with air in the manifold; 0: the capacitance is constant
     oil: OilLaw = INCOMPRESSIBLE
+    drive: PumpDrive = NO_DRIVE
 
 
 class SupplyState(NamedTuple):
@@ -60,6 +72,13 @@ class PumpFlow(NamedTuple):
     displaced: float  # Q_d [m^3/s]
     delivered: float  # Q_d less leakage and relief [m^3/s]
     slope: float  # d(delivered)/dP_s [m^3/(s Pa)], never positive
+
+
+class DrivenFlow(NamedTuple):
+    """What pumps with swash plate and engine do at the end of an implicit stage."""
+
+    flow: PumpFlow
+    pump: PumpState
 
 
 def supply(pump: Pump, law: OilLaw = INCOMPRESSIBLE) -> Supply:
@@ -87,7 +106,7 @@ def supply(pump: Pump, law: OilLaw = INCOMPRESSIBLE) -> Supply:
         ideal=0,
         set_pressure=pump.supply_pressure,
         flow_limit=pump.flow_limit,
-        power_limit=pump.engine_power * pump.mechanical_efficiency,
+        power_limit=_power_limit(pump),
         efficiency=pump.mechanical_efficiency,
         compensation=pump.flow_limit / band,
         leakage=1.0 / pump.leakage_resistance,
@@ -98,7 +117,18 @@ def supply(pump: Pump, law: OilLaw = INCOMPRESSIBLE) -> Supply:
         rate=1.0 / lag,
         volume=0.0 if law.air == 0.0 else pump.manifold_capacitance / law.compliance,
         oil=law,
+        drive=pump_drive(pump),
     )
+
+
+def _power_limit(pump: ConstantFlowPump | PressureCompensatedPump | LoadSensingPump) -> float:
+    """Return the power [W] at which displacement is taken back: the engine's, unless that may droop."""
+    power = pump.engine_power * pump.mechanical_efficiency
+    if isinstance(pump, ConstantFlowPump):
+        return power
+    if pump.engine is not None:
+        power = math.inf
+    return power if pump.torque_limit is None else min(power, pump.torque_limit * pump.shaft_speed)
 
 
 def manifold_oil(pressure: float, s: Supply) -> float:
@@ -121,19 +151,73 @@ def manifold_energy(pressure: float, s: Supply) -> float:
 
 
 def pump_flow(pressure: float, reference: float, s: Supply) -> PumpFlow:
-    """Return what the pumps deliver into the manifold. Thesis section 3.2.1, fig. 3.4.
+    """Return what pumps deliver whose displacement is at once what is asked. Thesis section 3.2.1, fig. 3.4.
 
     Args:
         pressure: P_s [Pa].
         reference: P_r [Pa].
         s: the pumps.
     """
+    return _delivered(_asked(pressure, reference, s), pressure, s)
+
+
+def flow_at(supply: SupplyState, pump: PumpState, s: Supply) -> PumpFlow:
+    """Return what the pumps deliver into the manifold at a state; of its `slope` swash plates have none."""
+    if s.drive.present == 0:
+        return pump_flow(supply.pressure, supply.reference, s)
+    stroke = asked_stroke(supply, s)
+    if s.drive.up > 0.0:
+        stroke = Sloped(pump.stroke, 0.0)
+    return _delivered(_displaced(stroke, pump.speed, s), supply.pressure, s)
+
+
+def flow_after(supply: SupplyState, known: PumpState, step: float, s: Supply) -> DrivenFlow:
+    """Return what pumps with swash plate and engine deliver at the end of an implicit stage; not inlined.
+
+    Args:
+        supply: at the stage's end.
+        known: the stage's known part of swash plate and engine.
+        step: the stage's implicit step [s].
+        s: the pumps.
+    """
+    stroke = stroke_after(known.stroke, asked_stroke(supply, s), step, s.drive)
+    speed = speed_after(known.speed, pump_torque(stroke.value, supply.pressure, s), step, s.drive)
+    flow = _delivered(_displaced(stroke, speed, s), supply.pressure, s)
+    return DrivenFlow(flow, PumpState(stroke.value, speed))
+
+
+def asked_stroke(supply: SupplyState, s: Supply) -> Sloped:
+    """Return the displacement over the greatest one that compensator and limiter ask for, 0..1."""
+    asked = _asked(supply.pressure, supply.reference, s)
+    return Sloped(asked.value / s.flow_limit, asked.slope / s.flow_limit)
+
+
+def pump_torque(stroke: float, pressure: float, s: Supply) -> float:
+    """Return T_p [N m] of pumps at a displacement over the greatest one; below zero the oil drives them."""
+    ideal = s.flow_limit / s.drive.speed * stroke * pressure
+    return ideal / s.efficiency if ideal > 0.0 else ideal * s.efficiency
+
+
+def _displaced(stroke: Sloped, speed: float, s: Supply) -> Sloped:
+    """Return Q_d [m^3/s] of a displacement at a speed [rad/s]."""
+    full = s.flow_limit * (speed / s.drive.speed)
+    return Sloped(full * stroke.value, full * stroke.slope)
+
+
+def _asked(pressure: float, reference: float, s: Supply) -> Sloped:
+    """Return the flow [m^3/s] at the speed without load that compensator and limiter ask for."""
     displaced, slope = available_flow(pressure, s), 0.0
     if displaced < s.flow_limit:
         slope = -displaced / pressure
     wanted = s.compensation * (reference - pressure)
     if s.compensation > 0.0 and wanted < displaced:
         displaced, slope = max(0.0, wanted), (-s.compensation if wanted > 0.0 else 0.0)
+    return Sloped(displaced, slope)
+
+
+def _delivered(of: Sloped, pressure: float, s: Supply) -> PumpFlow:
+    """Return what of a displaced flow [m^3/s] leakage and relief valve leave."""
+    displaced, slope = of
     delivered = displaced - s.leakage * pressure
     slope -= s.leakage
     if pressure > s.relief_pressure:
@@ -147,17 +231,19 @@ def available_flow(pressure: float, s: Supply) -> float:
     return min(s.flow_limit, s.power_limit / pressure) if pressure > 0.0 else s.flow_limit
 
 
-def saturation(draw: float, pressure: float, s: Supply) -> float:
+def saturation(draw: float, pressure: float, s: Supply, pump: PumpState = UNDRIVEN) -> float:
     """Return which part of what the pumps can give the axes draw, 0..1; 1: each gets what its load leaves it.
 
     Args:
         draw: S [m^3/s].
         pressure: P_s [Pa].
         s: the pumps; an ideal one never saturates.
+        pump: how fast an engine turns them.
     """
     if s.ideal:
         return 0.0
-    most = available_flow(pressure, s) - s.leakage * pressure
+    turned = pump.speed / s.drive.speed if s.drive.inertia > 0.0 else 1.0
+    most = turned * available_flow(pressure, s) - s.leakage * pressure
     return min(1.0, max(0.0, draw / most)) if most > 0.0 else 1.0
 
 

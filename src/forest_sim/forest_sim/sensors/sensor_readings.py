@@ -27,6 +27,7 @@ from forest_sim.equations.plant import (
 )
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
+from forest_sim.hydraulics.load_holding import NO_LIFTS
 from forest_sim.hydraulics.port import port_pressure
 from forest_sim.hydraulics.supply import saturation
 from forest_sim.sensors.sensor_model import WORKS, SensorMemory, SensorModel, sample, sample_if
@@ -148,7 +149,9 @@ def report_at_rest(state: SensorState, simulation: Simulation, k: tuple[Sensors,
     """
     s, links = k
     readings = tuple([channel.reading for channel in state.channels])
-    flow, used = _supply(simulation, ports_at(simulation.spools, s.plant), s.plant)
+    flow, used = _supply(
+        simulation, ports_at(simulation.spools, s.plant, NO_LIFTS, simulation.tank.seen), s.plant
+    )
     seen = measurement(readings, state.estimates, s.plant, flow, used)
     return _with_truth(seen, simulation, s.plant, links)
 
@@ -173,7 +176,8 @@ def sampled(
     """
     time = state.time + dt
     due = time > state.next_sample - TIME_TOLERANCE
-    ports, before = ports_at(simulation.spools, s.plant), state.channels
+    ports = ports_at(simulation.spools, s.plant, NO_LIFTS, simulation.tank.seen)
+    before = state.channels
     true = _true_values(simulation, ports, s.plant, s.around)
     samples = tuple(
         [sample_if(due, s.channels[i], before[i], true[i], dt, normals[i]) for i in range(CHANNEL_COUNT)]
@@ -204,7 +208,8 @@ def true_joints(simulation: Simulation, p: PlantParameters) -> Motion:
 
 def true_values(simulation: Simulation, p: PlantParameters, around: Surroundings) -> tuple[float, ...]:
     """Return what every channel would read if it were exact, in the order of `CHANNELS`."""
-    return _true_values(simulation, ports_at(simulation.spools, p), p, around)
+    ports = ports_at(simulation.spools, p, NO_LIFTS, simulation.tank.seen)
+    return _true_values(simulation, ports, p, around)
 
 
 def _true_values(
@@ -223,7 +228,7 @@ def _true_values(
         supply,
         *(plant.swing.flow_1, second),
         *around.temperatures,
-        around.engine_speed,
+        plant.pump.speed if p.supply.drive.inertia > 0.0 else around.engine_speed,
         *(spools[0].position, spools[1].position, spools[2].position),
         *around.tilt,
         _case_drain_flow(motor, p.swing),
@@ -257,7 +262,7 @@ def _supply(
 ) -> tuple[float, float]:
     """Return what the axes draw from the pumps [m^3/s], and which part that is of what these can give."""
     flow = supply_draw(simulation.plant, ports).flow
-    return flow, saturation(flow, simulation.plant.supply.pressure, p.supply)
+    return flow, saturation(flow, simulation.plant.supply.pressure, p.supply, simulation.plant.pump)
 
 
 def _case_drain_flow(s: AxisState, axis: Axis) -> float:

@@ -12,7 +12,8 @@
 | gear | lost between the teeth of a gear with play |
 | stops | taken by the end stops |
 | mechanical | handed to the links, less what they gave back on their way down; see `link_account` |
-| stored | in oil, motor, teeth and bristles, less what was there at the start |
+| return_line | lost in filter and tank line |
+| stored | in oil, engine, motor, teeth and bristles, less what was there at the start |
 
 The recorded flows of `power_flows` close at every instant, so their integrals close whatever the
 states do: their sum tests nothing of a run. `with_stored_energy` therefore computes `stored` from
@@ -48,6 +49,7 @@ class Account(NamedTuple):
     gear: Floats
     stops: Floats
     mechanical: Floats
+    return_line: Floats
     stored: Floats
 
 
@@ -62,7 +64,8 @@ _PARTS = {
     "gear": ("gear",),
     "stops": ("stop",),
     "mechanical": ("joint",),
-    "stored": ("pump_manifold", "hose", "elastic"),
+    "return_line": ("pump_return_line",),
+    "stored": ("pump_manifold", "pump_flywheel", "pump_tank_line", "hose", "elastic"),
 }
 
 
@@ -73,7 +76,7 @@ def dissipated_energy(energies: Floats) -> float:
 
 
 def account(energies: Floats) -> Account:
-    """Return the account of recorded energies [..., 54], `state_recording.ENERGY`."""
+    """Return the account of recorded energies [..., 63], `state_recording.ENERGY`."""
     parts = {
         entry: sum(energies[..., place] for name in names for place in _places(name))
         for entry, names in _PARTS.items()
@@ -106,20 +109,26 @@ def unaccounted(total: Account) -> float:
 
 
 def stored_in(simulation: Simulation, p: PlantParameters) -> float:
-    """Return the energy [J] in the oil, and in the drives: motor, teeth and bristles."""
+    """Return the energy [J] in the oil, in the engine, and in the drives: motor, teeth and bristles."""
     plant = simulation.plant
-    return oil_energy(simulation, p) + drive_energy(plant.drive, plant.swing.angle, p.drive)
+    turning = 0.5 * p.supply.drive.inertia * plant.pump.speed**2
+    return oil_energy(simulation, p) + turning + drive_energy(plant.drive, plant.swing.angle, p.drive)
 
 
 def oil_energy(simulation: Simulation, p: PlantParameters) -> float:
-    """Return the energy [J] in manifold, hoses and chambers: C P^2/2, I Q^2/2 and `stored_energy`."""
+    """Return the energy [J] in manifold, tank line, hoses, chambers: C P^2/2, I Q^2/2, `stored_energy`."""
     plant = simulation.plant
     supply = 0.0 if p.supply.ideal else manifold_energy(plant.supply.pressure, p.supply)
     at = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
-    return supply + sum(
-        _hose(axis.line_1, axis.oil_1, state.pressure_1, state.flow_1, t.position)
-        + _hose(axis.line_2, axis.oil_2, state.pressure_2, state.flow_2, t.position)
-        for state, t, axis in zip(plant.axes, at, p.axes, strict=True)
+    returning = 0.5 * p.tank_line.capacitance * simulation.tank.pressure**2
+    return (
+        supply
+        + returning
+        + sum(
+            _hose(axis.line_1, axis.oil_1, state.pressure_1, state.flow_1, t.position)
+            + _hose(axis.line_2, axis.oil_2, state.pressure_2, state.flow_2, t.position)
+            for state, t, axis in zip(plant.axes, at, p.axes, strict=True)
+        )
     )
 
 

@@ -44,6 +44,8 @@ UNITS = {  # by a word of the name; the first that is in it
     "pressure": "Pa",
     "reference": "Pa",
     "flow": "m3/s",
+    "stroke": "1",
+    "speed": "rad/s",
 }
 LEFT_OUT = (
     "spool_rate",
@@ -54,6 +56,7 @@ LEFT_OUT = (
     "lift_compensator",
     "jets_force",
     "jets_push",
+    "tank_seen",
 )
 COLUMNS = tuple(
     name

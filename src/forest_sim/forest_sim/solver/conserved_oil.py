@@ -47,6 +47,7 @@ def _settled(state: PlantState, held: PlantState, p: PlantParameters) -> PlantSt
         supply=state.supply,
         head=state.head,
         drive=state.drive,
+        pump=state.pump,
     )
 
 
@@ -73,6 +74,7 @@ def _contents(state: PlantState, lifts: AllLifts, p: PlantParameters) -> PlantSt
         supply=SupplyState(manifold_oil(state.supply.pressure, p.supply), state.supply.reference),
         head=state.head,
         drive=state.drive,
+        pump=state.pump,
     )
 
 

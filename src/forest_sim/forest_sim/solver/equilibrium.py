@@ -7,8 +7,9 @@ from forest_sim.equations.multibody import HANGING_STILL, HeadState, mechanics
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.load_holding import Lifts, resting_lift
+from forest_sim.hydraulics.pump_drive import UNDRIVEN, PumpState
 from forest_sim.hydraulics.spool_dynamics import CENTRED
-from forest_sim.hydraulics.supply import Supply, SupplyState, pump_flow
+from forest_sim.hydraulics.supply import Supply, SupplyState, asked_stroke, flow_at, pump_torque
 from forest_sim.mechanics.pendulum import hanging_angles
 from forest_sim.solver.integrator import Events, Simulation
 
@@ -20,12 +21,14 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
 
     The trapped volumes leave one pressure per cylinder free: the less loaded chamber gets `PRELOAD`
     of the supply pressure. A gear with play stands in the middle of it, and bristles are straight.
-    The swing's hoses have leaked empty; on a tilted platform the swing starts to creep unless its
-    friction sticks, and so does every axis whose valve leaks or is underlapped.
+    The swing's hoses have leaked empty, and the tank line through them. On a tilted platform the
+    swing starts to creep unless its friction sticks, and so does every axis whose valve leaks or is
+    underlapped.
     """
     angles = float(angles[0]), float(angles[1]), float(angles[2])  # compiled kernels know no whole numbers
     head = HeadState(*hanging_angles(angles[0], p.body), 0.0, 0.0) if p.head.mass > 0.0 else HANGING_STILL
     bias = mechanics(angles, (0.0, 0.0, 0.0), head, p).bias
+    supply = idle_supply(p.supply)
     return Simulation(
         PlantState(
             swing=AxisState(
@@ -33,9 +36,10 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
             ),
             boom=_hold(angles[1], bias[1] / lever_arm(angles[1], p.boom_linkage), p.boom, p),
             stick=_hold(angles[2], bias[2] / lever_arm(angles[2], p.stick_linkage), p.stick, p),
-            supply=idle_supply(p.supply),
+            supply=supply,
             head=head,
             drive=DriveState(angles[0] if p.drive.gear.inertia > 0.0 else 0.0, 0.0, 0.0),
+            pump=idle_pump(supply, p.supply),
         ),
         (CENTRED, CENTRED, CENTRED),
         Events(0, 0, 0),
@@ -57,11 +61,22 @@ def idle_supply(s: Supply) -> SupplyState:
     low, high = 0.0, s.relief_pressure + s.flow_limit / s.relief_conductance
     for _ in range(80):
         middle = 0.5 * (low + high)
-        if pump_flow(middle, reference, s).delivered > 0.0:
+        here = SupplyState(middle, reference)
+        if flow_at(here, idle_pump(here, s), s).delivered > 0.0:
             low = middle
         else:
             high = middle
     return SupplyState(0.5 * (low + high), reference)
+
+
+def idle_pump(supply: SupplyState, s: Supply) -> PumpState:
+    """Return swash plate and engine as they stand while the manifold stays as it is."""
+    d = s.drive
+    if d.present == 0:
+        return UNDRIVEN
+    stroke = asked_stroke(supply, s).value
+    load = pump_torque(stroke, supply.pressure, s)
+    return PumpState(stroke, d.speed - load / d.governor if d.inertia > 0.0 else d.speed)
 
 
 def _hold(angle: float, force: float, axis: Axis, p: PlantParameters) -> AxisState:

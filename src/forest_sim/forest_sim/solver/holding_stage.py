@@ -53,7 +53,7 @@ def first_flow(flow: float, pressure: float, port: Port, held: Restriction, supp
     if flow > 0.0 or (flow < 0.0 and held.outward < math.inf):
         return flow
     feeding = port.to_supply < math.inf
-    source = supply if feeding else 0.0
+    source = supply if feeding else port.tank
     inward = flow == 0.0 and source > pressure
     valve = held.inward if inward else held.outward
     total = valve + (port.to_supply if feeding else port.to_tank)

@@ -13,7 +13,7 @@ from forest_sim.equations.multibody import HeadState, Inertia, mechanics, resist
 from forest_sim.equations.plant import PlantState, Ports, transmissions, with_joint
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.oil_law import held_above_vapour
-from forest_sim.hydraulics.supply import SupplyState, manifold_oil
+from forest_sim.hydraulics.supply import SupplyState, flow_after, manifold_oil
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.axis_stage import AxisEnd, AxisSolution, corrected_axis, solve_axis
 from forest_sim.solver.drive_stage import (
@@ -145,9 +145,12 @@ def _stage_end(
     stick = corrected_axis(base.stick, u[2], e.stick, feeds[2], supply_change, p.stick, h)
     head = _head_at(base.head, iterate.head_rates, h)
     held = SupplyState(manifold_oil(iterate.supply.pressure, p.supply), iterate.supply.reference)
+    pump = base.pump
+    if p.supply.drive.present:
+        pump = flow_after(iterate.supply, base.pump, h, p.supply).pump
     return StageEnd(
-        PlantState(swing.state, boom.state, stick.state, iterate.supply, head, drive),
-        PlantState(swing.held, boom.held, stick.held, held, head, drive),
+        PlantState(swing.state, boom.state, stick.state, iterate.supply, head, drive, pump),
+        PlantState(swing.held, boom.held, stick.held, held, head, drive, pump),
         failed,
     )
 
@@ -190,7 +193,7 @@ def _equations_at(
     )
     if not p.supply.ideal:
         error = supply_error(
-            base.supply, supply, (swing, boom, stick), ports, (t_1.arm, t_2.arm, t_3.arm), h, p
+            base.supply, base.pump, supply, (swing, boom, stick), ports, (t_1.arm, t_2.arm, t_3.arm), h, p
         )
     torque, resistance, drive, motor_gain = swing.torque, swing.resistance, NO_DRIVE, 0.0
     if p.drive.present:

@@ -17,7 +17,6 @@ from forest_sim.equations.multibody import HeadState
 from forest_sim.equations.plant import (
     AxisState,
     PlantState,
-    has_poppets,
     holds_loads,
     is_compensated,
     ports_at,
@@ -27,8 +26,10 @@ from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHi
 from forest_sim.hydraulics.flow_force import NO_JETS, AllJets
 from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts
+from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.hydraulics.tank_line import DRAINED, TankState, pressure_after
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.compensator_step import openings_after
 from forest_sim.solver.conserved_oil import settled, with_contents
@@ -36,6 +37,7 @@ from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.load_sensing import sensed_over
 from forest_sim.solver.pushed_spools import feels_jets, pushed
+from forest_sim.solver.tank_step import returned_flow, tank_amid
 
 GAMMA = 1.0 - math.sqrt(0.5)
 
@@ -59,19 +61,18 @@ class Simulation(NamedTuple):
     history: CommandHistory = NO_COMMANDS  # kept where a valve has a dead time
     lifts: AllLifts = NO_LIFTS  # of load-holding valves and compensators, half a step ago
     jets: AllJets = NO_JETS  # flow forces on the spools, where they have any
+    tank: TankState = DRAINED
 
 
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
     """Advance the machine by h [s] with the valve voltages [V] held."""
-    plant, lifts, jets, c = simulation.plant, simulation.lifts, simulation.jets, GAMMA * h
+    plant, c = simulation.plant, GAMMA * h
     acting, history = _acting(simulation.history, voltages, h, p)
-    if feels_jets(p):
-        jets = pushed(plant, simulation.spools, jets, p)
+    jets, lifts, tank = _amid(simulation, h, p)
     middle = spools_after(simulation.spools, acting, c, p, jets)
     end = spools_after(simulation.spools, acting, h, p, jets)
-    if has_poppets(p):
-        lifts = _lifts_after(simulation, h, p)
-    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, lifts)
+    returned = 0.0
+    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, lifts, tank.seen)
     if p.supply.rate > 0.0:
         ports = sensed_over(ports, simulation.spools, end, p)
     base = start = held = with_contents(plant, lifts, p)
@@ -80,29 +81,38 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
         after, held, failed = solve_stage(base, ahead, rates, ports, c, p)
         failures += failed
+        if p.tank_line.capacitance > 0.0:
+            returned += (GAMMA if stage else 1.0 - GAMMA) * returned_flow(after, ports, p)
         if stage == 0:
             # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
             base = _blend(start, held, (1.0 - GAMMA) / GAMMA, p)
             ahead = _blend(plant, after, 1.0 / GAMMA, p)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
             if end != middle:
-                ports = ports_at(end, p, lifts)
+                ports = ports_at(end, p, lifts, tank.seen)
                 if p.supply.rate > 0.0:
                     ports = sensed_over(ports, simulation.spools, end, p)
+    if p.tank_line.capacitance > 0.0:
+        tank = pressure_after(tank, returned, h, p.tank_line)
     after = settled(after, held, p)
-    events = _count(simulation.events, plant, after, failures, p.guard)
+    events = _count(simulation.events, plant, after, failures, p.guard, tank.seen)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
-    return Simulation(after, end, events, rates_after, head_after, history, lifts, jets)
+    return Simulation(after, end, events, rates_after, head_after, history, lifts, jets, tank)
 
 
-def _lifts_after(simulation: Simulation, h: float, p: PlantParameters) -> AllLifts:
-    """Return the lifts with which a step of h [s] is made; not inlined."""
-    plant, lifts, spools = simulation.plant, simulation.lifts, simulation.spools
+def _amid(simulation: Simulation, h: float, p: PlantParameters) -> tuple[AllJets, AllLifts, TankState]:
+    """Return what is known half a step from the states: flow forces, lifts of poppets, the tank line."""
+    plant, spools = simulation.plant, simulation.spools
+    jets, lifts, tank = simulation.jets, simulation.lifts, simulation.tank
+    if feels_jets(p):
+        jets = pushed(plant, spools, jets, p)
     if holds_loads(p):
         lifts = lifts_after(plant, lifts, spools, h, p)
     if is_compensated(p):
         lifts = openings_after(plant, lifts, spools, h, p)
-    return lifts
+    if p.tank_line.capacitance > 0.0:
+        tank = tank_amid(plant, spools, tank, h, p)
+    return jets, lifts, tank
 
 
 def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:
@@ -134,7 +144,7 @@ def _with_head_ahead(plant: PlantState, accelerations: Pair, time: float) -> Pla
     h = plant.head
     rates = h.alpha_rate + time * accelerations[0], h.beta_rate + time * accelerations[1]
     head = HeadState(h.alpha, h.beta, rates[0], rates[1])
-    return PlantState(plant.swing, plant.boom, plant.stick, plant.supply, head, plant.drive)
+    return PlantState(plant.swing, plant.boom, plant.stick, plant.supply, head, plant.drive, plant.pump)
 
 
 def _rates_after(plant: PlantState, accelerations: Vec3, time: float) -> Vec3:
@@ -169,14 +179,16 @@ def _spool_after(spool: Spool, voltage: float, time: float, valve: SpoolValve, p
     return spool_after(spool, max(-rated, min(rated, voltage)), time, valve.lag, push)
 
 
-def _count(e: Events, before: PlantState, after: PlantState, failed: int, guard: PortGuard) -> Events:
+def _count(
+    e: Events, before: PlantState, after: PlantState, failed: int, guard: PortGuard, tank: float
+) -> Events:
     """Count the port valves that opened over a step, and the stages whose Newton did not converge."""
     if guard.relief_conductance == 0.0 and guard.anticavitation_conductance == 0.0:
         return Events(e.relief_openings, e.anticavitation_openings, e.unconverged_stages + failed)
     a, b, c = (
-        _openings(before.swing, after.swing, guard),
-        _openings(before.boom, after.boom, guard),
-        _openings(before.stick, after.stick, guard),
+        _openings(before.swing, after.swing, guard, tank),
+        _openings(before.boom, after.boom, guard, tank),
+        _openings(before.stick, after.stick, guard, tank),
     )
     return Events(
         e.relief_openings + a[0] + b[0] + c[0],
@@ -185,9 +197,9 @@ def _count(e: Events, before: PlantState, after: PlantState, failed: int, guard:
     )
 
 
-def _openings(before: AxisState, after: AxisState, guard: PortGuard) -> tuple[int, int]:
+def _openings(before: AxisState, after: AxisState, guard: PortGuard, tank: float) -> tuple[int, int]:
     """Return how many of an axis' relief and anti-cavitation valves opened over a step."""
-    relief, check = guard.relief_pressure, guard.anticavitation_pressure
+    relief, check = guard.relief_pressure + tank, guard.anticavitation_pressure + tank
     return (
         int(before.pressure_1 <= relief < after.pressure_1)
         + int(before.pressure_2 <= relief < after.pressure_2),
@@ -209,6 +221,7 @@ def _blend(start: PlantState, stage: PlantState, weight: float, p: PlantParamete
         ),
         head=_blend_head(start.head, stage.head, weight),
         drive=_blend_drive(start.drive, stage.drive, weight) if p.drive.present else start.drive,
+        pump=_blend_pump(start.pump, stage.pump, weight) if p.supply.drive.present else start.pump,
     )
 
 
@@ -219,6 +232,10 @@ def _blend_head(a: HeadState, b: HeadState, w: float) -> HeadState:
         a.alpha_rate + w * (b.alpha_rate - a.alpha_rate),
         a.beta_rate + w * (b.beta_rate - a.beta_rate),
     )
+
+
+def _blend_pump(a: PumpState, b: PumpState, w: float) -> PumpState:
+    return PumpState(a.stroke + w * (b.stroke - a.stroke), a.speed + w * (b.speed - a.speed))
 
 
 def _blend_drive(a: DriveState, b: DriveState, w: float) -> DriveState:

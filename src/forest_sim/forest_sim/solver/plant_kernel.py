@@ -14,7 +14,7 @@ from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
 from forest_sim.equations import plant
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
-from forest_sim.hydraulics import command_history, port, spool_dynamics
+from forest_sim.hydraulics import command_history, port, spool_dynamics, supply
 from forest_sim.mechanics import pendulum
 from forest_sim.solver import (
     axis_stage,
@@ -26,6 +26,7 @@ from forest_sim.solver import (
     integrator,
     power_flows,
     pushed_spools,
+    tank_step,
 )
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
@@ -37,10 +38,12 @@ NOINLINE = (
     spool_dynamics._second_order,
     spool_dynamics._driven_spool,
     command_history.after_dead_time,
-    integrator._lifts_after,
     holding_step.lifts_after,
     compensator_step.openings_after,
     pushed_spools.pushed,
+    tank_step.tank_amid,
+    tank_step.returned_flow,
+    supply.flow_after,
     axis_stage._solve_with_holding,
     valve_characteristic._curved_opening,
     valve_characteristic._overlap_leakage,

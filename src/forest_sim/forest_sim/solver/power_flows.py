@@ -7,9 +7,10 @@ signs, and their integrals over a run are its energy account.
 
 | part | flows in | lost | stored | handed on |
 |---|---|---|---|---|
-| pump | engine | pump_friction, pump_leakage, main_relief | manifold | supply |
-| valve | supply | throttling | | hose inlets |
-| hose | its inlet | port_valves, resistance, holding, compression | hose | actuator |
+| pump | engine | pump_friction, pump_leakage, main_relief | manifold, flywheel | supply |
+| valve | supply | throttling | | hose inlets, tank line |
+| tank line | returned, relieved | return_line | tank_line | |
+| hose | its inlet | port_valves, resistance, holding, compression | hose | actuator, tank line |
 | actuator | | leakage, damping, dry_friction, cushion, gear | stop, elastic | joint |
 | links | joint, external | | kinetic and potential energy | |
 """
@@ -35,11 +36,14 @@ from forest_sim.hydraulics.hydraulic_line import guard_flow
 from forest_sim.hydraulics.load_holding import holding_drop
 from forest_sim.hydraulics.oil_volume import hose_drop
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
+from forest_sim.hydraulics.pump_drive import engine_torque
 from forest_sim.hydraulics.side import storage
-from forest_sim.hydraulics.supply import manifold_capacitance, pump_flow
+from forest_sim.hydraulics.supply import flow_at, manifold_capacitance
+from forest_sim.hydraulics.tank_line import line_flow
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
 from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.tank_step import tank_flow
 
 
 class SupplyPower(NamedTuple):
@@ -51,6 +55,9 @@ class SupplyPower(NamedTuple):
     main_relief: float
     manifold: float  # stored
     supply: float  # handed to the axes
+    flywheel: float = 0.0  # stored in engine and pumps as they turn
+    return_line: float = 0.0  # lost in filter and tank line
+    tank_line: float = 0.0  # stored before them
 
 
 class AxisPower(NamedTuple):
@@ -72,6 +79,8 @@ class AxisPower(NamedTuple):
     joint: float  # handed to the joint
     gear: float  # lost between the teeth of a gear with play
     elastic: float  # stored in motor, teeth and the bristles of a bearing that sticks
+    returned: float  # handed to the tank line by the valve's edges
+    relieved: float  # handed to it by port valves, less what they take from it
 
 
 class PowerFlows(NamedTuple):
@@ -85,7 +94,7 @@ class PowerFlows(NamedTuple):
 
 def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     """Return where the power goes at a state. Thesis section 2.2, fig. 2.3."""
-    state, ports = simulation.plant, ports_at(simulation.spools, p, simulation.lifts)
+    state, ports = simulation.plant, ports_at(simulation.spools, p, simulation.lifts, simulation.tank.seen)
     t_1, t_2, t_3 = transmissions(state.swing.angle, state.boom.angle, state.stick.angle, p)
     pressure = state.supply.pressure
     motor, drive = motor_side(state, p), NO_POWER
@@ -96,30 +105,48 @@ def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     boom = _axis_power(state.boom, t_2, ports[1], pressure, p.boom, NO_POWER, p)
     stick = _axis_power(state.stick, t_3, ports[2], pressure, p.stick, NO_POWER, p)
     drawn = swing.supply + boom.supply + stick.supply
+    seen = simulation.tank.seen
+    lost = seen * line_flow(seen, p.tank_line)
+    taken_up = swing.returned + boom.returned + stick.returned - lost
+    taken_up += swing.relieved + boom.relieved + stick.relieved
     if p.supply.ideal:
         return PowerFlows(
             SupplyPower(
-                engine=drawn, pump_friction=0.0, pump_leakage=0.0, main_relief=0.0, manifold=0.0, supply=drawn
+                engine=drawn,
+                pump_friction=0.0,
+                pump_leakage=0.0,
+                main_relief=0.0,
+                manifold=0.0,
+                supply=drawn,
+                return_line=lost,
+                tank_line=taken_up,
             ),
             swing,
             boom,
             stick,
         )
-    pump = pump_flow(pressure, state.supply.reference, p.supply)
+    pump = flow_at(state.supply, state.pump, p.supply)
     hydraulic = pressure * pump.displaced
     engine = hydraulic / p.supply.efficiency
     if hydraulic < 0.0 and p.supply.volume > 0.0:  # the oil drives the pump, and its friction stays a loss
         engine = hydraulic * p.supply.efficiency
     leakage = p.supply.leakage * pressure
-    rate = state_derivative(state, ports, p).supply.pressure
+    rates = state_derivative(state, ports, p)
+    rate, shaft, flywheel = rates.supply.pressure, engine, 0.0
+    if p.supply.drive.inertia > 0.0:
+        engine = engine_torque(state.pump.speed, p.supply.drive) * state.pump.speed
+        flywheel = p.supply.drive.inertia * state.pump.speed * rates.pump.speed
     return PowerFlows(
         SupplyPower(
             engine=engine,
-            pump_friction=engine - hydraulic,
+            pump_friction=shaft - hydraulic,
             pump_leakage=pressure * leakage,
             main_relief=pressure * (pump.displaced - leakage - pump.delivered),
             manifold=manifold_capacitance(pressure, p.supply) * pressure * rate,
             supply=drawn,
+            flywheel=flywheel,
+            return_line=lost,
+            tank_line=taken_up,
         ),
         swing,
         boom,
@@ -145,14 +172,18 @@ def _axis_power(
     one, two = sides(s, t, ports, axis)
     taken_up_1, taken_up_2 = storage(one, supply, p.guard), storage(two, supply, p.guard)
     drop_1, drop_2 = hose_drop(one.flow, axis.oil_1), hose_drop(two.flow, axis.oil_2)
+    tank = ports.port_1.tank
+    above_1, above_2 = s.pressure_1 - tank, s.pressure_2 - tank
+    guarded_1, guarded_2 = guard_flow(above_1, p.guard), guard_flow(above_2, p.guard)
+    to_tank = tank_flow(s.pressure_1, s.flow_1, ports.port_1, supply)
+    to_tank += tank_flow(s.pressure_2, -s.flow_2, ports.port_2, supply)
     return AxisPower(
         supply=supply * axis_draw(s, ports, supply).flow,
         throttling=lost_1 + lost_2,
         inlets=in_1 + in_2,
         hose=taken_up_1.stored + taken_up_2.stored,
         compression=taken_up_1.compression + taken_up_2.compression,
-        port_valves=-s.pressure_1 * guard_flow(s.pressure_1, p.guard)
-        - s.pressure_2 * guard_flow(s.pressure_2, p.guard),
+        port_valves=-above_1 * guarded_1 - above_2 * guarded_2,
         resistance=(s.pressure_1 - p_1) * q_1
         + (p_2 - s.pressure_2) * q_2
         + (drop_1 * one.flow + drop_2 * two.flow),
@@ -166,6 +197,8 @@ def _axis_power(
         joint=joint_torque(s, t, axis) * s.rate - drive.friction - drive.gear - drive.elastic - drive.stop,
         gear=drive.gear,
         elastic=drive.elastic,
+        returned=tank * to_tank,
+        relieved=-tank * (guarded_1 + guarded_2),
     )
 
 
@@ -175,4 +208,4 @@ def _valve(pressure: float, flow: float, port: Port, supply: float) -> tuple[flo
         return 0.0, 0.0
     p = port_pressure(pressure, flow, port, supply)
     from_supply, to_tank = edge_flows(flow, p, port, supply)
-    return (supply - p) * from_supply + p * to_tank, p * flow
+    return (supply - p) * from_supply + (p - port.tank) * to_tank, p * flow

@@ -7,8 +7,8 @@ flows of `power_flows` are integrated over the integrator's own steps with the t
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
 | schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
-| states | N, 107 | what `STATE` names, one row per period |
-| energies | N, 54 | J over the period through what `ENERGY` names |
+| states | N, 111 | what `STATE` names, one row per period |
+| energies | N, 63 | J over the period through what `ENERGY` names |
 """
 
 import numpy as np
@@ -22,8 +22,10 @@ from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.command_history import SIZE, CommandHistory
 from forest_sim.hydraulics.flow_force import Jets
 from forest_sim.hydraulics.load_holding import Lifts
+from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool
 from forest_sim.hydraulics.supply import SupplyState
+from forest_sim.hydraulics.tank_line import TankState
 from forest_sim.solver.integrator import Events, Simulation, step
 from forest_sim.solver.power_flows import AxisPower, SupplyPower, power_flows
 from forest_sim.solver.step_schedule import StepSchedule, schedule_of
@@ -33,12 +35,14 @@ STATE = (
     *(f"supply_{field}" for field in SupplyState._fields),
     *(f"head_{field}" for field in HeadState._fields),
     *(f"drive_{field}" for field in DriveState._fields),
+    *(f"pump_{field}" for field in PumpState._fields),
     *(f"{axis}_spool_{field}" for axis in AXES for field in Spool._fields),
     *Events._fields,
     *(f"{name}_acceleration" for name in (*AXES, "head_alpha", "head_beta")),
     *(f"command_{field}_{k}" for field in CommandHistory._fields for k in range(SIZE)),
     *(f"{axis}_lift_{field}" for axis in AXES for field in Lifts._fields),
     *(f"{axis}_jets_{field}" for axis in AXES for field in Jets._fields),
+    *(f"tank_{field}" for field in TankState._fields),
 )
 ENERGY = (
     *(f"pump_{field}" for field in SupplyPower._fields),

@@ -10,8 +10,10 @@ from forest_description.types import Vec3
 from forest_sim.equations.plant import Ports
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.hydraulic_line import supply_coupling
+from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.supply import (
     SupplyState,
+    flow_after,
     manifold_capacitance,
     manifold_oil,
     pump_flow,
@@ -48,6 +50,7 @@ class SupplyError(NamedTuple):
 
 def supply_error(
     base: SupplyState,
+    known: PumpState,
     supply: float,
     axes: tuple[AxisSolution, AxisSolution, AxisSolution],
     ports: tuple[Ports, Ports, Ports],
@@ -56,6 +59,9 @@ def supply_error(
     p: PlantParameters,
 ) -> SupplyError:
     """Return the manifold's equation, C (P_s - base) = h (delivered - drawn), at an iterate.
+
+    Swash plate and engine are found from their known parts. What the engine's speed yields to P_s
+    within a stage is left out of the slope: it is of order h^2.
 
     Where the oil holds air, `base` has what the manifold holds in place of its pressure.
     """
@@ -67,6 +73,8 @@ def supply_error(
         loads, shares = (one.load, two.load, three.load), (one.sensed, two.sensed, three.sensed)
         reference = reference_after(reference, mean_load(loads, shares), p.supply, h)
     pump = pump_flow(supply, reference, p.supply)
+    if p.supply.drive.present:
+        pump = flow_after(SupplyState(supply, reference), known, h, p.supply).flow
     drawn = one.flow + two.flow + three.flow
     conductance = one.conductance + two.conductance + three.conductance
     stored = p.supply.capacitance * (supply - base.pressure)
