@@ -11,6 +11,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import Linkage
 from forest_description.machine import EndStops, Machine
 from forest_description.types import Vec3
+from forest_sim.equations.elastic_links import RIGID_LINKS, ElasticLaws
 from forest_sim.hydraulics.actuator import Actuator, cylinder, motor
 from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.load_holding import HoldingValve, holding_valve
@@ -19,6 +20,7 @@ from forest_sim.hydraulics.oil_volume import NO_CHAMBER, OilVolume
 from forest_sim.hydraulics.spool_dynamics import SpoolLag, spool_lag
 from forest_sim.hydraulics.supply import Supply, supply
 from forest_sim.mechanics.bristles import Bristles, bristles
+from forest_sim.mechanics.elasticity import elastic_link
 from forest_sim.mechanics.end_stop import NO_STOP, UNCUSHIONED, CushionBrake, EndStop
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction
 from forest_sim.mechanics.gear import NO_GEAR, Gear
@@ -75,6 +77,7 @@ class PlantParameters(NamedTuple):
     supply: Supply
     tip_force: Vec3  # [N] on the tip from outside, in the base frame
     drive: DriveLaws
+    elastic: ElasticLaws = RIGID_LINKS
 
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
@@ -108,6 +111,7 @@ def parameters_of(machine: Machine) -> PlantParameters:
         supply=supply(machine.pump, _manifold_oil(machine)),
         tip_force=(0.0, 0.0, 0.0),
         drive=_drive(machine),
+        elastic=_elastic(machine),
     )
 
 
@@ -115,6 +119,12 @@ def _drive(machine: Machine) -> DriveLaws:
     given = machine.swing
     present = given.backlash is not None or given.friction is not None
     return DriveLaws(int(present), _gear(machine), bristles(given.friction))
+
+
+def _elastic(machine: Machine) -> ElasticLaws:
+    swing, boom, stick = (drive.elasticity for drive in machine.drives)
+    present = swing is not None or boom is not None or stick is not None
+    return ElasticLaws(int(present), elastic_link(swing), elastic_link(boom), elastic_link(stick))
 
 
 def _gear(machine: Machine) -> Gear:
