@@ -45,6 +45,7 @@ TOLERANCE = 1e-4  # [rad/s] of Newton's last correction; the next one would be a
 LIGHT_SHARE = 0.01  # of a motor's and a root's correction that counts: they weigh a hundredth of the crane
 REFERENCE_TOLERANCE = 1.0  # [Pa] of P_r, which is not corrected but found anew
 BOUNDED = 6  # iterations after which the supply's pressure is kept between bounds, for its pump's kinks
+RIGID, ELASTIC = 0, 1  # literally, so that the machine code of rigid links has nothing of others
 NO_FEEDS = ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
 NO_DRIVE = DriveSolution(torque=0.0, resistance=0.0, share=0.0, excess=0.0, give=0.0)
 ITERATIONS = 60
@@ -59,6 +60,13 @@ class Iterate(NamedTuple):
     supply: SupplyState
     motor_rate: float  # of the swing's motor, seen at its joint [rad/s]: without play, the joint's
     root_rates: Vec3  # of the links' roots [rad/s]: of rigid links, the joints'
+
+
+def _with_root_rates(iterate: Iterate, base: PlantState, p: PlantParameters) -> Iterate:
+    """Return an iterate whose roots' rates, and the motor's without play, follow those of the links."""
+    roots = first_root_rates(base, iterate.rates, p)
+    motor = iterate.motor_rate if p.drive.gear.inertia > 0.0 else roots[0]
+    return Iterate(iterate.rates, iterate.head_rates, iterate.supply, motor, roots)
 
 
 class StageEnd(NamedTuple):
@@ -81,7 +89,6 @@ class StageEquations(NamedTuple):
     supply: SupplyError
     motor_gain: float  # h d(the swing's draw)/d(its motor's rate) [m^3 s]
     drive: DriveSolution
-    elastic: ElasticSolution
 
 
 def solve_stage(
@@ -100,18 +107,17 @@ def solve_stage(
     h^2, the first correction is mostly the last: the next would be of order h^3, as the step's own
     error is.
     """
-    turning, roots = rates[0], rates
+    turning = rates[0]
     if p.drive.gear.inertia > 0.0:
         turning = base.drive.motor_rate + (rates[0] - base.swing.rate)
+    iterate = Iterate(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply, turning, rates)
     if p.elastic.present:
-        roots = first_root_rates(base, rates, p)
-        turning = roots[0] if p.drive.gear.inertia == 0.0 else turning
-    iterate = Iterate(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply, turning, roots)
-    equations = _equations_at(base, start, iterate, ports, h, p)
-    after, size, supply_change = _newton_step(iterate, equations, 1.0, UNBOUNDED, p)
+        return _iterate_elastic(base, start, _with_root_rates(iterate, base, p), ports, h, p)
+    equations, _ = _equations_at(base, start, iterate, ports, h, p, RIGID)
+    after, size, supply_change = _newton_step(iterate, equations, ALL_STIFF, 1.0, UNBOUNDED, p, RIGID)
     reference_change = equations.supply.state.reference - iterate.supply.reference
     if _has_converged(size, supply_change, reference_change, supply_tolerance(after.supply.pressure, p)):
-        return _stage_end(base, after, equations, 0, h, p)
+        return _stage_end(base, after, equations, 0, h, p, RIGID)
     return _iterate_further(base, start, after, ports, h, p)
 
 
@@ -124,20 +130,45 @@ def _iterate_further(
     p: PlantParameters,
 ) -> StageEnd:
     """Return what `solve_stage` does, from the second iteration on; seldom, hence not inlined."""
+    return _iterate(base, near, iterate, ports, h, p, RIGID)
+
+
+def _iterate_elastic(
+    base: PlantState,
+    near: PlantState,
+    iterate: Iterate,
+    ports: tuple[Ports, Ports, Ports],
+    h: float,
+    p: PlantParameters,
+) -> StageEnd:
+    """Return what `solve_stage` does where links give way; not inlined."""
+    return _iterate(base, near, iterate, ports, h, p, ELASTIC)
+
+
+def _iterate(
+    base: PlantState,
+    near: PlantState,
+    iterate: Iterate,
+    ports: tuple[Ports, Ports, Ports],
+    h: float,
+    p: PlantParameters,
+    bends: int,
+) -> StageEnd:
+    """Return what Newton's iterations lead to."""
     failed, bounds = 1, UNBOUNDED
-    equations = _equations_at_again(base, near, iterate, ports, h, p)
+    equations, links = _equations_again(base, near, iterate, ports, h, p, bends)
     for iteration in range(1, ITERATIONS):
         before, share = iterate.supply.pressure, 0.5 if DAMPED <= iteration < FULL else 1.0
         reference_change = equations.supply.state.reference - iterate.supply.reference
-        iterate, size, supply_change = _newton_step(iterate, equations, share, bounds, p)
+        iterate, size, supply_change = _newton_step(iterate, equations, links, share, bounds, p, bends)
         tolerance = supply_tolerance(iterate.supply.pressure, p)
         if share == 1.0 and _has_converged(size, supply_change, reference_change, tolerance):
             failed = 0
             break
         if iteration >= BOUNDED:
             bounds = tightened_bounds(bounds, before, supply_change)
-        equations = _equations_at_again(base, near, iterate, ports, h, p)
-    return _stage_end(base, iterate, equations, failed, h, p)
+        equations, links = _equations_again(base, near, iterate, ports, h, p, bends)
+    return _stage_end(base, iterate, equations, failed, h, p, bends)
 
 
 def _stage_end(
@@ -147,6 +178,7 @@ def _stage_end(
     failed: int,
     h: float,
     p: PlantParameters,
+    bends: int,
 ) -> StageEnd:
     """Return the state at a stage's end, from the last iterate and the equations one correction before it."""
     supply_change, feeds = iterate.supply.pressure - equations.supply.state.pressure, equations.supply.feeds
@@ -159,7 +191,7 @@ def _stage_end(
         swing = AxisEnd(with_joint(swing.state, angle, u[0]), with_joint(swing.held, angle, u[0]))
     boom = corrected_axis(base.boom, w[1], e.boom, feeds[1], supply_change, p.boom, h)
     stick = corrected_axis(base.stick, w[2], e.stick, feeds[2], supply_change, p.stick, h)
-    if p.elastic.present:
+    if bends:
         roots = roots_after(base, w, h, p.elastic)
         swing = _with_link(swing, base.swing, u[0], h)
         boom, stick = _with_link(boom, base.boom, u[1], h), _with_link(stick, base.stick, u[2], h)
@@ -196,11 +228,12 @@ def _equations_at(
     ports: tuple[Ports, Ports, Ports],
     h: float,
     p: PlantParameters,
-) -> StageEquations:
+    bends: int,
+) -> tuple[StageEquations, ElasticSolution]:
     """Return M (rates - base) + h (bias - torque) = 0 and the supply's equation at an iterate."""
     u, w, supply = iterate.rates, iterate.root_rates, iterate.supply.pressure
     angles = base.swing.angle + h * u[0], base.boom.angle + h * u[1], base.stick.angle + h * u[2]
-    joints = root_angles(base, w, h, p) if p.elastic.present else angles
+    joints = root_angles(base, w, h, p) if bends else angles
     t_1, t_2, t_3 = transmissions(joints[0], joints[1], joints[2], p)
     turned = iterate.motor_rate
     swing = solve_axis(base.swing, near.swing, turned, t_1, ports[0], supply, p.swing, p.guard, h)
@@ -229,12 +262,12 @@ def _equations_at(
         resistances = drive.resistance, boom.resistance, stick.resistance
         motor_gain = error.by_rate[0]
         error = through_gear(error, drive)
-    if p.elastic.present:
+    if bends:
         elastic = solve_links(base, u, w, torques, resistances, error.by_rate, h, p.elastic)
         torques = elastic.swing.torque, elastic.boom.torque, elastic.stick.torque
         resistances = elastic.swing.resistance, elastic.boom.resistance, elastic.stick.resistance
         error = through_links(error, elastic)
-    return StageEquations(
+    equations = StageEquations(
         swing=swing,
         boom=boom,
         stick=stick,
@@ -248,8 +281,22 @@ def _equations_at(
         supply=error,
         motor_gain=motor_gain,
         drive=drive,
-        elastic=elastic,
     )
+    return equations, elastic
+
+
+def _equations_again(
+    base: PlantState,
+    near: PlantState,
+    iterate: Iterate,
+    ports: tuple[Ports, Ports, Ports],
+    h: float,
+    p: PlantParameters,
+    bends: int,
+) -> tuple[StageEquations, ElasticSolution]:
+    if bends:
+        return _equations_at_elastic(base, near, iterate, ports, h, p)
+    return _equations_at_again(base, near, iterate, ports, h, p), ALL_STIFF
 
 
 def _equations_at_again(
@@ -260,12 +307,30 @@ def _equations_at_again(
     h: float,
     p: PlantParameters,
 ) -> StageEquations:
-    """Return what `_equations_at` does; not inlined."""
-    return _equations_at(base, near, iterate, ports, h, p)
+    """Return what `_equations_at` does of rigid links; not inlined."""
+    return _equations_at(base, near, iterate, ports, h, p, RIGID)[0]
+
+
+def _equations_at_elastic(
+    base: PlantState,
+    near: PlantState,
+    iterate: Iterate,
+    ports: tuple[Ports, Ports, Ports],
+    h: float,
+    p: PlantParameters,
+) -> tuple[StageEquations, ElasticSolution]:
+    """Return what `_equations_at` does of links that give way; not inlined."""
+    return _equations_at(base, near, iterate, ports, h, p, ELASTIC)
 
 
 def _newton_step(
-    iterate: Iterate, equations: StageEquations, share: float, bounds: Pair, p: PlantParameters
+    iterate: Iterate,
+    equations: StageEquations,
+    links: ElasticSolution,
+    share: float,
+    bounds: Pair,
+    p: PlantParameters,
+    bends: int,
 ) -> tuple[Iterate, float, float]:
     """Return the iterate after a share of Newton's correction, its size, and the supply's change [rad/s; Pa].
 
@@ -292,8 +357,8 @@ def _newton_step(
         iterate.supply.pressure - share * pressure, iterate.supply.pressure, p.supply.oil
     )
     turns, roots = c, iterate.root_rates
-    if p.elastic.present:
-        turns = root_corrections(c, pressure, equations.elastic)
+    if bends:
+        turns = root_corrections(c, pressure, links)
     roots = roots[0] - share * turns[0], roots[1] - share * turns[1], roots[2] - share * turns[2]
     turning, motor = 0.0, roots[0]
     if p.drive.present:
@@ -307,9 +372,7 @@ def _newton_step(
         motor,
         roots,
     )
-    light = max(abs(turning), abs(turns[0]), abs(turns[1]), abs(turns[2]))
-    return (
-        after,
-        max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1]), LIGHT_SHARE * light),
-        change,
-    )
+    size = max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1]), LIGHT_SHARE * abs(turning))
+    if bends:
+        size = max(size, LIGHT_SHARE * max(abs(turns[0]), abs(turns[1]), abs(turns[2])))
+    return after, size, change

@@ -41,6 +41,8 @@ NOINLINE = (
     valve_characteristic._curved_opening,
     implicit_stage._iterate_further,
     implicit_stage._equations_at_again,
+    implicit_stage._iterate_elastic,
+    implicit_stage._equations_at_elastic,
     power_flows.power_flows,
     power_flows._axis_power,
     plant._axis_derivative,
