@@ -109,8 +109,21 @@ def advance(simulation, voltages, h, count, p):
     return compiled_advance()(simulation, voltages, h, count, p)
 
 
+# A root weighs a hundredth of its link: its rate [rad/s] is as exact as that needs.
 SCALE = np.array(
-    [*([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3] * 3), 2e7, 2e7, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1e-3, *([1.0] * 6)]
+    [
+        *([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3] * 3),
+        2e7,
+        2e7,
+        1.0,
+        1.0,
+        1.0,
+        1.0,
+        1.0,
+        1.0,
+        1e-3,
+        *([1.0, 10.0] * 3),
+    ]
 )
 
 

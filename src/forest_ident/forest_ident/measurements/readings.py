@@ -89,7 +89,7 @@ def _motor_rate(states: Floats, p: PlantParameters) -> Floats:
 
 
 def joint_places(p: PlantParameters) -> list[int]:
-    """Return where `STATE` has the joints' angles, with their rates behind: elastic links' roots have them."""
+    """Return where `STATE` has the joints' angles; their rates are right behind."""
     links = zip(AXES, p.elastic.links, strict=True)
     return [PLACE[f"{axis}_root_angle" if link.inertia > 0.0 else f"{axis}_angle"] for axis, link in links]
 
