@@ -21,6 +21,7 @@ PANELS = (
     ("pressure_2", "port 2 [MPa]"),
 )
 SWAY = ("alpha", "sway [deg]")
+BENDING = ("bending", "bending [mrad]")
 FACTORS = {
     "angle": 180.0 / np.pi,
     "rate": 180.0 / np.pi,
@@ -28,8 +29,9 @@ FACTORS = {
     "pressure_2": 1e-6,
     "spool_position": 1.0,
     "alpha": 180.0 / np.pi,
+    "bending": 1e3,
 }
-LEAST_SPAN = 1.0  # of a panel [deg; deg/s; MPa]
+LEAST_SPAN = 1.0  # of a panel [deg; deg/s; MPa; mrad]
 
 
 class Course:
@@ -42,6 +44,8 @@ class Course:
             for field in (*AxisState._fields, "spool_position")
         }
         self._columns["alpha"] = states[:, STATE.index("head_alpha")]
+        root = states[:, STATE.index(f"{AXES[axis]}_root_angle")]
+        self._columns["bending"] = (self._columns["angle"] - root) * root.any()  # a rigid link has no root
 
     def column(self, field: str) -> Floats:
         """Return a state [N] in a picture's units."""
@@ -79,8 +83,8 @@ def draw(courses: Sequence[Course], axis: int, voltages: Voltages, out: Path) ->
         out: file.
     """
     names = " and ".join(course.name for course in courses)
-    sways = any(course.column("alpha").any() for course in courses)
-    drawn = (*PANELS, SWAY) if sways else PANELS
+    further = (field for field in (BENDING, SWAY) if any(c.column(field[0]).any() for c in courses))
+    drawn = (*PANELS, *further)
     figure, panels = new_figure(len(drawn) + 1, 1, 10.0, f"{AXES[axis]}: {names}")
     time = courses[0].time
     panels[0].plot(time, voltages.at(time)[:, axis], color="0.4")
