@@ -8,6 +8,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from forest_description.components.drives import Backlash, BearingFriction, Cushion, Friction
+from forest_description.components.elasticity import Elasticity
 from forest_description.components.load import Log, Pendulum
 from forest_description.components.pump import (
     ConstantFlowPump,
@@ -18,7 +19,9 @@ from forest_description.components.pump import (
 from forest_description.components.valve_parameters import BackwardValve, TableCurve
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import Machine, load_machine
+from forest_sim.analysis.modes import states
 from forest_sim.equations.drive import DriveState
+from forest_sim.equations.elastic_links import Roots, RootState
 from forest_sim.equations.multibody import HeadState
 from forest_sim.equations.plant import AxisState, PlantState, ports_at, state_derivative
 from forest_sim.equations.plant_parameters import PlantParameters
@@ -43,12 +46,19 @@ PUMPS = {
 FRICTION = Friction(coulomb_force=4e3, breakaway_force=7e3, stribeck_speed=0.02, smoothing_speed=2e-3)
 BEARING = BearingFriction(800.0, 1100.0, 0.01, stiffness=1e7, damping=5e4, elastic_share=0.8)
 BACKLASH = Backlash(free_way=1.5e-3, motor_inertia=2.4e-3, stiffness=3e7, damping=1.2e4)
+ELASTIC = Elasticity(stiffness=2e7, damping=2e4, root_inertia=80.0)
 CUSHION = Cushion(length=0.08, resistance=3e7)
 
 
 def with_pump(name: str, machine: Machine = C180, **changes: float) -> Machine:
     """Return a machine with another pump."""
     return dataclasses.replace(machine, pump=dataclasses.replace(PUMPS[name], **changes))
+
+
+def rigid(machine: Machine) -> Machine:
+    """Return a machine whose links do not give way."""
+    swing, boom, stick = (dataclasses.replace(drive, elasticity=None) for drive in machine.drives)
+    return dataclasses.replace(machine, swing=swing, boom=boom, stick=stick)
 
 
 def full_machine(pump: str = "load sensing") -> Machine:
@@ -65,12 +75,24 @@ def full_machine(pump: str = "load sensing") -> Machine:
         C180.valve, curve=TableCurve((2.0, 4.0, 7.0, 10.0), (9e13, 1.2e13, 3e12, 1e12)), spool_bandwidth=20.0
     )
     swing = dataclasses.replace(
-        C180.swing, flow_regime="turbulent", valve=leaking, friction=BEARING, backlash=BACKLASH
+        C180.swing,
+        flow_regime="turbulent",
+        valve=leaking,
+        friction=BEARING,
+        backlash=BACKLASH,
+        elasticity=ELASTIC,
     )
     boom = dataclasses.replace(
-        C180.boom, flow_regime="laminar", valve=underlapped, friction=FRICTION, cushion=CUSHION
+        C180.boom,
+        flow_regime="laminar",
+        valve=underlapped,
+        friction=FRICTION,
+        cushion=CUSHION,
+        elasticity=ELASTIC,
     )
-    stick = dataclasses.replace(C180.stick, valve=measured, friction=FRICTION, cushion=CUSHION)
+    stick = dataclasses.replace(
+        C180.stick, valve=measured, friction=FRICTION, cushion=CUSHION, elasticity=ELASTIC
+    )
     hanging = dataclasses.replace(
         C180.manipulator, pendulum=Pendulum(1.2, 60.0, 300.0), log=Log(mass=400.0, x=0.5, y=0.0)
     )
@@ -89,20 +111,25 @@ def advance(simulation, voltages, h, count, p):
 
 
 AXIS_SCALE, PUMP_SCALE = [1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3], [1.0, 100.0]
-SCALE = np.array([*(AXIS_SCALE * 3), 2e7, 2e7, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1e-3, *PUMP_SCALE])
+# A root weighs a hundredth of its link: its rate [rad/s] is as exact as that needs.
+ROOT_SCALE = [1.0, 10.0]
+SCALE = np.array(
+    [*(AXIS_SCALE * 3), 2e7, 2e7, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1e-3, *PUMP_SCALE, *(ROOT_SCALE * 3)]
+)
 
 
 def pack(state: PlantState) -> np.ndarray:
-    """Return all states over their scales: the axes' 18, supply's, head's, swing drive's and pump's."""
-    return np.array([x for part in state for x in part]) / SCALE
+    """Return all states over their scales: axes, supply, hanging head, swing's drive, pump and roots."""
+    return states(state) / SCALE
 
 
 def unpack(y: np.ndarray) -> PlantState:
     """Return the state that `pack` was given."""
     v = (y * SCALE).tolist()
     axes = (AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18]))
-    head, drive = HeadState(*v[20:24]), DriveState(*v[24:27])
-    return PlantState(*axes, SupplyState(*v[18:20]), head, drive, PumpState(*v[27:29]))
+    head, drive, pump = HeadState(*v[20:24]), DriveState(*v[24:27]), PumpState(*v[27:29])
+    roots = Roots(RootState(*v[29:31]), RootState(*v[31:33]), RootState(*v[33:35]))
+    return PlantState(*axes, SupplyState(*v[18:20]), head, drive, pump, roots)
 
 
 def reference(simulation, p: PlantParameters, seconds: float) -> np.ndarray:

@@ -150,6 +150,7 @@ class Machine(ParameterSet):
         self._check_bearing()
         self._check_jets()
         self._check_tank_line()
+        self._check_elasticity()
         for axis, name in enumerate(AXES):
             drive = self.drives[axis]
             if drive.chambers is not None and self.oil is None:
@@ -241,6 +242,25 @@ class Machine(ParameterSet):
                 f"swing.friction.breakaway_torque ({friction.breakaway_torque:g} N*m) must be smaller than "
                 f"what the motor has at pump.supply_pressure ({most:g} N*m): the swing would never turn"
             )
+
+    def _check_elasticity(self) -> None:
+        """Raise unless the links give way by little under the crane's own weight and the swing's motor."""
+        m = self.manipulator
+        head, whole = m.head_mass, m.boom_length + m.stick_length
+        stick = m.gravity * (m.stick_mass * abs(m.stick_x) + head * m.stick_length)
+        boom = m.gravity * (
+            m.boom_mass * abs(m.boom_x) + m.stick_mass * (m.boom_length + abs(m.stick_x)) + head * whole
+        )
+        motor = self.swing.gear_ratio * self.swing.motor_displacement * self.pump.supply_pressure
+        what = (
+            "the motor at pump.supply_pressure",
+            "the outstretched crane's weight",
+            "the level stick's weight",
+        )
+        given = self.swing.elasticity, self.boom.elasticity, self.stick.elasticity
+        for name, link, torque, of in zip(AXES, given, (motor, boom, stick), what, strict=True):
+            if link is not None:
+                link.require_stiff(f"{name}.elasticity", torque, of)
 
     def _check_joints(self) -> None:
         """Raise unless boom and stick go where the kinematics are made for."""

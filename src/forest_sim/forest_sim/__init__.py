@@ -3,7 +3,7 @@
 In the order in which data passes:
 
 - `hydraulics`: Laws of supply, spools, ports, hoses and actuators.
-- `mechanics`: Laws of the rigid links, the hanging head, gear, dry friction and end stops.
+- `mechanics`: Laws of the links, how they bend, the hanging head, gear, dry friction and end stops.
 - `equations`: The equations of motion: states, constants, links and drive, put together from the
   parts' laws.
 - `solver`: Steps in time of the equations of motion, implicit and of second order, interpreted or

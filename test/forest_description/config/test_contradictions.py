@@ -424,6 +424,36 @@ OTHERS = [
     ),
     (
         "c180_real",
+        "boom:\n  elasticity:\n    stiffness: = -1e7 N*m/rad\n",
+        4,
+        "boom.elasticity.stiffness = -1e+07 N*m/rad is outside the range 10000 .. 1e+12 N*m/rad",
+    ),
+    (
+        "c180_real",
+        "stick:\n  elasticity:\n    stiffness: = 0 N*m/rad\n",
+        4,
+        "stick.elasticity.stiffness = 0 N*m/rad is outside the range",
+    ),
+    (
+        "c180_real",
+        "stick:\n  elasticity:\n    stiffness: = 2e5 N*m/rad\n",
+        4,
+        "the level stick's weight (3.858e+04 N*m) would deflect it by 0.193 rad; allowed: at most 0.1 rad",
+    ),
+    (
+        "c180_real",
+        "swing:\n  elasticity:\n    stiffness: = 1e5 N*m/rad\n",
+        4,
+        "swing.elasticity.stiffness (100000 N*m/rad): the motor at pump.supply_pressure",
+    ),
+    (
+        "c180",
+        "boom:\n  elasticity:\n    stiffness: = 1e7 N*m/rad\n",
+        3,
+        "missing key boom.elasticity.damping",
+    ),
+    (
+        "c180_real",
         "boom:\n  chambers:\n    head_dead_volume: = 0 L\n",
         4,
         "= 0 L (0 m3) is outside the range 1e-06",

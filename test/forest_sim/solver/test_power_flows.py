@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from energies import kinetic_energy, pendulum_kinetic_energy, pendulum_potential_energy, potential_energy
+from full_machine import pack, unpack
 
 from forest_description.components.drives import Cushion, Friction
 from forest_description.components.load import Pendulum
@@ -77,6 +78,7 @@ def test_every_part_hands_on_what_it_neither_loses_nor_stores(machine):
                 + a.dry_friction
                 + a.cushion
                 + a.gear
+                + a.bending
             )
             assert gap(a.inlets, -a.hose, -lost, -a.stop, -a.elastic, -a.joint) < 1e-9
 
@@ -96,12 +98,7 @@ def mechanical_energy(state, p):
 
 def moved(state, rate, time):
     """A state after a time on a straight line."""
-    return type(state)(
-        *(
-            type(a)(*(x + time * dx for x, dx in zip(a, b, strict=True)))
-            for a, b in zip(state, rate, strict=True)
-        )
-    )
+    return unpack(pack(state) + time * pack(rate))
 
 
 @pytest.mark.parametrize("machine", [*MACHINES, pytest.param(HANGING, id="hanging head")])
@@ -139,6 +136,7 @@ def test_what_is_called_a_loss_never_gives_power_back(machine):
                 a.dry_friction,
                 a.cushion,
                 a.gear,
+                a.bending,
             ]
         # A turbulent hose's loss counts the flow that moves the load, not what leaks behind it.
         assert min(losses) >= -1e-6 * abs(flows.pump.engine)

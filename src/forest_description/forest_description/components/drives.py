@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from forest_description.components.elasticity import Elasticity
 from forest_description.components.hose import Hose
 from forest_description.components.load_holding import LoadHolding
 from forest_description.components.valve_parameters import Valve
@@ -140,6 +141,7 @@ class SwingDrive(ParameterSet):
     backlash: Backlash | None = None  # may be left out
     holding_1: LoadHolding | None = None
     holding_2: LoadHolding | None = None
+    elasticity: Elasticity | None = None
 
     def __post_init__(self) -> None:
         """Check ranges, and that the swing has room to move, past its gear's play too."""
@@ -173,6 +175,7 @@ class CylinderDrive(ParameterSet):
     chambers: CylinderChambers | None = None  # may be left out
     holding_1: LoadHolding | None = None
     holding_2: LoadHolding | None = None
+    elasticity: Elasticity | None = None
 
     def __post_init__(self) -> None:
         """Check ranges, the areas, that rod and linkage allow the stroke, and that cushions fit in it."""

@@ -68,6 +68,7 @@ Numbers that contradict each other are refused, too:
 - friction whose `smoothing_speed` is above its `stribeck_speed`; seals that pressure alone would hold
 - breaking away that is easier than sliding, or takes over 0.01 rad, or more than the motor has
 - a gear whose play is wider than the swing's travel
+- links that the crane's weight, or a column that the motor, would deflect by over 0.1 rad
 - a rotator as heavy as its head, or with its centre beyond its end; a log off a hanging head's axis
 
 What is possible and not wise, `forest-sim check` warns of.

@@ -16,7 +16,7 @@ from forest_description.types import ZERO, Vec3
 from forest_ident.estimators import calibration
 from forest_ident.experiments import excitation, experiment_plan
 from forest_ident.experiments.experiment_plan import Plan
-from forest_ident.measurements.readings import PLACE, Columns, read, true_columns
+from forest_ident.measurements.readings import Columns, joint_places, read, true_columns
 from forest_ident.measurements.session import Session
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import plant_parameters
@@ -27,7 +27,6 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.oil_temperature import WarmingOil, parameters_at
 
 SUBSTEPS = 5
-ANGLES = [PLACE[f"{axis}_angle"] for axis in ("swing", "boom", "stick")]
 
 
 def experiment(
@@ -105,7 +104,7 @@ class _Trace:
         p = plant_parameters(machine)
         self._oil = WarmingOil(machine.oil, PERIOD) if machine.oil and not bench else None
         temperature = machine.oil.reference_temperature if machine.oil else 313.15
-        self._flat = FlatPlant()
+        self._flat, self._joints = FlatPlant(), joint_places(p)
         self._flat.lay_out(equilibrium(angles, p))
         self._flat.set_parameters(p)
         self._rows = [self._flat.state.copy()]
@@ -113,7 +112,7 @@ class _Trace:
 
     def angles(self) -> Vec3:
         """Return the joint angles [rad]."""
-        swing, boom, stick = self._flat.state[ANGLES].tolist()
+        swing, boom, stick = self._flat.state[self._joints].tolist()
         return swing, boom, stick
 
     def advance(self, volts: Vec3) -> None:

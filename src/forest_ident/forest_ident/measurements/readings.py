@@ -7,7 +7,7 @@ times. Tests compare the two.
 
 | array | shape | holds |
 |---|---|---|
-| states | N, 102 | what `forest_sim.solver.state_recording.STATE` names |
+| states | N, 117 | what `forest_sim.solver.state_recording.STATE` names |
 | a column | N | one channel of `forest_sim.sensors.sensor_suite.CHANNELS`, in its unit |
 """
 
@@ -87,12 +87,22 @@ def true_columns(
 
 def _motor_rate(states: Floats, p: PlantParameters) -> Floats:
     """Return the rate of the swing's motor [rad/s]: behind a gear with play its own."""
-    return states[:, PLACE["drive_motor_rate" if p.drive.gear.inertia > 0.0 else "swing_rate"]]
+    if p.drive.gear.inertia > 0.0:
+        return states[:, PLACE["drive_motor_rate"]]
+    return states[:, joint_places(p)[0] + 1]
+
+
+def joint_places(p: PlantParameters) -> list[int]:
+    """Return where `STATE` has the joints' angles; their rates are right behind."""
+    links = zip(AXES, p.elastic.links, strict=True)
+    return [PLACE[f"{axis}_root_angle" if link.inertia > 0.0 else f"{axis}_angle"] for axis, link in links]
 
 
 def _axis_columns(states: Floats, p: PlantParameters, place: int, name: str, valves: bool) -> Columns:
     own: Axis = (p.swing, p.boom, p.stick)[place]
-    angle, rate, p_1, p_2, q_1, q_2 = (states[:, 6 * place + k] for k in range(6))
+    p_1, p_2, q_1, q_2 = (states[:, 6 * place + k] for k in range(2, 6))
+    joint = joint_places(p)[place]
+    angle, rate = states[:, joint], states[:, joint + 1]
     spool, arm = states[:, PLACE[f"{name}_spool_position"]], np.ones(len(states))
     of: Columns = {f"{name}_resolver": angle, f"{name}_spool": spool}
     if place > 0:

@@ -201,7 +201,7 @@ EMERGENCY_STOPPED = Topic(
 GROUND_TRUTH_JOINT_STATES = Topic(
     name="ground_truth/joint_states", type=JOINT_STATE, labels=JOINTS,
     units=("rad, rad/s, N·m",) * 3, rate_hz=_RATE,
-    doc="True joints of the simulator; for evaluation only.",
+    doc="True joints of the simulator, links' bending included; for evaluation only.",
     publishers=(_SIMULATOR,), subscribers=_NOBODY,
 )
 GROUND_TRUTH_TIP_POSE = Topic(
@@ -224,6 +224,11 @@ GROUND_TRUTH_LOAD = Topic(
     name="ground_truth/load", type=FLOAT_ARRAY, labels=("mass", "length"), units=("kg", "m"), rate_hz=_RATE,
     doc="Log in the simulated head, 0 for none. In lockstep: with a schedule, or a log in the machine file.",
     publishers=(_SIMULATOR,), subscribers=_NOBODY,
+)
+GROUND_TRUTH_DEFLECTIONS = Topic(
+    name="ground_truth/deflections", type=FLOAT_ARRAY, labels=JOINTS, units=("rad",) * 3, rate_hz=_RATE,
+    doc="By how much simulated links are ahead of their joints; only where the machine file lets them bend.",
+    publishers=("simulator with elastic links",), subscribers=_NOBODY,
 )
 VIEWER_JOINT_STATES = Topic(
     name="viewer/joint_states", type=JOINT_STATE, labels=(*JOINTS, *CYLINDER_JOINTS, *HEAD_JOINTS),

@@ -4,7 +4,7 @@
 |---|---|---|
 | A | `modes.linearise` | 1/s |
 | B | df/du of the spool's position, by central differences | |
-| H(jw) | joint rate over spool position, c (jw - A)^-1 B | rad/(s V) |
+| H(jw) | joint rate, of an elastic link's root, over spool position, c (jw - A)^-1 B | rad/(s V) |
 
 It holds for amplitudes that keep the valve open and load-holding valves where they are, and the pose
 near.
@@ -15,14 +15,14 @@ import math
 import numpy as np
 
 from forest_description.types import Complexes, Floats, Vec3
-from forest_sim.analysis.modes import linearise, operating_point, states, unguarded
+from forest_sim.analysis.modes import ROOTS, linearise, operating_point, states, unguarded
 from forest_sim.equations.plant import ports_at, state_derivative
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.spool_dynamics import Spool, SpoolLag
 from forest_sim.mechanics.gear import without_play
 
 DIFFERENCE = 1e-4  # [V] of a spool
-RATE = 1  # place of an axis' rate among its states
+RATE = 1  # place of an axis', or a root's, rate among its states
 
 
 def rate_response(
@@ -57,7 +57,8 @@ def rate_response(
     b = (up - down)[list(kept)] / (2.0 * DIFFERENCE)
     if not b.any():
         raise ValueError(f"{voltage:g} V leave the valve shut; allowed: more than its deadband")
-    place = kept.index(6 * axis + RATE)
+    elastic = p.elastic.links[axis].inertia > 0.0
+    place = kept.index((ROOTS + 2 * axis if elastic else 6 * axis) + RATE)
     values, vectors = np.linalg.eig(a)
     weights = vectors[place] * np.linalg.solve(vectors, b.astype(complex))
     s = 2j * math.pi * frequency[:, np.newaxis]

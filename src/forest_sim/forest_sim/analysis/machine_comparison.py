@@ -27,6 +27,7 @@ SUPPLY = (
     ("pump_speed", "engine [rpm]"),
     ("tank_pressure", "tank line [MPa]"),
 )
+BENDING = ("bending", "bending [mrad]")
 FACTORS = {
     "angle": 180.0 / np.pi,
     "rate": 180.0 / np.pi,
@@ -38,8 +39,9 @@ FACTORS = {
     "pump_stroke": 1.0,
     "pump_speed": 30.0 / np.pi,
     "tank_pressure": 1e-6,
+    "bending": 1e3,
 }
-LEAST_SPAN = 1.0  # of a panel [deg; deg/s; MPa]
+LEAST_SPAN = 1.0  # of a panel [deg; deg/s; MPa; mrad]
 
 
 class Course:
@@ -53,6 +55,8 @@ class Course:
         }
         self._columns["alpha"] = states[:, STATE.index("head_alpha")]
         self._columns |= {field: states[:, STATE.index(field)] for field, _ in SUPPLY}
+        root = states[:, STATE.index(f"{AXES[axis]}_root_angle")]
+        self._columns["bending"] = (self._columns["angle"] - root) * root.any()  # a rigid link has no root
 
     def column(self, field: str) -> Floats:
         """Return a state [N] in a picture's units."""
@@ -94,7 +98,7 @@ def draw(courses: Sequence[Course], axis: int, voltages: Voltages, out: Path) ->
         out: file.
     """
     names = " and ".join(course.name for course in courses)
-    drawn = [*PANELS, *([SWAY] if any(course.has("alpha") for course in courses) else [])]
+    drawn = [*PANELS, *(field for field in (BENDING, SWAY) if any(c.column(field[0]).any() for c in courses))]
     if any(course.has("pump_stroke") or course.has("tank_pressure") for course in courses):
         drawn += [panel for panel in SUPPLY if any(course.has(panel[0]) for course in courses)]
     height = max(10.0, 1.4 * len(drawn))

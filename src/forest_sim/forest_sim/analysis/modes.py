@@ -17,6 +17,9 @@ of the working range, but an emptied hose lies right at the edge of an anti-cavi
 Dry friction is linearised like all else. At rest that is a strong damper, which holds for small
 oscillations only; `friction_linearisation` tells for which, and gives the parameters for large
 ones. A swing's bearing sticks at rest, and its gear stands in the middle of its play.
+
+Where links give way, a root's angle is replaced by its deflection from the link: that is what the
+spring's energy goes by, and its participation is the spring's share of the mode's energy.
 """
 
 import math
@@ -27,8 +30,9 @@ from scipy.linalg import eig
 
 from forest_description.types import AXES, Floats, Vec3
 from forest_sim.equations.drive import DriveState
+from forest_sim.equations.elastic_links import Roots, RootState
 from forest_sim.equations.multibody import HeadState
-from forest_sim.equations.plant import AxisState, PlantState, Ports, ports_at, state_derivative
+from forest_sim.equations.plant import AxisState, PlantState, Ports, at_joints, ports_at, state_derivative
 from forest_sim.equations.plant_parameters import NO_GUARD, PlantParameters
 from forest_sim.hydraulics.command_history import held_commands
 from forest_sim.hydraulics.load_holding import is_held, restriction
@@ -45,8 +49,9 @@ DRIVE_PARTS = ("motor", "motor", "links")  # of `DriveState`
 PARTS = {"angle": "links", "rate": "links", "pressure_1": "oil", "pressure_2": "oil"}
 SETTLING, SETTLING_STEP = 3.0, 5e-3  # [s] over which the steady motion at a pose is found
 SHUT: Vec3 = (0.0, 0.0, 0.0)  # [V] of the spools
-STATES = 29  # of `PlantState`
-PUMP = 27  # where those of swash plate and engine begin
+STATES = 35  # of `PlantState`
+PUMP = 27  # place of the first one of swash plate and engine
+ROOTS = 29  # place of the first root's angle
 SLOWEST = 1e-3  # [Hz] anything below is no oscillation but rounding
 
 
@@ -56,7 +61,9 @@ class Mode(NamedTuple):
     frequency: float  # w_n/2pi [Hz]
     damping: float  # zeta
     axes: Vec3  # participation of swing, boom, stick
-    parts: dict[str, float]  # participation of links, oil, hoses (flow), pump, head; of a motor behind play
+    parts: dict[
+        str, float
+    ]  # of links, oil, hoses (flow), pump, head; of a motor in play, of bending and roots
 
     @property
     def axis(self) -> str:
@@ -71,8 +78,10 @@ class Mode(NamedTuple):
             return "hanging head"
         if self.parts.get("motor", 0.0) > links:
             return "motor in gear"
+        if self.parts.get("roots", 0.0) > links:
+            return "roots in links"
         if links >= max(hoses, pump):
-            return "links on oil"
+            return "links bending" if self.parts.get("bending", 0.0) > self.parts["oil"] else "links on oil"
         return "oil in hoses" if hoses >= pump else "oil and pump"
 
 
@@ -102,15 +111,24 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
         return held
     for _ in range(round(SETTLING / SETTLING_STEP)):
         after = step(held, spools, SETTLING_STEP, p._replace(valves=still))
-        moved = after.plant
-        plant = moved._replace(
-            swing=moved.swing._replace(angle=angles[0]),
-            drive=_turned(moved.drive, angles[0] - moved.swing.angle, p),
-            boom=moved.boom._replace(angle=angles[1]),
-            stick=moved.stick._replace(angle=angles[2]),
-        )
+        plant = _brought_back(after.plant, angles, p)
         held = held._replace(plant=plant, lifts=after.lifts, tank=after.tank)
     return held
+
+
+def _brought_back(plant: PlantState, angles: Vec3, p: PlantParameters) -> PlantState:
+    """Return a plant with its joints at a pose [rad] again, links bent and teeth pressed as they were."""
+    joints = at_joints(plant, p)
+    swing, boom, stick = (
+        axis._replace(angle=angle + (axis.angle - joint.angle))
+        for axis, joint, angle in zip(plant.axes, joints.axes, angles, strict=True)
+    )
+    roots = (
+        root._replace(angle=angle) if link.inertia > 0.0 else root
+        for root, link, angle in zip(plant.roots, p.elastic.links, angles, strict=True)
+    )
+    drive = _turned(plant.drive, angles[0] - joints.swing.angle, p)
+    return plant._replace(swing=swing, boom=boom, stick=stick, drive=drive, roots=Roots(*roots))
 
 
 def _flows(
@@ -143,6 +161,7 @@ def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int,
     kept += [26] if p.drive.bearing.stiffness > 0.0 else []
     kept += [PUMP] if p.supply.drive.up > 0.0 else []
     kept += [PUMP + 1] if p.supply.drive.inertia > 0.0 else []
+    kept += [place for place in range(ROOTS, STATES) if p.elastic.links[(place - ROOTS) // 2].inertia > 0.0]
     x = states(point.plant)
     columns = []
     for place in kept:
@@ -165,6 +184,7 @@ def modes(angles: Vec3, spools: Vec3, p: PlantParameters) -> list[Mode]:
     """
     p = unguarded(p)
     a, kept = linearise(operating_point(angles, spools, p), p)
+    a = _by_deflections(a, kept)
     scale = np.array([_difference(place) for place in kept])
     values, left, right = eig(a * scale[np.newaxis, :] / scale[:, np.newaxis], left=True)
     found = [
@@ -175,11 +195,22 @@ def modes(angles: Vec3, spools: Vec3, p: PlantParameters) -> list[Mode]:
     return sorted(found, key=lambda mode: mode.frequency)
 
 
+def _by_deflections(a: Floats, kept: tuple[int, ...]) -> Floats:
+    """Return A with the deflections of elastic links in place of their roots' angles."""
+    turn = np.eye(len(kept))
+    for row, place in enumerate(kept):
+        if place >= ROOTS and (place - ROOTS) % 2 == 0:
+            turn[row, kept.index(3 * (place - ROOTS))] = -1.0
+    found: Floats = turn @ a @ (2.0 * np.eye(len(kept)) - turn)  # whose product with turn is 1
+    return found
+
+
 def _mode(value: complex, weights: Floats, kept: tuple[int, ...]) -> Mode:
     weights = weights / np.sum(weights)
     axes = [0.0, 0.0, 0.0]
     parts = dict.fromkeys(("links", "oil", "hoses", "pump", "head"), 0.0)
     parts |= {"motor": 0.0} if 24 in kept else {}
+    parts |= {"bending": 0.0, "roots": 0.0} if kept[-1] >= ROOTS else {}
     for place, weight in zip(kept, weights.tolist(), strict=True):
         if place < 18:
             axes[place // 6] += weight
@@ -188,6 +219,9 @@ def _mode(value: complex, weights: Floats, kept: tuple[int, ...]) -> Mode:
             parts["pump"] += weight
         elif place < 24:
             parts["head"] += weight
+        elif place >= ROOTS:
+            axes[(place - ROOTS) // 2] += weight
+            parts["roots" if (place - ROOTS) % 2 else "bending"] += weight
         else:
             axes[0] += weight
             parts[DRIVE_PARTS[place - 24]] += weight
@@ -200,7 +234,7 @@ def slow_modes(found: list[Mode]) -> dict[str, Mode | None]:
 
     Boom and stick move together in two modes: each gets the one in which it takes the greater part.
     """
-    candidates = [mode for mode in found if mode.kind == "links on oil"][:3]
+    candidates = [mode for mode in found if mode.kind in ("links on oil", "links bending")][:3]
     swing = next((mode for mode in candidates if mode.axis == "swing"), None)
     pair = [mode for mode in candidates if mode.axis != "swing"]
     if len(pair) == 2 and pair[0].axes[1] + pair[1].axes[2] < pair[1].axes[1] + pair[0].axes[2]:
@@ -220,18 +254,18 @@ def _difference(place: int) -> float:
 
 
 def states(state: PlantState) -> Floats:
-    """Return the plant's 29 states, or their rates of change, as `state_recording.STATE` has them."""
-    return np.array(
-        [*state.swing, *state.boom, *state.stick, *state.supply, *state.head, *state.drive, *state.pump]
-    )
+    """Return the plant's 35 states, or their rates of change, as `state_recording.STATE` has them."""
+    axes = *state.swing, *state.boom, *state.stick
+    roots = (x for root in state.roots for x in root)
+    return np.array([*axes, *state.supply, *state.head, *state.drive, *state.pump, *roots])
 
 
 def _shaped(x: Floats) -> PlantState:
     v = x.tolist()
     axes = AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18])
-    return PlantState(
-        *axes, SupplyState(*v[18:20]), HeadState(*v[20:24]), DriveState(*v[24:27]), PumpState(*v[27:29])
-    )
+    roots = Roots(*(RootState(*v[k : k + 2]) for k in range(ROOTS, STATES, 2)))
+    head, drive, pump = HeadState(*v[20:24]), DriveState(*v[24:PUMP]), PumpState(*v[PUMP:ROOTS])
+    return PlantState(*axes, SupplyState(*v[18:20]), head, drive, pump, roots)
 
 
 def as_json(found: list[Mode]) -> list[dict[str, Any]]:

@@ -27,8 +27,9 @@ from forest_sim.analysis.friction_linearisation import (
     with_pressed_seals,
     without_dry_friction,
 )
+from forest_sim.equations.plant import at_joints
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_sim.sensors.sensor_readings import true_joints
+from forest_sim.sensors.sensor_readings import deflections, true_joints
 from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
 from forest_sim.simulation.energy_account import account
 from forest_sim.simulation.load import Loads
@@ -201,12 +202,12 @@ def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
     p = plant_parameters(machine)
     rest = equilibrium(angles, p)
     held = true_joints(rest, p)
-    plant = rest.plant
+    plant, bent = at_joints(rest.plant, p), deflections(rest, p)
     forces = [
         axis.actuator.displacement_1 * state.pressure_1 - axis.actuator.displacement_2 * state.pressure_2
         for state, axis in zip(plant.axes, p.axes, strict=True)
     ]
-    tip = tip_position(angles, machine.manipulator.links)
+    tip = tip_position(held.position, machine.manipulator.links)
     result: dict[str, Any] = {
         "machine": machine.name,
         "tip_m": list(tip),
@@ -220,6 +221,8 @@ def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
             "swing_motor_torque_nm" if place == 0 else "cylinder_force_n": forces[place],
             "joint_torque_nm": held.effort[place],
         }
+        if p.elastic.present:
+            result[axis]["deflection_rad"] = bent[place]
     if as_json:
         print(json.dumps(result, indent=2))
         return 0
@@ -231,6 +234,9 @@ def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
             f"  {axis:<6} {math.degrees(state.angle):5.1f} deg {state.pressure_1 / 1e6:6.2f} MPa "
             f"{state.pressure_2 / 1e6:6.2f} MPa {force:>11} {held.effort[place] / 1e3:7.1f} kN m"
         )
+    if p.elastic.present:
+        given = ", ".join(f"{axis} {1e3 * way:.2f}" for axis, way in zip(AXES, bent, strict=True))
+        print(f"  deflection [mrad]: {given}")
     return 0
 
 

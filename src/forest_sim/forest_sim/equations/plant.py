@@ -3,7 +3,8 @@
 State, in Appendix B's order, for swing, boom and stick in turn: joint angle [rad], joint rate
 [rad/s], pressure in hose 1 and in hose 2 [Pa], flow through hose 1 from the valve and through hose
 2 to the valve [m^3/s]. A real pump adds the pressure in its manifold, a hanging head its two angles
-and their rates, a swing whose gear has play or whose bearing sticks what `drive` has.
+and their rates, a swing whose gear has play or whose bearing sticks what `drive` has, links that give
+way their `roots`.
 
 A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only
 case); a negative one the reverse. Tank is zero pressure. Actuator coordinates are the swing angle
@@ -25,6 +26,7 @@ from forest_description.geometry.linkage import Linkage, length_and_arm
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_sim.equations.drive import AT_REST, DriveState, driven
+from forest_sim.equations.elastic_links import RIGID_ROOTS, Roots, RootState, bent
 from forest_sim.equations.multibody import HANGING_STILL, HeadState, Mechanics, mechanics, solve
 from forest_sim.equations.plant_parameters import Axis, PlantParameters, SpoolValve, plant_parameters
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
@@ -42,6 +44,7 @@ from forest_sim.hydraulics.supply import (
     pump_torque,
     reference_rate,
 )
+from forest_sim.mechanics.elasticity import ElasticLink
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
 from forest_sim.mechanics.manipulator import Pair
@@ -59,7 +62,7 @@ class AxisState(NamedTuple):
 
 
 class PlantState(NamedTuple):
-    """The 18 states of Thesis eq. 3.20, and those of pump, hanging head and the swing's drive."""
+    """The 18 states of Thesis eq. 3.20, and those of pump, head, swing's drive and links' roots."""
 
     swing: AxisState
     boom: AxisState
@@ -68,6 +71,7 @@ class PlantState(NamedTuple):
     head: HeadState
     drive: DriveState = AT_REST
     pump: PumpState = UNDRIVEN
+    roots: Roots = RIGID_ROOTS
 
     @property
     def axes(self) -> tuple[AxisState, AxisState, AxisState]:
@@ -223,10 +227,12 @@ def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: Pl
 
     A shut orifice (C_R = inf) has a derivative only at zero flow; the integrator holds it there.
     """
-    swing, boom, stick = motor_side(state, p), state.boom, state.stick
-    joint = state.swing.angle, state.swing.rate
+    joints = at_joints(state, p)
+    swing, boom, stick = motor_side(joints, p), joints.boom, joints.stick
+    joint = joints.swing.angle, joints.swing.rate
     t_1, t_2, t_3 = transmissions(joint[0], boom.angle, stick.angle, p)
-    angles, rates = (joint[0], boom.angle, stick.angle), (joint[1], boom.rate, stick.rate)
+    angles = state.swing.angle, state.boom.angle, state.stick.angle
+    rates = state.swing.rate, state.boom.rate, state.stick.rate
     torques, drive = (
         (
             joint_torque(swing, t_1, p.swing),
@@ -238,22 +244,55 @@ def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: Pl
     if p.drive.present:
         swung = driven(state.drive, joint[0], joint[1], torques[0], p.drive)
         torques, drive = (swung.torque, torques[1], torques[2]), swung.rates
+    roots = RIGID_ROOTS
+    if p.elastic.present:
+        torques, roots = bent(state.roots, angles, rates, torques, p.elastic)
     (a_1, a_2, a_3), (a_alpha, a_beta) = accelerations(mechanics(angles, rates, state.head, p), torques)
     return PlantState(
         swing=with_joint(
-            _axis_derivative(swing, a_1, t_1, ports[0], state.supply.pressure, p.swing, p), joint[1], a_1
+            _axis_derivative(swing, a_1, t_1, ports[0], state.supply.pressure, p.swing, p), rates[0], a_1
         ),
-        boom=_axis_derivative(boom, a_2, t_2, ports[1], state.supply.pressure, p.boom, p),
-        stick=_axis_derivative(stick, a_3, t_3, ports[2], state.supply.pressure, p.stick, p),
+        boom=with_joint(
+            _axis_derivative(boom, a_2, t_2, ports[1], state.supply.pressure, p.boom, p), rates[1], a_2
+        ),
+        stick=with_joint(
+            _axis_derivative(stick, a_3, t_3, ports[2], state.supply.pressure, p.stick, p), rates[2], a_3
+        ),
         supply=_supply_derivative(state, ports, p),
         head=HeadState(state.head.alpha_rate, state.head.beta_rate, a_alpha, a_beta),
         drive=drive,
         pump=pump_derivative(state, p),
+        roots=roots,
     )
 
 
+def at_joints(state: PlantState, p: PlantParameters) -> PlantState:
+    """Return the machine as actuators and sensors have it: with the motion of elastic links' roots."""
+    if p.elastic.present == 0:
+        return state
+    roots, e = state.roots, p.elastic
+    return PlantState(
+        swing=_at_root(state.swing, roots.swing, e.swing),
+        boom=_at_root(state.boom, roots.boom, e.boom),
+        stick=_at_root(state.stick, roots.stick, e.stick),
+        supply=state.supply,
+        head=state.head,
+        drive=state.drive,
+        roots=roots,
+    )
+
+
+def _at_root(s: AxisState, root: RootState, link: ElasticLink) -> AxisState:
+    return s if link.inertia == 0.0 else with_joint(s, root.angle, root.rate)
+
+
 def motor_side(state: PlantState, p: PlantParameters) -> AxisState:
-    """Return the swing as its motor has it: behind a gear with play, with the motor's angle and rate."""
+    """Return the swing as its motor has it: behind a gear with play, with the motor's angle and rate.
+
+    Args:
+        state: `at_joints`.
+        p: the machine.
+    """
     if p.drive.gear.inertia == 0.0:
         return state.swing
     return with_joint(state.swing, state.drive.motor_angle, state.drive.motor_rate)

@@ -11,6 +11,7 @@ from forest_description.derived.limits import joint_limits
 from forest_description.geometry.linkage import Linkage
 from forest_description.machine import EndStops, Machine
 from forest_description.types import Vec3
+from forest_sim.equations.elastic_links import RIGID_LINKS, ElasticLaws
 from forest_sim.hydraulics.actuator import Actuator, cylinder, motor
 from forest_sim.hydraulics.compensator import NO_COMPENSATOR, Compensator, compensator
 from forest_sim.hydraulics.hydraulic_line import PortGuard
@@ -21,6 +22,7 @@ from forest_sim.hydraulics.spool_dynamics import SpoolLag, spool_lag
 from forest_sim.hydraulics.supply import Supply, supply
 from forest_sim.hydraulics.tank_line import ReturnLine, return_line
 from forest_sim.mechanics.bristles import Bristles, bristles
+from forest_sim.mechanics.elasticity import elastic_link
 from forest_sim.mechanics.end_stop import NO_STOP, UNCUSHIONED, CushionBrake, EndStop
 from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction
 from forest_sim.mechanics.gear import NO_GEAR, Gear
@@ -79,6 +81,7 @@ class PlantParameters(NamedTuple):
     tip_force: Vec3  # [N] on the tip from outside, in the base frame
     drive: DriveLaws
     tank_line: ReturnLine
+    elastic: ElasticLaws = RIGID_LINKS
 
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]:
@@ -113,6 +116,7 @@ def parameters_of(machine: Machine) -> PlantParameters:
         tip_force=(0.0, 0.0, 0.0),
         drive=_drive(machine),
         tank_line=return_line(machine.tank_line),
+        elastic=_elastic(machine),
     )
 
 
@@ -120,6 +124,12 @@ def _drive(machine: Machine) -> DriveLaws:
     given = machine.swing
     present = given.backlash is not None or given.friction is not None
     return DriveLaws(int(present), _gear(machine), bristles(given.friction))
+
+
+def _elastic(machine: Machine) -> ElasticLaws:
+    swing, boom, stick = (drive.elasticity for drive in machine.drives)
+    present = swing is not None or boom is not None or stick is not None
+    return ElasticLaws(int(present), elastic_link(swing), elastic_link(boom), elastic_link(stick))
 
 
 def _gear(machine: Machine) -> Gear:

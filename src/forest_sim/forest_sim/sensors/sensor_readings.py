@@ -18,8 +18,10 @@ from forest_description.machine import Machine
 from forest_description.types import Vec3
 from forest_sim.equations.plant import (
     AxisState,
+    PlantState,
     Ports,
     Transmission,
+    at_joints,
     motor_side,
     ports_at,
     supply_draw,
@@ -191,18 +193,32 @@ def sampled(
 
 
 def true_joints(simulation: Simulation, p: PlantParameters) -> Motion:
-    """Return the joints' true angles [rad], rates [rad/s] and actuator torques [N m]."""
+    """Return the links' true angles [rad], rates [rad/s] and their actuators' torques [N m].
+
+    They are what the tip goes by: links that give way have their bending in them, sensors have not.
+    """
     swing, boom, stick = simulation.plant.swing, simulation.plant.boom, simulation.plant.stick
-    t_1, t_2, t_3 = _transmissions(simulation, p)
-    motor = motor_side(simulation.plant, p)
+    joints = at_joints(simulation.plant, p)
+    t_1, t_2, t_3 = _transmissions(joints, p)
+    motor = motor_side(joints, p)
     return Motion(
         (swing.angle, boom.angle, stick.angle),
         (swing.rate, boom.rate, stick.rate),
         (
             _true_force(motor, p.swing, t_1) * t_1.arm,
-            _true_force(boom, p.boom, t_2) * t_2.arm,
-            _true_force(stick, p.stick, t_3) * t_3.arm,
+            _true_force(joints.boom, p.boom, t_2) * t_2.arm,
+            _true_force(joints.stick, p.stick, t_3) * t_3.arm,
         ),
+    )
+
+
+def deflections(simulation: Simulation, p: PlantParameters) -> Vec3:
+    """Return by how much the links are ahead of their joints [rad], which no sensor tells; 0 if rigid."""
+    links, joints = simulation.plant, at_joints(simulation.plant, p)
+    return (
+        links.swing.angle - joints.swing.angle,
+        links.boom.angle - joints.boom.angle,
+        links.stick.angle - joints.stick.angle,
     )
 
 
@@ -215,8 +231,9 @@ def true_values(simulation: Simulation, p: PlantParameters, around: Surroundings
 def _true_values(
     simulation: Simulation, ports: tuple[Ports, Ports, Ports], p: PlantParameters, around: Surroundings
 ) -> tuple[float, ...]:
-    plant, supply, spools = simulation.plant, simulation.plant.supply.pressure, simulation.spools
-    t_1, t_2, t_3 = _transmissions(simulation, p)
+    plant, spools = at_joints(simulation.plant, p), simulation.spools
+    supply = plant.supply.pressure
+    t_1, t_2, t_3 = _transmissions(plant, p)
     motor = motor_side(plant, p)
     second = _motor_inflow(motor, p.swing) if around.rig else plant.stick.flow_1
     return (
@@ -235,10 +252,7 @@ def _true_values(
     )
 
 
-def _transmissions(
-    simulation: Simulation, p: PlantParameters
-) -> tuple[Transmission, Transmission, Transmission]:
-    plant = simulation.plant
+def _transmissions(plant: PlantState, p: PlantParameters) -> tuple[Transmission, Transmission, Transmission]:
     return transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
 
 

@@ -10,10 +10,11 @@
 | leakage | lost in the swing motor |
 | friction | lost to viscous and dry friction and in cushions |
 | gear | lost between the teeth of a gear with play |
+| bending | lost in links that give way |
 | stops | taken by the end stops |
 | mechanical | handed to the links, less what they gave back on their way down; see `link_account` |
 | return_line | lost in filter and tank line |
-| stored | in oil, engine, motor, teeth and bristles, less what was there at the start |
+| stored | in oil, engine, motor, teeth, bristles and bent links, less what was there at the start |
 
 The recorded flows of `power_flows` close at every instant, so their integrals close whatever the
 states do: their sum tests nothing of a run. `with_stored_energy` therefore computes `stored` from
@@ -28,7 +29,8 @@ import numpy as np
 from forest_description.components.hose import Line
 from forest_description.types import AXES, Floats
 from forest_sim.equations.drive import drive_energy
-from forest_sim.equations.plant import transmissions
+from forest_sim.equations.elastic_links import bending_energy
+from forest_sim.equations.plant import at_joints, transmissions
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.oil_volume import OilVolume, stored_energy
 from forest_sim.hydraulics.supply import manifold_energy
@@ -51,6 +53,7 @@ class Account(NamedTuple):
     mechanical: Floats
     return_line: Floats
     stored: Floats
+    bending: Floats
 
 
 _PARTS = {
@@ -66,6 +69,7 @@ _PARTS = {
     "mechanical": ("joint",),
     "return_line": ("pump_return_line",),
     "stored": ("pump_manifold", "pump_flywheel", "pump_tank_line", "hose", "elastic"),
+    "bending": ("bending",),
 }
 
 
@@ -76,7 +80,7 @@ def dissipated_energy(energies: Floats) -> float:
 
 
 def account(energies: Floats) -> Account:
-    """Return the account of recorded energies [..., 63], `state_recording.ENERGY`."""
+    """Return the account of recorded energies [..., 66], `state_recording.ENERGY`."""
     parts = {
         entry: sum(energies[..., place] for name in names for place in _places(name))
         for entry, names in _PARTS.items()
@@ -109,15 +113,20 @@ def unaccounted(total: Account) -> float:
 
 
 def stored_in(simulation: Simulation, p: PlantParameters) -> float:
-    """Return the energy [J] in the oil, in the engine, and in the drives: motor, teeth and bristles."""
-    plant = simulation.plant
+    """Return the energy [J] in the oil, engine, swing's drive (motor, teeth, bristles) and bent links."""
+    plant, joints = simulation.plant, at_joints(simulation.plant, p)
+    bent = (
+        bending_energy(root, axis.angle, link)
+        for root, axis, link in zip(plant.roots, plant.axes, p.elastic.links, strict=True)
+    )
     turning = 0.5 * p.supply.drive.inertia * plant.pump.speed**2
-    return oil_energy(simulation, p) + turning + drive_energy(plant.drive, plant.swing.angle, p.drive)
+    swung = drive_energy(plant.drive, joints.swing.angle, p.drive)
+    return oil_energy(simulation, p) + turning + swung + sum(bent)
 
 
 def oil_energy(simulation: Simulation, p: PlantParameters) -> float:
     """Return the energy [J] in manifold, tank line, hoses, chambers: C P^2/2, I Q^2/2, `stored_energy`."""
-    plant = simulation.plant
+    plant = at_joints(simulation.plant, p)
     supply = 0.0 if p.supply.ideal else manifold_energy(plant.supply.pressure, p.supply)
     at = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
     returning = 0.5 * p.tank_line.capacitance * simulation.tank.pressure**2

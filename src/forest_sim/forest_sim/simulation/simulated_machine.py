@@ -76,6 +76,11 @@ class SimulatedMachine:
         return (*head_joint_positions(angles, (head.alpha, head.beta)), *rates, math.nan, math.nan)
 
     @property
+    def deflections(self) -> Vec3:
+        """By how much the links are ahead of their joints [rad]."""
+        return sensor_readings.deflections(self._simulation, self._plant.p)
+
+    @property
     def at_rest(self) -> Report:
         """What the sensors said before the first step, and the truth."""
         return self._sensors.at_rest

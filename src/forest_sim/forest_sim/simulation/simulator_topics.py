@@ -26,12 +26,14 @@ FurtherTopics = dict[Topic, Callable[[SimulatedMachine], tuple[float, ...]]]
 
 
 def further_topics(machine: Machine, has_loads: bool) -> FurtherTopics:
-    """Return the topics that not every simulated machine has: of a head that hangs, and of its log."""
+    """Return the topics that not every simulated machine has: of hanging head, log and links that bend."""
     found: FurtherTopics = {}
     if machine.manipulator.pendulum is not None:
         found[topics.GROUND_TRUTH_HEAD] = lambda running: running.head_joints
     if has_loads or machine.manipulator.log is not None:
         found[topics.GROUND_TRUTH_LOAD] = lambda running: running.load
+    if any(drive.elasticity is not None for drive in machine.drives):
+        found[topics.GROUND_TRUTH_DEFLECTIONS] = lambda running: running.deflections
     return found
 
 

@@ -5,7 +5,7 @@ none of it; the pressure follows from it. Where a hose has a constant capacitanc
 are one, and both functions here return what they are given.
 """
 
-from forest_sim.equations.plant import AxisState, PlantState, Transmission, transmissions
+from forest_sim.equations.plant import AxisState, PlantState, Transmission, at_joints, transmissions
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.load_holding import AllLifts, Lifts
 from forest_sim.hydraulics.oil_volume import content, settled_pressure
@@ -39,7 +39,8 @@ def _conserves_oil(p: PlantParameters) -> bool:
 
 def _settled(state: PlantState, held: PlantState, p: PlantParameters) -> PlantState:
     """Return what `settled` does; not inlined."""
-    t_1, t_2, t_3 = transmissions(state.swing.angle, state.boom.angle, state.stick.angle, p)
+    joints = at_joints(state, p)
+    t_1, t_2, t_3 = transmissions(joints.swing.angle, joints.boom.angle, joints.stick.angle, p)
     return PlantState(
         swing=_settled_axis(state.swing, held.swing, t_1, p.swing),
         boom=_settled_axis(state.boom, held.boom, t_2, p.boom),
@@ -48,6 +49,7 @@ def _settled(state: PlantState, held: PlantState, p: PlantParameters) -> PlantSt
         head=state.head,
         drive=state.drive,
         pump=state.pump,
+        roots=state.roots,
     )
 
 
@@ -66,7 +68,8 @@ def _settled_axis(s: AxisState, held: AxisState, t: Transmission, axis: Axis) ->
 
 def _contents(state: PlantState, lifts: AllLifts, p: PlantParameters) -> PlantState:
     """Return what `with_contents` does; not inlined."""
-    t_1, t_2, t_3 = transmissions(state.swing.angle, state.boom.angle, state.stick.angle, p)
+    joints = at_joints(state, p)
+    t_1, t_2, t_3 = transmissions(joints.swing.angle, joints.boom.angle, joints.stick.angle, p)
     return PlantState(
         swing=_axis_contents(state.swing, t_1, lifts[0], p.swing),
         boom=_axis_contents(state.boom, t_2, lifts[1], p.boom),
@@ -75,6 +78,7 @@ def _contents(state: PlantState, lifts: AllLifts, p: PlantParameters) -> PlantSt
         head=state.head,
         drive=state.drive,
         pump=state.pump,
+        roots=state.roots,
     )
 
 

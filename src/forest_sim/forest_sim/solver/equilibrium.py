@@ -3,6 +3,7 @@
 from forest_description.geometry.linkage import lever_arm
 from forest_description.types import Vec3
 from forest_sim.equations.drive import DriveState
+from forest_sim.equations.elastic_links import NO_ROOT, Roots, RootState
 from forest_sim.equations.multibody import HANGING_STILL, HeadState, mechanics
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
@@ -10,9 +11,11 @@ from forest_sim.hydraulics.load_holding import Lifts, resting_lift
 from forest_sim.hydraulics.pump_drive import UNDRIVEN, PumpState
 from forest_sim.hydraulics.spool_dynamics import CENTRED
 from forest_sim.hydraulics.supply import Supply, SupplyState, asked_stroke, flow_at, pump_torque
+from forest_sim.mechanics.elasticity import ElasticLink
 from forest_sim.mechanics.pendulum import hanging_angles
 from forest_sim.solver.integrator import Events, Simulation
 
+SAGGINGS = 20  # times that the links' angles are found anew: each is a hundredth as wrong as the last
 PRELOAD = 0.1  # pressure in the less loaded chamber, as a share of the supply's
 
 
@@ -21,25 +24,31 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
 
     The trapped volumes leave one pressure per cylinder free: the less loaded chamber gets `PRELOAD`
     of the supply pressure. A gear with play stands in the middle of it, and bristles are straight.
+    Links that give way hang below their joints by what gravity bends them.
     The swing's hoses have leaked empty, and the tank line through them. On a tilted platform the
     swing starts to creep unless its friction sticks, and so does every axis whose valve leaks or is
     underlapped.
     """
     angles = float(angles[0]), float(angles[1]), float(angles[2])  # compiled kernels know no whole numbers
     head = HeadState(*hanging_angles(angles[0], p.body), 0.0, 0.0) if p.head.mass > 0.0 else HANGING_STILL
-    bias = mechanics(angles, (0.0, 0.0, 0.0), head, p).bias
-    supply = idle_supply(p.supply)
+    links = _sagged(angles, head, p) if p.elastic.present else angles
+    bias, supply = _weight(links, head, p), idle_supply(p.supply)
     return Simulation(
         PlantState(
             swing=AxisState(
                 angle=angles[0], rate=0.0, pressure_1=0.0, pressure_2=0.0, flow_1=0.0, flow_2=0.0
             ),
-            boom=_hold(angles[1], bias[1] / lever_arm(angles[1], p.boom_linkage), p.boom, p),
-            stick=_hold(angles[2], bias[2] / lever_arm(angles[2], p.stick_linkage), p.stick, p),
+            boom=_hold(links[1], bias[1] / lever_arm(angles[1], p.boom_linkage), p.boom, p),
+            stick=_hold(links[2], bias[2] / lever_arm(angles[2], p.stick_linkage), p.stick, p),
             supply=supply,
             head=head,
             drive=DriveState(angles[0] if p.drive.gear.inertia > 0.0 else 0.0, 0.0, 0.0),
             pump=idle_pump(supply, p.supply),
+            roots=Roots(
+                _root(angles[0], p.elastic.swing),
+                _root(angles[1], p.elastic.boom),
+                _root(angles[2], p.elastic.stick),
+            ),
         ),
         (CENTRED, CENTRED, CENTRED),
         Events(0, 0, 0),
@@ -47,6 +56,28 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
         (0.0, 0.0),
         lifts=(_lifts(p.swing), _lifts(p.boom), _lifts(p.stick)),
     )
+
+
+def _weight(links: Vec3, head: HeadState, p: PlantParameters) -> Vec3:
+    """Return the torques that hold the links at rest at their angles [rad]."""
+    return mechanics(links, (0.0, 0.0, 0.0), head, p).bias
+
+
+def _sagged(joints: Vec3, head: HeadState, p: PlantParameters) -> Vec3:
+    """Return the angles [rad] at which boom and stick rest below their joints; a swing rests straight."""
+    boom, stick, links = p.elastic.boom, p.elastic.stick, joints
+    for _ in range(SAGGINGS):
+        torque = _weight(links, head, p)
+        links = joints[0], joints[1] - _give(torque[1], boom), joints[2] - _give(torque[2], stick)
+    return links
+
+
+def _give(torque: float, link: ElasticLink) -> float:
+    return torque / link.stiffness if link.inertia > 0.0 else 0.0
+
+
+def _root(angle: float, link: ElasticLink) -> RootState:
+    return RootState(angle, 0.0) if link.inertia > 0.0 else NO_ROOT
 
 
 def _lifts(axis: Axis) -> Lifts:

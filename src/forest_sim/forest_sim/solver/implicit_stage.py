@@ -2,7 +2,8 @@
 
 The stiffness comes from the orifices (C_R = inf inside the overlap) and the hoses, so a stage
 eliminates flows and pressures exactly (`hydraulic_line.solve_line`) and is left with three joint
-rates, a real pump's pressure, a hanging head's two rates and that of a motor behind play.
+rates, a real pump's pressure, a hanging head's two rates and those of a motor behind play and of
+elastic links' roots.
 """
 
 import math
@@ -10,7 +11,7 @@ from typing import NamedTuple
 
 from forest_description.types import Vec3
 from forest_sim.equations.multibody import HeadState, Inertia, mechanics, resisted, solve, times
-from forest_sim.equations.plant import PlantState, Ports, transmissions, with_joint
+from forest_sim.equations.plant import AxisState, PlantState, Ports, transmissions, with_joint
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.oil_law import held_above_vapour
 from forest_sim.hydraulics.supply import SupplyState, flow_after, manifold_oil
@@ -22,6 +23,16 @@ from forest_sim.solver.drive_stage import (
     solve_drive,
     through_gear,
 )
+from forest_sim.solver.elastic_stage import (
+    ALL_STIFF,
+    ElasticSolution,
+    first_root_rates,
+    root_angles,
+    root_corrections,
+    roots_after,
+    solve_links,
+    through_links,
+)
 from forest_sim.solver.supply_stage import (
     UNBOUNDED,
     SupplyError,
@@ -31,9 +42,10 @@ from forest_sim.solver.supply_stage import (
 )
 
 TOLERANCE = 1e-4  # [rad/s] of Newton's last correction; the next one would be a thousandth of it at 1 ms
-MOTOR_SHARE = 0.01  # of its correction that counts: at the joint it weighs a hundredth of the crane
+LIGHT_SHARE = 0.01  # of a motor's and a root's correction that counts: they weigh a hundredth of the crane
 REFERENCE_TOLERANCE = 1.0  # [Pa] of P_r, which is not corrected but found anew
 BOUNDED = 6  # iterations after which the supply's pressure is kept between bounds, for its pump's kinks
+RIGID, ELASTIC = 0, 1  # literally, so that the machine code of rigid links has nothing of others
 NO_FEEDS = ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
 NO_DRIVE = DriveSolution(torque=0.0, resistance=0.0, share=0.0, excess=0.0, give=0.0)
 ITERATIONS = 60
@@ -47,6 +59,14 @@ class Iterate(NamedTuple):
     head_rates: Pair  # of the hanging head [rad/s]
     supply: SupplyState
     motor_rate: float  # of the swing's motor, seen at its joint [rad/s]: without play, the joint's
+    root_rates: Vec3  # of the links' roots [rad/s]: of rigid links, the joints'
+
+
+def _with_root_rates(iterate: Iterate, base: PlantState, p: PlantParameters) -> Iterate:
+    """Return an iterate whose roots' rates, and the motor's without play, follow those of the links."""
+    roots = first_root_rates(base, iterate.rates, p)
+    motor = iterate.motor_rate if p.drive.gear.inertia > 0.0 else roots[0]
+    return Iterate(iterate.rates, iterate.head_rates, iterate.supply, motor, roots)
 
 
 class StageEnd(NamedTuple):
@@ -90,12 +110,14 @@ def solve_stage(
     turning = rates[0]
     if p.drive.gear.inertia > 0.0:
         turning = base.drive.motor_rate + (rates[0] - base.swing.rate)
-    iterate = Iterate(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply, turning)
-    equations = _equations_at(base, start, iterate, ports, h, p)
-    after, size, supply_change = _newton_step(iterate, equations, 1.0, UNBOUNDED, p)
+    iterate = Iterate(rates, (start.head.alpha_rate, start.head.beta_rate), start.supply, turning, rates)
+    if p.elastic.present:
+        return _iterate_elastic(base, start, _with_root_rates(iterate, base, p), ports, h, p)
+    equations, _ = _equations_at(base, start, iterate, ports, h, p, RIGID)
+    after, size, supply_change = _newton_step(iterate, equations, ALL_STIFF, 1.0, UNBOUNDED, p, RIGID)
     reference_change = equations.supply.state.reference - iterate.supply.reference
     if _has_converged(size, supply_change, reference_change, supply_tolerance(after.supply.pressure, p)):
-        return _stage_end(base, after, equations, 0, h, p)
+        return _stage_end(base, after, equations, 0, h, p, RIGID)
     return _iterate_further(base, start, after, ports, h, p)
 
 
@@ -108,20 +130,45 @@ def _iterate_further(
     p: PlantParameters,
 ) -> StageEnd:
     """Return what `solve_stage` does, from the second iteration on; seldom, hence not inlined."""
+    return _iterate(base, near, iterate, ports, h, p, RIGID)
+
+
+def _iterate_elastic(
+    base: PlantState,
+    near: PlantState,
+    iterate: Iterate,
+    ports: tuple[Ports, Ports, Ports],
+    h: float,
+    p: PlantParameters,
+) -> StageEnd:
+    """Return what `solve_stage` does where links give way; not inlined."""
+    return _iterate(base, near, iterate, ports, h, p, ELASTIC)
+
+
+def _iterate(
+    base: PlantState,
+    near: PlantState,
+    iterate: Iterate,
+    ports: tuple[Ports, Ports, Ports],
+    h: float,
+    p: PlantParameters,
+    bends: int,
+) -> StageEnd:
+    """Return what Newton's iterations lead to."""
     failed, bounds = 1, UNBOUNDED
-    equations = _equations_at_again(base, near, iterate, ports, h, p)
+    equations, links = _equations_again(base, near, iterate, ports, h, p, bends)
     for iteration in range(1, ITERATIONS):
         before, share = iterate.supply.pressure, 0.5 if DAMPED <= iteration < FULL else 1.0
         reference_change = equations.supply.state.reference - iterate.supply.reference
-        iterate, size, supply_change = _newton_step(iterate, equations, share, bounds, p)
+        iterate, size, supply_change = _newton_step(iterate, equations, links, share, bounds, p, bends)
         tolerance = supply_tolerance(iterate.supply.pressure, p)
         if share == 1.0 and _has_converged(size, supply_change, reference_change, tolerance):
             failed = 0
             break
         if iteration >= BOUNDED:
             bounds = tightened_bounds(bounds, before, supply_change)
-        equations = _equations_at_again(base, near, iterate, ports, h, p)
-    return _stage_end(base, iterate, equations, failed, h, p)
+        equations, links = _equations_again(base, near, iterate, ports, h, p, bends)
+    return _stage_end(base, iterate, equations, failed, h, p, bends)
 
 
 def _stage_end(
@@ -131,28 +178,39 @@ def _stage_end(
     failed: int,
     h: float,
     p: PlantParameters,
+    bends: int,
 ) -> StageEnd:
     """Return the state at a stage's end, from the last iterate and the equations one correction before it."""
     supply_change, feeds = iterate.supply.pressure - equations.supply.state.pressure, equations.supply.feeds
-    u, e = iterate.rates, equations
-    drive = base.drive
+    u, w, e = iterate.rates, iterate.root_rates, equations
+    drive, roots = base.drive, base.roots
     swing = corrected_axis(base.swing, iterate.motor_rate, e.swing, feeds[0], supply_change, p.swing, h)
     if p.drive.present:
-        drive = drive_after(base.drive, u[0], iterate.motor_rate, h, p.drive)
+        drive = drive_after(base.drive, w[0], iterate.motor_rate, h, p.drive)
         angle = base.swing.angle + h * u[0]
         swing = AxisEnd(with_joint(swing.state, angle, u[0]), with_joint(swing.held, angle, u[0]))
-    boom = corrected_axis(base.boom, u[1], e.boom, feeds[1], supply_change, p.boom, h)
-    stick = corrected_axis(base.stick, u[2], e.stick, feeds[2], supply_change, p.stick, h)
+    boom = corrected_axis(base.boom, w[1], e.boom, feeds[1], supply_change, p.boom, h)
+    stick = corrected_axis(base.stick, w[2], e.stick, feeds[2], supply_change, p.stick, h)
+    if bends:
+        roots = roots_after(base, w, h, p.elastic)
+        swing = _with_link(swing, base.swing, u[0], h)
+        boom, stick = _with_link(boom, base.boom, u[1], h), _with_link(stick, base.stick, u[2], h)
     head = _head_at(base.head, iterate.head_rates, h)
     held = SupplyState(manifold_oil(iterate.supply.pressure, p.supply), iterate.supply.reference)
     pump = base.pump
     if p.supply.drive.present:
         pump = flow_after(iterate.supply, base.pump, h, p.supply).pump
     return StageEnd(
-        PlantState(swing.state, boom.state, stick.state, iterate.supply, head, drive, pump),
-        PlantState(swing.held, boom.held, stick.held, held, head, drive, pump),
+        PlantState(swing.state, boom.state, stick.state, iterate.supply, head, drive, pump, roots),
+        PlantState(swing.held, boom.held, stick.held, held, head, drive, pump, roots),
         failed,
     )
+
+
+def _with_link(end: AxisEnd, base: AxisState, rate: float, h: float) -> AxisEnd:
+    """Return an axis' end, solved at its root, with the angle and rate [rad/s] of the link."""
+    angle = base.angle + h * rate
+    return AxisEnd(with_joint(end.state, angle, rate), with_joint(end.held, angle, rate))
 
 
 def _has_converged(rates: float, supply: float, reference: float, tolerance: float) -> bool:
@@ -173,20 +231,23 @@ def _equations_at(
     ports: tuple[Ports, Ports, Ports],
     h: float,
     p: PlantParameters,
-) -> StageEquations:
+    bends: int,
+) -> tuple[StageEquations, ElasticSolution]:
     """Return M (rates - base) + h (bias - torque) = 0 and the supply's equation at an iterate."""
-    u, w, supply = iterate.rates, iterate.head_rates, iterate.supply.pressure
+    u, w, supply = iterate.rates, iterate.root_rates, iterate.supply.pressure
     angles = base.swing.angle + h * u[0], base.boom.angle + h * u[1], base.stick.angle + h * u[2]
-    t_1, t_2, t_3 = transmissions(angles[0], angles[1], angles[2], p)
+    joints = root_angles(base, w, h, p) if bends else angles
+    t_1, t_2, t_3 = transmissions(joints[0], joints[1], joints[2], p)
     turned = iterate.motor_rate
     swing = solve_axis(base.swing, near.swing, turned, t_1, ports[0], supply, p.swing, p.guard, h)
-    boom = solve_axis(base.boom, near.boom, u[1], t_2, ports[1], supply, p.boom, p.guard, h)
-    stick = solve_axis(base.stick, near.stick, u[2], t_3, ports[2], supply, p.stick, p.guard, h)
-    m = mechanics(angles, u, _head_at(base.head, w, h), p)
+    boom = solve_axis(base.boom, near.boom, w[1], t_2, ports[1], supply, p.boom, p.guard, h)
+    stick = solve_axis(base.stick, near.stick, w[2], t_3, ports[2], supply, p.stick, p.guard, h)
+    head_rates = iterate.head_rates
+    m = mechanics(angles, u, _head_at(base.head, head_rates, h), p)
     gained, head_gained = times(
         m.inertia,
         (u[0] - base.swing.rate, u[1] - base.boom.rate, u[2] - base.stick.rate),
-        (w[0] - base.head.alpha_rate, w[1] - base.head.beta_rate),
+        (head_rates[0] - base.head.alpha_rate, head_rates[1] - base.head.beta_rate),
     )
     error = SupplyError(
         residual=0.0, slope=1.0, by_rate=(0.0, 0.0, 0.0), feeds=NO_FEEDS, state=iterate.supply
@@ -195,27 +256,50 @@ def _equations_at(
         error = supply_error(
             base.supply, base.pump, supply, (swing, boom, stick), ports, (t_1.arm, t_2.arm, t_3.arm), h, p
         )
-    torque, resistance, drive, motor_gain = swing.torque, swing.resistance, NO_DRIVE, 0.0
+    torques = swing.torque, boom.torque, stick.torque
+    resistances = swing.resistance, boom.resistance, stick.resistance
+    drive, motor_gain, elastic = NO_DRIVE, 0.0, ALL_STIFF
     if p.drive.present:
-        drive = solve_drive(base.drive, angles[0], u[0], turned, torque, resistance, h, p.drive)
-        torque, resistance = drive.torque, drive.resistance
+        drive = solve_drive(base.drive, joints[0], w[0], turned, torques[0], resistances[0], h, p.drive)
+        torques = drive.torque, boom.torque, stick.torque
+        resistances = drive.resistance, boom.resistance, stick.resistance
         motor_gain = error.by_rate[0]
         error = through_gear(error, drive)
-    return StageEquations(
+    if bends:
+        elastic = solve_links(base, u, w, torques, resistances, error.by_rate, h, p.elastic)
+        torques = elastic.swing.torque, elastic.boom.torque, elastic.stick.torque
+        resistances = elastic.swing.resistance, elastic.boom.resistance, elastic.stick.resistance
+        error = through_links(error, elastic)
+    equations = StageEquations(
         swing=swing,
         boom=boom,
         stick=stick,
-        matrix=resisted(m.inertia, (resistance, boom.resistance, stick.resistance), p.head.damping, h),
+        matrix=resisted(m.inertia, resistances, p.head.damping, h),
         residual=(
-            gained[0] + h * (m.bias[0] - torque),
-            gained[1] + h * (m.bias[1] - boom.torque),
-            gained[2] + h * (m.bias[2] - stick.torque),
+            gained[0] + h * (m.bias[0] - torques[0]),
+            gained[1] + h * (m.bias[1] - torques[1]),
+            gained[2] + h * (m.bias[2] - torques[2]),
         ),
         head_residual=(head_gained[0] + h * m.head_bias[0], head_gained[1] + h * m.head_bias[1]),
         supply=error,
         motor_gain=motor_gain,
         drive=drive,
     )
+    return equations, elastic
+
+
+def _equations_again(
+    base: PlantState,
+    near: PlantState,
+    iterate: Iterate,
+    ports: tuple[Ports, Ports, Ports],
+    h: float,
+    p: PlantParameters,
+    bends: int,
+) -> tuple[StageEquations, ElasticSolution]:
+    if bends:
+        return _equations_at_elastic(base, near, iterate, ports, h, p)
+    return _equations_at_again(base, near, iterate, ports, h, p), ALL_STIFF
 
 
 def _equations_at_again(
@@ -226,12 +310,30 @@ def _equations_at_again(
     h: float,
     p: PlantParameters,
 ) -> StageEquations:
-    """Return what `_equations_at` does; not inlined."""
-    return _equations_at(base, near, iterate, ports, h, p)
+    """Return what `_equations_at` does of rigid links; not inlined."""
+    return _equations_at(base, near, iterate, ports, h, p, RIGID)[0]
+
+
+def _equations_at_elastic(
+    base: PlantState,
+    near: PlantState,
+    iterate: Iterate,
+    ports: tuple[Ports, Ports, Ports],
+    h: float,
+    p: PlantParameters,
+) -> tuple[StageEquations, ElasticSolution]:
+    """Return what `_equations_at` does of links that give way; not inlined."""
+    return _equations_at(base, near, iterate, ports, h, p, ELASTIC)
 
 
 def _newton_step(
-    iterate: Iterate, equations: StageEquations, share: float, bounds: Pair, p: PlantParameters
+    iterate: Iterate,
+    equations: StageEquations,
+    links: ElasticSolution,
+    share: float,
+    bounds: Pair,
+    p: PlantParameters,
+    bends: int,
 ) -> tuple[Iterate, float, float]:
     """Return the iterate after a share of Newton's correction, its size, and the supply's change [rad/s; Pa].
 
@@ -257,19 +359,23 @@ def _newton_step(
     supply = held_above_vapour(
         iterate.supply.pressure - share * pressure, iterate.supply.pressure, p.supply.oil
     )
-    turning, motor = 0.0, u[0] - share * c[0]
+    turns, roots = c, iterate.root_rates
+    if bends:
+        turns = root_corrections(c, pressure, links)
+    roots = roots[0] - share * turns[0], roots[1] - share * turns[1], roots[2] - share * turns[2]
+    turning, motor = 0.0, roots[0]
     if p.drive.present:
         e = equations.drive
-        turning = e.share * c[0] + e.excess + e.give * equations.motor_gain * pressure
+        turning = e.share * turns[0] + e.excess + e.give * equations.motor_gain * pressure
         motor = iterate.motor_rate - share * turning
     after = Iterate(
         (u[0] - share * c[0], u[1] - share * c[1], u[2] - share * c[2]),
         (w[0] - share * d[0], w[1] - share * d[1]),
         SupplyState(supply, equations.supply.state.reference),
         motor,
+        roots,
     )
-    return (
-        after,
-        max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1]), MOTOR_SHARE * abs(turning)),
-        change,
-    )
+    size = max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1]), LIGHT_SHARE * abs(turning))
+    if bends:
+        size = max(size, LIGHT_SHARE * max(abs(turns[0]), abs(turns[1]), abs(turns[2])))
+    return after, size, change

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from forest_description.types import Vec3
 from forest_sim.equations.drive import DriveState
+from forest_sim.equations.elastic_links import Roots, RootState
 from forest_sim.equations.multibody import HeadState
 from forest_sim.equations.plant import (
     AxisState,
@@ -144,7 +145,9 @@ def _with_head_ahead(plant: PlantState, accelerations: Pair, time: float) -> Pla
     h = plant.head
     rates = h.alpha_rate + time * accelerations[0], h.beta_rate + time * accelerations[1]
     head = HeadState(h.alpha, h.beta, rates[0], rates[1])
-    return PlantState(plant.swing, plant.boom, plant.stick, plant.supply, head, plant.drive, plant.pump)
+    return PlantState(
+        plant.swing, plant.boom, plant.stick, plant.supply, head, plant.drive, plant.pump, plant.roots
+    )
 
 
 def _rates_after(plant: PlantState, accelerations: Vec3, time: float) -> Vec3:
@@ -222,6 +225,7 @@ def _blend(start: PlantState, stage: PlantState, weight: float, p: PlantParamete
         head=_blend_head(start.head, stage.head, weight),
         drive=_blend_drive(start.drive, stage.drive, weight) if p.drive.present else start.drive,
         pump=_blend_pump(start.pump, stage.pump, weight) if p.supply.drive.present else start.pump,
+        roots=_blend_roots(start.roots, stage.roots, weight) if p.elastic.present else start.roots,
     )
 
 
@@ -244,6 +248,16 @@ def _blend_drive(a: DriveState, b: DriveState, w: float) -> DriveState:
         a.motor_rate + w * (b.motor_rate - a.motor_rate),
         a.bristle_angle + w * (b.bristle_angle - a.bristle_angle),
     )
+
+
+def _blend_roots(a: Roots, b: Roots, w: float) -> Roots:
+    return Roots(
+        _blend_root(a.swing, b.swing, w), _blend_root(a.boom, b.boom, w), _blend_root(a.stick, b.stick, w)
+    )
+
+
+def _blend_root(a: RootState, b: RootState, w: float) -> RootState:
+    return RootState(a.angle + w * (b.angle - a.angle), a.rate + w * (b.rate - a.rate))
 
 
 def _blend_axis(a: AxisState, b: AxisState, w: float) -> AxisState:

@@ -21,6 +21,7 @@ from forest_sim.solver import (
     compensator_step,
     conserved_oil,
     drive_stage,
+    elastic_stage,
     holding_step,
     implicit_stage,
     integrator,
@@ -49,6 +50,8 @@ NOINLINE = (
     valve_characteristic._overlap_leakage,
     implicit_stage._iterate_further,
     implicit_stage._equations_at_again,
+    implicit_stage._iterate_elastic,
+    implicit_stage._equations_at_elastic,
     power_flows.power_flows,
     power_flows._axis_power,
     plant._axis_derivative,
@@ -56,6 +59,13 @@ NOINLINE = (
     conserved_oil._settled,
     drive_stage.solve_drive,
     drive_stage.drive_after,
+    elastic_stage.first_root_rates,
+    elastic_stage.root_angles,
+    elastic_stage.solve_links,
+    elastic_stage.through_links,
+    elastic_stage.root_corrections,
+    elastic_stage.roots_after,
+    power_flows._bending,
 )
 # state, voltages and their stride, length and count of each row's steps and their stride, rows, recorded (0:
 # nothing, 1: states, 2: energies, too), parameters, states, energies

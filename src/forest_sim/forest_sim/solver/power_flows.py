@@ -11,17 +11,20 @@ signs, and their integrals over a run are its energy account.
 | valve | supply | throttling | | hose inlets, tank line |
 | tank line | returned, relieved | return_line | tank_line | |
 | hose | its inlet | port_valves, resistance, holding, compression | hose | actuator, tank line |
-| actuator | | leakage, damping, dry_friction, cushion, gear | stop, elastic | joint |
+| actuator | | leakage, damping, dry_friction, cushion, gear, bending | stop, elastic | joint |
 | links | joint, external | | kinetic and potential energy | |
 """
 
 from typing import NamedTuple
 
-from forest_sim.equations.drive import NO_POWER, DrivePower, drive_power
+from forest_sim.equations.drive import NO_POWER, DrivePower, drive_power, driven
+from forest_sim.equations.elastic_links import NO_BENDING, BendingPower, bending_power
 from forest_sim.equations.plant import (
     AxisState,
+    PlantState,
     Ports,
     Transmission,
+    at_joints,
     axis_draw,
     joint_torque,
     motor_side,
@@ -44,6 +47,8 @@ from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
 from forest_sim.solver.integrator import Simulation
 from forest_sim.solver.tank_step import tank_flow
+
+RIGID = (NO_BENDING, NO_BENDING, NO_BENDING)
 
 
 class SupplyPower(NamedTuple):
@@ -78,9 +83,10 @@ class AxisPower(NamedTuple):
     stop: float  # stored and lost in the end stop
     joint: float  # handed to the joint
     gear: float  # lost between the teeth of a gear with play
-    elastic: float  # stored in motor, teeth and the bristles of a bearing that sticks
+    elastic: float  # stored in motor, teeth and the bristles of a bearing that sticks; in links that give way
     returned: float  # handed to the tank line by the valve's edges
     relieved: float  # handed to it by port valves, less what they take from it
+    bending: float  # lost in links that give way
 
 
 class PowerFlows(NamedTuple):
@@ -95,15 +101,18 @@ class PowerFlows(NamedTuple):
 def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     """Return where the power goes at a state. Thesis section 2.2, fig. 2.3."""
     state, ports = simulation.plant, ports_at(simulation.spools, p, simulation.lifts, simulation.tank.seen)
-    t_1, t_2, t_3 = transmissions(state.swing.angle, state.boom.angle, state.stick.angle, p)
+    joints = at_joints(state, p)
+    t_1, t_2, t_3 = transmissions(joints.swing.angle, joints.boom.angle, joints.stick.angle, p)
     pressure = state.supply.pressure
-    motor, drive = motor_side(state, p), NO_POWER
+    motor, drive, bending = motor_side(joints, p), NO_POWER, RIGID
     if p.drive.present:
         torque = joint_torque(motor, t_1, p.swing)
-        drive = drive_power(state.drive, state.swing.angle, state.swing.rate, torque, p.drive)
-    swing = _axis_power(motor, t_1, ports[0], pressure, p.swing, drive, p)
-    boom = _axis_power(state.boom, t_2, ports[1], pressure, p.boom, NO_POWER, p)
-    stick = _axis_power(state.stick, t_3, ports[2], pressure, p.stick, NO_POWER, p)
+        drive = drive_power(state.drive, joints.swing.angle, joints.swing.rate, torque, p.drive)
+    if p.elastic.present:
+        bending = _bending(state, motor, (t_1, t_2, t_3), p)
+    swing = _axis_power(motor, t_1, ports[0], pressure, p.swing, drive, bending[0], p)
+    boom = _axis_power(joints.boom, t_2, ports[1], pressure, p.boom, NO_POWER, bending[1], p)
+    stick = _axis_power(joints.stick, t_3, ports[2], pressure, p.stick, NO_POWER, bending[2], p)
     drawn = swing.supply + boom.supply + stick.supply
     seen = simulation.tank.seen
     lost = seen * line_flow(seen, p.tank_line)
@@ -154,6 +163,25 @@ def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     )
 
 
+def _bending(
+    state: PlantState,
+    motor: AxisState,
+    t: tuple[Transmission, Transmission, Transmission],
+    p: PlantParameters,
+) -> tuple[BendingPower, BendingPower, BendingPower]:
+    """Return what elastic links take of their actuators' powers, the motor's with its own angle."""
+    joints, roots = at_joints(state, p), state.roots
+    torque = joint_torque(motor, t[0], p.swing)
+    if p.drive.present:
+        torque = driven(state.drive, joints.swing.angle, joints.swing.rate, torque, p.drive).torque
+    bends, lifts = joint_torque(joints.boom, t[1], p.boom), joint_torque(joints.stick, t[2], p.stick)
+    return (
+        bending_power(roots.swing, state.swing.angle, state.swing.rate, torque, p.elastic.swing),
+        bending_power(roots.boom, state.boom.angle, state.boom.rate, bends, p.elastic.boom),
+        bending_power(roots.stick, state.stick.angle, state.stick.rate, lifts, p.elastic.stick),
+    )
+
+
 def _axis_power(
     s: AxisState,
     t: Transmission,
@@ -161,6 +189,7 @@ def _axis_power(
     supply: float,
     axis: Axis,
     drive: DrivePower,
+    bending: BendingPower,
     p: PlantParameters,
 ) -> AxisPower:
     a, u = axis.actuator, t.arm * s.rate
@@ -194,11 +223,18 @@ def _axis_power(
         dry_friction=friction_force(u, axis.friction, s.pressure_1, s.pressure_2) * u + drive.friction,
         cushion=cushion_resistance(t.position, u, axis.cushion) * abs(u) * u * u,
         stop=-end_stop_force(t.position, u, axis.stop) * u + drive.stop,
-        joint=joint_torque(s, t, axis) * s.rate - drive.friction - drive.gear - drive.elastic - drive.stop,
+        joint=joint_torque(s, t, axis) * s.rate
+        - drive.friction
+        - drive.gear
+        - drive.elastic
+        - drive.stop
+        - bending.lost
+        - bending.elastic,
         gear=drive.gear,
-        elastic=drive.elastic,
+        elastic=drive.elastic + bending.elastic,
         returned=tank * to_tank,
         relieved=-tank * (guarded_1 + guarded_2),
+        bending=bending.lost,
     )
 
 

@@ -7,8 +7,8 @@ flows of `power_flows` are integrated over the integrator's own steps with the t
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
 | schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
-| states | N, 111 | what `STATE` names, one row per period |
-| energies | N, 63 | J over the period through what `ENERGY` names |
+| states | N, 117 | what `STATE` names, one row per period |
+| energies | N, 66 | J over the period through what `ENERGY` names |
 """
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from forest_compile import flat_layout
 from forest_description.types import AXES, Floats
 from forest_sim.equations.drive import DriveState
+from forest_sim.equations.elastic_links import RootState
 from forest_sim.equations.multibody import HANGING_STILL, HeadState
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import PlantParameters
@@ -36,6 +37,7 @@ STATE = (
     *(f"head_{field}" for field in HeadState._fields),
     *(f"drive_{field}" for field in DriveState._fields),
     *(f"pump_{field}" for field in PumpState._fields),
+    *(f"{axis}_root_{field}" for axis in AXES for field in RootState._fields),
     *(f"{axis}_spool_{field}" for axis in AXES for field in Spool._fields),
     *Events._fields,
     *(f"{name}_acceleration" for name in (*AXES, "head_alpha", "head_beta")),
