@@ -4,6 +4,10 @@ The rate w of a link's root is one more unknown of Newton's, which its own equat
 that of a motor behind its teeth (`drive_stage`). The spring is linear: nothing is left of it.
 
     J (w - base) + h (T - torque(w)) = 0,   D = J + h (R + K),   K = c + h k
+
+A root is light: dry friction turns it round within a stage. That friction is therefore taken as it
+is, and only the oil's part of the torque along its slope; the root of what is left, which has one
+unknown, is found within a bracket.
 """
 
 from typing import NamedTuple
@@ -13,6 +17,7 @@ from forest_sim.equations.elastic_links import NO_ROOT, ElasticLaws, Roots, Root
 from forest_sim.equations.plant import PlantState, at_joints
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.mechanics.elasticity import ElasticLink, elastic_torque
+from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force, friction_slope
 from forest_sim.solver.drive_stage import DriveSolution
 from forest_sim.solver.supply_stage import SupplyError
 
@@ -26,6 +31,16 @@ class ElasticSolution(NamedTuple):
     gains: Vec3  # h d(an actuator's draw)/d(its root's rate) [m^3 s]
 
 
+class Rub(NamedTuple):
+    """Dry friction at a root."""
+
+    friction: Friction  # under the chambers' pressures
+    arm: float  # d(actuator position)/d(angle)
+
+
+SMOOTH = Rub(FRICTIONLESS, 1.0)
+LEAST_GIVE = 0.1  # a root that the Stribeck effect lets go yields at most ten times as much
+RUB_ITERATIONS, RUB_TOLERANCE = 40, 1e-9  # [rad/s]
 STIFF = DriveSolution(torque=0.0, resistance=0.0, share=1.0, excess=0.0, give=0.0)
 ALL_STIFF = ElasticSolution(STIFF, STIFF, STIFF, (0.0, 0.0, 0.0))
 
@@ -56,6 +71,7 @@ def solve_links(
     root_rates: Vec3,
     torques: Vec3,
     resistances: Vec3,
+    rubs: tuple[Rub, Rub],
     gains: Vec3,
     h: float,
     laws: ElasticLaws,
@@ -68,6 +84,7 @@ def solve_links(
         root_rates: of their roots [rad/s].
         torques: of the actuators at the roots' rates [N m].
         resistances: their -d(torque)/d(rate) [N m s].
+        rubs: dry friction of boom and stick, which torques and resistances have in them.
         gains: h d(an actuator's draw)/d(its rate) [m^3 s].
         h: the stage's implicit step [s].
         laws: the constants.
@@ -76,9 +93,9 @@ def solve_links(
     bends = s.angle + h * rates[0], b.angle + h * rates[1], t.angle + h * rates[2]
     w, r = root_rates, resistances
     return ElasticSolution(
-        _solve_link(roots.swing, bends[0], rates[0], w[0], torques[0], r[0], h, laws.swing),
-        _solve_link(roots.boom, bends[1], rates[1], w[1], torques[1], r[1], h, laws.boom),
-        _solve_link(roots.stick, bends[2], rates[2], w[2], torques[2], r[2], h, laws.stick),
+        _solve_link(roots.swing, bends[0], rates[0], w[0], torques[0], r[0], SMOOTH, h, laws.swing),
+        _solve_link(roots.boom, bends[1], rates[1], w[1], torques[1], r[1], rubs[0], h, laws.boom),
+        _solve_link(roots.stick, bends[2], rates[2], w[2], torques[2], r[2], rubs[1], h, laws.stick),
         gains,
     )
 
@@ -90,6 +107,7 @@ def _solve_link(
     root_rate: float,
     torque: float,
     resistance: float,
+    rub: Rub,
     h: float,
     link: ElasticLink,
 ) -> DriveSolution:
@@ -97,9 +115,16 @@ def _solve_link(
         return DriveSolution(torque, resistance, share=1.0, excess=0.0, give=0.0)
     passed = elastic_torque(base.angle + h * root_rate - angle, root_rate - rate, link)
     stiff = link.damping + h * link.stiffness
+    if rub.friction.breakaway > 0.0:
+        torque += rub_torque(root_rate, rub)
+        resistance -= rub_resistance(root_rate, rub)
     give = 1.0 / (link.inertia + h * (resistance + stiff))
-    share = give * h * stiff
     excess = give * (link.inertia * (root_rate - base.rate) + h * (passed - torque))
+    if rub.friction.breakaway > 0.0:
+        turning = rubbing_rate(root_rate - excess, root_rate, give * h, rub)
+        give /= max(LEAST_GIVE, 1.0 + give * h * rub_resistance(turning, rub))
+        excess = root_rate - turning
+    share = give * h * stiff
     return DriveSolution(
         torque=passed - stiff * excess,
         resistance=stiff * (1.0 - share),
@@ -107,6 +132,46 @@ def _solve_link(
         excess=excess,
         give=give,
     )
+
+
+def rub_torque(rate: float, rub: Rub) -> float:
+    """Return what friction takes from the torque on a root [N m] at its rate [rad/s]."""
+    return rub.arm * friction_force(rub.arm * rate, rub.friction)
+
+
+def rub_resistance(rate: float, rub: Rub) -> float:
+    """Return d(friction's torque)/d(rate) [N m s] at a root's rate [rad/s]."""
+    return rub.arm * rub.arm * friction_slope(rub.arm * rate, rub.friction)
+
+
+def rubbing_rate(free: float, guess: float, give: float, rub: Rub) -> float:
+    """Return the rate [rad/s] of a root with friction, w + give friction(w) = free.
+
+    Friction brings the root towards rest and not past it: the rate lies between zero and the free
+    one.
+
+    Args:
+        free: rate without friction [rad/s].
+        guess: rate near the one sought [rad/s].
+        give: change of the rate by a torque [1/(N m s)].
+        rub: the friction.
+    """
+    low, high = min(0.0, free), max(0.0, free)
+    rate = min(high, max(low, guess))
+    for _ in range(RUB_ITERATIONS):
+        off = rate + give * rub_torque(rate, rub) - free
+        if off > 0.0:
+            high = rate
+        else:
+            low = rate
+        slope = 1.0 + give * rub_resistance(rate, rub)
+        after = rate - off / slope if slope > 0.0 else low
+        if not low < after < high:
+            after = 0.5 * (low + high)
+        moved, rate = abs(after - rate), after
+        if moved <= RUB_TOLERANCE:
+            break
+    return rate
 
 
 def through_links(e: SupplyError, s: ElasticSolution) -> SupplyError:

@@ -12,9 +12,10 @@ from typing import NamedTuple
 from forest_description.types import Vec3
 from forest_sim.equations.multibody import HeadState, Inertia, mechanics, resisted, solve, times
 from forest_sim.equations.plant import AxisState, PlantState, Ports, transmissions, with_joint
-from forest_sim.equations.plant_parameters import PlantParameters
+from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.oil_law import held_above_vapour
 from forest_sim.hydraulics.supply import SupplyState, flow_after, manifold_oil
+from forest_sim.mechanics.friction import pressed
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.axis_stage import AxisEnd, AxisSolution, corrected_axis, solve_axis
 from forest_sim.solver.drive_stage import (
@@ -26,6 +27,7 @@ from forest_sim.solver.drive_stage import (
 from forest_sim.solver.elastic_stage import (
     ALL_STIFF,
     ElasticSolution,
+    Rub,
     first_root_rates,
     root_angles,
     root_corrections,
@@ -266,7 +268,8 @@ def _equations_at(
         motor_gain = error.by_rate[0]
         error = through_gear(error, drive)
     if bends:
-        elastic = solve_links(base, u, w, torques, resistances, error.by_rate, h, p.elastic)
+        rubs = _rub(boom, t_2.arm, p.boom), _rub(stick, t_3.arm, p.stick)
+        elastic = solve_links(base, u, w, torques, resistances, rubs, error.by_rate, h, p.elastic)
         torques = elastic.swing.torque, elastic.boom.torque, elastic.stick.torque
         resistances = elastic.swing.resistance, elastic.boom.resistance, elastic.stick.resistance
         error = through_links(error, elastic)
@@ -286,6 +289,11 @@ def _equations_at(
         drive=drive,
     )
     return equations, elastic
+
+
+def _rub(axis: AxisSolution, arm: float, constants: Axis) -> Rub:
+    """Return the dry friction of a solved axis."""
+    return Rub(pressed(constants.friction, axis.one.pressure, axis.two.pressure), arm)
 
 
 def _equations_again(
