@@ -6,6 +6,7 @@ from typing import Any, ClassVar, cast
 
 import numpy as np
 
+from forest_description.components.compensator import Compensator
 from forest_description.components.valve_characteristic import (
     CURVE_SIZE,
     LINEAR_AREA,
@@ -190,6 +191,7 @@ class Valve(ParameterSet):
         "s", 0.0005, 0.02, "of electronics and pilot stage; a voltage acts so much later"
     )
     spool_slew_limit: float | None = optional_parameter("V/s", 1.0, 1e5, "greatest rate of the spool")
+    compensator: Compensator | None = None  # may be left out
 
     def __post_init__(self) -> None:
         """Check ranges, that the valve opens at all, the spool's lag, and the curve."""

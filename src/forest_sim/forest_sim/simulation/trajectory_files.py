@@ -47,7 +47,15 @@ UNITS = {  # by a word of the name; the first that is in it
     "stroke": "1",
     "speed": "rad/s",
 }
-LEFT_OUT = ("spool_rate", "spool_target", "acceleration", "lift_one", "lift_two", "tank_seen")
+LEFT_OUT = (
+    "spool_rate",
+    "spool_target",
+    "acceleration",
+    "lift_one",
+    "lift_two",
+    "lift_compensator",
+    "tank_seen",
+)
 COLUMNS = tuple(
     name
     for name in STATE

@@ -14,7 +14,14 @@ from typing import NamedTuple
 from forest_description.types import Vec3
 from forest_sim.equations.drive import DriveState
 from forest_sim.equations.multibody import HeadState
-from forest_sim.equations.plant import AxisState, PlantState, holds_loads, ports_at, with_lifts
+from forest_sim.equations.plant import (
+    AxisState,
+    PlantState,
+    has_poppets,
+    holds_loads,
+    is_compensated,
+    ports_at,
+)
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
 from forest_sim.hydraulics.hydraulic_line import PortGuard
@@ -24,6 +31,7 @@ from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.hydraulics.tank_line import DRAINED, TankState, pressure_after
 from forest_sim.mechanics.manipulator import Pair
+from forest_sim.solver.compensator_step import openings_after
 from forest_sim.solver.conserved_oil import settled, with_contents
 from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.implicit_stage import solve_stage
@@ -50,7 +58,7 @@ class Simulation(NamedTuple):
     accelerations: Vec3  # of the joints over the last stage [rad/s^2], from which Newton starts
     head_accelerations: Pair  # of the hanging head, as well
     history: CommandHistory = NO_COMMANDS  # kept where a valve has a dead time
-    lifts: AllLifts = NO_LIFTS  # of load-holding valves, half a step ago
+    lifts: AllLifts = NO_LIFTS  # of load-holding valves and compensators, half a step ago
     tank: TankState = DRAINED
 
 
@@ -60,13 +68,12 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     acting, history = _acting(simulation.history, voltages, h, p)
     middle = spools_after(simulation.spools, acting, c, p)
     end = spools_after(simulation.spools, acting, h, p)
+    if has_poppets(p):
+        lifts = _lifts_after(simulation, h, p)
     tank, returned = simulation.tank, 0.0
     if p.tank_line.capacitance > 0.0:
-        tank = tank_amid(plant, simulation.spools, tank, h, p)
-    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, NO_LIFTS, tank.seen)
-    if holds_loads(p):
-        lifts = lifts_after(plant, lifts, simulation.spools, h, p)
-        ports = with_lifts(ports, lifts)
+        tank = tank_amid(plant, simulation.spools, lifts, tank, h, p)
+    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, lifts, tank.seen)
     if p.supply.rate > 0.0:
         ports = sensed_over(ports, simulation.spools, end, p)
     base = start = held = with_contents(plant, lifts, p)
@@ -92,6 +99,16 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     events = _count(simulation.events, plant, after, failures, p.guard, tank.seen)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
     return Simulation(after, end, events, rates_after, head_after, history, lifts, tank)
+
+
+def _lifts_after(simulation: Simulation, h: float, p: PlantParameters) -> AllLifts:
+    """Return the lifts with which a step of h [s] is made; not inlined."""
+    plant, lifts, spools = simulation.plant, simulation.lifts, simulation.spools
+    if holds_loads(p):
+        lifts = lifts_after(plant, lifts, spools, h, p)
+    if is_compensated(p):
+        lifts = openings_after(plant, lifts, spools, h, p)
+    return lifts
 
 
 def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:
