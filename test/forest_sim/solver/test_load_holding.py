@@ -31,14 +31,14 @@ WIDE = dataclasses.replace(REAL.valve, minimum_resistance=1e10, port_2_area=0.05
 
 
 def crane(boom, valve=REAL.valve, head_mass=700.0):
-    """c180_real with one load-holding valve at most, at the boom's head side; pump and tank are c180's."""
+    """c180_real with one load-holding valve at most, at the boom's head side; c180's pump, free seals."""
     return dataclasses.replace(
         REAL,
         pump=C180.pump,
         tank_line=None,
         valve=valve,
-        boom=dataclasses.replace(REAL.boom, holding_1=boom),
-        stick=dataclasses.replace(REAL.stick, holding_1=None, holding_2=None),
+        boom=dataclasses.replace(REAL.boom, holding_1=boom, friction=None),
+        stick=dataclasses.replace(REAL.stick, holding_1=None, holding_2=None, friction=None),
         manipulator=dataclasses.replace(REAL.manipulator, head_mass=head_mass),
     )
 

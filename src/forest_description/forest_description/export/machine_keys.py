@@ -54,6 +54,8 @@ Numbers that contradict each other are refused, too:
   keeps the valve shut at its rated voltage
 - a compensator on an underlapped valve, or one that uses more than the pump's margin; flow
   sharing without a load-sensing pump
+- flow forces on a spool without lag, without oil, or that take half of its stroke
+- leakage that follows an overlap, without overlap or without leakage
 - load holding without `chambers`; a counterbalance valve whose hysteresis is above its setting
 - a rod side larger than the head side; swapped limits; boom angles beyond ±180°
 - a stroke that passes a dead point of the linkage, or is longer than the retracted cylinder
@@ -63,7 +65,7 @@ Numbers that contradict each other are refused, too:
 - one of the swash plate's two times alone; a torque that does not even hold the pump's pressure
 - an engine that stalls before it gives its greatest torque
 - a tank line that takes all of the pump's pressure at its full flow
-- friction whose `smoothing_speed` is above its `stribeck_speed`
+- friction whose `smoothing_speed` is above its `stribeck_speed`; seals that pressure alone would hold
 - breaking away that is easier than sliding, or takes over 0.01 rad, or more than the motor has
 - a gear whose play is wider than the swing's travel
 - a rotator as heavy as its head, or with its centre beyond its end; a log off a hanging head's axis

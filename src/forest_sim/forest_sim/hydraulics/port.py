@@ -31,9 +31,10 @@ class Port(NamedTuple):
 
     to_supply: float  # C_R [Pa s^2/m^6], inf when shut
     to_tank: float  # C_R [Pa s^2/m^6], inf when shut
-    leakage: float  # [m^3/(s Pa)] past either edge
+    leakage: float  # g [m^3/(s Pa)] past either edge, the mean of both
     load_check: int = 0  # not 0: no oil goes back through the edge to the supply
     vapour: float = -math.inf  # [Pa] pressure at which the oil boils
+    skew: float = 0.0  # k [m^3/(s Pa)]: g + k leak past the supply's edge, g - k past the tank's
     tank: float = 0.0  # P_t [Pa]
 
 
@@ -79,12 +80,13 @@ def apply_load_check(flow: float, port: Port, supply: float) -> Port:
 
 def without_supply(port: Port) -> Port:
     """Return a port without its edge to the supply."""
-    return Port(math.inf, port.to_tank, port.leakage, port.load_check, port.vapour, port.tank)
+    return Port(math.inf, port.to_tank, port.leakage, port.load_check, port.vapour, port.skew, port.tank)
 
 
 def with_resistance(port: Port, more: float) -> Port:
     """Return a port with another resistance [Pa s^2/m^6] in series with its edge to the supply."""
-    return Port(port.to_supply + more, port.to_tank, port.leakage, port.load_check, port.vapour, port.tank)
+    to_supply = port.to_supply + more
+    return Port(to_supply, port.to_tank, port.leakage, port.load_check, port.vapour, port.skew, port.tank)
 
 
 def port_flow(p: float, port: Port, supply: float) -> float:
@@ -93,6 +95,7 @@ def port_flow(p: float, port: Port, supply: float) -> float:
         edge_flow(supply - p, port.to_supply)
         + edge_flow(port.tank - p, port.to_tank)
         + port.leakage * (supply + port.tank - 2.0 * p)
+        + port.skew * (supply - port.tank)
     )
 
 
@@ -108,7 +111,8 @@ def edge_flows(flow: float, p: float, port: Port, supply: float) -> tuple[float,
         port: what the valve connects.
         supply: P_s [Pa].
     """
-    from_supply, to_tank = port.leakage * (supply - p), port.leakage * (p - port.tank)
+    from_supply = (port.leakage + port.skew) * (supply - p)
+    to_tank = (port.leakage - port.skew) * (p - port.tank)
     if port.load_check != 0 and p > supply:
         port = without_supply(port)
     if port.to_tank == math.inf:
@@ -140,7 +144,7 @@ def solve_port(intercept: float, admittance: float, port: Port, supply: float) -
     """
     if port.to_supply == math.inf and port.to_tank == math.inf:
         yielding = 2.0 * port.leakage + admittance
-        leaked = port.leakage * (supply + port.tank)
+        leaked = (port.leakage + port.skew) * supply + (port.leakage - port.skew) * port.tank
         return PortSolution((leaked - intercept) / yielding, 2.0 * port.leakage / yielding)
     if port.to_tank == math.inf:
         return _one_edge(intercept, admittance, port.to_supply, supply, port, supply)
@@ -154,7 +158,8 @@ def _one_edge(
 ) -> PortSolution:
     """Solve a port with one edge open, from the pressure `source`; leakage is linear and goes along."""
     yielding = 2.0 * port.leakage + admittance
-    y = intercept - port.leakage * (supply + port.tank) + yielding * source
+    leaked = (port.leakage + port.skew) * supply + (port.leakage - port.skew) * port.tank
+    y = intercept - leaked + yielding * source
     root = math.sqrt(1.0 + 4.0 * yielding * resistance * abs(y))  # = 1 + yielding d(drop)/do
     o = 2.0 * y / (1.0 + root)
     slope = 2.0 * resistance * abs(o)  # d(drop)/do

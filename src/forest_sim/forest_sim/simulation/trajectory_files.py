@@ -55,6 +55,8 @@ LEFT_OUT = (
     "lift_two",
     "lift_compensator",
     "tank_seen",
+    "jets_force",
+    "jets_push",
 )
 COLUMNS = tuple(
     name

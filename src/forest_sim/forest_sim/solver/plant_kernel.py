@@ -25,6 +25,7 @@ from forest_sim.solver import (
     implicit_stage,
     integrator,
     power_flows,
+    pushed_spools,
     tank_step,
 )
 from forest_sim.solver.equilibrium import equilibrium
@@ -43,8 +44,10 @@ NOINLINE = (
     tank_step.returned_flow,
     supply.flow_after,
     compensator_step.openings_after,
+    pushed_spools.pushed,
     axis_stage._solve_with_holding,
     valve_characteristic._curved_opening,
+    valve_characteristic._overlap_leakage,
     implicit_stage._iterate_further,
     implicit_stage._equations_at_again,
     power_flows.power_flows,
