@@ -70,7 +70,7 @@ def pressure_amid(before: float, flow: float, yielding: float, step: float, line
 
 
 def pressure_after(state: TankState, returned: float, step: float, line: ReturnLine) -> TankState:
-    """Return the tank line after a step.
+    """Return the tank line after a step; where there is none, as it was.
 
     Args:
         state: P_t at its beginning, and in its middle.
@@ -78,5 +78,7 @@ def pressure_after(state: TankState, returned: float, step: float, line: ReturnL
         step: [s].
         line: the line.
     """
+    if line.capacitance == 0.0:
+        return state
     passed = line_flow(state.seen, line)
     return TankState(max(0.0, state.pressure + step / line.capacitance * (returned - passed)), state.seen)

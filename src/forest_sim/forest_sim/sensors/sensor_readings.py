@@ -29,7 +29,6 @@ from forest_sim.equations.plant import (
 )
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
-from forest_sim.hydraulics.load_holding import NO_LIFTS
 from forest_sim.hydraulics.port import port_pressure
 from forest_sim.hydraulics.supply import saturation
 from forest_sim.sensors.sensor_model import WORKS, SensorMemory, SensorModel, sample, sample_if
@@ -152,7 +151,7 @@ def report_at_rest(state: SensorState, simulation: Simulation, k: tuple[Sensors,
     s, links = k
     readings = tuple([channel.reading for channel in state.channels])
     flow, used = _supply(
-        simulation, ports_at(simulation.spools, s.plant, NO_LIFTS, simulation.tank.seen), s.plant
+        simulation, ports_at(simulation.spools, s.plant, simulation.lifts, simulation.tank.seen), s.plant
     )
     seen = measurement(readings, state.estimates, s.plant, flow, used)
     return _with_truth(seen, simulation, s.plant, links)
@@ -178,7 +177,7 @@ def sampled(
     """
     time = state.time + dt
     due = time > state.next_sample - TIME_TOLERANCE
-    ports = ports_at(simulation.spools, s.plant, NO_LIFTS, simulation.tank.seen)
+    ports = ports_at(simulation.spools, s.plant, simulation.lifts, simulation.tank.seen)
     before = state.channels
     true = _true_values(simulation, ports, s.plant, s.around)
     samples = tuple(
@@ -224,7 +223,7 @@ def deflections(simulation: Simulation, p: PlantParameters) -> Vec3:
 
 def true_values(simulation: Simulation, p: PlantParameters, around: Surroundings) -> tuple[float, ...]:
     """Return what every channel would read if it were exact, in the order of `CHANNELS`."""
-    ports = ports_at(simulation.spools, p, NO_LIFTS, simulation.tank.seen)
+    ports = ports_at(simulation.spools, p, simulation.lifts, simulation.tank.seen)
     return _true_values(simulation, ports, p, around)
 
 

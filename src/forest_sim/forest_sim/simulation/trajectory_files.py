@@ -54,6 +54,7 @@ LEFT_OUT = (
     "lift_one",
     "lift_two",
     "lift_compensator",
+    "tank_seen",
     "jets_force",
     "jets_push",
     "tank_seen",

@@ -93,8 +93,7 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
                 ports = ports_at(end, p, lifts, tank.seen)
                 if p.supply.rate > 0.0:
                     ports = sensed_over(ports, simulation.spools, end, p)
-    if p.tank_line.capacitance > 0.0:
-        tank = pressure_after(tank, returned, h, p.tank_line)
+    tank = pressure_after(tank, returned, h, p.tank_line)
     after = settled(after, held, p)
     events = _count(simulation.events, plant, after, failures, p.guard, tank.seen)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
@@ -106,13 +105,13 @@ def _amid(simulation: Simulation, h: float, p: PlantParameters) -> tuple[AllJets
     plant, spools = simulation.plant, simulation.spools
     jets, lifts, tank = simulation.jets, simulation.lifts, simulation.tank
     if feels_jets(p):
-        jets = pushed(plant, spools, jets, p)
+        jets = pushed(plant, spools, jets, tank.seen, p)
     if holds_loads(p):
         lifts = lifts_after(plant, lifts, spools, h, p)
     if is_compensated(p):
         lifts = openings_after(plant, lifts, spools, h, p)
     if p.tank_line.capacitance > 0.0:
-        tank = tank_amid(plant, spools, tank, h, p)
+        tank = tank_amid(plant, spools, lifts, tank, h, p)
     return jets, lifts, tank
 
 

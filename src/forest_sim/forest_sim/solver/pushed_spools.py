@@ -5,6 +5,8 @@ of second order, and without a word in the stages' equations. It is stable at an
 the jets take less than half of a spool's stroke, which a machine file must obey.
 """
 
+import math
+
 from forest_sim.equations.plant import AxisState, PlantState, valve_ports
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.hydraulics.flow_force import AllJets, Jets, port_momentum
@@ -16,20 +18,20 @@ def feels_jets(p: PlantParameters) -> bool:
     return p.valves[0].lag.jet + p.valves[1].lag.jet + p.valves[2].lag.jet != 0.0
 
 
-def pushed(plant: PlantState, spools: Spools, jets: AllJets, p: PlantParameters) -> AllJets:
+def pushed(plant: PlantState, spools: Spools, jets: AllJets, tank: float, p: PlantParameters) -> AllJets:
     """Return what pushes the spools in a step that begins with them; not inlined."""
     supply = plant.supply.pressure
     return (
-        _pushed(plant.swing, spools[0].position, jets[0], p.valves[0], supply),
-        _pushed(plant.boom, spools[1].position, jets[1], p.valves[1], supply),
-        _pushed(plant.stick, spools[2].position, jets[2], p.valves[2], supply),
+        _pushed(plant.swing, spools[0].position, jets[0], p.valves[0], supply, tank),
+        _pushed(plant.boom, spools[1].position, jets[1], p.valves[1], supply, tank),
+        _pushed(plant.stick, spools[2].position, jets[2], p.valves[2], supply, tank),
     )
 
 
-def _pushed(s: AxisState, position: float, jets: Jets, valve: SpoolValve, supply: float) -> Jets:
+def _pushed(s: AxisState, position: float, jets: Jets, valve: SpoolValve, supply: float, tank: float) -> Jets:
     if valve.lag.jet == 0.0:
         return jets
-    ports = valve_ports(position, valve.law)
+    ports = valve_ports(position, valve.law, -math.inf, tank)
     one = port_momentum(s.pressure_1, s.flow_1, ports.port_1, supply)
     two = port_momentum(s.pressure_2, -s.flow_2, ports.port_2, supply)
     force = valve.lag.jet * (one - two)

@@ -19,7 +19,7 @@ from forest_sim.equations.plant import (
 )
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.hydraulic_line import PortGuard, guard_conductance, guard_flow
-from forest_sim.hydraulics.load_holding import NO_LIFTS
+from forest_sim.hydraulics.load_holding import AllLifts
 from forest_sim.hydraulics.oil_volume import content
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.side import Side, side_rates
@@ -34,9 +34,11 @@ class Returned(NamedTuple):
     yielding: float  # -dQ/dP_t of port valves over a step [m^3/(s Pa)]
 
 
-def tank_amid(plant: PlantState, spools: Spools, tank: TankState, h: float, p: PlantParameters) -> TankState:
+def tank_amid(
+    plant: PlantState, spools: Spools, lifts: AllLifts, tank: TankState, h: float, p: PlantParameters
+) -> TankState:
     """Return the tank line with P_t in the middle of a step of h [s]; not inlined."""
-    ports, half = ports_at(spools, p, NO_LIFTS, tank.pressure), 0.5 * h
+    ports, half = ports_at(spools, p, lifts, tank.pressure), 0.5 * h
     supply = plant.supply.pressure
     t_1, t_2, t_3 = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
     swing = _returned(motor_side(plant, p), t_1, ports[0], supply, p.swing, p.guard, half)
