@@ -32,10 +32,10 @@ from forest_sim.equations.plant import (
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.hydraulic_line import guard_flow
-from forest_sim.hydraulics.load_holding import holding_drop
+from forest_sim.hydraulics.load_holding import holding_drop, is_held
 from forest_sim.hydraulics.oil_volume import hose_drop
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
-from forest_sim.hydraulics.side import storage
+from forest_sim.hydraulics.side import Side, storage
 from forest_sim.hydraulics.supply import manifold_capacitance, pump_flow
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
@@ -156,7 +156,7 @@ def _axis_power(
         resistance=(s.pressure_1 - p_1) * q_1
         + (p_2 - s.pressure_2) * q_2
         + (drop_1 * one.flow + drop_2 * two.flow),
-        holding=holding_drop(one.flow, one.held) * one.flow + holding_drop(two.flow, two.held) * two.flow,
+        holding=_holding(one) + _holding(two),
         leakage=a.internal_leakage * ((p_1 - p_2) * (p_1 - p_2))
         + a.external_leakage * (p_1 * p_1 + p_2 * p_2),
         damping=a.damping * u * u,
@@ -167,6 +167,11 @@ def _axis_power(
         gear=drive.gear,
         elastic=drive.elastic,
     )
+
+
+def _holding(s: Side) -> float:
+    """Return what a side's load-holding valve loses [W]: nothing of a flow that stops behind a shut one."""
+    return 0.0 if is_held(s.flow, s.held) else holding_drop(s.flow, s.held) * s.flow
 
 
 def _valve(pressure: float, flow: float, port: Port, supply: float) -> tuple[float, float]:
