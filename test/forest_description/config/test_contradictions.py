@@ -59,6 +59,10 @@ BODIES = [
         "stick_mass is 0 kg: a body without mass has no inertia; allowed: above 0",
     ),
 ]
+COMPENSATOR = (
+    "valve:\n  compensator:\n    kind: {kind}\n    setting: = {setting} MPa\n    control_range: = 0.4 MPa\n"
+    "    minimum_resistance: = 5e10 Pa*s2/m6\n    response_time: = 15 ms\n"
+)
 OTHERS = [
     ("c180_thesis", "manipulator:\n  head_folding: full\n", 2, "allowed: boom_xx of 77.6049 kg*m2 or more"),
     (
@@ -302,6 +306,42 @@ OTHERS = [
         "boom:\n  holding_1:\n    pilot_ratio: = 0 1\n",
         4,
         "boom.holding_1.pilot_ratio = 0 1 is outside the range 0.5 .. 20",
+    ),
+    (
+        "forwarder",
+        "valve:\n  compensator:\n    setting: = 2 MPa\n",
+        4,
+        "valve.compensator.setting (2e+06 Pa): the compensator uses 2.6e+06 Pa of pump.margin (2.4e+06 Pa)",
+    ),
+    (
+        "forwarder",
+        COMPENSATOR.format(kind="before_spool", setting=0.3),
+        6,
+        "valve.compensator.control_range (400000 Pa) must be smaller than setting (300000 Pa)",
+    ),
+    (
+        "forwarder",
+        "valve:\n  deadband_voltage: = -0.5 V\n",
+        3,
+        "valve.deadband_voltage (-0.5 V): a valve with a compensator must not be underlapped; allowed",
+    ),
+    (
+        "c180",
+        COMPENSATOR.format(kind="after_spool", setting=0.5),
+        4,
+        "valve.compensator.kind = after_spool shares what a load-sensing pump leaves over the greatest load",
+    ),
+    (
+        "forwarder",
+        "valve:\n  compensator:\n    response_time: = 1 ms\n",
+        4,
+        "= 1 ms (0.001 s) is outside the range 0.002 .. 1 s",
+    ),
+    (
+        "forwarder",
+        "valve:\n  compensator:\n    kind: ludv\n",
+        4,
+        "valve.compensator.kind = 'ludv' is unknown; allowed: before_spool, after_spool",
     ),
     ("c180_real", "oil: null\n", 2, "oil is null, but the swing has chambers: how their oil yields needs"),
     (

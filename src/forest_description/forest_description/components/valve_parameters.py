@@ -6,6 +6,7 @@ from typing import Any, ClassVar, cast
 
 import numpy as np
 
+from forest_description.components.compensator import Compensator
 from forest_description.components.valve_characteristic import (
     CURVE_SIZE,
     LINEAR_AREA,
@@ -198,6 +199,7 @@ class Valve(ParameterSet):
     leakage_edge_ratio: float | None = optional_parameter(
         "1", 1.001, 1000.0, "leakage at the overlap's edge over that at the centre; left out: 1"
     )
+    compensator: Compensator | None = None  # may be left out
 
     def __post_init__(self) -> None:
         """Check ranges, that the valve opens at all, the spool's lag, and the curve."""

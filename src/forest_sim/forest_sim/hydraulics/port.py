@@ -81,6 +81,11 @@ def without_supply(port: Port) -> Port:
     return Port(math.inf, port.to_tank, port.leakage, port.load_check, port.vapour, port.skew)
 
 
+def with_resistance(port: Port, more: float) -> Port:
+    """Return a port with another resistance [Pa s^2/m^6] in series with its edge to the supply."""
+    return Port(port.to_supply + more, port.to_tank, port.leakage, port.load_check, port.vapour)
+
+
 def port_flow(p: float, port: Port, supply: float) -> float:
     """Return Q [m^3/s] through a port at the pressure p [Pa]: both edges and what leaks past them."""
     return (

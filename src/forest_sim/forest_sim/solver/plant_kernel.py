@@ -18,6 +18,7 @@ from forest_sim.hydraulics import command_history, port, spool_dynamics
 from forest_sim.mechanics import pendulum
 from forest_sim.solver import (
     axis_stage,
+    compensator_step,
     conserved_oil,
     drive_stage,
     holding_step,
@@ -36,8 +37,10 @@ NOINLINE = (
     spool_dynamics._second_order,
     spool_dynamics._driven_spool,
     command_history.after_dead_time,
+    integrator._lifts_after,
     holding_step.lifts_after,
     pushed_spools.pushed,
+    compensator_step.openings_after,
     axis_stage._solve_with_holding,
     valve_characteristic._curved_opening,
     valve_characteristic._overlap_leakage,
