@@ -193,13 +193,13 @@ class Valve(ParameterSet):
         "s", 0.0005, 0.02, "of electronics and pilot stage; a voltage acts so much later"
     )
     spool_slew_limit: float | None = optional_parameter("V/s", 1.0, 1e5, "greatest rate of the spool")
+    compensator: Compensator | None = None  # may be left out
     centring_force: float | None = optional_parameter(
         "N/V", 0.1, 1e5, "of the spring for each volt of stroke, against flow forces; left out: none act"
     )
     leakage_edge_ratio: float | None = optional_parameter(
         "1", 1.001, 1000.0, "leakage at the overlap's edge over that at the centre; left out: 1"
     )
-    compensator: Compensator | None = None  # may be left out
 
     def __post_init__(self) -> None:
         """Check ranges, that the valve opens at all, the spool's lag, and the curve."""

@@ -52,10 +52,10 @@ Numbers that contradict each other are refused, too:
 - inertia without mass; a stick that nothing resists
 - `spool_damping` without `spool_bandwidth`; a rated voltage within the overlap; `hysteresis` that
   keeps the valve shut at its rated voltage
-- flow forces on a spool without lag, without oil, or that take half of its stroke
-- leakage that follows an overlap, without overlap or without leakage
 - a compensator on an underlapped valve, or one that uses more than the pump's margin; flow
   sharing without a load-sensing pump
+- flow forces on a spool without lag, without oil, or that take half of its stroke
+- leakage that follows an overlap, without overlap or without leakage
 - load holding without `chambers`; a counterbalance valve whose hysteresis is above its setting
 - a rod side larger than the head side; swapped limits; boom angles beyond ±180°
 - a stroke that passes a dead point of the linkage, or is longer than the retracted cylinder

@@ -7,7 +7,7 @@ flows of `power_flows` are integrated over the integrator's own steps with the t
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
 | schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
-| states | N, 101 | what `STATE` names, one row per period |
+| states | N, 107 | what `STATE` names, one row per period |
 | energies | N, 54 | J over the period through what `ENERGY` names |
 """
 
