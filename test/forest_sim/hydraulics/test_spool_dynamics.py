@@ -91,7 +91,9 @@ def test_the_lag_is_the_valves():
     second = dataclasses.replace(valve, spool_bandwidth=10.0, spool_damping=0.7)
     assert spool_lag(second) == SpoolLag(20.0 * math.pi, 0.7)
     late = dataclasses.replace(valve, hysteresis=0.3, dead_time=0.006, spool_slew_limit=90.0)
-    assert spool_lag(late)[2:] == (0.3, 90.0, 0.006)
+    assert spool_lag(late)[2:] == (0.3, 90.0, 0.006, 0.0)
+    pushed = spool_lag(dataclasses.replace(valve, centring_force=100.0), 800.0)
+    assert pushed.jet == pytest.approx(40.0 * math.cos(math.radians(69.0)) / 100.0)
 
 
 def test_one_stuck_spool_of_three_leaves_the_others_free():

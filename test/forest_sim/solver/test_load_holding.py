@@ -19,6 +19,7 @@ from forest_sim.simulation.energy_account import account, unaccounted, with_stor
 from forest_sim.solver import state_recording
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE
 
 REAL, C180 = rigid(load_machine("c180_real")), load_machine("c180")
@@ -218,6 +219,14 @@ def test_interpreted_and_compiled_valves_are_the_same_to_the_last_bit():
     assert np.array_equal(rows[0][1], rows[1][1])
     assert np.all(np.isfinite(rows[0][0]))
     assert np.ptp(rows[0][0][:, STATE.index("boom_lift_one")]) > 0.5
+
+
+def test_oil_that_a_shutting_valve_stops_loses_no_more_than_it_has():
+    """A valve that has shut on a flow stops it at the next step; until then its resistance is infinite."""
+    p = plant_parameters(REAL)
+    rest = equilibrium(POSE, p)
+    moving = rest.plant._replace(boom=rest.plant.boom._replace(flow_1=-1e-4))
+    assert power_flows(rest._replace(plant=moving), p).boom.holding == 0.0
 
 
 def test_energy_closes_with_every_valve_at_work_on_a_slam():

@@ -80,20 +80,12 @@ def apply_load_check(flow: float, port: Port, supply: float) -> Port:
 
 def without_supply(port: Port) -> Port:
     """Return a port without its edge to the supply."""
-    return Port(math.inf, port.to_tank, port.leakage, port.load_check, port.vapour, port.skew, port.tank)
+    return port._replace(to_supply=math.inf)
 
 
 def with_resistance(port: Port, more: float) -> Port:
     """Return a port with another resistance [Pa s^2/m^6] in series with its edge to the supply."""
-    return Port(
-        port.to_supply + more,
-        port.to_tank,
-        port.leakage,
-        port.load_check,
-        port.vapour,
-        port.skew,
-        port.tank,
-    )
+    return port._replace(to_supply=port.to_supply + more)
 
 
 def port_flow(p: float, port: Port, supply: float) -> float:

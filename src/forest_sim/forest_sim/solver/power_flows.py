@@ -36,11 +36,11 @@ from forest_sim.equations.plant import (
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.hydraulic_line import guard_flow
-from forest_sim.hydraulics.load_holding import holding_drop
+from forest_sim.hydraulics.load_holding import holding_drop, is_held
 from forest_sim.hydraulics.oil_volume import hose_drop
 from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.pump_drive import engine_torque
-from forest_sim.hydraulics.side import storage
+from forest_sim.hydraulics.side import Side, storage
 from forest_sim.hydraulics.supply import flow_at, manifold_capacitance
 from forest_sim.hydraulics.tank_line import line_flow
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
@@ -216,7 +216,7 @@ def _axis_power(
         resistance=(s.pressure_1 - p_1) * q_1
         + (p_2 - s.pressure_2) * q_2
         + (drop_1 * one.flow + drop_2 * two.flow),
-        holding=holding_drop(one.flow, one.held) * one.flow + holding_drop(two.flow, two.held) * two.flow,
+        holding=_holding(one) + _holding(two),
         leakage=a.internal_leakage * ((p_1 - p_2) * (p_1 - p_2))
         + a.external_leakage * (p_1 * p_1 + p_2 * p_2),
         damping=a.damping * u * u,
@@ -236,6 +236,11 @@ def _axis_power(
         relieved=-tank * (guarded_1 + guarded_2),
         bending=bending.lost,
     )
+
+
+def _holding(s: Side) -> float:
+    """Return what a side's load-holding valve loses [W]: nothing of a flow that stops behind a shut one."""
+    return 0.0 if is_held(s.flow, s.held) else holding_drop(s.flow, s.held) * s.flow
 
 
 def _valve(pressure: float, flow: float, port: Port, supply: float) -> tuple[float, float]:
