@@ -109,7 +109,6 @@ def advance(simulation, voltages, h, count, p):
     return compiled_advance()(simulation, voltages, h, count, p)
 
 
-# A root weighs a hundredth of its link: its rate [rad/s] is as exact as that needs.
 SCALE = np.array(
     [
         *([1.0, 1.0, 2e7, 2e7, 3e-3, 3e-3] * 3),
@@ -122,7 +121,7 @@ SCALE = np.array(
         1.0,
         1.0,
         1e-3,
-        *([1.0, 10.0] * 3),
+        *([1.0] * 6),
     ]
 )
 

@@ -147,6 +147,7 @@ class Machine(ParameterSet):
             )
         self._check_bearing()
         self._check_elasticity()
+        self._check_jets()
         for axis, name in enumerate(AXES):
             drive = self.drives[axis]
             if drive.chambers is not None and self.oil is None:
@@ -198,6 +199,22 @@ class Machine(ParameterSet):
                 f"{where}.compensator.kind = after_spool shares what a load-sensing pump leaves over the "
                 f"greatest load; allowed: before_spool, or pump.kind load_sensing"
             )
+
+    def _check_jets(self) -> None:
+        """Raise unless springs hold the spools that flow forces push, in oil of a known density."""
+        for axis, name in enumerate(AXES):
+            valve = self.valve_of(axis)
+            if valve.centring_force is None:
+                continue
+            key = "valve" if valve is self.valve else f"{name}.valve"
+            if self.oil is None:
+                raise MachineError(f"oil is null, but {key}.centring_force needs its density")
+            least = 2.0 * valve.jet_stiffness(self.pump.supply_pressure, self.oil.density)
+            if valve.centring_force <= least:
+                raise MachineError(
+                    f"{key}.centring_force ({valve.centring_force:g} N/V): at pump.supply_pressure the flow "
+                    f"forces would take half of the spool's stroke or more; allowed: above {least:g} N/V"
+                )
 
     def _check_bearing(self) -> None:
         """Raise unless the swing's motor can break its bearing away."""

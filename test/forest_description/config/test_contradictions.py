@@ -43,6 +43,7 @@ GRAPPLE = """manipulator:
     grip: = 0.8 m
     damping: = 400 N*m*s/rad
 """
+EDGE = "  leakage_edge_ratio: = 20 1\n"
 BODIES = [
     ("c180", "boom_xx: = 0 kg*m2", "boom_zz (833.6518 kg*m2) must not be above boom_xx + boom_yy (756.0469"),
     ("c180", "boom_xx: = 0 kg*m2", "no rigid body has such moments of inertia; allowed: boom_xx of 77.6049 "),
@@ -159,6 +160,48 @@ OTHERS = [
         "boom:\n  friction:\n    smoothing_speed: = 0.02 m/s\n",
         4,
         "boom.friction.smoothing_speed (0.02 m/s) must be smaller than stribeck_speed (0.012 m/s)",
+    ),
+    (
+        "c180",
+        "valve:\n  centring_force: = 50 N/V\n",
+        3,
+        "valve.centring_force (50 N/V): at pump.supply_pressure the flow forces would take half of",
+    ),
+    (
+        "c180",
+        "valve:\n  centring_force: = 100 N/V\n  spool_bandwidth: null\n",
+        3,
+        "valve.centring_force is of a spool that flow forces push; allowed: with a spool_bandwidth",
+    ),
+    (
+        "c180",
+        "valve:\n  centring_force: = 100 N/V\noil: null\n",
+        4,
+        "oil is null, but valve.centring_force needs its density",
+    ),
+    (
+        "c180",
+        "valve:\n" + EDGE,
+        3,
+        "valve.leakage_edge_ratio is of leakage through an overlap; allowed: a leakage_conductance and a",
+    ),
+    (
+        "c180",
+        "valve:\n  deadband_voltage: = 0 V\n  leakage_conductance: = 1e-14 m3/(s*Pa)\n" + EDGE,
+        5,
+        "deadband_voltage above 0 in both directions",
+    ),
+    (
+        "c180_real",
+        "boom:\n  friction:\n    pressure_coefficient: = 0.01 N/Pa\n",
+        4,
+        "the seals would hold the rod side's piston; allowed: below 0.009234 N/Pa, rod_area times",
+    ),
+    (
+        "c180_real",
+        "stick:\n  friction:\n    coulomb_force: = 0 N\n",
+        4,
+        "stick.friction.pressure_coefficient is of seals that pressure adds to; allowed: a coulomb_force",
     ),
     (
         "c180_real",

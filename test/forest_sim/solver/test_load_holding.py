@@ -32,12 +32,12 @@ WIDE = dataclasses.replace(REAL.valve, minimum_resistance=1e10, port_2_area=0.05
 
 
 def crane(boom, valve=REAL.valve, head_mass=700.0):
-    """c180_real, rigid, with one load-holding valve at most, at the boom's head side."""
+    """c180_real with one load-holding valve at most, at the boom's head side; rigid, no seals."""
     return dataclasses.replace(
         REAL,
         valve=valve,
-        boom=dataclasses.replace(REAL.boom, holding_1=boom),
-        stick=dataclasses.replace(REAL.stick, holding_1=None, holding_2=None),
+        boom=dataclasses.replace(REAL.boom, holding_1=boom, friction=None),
+        stick=dataclasses.replace(REAL.stick, holding_1=None, holding_2=None, friction=None),
         manipulator=dataclasses.replace(REAL.manipulator, head_mass=head_mass),
     )
 

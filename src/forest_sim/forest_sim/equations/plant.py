@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from forest_description.components.valve_characteristic import ValveLaw, edges
+from forest_description.components.valve_characteristic import ValveLaw, edges, leakage_at
 from forest_description.geometry.linkage import Linkage, length_and_arm
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
@@ -106,10 +106,10 @@ def valve_ports(spool_position: float, law: ValveLaw, vapour: float = -math.inf)
         law: of the valve.
         vapour: pressure at which the oil boils [Pa].
     """
-    e = edges(spool_position, law)
+    e, leakage = edges(spool_position, law), leakage_at(spool_position, law)
     return Ports(
-        Port(e.supply_1, e.tank_1, law.leakage, law.load_check, vapour),
-        Port(e.supply_2, e.tank_2, law.leakage, law.load_check, vapour),
+        Port(e.supply_1, e.tank_1, leakage.mean, law.load_check, vapour, leakage.skew),
+        Port(e.supply_2, e.tank_2, leakage.mean, law.load_check, vapour, -leakage.skew),
         (1.0 if e.supply_1 < math.inf else 0.0, 1.0 if e.supply_2 < math.inf else 0.0),
     )
 
@@ -183,13 +183,22 @@ def joint_torque(state: AxisState, transmission: Transmission, axis: Axis) -> fl
     """Return the torque [N m] of an axis' actuator and end stop on its joint. Thesis eq. 3.16, 3.18, 3.19."""
     speed = transmission.arm * state.rate
     force = actuator_force(speed, state.pressure_1, state.pressure_2, axis.actuator)
-    return transmission.arm * (force + passive_force(transmission.position, speed, axis))
+    pressures = state.pressure_1, state.pressure_2
+    return transmission.arm * (force + passive_force(transmission.position, speed, pressures, axis))
 
 
-def passive_force(position: float, speed: float, axis: Axis) -> float:
-    """Return what dry friction, cushion and end stop do to the load [N; N m]."""
+def passive_force(position: float, speed: float, pressures: Pair, axis: Axis) -> float:
+    """Return what dry friction, cushion and end stop do to the load [N; N m].
+
+    Args:
+        position: of the actuator [rad; m].
+        speed: of the actuator [rad/s; m/s].
+        pressures: in its chambers [Pa].
+        axis: its constants.
+    """
     braking = cushion_resistance(position, speed, axis.cushion) * abs(speed) * speed
-    return end_stop_force(position, speed, axis.stop) - braking - friction_force(speed, axis.friction)
+    rubbing = friction_force(speed, axis.friction, pressures[0], pressures[1])
+    return end_stop_force(position, speed, axis.stop) - braking - rubbing
 
 
 def accelerations(m: Mechanics, torques: Vec3) -> tuple[Vec3, Pair]:

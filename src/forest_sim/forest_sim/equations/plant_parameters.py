@@ -148,7 +148,8 @@ def _manifold_oil(machine: Machine) -> OilLaw:
 
 def _valve(machine: Machine, axis: int) -> SpoolValve:
     valve = machine.valve_of(axis)
-    return SpoolValve(valve.law, spool_lag(valve), compensator(valve.compensator))
+    density = 0.0 if machine.oil is None else machine.oil.density
+    return SpoolValve(valve.law, spool_lag(valve, density), compensator(valve.compensator))
 
 
 def _swing(machine: Machine) -> Axis:

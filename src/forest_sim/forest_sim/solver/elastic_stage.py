@@ -4,6 +4,9 @@ The rate w of a link's root is one more unknown of Newton's, which its own equat
 that of a motor behind its teeth (`drive_stage`). The spring is linear: nothing is left of it.
 
     J (w - base) + h (T - torque(w)) = 0,   D = J + h (R + K),   K = c + h k
+
+A root is so light that dry friction's kink is steeper than all else. Newton by tangents jumps to and
+fro over it; R has the friction's chord in place of its tangent.
 """
 
 from typing import NamedTuple
@@ -11,8 +14,10 @@ from typing import NamedTuple
 from forest_description.types import Vec3
 from forest_sim.equations.elastic_links import NO_ROOT, ElasticLaws, Roots, RootState
 from forest_sim.equations.plant import PlantState, at_joints
-from forest_sim.equations.plant_parameters import PlantParameters
+from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.mechanics.elasticity import ElasticLink, elastic_torque
+from forest_sim.mechanics.friction import friction_chord, friction_slope
+from forest_sim.solver.axis_stage import AxisSolution
 from forest_sim.solver.drive_stage import DriveSolution
 from forest_sim.solver.supply_stage import SupplyError
 
@@ -48,6 +53,15 @@ def root_angles(base: PlantState, root_rates: Vec3, h: float, p: PlantParameters
         joints.boom.angle + h * root_rates[1],
         joints.stick.angle + h * root_rates[2],
     )
+
+
+def with_chord(axis: AxisSolution, own: Axis) -> float:
+    """Return an axis' -d(torque)/d(rate) [N m s] with the chord of its dry friction."""
+    if own.friction.breakaway == 0.0:
+        return axis.resistance
+    speed, p_1, p_2 = axis.arm * axis.rate, axis.one.pressure, axis.two.pressure
+    chord = friction_chord(speed, own.friction, p_1, p_2)
+    return axis.resistance + axis.arm * axis.arm * (chord - friction_slope(speed, own.friction, p_1, p_2))
 
 
 def solve_links(

@@ -32,6 +32,7 @@ from forest_sim.solver.elastic_stage import (
     roots_after,
     solve_links,
     through_links,
+    with_chord,
 )
 from forest_sim.solver.supply_stage import (
     UNBOUNDED,
@@ -42,7 +43,7 @@ from forest_sim.solver.supply_stage import (
 )
 
 TOLERANCE = 1e-4  # [rad/s] of Newton's last correction; the next one would be a thousandth of it at 1 ms
-LIGHT_SHARE = 0.01  # of a motor's and a root's correction that counts: they weigh a hundredth of the crane
+MOTOR_SHARE = 0.01  # of its correction that counts: at the joint it weighs a hundredth of the crane
 REFERENCE_TOLERANCE = 1.0  # [Pa] of P_r, which is not corrected but found anew
 BOUNDED = 6  # iterations after which the supply's pressure is kept between bounds, for its pump's kinks
 RIGID, ELASTIC = 0, 1  # literally, so that the machine code of rigid links has nothing of others
@@ -263,6 +264,7 @@ def _equations_at(
         motor_gain = error.by_rate[0]
         error = through_gear(error, drive)
     if bends:
+        resistances = resistances[0], with_chord(boom, p.boom), with_chord(stick, p.stick)
         elastic = solve_links(base, u, w, torques, resistances, error.by_rate, h, p.elastic)
         torques = elastic.swing.torque, elastic.boom.torque, elastic.stick.torque
         resistances = elastic.swing.resistance, elastic.boom.resistance, elastic.stick.resistance
@@ -372,7 +374,7 @@ def _newton_step(
         motor,
         roots,
     )
-    size = max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1]), LIGHT_SHARE * abs(turning))
+    size = max(abs(c[0]), abs(c[1]), abs(c[2]), abs(d[0]), abs(d[1]), MOTOR_SHARE * abs(turning))
     if bends:
-        size = max(size, LIGHT_SHARE * max(abs(turns[0]), abs(turns[1]), abs(turns[2])))
+        size = max(size, abs(turns[0]), abs(turns[1]), abs(turns[2]))
     return after, size, change

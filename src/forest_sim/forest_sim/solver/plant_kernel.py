@@ -26,6 +26,7 @@ from forest_sim.solver import (
     implicit_stage,
     integrator,
     power_flows,
+    pushed_spools,
 )
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
@@ -40,8 +41,10 @@ NOINLINE = (
     integrator._lifts_after,
     holding_step.lifts_after,
     compensator_step.openings_after,
+    pushed_spools.pushed,
     axis_stage._solve_with_holding,
     valve_characteristic._curved_opening,
+    valve_characteristic._overlap_leakage,
     implicit_stage._iterate_further,
     implicit_stage._equations_at_again,
     implicit_stage._iterate_elastic,
