@@ -54,12 +54,6 @@ def with_pump(name: str, machine: Machine = C180, **changes: float) -> Machine:
     return dataclasses.replace(machine, pump=dataclasses.replace(PUMPS[name], **changes))
 
 
-def rigid(machine: Machine) -> Machine:
-    """Return a machine whose links do not give way."""
-    swing, boom, stick = (dataclasses.replace(drive, elasticity=None) for drive in machine.drives)
-    return dataclasses.replace(machine, swing=swing, boom=boom, stick=stick)
-
-
 def full_machine(pump: str = "load sensing") -> Machine:
     """Return a machine that has every component, its axes' valves and hoses of different sorts."""
     leaking = dataclasses.replace(

@@ -47,6 +47,7 @@ MOTOR_SHARE = 0.01  # of its correction that counts: at the joint it weighs a hu
 REFERENCE_TOLERANCE = 1.0  # [Pa] of P_r, which is not corrected but found anew
 BOUNDED = 6  # iterations after which the supply's pressure is kept between bounds, for its pump's kinks
 RIGID, ELASTIC = 0, 1  # literally, so that the machine code of rigid links has nothing of others
+CHORDS = 4  # iterations after which a light root meets dry friction by its chord
 NO_FEEDS = ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
 NO_DRIVE = DriveSolution(torque=0.0, resistance=0.0, share=0.0, excess=0.0, give=0.0)
 ITERATIONS = 60
@@ -168,7 +169,8 @@ def _iterate(
             break
         if iteration >= BOUNDED:
             bounds = tightened_bounds(bounds, before, supply_change)
-        equations, links = _equations_again(base, near, iterate, ports, h, p, bends)
+        how = bends if iteration < CHORDS else bends + bends
+        equations, links = _equations_again(base, near, iterate, ports, h, p, how)
     return _stage_end(base, iterate, equations, failed, h, p, bends)
 
 
@@ -264,7 +266,8 @@ def _equations_at(
         motor_gain = error.by_rate[0]
         error = through_gear(error, drive)
     if bends:
-        resistances = resistances[0], with_chord(boom, p.boom), with_chord(stick, p.stick)
+        if bends > ELASTIC:
+            resistances = resistances[0], with_chord(boom, p.boom), with_chord(stick, p.stick)
         elastic = solve_links(base, u, w, torques, resistances, error.by_rate, h, p.elastic)
         torques = elastic.swing.torque, elastic.boom.torque, elastic.stick.torque
         resistances = elastic.swing.resistance, elastic.boom.resistance, elastic.stick.resistance
@@ -297,7 +300,7 @@ def _equations_again(
     bends: int,
 ) -> tuple[StageEquations, ElasticSolution]:
     if bends:
-        return _equations_at_elastic(base, near, iterate, ports, h, p)
+        return _equations_at_elastic(base, near, iterate, ports, h, p, bends)
     return _equations_at_again(base, near, iterate, ports, h, p), ALL_STIFF
 
 
@@ -320,9 +323,10 @@ def _equations_at_elastic(
     ports: tuple[Ports, Ports, Ports],
     h: float,
     p: PlantParameters,
+    bends: int,
 ) -> tuple[StageEquations, ElasticSolution]:
     """Return what `_equations_at` does of links that give way; not inlined."""
-    return _equations_at(base, near, iterate, ports, h, p, ELASTIC)
+    return _equations_at(base, near, iterate, ports, h, p, bends)
 
 
 def _newton_step(
