@@ -14,12 +14,16 @@ from forest_description.components.elasticity import Elasticity
 from forest_description.geometry.kinematics import tip_position
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
+from forest_msgs_py.interfaces import topics
 from forest_sim.analysis.modes import modes
 from forest_sim.equations.elastic_links import RIGID_ROOTS
 from forest_sim.equations.multibody import HANGING_STILL, mechanics
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_readings import NOMINAL, deflections, true_joints, true_values
+from forest_sim.sensors.sensor_suite import EXACT_SUITE
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
+from forest_sim.simulation.simulated_machine import SimulatedMachine
+from forest_sim.simulation.simulator_topics import further_topics
 from forest_sim.solver import integrator
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
@@ -183,6 +187,15 @@ def test_sensors_have_the_joint_and_the_tip_the_link():
     assert true == tuple(axis.angle for axis in now.plant.axes)
     believed, tip = (np.array(tip_position(angles, LINKS)) for angles in (read[:3], true))
     assert 2e-3 < np.linalg.norm(tip - believed) < 0.05
+
+
+def test_the_simulator_tells_the_deflections_of_links_that_bend_and_of_no_others():
+    assert topics.GROUND_TRUTH_DEFLECTIONS not in further_topics(C180, has_loads=False)
+    running = SimulatedMachine(REAL, POSE, EXACT_SUITE, period=0.005)
+    told = further_topics(REAL, has_loads=False)[topics.GROUND_TRUTH_DEFLECTIONS](running)
+    report = running.at_rest
+    assert np.subtract(report.joints.position, report.seen.joints.position) == pytest.approx(told, abs=1e-12)
+    assert told[1] < -1e-3
 
 
 def slammed(machine, seconds, step=1e-3):
