@@ -40,7 +40,7 @@ def answered(machine, angles, axis, volts, rate, frequency, amplitude=0.02, cycl
         given[:, axis] += sign * amplitude * np.sin(2.0 * np.pi * frequency * (time + 0.5 * STEP))
         states = np.zeros((count, len(STATE)))
         fastest_record()(point, given, even(STEP, count, 1), p, states, np.zeros((count, len(ENERGY))))
-        rates.append(states[:, STATE.index(f"{('swing', 'boom', 'stick')[axis]}_root_rate")])
+        rates.append(states[:, STATE.index(f"{('swing', 'boom', 'stick')[axis]}_rate")])
     wave = 0.5 * (rates[0] - rates[1])
     last = slice(count - round(1.0 / frequency / STEP), count)  # a whole cycle, the start's transient gone
     turning = np.exp(-2j * np.pi * frequency * (time[last] + STEP))
@@ -48,7 +48,7 @@ def answered(machine, angles, axis, volts, rate, frequency, amplitude=0.02, cycl
 
 
 @pytest.mark.parametrize(("axis", "volts"), [(0, 4.0), (1, 3.0), (2, -3.0)])
-@pytest.mark.parametrize("frequency", [14.0, 20.0])
+@pytest.mark.parametrize("frequency", [8.0, 20.0])
 def test_the_simulated_machine_answers_so(axis, volts, frequency):
     hanging = load_machine("c180_real")  # a head that hangs sways on for longer than is measured
     machine = replace(hanging, manipulator=replace(hanging.manipulator, pendulum=None))

@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 from free_swings import rates_after
-from full_machine import rigid as without_bending
 from scipy.integrate import quad
 
 from forest_description.geometry.linkage import lever_arm
@@ -133,7 +132,7 @@ def test_json_has_both_ends_with_their_amplitudes(machine, axes, more, capsys):
 
 def test_a_swing_that_sticks_has_ends_of_its_own():
     """Small: the bearing's spring alone. Large: as the machine without play and bearing friction."""
-    real = without_bending(load_machine("c180_real"))
+    real = load_machine("c180_real")
     real = dataclasses.replace(real, manipulator=dataclasses.replace(real.manipulator, pendulum=None))
     p = plant_parameters(real)
     ends, b = drive_limits(p), real.swing.friction

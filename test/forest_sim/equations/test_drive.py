@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from full_machine import advance, rigid
+from full_machine import advance
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -18,7 +18,7 @@ from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import ENERGY, STATE
 
-REAL = rigid(load_machine("c180_real"))
+REAL = load_machine("c180_real")
 POSE = (0.0, 0.4, -1.4)
 SHUT = (0.0, 0.0, 0.0)
 

@@ -2,10 +2,11 @@
 
 import dataclasses
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
-from full_machine import advance, rigid
+from full_machine import advance
 from scipy.integrate import cumulative_trapezoid, solve_ivp
 from scipy.optimize import brentq
 
@@ -13,18 +14,23 @@ from forest_description.components.elasticity import Elasticity
 from forest_description.geometry.kinematics import tip_position
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
+from forest_msgs_py.interfaces import topics
 from forest_sim.analysis.modes import modes
 from forest_sim.equations.elastic_links import RIGID_ROOTS
 from forest_sim.equations.multibody import HANGING_STILL, mechanics
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_readings import NOMINAL, deflections, true_joints, true_values
+from forest_sim.sensors.sensor_suite import EXACT_SUITE
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
+from forest_sim.simulation.simulated_machine import SimulatedMachine
+from forest_sim.simulation.simulator_topics import further_topics
 from forest_sim.solver import integrator
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import ENERGY, STATE
 
-C180, REAL = load_machine("c180"), load_machine("c180_real")
+C180 = load_machine("c180")
+REAL = load_machine(Path(__file__).parents[3] / "docs/pictures/elastic_links.yaml")
 LINKS = C180.manipulator.links
 SHUT = (0.0, 0.0, 0.0)
 LEVEL, HANGING = (0.0, 0.9, -0.9), (0.0, 0.0, -0.5 * math.pi)  # the stick; the boom, its stick plumb
@@ -183,6 +189,15 @@ def test_sensors_have_the_joint_and_the_tip_the_link():
     assert 2e-3 < np.linalg.norm(tip - believed) < 0.05
 
 
+def test_the_simulator_tells_the_deflections_of_links_that_bend_and_of_no_others():
+    assert topics.GROUND_TRUTH_DEFLECTIONS not in further_topics(C180, has_loads=False)
+    running = SimulatedMachine(REAL, POSE, EXACT_SUITE, period=0.005)
+    told = further_topics(REAL, has_loads=False)[topics.GROUND_TRUTH_DEFLECTIONS](running)
+    report = running.at_rest
+    assert np.subtract(report.joints.position, report.seen.joints.position) == pytest.approx(told, abs=1e-12)
+    assert told[1] < -1e-3
+
+
 def slammed(machine, seconds, step=1e-3):
     """The account of a run of voltages that jump every 0.1 s, and the machine after it."""
     p, rng = plant_parameters(machine), np.random.default_rng(8)
@@ -217,4 +232,3 @@ def test_a_stiff_link_is_a_rigid_one():
     assert one.roots == RIGID_ROOTS
     for ours, theirs in zip(one.axes, two.axes, strict=True):
         assert ours.angle == pytest.approx(theirs.angle, abs=1e-5)
-    assert rigid(REAL).boom.elasticity is None

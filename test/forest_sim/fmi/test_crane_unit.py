@@ -100,7 +100,7 @@ def test_a_tool_sets_start_noise_and_force(run):
     start = {"start.swing": 0.2, "start.boom": 0.5, "start.stick": -1.5}
     still, said = run(0.1, start_values=start)
     assert still is not None, said
-    assert [still[0][f"joint_states.{axis}.position"] for axis in AXES] == [0.2, 0.5, -1.5]
+    assert [still[0][f"ground_truth.joint_states.{axis}.position"] for axis in AXES] == [0.2, 0.5, -1.5]
     noisy = [run(0.1, start_values=start | {"sensor_noise": True, "seed": seed})[0] for seed in (1, 1, 2)]
     pressures = [rows["hydraulics.pressures.boom_1_valve"] for rows in noisy]
     assert np.array_equal(pressures[0], pressures[1])

@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from full_machine import rigid
 
 from forest_description.components.hose import Line
 from forest_description.machine import load_machine
@@ -22,7 +21,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE, restore
 
-REAL, LOADER = rigid(load_machine("c180_real")), load_machine("loader")
+REAL, LOADER = load_machine("c180_real"), load_machine("loader")
 BARE = dataclasses.replace(REAL, port_valves=None)  # nothing feeds a port but its own hose
 AIRY = dataclasses.replace(LOADER, oil=dataclasses.replace(LOADER.oil, air=REAL.oil.air))
 AIRLESS = dataclasses.replace(BARE, oil=dataclasses.replace(REAL.oil, air=None))

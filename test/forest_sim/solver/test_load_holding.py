@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from full_machine import rigid
 from held_volumes import HeldVolumes
 from scipy.integrate import solve_ivp
 from two_volumes import CHAMBER_1, CHAMBER_2
@@ -22,7 +21,7 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE
 
-REAL, C180 = rigid(load_machine("c180_real")), load_machine("c180")
+REAL, C180 = load_machine("c180_real"), load_machine("c180")
 VALVE = REAL.boom.holding_1
 MPA = 1e6
 POSE = (0.0, 0.4, -1.4)
@@ -33,7 +32,7 @@ WIDE = dataclasses.replace(REAL.valve, minimum_resistance=1e10, port_2_area=0.05
 
 
 def crane(boom, valve=REAL.valve, head_mass=700.0):
-    """c180_real, rigid, with one load-holding valve at most, at the boom's head; c180's pump, free seals."""
+    """c180_real with one load-holding valve at most, at the boom's head side; c180's pump, free seals."""
     return dataclasses.replace(
         REAL,
         pump=C180.pump,

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from full_machine import rigid
 
 from forest_control.config.controller_settings import Settings
 from forest_description.machine import load_machine
@@ -45,10 +44,8 @@ def linear(machine):
     """The machine without what the loop leaves out: play, slew limit and load holding of its valves.
 
     Their dead time is left out, too: with it the stick's push fades into the pose's own change. So is the
-    play of the swing's gear: a swaying head frees its teeth, and they rattle at any gain. Links are rigid:
-    a boom that rings on its bending shakes the stick for longer than is watched.
+    play of the swing's gear: a swaying head frees its teeth, and they rattle at any gain.
     """
-    machine = rigid(machine)
     return replace(
         machine,
         valve=replace(machine.valve, hysteresis=None, dead_time=None, spool_slew_limit=None),
