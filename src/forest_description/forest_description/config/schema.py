@@ -8,6 +8,7 @@ which under ``kind``. What is allowed, the dataclasses declare.
 """
 
 import dataclasses
+import functools
 import math
 import re
 import types
@@ -249,6 +250,7 @@ def parameters(kind: type, prefix: str = "") -> dict[str, Parameter]:
     return found
 
 
+@functools.cache
 def field_kinds(kind: type) -> dict[str, FieldKind]:
     """Return what each field of a dataclass may hold, by name."""
     hints = typing.get_type_hints(kind)
