@@ -13,10 +13,12 @@ alone=test/forest_station/live # judged in tenths of a second, beside a browser:
 spread=(-p xdist --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder --ignore="$alone")
 # Tests of running nodes mostly wait, and are judged by the clock: what only computes runs behind them meanwhile.
 computing=$(mktemp)
-trap 'kill "$pid" 2>/dev/null || true; rm -f "$computing"' EXIT
-set -m # what runs behind can be interrupted, and so can what it starts
-nice -n 19 "${pytest[@]}" "${spread[@]}" -m "not live" >"$computing" 2>&1 &
+trap 'kill -INT "$pid" 2>/dev/null || true; rm -f "$computing"' EXIT
+trap 'exit 130' INT
+set -m # in a group of its own it hears SIGINT, and so does what it starts
+nice -n 10 "${pytest[@]}" "${spread[@]}" -m "not live" >"$computing" 2>&1 &
 pid=$!
+set +m
 failed=0
 "${pytest[@]}" "${spread[@]}" -m live || failed=1
 "${pytest[@]}" "$alone" || failed=1
