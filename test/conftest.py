@@ -42,7 +42,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the files that start processes; those that start most run first, and the longest of the others next.
+    """Mark the files that start processes, and run those that start most of them first.
 
     A file runs in one worker: the last one to begin should be short.
     """
