@@ -32,7 +32,7 @@ COMPONENTS: Mapping[str, tuple[str, ...]] = {
     "dry friction": (".friction.",),
     "spool lag": (".lag.",),
     "curved valve": (".curve.",),
-    "spool leakage": (".law.leakage.",),
+    "spool leakage": (".law.leakage.", ".law.edge_ratio."),
 }
 STEPS = 5  # in a sample: 1 ms
 PIECE = 100  # samples

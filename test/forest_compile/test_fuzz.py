@@ -171,7 +171,7 @@ def counted(law, machine_law, draws):
     return agreed
 
 
-@pytest.mark.parametrize("name", ["c180", "c180_real", "c180_thesis", "loader"])
+@pytest.mark.parametrize("name", ["c180", "c180_real", "c180_thesis", "forwarder", "loader"])
 def test_the_plant_at_random_states_is_pythons_to_the_last_bit(name):
     rng, p = random.Random(name), plant_parameters(load_machine(name))
     start, advance = equilibrium((0.0, 0.5, -1.5), p), compiled_plant.compiled_advance()

@@ -32,7 +32,7 @@ MACHINE, THESIS = load_machine(), load_machine("c180_thesis")
 
 
 def test_four_machines_are_shipped_and_c180_is_the_default():
-    assert shipped_machines() == ["c180", "c180_real", "c180_thesis", "loader"]
+    assert shipped_machines() == ["c180", "c180_real", "c180_thesis", "forwarder", "loader"]
     assert load_machine("c180") == MACHINE
     assert (MACHINE.name, THESIS.name) == ("c180", "c180_thesis")
 

@@ -10,13 +10,16 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from forest_description.components.drives import Friction
 from forest_description.machine import Machine
 from forest_sim.equations.multibody import HANGING_STILL, mechanics, solve
 from forest_sim.equations.plant import transmissions, valve_ports
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.hydraulics.port import is_shut, port_pressure
 from forest_sim.mechanics.end_stop import end_stop_force
+from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.state_recording import STATE
 
 CREEPING = 2e6  # [Pa s/m^3] of a turbulent hose at tiny flows: 2 kPa at 1 L/s, so that it has a slope
 SCALE = np.array([1.0, 1.0, 2e7, 2e7, 2e7, 2e7, 3e-3, 3e-3] * 3)
@@ -53,7 +56,10 @@ class TwoVolumes:
             return (
                 drive.head_area * u,
                 drive.rod_area * u,
-                drive.head_area * p_1 - drive.rod_area * p_2 - drive.damping * u,
+                drive.head_area * p_1
+                - drive.rod_area * p_2
+                - drive.damping * u
+                - seals(drive.friction, u, p_1, p_2),
             )
         d = drive.gear_ratio * drive.motor_displacement
         inner = (p_1 - p_2) / drive.internal_leakage_resistance
@@ -125,3 +131,31 @@ class TwoVolumes:
         )
         assert found.success, found.message
         return found.y.T * SCALE
+
+
+def seals(f: Friction | None, u: float, p_1: float, p_2: float) -> float:
+    """Return the friction [N] of seals that both chambers press against bore and rod."""
+    if f is None:
+        return 0.0
+    sliding = f.coulomb_force + (f.pressure_coefficient or 0.0) * (max(p_1, 0.0) + max(p_2, 0.0))
+    sticking = sliding * f.breakaway_force / f.coulomb_force
+    share = math.exp(-((u / f.stribeck_speed) ** 2))
+    return (share * sticking + (1.0 - share) * sliding) * u / math.hypot(u, f.smoothing_speed)
+
+
+def opened_and_shut(machine: Machine, pose, axis: int, volts: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return one axis every 5 ms as the simulator has it [N, 6] and as two volumes have it [N, 8].
+
+    Its valve opens at once for 0.15 s and is shut for 0.25 s.
+    """
+    two, spools = TwoVolumes(machine), tuple(volts if i == axis else 0.0 for i in range(3))
+    shut_at, end, period = 0.15, 0.4, 5e-3
+    moving = two.run(two.start(pose), spools, np.arange(0.0, shut_at + 1e-9, period))
+    resting = two.run(moving[-1] / SCALE, (0.0, 0.0, 0.0), np.arange(shut_at, end + 1e-9, period))
+    expected = np.concatenate([moving[1:], resting[1:]]).reshape(-1, 3, 8)[:, axis]
+    rows = len(expected)
+    table = np.zeros((rows * 20, 3))
+    table[: round(shut_at / period) * 20, axis] = volts
+    states = np.zeros((rows, len(STATE)))
+    compiled_record()(equilibrium(pose, two.p), table, period / 20, two.p, states, None)
+    return states[:, 6 * axis : 6 * axis + 6], expected

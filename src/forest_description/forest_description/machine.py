@@ -15,7 +15,7 @@ from forest_description.components.hose import GeometricHose, Hose, Line, Measur
 from forest_description.components.inertia import require_rigid
 from forest_description.components.load import Log, Pendulum, RotatorAndGrapple
 from forest_description.components.oil import Oil
-from forest_description.components.pump import Pump
+from forest_description.components.pump import LoadSensingPump, Pump
 from forest_description.components.sensors import Sensors
 from forest_description.components.valve_parameters import PortValves, Valve
 from forest_description.config import schema, source_tree
@@ -146,6 +146,7 @@ class Machine(ParameterSet):
                 f"pump.supply_pressure ({supply:g} Pa): every port would pass the pump's oil to the tank"
             )
         self._check_bearing()
+        self._check_jets()
         for axis, name in enumerate(AXES):
             drive = self.drives[axis]
             if drive.chambers is not None and self.oil is None:
@@ -153,6 +154,7 @@ class Machine(ParameterSet):
                     f"oil is null, but the {name} has chambers: how their oil yields needs its bulk_modulus"
                 )
             self._check_holding(name, drive)
+            self._check_compensator("valve" if drive.valve is None else f"{name}.valve", self.valve_of(axis))
             if not isinstance(self.hose_of(axis), GeometricHose):
                 continue
             if self.oil is None:
@@ -172,6 +174,45 @@ class Machine(ParameterSet):
                 raise MachineError(
                     f"{name}.chambers is null, but {name}.{port} holds the oil in them; allowed: both, or "
                     f"neither"
+                )
+
+    def _check_compensator(self, where: str, valve: Valve) -> None:
+        """Raise unless the pump leaves a compensator the pressure that it works with."""
+        given, pump = valve.compensator, self.pump
+        if given is None:
+            return
+        if valve.deadband_voltage < 0.0 or (valve.backward and valve.backward.deadband_voltage < 0.0):
+            raise MachineError(
+                f"{where}.deadband_voltage ({valve.deadband_voltage:g} V): a valve with a compensator must "
+                f"not be underlapped; allowed: at least 0 V, backward too"
+            )
+        if isinstance(pump, LoadSensingPump):
+            used = given.setting + (given.control_range if given.kind == "after_spool" else 0.0)
+            if used >= pump.margin:
+                raise MachineError(
+                    f"{where}.compensator.setting ({given.setting:g} Pa): the compensator uses {used:g} Pa "
+                    f"of pump.margin ({pump.margin:g} Pa); allowed: less than that"
+                )
+        elif given.kind == "after_spool":
+            raise MachineError(
+                f"{where}.compensator.kind = after_spool shares what a load-sensing pump leaves over the "
+                f"greatest load; allowed: before_spool, or pump.kind load_sensing"
+            )
+
+    def _check_jets(self) -> None:
+        """Raise unless springs hold the spools that flow forces push, in oil of a known density."""
+        for axis, name in enumerate(AXES):
+            valve = self.valve_of(axis)
+            if valve.centring_force is None:
+                continue
+            key = "valve" if valve is self.valve else f"{name}.valve"
+            if self.oil is None:
+                raise MachineError(f"oil is null, but {key}.centring_force needs its density")
+            least = 2.0 * valve.jet_stiffness(self.pump.supply_pressure, self.oil.density)
+            if valve.centring_force <= least:
+                raise MachineError(
+                    f"{key}.centring_force ({valve.centring_force:g} N/V): at pump.supply_pressure the flow "
+                    f"forces would take half of the spool's stroke or more; allowed: above {least:g} N/V"
                 )
 
     def _check_bearing(self) -> None:

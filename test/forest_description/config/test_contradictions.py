@@ -43,6 +43,7 @@ GRAPPLE = """manipulator:
     grip: = 0.8 m
     damping: = 400 N*m*s/rad
 """
+EDGE = "  leakage_edge_ratio: = 20 1\n"
 BODIES = [
     ("c180", "boom_xx: = 0 kg*m2", "boom_zz (833.6518 kg*m2) must not be above boom_xx + boom_yy (756.0469"),
     ("c180", "boom_xx: = 0 kg*m2", "no rigid body has such moments of inertia; allowed: boom_xx of 77.6049 "),
@@ -58,6 +59,10 @@ BODIES = [
         "stick_mass is 0 kg: a body without mass has no inertia; allowed: above 0",
     ),
 ]
+COMPENSATOR = (
+    "valve:\n  compensator:\n    kind: {kind}\n    setting: = {setting} MPa\n    control_range: = 0.4 MPa\n"
+    "    minimum_resistance: = 5e10 Pa*s2/m6\n    response_time: = 15 ms\n"
+)
 OTHERS = [
     ("c180_thesis", "manipulator:\n  head_folding: full\n", 2, "allowed: boom_xx of 77.6049 kg*m2 or more"),
     (
@@ -155,6 +160,48 @@ OTHERS = [
         "boom:\n  friction:\n    smoothing_speed: = 0.02 m/s\n",
         4,
         "boom.friction.smoothing_speed (0.02 m/s) must be smaller than stribeck_speed (0.012 m/s)",
+    ),
+    (
+        "c180",
+        "valve:\n  centring_force: = 50 N/V\n",
+        3,
+        "valve.centring_force (50 N/V): at pump.supply_pressure the flow forces would take half of",
+    ),
+    (
+        "c180",
+        "valve:\n  centring_force: = 100 N/V\n  spool_bandwidth: null\n",
+        3,
+        "valve.centring_force is of a spool that flow forces push; allowed: with a spool_bandwidth",
+    ),
+    (
+        "c180",
+        "valve:\n  centring_force: = 100 N/V\noil: null\n",
+        4,
+        "oil is null, but valve.centring_force needs its density",
+    ),
+    (
+        "c180",
+        "valve:\n" + EDGE,
+        3,
+        "valve.leakage_edge_ratio is of leakage through an overlap; allowed: a leakage_conductance and a",
+    ),
+    (
+        "c180",
+        "valve:\n  deadband_voltage: = 0 V\n  leakage_conductance: = 1e-14 m3/(s*Pa)\n" + EDGE,
+        5,
+        "deadband_voltage above 0 in both directions",
+    ),
+    (
+        "c180_real",
+        "boom:\n  friction:\n    pressure_coefficient: = 0.01 N/Pa\n",
+        4,
+        "the seals would hold the rod side's piston; allowed: below 0.009234 N/Pa, rod_area times",
+    ),
+    (
+        "c180_real",
+        "stick:\n  friction:\n    coulomb_force: = 0 N\n",
+        4,
+        "stick.friction.pressure_coefficient is of seals that pressure adds to; allowed: a coulomb_force",
     ),
     (
         "c180_real",
@@ -259,6 +306,42 @@ OTHERS = [
         "boom:\n  holding_1:\n    pilot_ratio: = 0 1\n",
         4,
         "boom.holding_1.pilot_ratio = 0 1 is outside the range 0.5 .. 20",
+    ),
+    (
+        "forwarder",
+        "valve:\n  compensator:\n    setting: = 2 MPa\n",
+        4,
+        "valve.compensator.setting (2e+06 Pa): the compensator uses 2.6e+06 Pa of pump.margin (2.4e+06 Pa)",
+    ),
+    (
+        "forwarder",
+        COMPENSATOR.format(kind="before_spool", setting=0.3),
+        6,
+        "valve.compensator.control_range (400000 Pa) must be smaller than setting (300000 Pa)",
+    ),
+    (
+        "forwarder",
+        "valve:\n  deadband_voltage: = -0.5 V\n",
+        3,
+        "valve.deadband_voltage (-0.5 V): a valve with a compensator must not be underlapped; allowed",
+    ),
+    (
+        "c180",
+        COMPENSATOR.format(kind="after_spool", setting=0.5),
+        4,
+        "valve.compensator.kind = after_spool shares what a load-sensing pump leaves over the greatest load",
+    ),
+    (
+        "forwarder",
+        "valve:\n  compensator:\n    response_time: = 1 ms\n",
+        4,
+        "= 1 ms (0.001 s) is outside the range 0.002 .. 1 s",
+    ),
+    (
+        "forwarder",
+        "valve:\n  compensator:\n    kind: ludv\n",
+        4,
+        "valve.compensator.kind = 'ludv' is unknown; allowed: before_spool, after_spool",
     ),
     ("c180_real", "oil: null\n", 2, "oil is null, but the swing has chambers: how their oil yields needs"),
     (

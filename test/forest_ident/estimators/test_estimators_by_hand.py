@@ -78,11 +78,20 @@ def motion():
 
 
 @pytest.mark.parametrize(
-    ("axis", "viscous", "dry"),
-    [(0, 3.1e4, False), (1, 0.9e5, False), (2, 1.4e5, False), (1, 0.9e5, True), (2, 1.4e5, True)],
+    ("axis", "viscous", "dry", "pressed"),
+    [
+        (0, 3.1e4, False, 0.0),
+        (1, 0.9e5, False, 0.0),
+        (2, 1.4e5, False, 0.0),
+        (1, 0.9e5, True, 0.0),
+        (2, 1.4e5, True, 0.0),
+        (2, 1.4e5, True, 4e-4),
+    ],
 )
-def test_damping_is_what_the_force_leaves_over_while_all_joints_move(axis, viscous, dry, motion):
+def test_damping_is_what_the_force_leaves_over_while_all_joints_move(axis, viscous, dry, pressed, motion):
     rubbing = dataclasses.replace(LOADER.boom.friction, coulomb_force=9e3, breakaway_force=9e3)
+    if pressed:
+        rubbing = dataclasses.replace(rubbing, pressure_coefficient=pressed)
     machine, (t, q, u, torques) = C180, motion
     if dry:
         drive = dataclasses.replace(getattr(C180, AXES[axis]), friction=rubbing)
@@ -94,11 +103,14 @@ def test_damping_is_what_the_force_leaves_over_while_all_joints_move(axis, visco
         arm = b * c * np.sin(phi) / np.sqrt(b * b + c * c - 2.0 * b * c * np.cos(phi))
         areas = [drive.head_area, drive.rod_area]
     speed = arm * u[:, axis]
-    rub = 9e3 * speed / np.sqrt(speed**2 + rubbing.smoothing_speed**2) if dry else 0.0
-    force = torques[:, axis] / arm + viscous * speed + rub + 700.0
-    two = 4e6 + 2e6 * np.sin(0.7 * t)
+    sign = speed / np.sqrt(speed**2 + rubbing.smoothing_speed**2) if dry else 0.0
+    force = torques[:, axis] / arm + viscous * speed + 9e3 * sign + 700.0
+    two = 8e6 + 2e6 * np.sin(0.7 * t)
+    rod_share = pressed * sign  # of what each port's pressure does to the seals
     readings = {f"{name}_resolver": q[:, k] for k, name in enumerate(AXES)}
-    readings[f"{AXES[axis]}_pressure_1_actuator"] = (force + areas[1] * two) / areas[0]
+    readings[f"{AXES[axis]}_pressure_1_actuator"] = (force + (areas[1] + rod_share) * two) / (
+        areas[0] - rod_share
+    )
     readings[f"{AXES[axis]}_pressure_2_actuator"] = two
     line = damping.damping(machine, session("damping", readings, period=2.0 * PERIOD), axis)
     assert line.values[0] == pytest.approx(viscous, rel=0.01)

@@ -31,7 +31,7 @@ def ports(opened, seed, count=300, leaks=(0.0, 1e-13, 1e-10)):
         c_r = [10.0 ** rng.uniform(11.0, 18.0) if is_open else math.inf for is_open in opened]
         leakage = float(rng.choice(leaks))
         if any(opened) or leakage:
-            yield Port(*c_r, leakage), rng
+            yield Port(*c_r, leakage, skew=leakage * rng.choice([0.0, -0.9, 0.6])), rng
 
 
 @each_connection
@@ -109,7 +109,7 @@ def test_what_comes_from_the_supply_less_what_goes_to_the_tank_is_the_flow(opene
         flow = intercept + admittance * p
         from_supply, to_tank = edge_flows(flow, p, port, SUPPLY)
         assert from_supply - to_tank == pytest.approx(flow, rel=1e-9, abs=1e-12)
-        through_edge = edge_flow(SUPPLY - p, port.to_supply) + port.leakage * (SUPPLY - p)
+        through_edge = edge_flow(SUPPLY - p, port.to_supply) + (port.leakage + port.skew) * (SUPPLY - p)
         assert from_supply == pytest.approx(through_edge, rel=1e-3, abs=1e-9)
 
 

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from two_volumes import CHAMBER_1, CHAMBER_2, SCALE, TwoVolumes
+from two_volumes import CHAMBER_1, CHAMBER_2, opened_and_shut
 
 from forest_description.components.pump import IdealPump
 from forest_description.geometry.linkage import length_and_arm
@@ -23,7 +23,12 @@ from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import ENERGY, STATE
 
 HANGING, C180 = load_machine("c180_real"), load_machine("c180")
-REAL = dataclasses.replace(HANGING, manipulator=dataclasses.replace(HANGING.manipulator, pendulum=None))
+REAL = dataclasses.replace(
+    HANGING,
+    boom=dataclasses.replace(HANGING.boom, friction=None),
+    stick=dataclasses.replace(HANGING.stick, friction=None),
+    manipulator=dataclasses.replace(HANGING.manipulator, pendulum=None),
+)
 P = plant_parameters(REAL)
 POSE = (0.0, 0.4, -1.4)
 CLEAN = dataclasses.replace(REAL, oil=dataclasses.replace(REAL.oil, air=None))
@@ -166,17 +171,7 @@ CASES = ((1, -6.0, 0.004, 0.01), (2, 6.0, 0.01, 0.05))
 def test_one_volume_of_hose_and_chamber_moves_as_two_with_the_hoses_resistance_between(
     axis, volts, of_way, of_pressure
 ):
-    two, spools = TwoVolumes(PLAIN), tuple(volts if i == axis else 0.0 for i in range(3))
-    shut_at, end, period = 0.15, 0.4, 5e-3
-    moving = two.run(two.start(POSE), spools, np.arange(0.0, shut_at + 1e-9, period))
-    resting = two.run(moving[-1] / SCALE, SHUT, np.arange(shut_at, end + 1e-9, period))
-    expected = np.concatenate([moving[1:], resting[1:]]).reshape(-1, 3, 8)[:, axis]
-    p, rows = two.p, len(expected)
-    table = np.zeros((rows * 20, 3))
-    table[: round(shut_at / period) * 20, axis] = volts
-    states = np.zeros((rows, len(STATE)))
-    compiled_record()(equilibrium(POSE, p), table, period / 20, p, states, None)
-    ours = states[:, 6 * axis : 6 * axis + 6]
+    ours, expected = opened_and_shut(PLAIN, POSE, axis, volts)
     way = np.ptp(expected[:, 0])
     assert np.abs(ours[:, 0] - expected[:, 0]).max() < of_way * way
     for mine, theirs in ((2, CHAMBER_1), (3, CHAMBER_2)):

@@ -85,6 +85,9 @@ def _greatest_speed(
     square, linear = valve / (share * share) + axis.hose_square, axis.hose_linear
     force = max(LEAST_SHARE * inlet * c.supply_pressure, inlet * c.supply_pressure - direction * load)
     speed = (math.sqrt(linear * linear + 4.0 * square * force) - linear) / (2.0 * square)
+    if axis.metering_drop < math.inf:
+        edge = way.resistance_1 if extends else way.resistance_2
+        speed = min(speed, share * math.sqrt(axis.metering_drop / edge) / inlet)
     return min(speed, c.flow_limit / inlet)
 
 

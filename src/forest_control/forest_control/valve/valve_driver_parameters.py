@@ -10,7 +10,7 @@ from typing import Annotated, NamedTuple
 from forest_control.valve.valve_adaptation import AdaptationParameters
 from forest_control.valve.valve_flow import FlowParameters
 from forest_description.components.valve_characteristic import ValveLaw
-from forest_description.derived.actuator_kinematics import displacements, rated_speeds
+from forest_description.derived.actuator_kinematics import displacements, metering_drop, rated_speeds
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 from forest_msgs_py.runtime.parameter_table import Parameter, tunable
@@ -33,6 +33,7 @@ class AxisDriver(NamedTuple):
     slip: float = 0.0  # [rad/s per N m] speed that the motor's leakage takes under load
     least_fed: float = 0.0  # [V] leakage from which it is fed
     spool_lag: float = 0.0  # [s]; 0: the spool follows at once
+    metering_drop: float = math.inf  # [Pa] that a compensator keeps over the edge to the pump
 
 
 Axes = tuple[AxisDriver, AxisDriver, AxisDriver]
@@ -145,7 +146,9 @@ def left(axis: AxisDriver, dt: float) -> float:
 
 def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool) -> AxisDriver:
     one, two = displacements(machine, axis)
-    driver = AxisDriver(one, two, speed, machine.valve_of(axis).law)
+    driver = AxisDriver(
+        one, two, speed, machine.valve_of(axis).law, metering_drop=metering_drop(machine, axis)
+    )
     if not beyond_valve:
         return driver
     linear, square = _hoses(machine, axis)
@@ -221,4 +224,5 @@ def _flow(machine: Machine, axis: int) -> FlowParameters:
         external_leakage=1.0 / swing.external_leakage_resistance if axis == 0 else 0.0,
         position_noise=_position_noise(machine, axis),
         supply_pressure=machine.pump.supply_pressure,
+        compensated=int(machine.valve_of(axis).compensator is not None),
     )

@@ -27,7 +27,7 @@ def spool_voltage(
     """
     speed = axis.rated_speed * fed / axis.valve.forward.rated_voltage
     opening = required_opening(speed, load, supply, axis, p)
-    if mean >= 0.0:
+    if mean >= 0.0 and axis.metering_drop == math.inf:
         opening *= _filling_factor(math.copysign(1.0, speed) * load, mean, supply, axis)
     return voltage_for_opening(opening, law)
 
@@ -35,7 +35,7 @@ def spool_voltage(
 def required_opening(speed: float, load: float, supply: float, axis: AxisDriver, p: Parameters) -> float:
     """Return the opening -1..1 for an actuator speed [m/s; rad/s] against a load [N; N m].
 
-    Thesis eq. 3.1, 3.14.
+    A compensator's valve is opened for the flow at its inlet alone. Thesis eq. 3.1, 3.14.
     """
     inlet = axis.displacement_1 if speed > 0.0 else axis.displacement_2
     nominal = inlet * supply
@@ -43,6 +43,10 @@ def required_opening(speed: float, load: float, supply: float, axis: AxisDriver,
     hoses = (axis.hose_linear + axis.hose_square * abs(speed)) * abs(speed)
     drive = max(p.minimum_drop * inlet * p.supply_pressure, nominal - opposing - hoses)
     way = axis.valve.forward if speed > 0.0 else axis.valve.backward
+    if axis.metering_drop < math.inf:
+        edge = way.resistance_1 if speed > 0.0 else way.resistance_2
+        opening = speed * inlet * math.sqrt(edge / min(axis.metering_drop, drive / inlet))
+        return max(-1.0, min(1.0, opening))
     orifices = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
     return max(-1.0, min(1.0, speed * math.sqrt(orifices / drive)))
 

@@ -10,6 +10,7 @@ from forest_description.config.parameter import (
     ParameterSet,
     choice,
     component,
+    optional_parameter,
     parameter,
     require_order,
 )
@@ -26,10 +27,17 @@ class Friction(ParameterSet):
     breakaway_force: float = parameter("N", 0.0, 1e7, "friction just before it slides")
     stribeck_speed: float = parameter("m/s", 1e-5, 1.0, "over which breakaway falls to coulomb friction")
     smoothing_speed: float = parameter("m/s", 1e-6, 0.1, "under which friction goes through zero smoothly")
+    pressure_coefficient: float | None = optional_parameter(
+        "N/Pa", 1e-8, 1.0, "more coulomb friction per pressure of both chambers together"
+    )
 
     def __post_init__(self) -> None:
         """Check ranges, that breaking away is no easier than sliding, and that its peak shows."""
         super().__post_init__()
+        if self.pressure_coefficient is not None and self.coulomb_force == 0.0:
+            raise MachineError(
+                "pressure_coefficient is of seals that pressure adds to; allowed: a coulomb_force above 0 N"
+            )
         _require_peak("force", self.coulomb_force, self.breakaway_force, "N")
         if self.breakaway_force > self.coulomb_force:
             smoothed, falls = self.smoothing_speed, self.stribeck_speed
@@ -179,10 +187,23 @@ class CylinderDrive(ParameterSet):
             )
         require_order("stroke", self.stroke, "retracted_length", self.retracted_length, "m")
         self._check_chambers()
+        self._check_seals()
         if self.cushion is not None and self.cushion.length > 0.5 * self.stroke:
             raise MachineError(
                 f"cushion.length ({self.cushion.length:g} m) must be at most half the stroke "
                 f"({0.5 * self.stroke:g} m)"
+            )
+
+    def _check_seals(self) -> None:
+        """Raise unless a piston moves whose rod side alone is pressed, against the seals' breakaway."""
+        if self.friction is None or self.friction.pressure_coefficient is None:
+            return
+        most = self.rod_area * self.friction.coulomb_force / self.friction.breakaway_force
+        if self.friction.pressure_coefficient >= most:
+            raise MachineError(
+                f"friction.pressure_coefficient ({self.friction.pressure_coefficient:g} N/Pa): at any "
+                f"pressure the seals would hold the rod side's piston; allowed: below {most:g} N/Pa, "
+                f"rod_area times coulomb_force over breakaway_force"
             )
 
     def _check_chambers(self) -> None:

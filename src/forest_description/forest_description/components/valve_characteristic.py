@@ -5,6 +5,7 @@ Symbols:
     V_d     voltage at the edge of the overlap [V]; 0: critical centre, negative: underlap
     V_r     rated voltage [V]
     C_R     orifice resistance in ΔP = C_R Q|Q| [Pa·s²/m⁶]; C_Rmin at the rated voltage
+    G, r    conductance of an edge's laminar leakage; that at the overlap's edge over that at the centre
     s       stroke of the spool beyond the overlap, (V − V_d)/(V_r − V_d), clipped to 0..1
     u       opening 0..1, in proportion to the orifice area: u = sqrt(C_Rmin / C_R)
 
@@ -12,6 +13,11 @@ Sign: V > V_d connects port 1 to the supply and port 2 to the tank; V < −V_d t
 direction has its own overlap and gain. Figure 4.4, which shows the measured curve C_R(V), is lost;
 an area linear in the voltage beyond the overlap, u = s, is assumed unless the machine gives a
 polynomial or a table.
+
+Oil leaks through the clearance of an edge: G = pi D c^3/(12 mu L) of a spool of diameter D with the
+clearance c and the sealing length L (Merritt, Hydraulic Control Systems, 1967, section 3.2). L is
+what is left of the overlap, V_d - V, and the rounding of the edges, which is V_d/(r - 1). An open
+edge keeps r G_0 beside its orifice, so that the flow has no step.
 """
 
 import math
@@ -52,8 +58,16 @@ class ValveLaw(NamedTuple):
     forward: Direction
     backward: Direction
     curve: Curve
-    leakage: float  # [m³/(s Pa)] past each of the edges
+    leakage: float  # G_0 [m³/(s Pa)] past each of the edges, with the spool in its centre
     load_check: int = 0  # not 0: a check valve lets no oil back to the supply
+    edge_ratio: float = 1.0  # r of the leakage; 1: the same at any position
+
+
+class Leakage(NamedTuple):
+    """What leaks past port 1's two edges [m³/(s Pa)]; past port 2's with the other sign of ``skew``."""
+
+    mean: float
+    skew: float  # half of what the supply's edge leaks more than the tank's
 
 
 class Edges(NamedTuple):
@@ -155,6 +169,31 @@ def edges(spool_voltage: float, law: ValveLaw) -> Edges:
         supply_2=resistance_at(backward, law.backward.resistance_2),
         tank_2=resistance_at(forward, law.forward.resistance_2),
     )
+
+
+def leakage_at(spool_voltage: float, law: ValveLaw) -> Leakage:
+    """Return what leaks past the edges at a spool position; arguments as ``edges``."""
+    if law.edge_ratio == 1.0:
+        return Leakage(law.leakage, 0.0)
+    return _overlap_leakage(spool_voltage, law)
+
+
+def _overlap_leakage(spool_voltage: float, law: ValveLaw) -> Leakage:
+    """Return what ``leakage_at`` does where it follows the overlap; not inlined."""
+    forward = law.leakage * leakage_share(spool_voltage, law.forward.deadband_voltage, law.edge_ratio)
+    backward = law.leakage * leakage_share(-spool_voltage, law.backward.deadband_voltage, law.edge_ratio)
+    return Leakage(0.5 * (forward + backward), 0.5 * (forward - backward))
+
+
+def leakage_share(voltage: float, deadband_voltage: float, edge_ratio: float) -> float:
+    """Return G/G_0 of an edge, 1 at the centre, r at the overlap's edge and beyond.
+
+    Args:
+        voltage: Spool position, counted along the direction that opens the edge [V].
+        deadband_voltage: V_d of this direction, above 0 [V].
+        edge_ratio: r.
+    """
+    return edge_ratio / (1.0 + (edge_ratio - 1.0) * max(0.0, 1.0 - voltage / deadband_voltage))
 
 
 def voltage_for_opening(opening: float, law: ValveLaw) -> float:

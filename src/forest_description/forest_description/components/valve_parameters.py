@@ -6,6 +6,7 @@ from typing import Any, ClassVar, cast
 
 import numpy as np
 
+from forest_description.components.compensator import Compensator
 from forest_description.components.valve_characteristic import (
     CURVE_SIZE,
     LINEAR_AREA,
@@ -27,6 +28,8 @@ from forest_description.config.parameter import (
     require_order,
 )
 from forest_description.types import Floats
+
+JET_ANGLE = math.radians(69.0)  # [rad] of the jet through a sharp edge to the spool's axis: von Mises
 
 
 @dataclass(frozen=True)
@@ -170,7 +173,7 @@ class Valve(ParameterSet):
     )
     port_2_area: float = parameter("1", 0.05, 20.0, "area of port 2's edges over that of port 1's")
     leakage_conductance: float = parameter(
-        "m3/(s*Pa)", 0.0, 1e-9, "laminar leakage past each of the four edges"
+        "m3/(s*Pa)", 0.0, 1e-9, "laminar leakage past each of the four edges, spool centred"
     )
     load_check: str = choice(
         "none", "ideal", doc="check valve between supply and spool: a load does not go back to the manifold"
@@ -190,6 +193,13 @@ class Valve(ParameterSet):
         "s", 0.0005, 0.02, "of electronics and pilot stage; a voltage acts so much later"
     )
     spool_slew_limit: float | None = optional_parameter("V/s", 1.0, 1e5, "greatest rate of the spool")
+    compensator: Compensator | None = None  # may be left out
+    centring_force: float | None = optional_parameter(
+        "N/V", 0.1, 1e5, "of the spring for each volt of stroke, against flow forces; left out: none act"
+    )
+    leakage_edge_ratio: float | None = optional_parameter(
+        "1", 1.001, 1000.0, "leakage at the overlap's edge over that at the centre; left out: 1"
+    )
 
     def __post_init__(self) -> None:
         """Check ranges, that the valve opens at all, the spool's lag, and the curve."""
@@ -199,11 +209,16 @@ class Valve(ParameterSet):
                 f"spool_damping ({self.spool_damping:g}) is of a lag that spool_bandwidth: null leaves out; "
                 f"allowed: null, or a spool_bandwidth"
             )
+        if self.centring_force is not None and self.spool_bandwidth is None:
+            raise MachineError(
+                "centring_force is of a spool that flow forces push; allowed: with a spool_bandwidth"
+            )
         require_order("deadband_voltage", self.deadband_voltage, "rated_voltage", self.rated_voltage, "V")
         if self.backward is not None:
             edge = self.backward.deadband_voltage
             require_order("backward.deadband_voltage", edge, "rated_voltage", self.rated_voltage, "V")
         self._check_play()
+        self._check_leakage()
         _ = self.law
 
     def _check_play(self) -> None:
@@ -215,6 +230,33 @@ class Valve(ParameterSet):
                 f"hysteresis ({self.hysteresis:g} V) keeps the valve shut at rated_voltage "
                 f"({self.rated_voltage:g} V); allowed: below {most:g} V"
             )
+
+    def _check_leakage(self) -> None:
+        """Raise unless leakage that follows the overlap has both of them."""
+        if self.leakage_edge_ratio is None:
+            return
+        least = self.deadband_voltage
+        if self.backward is not None:
+            least = min(least, self.backward.deadband_voltage)
+        if self.leakage_conductance == 0.0 or least <= 0.0:
+            raise MachineError(
+                "leakage_edge_ratio is of leakage through an overlap; allowed: a leakage_conductance and a "
+                "deadband_voltage above 0 in both directions"
+            )
+
+    def jet_stiffness(self, drop: float, density: float) -> float:
+        """Return the greatest flow force [N/V] over the stroke at a pressure drop [Pa] over an edge.
+
+        The law is that of `forest_sim.hydraulics.flow_force`; the edge's area is taken to be linear.
+        """
+        law = self.law
+        return max(
+            drop
+            * math.sqrt(2.0 * density / min(way.resistance_1, way.resistance_2))
+            * math.cos(JET_ANGLE)
+            / (way.rated_voltage - way.deadband_voltage)
+            for way in (law.forward, law.backward)
+        )
 
     @property
     def law(self) -> ValveLaw:
@@ -233,6 +275,7 @@ class Valve(ParameterSet):
             curve=shape,
             leakage=self.leakage_conductance,
             load_check=int(self.load_check == "ideal"),
+            edge_ratio=self.leakage_edge_ratio or 1.0,
         )
 
 

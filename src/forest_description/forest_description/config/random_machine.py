@@ -31,7 +31,7 @@ DRAWN = (
     *("internal_leakage_resistance", "external_leakage_resistance", "damping"),
 )
 BY_DIRECTION = DRAWN[:2]
-HOLDING = ".holding_"  # valves whose numbers are not identified
+UNTOLD = (".holding_", ".compensator.")  # valves whose numbers are not identified
 OVERLAP, MEASURED = "deadband_voltage", "curve.voltages"
 BELOW = 0.95  # of the lowest voltage at which a valve was measured, where an overlap would reach it
 
@@ -101,7 +101,7 @@ def _drawn(seed: int, numbers: Mapping[str, Number]) -> dict[str, Number]:
 def _drawn_keys(numbers: Mapping[str, Number]) -> Iterator[tuple[str, Number]]:
     for key, number in numbers.items():
         sections, _, last = key.rpartition(".")
-        if last not in DRAWN or key.partition(".")[0] not in SECTIONS or HOLDING in key:
+        if last not in DRAWN or key.partition(".")[0] not in SECTIONS or any(part in key for part in UNTOLD):
             continue
         yield key, number
         other = f"{sections}.backward.{last}"

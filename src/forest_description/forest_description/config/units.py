@@ -58,6 +58,8 @@ UNITS: dict[str, Unit] = {
     "kg*m2": Unit("kg*m2", 1.0),
     "m/s2": Unit("m/s2", 1.0),
     "N/m": Unit("N/m", 1.0),
+    "N/V": Unit("N/V", 1.0),
+    "N/Pa": Unit("N/Pa", 1.0),
     "N*s/m": Unit("N*s/m", 1.0),
     "N*s2/m2": Unit("N*s2/m2", 1.0),
     "N*m": Unit("N*m", 1.0),

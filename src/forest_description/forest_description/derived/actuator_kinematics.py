@@ -15,6 +15,7 @@ of the joint, behind the gear train, not of the motor shaft. Extending is positi
 
 import math
 
+from forest_description.components.compensator import CompensatorAfterSpool
 from forest_description.components.pump import LoadSensingPump
 from forest_description.geometry.linkage import Linkage, lever_arm
 from forest_description.machine import Machine
@@ -29,9 +30,9 @@ def rated_speeds(machine: Machine) -> Vec3:
 
     Hoses, leakage and friction are left out. Both orifices share the pump's P_s: D1 P_1 = D2 P_2
     gives sqrt(D1 P_s / (C_R1 D1³ + C_R2 D2³)). A load-sensing pump keeps P_m over the inlet's
-    orifice whatever the outlet's takes: sqrt(P_m/C_R1)/D1. No axis gets more than Q_max. This is
-    the scale of /valve_commands: the rated voltage of the ideal valve wishes this speed. Positive
-    direction.
+    orifice whatever the outlet's takes: sqrt(P_m/C_R1)/D1. A compensator keeps `metering_drop`
+    there. No axis gets more than Q_max. This is the scale of /valve_commands: the rated voltage of
+    the ideal valve wishes this speed. Positive direction.
 
     Thesis eq. 3.1, 3.9, 3.13 at rest of pressures and flows.
     """
@@ -41,12 +42,27 @@ def rated_speeds(machine: Machine) -> Vec3:
 def _rated_speed(machine: Machine, axis: int) -> float:
     d_1, d_2 = displacements(machine, axis)
     pump, way = machine.pump, machine.valve_of(axis).law.forward
+    drop = metering_drop(machine, axis)
     if isinstance(pump, LoadSensingPump):
-        by_valve = math.sqrt(pump.margin / way.resistance_1) / d_1
+        drop = min(drop, pump.margin)
+    if drop < math.inf:
+        by_valve = math.sqrt(drop / way.resistance_1) / d_1
     else:
         orifices = way.resistance_1 * d_1**3 + way.resistance_2 * d_2**3
         by_valve = math.sqrt(d_1 * pump.supply_pressure / orifices)
     return min(by_valve, pump.flow_limit / d_1)
+
+
+def metering_drop(machine: Machine, axis: int) -> float:
+    """Return the drop [Pa] that a compensator keeps over the edge to the pump, half open; inf without one."""
+    compensator = machine.valve_of(axis).compensator
+    if compensator is None:
+        return math.inf
+    kept = compensator.setting - 0.5 * compensator.control_range
+    if isinstance(compensator, CompensatorAfterSpool):
+        assert isinstance(machine.pump, LoadSensingPump)  # `Machine` saw to it
+        kept = machine.pump.margin - compensator.setting - 0.5 * compensator.control_range
+    return kept
 
 
 def displacements(machine: Machine, axis: int) -> tuple[float, float]:

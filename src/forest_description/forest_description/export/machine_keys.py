@@ -52,13 +52,17 @@ Numbers that contradict each other are refused, too:
 - inertia without mass; a stick that nothing resists
 - `spool_damping` without `spool_bandwidth`; a rated voltage within the overlap; `hysteresis` that
   keeps the valve shut at its rated voltage
+- a compensator on an underlapped valve, or one that uses more than the pump's margin; flow
+  sharing without a load-sensing pump
+- flow forces on a spool without lag, without oil, or that take half of its stroke
+- leakage that follows an overlap, without overlap or without leakage
 - load holding without `chambers`; a counterbalance valve whose hysteresis is above its setting
 - a rod side larger than the head side; swapped limits; boom angles beyond ±180°
 - a stroke that passes a dead point of the linkage, or is longer than the retracted cylinder
 - a port relief below the pump's or the anti-cavitation pressure; a main relief below the pump's
 - a pump that its own leakage or its engine keeps from its pressure; half a pump
 - a compensator band above the pump's pressure or the load-sensing margin
-- friction whose `smoothing_speed` is above its `stribeck_speed`
+- friction whose `smoothing_speed` is above its `stribeck_speed`; seals that pressure alone would hold
 - breaking away that is easier than sliding, or takes over 0.01 rad, or more than the motor has
 - a gear whose play is wider than the swing's travel
 - a rotator as heavy as its head, or with its centre beyond its end; a log off a hanging head's axis

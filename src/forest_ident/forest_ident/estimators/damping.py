@@ -29,10 +29,11 @@ BANDWIDTH = 5.0  # [Hz]
 EVERY = 4  # rows of the mass matrix taken, of those that the bandwidth makes alike
 
 
-def equation(machine: Machine, session: Session, axis: int) -> tuple[Floats, Floats, Floats]:
-    """Return (alpha, v, q) along a session. Thesis eq. 4.10, 4.11.
+def equation(machine: Machine, session: Session, axis: int) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return (alpha, v, q, dry friction) along a session. Thesis eq. 4.10, 4.11.
 
-    Differs: J in front of the cylinder's force is Appendix A's 1/j.
+    Differs: J in front of the cylinder's force is Appendix A's 1/j. The dry friction is the file's, at the
+    pressures read; the swing's is left out.
 
     Args:
         machine: whose masses, areas and linkages hold.
@@ -54,8 +55,17 @@ def equation(machine: Machine, session: Session, axis: int) -> tuple[Floats, Flo
         drive = machine.boom if axis == 1 else machine.stick
         force = drive.head_area * one - drive.rod_area * two
         arm = length_and_arm(q[axis], drive.linkage)[1]
-    load = _load(machine, q, rate, acceleration)[axis]
-    return force - load / arm, rate[axis] * arm, q[axis]
+    load, speed = _load(machine, q, rate, acceleration)[axis], rate[axis] * arm
+    return force - load / arm, speed, q[axis], _dry_friction(machine, axis, speed, one, two)
+
+
+def _dry_friction(machine: Machine, axis: int, speed: Floats, one: Floats, two: Floats) -> Floats:
+    """Return a cylinder's dry friction [N] at speeds [m/s] and pressures at both ports [Pa]."""
+    if axis == 0:
+        return np.zeros_like(speed)
+    law = friction(machine.boom.friction if axis == 1 else machine.stick.friction)
+    rows = zip(speed.tolist(), one.tolist(), two.tolist(), strict=True)
+    return np.array([friction_force(v, law, p_1, p_2) for v, p_1, p_2 in rows])
 
 
 def damping(machine: Machine, session: Session, axis: int) -> LinearFit:
@@ -63,12 +73,9 @@ def damping(machine: Machine, session: Session, axis: int) -> LinearFit:
 
     Differs: the file's dry friction is subtracted first, or it would become damping.
     """
-    alpha, speed, angle = equation(machine, session, axis)
-    if axis > 0:
-        dry = friction(machine.boom.friction if axis == 1 else machine.stick.friction)
-        alpha = alpha - np.array([friction_force(v, dry) for v in speed.tolist()])
+    alpha, speed, angle, dry = equation(machine, session, axis)
     columns = [speed, np.ones(len(speed)), angle - np.mean(angle)]
-    return solve(columns, alpha, block=max(1, round(1.0 / (EVERY * session.period))))
+    return solve(columns, alpha - dry, block=max(1, round(1.0 / (EVERY * session.period))))
 
 
 def _load(machine: Machine, q: Floats, rate: Floats, acceleration: Floats) -> Floats:

@@ -24,6 +24,7 @@ from forest_description.components.valve_characteristic import (
     Curve,
     Direction,
     ValveLaw,
+    leakage_at,
 )
 from forest_description.geometry.linkage import Linkage
 from forest_description.types import AXES, Floats
@@ -127,14 +128,15 @@ def valve_pressures(
         if port == 1
         else (law.backward.resistance_2, law.forward.resistance_2)
     )
-    pressure, leak = hose.copy(), law.leakage
+    pressure = hose.copy()
+    leak, fed = leakages(spool, law, port)
     filled, drained = to_supply > SHUT, to_tank > SHUT
     wide = c_supply / np.maximum(to_supply, SHUT) ** 2, c_tank / np.maximum(to_tank, SHUT) ** 2
-    pressure[filled] = _behind_edge(flow, wide[0], supply, supply, leak)[filled]
-    pressure[drained] = _behind_edge(flow, wide[1], np.zeros(len(flow)), supply, leak)[drained]
-    if leak > 0.0:
+    pressure[filled] = _behind_edge(flow, wide[0], supply, leak, fed * supply)[filled]
+    pressure[drained] = _behind_edge(flow, wide[1], np.zeros(len(flow)), leak, fed * supply)[drained]
+    if law.leakage > 0.0:
         shut = ~(filled | drained)
-        pressure[shut] = ((leak * supply - flow) / (2.0 * leak))[shut]
+        pressure[shut] = ((fed * supply - flow) / (2.0 * leak))[shut]
     odd = filled & (drained | (law.load_check != 0))
     for k in np.flatnonzero(odd).tolist():
         ports = valve_ports(float(spool[k]), law)
@@ -143,9 +145,19 @@ def valve_pressures(
     return pressure
 
 
-def _behind_edge(flow: Floats, resistance: Floats, source: Floats, supply: Floats, leak: float) -> Floats:
+def leakages(spool: Floats, law: ValveLaw, port: int) -> tuple[Floats, Floats]:
+    """Return what leaks past a port's edges [m^3/(s Pa)] at spool positions [V]: their mean, the supply's."""
+    if law.edge_ratio == 1.0:
+        same = np.full(len(spool), law.leakage)
+        return same, same
+    rows = [leakage_at(float(x), law) for x in spool]
+    mean, skew = np.array([row.mean for row in rows]), np.array([row.skew for row in rows])
+    return mean, mean + (skew if port == 1 else -skew)
+
+
+def _behind_edge(flow: Floats, resistance: Floats, source: Floats, leak: Floats, fed: Floats) -> Floats:
     """Return the pressure [Pa] behind one open edge from a source [Pa], what leaks included (`port.meet`)."""
-    y = flow - leak * supply + 2.0 * leak * source
+    y = flow - fed + 2.0 * leak * source
     o = 2.0 * y / (1.0 + np.sqrt(1.0 + 8.0 * leak * resistance * np.abs(y)))
     return source - resistance * o * np.abs(o)
 

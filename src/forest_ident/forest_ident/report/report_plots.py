@@ -145,7 +145,7 @@ def internal_leakage(axes: Any, machine: Machine, session: Session) -> None:
 def friction(axes: Any, machine: Machine, session: Session) -> None:
     """Plot the force that the load does not take over the speed. Thesis fig. 4.11."""
     axis = AXES.index(session.own_axis)
-    alpha, speed, _ = damping.equation(machine, session, axis)
+    alpha, speed, *_ = damping.equation(machine, session, axis)
     order = np.argsort(speed)
     units = ("rad/s", "kN m") if axis == 0 else ("m/s", "kN")
     read = (speed[order], 1e-3 * alpha[order])

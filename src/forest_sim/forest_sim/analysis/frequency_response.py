@@ -62,7 +62,7 @@ def rate_response(
 
 
 def spool_response(lag: SpoolLag, frequency: Floats) -> Complexes:
-    """Return the position of a spool over its voltage at some frequencies [Hz], without play and slew."""
+    """Return the position of a spool over its voltage at some frequencies [Hz], by its lag alone."""
     late: Complexes = np.exp(-2j * math.pi * frequency * lag.dead_time)
     if lag.frequency == math.inf:
         return late

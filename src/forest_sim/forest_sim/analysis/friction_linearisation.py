@@ -23,9 +23,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from forest_description.types import AXES
+from forest_sim.equations.plant import PlantState
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.mechanics.bristles import NO_BRISTLES, sliding_friction
-from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force
+from forest_sim.mechanics.friction import FRICTIONLESS, Friction, friction_force, pressed
 from forest_sim.mechanics.gear import without_play
 
 SMALL = 0.5  # U/u_0 up to which c(U) is within 10 % of the slope at rest
@@ -74,8 +75,17 @@ def _fast(damping: Callable[[float], float], viscous: float, low: float) -> floa
     return high
 
 
+def with_pressed_seals(p: PlantParameters, state: PlantState) -> PlantParameters:
+    """Return the parameters with the seals' friction as it is at a state's pressures, at any others."""
+    swing, boom, stick = (
+        axis._replace(friction=pressed(axis.friction, s.pressure_1, s.pressure_2))
+        for axis, s in zip(p.axes, state.axes, strict=True)
+    )
+    return p._replace(swing=swing, boom=boom, stick=stick)
+
+
 def axes_with_friction(p: PlantParameters) -> dict[str, AmplitudeLimits]:
-    """Return the ends of each axis that has dry friction, by its name."""
+    """Return the ends of each axis that has dry friction, by its name; see `with_pressed_seals`."""
     return {
         name: amplitude_limits(axis.friction, axis.actuator.damping)
         for name, axis in zip(AXES, p.axes, strict=True)

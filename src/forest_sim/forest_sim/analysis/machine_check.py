@@ -16,6 +16,7 @@ from forest_sim.analysis.friction_linearisation import (
     is_rough,
     large_heading,
     small_heading,
+    with_pressed_seals,
     without_dry_friction,
 )
 from forest_sim.analysis.modes import SHUT, Mode, modes, operating_point, slow_modes, unguarded
@@ -177,6 +178,7 @@ def report(machine: Machine) -> str:
     p = plant_parameters(machine)
     small = slow_modes(modes(angles, SHUT, p))
     large = slow_modes(modes(angles, SHUT, without_dry_friction(p)))
+    p = with_pressed_seals(p, equilibrium(angles, p).plant)
     rubbing = axes_with_friction(p)
     speeds, rated = full_speeds(machine, angles), rated_speeds(machine)
     lines = [f"{machine.name}: {machine.description}", "components"]

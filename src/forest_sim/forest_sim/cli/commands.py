@@ -24,6 +24,7 @@ from forest_sim.analysis.friction_linearisation import (
     is_rough,
     large_heading,
     small_heading,
+    with_pressed_seals,
     without_dry_friction,
 )
 from forest_sim.equations.plant_parameters import plant_parameters
@@ -31,7 +32,14 @@ from forest_sim.sensors.sensor_readings import true_joints
 from forest_sim.simulation.disturbance import UNDISTURBED, Disturbance
 from forest_sim.simulation.energy_account import account
 from forest_sim.simulation.load import Loads
-from forest_sim.simulation.open_loop import Run, RunError, blocks, require_within_limits, substeps
+from forest_sim.simulation.open_loop import (
+    Run,
+    RunError,
+    blocks,
+    require_within_limits,
+    start_angles,
+    substeps,
+)
 from forest_sim.simulation.sensor_log import EXACT, Sensing, SensorLog
 from forest_sim.simulation.trajectory_files import DecimatedRows, TrajectoryFiles, path_in_errors
 from forest_sim.simulation.voltage_profiles import Voltages
@@ -228,7 +236,8 @@ def show_equilibrium(machine: Machine, angles: Vec3, as_json: bool) -> int:
 def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> int:
     """Print frequencies and damping ratios at a pose; with dry friction, of small and large oscillations."""
     p = plant_parameters(machine)
-    ends, swing = axes_with_friction(p), drive_limits(p)
+    told = with_pressed_seals(p, equilibrium(angles, p).plant)
+    ends, swing = axes_with_friction(told), drive_limits(p)
     small = modes.modes(angles, spools, p)
     large = modes.modes(angles, spools, without_dry_friction(p)) if is_rough(p) else small
     if as_json:
@@ -261,7 +270,7 @@ def show_modes(machine: Machine, angles: Vec3, spools: Vec3, as_json: bool) -> i
         print(f"  {small_heading(p)}")
     print(modes.table(small))
     if is_rough(p):
-        print(f"  {large_heading(p)}\n{modes.table(large)}")
+        print(f"  {large_heading(told)}\n{modes.table(large)}")
     return 0
 
 
@@ -269,6 +278,7 @@ def map_modes(machine: Machine, spacing: float, out: Path) -> int:
     """Write the slow modes over the workspace as CSV and picture."""
     new_directory(out)
     p = plant_parameters(machine)
+    p = with_pressed_seals(p, equilibrium(start_angles(machine), p).plant)
     points = mode_map.mode_map(machine, spacing)
     from forest_sim.analysis.plots import draw_map
 

@@ -20,16 +20,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from forest_description.components.valve_characteristic import ValveLaw, edges
+from forest_description.components.valve_characteristic import ValveLaw, edges, leakage_at
 from forest_description.geometry.linkage import Linkage, length_and_arm
 from forest_description.machine import Machine
 from forest_description.types import Floats, Vec3
 from forest_sim.equations.drive import AT_REST, DriveState, driven
 from forest_sim.equations.multibody import HANGING_STILL, HeadState, Mechanics, mechanics, solve
-from forest_sim.equations.plant_parameters import Axis, PlantParameters, plant_parameters
+from forest_sim.equations.plant_parameters import Axis, PlantParameters, SpoolValve, plant_parameters
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
+from forest_sim.hydraulics.compensator import NONE, in_series
 from forest_sim.hydraulics.load_holding import NO_LIFTS, SEATED_LIFTS, AllLifts, Lifts, restriction
-from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
+from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure, with_resistance
 from forest_sim.hydraulics.side import Side, side_rates
 from forest_sim.hydraulics.spool_dynamics import Spools
 from forest_sim.hydraulics.supply import (
@@ -101,10 +102,10 @@ def valve_ports(spool_position: float, law: ValveLaw, vapour: float = -math.inf)
         law: of the valve.
         vapour: pressure at which the oil boils [Pa].
     """
-    e = edges(spool_position, law)
+    e, leakage = edges(spool_position, law), leakage_at(spool_position, law)
     return Ports(
-        Port(e.supply_1, e.tank_1, law.leakage, law.load_check, vapour),
-        Port(e.supply_2, e.tank_2, law.leakage, law.load_check, vapour),
+        Port(e.supply_1, e.tank_1, leakage.mean, law.load_check, vapour, leakage.skew),
+        Port(e.supply_2, e.tank_2, leakage.mean, law.load_check, vapour, -leakage.skew),
         (1.0 if e.supply_1 < math.inf else 0.0, 1.0 if e.supply_2 < math.inf else 0.0),
     )
 
@@ -117,16 +118,43 @@ def ports_at(spools: Spools, p: PlantParameters, lifts: AllLifts = NO_LIFTS) -> 
         valve_ports(spools[1].position, p.valves[1].law, vapour),
         valve_ports(spools[2].position, p.valves[2].law, vapour),
     )
-    return with_lifts(ports, lifts) if holds_loads(p) else ports
+    return _with_lifts(ports, lifts, p) if has_poppets(p) else ports
 
 
-def with_lifts(ports: tuple[Ports, Ports, Ports], lifts: AllLifts) -> tuple[Ports, Ports, Ports]:
-    """Return ports with other lifts of their load-holding valves."""
+def _with_lifts(
+    ports: tuple[Ports, Ports, Ports], lifts: AllLifts, p: PlantParameters
+) -> tuple[Ports, Ports, Ports]:
+    """Return ports with their load-holding valves and compensators at other lifts."""
+    if is_compensated(p):
+        ports = (
+            metered(ports[0], lifts[0], p.valves[0]),
+            metered(ports[1], lifts[1], p.valves[1]),
+            metered(ports[2], lifts[2], p.valves[2]),
+        )
     return (
         Ports(ports[0].port_1, ports[0].port_2, ports[0].sensed, lifts[0]),
         Ports(ports[1].port_1, ports[1].port_2, ports[1].sensed, lifts[1]),
         Ports(ports[2].port_1, ports[2].port_2, ports[2].sensed, lifts[2]),
     )
+
+
+def metered(ports: Ports, lifts: Lifts, valve: SpoolValve) -> Ports:
+    """Return ports with their compensator in series with the edge that is open to the supply."""
+    if valve.compensator.sort == NONE:
+        return ports
+    more = in_series(lifts.compensator, valve.compensator)
+    one, two = with_resistance(ports.port_1, more), with_resistance(ports.port_2, more)
+    return Ports(one, two, ports.sensed, ports.lifts)
+
+
+def has_poppets(p: PlantParameters) -> bool:
+    """Tell whether a machine has load-holding valves or compensators, which pressures open."""
+    return holds_loads(p) or is_compensated(p)
+
+
+def is_compensated(p: PlantParameters) -> bool:
+    """Tell whether a machine has pressure compensators."""
+    return p.valves[0].compensator.sort + p.valves[1].compensator.sort + p.valves[2].compensator.sort != NONE
 
 
 def holds_loads(p: PlantParameters) -> bool:
@@ -151,13 +179,22 @@ def joint_torque(state: AxisState, transmission: Transmission, axis: Axis) -> fl
     """Return the torque [N m] of an axis' actuator and end stop on its joint. Thesis eq. 3.16, 3.18, 3.19."""
     speed = transmission.arm * state.rate
     force = actuator_force(speed, state.pressure_1, state.pressure_2, axis.actuator)
-    return transmission.arm * (force + passive_force(transmission.position, speed, axis))
+    pressures = state.pressure_1, state.pressure_2
+    return transmission.arm * (force + passive_force(transmission.position, speed, pressures, axis))
 
 
-def passive_force(position: float, speed: float, axis: Axis) -> float:
-    """Return what dry friction, cushion and end stop do to the load [N; N m]."""
+def passive_force(position: float, speed: float, pressures: Pair, axis: Axis) -> float:
+    """Return what dry friction, cushion and end stop do to the load [N; N m].
+
+    Args:
+        position: of the actuator [rad; m].
+        speed: of the actuator [rad/s; m/s].
+        pressures: in its chambers [Pa].
+        axis: its constants.
+    """
     braking = cushion_resistance(position, speed, axis.cushion) * abs(speed) * speed
-    return end_stop_force(position, speed, axis.stop) - braking - friction_force(speed, axis.friction)
+    rubbing = friction_force(speed, axis.friction, pressures[0], pressures[1])
+    return end_stop_force(position, speed, axis.stop) - braking - rubbing
 
 
 def accelerations(m: Mechanics, torques: Vec3) -> tuple[Vec3, Pair]:

@@ -12,6 +12,7 @@ from forest_description.geometry.linkage import Linkage
 from forest_description.machine import EndStops, Machine
 from forest_description.types import Vec3
 from forest_sim.hydraulics.actuator import Actuator, cylinder, motor
+from forest_sim.hydraulics.compensator import NO_COMPENSATOR, Compensator, compensator
 from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.load_holding import HoldingValve, holding_valve
 from forest_sim.hydraulics.oil_law import INCOMPRESSIBLE, OilLaw, oil_law
@@ -30,10 +31,11 @@ NO_GUARD = PortGuard(math.inf, 0.0, -math.inf, 0.0)
 
 
 class SpoolValve(NamedTuple):
-    """One valve: what its edges do at a spool position, and how the spool follows the voltage."""
+    """One valve: what its edges do at a spool position, how the spool follows, and its compensator."""
 
     law: ValveLaw
     lag: SpoolLag
+    compensator: Compensator = NO_COMPENSATOR
 
 
 class Axis(NamedTuple):
@@ -136,7 +138,8 @@ def _manifold_oil(machine: Machine) -> OilLaw:
 
 def _valve(machine: Machine, axis: int) -> SpoolValve:
     valve = machine.valve_of(axis)
-    return SpoolValve(valve.law, spool_lag(valve))
+    density = 0.0 if machine.oil is None else machine.oil.density
+    return SpoolValve(valve.law, spool_lag(valve, density), compensator(valve.compensator))
 
 
 def _swing(machine: Machine) -> Axis:

@@ -227,7 +227,7 @@ def supply_coupling(solution: LineSolution, port: Port, supply: float, line: Lin
         port = without_supply(port)
     if is_shut(port):
         return Coupling(0.0, 0.0, 0.0, 0.0)
-    to_supply = edge_conductance(supply - p, port.to_supply) + port.leakage
+    to_supply = edge_conductance(supply - p, port.to_supply) + (port.leakage + port.skew)
     if p <= port.vapour:  # torn: the port's pressure stands still
         return Coupling(edge_flows(solution.flow, p, port, supply)[0], to_supply, 0.0, to_supply)
     conductance = port_conductance(p, port, supply)

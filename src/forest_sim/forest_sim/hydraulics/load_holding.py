@@ -52,10 +52,11 @@ class HoldingValve(NamedTuple):
 
 
 class Lifts(NamedTuple):
-    """How far the valves at both ports of an axis are open, 0 .. 1."""
+    """How far the valves at both ports of an axis, and its pressure compensator, are open, 0 .. 1."""
 
     one: float
     two: float
+    compensator: float = 0.0
 
 
 AllLifts = tuple[Lifts, Lifts, Lifts]

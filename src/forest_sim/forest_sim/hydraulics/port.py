@@ -30,9 +30,10 @@ class Port(NamedTuple):
 
     to_supply: float  # C_R [Pa s^2/m^6], inf when shut
     to_tank: float  # C_R [Pa s^2/m^6], inf when shut
-    leakage: float  # [m^3/(s Pa)] past either edge
+    leakage: float  # g [m^3/(s Pa)] past either edge, the mean of both
     load_check: int = 0  # not 0: no oil goes back through the edge to the supply
     vapour: float = -math.inf  # [Pa] pressure at which the oil boils
+    skew: float = 0.0  # k [m^3/(s Pa)]: g + k leak past the supply's edge, g - k past the tank's
 
 
 class PortSolution(NamedTuple):
@@ -77,7 +78,12 @@ def apply_load_check(flow: float, port: Port, supply: float) -> Port:
 
 def without_supply(port: Port) -> Port:
     """Return a port without its edge to the supply."""
-    return Port(math.inf, port.to_tank, port.leakage, port.load_check, port.vapour)
+    return Port(math.inf, port.to_tank, port.leakage, port.load_check, port.vapour, port.skew)
+
+
+def with_resistance(port: Port, more: float) -> Port:
+    """Return a port with another resistance [Pa s^2/m^6] in series with its edge to the supply."""
+    return Port(port.to_supply + more, port.to_tank, port.leakage, port.load_check, port.vapour, port.skew)
 
 
 def port_flow(p: float, port: Port, supply: float) -> float:
@@ -86,6 +92,7 @@ def port_flow(p: float, port: Port, supply: float) -> float:
         edge_flow(supply - p, port.to_supply)
         + edge_flow(-p, port.to_tank)
         + port.leakage * (supply - 2.0 * p)
+        + port.skew * supply
     )
 
 
@@ -101,7 +108,7 @@ def edge_flows(flow: float, p: float, port: Port, supply: float) -> tuple[float,
         port: what the valve connects.
         supply: P_s [Pa].
     """
-    from_supply, to_tank = port.leakage * (supply - p), port.leakage * p
+    from_supply, to_tank = (port.leakage + port.skew) * (supply - p), (port.leakage - port.skew) * p
     if port.load_check != 0 and p > supply:
         port = without_supply(port)
     if port.to_tank == math.inf:
@@ -131,20 +138,21 @@ def solve_port(intercept: float, admittance: float, port: Port, supply: float) -
     """
     if port.to_supply == math.inf and port.to_tank == math.inf:
         yielding = 2.0 * port.leakage + admittance
-        return PortSolution((port.leakage * supply - intercept) / yielding, 2.0 * port.leakage / yielding)
+        leaked = (port.leakage + port.skew) * supply
+        return PortSolution((leaked - intercept) / yielding, 2.0 * port.leakage / yielding)
     if port.to_tank == math.inf:
-        return _one_edge(intercept, admittance, port.to_supply, supply, port.leakage, supply)
+        return _one_edge(intercept, admittance, port.to_supply, supply, port, supply)
     if port.to_supply == math.inf:
-        return _one_edge(intercept, admittance, port.to_tank, 0.0, port.leakage, supply)
+        return _one_edge(intercept, admittance, port.to_tank, 0.0, port, supply)
     return _two_edges(intercept, admittance, port, supply)
 
 
 def _one_edge(
-    intercept: float, admittance: float, resistance: float, source: float, leakage: float, supply: float
+    intercept: float, admittance: float, resistance: float, source: float, port: Port, supply: float
 ) -> PortSolution:
     """Solve a port with one edge open, from the pressure `source`; leakage is linear and goes along."""
-    yielding = 2.0 * leakage + admittance
-    y = intercept - leakage * supply + yielding * source
+    yielding = 2.0 * port.leakage + admittance
+    y = intercept - (port.leakage + port.skew) * supply + yielding * source
     root = math.sqrt(1.0 + 4.0 * yielding * resistance * abs(y))  # = 1 + yielding d(drop)/do
     o = 2.0 * y / (1.0 + root)
     slope = 2.0 * resistance * abs(o)  # d(drop)/do

@@ -17,6 +17,9 @@ spring k with Coulomb friction F, moved slowly: b = 2 F/k (Prandtl's element). T
 the command, so that the lag stays linear. Breaking away is no harder than sliding: there is no
 stick-slip. Dither would make b smaller; give the width that is left.
 
+**Flow forces** push a spool towards its centre by F/k (`flow_force`): it goes for u - F/k. They are
+known in the middle of a step (`pushed_spools`).
+
 Under a held voltage u is constant, and a step is the exact solution: of the lag; with a slew limit
 of a ramp and the lag in turn, joined where the law changes.
 """
@@ -25,6 +28,7 @@ import math
 from typing import NamedTuple
 
 from forest_description.components.valve_parameters import Valve
+from forest_sim.hydraulics.flow_force import jet_factor
 
 
 class SpoolLag(NamedTuple):
@@ -35,6 +39,7 @@ class SpoolLag(NamedTuple):
     play: float = 0.0  # b [V]
     slew: float = math.inf  # S [V/s]
     dead_time: float = 0.0  # [s], see `command_history`
+    jet: float = 0.0  # of the flow forces, see `flow_force.jet_factor`; 0: none
 
 
 class Spool(NamedTuple):
@@ -52,35 +57,37 @@ HALVINGS = 60
 CENTRED = Spool(0.0, 0.0)
 
 
-def spool_lag(valve: Valve) -> SpoolLag:
-    """Return the kernel's constants of a valve's spool."""
-    bandwidth, slew = valve.spool_bandwidth, valve.spool_slew_limit
+def spool_lag(valve: Valve, density: float = 0.0) -> SpoolLag:
+    """Return the kernel's constants of a valve's spool in oil of a density [kg/m^3]."""
+    bandwidth, slew, centring = valve.spool_bandwidth, valve.spool_slew_limit, valve.centring_force
     return SpoolLag(
         frequency=math.inf if bandwidth is None else 2.0 * math.pi * bandwidth,
         damping=valve.spool_damping or 0.0,
         play=valve.hysteresis or 0.0,
         slew=math.inf if slew is None else slew,
         dead_time=valve.dead_time or 0.0,
+        jet=0.0 if centring is None else jet_factor(density, centring),
     )
 
 
-def spool_after(spool: Spool, voltage: float, time: float, lag: SpoolLag) -> Spool:
-    """Return a spool after a time [s] under a held voltage [V].
+def spool_after(spool: Spool, voltage: float, time: float, lag: SpoolLag, push: float = 0.0) -> Spool:
+    """Return a spool after a time [s] under a held voltage [V] and flow forces that push it by F/k [V].
 
     Thesis section 3.2.2. Differs: the thesis takes the spool to follow at once; so does a frequency
     of inf.
     """
     if lag.frequency == 0.0:
         return spool
-    if lag.play == 0.0 and lag.slew == math.inf:
+    if lag.play == 0.0 and lag.slew == math.inf and lag.jet == 0.0:
         return _lagging(spool, voltage, time, lag)
-    return _driven_spool(spool, voltage, time, lag)
+    return _driven_spool(spool, voltage, time, lag, push)
 
 
-def _driven_spool(spool: Spool, voltage: float, time: float, lag: SpoolLag) -> Spool:
-    """Return a spool with play or slew limit; not inlined."""
+def _driven_spool(spool: Spool, voltage: float, time: float, lag: SpoolLag, push: float) -> Spool:
+    """Return a spool with play, slew limit or flow forces; not inlined."""
     target = behind_play(spool.target, voltage, lag.play)
-    after = _slewed(spool, target, time, lag) if lag.slew < math.inf else _lagging(spool, target, time, lag)
+    aim = target - push
+    after = _slewed(spool, aim, time, lag) if lag.slew < math.inf else _lagging(spool, aim, time, lag)
     return Spool(after.position, after.rate, target)
 
 

@@ -45,7 +45,16 @@ UNITS = {  # by a word of the name; the first that is in it
     "reference": "Pa",
     "flow": "m3/s",
 }
-LEFT_OUT = ("spool_rate", "spool_target", "acceleration", "lift_one", "lift_two")
+LEFT_OUT = (
+    "spool_rate",
+    "spool_target",
+    "acceleration",
+    "lift_one",
+    "lift_two",
+    "lift_compensator",
+    "jets_force",
+    "jets_push",
+)
 COLUMNS = tuple(
     name
     for name in STATE

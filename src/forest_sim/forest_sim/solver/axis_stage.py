@@ -237,29 +237,37 @@ def _solution(
     """Return what both hoses do to the joint."""
     a, speed = axis.actuator, t.arm * rate
     stiffness = a.displacement_1 * swept[0] * one.stiffness + a.displacement_2 * swept[1] * two.stiffness
-    force = actuator_force(speed, one.pressure, two.pressure, a) + passive_force(t.position, speed, axis)
+    pressures = one.pressure, two.pressure
+    passive = passive_force(t.position, speed, pressures, axis)
+    force = actuator_force(speed, one.pressure, two.pressure, a) + passive
     return AxisSolution(
         rate=rate,
         arm=t.arm,
         one=one,
         two=two,
         torque=t.arm * force,
-        resistance=t.arm * t.arm * _resistance(speed, t, stiffness, axis, h),
+        resistance=t.arm * t.arm * _resistance(speed, t, stiffness, pressures, axis, h),
         known=(hose_1.pressure, hose_2.pressure),
         swept=swept,
         lines=(hose_1.line, hose_2.line),
     )
 
 
-def _resistance(speed: float, t: Transmission, stiffness: float, axis: Axis, h: float) -> float:
-    """Return -dF/du [N s/m; N m s/rad] of an actuator within a stage, the oil's stiffness first."""
+def _resistance(
+    speed: float, t: Transmission, stiffness: float, pressures: Pair, axis: Axis, h: float
+) -> float:
+    """Return -dF/du [N s/m; N m s/rad] of an actuator within a stage, the oil's stiffness first.
+
+    What the pressures add to the seals' friction on the way is left out: it is k/A of the oil's
+    stiffness, a few hundredths. Newton then gains less, by k/A (w h)^2 an iteration.
+    """
     a = axis.actuator
     braking = a.quadratic_resistance + cushion_resistance(t.position, speed, axis.cushion)
     return (
         stiffness
         + a.linear_resistance
         + 2.0 * braking * abs(speed)
-        + friction_slope(speed, axis.friction)
+        + friction_slope(speed, axis.friction, pressures[0], pressures[1])
         + end_stop_resistance(t.position, speed, axis.stop, h)
     )
 

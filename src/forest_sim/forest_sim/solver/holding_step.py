@@ -37,6 +37,7 @@ def _moved(
     return Lifts(
         lift_after(lifts.one, s.pressure_1, pilot_1, s.flow_1, h, axis.holding_1),
         lift_after(lifts.two, s.pressure_2, pilot_2, -s.flow_2, h, axis.holding_2),
+        lifts.compensator,
     )
 
 

@@ -14,18 +14,28 @@ from typing import NamedTuple
 from forest_description.types import Vec3
 from forest_sim.equations.drive import DriveState
 from forest_sim.equations.multibody import HeadState
-from forest_sim.equations.plant import AxisState, PlantState, holds_loads, ports_at, with_lifts
+from forest_sim.equations.plant import (
+    AxisState,
+    PlantState,
+    has_poppets,
+    holds_loads,
+    is_compensated,
+    ports_at,
+)
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
+from forest_sim.hydraulics.flow_force import NO_JETS, AllJets
 from forest_sim.hydraulics.hydraulic_line import PortGuard
 from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.manipulator import Pair
+from forest_sim.solver.compensator_step import openings_after
 from forest_sim.solver.conserved_oil import settled, with_contents
 from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.implicit_stage import solve_stage
 from forest_sim.solver.load_sensing import sensed_over
+from forest_sim.solver.pushed_spools import feels_jets, pushed
 
 GAMMA = 1.0 - math.sqrt(0.5)
 
@@ -47,19 +57,21 @@ class Simulation(NamedTuple):
     accelerations: Vec3  # of the joints over the last stage [rad/s^2], from which Newton starts
     head_accelerations: Pair  # of the hanging head, as well
     history: CommandHistory = NO_COMMANDS  # kept where a valve has a dead time
-    lifts: AllLifts = NO_LIFTS  # of load-holding valves, half a step ago
+    lifts: AllLifts = NO_LIFTS  # of load-holding valves and compensators, half a step ago
+    jets: AllJets = NO_JETS  # flow forces on the spools, where they have any
 
 
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
     """Advance the machine by h [s] with the valve voltages [V] held."""
-    plant, lifts, c = simulation.plant, simulation.lifts, GAMMA * h
+    plant, lifts, jets, c = simulation.plant, simulation.lifts, simulation.jets, GAMMA * h
     acting, history = _acting(simulation.history, voltages, h, p)
-    middle = spools_after(simulation.spools, acting, c, p)
-    end = spools_after(simulation.spools, acting, h, p)
-    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p)
-    if holds_loads(p):
-        lifts = lifts_after(plant, lifts, simulation.spools, h, p)
-        ports = with_lifts(ports, lifts)
+    if feels_jets(p):
+        jets = pushed(plant, simulation.spools, jets, p)
+    middle = spools_after(simulation.spools, acting, c, p, jets)
+    end = spools_after(simulation.spools, acting, h, p, jets)
+    if has_poppets(p):
+        lifts = _lifts_after(simulation, h, p)
+    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, lifts)
     if p.supply.rate > 0.0:
         ports = sensed_over(ports, simulation.spools, end, p)
     base = start = held = with_contents(plant, lifts, p)
@@ -80,7 +92,17 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     after = settled(after, held, p)
     events = _count(simulation.events, plant, after, failures, p.guard)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
-    return Simulation(after, end, events, rates_after, head_after, history, lifts)
+    return Simulation(after, end, events, rates_after, head_after, history, lifts, jets)
+
+
+def _lifts_after(simulation: Simulation, h: float, p: PlantParameters) -> AllLifts:
+    """Return the lifts with which a step of h [s] is made; not inlined."""
+    plant, lifts, spools = simulation.plant, simulation.lifts, simulation.spools
+    if holds_loads(p):
+        lifts = lifts_after(plant, lifts, spools, h, p)
+    if is_compensated(p):
+        lifts = openings_after(plant, lifts, spools, h, p)
+    return lifts
 
 
 def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:
@@ -131,18 +153,20 @@ def advance(simulation: Simulation, voltages: Vec3, h: float, count: int, p: Pla
     return simulation
 
 
-def spools_after(spools: Spools, voltages: Vec3, time: float, p: PlantParameters) -> Spools:
+def spools_after(
+    spools: Spools, voltages: Vec3, time: float, p: PlantParameters, jets: AllJets = NO_JETS
+) -> Spools:
     """Return the spools after a time [s] under held voltages [V]; they end at the rated one."""
     return (
-        _spool_after(spools[0], voltages[0], time, p.valves[0]),
-        _spool_after(spools[1], voltages[1], time, p.valves[1]),
-        _spool_after(spools[2], voltages[2], time, p.valves[2]),
+        _spool_after(spools[0], voltages[0], time, p.valves[0], jets[0].push),
+        _spool_after(spools[1], voltages[1], time, p.valves[1], jets[1].push),
+        _spool_after(spools[2], voltages[2], time, p.valves[2], jets[2].push),
     )
 
 
-def _spool_after(spool: Spool, voltage: float, time: float, valve: SpoolValve) -> Spool:
+def _spool_after(spool: Spool, voltage: float, time: float, valve: SpoolValve, push: float) -> Spool:
     rated = valve.law.forward.rated_voltage
-    return spool_after(spool, max(-rated, min(rated, voltage)), time, valve.lag)
+    return spool_after(spool, max(-rated, min(rated, voltage)), time, valve.lag, push)
 
 
 def _count(e: Events, before: PlantState, after: PlantState, failed: int, guard: PortGuard) -> Events:

@@ -18,12 +18,14 @@ from forest_sim.hydraulics import command_history, port, spool_dynamics
 from forest_sim.mechanics import pendulum
 from forest_sim.solver import (
     axis_stage,
+    compensator_step,
     conserved_oil,
     drive_stage,
     holding_step,
     implicit_stage,
     integrator,
     power_flows,
+    pushed_spools,
 )
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
@@ -35,9 +37,13 @@ NOINLINE = (
     spool_dynamics._second_order,
     spool_dynamics._driven_spool,
     command_history.after_dead_time,
+    integrator._lifts_after,
     holding_step.lifts_after,
+    compensator_step.openings_after,
+    pushed_spools.pushed,
     axis_stage._solve_with_holding,
     valve_characteristic._curved_opening,
+    valve_characteristic._overlap_leakage,
     implicit_stage._iterate_further,
     implicit_stage._equations_at_again,
     power_flows.power_flows,

@@ -160,7 +160,7 @@ def _axis_power(
         leakage=a.internal_leakage * ((p_1 - p_2) * (p_1 - p_2))
         + a.external_leakage * (p_1 * p_1 + p_2 * p_2),
         damping=a.damping * u * u,
-        dry_friction=friction_force(u, axis.friction) * u + drive.friction,
+        dry_friction=friction_force(u, axis.friction, s.pressure_1, s.pressure_2) * u + drive.friction,
         cushion=cushion_resistance(t.position, u, axis.cushion) * abs(u) * u * u,
         stop=-end_stop_force(t.position, u, axis.stop) * u + drive.stop,
         joint=joint_torque(s, t, axis) * s.rate - drive.friction - drive.gear - drive.elastic - drive.stop,

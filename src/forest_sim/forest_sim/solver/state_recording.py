@@ -7,7 +7,7 @@ flows of `power_flows` are integrated over the integrator's own steps with the t
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
 | schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
-| states | N, 98 | what `STATE` names, one row per period |
+| states | N, 107 | what `STATE` names, one row per period |
 | energies | N, 54 | J over the period through what `ENERGY` names |
 """
 
@@ -20,6 +20,7 @@ from forest_sim.equations.multibody import HANGING_STILL, HeadState
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.command_history import SIZE, CommandHistory
+from forest_sim.hydraulics.flow_force import Jets
 from forest_sim.hydraulics.load_holding import Lifts
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool
 from forest_sim.hydraulics.supply import SupplyState
@@ -37,6 +38,7 @@ STATE = (
     *(f"{name}_acceleration" for name in (*AXES, "head_alpha", "head_beta")),
     *(f"command_{field}_{k}" for field in CommandHistory._fields for k in range(SIZE)),
     *(f"{axis}_lift_{field}" for axis in AXES for field in Lifts._fields),
+    *(f"{axis}_jets_{field}" for axis in AXES for field in Jets._fields),
 )
 ENERGY = (
     *(f"pump_{field}" for field in SupplyPower._fields),
