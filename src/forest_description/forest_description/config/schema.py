@@ -62,7 +62,7 @@ def build(kind: type[T], tree: Branch, prefix: str = "") -> T:
         MachineError: Unknown or missing key, wrong unit, out of range, not a number, no source, or
             inconsistent values.
     """
-    fields = field_kinds(kind)
+    fields = field_kinds(kind)  # type: ignore[arg-type]  # a class is hashable
     known = (*fields, "kind") if hasattr(kind, "kind") else tuple(fields)
     unknown = [key for key in tree.children if key not in known]
     if unknown:
