@@ -1,12 +1,15 @@
 """The free camera in a real browser: the picture follows a drag, one and two fingers, and the wheel."""
 
+import io
 import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 from browser import LOW, PHONE, new_page
 from page_stand_in import PageStandIn
+from PIL import Image
 from playwright.sync_api import Browser
 
 from forest_description.derived.limits import pose_at, start_tip
@@ -16,6 +19,7 @@ from forest_station.scene.scene_description import scene_of
 
 C180 = load_machine("c180")
 BACK = 3.0  # [px] within which a label is where it was
+STANDS = 200  # [px] of the beams' colour from which on a crane stands there
 AWAY = 20.0  # [px] from which on it is elsewhere
 # Where the picture shows the middle of the reach, and of the tip's height [px].
 PLACES = """() => [...document.querySelectorAll("#scene .label.figure")].map((label) => {
@@ -35,13 +39,23 @@ class Picture:
         met.pages |= {"/scene.json": scene_of(C180), "/bags.json": []}
         met.open()
         self.page.wait_for_selector("#scene[data-rate]")
-        assert self.places() == []  # before anybody tells where the joints are, no crane stands there
+        assert self.places() == []
+        self.wait(lambda _: self.shown()[0])
+        assert self.shown()[1] == 0  # before anybody tells where the joints are, no crane stands there
         met.send_frame(1, 0.0, [*start_tip(C180), *pose_at(start_tip(C180), C180)])
         self.page.wait_for_function("() => document.querySelectorAll('#scene .label.figure').length === 2")
+        self.wait(lambda _: self.shown()[1] > STANDS)
         box = self.page.locator("#scene canvas").bounding_box()
         assert box is not None
         self.x, self.y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
         self.touch = self.page.context.new_cdp_session(self.page)
+
+    def shown(self) -> tuple[bool, int]:
+        """Return whether anything is drawn, and how many pixels before the vehicle have the beams' colour."""
+        picture = np.array(Image.open(io.BytesIO(self.page.locator("#scene canvas").screenshot())), dtype=int)
+        height, width, _ = picture.shape
+        seen = picture[height // 7 : height * 3 // 4, width // 2 :]  # no buttons, no banner
+        return bool(np.ptp(seen) > 20), np.count_nonzero(seen[..., 0] > seen[..., 2] + 10)
 
     def settled(self) -> list[list[float]]:
         """Return where the labels are once they stay there: at first the page finds its size."""

@@ -222,6 +222,36 @@ def test_the_emergency_stop_is_told_once_by_its_own_panel(js: Js) -> None:
     assert js("hands/why.js", why, seat) == ["Release it.", ""]
 
 
+STANDING = """(m, [parts, logged, now]) => {
+  const seat = { you_drive: true, asking: [], why_not: "", deadman: { state: "held", text: "" } };
+  const status = { armed: 0, factor: 1, limit: 0 };
+  return m.whyText(seat, { held: true, why: "" }, false, status, m.standingCause(parts, logged, now));
+}"""
+LOST = {"text": f"standing still: {motion_guard.LOST_STATE}", "at": 1000}
+FROZEN = {"name": "crane/controller: machine", "level": "error", "text": "swing is frozen"}
+
+
+@pytest.mark.parametrize(
+    ("parts", "logged", "now", "said"),
+    [
+        ([], LOST, 1500, "The controller stopped: no state of the machine. Centre the sticks, then go on."),
+        ([FROZEN], LOST, 1500, "The controller stopped: swing is frozen. Centre the sticks, then go on."),
+        ([FROZEN | {"level": "warning"}], LOST, 12_000, "Centre the sticks, then go on."),
+        ([FROZEN | {"name": "simulator: machine"}], None, 0, "Centre the sticks, then go on."),
+    ],
+)
+def test_who_holds_the_deadman_of_a_controller_that_stands_reads_why_and_what_to_do(
+    js: Js, parts: list[dict[str, str]], logged: dict[str, Any] | None, now: float, said: str
+) -> None:
+    assert [
+        js("hands/why.js", "(m, text) => m.isStanding(text)", text) for text in (LOST["text"], "well")
+    ] == [
+        True,
+        False,
+    ]
+    assert js("hands/why.js", STANDING, [parts, logged, now]) == said
+
+
 def test_history_keeps_the_newest_frames_and_begins_anew_when_time_goes_back(js: Js) -> None:
     steps = """(m) => {
       const history = new m.History(2, 3);
@@ -276,6 +306,7 @@ MESSAGES = (
     "hydraulics/pressures: 3 values; allowed: 12; the nominal load is taken",
     *(f"waiting for {what} on /x" for what in ("a joystick", "the machine's state", "commands", "voltages")),
     "/joy of /driver is not heard: best effort",
+    f"the graph starts: {motion_guard.LOST_STATE}",
 )
 
 

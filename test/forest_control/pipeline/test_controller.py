@@ -173,15 +173,15 @@ def test_the_tip_of_an_ideal_machine_goes_where_the_lever_points(scheme, directi
 @every_scheme
 def test_no_levers_drive_a_joint_over_its_limits(scheme):
     p, rng = parameters(scheme), np.random.default_rng(10)
-    held = rng.uniform(-1.5, 1.5, (20, 3)).clip(-1.0, 1.0).tolist()
+    held = rng.uniform(-1.5, 1.5, (10, 3)).clip(-1.0, 1.0).tolist()
     lower, upper = np.array(joint_limits(MACHINE)).T
     least, most, held_back = np.full(3, math.inf), np.full(3, -math.inf), 0
-    for _, output, angles in drive(p, lambda t: Levers(*held[int(t / 3.0)]), 60.0, bandwidth=4.0 * math.pi):
+    for _, output, angles in drive(p, lambda t: Levers(*held[int(t / 3.0)]), 30.0, bandwidth=4.0 * math.pi):
         least, most = np.minimum(least, angles), np.maximum(most, angles)
         held_back += output.scaling.limit is Limit.JOINT
     assert all(least > lower)
     assert all(most < upper)
-    assert held_back > 1000  # it was tried
+    assert held_back > 500  # it was tried
 
 
 def test_beyond_a_limit_the_reference_does_not_pull_the_joint_in():
@@ -231,7 +231,7 @@ def test_of_random_wishes_no_rate_and_no_flow_is_over_its_limit_and_the_tip_keep
     p = controller_settings.parameters(MACHINE, Settings(scheme=scheme, tip_speed=3.0))
     rng, held = np.random.default_rng(100 + int(scheme)), set()
     lower, upper = np.array(p.velocity_limits.lower), np.array(p.velocity_limits.upper)
-    for _ in range(4000):  # 20 000 in all
+    for _ in range(2000):  # 10 000 in all
         q = tuple(rng.uniform(lower - 0.02, upper + 0.02).tolist())
         wish = tuple(rng.normal(0.0, 0.7, 3).tolist())
         moving = coordinated_servo.in_motion(wish, ZERO, coordinated_servo.MOST_SAMPLES)

@@ -72,12 +72,22 @@ def polyline(name: str, points: list[Vec3]) -> TipPath:
         PathError: there is no way, or it is too long.
     """
     ways, table, stops = curve(name, points)
+    return TipPath(name, float(ways[-1]), _along(ways.tolist(), table.tolist()), stops)
+
+
+def _along(ways: list[float], places: list[Vec3]) -> Callable[[float], Vec3]:
+    """Return the place [m] at a way, straight between rows; a plan asks for ten thousands, one by one."""
 
     def at(s: float) -> Vec3:
-        x, y, z = (float(np.interp(s, ways, table[:, i])) for i in range(3))
+        k = max(bisect.bisect_right(ways, s) - 1, 0)
+        here = places[k]
+        if s <= ways[k] or k == len(ways) - 1:
+            return here[0], here[1], here[2]
+        there, since, span = places[k + 1], s - ways[k], ways[k + 1] - ways[k]
+        x, y, z = ((b - a) / span * since + a for a, b in zip(here, there, strict=True))
         return x, y, z
 
-    return TipPath(name, float(ways[-1]), at, stops)
+    return at
 
 
 def curve(name: str, points: list[Vec3]) -> tuple[Floats, Floats, tuple[float, ...]]:

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from forest_control.config.controller_settings import Settings
 from forest_description.derived.limits import start_tip
@@ -114,6 +113,8 @@ def _table(found: list[Result]) -> str:
 
 
 def _draw(machine: Machine, found: list[Result], out: Path) -> Path:
+    from matplotlib.figure import Figure  # takes half a second, which the other verbs need not wait
+
     figure = Figure(figsize=(13.0, 7.0), dpi=100, layout="constrained")
     figure.suptitle(
         f"Position loops of {machine.name}: with the controller's gains, and dashed with K_p = 1 1/s"

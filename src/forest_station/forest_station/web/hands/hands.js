@@ -75,7 +75,7 @@ class Hands extends EventTarget {
   #judge(now) {
     if (hung(this.looked, now)) this.deadman.release("the page hung");
     if (document.hidden || !document.hasFocus()) this.deadman.release("the page is not in front");
-    if (!this.station.live) this.deadman.release("a replay is shown");
+    if (!this.station.live) this.deadman.release("a replay is shown: close it to drive");
   }
 
   #hearPads(deadmen) {

@@ -15,22 +15,41 @@ export function driverText(seat) {
 export function deadmanState(seat, held) {
   const judged = seat?.deadman.state ?? "waiting";
   if (judged === "held") return { state: "held", text: "Deadman held" };
-  if (held && seat?.you_drive) return { state: "pressed", text: "Deadman pressed, does not count" };
+  if (held && seat?.you_drive) return { state: "pressed", text: "Deadman does not count: let it go" };
   return { state: judged, text: "Deadman released" };
 }
+
+// A cause, if there is one, and what to do.
+function sentences(cause, remedy) {
+  return cause ? `${cause[0].toUpperCase()}${cause.slice(1)}. ${remedy}` : remedy;
+}
+
+const STANDING = /^standing still: /; // begins what a controller logs
+const RECENT_MS = 10_000;
+
+// Why the controller stands still: what it says at the moment, or has logged lately, for a short trouble is over before it is read.
+//
+// parts: of the newest diagnostics; logged: {text, at} of the newest line that begins so, or null; now: as `at` [ms].
+export function standingCause(parts, logged, now) {
+  const part = parts.find(({ name, level }) => level === "error" && /controller: /.test(name));
+  if (part) return part.text;
+  return logged && now - logged.at < RECENT_MS ? logged.text.replace(STANDING, "") : "";
+}
+
+export const isStanding = (text) => STANDING.test(text);
 
 // Why nothing moves, or not as fast as it was told to; "" if nothing is in the way.
 //
 // seat: the newest message, or null; here: {held, why} of this page's deadman, and its id, {you}; stopped: the emergency stop is active;
-// status: armed, factor and limit of controller/status, NaN where unknown.
-export function whyText(seat, here, stopped, status) {
+// status: armed, factor and limit of controller/status, NaN where unknown; cause: why the controller stands still, "" if nobody knows.
+export function whyText(seat, here, stopped, status, cause = "") {
   if (!seat) return "The crane stands still until the page is connected again.";
   if (stopped) return ""; // its own panel says so
   if (seat.why_not) return seat.why_not;
   if (seat.asking.includes(here.you)) return `${seat.driver} is asked to hand over.`;
   if (!seat.you_drive) return seat.driver === null ? "Take the seat to drive." : "";
-  if (seat.deadman.state !== "held") return here.held || !here.why ? seat.deadman.text : `${seat.deadman.text} (${here.why})`;
-  if (status.armed === 0) return "The controller does not move: centre the sticks, and see the diagnostics.";
+  if (seat.deadman.state !== "held") return here.held ? seat.deadman.text : sentences(here.why, seat.deadman.text);
+  if (status.armed === 0) return sentences(cause && `the controller stopped: ${cause}`, "Centre the sticks, then go on.");
   if (status.factor < 1 && LIMITS[status.limit]) {
     return `Slowed to ${Math.round(100 * status.factor)} % by ${LIMITS[status.limit]}.`;
   }

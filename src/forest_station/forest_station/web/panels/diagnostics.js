@@ -11,6 +11,7 @@ const LOG_LINES = 5;
 export function mount(element, station) {
   const summary = make("p", { className: "summary" });
   summary.setAttribute("role", "status");
+  setText(summary, "No node has told of itself yet: the graph starts, or none runs.");
   const list = make("ul", { className: "troubles" });
   const log = make("ol", { className: "log" });
   const logged = make("details", { hidden: true }, make("summary", {}, "Log"), log);

@@ -2,7 +2,7 @@
 
 import { make, makeButton, setText } from "../elements.js";
 import { handsOf } from "../hands/hands.js";
-import { deadmanState, driverText, whyText } from "../hands/why.js";
+import { deadmanState, driverText, isStanding, standingCause, whyText } from "../hands/why.js";
 import { momentOf } from "../replay/link.js";
 
 export const place = "top";
@@ -27,7 +27,7 @@ export function mount(element, station) {
 
 class Seat {
   constructor(station, hands, view) {
-    Object.assign(this, { station, hands, view, you: null, seat: null, stopped: false, isNew: true });
+    Object.assign(this, { station, hands, view, you: null, seat: null, stopped: false, isNew: true, parts: [], logged: null });
     const hear = (kind, act) =>
       station.on(kind, (detail) => {
         act(detail);
@@ -36,6 +36,8 @@ class Seat {
     hear("welcome", ({ you }) => (this.you = you));
     hear("seat", (seat) => this.#hear(seat));
     hear("emergency_stop", ({ active }) => (this.stopped = active));
+    hear("diagnostics", ({ parts }) => (this.parts = parts));
+    hear("log", ({ text }) => isStanding(text) && (this.logged = { text, at: performance.now() }));
     hear("close", () => (this.seat = null));
     hands.addEventListener("change", () => this.paint());
   }
@@ -48,7 +50,8 @@ class Seat {
     view.driver.dataset.drives = Boolean(seat?.you_drive);
     setText(view.deadman, deadman.text);
     view.deadman.dataset.state = deadman.state;
-    setText(view.why, whyText(seat, { held, why, you: this.you }, this.stopped, this.#status()));
+    const cause = standingCause(this.parts, this.logged, performance.now());
+    setText(view.why, whyText(seat, { held, why, you: this.you }, this.stopped, this.#status(), cause));
     this.#offer(seat ? this.#choices(seat) : []);
   }
 

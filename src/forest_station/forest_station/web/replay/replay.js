@@ -58,7 +58,7 @@ class Replay extends EventTarget {
   async open(name) {
     const bag = await this.#opened(name);
     if (!bag) return;
-    handsOf(this.station).release("a replay is shown"); // told to the server while it still hears us
+    handsOf(this.station).release("a replay is shown: close it to drive"); // told to the server while it still hears us
     this.station.live = false;
     this.bag = bag;
     this.playing = false;

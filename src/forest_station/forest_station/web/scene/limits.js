@@ -43,7 +43,7 @@ export class Limits {
     }
     if (limit === RELEASED) {
       const armed = signals.value("controller/status/armed") !== 0;
-      shown.labels.push({ key: "limit", text: armed ? "deadman released" : "controller waits", at: tip, kind: "calm" });
+      shown.labels.push({ key: "limit", text: armed ? "hold the deadman to drive" : "centre the sticks", at: tip, kind: "calm" });
     }
   }
 
