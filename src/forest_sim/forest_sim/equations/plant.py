@@ -278,6 +278,7 @@ def at_joints(state: PlantState, p: PlantParameters) -> PlantState:
         supply=state.supply,
         head=state.head,
         drive=state.drive,
+        pump=state.pump,
         roots=roots,
     )
 
