@@ -76,9 +76,10 @@ class Mode(NamedTuple):
         links, hoses, pump, head = (self.parts[name] for name in ("links", "hoses", "pump", "head"))
         if head > 0.5:
             return "hanging head"
-        if self.parts.get("motor", 0.0) > links:
+        most = max(links, hoses, pump)
+        if self.parts.get("motor", 0.0) > most:
             return "motor in gear"
-        if self.parts.get("roots", 0.0) > links:
+        if self.parts.get("roots", 0.0) > most:
             return "roots in links"
         if links >= max(hoses, pump):
             return "links bending" if self.parts.get("bending", 0.0) > self.parts["oil"] else "links on oil"
@@ -215,7 +216,7 @@ def _mode(value: complex, weights: Floats, kept: tuple[int, ...]) -> Mode:
         if place < 18:
             axes[place // 6] += weight
             parts[PARTS.get(AxisState._fields[place % 6], "hoses")] += weight
-        elif place < 20 or place >= PUMP:
+        elif place < 20 or PUMP <= place < ROOTS:
             parts["pump"] += weight
         elif place < 24:
             parts["head"] += weight
