@@ -11,13 +11,17 @@ from two_volumes import CHAMBER_1, CHAMBER_2
 
 from forest_description.components.load_holding import CounterbalanceValve, PilotCheckValve, RuptureValve
 from forest_description.components.pump import IdealPump
+from forest_description.components.valve_characteristic import edges
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_sim.hydraulics.load_holding import holding_valve, lift_after, restriction
+from forest_sim.hydraulics.load_holding import Lifts, holding_valve, lift_after, restriction
+from forest_sim.hydraulics.spool_dynamics import Spool
+from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
 from forest_sim.solver import state_recording
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE
 
@@ -179,6 +183,30 @@ def test_a_pilot_check_valve_holds_and_is_opened_by_lowering():
     assert np.all(run.lift_one[:40] == 0.0)
     assert run.lift_one[60:300].min() > 0.0
     assert math.degrees(run.angle[0] - run.angle[299]) > 5.0
+
+
+@pytest.mark.parametrize("opening", [1.0, 0.1])
+def test_a_pilot_line_begins_behind_the_compensator_and_ends_in_the_tank_line(opening):
+    """A stick's two valves: that of the fed side is opened by the tank line, the other by the pump's rest."""
+    p, flow, tank = plant_parameters(load_machine("forwarder")), 1e-3, 0.6 * MPA
+    simulation = equilibrium(POSE, p)
+    plant = simulation.plant._replace(
+        supply=SupplyState(20.0 * MPA, 20.0 * MPA),
+        stick=simulation.plant.stick._replace(pressure_1=24.0 * MPA, pressure_2=25.5 * MPA),
+    )
+    plant = plant._replace(stick=plant.stick._replace(flow_1=flow, flow_2=flow))
+    lifts, leakless = Lifts(0.0, 0.0, opening), p.valves[2].law._replace(leakage=0.0)
+    p = p._replace(valves=(*p.valves[:2], p.valves[2]._replace(law=leakless)))
+    edge = edges(6.0, leakless)
+    in_series = p.valves[2].compensator.resistance / opening**2
+    pilots = tank + edge.tank_2 * flow**2, 20.0 * MPA - (edge.supply_1 + in_series) * flow**2
+    for position, (back, ahead) in ((6.0, pilots), (0.0, (tank, tank))):
+        spools = (*simulation.spools[:2], Spool(position, 0.0))
+        after = lifts_after(plant, (lifts, lifts, lifts), spools, tank, 1e-3, p)[2]
+        one = lift_after(0.0, 24.0 * MPA, back, flow, 1e-3, p.stick.holding_1)
+        two = lift_after(0.0, 25.5 * MPA, ahead, -flow, 1e-3, p.stick.holding_2)
+        assert after == pytest.approx((one, two, opening))
+        assert one > 0.0
 
 
 def test_a_boom_comes_down_as_one_whose_valve_stands_between_two_volumes():
