@@ -18,6 +18,9 @@ Dry friction is linearised like all else. At rest that is a strong damper, which
 oscillations only; `friction_linearisation` tells for which, and gives the parameters for large
 ones. A swing's bearing sticks at rest, and its gear stands in the middle of its play.
 
+Load-holding valves, compensators, flow forces and the tank line's pressure stand as they are: the
+modes are those of times shorter than their time constants.
+
 Where links give way, a root's angle is replaced by its deflection from the link: that is what the
 spring's energy goes by, and its participation is the spring's share of the mode's energy.
 """
