@@ -215,7 +215,7 @@ def _mode(value: complex, weights: Floats, kept: tuple[int, ...]) -> Mode:
         if place < 18:
             axes[place // 6] += weight
             parts[PARTS.get(AxisState._fields[place % 6], "hoses")] += weight
-        elif place < 20 or place >= PUMP:
+        elif place < 20 or PUMP <= place < ROOTS:
             parts["pump"] += weight
         elif place < 24:
             parts["head"] += weight
