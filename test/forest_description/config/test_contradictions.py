@@ -376,7 +376,7 @@ OTHERS = [
     ),
     (
         "forwarder",
-        "valve:\n  deadband_voltage: = -0.5 V\n",
+        "valve:\n  deadband_voltage: = -0.5 V\n  leakage_edge_ratio: null\n",
         3,
         "valve.deadband_voltage (-0.5 V): a valve with a compensator must not be underlapped; allowed",
     ),

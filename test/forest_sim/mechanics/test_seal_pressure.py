@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from full_machine import START, advance, full_machine, pack, reference
+from full_machine import START, advance, full_machine, pack, reference, rigid
 from two_volumes import CHAMBER_1, CHAMBER_2, opened_and_shut
 
 from forest_description.components.drives import Friction
@@ -16,8 +16,14 @@ from forest_sim.mechanics.friction import friction, friction_force, pressed
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import spools_after
 
-REAL = load_machine("c180_real")
-SEALS = REAL.boom.friction
+SHIPPED = load_machine("c180_real")
+# With the sharper kinks of thin lips, which make them stick and slip at these speeds.
+SEALS = dataclasses.replace(SHIPPED.boom.friction, stribeck_speed=0.005, smoothing_speed=5e-4)
+REAL = dataclasses.replace(
+    SHIPPED,
+    boom=dataclasses.replace(SHIPPED.boom, friction=SEALS),
+    stick=dataclasses.replace(SHIPPED.stick, friction=SEALS),
+)
 POSE = (0.0, 0.4, -1.4)
 # Valves that follow at once and hold no load, a supply that stands still, no air, a head at the tip.
 PLAIN = dataclasses.replace(
@@ -30,6 +36,7 @@ PLAIN = dataclasses.replace(
     ),
     boom=dataclasses.replace(REAL.boom, holding_1=None),
     stick=dataclasses.replace(REAL.stick, holding_1=None, holding_2=None),
+    tank_line=None,
     manipulator=dataclasses.replace(REAL.manipulator, pendulum=None),
 )
 
@@ -87,7 +94,7 @@ def test_pressed_seals_let_a_slow_boom_stick_and_slip_and_unpressed_ones_do_not(
 
 
 def test_steps_converge_with_order_two():
-    machine, volts = full_machine("compensated"), (3.0, 2.5, -3.5)
+    machine, volts = rigid(full_machine("compensated")), (3.0, 2.5, -3.5)
     seals = Friction(4e3, 7e3, 0.02, 2e-3, 4e-4)
     p = plant_parameters(with_seals(seals, machine))
     begin = advance(equilibrium(START, p), volts, 1e-3, 250, p)

@@ -23,7 +23,7 @@ START = (0.0, 0.2, -1.2)
 
 
 def machine(compensator, **pump):
-    """The forwarder with other compensators, without what holds loads and without its pump's limits."""
+    """The forwarder with other compensators, without what holds loads or comes late."""
     part = replace(FORWARDER.valve, compensator=compensator)
     axes = {
         name: replace(drive, valve=replace(drive.valve, compensator=compensator) if drive.valve else None)
@@ -31,7 +31,9 @@ def machine(compensator, **pump):
     }
     axes["stick"] = replace(axes["stick"], holding_1=None, holding_2=None)
     boom = replace(FORWARDER.boom, holding_1=None)
-    return replace(FORWARDER, valve=part, boom=boom, pump=replace(FORWARDER.pump, **pump), **axes)
+    at_once = {"stroke_up_time": None, "stroke_down_time": None, "engine": None}
+    supply = replace(FORWARDER.pump, **at_once, **pump)
+    return replace(FORWARDER, valve=part, boom=boom, pump=supply, tank_line=None, **axes)
 
 
 def run(m, voltages, seconds):
@@ -69,7 +71,7 @@ def openings(simulation, m):
 def test_a_pump_too_small_for_all_is_shared_in_proportion_to_the_openings():
     """Q sqrt(C_R) of every axis is the root of what the pump leaves, less each one's own control range."""
     m = machine(AFTER, displacement=0.3 * FORWARDER.pump.displacement)
-    p, now, shared, flows = plant_parameters(m), run(m, (5.0, 7.0, 6.0), 0.6), [], []
+    p, now, shared, flows = plant_parameters(m), run(m, (5.0, 7.0, 6.0), 1.0), [], []
     for _ in range(50):
         now = advance(now, (5.0, 7.0, 6.0), 1e-3, 10, p)
         supply, axes = now.plant.supply, now.plant.axes

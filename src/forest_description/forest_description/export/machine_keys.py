@@ -65,7 +65,8 @@ Numbers that contradict each other are refused, too:
 - one of the swash plate's two times alone; a torque that does not even hold the pump's pressure
 - an engine that stalls before it gives its greatest torque
 - a tank line that takes all of the pump's pressure at its full flow
-- friction whose `smoothing_speed` is above its `stribeck_speed`; seals that pressure alone would hold
+- friction whose `smoothing_speed` is above its `stribeck_speed`; seals that pressure alone would
+  hold
 - breaking away that is easier than sliding, or takes over 0.01 rad, or more than the motor has
 - a gear whose play is wider than the swing's travel
 - links that the crane's weight, or a column that the motor, would deflect by over 0.1 rad

@@ -45,6 +45,7 @@ from forest_sim.solver.supply_stage import (
 
 TOLERANCE = 1e-4  # [rad/s] of Newton's last correction; the next one would be a thousandth of it at 1 ms
 LIGHT_SHARE = 0.01  # of a motor's and a root's correction that counts: they weigh a hundredth of the crane
+REFERENCE_TOLERANCE = 1.0  # [Pa] of P_r, which is not corrected but found anew
 BOUNDED = 6  # iterations after which the supply's pressure is kept between bounds, for its pump's kinks
 RIGID, ELASTIC = 0, 1  # literally, so that the machine code of rigid links has nothing of others
 NO_FEEDS = ((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
@@ -116,7 +117,8 @@ def solve_stage(
         return _iterate_elastic(base, start, _with_root_rates(iterate, base, p), ports, h, p)
     equations, _ = _equations_at(base, start, iterate, ports, h, p, RIGID)
     after, size, supply_change = _newton_step(iterate, equations, ALL_STIFF, 1.0, UNBOUNDED, p, RIGID)
-    if _has_converged(size, supply_change, supply_tolerance(after.supply.pressure, p)):
+    reference_change = equations.supply.state.reference - iterate.supply.reference
+    if _has_converged(size, supply_change, reference_change, supply_tolerance(after.supply.pressure, p)):
         return _stage_end(base, after, equations, 0, h, p, RIGID)
     return _iterate_further(base, start, after, ports, h, p)
 
@@ -159,9 +161,10 @@ def _iterate(
     equations, links = _equations_again(base, near, iterate, ports, h, p, bends)
     for iteration in range(1, ITERATIONS):
         before, share = iterate.supply.pressure, 0.5 if DAMPED <= iteration < FULL else 1.0
+        reference_change = equations.supply.state.reference - iterate.supply.reference
         iterate, size, supply_change = _newton_step(iterate, equations, links, share, bounds, p, bends)
         tolerance = supply_tolerance(iterate.supply.pressure, p)
-        if share == 1.0 and _has_converged(size, supply_change, tolerance):
+        if share == 1.0 and _has_converged(size, supply_change, reference_change, tolerance):
             failed = 0
             break
         if iteration >= BOUNDED:
@@ -212,12 +215,11 @@ def _with_link(end: AxisEnd, base: AxisState, rate: float, h: float) -> AxisEnd:
     return AxisEnd(with_joint(end.state, angle, rate), with_joint(end.held, angle, rate))
 
 
-def _has_converged(rates: float, supply: float, tolerance: float) -> bool:
-    """Tell whether corrections [rad/s; Pa] leave nothing to speak of for the next iteration.
-
-    P_r is found anew in each: it follows a hundredth of what the load changes in a step.
-    """
-    return rates < TOLERANCE and abs(supply) < tolerance
+def _has_converged(rates: float, supply: float, reference: float, tolerance: float) -> bool:
+    """Tell whether corrections [rad/s; Pa; Pa] leave nothing to speak of for the next iteration."""
+    if not rates < TOLERANCE:
+        return False
+    return abs(supply) < tolerance and abs(reference) < REFERENCE_TOLERANCE
 
 
 def _head_at(base: HeadState, rates: Pair, h: float) -> HeadState:
