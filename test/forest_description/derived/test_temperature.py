@@ -169,3 +169,16 @@ def test_a_temperature_that_no_oil_has_is_refused_with_the_range():
         MachineError, match=r"at 40 K: Oil\.reference_temperature: 40 K is outside 223\.15 \.\."
     ):
         at_temperature(C180, 40.0)
+
+
+def test_a_warm_forwarders_compensators_and_tank_line_have_its_oil():
+    machine = load_machine("forwarder")
+    warm = at_temperature(machine, 353.15)
+    thin, soft = warm.oil.density / machine.oil.density, warm.oil.bulk_modulus / machine.oil.bulk_modulus
+    assert thin < 1.0 > soft
+    assert warm.tank_line.resistance == pytest.approx(thin * machine.tank_line.resistance)
+    assert warm.tank_line.capacitance == pytest.approx(machine.tank_line.capacitance / soft)
+    for axis in range(3):
+        as_told, now = machine.valve_of(axis), warm.valve_of(axis)
+        resistance = thin * as_told.compensator.minimum_resistance
+        assert now.compensator.minimum_resistance == pytest.approx(resistance)

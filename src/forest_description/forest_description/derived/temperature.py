@@ -9,8 +9,9 @@ What changes, and how:
     measured hose    R laminar m; R turbulent m^¼ r^¾ (Thesis eq. 4.3); I r; of C the oil's part 1/b, the
                      wall's part not (``MeasuredHose.oil_share``)
     geometric hose   made from the oil anew, ``GeometricHose.line``
-    valve            C_R r (sharp edges: viscosity has no say); leakage past the edges 1/m
+    valve            C_R of edges and compensator r (sharp: viscosity has no say); leakage past the edges 1/m
     motor, pump      leakage resistances m; capacitance of the manifold, whose walls are rigid, 1/b
+    tank line        R r; C 1/b
     cushions         r, as orifices
 
 What does not: viscous and dry friction of motor and cylinders and the pump's mechanical efficiency, which are
@@ -25,6 +26,7 @@ from forest_description.components.drives import CylinderDrive, SwingDrive
 from forest_description.components.hose import Hose, MeasuredHose
 from forest_description.components.oil import Oil
 from forest_description.components.pump import IdealPump, Pump
+from forest_description.components.tank_line import TankLine
 from forest_description.components.valve_parameters import Valve
 from forest_description.config.parameter import MachineError, replace_unchecked
 from forest_description.machine import Machine
@@ -66,6 +68,7 @@ def at_temperature(machine: Machine, temperature: float) -> Machine:
             swing=_swing(machine.swing, change),
             boom=_cylinder(machine.boom, change),
             stick=_cylinder(machine.stick, change),
+            tank_line=_tank_line(machine.tank_line, change),
         )
     except MachineError as error:
         raise MachineError(f"{machine.name} with its oil at {temperature:g} K: {error}") from error
@@ -93,7 +96,10 @@ def _pump(pump: Pump, change: Change) -> Pump:
 
 
 def _valve(valve: Valve, change: Change) -> Valve:
-    backward = valve.backward
+    backward, compensator = valve.backward, valve.compensator
+    if compensator is not None:
+        c_r = compensator.minimum_resistance * change.density
+        compensator = replace_unchecked(compensator, minimum_resistance=c_r)
     if backward is not None:
         c_r = backward.minimum_resistance * change.density
         backward = replace_unchecked(backward, minimum_resistance=c_r)
@@ -102,6 +108,15 @@ def _valve(valve: Valve, change: Change) -> Valve:
         minimum_resistance=valve.minimum_resistance * change.density,
         leakage_conductance=valve.leakage_conductance / change.viscosity,
         backward=backward,
+        compensator=compensator,
+    )
+
+
+def _tank_line(line: TankLine | None, change: Change) -> TankLine | None:
+    if line is None:
+        return None
+    return replace_unchecked(
+        line, resistance=line.resistance * change.density, capacitance=line.capacitance / change.bulk_modulus
     )
 
 
