@@ -37,20 +37,13 @@ os.environ["PYTHONFAULTHANDLER"] = "1"
 os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(Path(forest_msgs_py.__file__).with_name("loopback.xml"))
 
 
-def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line("markers", "live: of a file that starts nodes or talks to some; they mostly wait")
-
-
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the files that start processes, and run those that start most of them first.
+    """Run the files that start most processes first, and the longest of the others next.
 
     A file runs in one worker: the last one to begin should be short.
     """
     starts = Counter(item.path for item in items if {"domain_id", "session_domain_id"} & _fixtures(item))
     items.sort(key=lambda item: (starts[item.path], str(item.path)), reverse=True)
-    for item in items:
-        if item.path in starts:
-            item.add_marker("live")
 
 
 def _fixtures(item: pytest.Item) -> set[str]:

@@ -325,7 +325,7 @@ class Machine(ParameterSet):
 
 
 def load_machine(name_or_path: str | Path = "c180") -> Machine:
-    """Return a machine from a shipped name ("c180", "c180_thesis", "loader"), drawn, or from a YAML file.
+    """Return a machine: a shipped one by its name, as "c180" or "forwarder", a drawn one, or a YAML file's.
 
     Args:
         name_or_path: A name without suffix looks up a shipped machine; "unknown:7" draws one

@@ -12,7 +12,7 @@ from forest_sim.simulation.voltage_profiles import thesis
 from forest_sim.solver.state_recording import restore
 
 
-@pytest.mark.parametrize("name", ["c180_thesis", "loader"])
+@pytest.mark.parametrize("name", ["c180_thesis", "c180_real", "loader", "forwarder"])
 def test_columns_are_what_the_sensors_see(name):
     machine = load_machine(name)
     p, around = plant_parameters(machine), surroundings(machine)

@@ -12,6 +12,7 @@ from forest_description.components.drives import Friction
 from forest_description.components.load import Pendulum
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
+from forest_sim.analysis.friction_linearisation import without_dry_friction
 from forest_sim.analysis.mode_map import mode_map
 from forest_sim.analysis.modes import modes, operating_point, slow_modes, unguarded
 from forest_sim.equations.plant import ports_at, state_derivative
@@ -126,6 +127,15 @@ def test_a_hanging_head_swings_as_a_pendulum_beside_the_cranes_own_modes():
     for mode in swings:
         assert mode.frequency == pytest.approx(alone, rel=0.1)
     assert [mode.axis for mode in found if mode.kind == "links on oil"] == ["swing", "boom", "stick"]
+
+
+def test_a_driven_pump_and_links_that_bend_have_shares_of_their_own():
+    found = modes(START, SHUT, without_dry_friction(plant_parameters(load_machine("forwarder"))))
+    boom = slow_modes(found)["boom"]
+    assert boom.parts["bending"] > 0.1
+    assert boom.parts["pump"] < 1e-6  # behind a shut valve
+    assert [mode.axis for mode in found if mode.kind == "roots in links"] == ["stick", "boom"]
+    assert [mode.parts["pump"] for mode in found if mode.kind == "oil and pump"] == [pytest.approx(1.0)]
 
 
 def test_the_map_stays_inside_the_workspace():

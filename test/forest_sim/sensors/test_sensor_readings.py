@@ -254,3 +254,10 @@ def test_one_sample_of_all_sensors_fits_into_a_fraction_of_a_period():
         sensor_readings.measure(REST, state, P, DT, suite, draw(generator))
         best = min(best, time.thread_time() - begun)
     assert best < 5e-4
+
+
+def test_the_tachometer_tells_the_engines_speed_on_a_crane_whose_links_bend_too():
+    forwarder = plant_parameters(load_machine("forwarder"))
+    rest = equilibrium(Q, forwarder)
+    told = sensor_readings.true_values(rest, forwarder, sensor_readings.NOMINAL)
+    assert told[CHANNELS.index("engine_speed")] == rest.plant.pump.speed > 0.0

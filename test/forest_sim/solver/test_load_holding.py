@@ -11,13 +11,17 @@ from two_volumes import CHAMBER_1, CHAMBER_2
 
 from forest_description.components.load_holding import CounterbalanceValve, PilotCheckValve, RuptureValve
 from forest_description.components.pump import IdealPump
+from forest_description.components.valve_characteristic import edges
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
-from forest_sim.hydraulics.load_holding import holding_valve, lift_after, restriction
+from forest_sim.hydraulics.load_holding import Lifts, holding_valve, lift_after, restriction
+from forest_sim.hydraulics.spool_dynamics import Spool
+from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
 from forest_sim.solver import state_recording
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
+from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE
 
@@ -179,6 +183,26 @@ def test_a_pilot_check_valve_holds_and_is_opened_by_lowering():
     assert np.all(run.lift_one[:40] == 0.0)
     assert run.lift_one[60:300].min() > 0.0
     assert math.degrees(run.angle[0] - run.angle[299]) > 5.0
+
+
+@pytest.mark.parametrize(("position", "flow"), [(6.0, 1e-3), (0.0, 0.0)])
+def test_a_pilot_line_ends_behind_the_compensator_or_in_the_tank_line(position, flow):
+    """Both valves of a stick, far from the pump's 20 MPa; a shut spool leaves them the tank line."""
+    machine = load_machine("forwarder")
+    p, tank, load = plant_parameters(machine), 0.6 * MPA, 9.0 * MPA
+    tight = p.valves[2].law._replace(leakage=0.0)
+    p = p._replace(valves=(*p.valves[:2], p.valves[2]._replace(law=tight)))
+    rest = equilibrium(POSE, p)
+    stick = rest.plant.stick._replace(pressure_1=load, pressure_2=24.0 * MPA, flow_1=flow, flow_2=flow)
+    plant = rest.plant._replace(supply=SupplyState(20.0 * MPA, 20.0 * MPA), stick=stick)
+    spools, lifts = (*rest.spools[:2], Spool(position, 0.0)), Lifts(0.2, 0.0, 0.05)
+    after = lifts_after(plant, (lifts, lifts, lifts), spools, tank, 1e-3, p)[2]
+    hose, check = machine.line(2, 1).resistance, machine.stick.holding_1.check_resistance
+    ahead = load + (hose + check) * flow**2 if flow else tank
+    back = tank + edges(position, tight).tank_2 * flow**2 if flow else tank
+    assert after.one == pytest.approx(lift_after(0.2, load, back, flow, 1e-3, p.stick.holding_1))
+    assert after.two == pytest.approx(lift_after(0.0, 24.0 * MPA, ahead, -flow, 1e-3, p.stick.holding_2))
+    assert after.two > 0.0
 
 
 def test_a_boom_comes_down_as_one_whose_valve_stands_between_two_volumes():

@@ -94,6 +94,20 @@ def test_the_heat_of_a_moving_machine_is_the_sum_of_its_losses():
         assert dissipated_power(flows) == pytest.approx(losses, rel=1e-6)
 
 
+def test_an_engine_that_gives_way_and_a_tank_line_that_fills_are_no_heat():
+    p = plant_parameters(load_machine("forwarder"))
+    simulation = equilibrium((0.0, 0.5, -1.5), p)
+    for _ in range(10):
+        simulation = compiled_advance()(simulation, (9.0, 9.0, -9.0), 1e-3, 20, p)
+        flows = power_flows(simulation, p)
+        pump = flows.pump
+        losses = pump.pump_friction + pump.pump_leakage + pump.main_relief + pump.return_line
+        for a in (flows.swing, flows.boom, flows.stick):
+            losses += a.throttling + a.port_valves + a.resistance + a.leakage + a.damping + a.dry_friction
+            losses += a.cushion + a.gear + a.holding + a.compression + a.bending
+        assert dissipated_power(flows) == pytest.approx(losses, rel=1e-6)
+
+
 def test_cold_oil_swings_slower():
     cold, warm = ([s.plant.swing.rate for s, _ in driven(t, 2.5)][-1] for t in (273.15, 333.15))
     assert 0.3 < cold < 0.95 * warm

@@ -37,6 +37,7 @@ MACHINES = [
     pytest.param(EVERYTHING, id="everything"),
     pytest.param(CHECKED, id="load checks"),
     pytest.param(REAL, id="c180_real"),
+    pytest.param(load_machine("forwarder"), id="forwarder"),
     pytest.param(replace(REAL, valve=LEAKY, boom=replace(REAL.boom, flow_regime="laminar")), id="leaking"),
 ]
 

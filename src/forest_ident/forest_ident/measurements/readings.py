@@ -31,7 +31,8 @@ from forest_description.types import AXES, Floats
 from forest_sim.equations.plant import valve_ports
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
-from forest_sim.hydraulics.port import Port, port_pressure
+from forest_sim.hydraulics.compensator import NONE, in_series
+from forest_sim.hydraulics.port import port_pressure, with_resistance
 from forest_sim.sensors.sensor_model import ABSENT, SensorModel
 from forest_sim.sensors.sensor_readings import Surroundings
 from forest_sim.sensors.sensor_suite import CHANNELS, Suite
@@ -113,16 +114,31 @@ def _axis_columns(states: Floats, p: PlantParameters, place: int, name: str, val
     one, two = port_pressures(arm * rate, p_1, p_2, own.actuator)  # type: ignore[arg-type]
     of[f"{name}_pressure_1_actuator"], of[f"{name}_pressure_2_actuator"] = one, two  # type: ignore[assignment]
     if valves:
-        supply, law = states[:, PLACE["supply_pressure"]], p.valves[place].law
-        tank = states[:, PLACE["tank_seen"]]
-        supply = supply - tank
-        of[f"{name}_pressure_1_valve"] = tank + valve_pressures(p_1 - tank, q_1, spool, supply, law, 1)
-        of[f"{name}_pressure_2_valve"] = tank + valve_pressures(p_2 - tank, -q_2, spool, supply, law, 2)
+        law, tank, vapour = p.valves[place].law, states[:, PLACE["tank_seen"]], -p.supply.oil.above_vapour
+        supply, more = states[:, PLACE["supply_pressure"]] - tank, _metering(states, p, place, name)
+        for port, hose, flow in ((1, p_1, q_1), (2, p_2, -q_2)):
+            read = tank + valve_pressures(hose - tank, flow, spool, supply, law, port, more)
+            of[f"{name}_pressure_{port}_valve"] = np.maximum(vapour, read)
     return of
 
 
+def _metering(states: Floats, p: PlantParameters, place: int, name: str) -> Floats | None:
+    """Return the resistance [Pa s^2/m^6] of a valve's compensator; None without one."""
+    compensator = p.valves[place].compensator
+    if compensator.sort == NONE:
+        return None
+    rows = states[:, PLACE[f"{name}_lift_compensator"]].tolist()
+    return np.array([in_series(opening, compensator) for opening in rows])
+
+
 def valve_pressures(
-    hose: Floats, flow: Floats, spool: Floats, supply: Floats, law: ValveLaw, port: int
+    hose: Floats,
+    flow: Floats,
+    spool: Floats,
+    supply: Floats,
+    law: ValveLaw,
+    port: int,
+    more: Floats | None = None,
 ) -> Floats:
     """Return the pressure [Pa] between the spool's edges and a hose; behind shut edges it is the hose's.
 
@@ -135,7 +151,9 @@ def valve_pressures(
         supply: P_s [Pa].
         law: the valve.
         port: 1 or 2.
+        more: resistance of a compensator in series with the edge to the supply [Pa s^2/m^6].
     """
+    metering = np.zeros(len(spool)) if more is None else more
     forward, backward = openings(spool, law.forward, law.curve), openings(-spool, law.backward, law.curve)
     to_supply, to_tank = (forward, backward) if port == 1 else (backward, forward)
     c_supply, c_tank = (
@@ -146,16 +164,17 @@ def valve_pressures(
     pressure = hose.copy()
     leak, fed = leakages(spool, law, port)
     filled, drained = to_supply > SHUT, to_tank > SHUT
-    wide = c_supply / np.maximum(to_supply, SHUT) ** 2, c_tank / np.maximum(to_tank, SHUT) ** 2
-    pressure[filled] = _behind_edge(flow, wide[0], supply, leak, fed * supply)[filled]
-    pressure[drained] = _behind_edge(flow, wide[1], np.zeros(len(flow)), leak, fed * supply)[drained]
+    fill = c_supply / np.maximum(to_supply, SHUT) ** 2 + metering
+    drain = c_tank / np.maximum(to_tank, SHUT) ** 2
+    pressure[filled] = _behind_edge(flow, fill, supply, leak, fed * supply)[filled]
+    pressure[drained] = _behind_edge(flow, drain, np.zeros(len(flow)), leak, fed * supply)[drained]
     if law.leakage > 0.0:
         shut = ~(filled | drained)
         pressure[shut] = ((fed * supply - flow) / (2.0 * leak))[shut]
     odd = filled & (drained | (law.load_check != 0))
     for k in np.flatnonzero(odd).tolist():
         ports = valve_ports(float(spool[k]), law)
-        here: Port = ports.port_1 if port == 1 else ports.port_2
+        here = with_resistance(ports.port_1 if port == 1 else ports.port_2, float(metering[k]))
         pressure[k] = port_pressure(float(hose[k]), float(flow[k]), here, float(supply[k]))
     return pressure
 

@@ -6,8 +6,9 @@
 | B | df/du of the spool's position, by central differences | |
 | H(jw) | joint rate, of an elastic link's root, over spool position, c (jw - A)^-1 B | rad/(s V) |
 
-It holds for amplitudes that keep the valve open and load-holding valves where they are, and the pose
-near.
+It holds for amplitudes that keep the valve open and the pose near, and for load-holding valves,
+compensators, flow forces and tank line that stand as they are (`modes`). A compensator follows below
+1/(2 pi tau), and takes what H has there of the load's pressure and the pump's.
 """
 
 import math

@@ -18,6 +18,9 @@ Dry friction is linearised like all else. At rest that is a strong damper, which
 oscillations only; `friction_linearisation` tells for which, and gives the parameters for large
 ones. A swing's bearing sticks at rest, and its gear stands in the middle of its play.
 
+Load-holding valves, compensators, flow forces and the tank line's pressure stand as they are: the
+modes are those of times shorter than their time constants.
+
 Where links give way, a root's angle is replaced by its deflection from the link: that is what the
 spring's energy goes by, and its participation is the spring's share of the mode's energy.
 """
@@ -76,9 +79,10 @@ class Mode(NamedTuple):
         links, hoses, pump, head = (self.parts[name] for name in ("links", "hoses", "pump", "head"))
         if head > 0.5:
             return "hanging head"
-        if self.parts.get("motor", 0.0) > links:
+        most = max(links, hoses, pump)
+        if self.parts.get("motor", 0.0) > most:
             return "motor in gear"
-        if self.parts.get("roots", 0.0) > links:
+        if self.parts.get("roots", 0.0) > most:
             return "roots in links"
         if links >= max(hoses, pump):
             return "links bending" if self.parts.get("bending", 0.0) > self.parts["oil"] else "links on oil"

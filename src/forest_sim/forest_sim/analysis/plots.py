@@ -29,6 +29,7 @@ COLOURS = {
     "leakage": "#bcbd22",
     "friction": "#9467bd",
     "gear": "#e377c2",
+    "bending": "#bcbd22",
     "stops": "#8c564b",
     "mechanical": "#2ca02c",
     "return_line": "#c49c94",
@@ -52,7 +53,7 @@ def draw_run(kept: Rows, machine: Machine, out: Path) -> list[Path]:
     """Draw all pictures of a run.
 
     Args:
-        kept: "time" [N] s, "power" [N, 12] W in the order of `Account`, and each observed topic's
+        kept: "time" [N] s, "power" [N, 13] W in the order of `Account`, and each observed topic's
             columns.
         machine: what was simulated.
         out: directory for the files.
@@ -132,7 +133,7 @@ def draw_pumps(
 
     Args:
         time: [N] s.
-        powers: by pump, [N, 12] W in the order of `Account`.
+        powers: by pump, [N, 13] W in the order of `Account`.
         energies: by pump, the account [J] by entry.
         paths: by pump, how far the tip went [m].
         out: file.

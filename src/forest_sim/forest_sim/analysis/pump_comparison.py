@@ -57,7 +57,7 @@ class Comparison:
     """One motion on four pumps."""
 
     time: Floats  # [N] s
-    powers: dict[str, Floats]  # by kind of pump, [N, 12] W, means between the times
+    powers: dict[str, Floats]  # by kind of pump, [N, 13] W, means between the times
     energies: dict[str, dict[str, float]]  # by kind of pump, J
     paths: dict[str, float]  # by kind of pump, how far the tip went [m]
     apart: dict[str, float]  # by kind of pump, RMS of the tip's distance from where the first was [m]

@@ -2,17 +2,21 @@
 
 State, in Appendix B's order, for swing, boom and stick in turn: joint angle [rad], joint rate
 [rad/s], pressure in hose 1 and in hose 2 [Pa], flow through hose 1 from the valve and through hose
-2 to the valve [m^3/s]. A real pump adds the pressure in its manifold, a hanging head its two angles
-and their rates, a swing whose gear has play or whose bearing sticks what `drive` has, links that give
-way their `roots`.
+2 to the valve [m^3/s]. A real pump adds the pressure in its manifold, one that takes time or droops
+its `pump`, a hanging head its two angles and their rates, a swing whose gear has play or whose
+bearing sticks what `drive` has, links that give way their `roots`. An axis then has the angle and
+rate of its link.
 
 A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only
-case); a negative one the reverse. Tank is zero pressure. Actuator coordinates are the swing angle
-and the two cylinders' lengths.
+case); a negative one the reverse. Pressures are above the tank's; `Port.tank` is that of a line to
+it. Actuator coordinates are the swing angle and the two cylinders' lengths.
 
-The laws of the parts live in `hydraulic_line`, `actuator`, `supply`, `multibody`, `friction` and
-`end_stop`; here they are put together. Everything in this module is pure and stays in the subset of
-Python that `translate` makes machine code of.
+Spools, poppets, compensators and the tank line are no states here: `solver` knows them half a step
+from the states, and the ports tell how they stand.
+
+The laws of the parts live in `hydraulics` and `mechanics`, their combinations in `drive`,
+`elastic_links` and `multibody`; here they are put together. Everything in this module is pure and
+stays in the subset of Python that `translate` makes machine code of.
 """
 
 import math
@@ -223,7 +227,7 @@ def accelerations(m: Mechanics, torques: Vec3) -> tuple[Vec3, Pair]:
 
 
 def state_derivative(state: PlantState, ports: tuple[Ports, Ports, Ports], p: PlantParameters) -> PlantState:
-    """Return the time derivative of all 18 states. Thesis eq. 3.20, App. B.
+    """Return the time derivative of all states. Thesis eq. 3.20, App. B.
 
     A shut orifice (C_R = inf) has a derivative only at zero flow; the integrator holds it there.
     """
@@ -278,6 +282,7 @@ def at_joints(state: PlantState, p: PlantParameters) -> PlantState:
         supply=state.supply,
         head=state.head,
         drive=state.drive,
+        pump=state.pump,
         roots=roots,
     )
 

@@ -1,1 +1,1 @@
-"""Laws of supply, spools, ports, hoses and actuators."""
+"""Laws of supply and tank line, valves, ports, hoses and actuators."""

@@ -1,1 +1,1 @@
-"""Laws of the rigid links, the hanging head, gear, dry friction and end stops."""
+"""Laws of the links, how they bend, the hanging head, gear, dry friction and end stops."""

@@ -4,7 +4,7 @@
 |---|---|
 | engine | work of the shaft |
 | pump | lost in the pump: friction, leakage, main relief valve |
-| throttling | lost in valves' edges and load-holding valves, less the compression that chambers give back |
+| throttling | lost in valves (edges, compensators, load holding), less what chambers give back: compression |
 | port_valves | lost over relief and anti-cavitation valves |
 | hoses | lost to the hoses' resistance |
 | leakage | lost in the swing motor |

@@ -54,7 +54,6 @@ LEFT_OUT = (
     "lift_one",
     "lift_two",
     "lift_compensator",
-    "tank_seen",
     "jets_force",
     "jets_push",
     "tank_seen",

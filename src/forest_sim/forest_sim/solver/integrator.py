@@ -107,7 +107,7 @@ def _amid(simulation: Simulation, h: float, p: PlantParameters) -> tuple[AllJets
     if feels_jets(p):
         jets = pushed(plant, spools, jets, tank.seen, p)
     if holds_loads(p):
-        lifts = lifts_after(plant, lifts, spools, h, p)
+        lifts = lifts_after(plant, lifts, spools, tank.seen, h, p)
     if is_compensated(p):
         lifts = openings_after(plant, lifts, spools, h, p)
     if p.tank_line.capacitance > 0.0:

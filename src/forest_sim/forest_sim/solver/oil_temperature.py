@@ -35,9 +35,9 @@ def dissipated_power(flows: PowerFlows) -> float:
 
     All of it is taken to warm the oil: friction of seals, gears and pump too.
     """
-    axes = (flows.swing, flows.boom, flows.stick)
+    axes, pump = (flows.swing, flows.boom, flows.stick), flows.pump
     work = sum(axis.joint + axis.stop + axis.hose + axis.elastic for axis in axes)
-    return flows.pump.engine - flows.pump.manifold - work
+    return pump.engine - pump.manifold - pump.flywheel - pump.tank_line - work
 
 
 def temperature_rate(temperature: float, loss_power: float, oil: Oil) -> float:

@@ -1,9 +1,8 @@
 """Where the power goes: from the engine's shaft through pump, valves and hoses to the links.
 
 Every entry is a power at one state [W], positive in the direction that its name says. The entries
-of a part
-close: what flows in equals what is lost, stored and handed on. That they do is a test of the laws'
-signs, and their integrals over a run are its energy account.
+of a part close: what flows in equals what is lost, stored and handed on. That they do is a test of
+the laws' signs, and their integrals over a run are its energy account.
 
 | part | flows in | lost | stored | handed on |
 |---|---|---|---|---|
@@ -69,7 +68,7 @@ class AxisPower(NamedTuple):
     """One axis from its valve to its joint [W]."""
 
     supply: float  # drawn from the manifold
-    throttling: float  # lost in the valve's edges, leakage past them included
+    throttling: float  # lost in the valve's edges and its compensator, leakage past them included
     inlets: float  # handed to the hoses
     hose: float  # stored in inertances, hoses and chambers
     compression: float  # of the oil in chambers, given back where it leaves; 0 without chambers

@@ -12,6 +12,7 @@ from forest_sim.equations.plant import (
     PlantState,
     Ports,
     Transmission,
+    at_joints,
     motor_side,
     ports_at,
     sides,
@@ -39,7 +40,7 @@ def tank_amid(
 ) -> TankState:
     """Return the tank line with P_t in the middle of a step of h [s]; not inlined."""
     ports, half = ports_at(spools, p, lifts, tank.pressure), 0.5 * h
-    supply = plant.supply.pressure
+    plant, supply = at_joints(plant, p), plant.supply.pressure
     t_1, t_2, t_3 = transmissions(plant.swing.angle, plant.boom.angle, plant.stick.angle, p)
     swing = _returned(motor_side(plant, p), t_1, ports[0], supply, p.swing, p.guard, half)
     boom = _returned(plant.boom, t_2, ports[1], supply, p.boom, p.guard, half)
