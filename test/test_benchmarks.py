@@ -43,6 +43,7 @@ def benchmark(monkeypatch):
             "closed_loop",
             "lockstep",
             "stopping",
+            "energy",
             "killed",
         }
     ]:
@@ -210,3 +211,11 @@ def test_every_codec_is_measured_on_the_same_bytes(benchmark):
     table = benchmark("serialization").measured(10)
     assert list(table) == ["batch", "packing", "rosbags", "rclpy", "mcap-ros2-support"]
     assert all(decode >= 0.0 for _, decode in table.values())
+
+
+@pytest.mark.parametrize("shape", ["random", "slams", "squares"])
+def test_the_energy_benchmark_closes_on_the_crane_as_it_is_built(benchmark, shape):
+    energy = benchmark("energy")
+    total, failed = energy.run("c180_real", getattr(energy, shape), 5.0)
+    assert failed == 0
+    assert abs(energy.unaccounted(total)) < 0.005 * total.engine

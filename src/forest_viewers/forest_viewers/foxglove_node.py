@@ -55,6 +55,7 @@ class FoxgloveNode(Node):
         try:
             self._view.open(p.port)
         except ServerError as error:
+            self.destroy_node()  # its listeners would be at work while the process ends
             raise NodeFailure(str(error)) from error
         self.get_logger().info(f"Foxglove and Lichtblick: open ws://127.0.0.1:{self._view.port}")
 
