@@ -100,8 +100,7 @@ class FoxgloveNode(Node):
             case client_requests.ParametersSet(values):
                 self._mirror.set(values, self._view.warn)
             case client_requests.ServiceCalled(name, data, answer):
-                failed = partial(_fail, answer)
-                self._calls.call(name, data, answer.set_result, failed)
+                self._calls.call(name, data, answer.set_result, partial(_fail, answer))
             case client_requests.Published():
                 self._button.hear(request)
 

@@ -50,7 +50,7 @@ def test_a_bag_is_begun_told_and_ended_and_a_killed_recorder_leaves_a_sentence_a
             await recorder.start("tuesday")
         state = recorder.state()
         assert (state.active, state.name) == (True, "monday")
-        assert state.bytes > 0
+        await until(lambda: recorder.state().bytes > 0)
         assert (await recorder.stop()).startswith("recorded ")
         assert is_complete(tmp_path / "bags/monday")
         with pytest.raises(BagError, match="no bag is overwritten"):
