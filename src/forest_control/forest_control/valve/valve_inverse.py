@@ -38,15 +38,14 @@ def required_opening(speed: float, load: float, supply: float, axis: AxisDriver,
     A compensator's valve is opened for the flow at its inlet alone. Thesis eq. 3.1, 3.14.
     """
     inlet = axis.displacement_1 if speed > 0.0 else axis.displacement_2
+    way = axis.valve.forward if speed > 0.0 else axis.valve.backward
+    if axis.metering_drop < math.inf:
+        edge = way.resistance_1 if speed > 0.0 else way.resistance_2
+        return max(-1.0, min(1.0, speed * inlet * math.sqrt(edge / axis.metering_drop)))
     nominal = inlet * supply
     opposing = load if speed > 0.0 else -load
     hoses = (axis.hose_linear + axis.hose_square * abs(speed)) * abs(speed)
     drive = max(p.minimum_drop * inlet * p.supply_pressure, nominal - opposing - hoses)
-    way = axis.valve.forward if speed > 0.0 else axis.valve.backward
-    if axis.metering_drop < math.inf:
-        edge = way.resistance_1 if speed > 0.0 else way.resistance_2
-        opening = speed * inlet * math.sqrt(edge / min(axis.metering_drop, drive / inlet))
-        return max(-1.0, min(1.0, opening))
     orifices = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
     return max(-1.0, min(1.0, speed * math.sqrt(orifices / drive)))
 

@@ -8,7 +8,6 @@ which under ``kind``. What is allowed, the dataclasses declare.
 """
 
 import dataclasses
-import functools
 import math
 import re
 import types
@@ -62,7 +61,7 @@ def build(kind: type[T], tree: Branch, prefix: str = "") -> T:
         MachineError: Unknown or missing key, wrong unit, out of range, not a number, no source, or
             inconsistent values.
     """
-    fields = field_kinds(kind)  # type: ignore[arg-type]  # a class is hashable
+    fields = field_kinds(kind)
     known = (*fields, "kind") if hasattr(kind, "kind") else tuple(fields)
     unknown = [key for key in tree.children if key not in known]
     if unknown:
@@ -250,7 +249,6 @@ def parameters(kind: type, prefix: str = "") -> dict[str, Parameter]:
     return found
 
 
-@functools.cache
 def field_kinds(kind: type) -> dict[str, FieldKind]:
     """Return what each field of a dataclass may hold, by name."""
     hints = typing.get_type_hints(kind)

@@ -1,0 +1,104 @@
+"""Claims about valves with compensators: what the driver opens, what is learnt, how fast an axis may go."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from forest_control.limits.actuator_speed_limits import joint_rate_limits, speed_limit_parameters
+from forest_control.valve.tracking_limit import Reach
+from forest_control.valve.valve_driver_parameters import Settings, parameters
+from forest_control.valve.valve_flow import NO_MEASUREMENT, opening_from_flow
+from forest_control.valve.valve_inverse import required_opening
+from forest_description.components.compensator import CompensatorBeforeSpool
+from forest_description.derived.actuator_kinematics import displacements, metering_drop, rated_speeds
+from forest_description.geometry.linkage import lever_arm
+from forest_description.machine import load_machine
+
+FORWARDER = load_machine("forwarder")
+P = parameters(FORWARDER, Settings())
+FULL = Reach((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+
+
+def test_what_a_compensator_leaves_the_spools_edge():
+    """Behind the spool it is the pump's margin less its own; before it, its setting; half open."""
+    assert metering_drop(FORWARDER, 1) == pytest.approx(2.4e6 - 0.4e6 - 0.3e6)
+    before = CompensatorBeforeSpool(
+        setting=1e6, control_range=4e5, minimum_resistance=5e10, response_time=0.015
+    )
+    machine = replace(FORWARDER, valve=replace(FORWARDER.valve, compensator=before))
+    assert metering_drop(machine, 1) == pytest.approx(0.8e6)
+    assert metering_drop(load_machine("c180"), 1) == math.inf
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_the_driver_opens_for_the_inlets_flow_whatever_the_load(axis, direction):
+    """Its opening lets the actuator's flow through port 1's edge, or port 2's, at the kept drop."""
+    driver, law = P.axes[axis], FORWARDER.valve_of(axis).law
+    way, port = (law.forward, 0) if direction > 0.0 else (law.backward, 1)
+    edge = (way.resistance_1, way.resistance_2)[port]
+    flow = 0.3 * math.sqrt(metering_drop(FORWARDER, axis) / edge)
+    speed = direction * flow / displacements(FORWARDER, axis)[port]
+    for share in (0.0, 0.4, 0.8):
+        load = direction * share * displacements(FORWARDER, axis)[port] * P.supply_pressure
+        opening = required_opening(speed, load, P.supply_pressure, driver, P)
+        assert opening == pytest.approx(direction * 0.3, rel=1e-12)
+
+
+def test_the_scale_of_commands_is_the_kept_drop_up_to_the_pumps_flow():
+    speeds, pump = rated_speeds(FORWARDER), FORWARDER.pump.flow_limit
+    for axis, speed in enumerate(speeds):
+        area = displacements(FORWARDER, axis)[0]
+        kept = math.sqrt(metering_drop(FORWARDER, axis) / FORWARDER.valve_of(axis).law.forward.resistance_1)
+        assert speed == pytest.approx(min(kept, pump) / area)
+
+
+def test_no_axis_is_told_to_go_faster_than_its_compensator_lets_it():
+    c = speed_limit_parameters(FORWARDER, P.axes)
+    q = (0.0, 0.5, -1.4)
+    for sign in (1.0, -1.0):
+        limits = joint_rate_limits(q, (sign, sign, sign), c, FULL)
+        for axis, linkage in ((1, FORWARDER.boom.linkage), (2, FORWARDER.stick.linkage)):
+            arm = lever_arm(q[axis], linkage)
+            law = FORWARDER.valve_of(axis).law
+            extends = arm * sign > 0.0
+            edge = law.forward.resistance_1 if extends else law.backward.resistance_2
+            area = displacements(FORWARDER, axis)[0 if extends else 1]
+            most = math.sqrt(metering_drop(FORWARDER, axis) / edge) / area
+            assert limits[axis] * abs(arm) < most
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_an_opening_is_learnt_from_the_return_alone(direction):
+    """The compensator takes an unknown part of the drop at the inlet: it must not count."""
+    flows, law, dt, opening = P.flows[1], FORWARDER.valve_of(1).law, 0.005, 0.4
+    way = law.forward if direction > 0.0 else law.backward
+    edge, area = (
+        (way.resistance_2, flows.displacement_2)
+        if direction > 0.0
+        else (way.resistance_1, flows.displacement_1)
+    )
+    drop = 2e6
+    speed = direction * opening * math.sqrt(drop / edge) / area
+    for inlet in (3e6, 1.5e7):
+        ports = (inlet, drop) if direction > 0.0 else (drop, inlet)
+        last = NO_MEASUREMENT._replace(
+            valve_1=ports[0],
+            valve_2=ports[1],
+            port_1=ports[0],
+            port_2=ports[1],
+            supply=1.7e7,
+            spool=direction,
+        )
+        told = opening_from_flow(last, last._replace(position=speed * dt), law, flows, dt)
+        assert told.known
+        assert told.opening == pytest.approx(direction * opening, rel=1e-9)
+
+
+def test_a_machine_without_compensators_has_the_bits_it_had():
+    c180 = load_machine("c180")
+    driver = parameters(c180, Settings())
+    assert [axis.metering_drop for axis in driver.axes] == [math.inf] * 3
+    assert not np.any([flows.compensated for flows in driver.flows])
