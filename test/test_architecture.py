@@ -157,7 +157,7 @@ def test_colcon_and_pip_install_the_same_executables():
         colcon |= re.findall(
             r'"([\w-]+) = ([\w.]+:main)"', (ROOT / "src" / package / "setup.py").read_text("utf-8")
         )
-    assert len(pip) == 20
+    assert len(pip) == 21
     assert colcon == pip
 
 

@@ -22,6 +22,7 @@ setup(
         "console_scripts": [
             "forest-control = forest_control.cli.main:main",
             "cycle_node = forest_control.cycle_node:main",
+            "twist_node = forest_control.twist_node:main",
             "joystick_node = forest_control.joystick_node:main",
             "controller_node = forest_control.controller_node:main",
             "valve_driver_node = forest_control.valve_driver_node:main",

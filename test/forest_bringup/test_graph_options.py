@@ -184,6 +184,12 @@ def test_taught_work_is_a_node_that_the_others_do_without(started, tmp_path):
     assert not cycle.needed
 
 
+def test_a_programs_velocity_is_a_node_that_the_others_do_without(started):
+    assert graph.main(["--twist"]) == 0
+    assert list(started.nodes)[:2] == ["twist", "controller"]
+    assert not started.nodes["twist"].needed
+
+
 @pytest.mark.parametrize(
     ("given", "device"), [("device", "auto"), ("/dev/input/event7", "/dev/input/event7"), ("two.yaml", None)]
 )

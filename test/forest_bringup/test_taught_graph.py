@@ -1,5 +1,7 @@
-"""Taught work beside the live graph: the program asks the node, which keeps what is taught."""
+"""Programs beside the live graph: they teach, and they move the tip while a person holds the deadman."""
 
+import contextlib
+import itertools
 import math
 import subprocess
 import sys
@@ -10,27 +12,96 @@ from page_examples import examples
 
 pytest.importorskip("rclpy")
 
+from builtin_interfaces.msg import Duration
+from peer import Peer
+from trajectory_msgs.msg import JointTrajectoryPoint
+
 from forest_control.cli.main import main
+from forest_control.operator.levers import BUTTON_COUNT, LEFT_SHOULDER, REST, axes_from_levers
 from forest_control.taught.cycle_file import load_cycle
-from forest_description.derived.limits import start_tip
+from forest_description.derived.limits import pose_at, start_tip
+from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
+from forest_description.types import AXES
+from forest_msgs_py.interfaces import topics
+from forest_msgs_py.interfaces.messages import read_float_array
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "how-to" / "teach-a-cycle.md"
+PAGES = Path(__file__).resolve().parents[2] / "docs" / "how-to"
+TEACHING, DRIVING = PAGES / "teach-a-cycle.md", PAGES / "drive-from-a-program.md"
 STARTED_S = 90.0  # at which the test fails rather than hangs; on a busy machine a graph starts slowly
+CRANE = load_machine("c180")
 
 
-def test_where_the_tip_is_is_taught_from_the_command_line(start_graph, wait_until, tmp_path, capsys):
-    graph = start_graph("--cycles", str(tmp_path))
+@pytest.fixture
+def peer(ros_context, wait_until):
+    one = Peer(ros_context, wait_until)
+    yield one
+    one.close()
+
+
+def programs(page):
+    return [one.text for one in examples(page) if one.kind == "python"]
+
+
+@contextlib.contextmanager
+def program(text):
+    """A page's program runs meanwhile, and ends well."""
+    process = subprocess.Popen([sys.executable, "-c", text])
+    yield
+    assert process.wait(STARTED_S) == 0
+
+
+def held_joystick(beat):
+    """A hand that holds the deadman and lets the sticks alone; nothing of it is quite still."""
+    axes = list(axes_from_levers(REST))
+    axes[topics.JOY_AXES.index("right_x")] = 1e-3 * (next(beat) % 2)
+    buttons = [int(k == LEFT_SHOULDER) for k in range(BUTTON_COUNT)]
+    return topics.message_class(topics.JOY)(axes=axes, buttons=buttons)
+
+
+def trajectory(angles, seconds):
+    point = JointTrajectoryPoint(positions=angles, time_from_start=Duration(sec=seconds))
+    return topics.message_class(topics.JOINT_TRAJECTORY)(joint_names=AXES, points=[point])
+
+
+def place_of(pose):
+    return pose.pose.position.x, pose.pose.position.y, pose.pose.position.z
+
+
+def is_armed(status):
+    return read_float_array(topics.CONTROLLER_STATUS, status, 0, ("armed",)).values == (1.0,)
+
+
+def test_programs_teach_and_move_the_tip(start_graph, peer, wait_until, tmp_path, capsys):
+    graph = start_graph("--cycles", str(tmp_path), "--twist")
+    _teach(wait_until, tmp_path, capsys)
+    tips, twists = peer.hear(topics.TIP_POSE), peer.hear(topics.TIP_TWIST)
+    statuses, beat = peer.hear(topics.CONTROLLER_STATUS), itertools.count()
+    peer.repeat(topics.JOY, lambda _now: held_joystick(beat))
+    peer.until(lambda: statuses and is_armed(statuses[-1]))
+    velocity, joint_trajectory = programs(DRIVING)
+    with program(velocity):
+        peer.until(lambda: twists[-1].twist.linear.y > 0.2)
+    peer.until(lambda: abs(twists[-1].twist.linear.y) < 0.02)
+    swing, boom, stick = pose_at(place_of(tips[-1]), CRANE)
+    wanted = tip_position((swing - 0.1, boom, stick), CRANE.manipulator.links)
+    with program(joint_trajectory):
+        peer.until(lambda: math.dist(wanted, place_of(tips[-1])) < 0.01)
+    peer.speak(topics.JOINT_TRAJECTORY).publish(trajectory((math.nan, boom, stick), 2))
+    peer.until(lambda: "allowed: 3 finite numbers" in graph.text())
+    assert graph.poll() is None, graph.text()
+
+
+def _teach(wait_until, tmp_path, capsys):
     teach = ["cycle", "record", "home", "--what", "pose", "--label", "here"]
     wait_until(lambda: main(teach) == 0, STARTED_S)
     (pose,) = load_cycle("home", tmp_path).segments
     assert pose.name == "here"
-    assert math.dist(pose.tip, start_tip(load_machine("c180"))) < 0.05
+    assert math.dist(pose.tip, start_tip(CRANE)) < 0.05
     assert "home: here is taught" in capsys.readouterr().out
-    (program,) = (one.text for one in examples(PAGE) if one.kind == "python")
-    told = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    (teaching,) = programs(TEACHING)
+    told = subprocess.run([sys.executable, "-c", teaching], capture_output=True, text=True, check=True)
     assert "homing: drop is taught" in told.stdout
     assert [one.name for one in load_cycle("homing", tmp_path).segments] == ["home", "drop"]
     assert main(["cycle", "resume"]) == 1
     assert "nothing waits for a person" in capsys.readouterr().err
-    assert graph.poll() is None, graph.text()

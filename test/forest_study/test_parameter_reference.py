@@ -32,6 +32,7 @@ MADE = {
     "online_identification": "forest_ident.online_node.OnlineIdentificationNode",
     "delay": "forest_study.delay_node.DelayNode",
     "cycle": "forest_control.cycle_node.CycleNode",
+    "twist": "forest_control.twist_node.TwistNode",
     "viewer": "forest_viewers.viewer_node.ViewerNode",
     "foxglove": "forest_viewers.foxglove_node.FoxgloveNode",
     "station": "forest_station.station_node.StationNode",

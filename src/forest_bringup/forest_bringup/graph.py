@@ -151,6 +151,11 @@ def taught_work(machine: str, folder: Path) -> NodeSpec:
     return NodeSpec("cycle", "forest_control.cycle_node", arguments, needed=False)
 
 
+def program_velocity() -> NodeSpec:
+    """Return the node by which a program's velocity moves the tip."""
+    return NodeSpec("twist", "forest_control.twist_node", (), needed=False)
+
+
 def viewer(machine: str) -> NodeSpec:
     """Return the node that draws the crane for viewers."""
     return NodeSpec("viewer", "forest_viewers.viewer_node", machine_arguments(machine), needed=False)
@@ -196,6 +201,7 @@ def parse_options(arguments: Sequence[str] | None) -> argparse.Namespace:
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="record a bag there")
     parser.add_argument("--cycles", type=Path, metavar="DIR", help="taught work: cycles are kept there")
+    parser.add_argument("--twist", action="store_true", help="follow a program's delta_twist_cmds")
     return parser.parse_args(arguments)
 
 
@@ -210,6 +216,8 @@ def graph_nodes(options: argparse.Namespace) -> list[NodeSpec]:
         nodes.append(simulator(options.machine))
     if options.cycles:
         nodes.insert(0, taught_work(options.machine, options.cycles))
+    if options.twist:
+        nodes.insert(0, program_velocity())
     if options.viewer or options.foxglove:
         nodes.append(viewer(options.machine))
     if options.foxglove:

@@ -2,7 +2,8 @@
 
 It steps when the controller says where the tip is. Whether a command moves the crane, the controller decides:
 a person holds the deadman on /joy. Services: `~/record`, `~/pose`, `~/close`, `~/open`, `~/stop`, `~/play`,
-`~/pause`, `~/resume` (std_srvs/Trigger), about the cycle that the parameter `cycle` names.
+`~/pause`, `~/resume` (std_srvs/Trigger), about the cycle that the parameter `cycle` names. A program's
+`joint_trajectory` is played likewise.
 """
 
 import sys
@@ -17,7 +18,7 @@ from forest_control.config.controller_settings import Parameters, Settings, para
 from forest_control.config.cycle_parameters import CycleParameters, TaughtNames
 from forest_control.config.workspace_file import load_workspace
 from forest_control.operator.taught_command import NO_COMMAND, to_values
-from forest_control.taught.cycle_topics import CycleInputs, Report
+from forest_control.taught.cycle_topics import CycleInputs, Report, trajectory_of
 from forest_control.taught.taught_work import TaughtWork
 from forest_description.machine import load_machine
 from forest_msgs_py.clock.node_clock import LiveClock, number_publisher
@@ -53,9 +54,10 @@ class CycleNode(Node):
         self._diagnostics = Diagnostics(self, (PART,), "the tip is held", said)
         self._report = Report(self._work)
         self._diagnostics.watch(PART, self._report)
-        self._inputs = CycleInputs(clock, p)
+        self._inputs = CycleInputs(clock, p.centre, p.button)
         self._last = clock.now()
         subscription(self, topics.TIP_POSE, self._on_tip)
+        subscription(self, topics.JOINT_TRAJECTORY, self._on_trajectory)
         clock.every(STATUS_PERIOD, self._tell)
 
     def _name(self, values: dict[str, Any]) -> None:
@@ -82,6 +84,15 @@ class CycleNode(Node):
             self._command.publish(stamp, to_values(self._work.run, output.command))
         if output.event:
             self._events.publish(message_class(topics.EVENTS)(data=output.event))
+
+    def _on_trajectory(self, message: Any) -> None:
+        """Play what a program sends, or say on /events why not."""
+        done, said = self._work.follow(*trajectory_of(message))
+        if done:
+            self.get_logger().info(said)
+            return
+        self.get_logger().warning(said)
+        self._events.publish(message_class(topics.EVENTS)(data=said))
 
     def _tell(self) -> None:
         stamp = self._node_clock.stamp()

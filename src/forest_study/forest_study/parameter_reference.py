@@ -14,7 +14,7 @@ from forest_control.config.controller_node_parameters import (
     WorkspaceParameter,
 )
 from forest_control.config.controller_settings import Settings
-from forest_control.config.cycle_parameters import CycleParameters, TaughtNames
+from forest_control.config.cycle_parameters import CycleParameters, TaughtNames, TwistParameters
 from forest_control.operator.device_joystick import DeviceParameters
 from forest_control.operator.joystick_sources import JoystickParameters
 from forest_control.operator.joystick_watch import WatchParameters
@@ -53,6 +53,7 @@ NODES: dict[str, tuple[str, tuple[type[tuple[Any, ...]], ...]]] = {
         (MachineParameter, DriverSettings, DriverParameters, ClockParameters),
     ),
     "cycle": ("ros2 run forest_control cycle_node", (MachineParameter, CycleParameters, TaughtNames)),
+    "twist": ("ros2 run forest_control twist_node", (TwistParameters,)),
     "recorder": ("ros2 run forest_ident recorder_node", (RecorderParameters, ListenerParameters)),
     "player": ("forest-bag play BAG", (PlayerParameters,)),
     "step_player": (

@@ -86,5 +86,5 @@ def test_what_machines_and_joysticks_of_others_say_is_heard_from_best_effort_pub
         != rclpy_qos.QoSCompatibility.ERROR
     }
     sensed = {"joint_states", "actuator_states", *(f"hydraulics/{what}" for what in ("pressures", "supply"))}
-    assert heard == {"joy", "hydraulics/flows", "hydraulics/auxiliary", *sensed}
+    assert heard == {"joy", "delta_twist_cmds", "hydraulics/flows", "hydraulics/auxiliary", *sensed}
     assert all(qos(row).reliability == rclpy_qos.ReliabilityPolicy.RELIABLE for row in TOPICS)

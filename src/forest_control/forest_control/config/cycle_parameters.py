@@ -1,10 +1,12 @@
-"""Parameters of the node for taught work."""
+"""Parameters of the nodes for taught work and for a program's tip velocity."""
 
 from typing import Annotated, NamedTuple
 
 from forest_control.config import workspace_file
 from forest_control.operator.levers import BUTTON_COUNT
 from forest_msgs_py.runtime.parameter_table import Parameter, tunable
+
+_CENTRE = Parameter("deflection of a stick that counts as none", "", 0.001, 0.5)
 
 
 class CycleParameters(NamedTuple):
@@ -14,7 +16,7 @@ class CycleParameters(NamedTuple):
     button: Annotated[
         int, Parameter("joystick's button: play, pause, resume, confirm", low=0, high=BUTTON_COUNT - 1)
     ] = 0
-    centre: Annotated[float, Parameter("deflection of a stick that counts as none", "", 0.001, 0.5)] = 0.05
+    centre: Annotated[float, _CENTRE] = 0.05
 
 
 class TaughtNames(NamedTuple):
@@ -25,3 +27,9 @@ class TaughtNames(NamedTuple):
     workspace: Annotated[
         str, tunable(f"walls that plans keep to: {', '.join(workspace_file.shipped())}, or path of a file")
     ] = ""
+
+
+class TwistParameters(NamedTuple):
+    """Of `twist_node`."""
+
+    centre: Annotated[float, _CENTRE] = 0.05

@@ -27,10 +27,12 @@ In the order in which data passes:
 - `cycle_file`: The file of a cycle, for people to edit.
 - `teaching`: A path that was driven becomes one of few waypoints.
 - `plan`: What the crane will do, from where it is; what is out of its reach is refused here.
+- `joint_trajectory`: A program's joint trajectory becomes a leg of that plan.
 - `player`: Leads the tip through the plan, piece by piece.
 - `editing`: Segments of a cycle are changed, moved and deleted.
 - `taught_status`: Where the player is, and what a person is waited for.
 - `taught_work`: What a person does with all that: teach, play, pause, resume.
+- `twist_follower`: Beside the player: a program's tip velocity, under the same deadman.
 
 May import: `pipeline` and the rooms below it.
 """

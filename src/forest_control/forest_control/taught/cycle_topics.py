@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from forest_control.config.cycle_parameters import CycleParameters
 from forest_control.operator.levers import RIGHT_Y
+from forest_control.taught.joint_trajectory import TrajectoryRow
 from forest_control.taught.taught_work import Seen, TaughtWork
 from forest_description.types import Vec3
 from forest_msgs_py.interfaces import topics
@@ -18,11 +18,12 @@ class CycleInputs:
 
     Args:
         clock: of the node, whose subscriptions are used.
-        p: of the node.
+        centre: deflection of a stick that counts as none.
+        button: the joystick's, that waits for a person.
     """
 
-    def __init__(self, clock: Any, p: CycleParameters) -> None:
-        self._clock, self._p = clock, p
+    def __init__(self, clock: Any, centre: float, button: int = 0) -> None:
+        self._clock, self._centre, self._button = clock, centre, button
         self._joy = clock.polled_subscription(topics.JOY)
         self._sticks, self._down = (0.0,), True  # whether the button is
         self._controller = clock.polled_subscription(topics.CONTROLLER_STATUS)
@@ -32,17 +33,17 @@ class CycleInputs:
     def seen(self, tip: Vec3, stamp: int) -> Seen:
         """Return what crane and operator do, with the tip at a place [m] at a stamp [ns]."""
         pressed = self._read_joystick()
-        centred = max(map(abs, self._sticks)) <= self._p.centre
+        centred = max(map(abs, self._sticks)) <= self._centre
         return Seen(tip, stamp / NS_PER_S, self._is_armed(), centred, pressed)
 
     def _read_joystick(self) -> bool:
         """Take in where the sticks are; tell whether the button was pressed."""
         pressed = False
         for data, _ in self._joy.arrivals():
-            reading, _ = read_joy_data(data, RIGHT_Y + 1, self._p.button + 1)
+            reading, _ = read_joy_data(data, RIGHT_Y + 1, self._button + 1)
             if not reading.problem:
                 axes, buttons = reading.values
-                self._sticks, down = axes[: RIGHT_Y + 1], buttons[self._p.button] == 1
+                self._sticks, down = axes[: RIGHT_Y + 1], buttons[self._button] == 1
                 pressed, self._down = pressed or (down and not self._down), down
         return pressed
 
@@ -52,6 +53,19 @@ class CycleInputs:
             reading = self._reader.read(arrival.message, 0)
             self._armed, self._sent = not reading.problem and reading.values == (1.0,), arrival.time
         return self._armed and self._clock.now() - self._sent <= STATUS_TIMEOUT
+
+
+def trajectory_of(message: Any) -> tuple[list[str], list[TrajectoryRow]]:
+    """Return the joints' names and the points of a trajectory_msgs/JointTrajectory."""
+    rows = [
+        TrajectoryRow(
+            point.time_from_start.sec + point.time_from_start.nanosec / NS_PER_S,
+            list(point.positions),
+            list(point.velocities),
+        )
+        for point in message.points
+    ]
+    return list(message.joint_names), rows
 
 
 class Report:

@@ -5,7 +5,8 @@ pressed in motion, it pauses. Programs have a service for each.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,7 +15,8 @@ from forest_control.config.setting_file import SettingFileError
 from forest_control.taught import player
 from forest_control.taught.cycle import CONFIRMATION, Cycle, Grapple, Pose, Segment
 from forest_control.taught.cycle_file import SPEED, checked_name, load_cycle, names, save_cycle
-from forest_control.taught.plan import planned
+from forest_control.taught.joint_trajectory import NAME, TrajectoryRow, trajectory_leg, trajectory_points
+from forest_control.taught.plan import Step, planned
 from forest_control.taught.player import Inputs, Output, Phase, State
 from forest_control.taught.taught_status import Status, segment_of, status_of, waiting
 from forest_control.taught.teaching import Teaching
@@ -113,10 +115,32 @@ class TaughtWork:
         if self._recording or self._state.phase in BUSY:
             raise Refused(f"{self._name} is under way; allowed: play after stop")
         steps = planned(load_cycle(self.cycle, self._folder), self._here(), self.p)
-        run, self._name = self._state.run, self.cycle
+        return self._say(f"{self.cycle}: play, {self._begin(self.cycle, steps)}")
+
+    def _begin(self, name: str, steps: tuple[Step, ...]) -> str:
+        """Begin to play steps, and return the event."""
+        run, self._name = self._state.run, name
         self._state, event = player.started(steps)
         self._state = self._state._replace(run=run)
-        return self._say(f"{self.cycle}: play, {event}")
+        return event
+
+    def follow(self, names: Sequence[str], rows: Sequence[TrajectoryRow]) -> tuple[bool, str]:
+        """Play a program's joint trajectory once the deadman is held; one without points ends what is played.
+
+        Args:
+            names: of the joints, in the order of the rows' values.
+            rows: points.
+        """
+        return _answering(partial(self._follow, names, rows) if rows else self.stop)()
+
+    def _follow(self, names: Sequence[str], rows: Sequence[TrajectoryRow]) -> str:
+        points = trajectory_points(names, rows)
+        if self._recording or self._state.phase in BUSY:
+            raise Refused(f"{self._name} is under way; allowed: a trajectory after stop")
+        leg = trajectory_leg(points, self._here(), self.p)
+        self._begin(NAME, (leg,))
+        times = f"{points[-1].time:.1f} s asked for, {leg.duration:.1f} s planned"
+        return self._say(f"{NAME}: {leg.path.length:.2f} m, {times}")
 
     def pause(self) -> str:
         """Pause; the tip stops and is held."""

@@ -73,14 +73,14 @@ _ESTIMATE_UNITS = tuple(
 )
 _SIMULATOR, _CONTROLLER, _DRIVER = "simulator", "controller", "valve_driver"
 _JOYSTICK, _VIEWER, _NOBODY = "joystick", "viewer", ()
-_CYCLE = "cycle (live)"  # a node that is in no lockstep
+_CYCLE, _TWIST, _PROGRAM = "cycle (live)", "twist (live)", "a program (live)"  # in no lockstep
 _RATE = SENSOR_RATE_HZ
 
 # fmt: off
 JOY = Topic(
     name="joy", type=JOY_TYPE, labels=JOY_AXES, units=("1",) * 6, rate_hz=JOY_RATE_HZ,
     doc="Levers -1..1 and buttons in game_controller order; any joystick node, or a replay.",
-    publishers=(_JOYSTICK,), subscribers=(_CONTROLLER, _CYCLE), sensed=True,
+    publishers=(_JOYSTICK,), subscribers=(_CONTROLLER, _CYCLE, _TWIST), sensed=True,
 )
 JOINT_STATES = Topic(
     name="joint_states", type=JOINT_STATE, labels=JOINTS, units=("rad, rad/s, N·m",) * 3, rate_hz=_RATE,
@@ -148,7 +148,7 @@ TIP_POSE = Topic(
     name="tip/pose", type=POSE, labels=_POSE, units=_POSE_UNITS, rate_hz=_RATE,
     doc="Tip by the measured joints: the URDF's frame `tip`; z up from the boom pivot, turned as "
     "the stick is.",
-    publishers=(_CONTROLLER,), subscribers=(_CYCLE,),
+    publishers=(_CONTROLLER,), subscribers=(_CYCLE, _TWIST),
 )
 TIP_TWIST = Topic(
     name="tip/twist", type=TWIST, labels=_XYZ, units=("m/s",) * 3, rate_hz=_RATE,
@@ -164,7 +164,7 @@ CONTROLLER_STATUS = Topic(
     name="controller/status", type=FLOAT_ARRAY,
     labels=("factor", "limit", "armed", "joystick", "emergency_stop"), units=("1",) * 5, rate_hz=_RATE,
     doc="What limits the command: factor 0..1; codes of limit and joystick: explanation/safety.md; 0 or 1.",
-    publishers=(_CONTROLLER,), subscribers=(_CYCLE,),
+    publishers=(_CONTROLLER,), subscribers=(_CYCLE, _TWIST),
 )
 TAUGHT_COMMAND = Topic(
     name="tip/taught_command", type=FLOAT_ARRAY,
@@ -173,7 +173,7 @@ TAUGHT_COMMAND = Topic(
     units=("1", *("m",) * 3, *("1",) * 3, *("1/m",) * 3, "m/s", "m"), rate_hz=_RATE,
     doc="Taught work: a piece of the path near the tip, followed while the deadman is held and the "
     "levers are centred. A run's number rises; speed 0 ends it; left: to the path's next stop.",
-    publishers=(_CYCLE,), subscribers=(_CONTROLLER,),
+    publishers=(_CYCLE, _TWIST), subscribers=(_CONTROLLER,),
 )
 CYCLE_STATUS = Topic(
     name="cycle/status", type=FLOAT_ARRAY,
@@ -182,6 +182,16 @@ CYCLE_STATUS = Topic(
     doc="Taught work: phase (reference/codes.md), segment from 1, way along its leg and its length, distance "
     "of the tip from the path.",
     publishers=(_CYCLE,), subscribers=_NOBODY,
+)
+JOINT_TRAJECTORY = Topic(
+    name="joint_trajectory", type="trajectory_msgs/msg/JointTrajectory", labels=(), units=(), rate_hz=0.0,
+    doc="Angles of swing, boom and stick at times, from a program: played as taught work is.",
+    publishers=(_PROGRAM,), subscribers=(_CYCLE,),
+)
+TWIST_WISH = Topic(
+    name="delta_twist_cmds", type=TWIST, labels=_XYZ, units=("m/s",) * 3, rate_hz=50.0,
+    doc="Velocity that a program wishes the tip, in `base_link`; under MoveIt Servo's name.",
+    publishers=(_PROGRAM,), subscribers=(_TWIST,), sensed=True,
 )
 EMERGENCY_STOP = Topic(
     name="emergency_stop", type="std_msgs/msg/Bool", labels=(), units=(), rate_hz=0.0,
