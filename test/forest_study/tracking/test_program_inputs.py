@@ -187,3 +187,13 @@ def test_the_end_of_a_run_is_said_once():
     follower, command = step(follower, NO_WISH, seen, 0.1)
     assert command == NO_COMMAND
     assert step(follower, NO_WISH, seen, 0.2)[1] is None
+
+
+def test_a_tip_beside_its_way_is_led_back_to_it():
+    """The way goes on in the wished direction from where it began, not from where the tip has strayed to."""
+    follower, _ = step(Follower(), Wish(ZERO, 0.0), Seen(START, 1.0, True, True), 0.0)
+    x, y, z = START
+    for place in (START, (x + 0.01, y + 0.1, z - 0.02)):
+        follower, command = step(follower, Wish((0.0, 0.3, 0.0), 0.0), Seen(place, 1.0, True, True), 0.0)
+    assert command.place == pytest.approx((x, y + 0.1, z))
+    assert command.tangent == (0.0, 1.0, 0.0)
