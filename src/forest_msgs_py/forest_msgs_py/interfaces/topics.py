@@ -240,6 +240,25 @@ GROUND_TRUTH_DEFLECTIONS = Topic(
     doc="By how much simulated links are ahead of their joints; only where the machine file lets them bend.",
     publishers=("simulator with elastic links",), subscribers=_NOBODY,
 )
+GROUND_TRUTH_PUMP = Topic(
+    name="ground_truth/pump", type=FLOAT_ARRAY, labels=("displacement", "speed"), units=("1", "rad/s"),
+    rate_hz=_RATE,
+    doc="Simulated pump: displacement over its greatest, and the engine's speed; only where the machine "
+    "file has a swash plate's times or an engine.",
+    publishers=("simulator with a driven pump",), subscribers=_NOBODY,
+)
+GROUND_TRUTH_TANK_LINE = Topic(
+    name="ground_truth/tank_line", type=FLOAT_ARRAY, labels=("pressure",), units=("Pa",), rate_hz=_RATE,
+    doc="Simulated pressure behind the valves, before the tank's filter; only where the machine file has "
+    "a tank line.",
+    publishers=("simulator with a tank line",), subscribers=_NOBODY,
+)
+GROUND_TRUTH_COMPENSATORS = Topic(
+    name="ground_truth/compensators", type=FLOAT_ARRAY, labels=JOINTS, units=("1",) * 3, rate_hz=_RATE,
+    doc="Openings of simulated pressure compensators, 0 shut; NaN for a valve without one; only where the "
+    "machine file has any.",
+    publishers=("simulator with compensated valves",), subscribers=_NOBODY,
+)
 VIEWER_JOINT_STATES = Topic(
     name="viewer/joint_states", type=JOINT_STATE, labels=(*JOINTS, *CYLINDER_JOINTS, *HEAD_JOINTS),
     units=(*("rad, rad/s, N·m",) * 4, "m, m/s, N", "rad, rad/s, N·m", "m, m/s, N", *("rad, rad/s, N·m",) * 2),

@@ -42,8 +42,8 @@ export class Limits {
       say(shown.wall ? `wall: ${shown.wall.name}` : "wall", tip);
     }
     if (limit === RELEASED) {
-      const armed = signals.value("controller/status/armed") !== 0;
-      shown.labels.push({ key: "limit", text: armed ? "hold the deadman to drive" : "centre the sticks", at: tip, kind: "calm" });
+      const held = signals.value("joy/button_left_shoulder") === 1;
+      shown.labels.push({ key: "limit", text: held ? "centre the sticks" : "hold the deadman to drive", at: tip, kind: "calm" });
     }
   }
 
