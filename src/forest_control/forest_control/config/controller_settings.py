@@ -4,6 +4,8 @@ import math
 from typing import Annotated, NamedTuple
 
 from forest_control.limits.actuator_speed_limits import SpeedLimitParameters, speed_limit_parameters
+from forest_control.limits.load_moment import Capacity, capacity
+from forest_control.limits.load_weighing import WeighingParameters, weighing_parameters
 from forest_control.limits.singularity import BENT
 from forest_control.limits.velocity_scaling import NO_AXIS, NO_STROKE, Axis, Pumps, Stroke, VelocityLimits
 from forest_control.limits.workspace import OPEN, Workspace
@@ -116,6 +118,8 @@ class Parameters(NamedTuple):
     speed_limits: SpeedLimitParameters
     workspace: Workspace
     position_source: int  # a `Source`
+    weighing: WeighingParameters
+    capacity: Capacity
 
 
 def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN) -> Parameters:
@@ -138,6 +142,8 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
         ),
         workspace=workspace,
         position_source=int(settings.position_source),
+        weighing=weighing_parameters(machine),
+        capacity=capacity(machine),
         speed_limits=speed_limit_parameters(machine, axis_drivers(machine)),
         coordinated=CoordinationParameters(
             gains=gains,

@@ -96,7 +96,7 @@ ACTUATOR_STATES = Topic(
 PRESSURES = Topic(
     name="hydraulics/pressures", type=FLOAT_ARRAY, labels=_PRESSURE_LABELS, units=("Pa",) * 12, rate_hz=_RATE,
     doc="Gauge pressure by axis, port and place: the twelve transducers of the thesis.",
-    publishers=(_SIMULATOR,), subscribers=(_DRIVER,), sensed=True,
+    publishers=(_SIMULATOR,), subscribers=(_CONTROLLER, _DRIVER), sensed=True,
 )
 FLOWS = Topic(
     name="hydraulics/flows", type=FLOAT_ARRAY, labels=("swing_1", "stick_1"),
@@ -165,6 +165,13 @@ CONTROLLER_STATUS = Topic(
     labels=("factor", "limit", "armed", "joystick", "emergency_stop"), units=("1",) * 5, rate_hz=_RATE,
     doc="What limits the command: factor 0..1; codes of limit and joystick: explanation/safety.md; 0 or 1.",
     publishers=(_CONTROLLER,), subscribers=(_CYCLE, _TWIST),
+)
+TIP_LOAD = Topic(
+    name="tip/load", type=FLOAT_ARRAY, labels=("mass", "reach", "allowed", "share"),
+    units=("kg", "m", "kg", "1"), rate_hz=_RATE,
+    doc="Load under the tip, without the head, weighed by the boom's pressures; distance from the swing "
+    "axis; what is allowed there, where the machine file tells a capacity; mass over that.",
+    publishers=(_CONTROLLER,), subscribers=_NOBODY,
 )
 TAUGHT_COMMAND = Topic(
     name="tip/taught_command", type=FLOAT_ARRAY,

@@ -2,7 +2,7 @@
 
 import { AXES } from "./axes.js";
 
-const [RATE, JOINT, SINGULARITY, FLOW, WALL, RELEASED] = [1, 2, 3, 4, 5, 6];
+const [RATE, JOINT, SINGULARITY, FLOW, WALL, RELEASED, LOAD] = [1, 2, 3, 4, 5, 6, 7];
 const CYLINDERS = { swing: ["platform"], boom: ["boom_barrel", "boom_rod"], stick: ["stick_barrel", "stick_rod"] };
 const LINKS = { swing: "platform", boom: "boom", stick: "stick" };
 
@@ -40,6 +40,10 @@ export class Limits {
     if (limit === WALL) {
       shown.wall = this.walls.nearest(tip)?.wall ?? null;
       say(shown.wall ? `wall: ${shown.wall.name}` : "wall", tip);
+    }
+    if (limit === LOAD) {
+      const share = signals.value("tip/load/share");
+      say(`load: ${Math.round(100 * share)} % of what is allowed here`, tip);
     }
     if (limit === RELEASED) {
       const held = signals.value("joy/button_left_shoulder") === 1;
