@@ -77,7 +77,7 @@ def test_a_bag_tells_by_its_spools_which_voltages_were_in_force():
     volts = rng.uniform(-5.0, 5.0, (count, 3))
     left = np.exp(
         -timing.PERIOD
-        / valve_driver_parameters.parameters(C180, valve_driver_parameters.Settings()).axes[0].spool_lag
+        / valve_driver_parameters.parameters(C180, valve_driver_parameters.Settings()).axes[0].spool.lag
     )
     spools = np.zeros((count, 14))
     for k in range(count - 1):

@@ -137,7 +137,7 @@ def _behind(bag: Bag, machine: Machine) -> tuple[int, ...]:
     states, spools = bag.series(topics.JOINT_STATES), bag.series(topics.AUXILIARY)
     voltages = bag.series(topics.VALVE_VOLTAGES)
     drivers = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings()).axes
-    left = np.array([np.exp(-PERIOD / axis.spool_lag) if axis.spool_lag > 0.0 else 0.0 for axis in drivers])
+    left = np.array([np.exp(-PERIOD / axis.spool.lag) if axis.spool.lag > 0.0 else 0.0 for axis in drivers])
     place = dict(zip(spools.time_ns.tolist(), spools.values[:, :3], strict=True))
     said: dict[int, Floats] = dict(zip(voltages.time_ns.tolist(), voltages.values, strict=True))
     step = round(PERIOD * 1e9)
