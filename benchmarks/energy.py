@@ -5,8 +5,9 @@
 | random | a voltage of every valve every 0.2 s, anywhere within the rated one |
 | slams | all valves full, then shut, every 0.4 s, their directions drawn |
 | squares | full to and fro, at a frequency that rises from 1 to 10 Hz |
+| logs | as random, with logs of up to 800 kg that are grasped and dropped every 1.5 s |
 
-The account is kept by power flows at the states, apart from what the step conserves.
+The account is kept by power flows at the stages, apart from what the step conserves.
 """
 
 import argparse
@@ -18,8 +19,9 @@ import numpy as np
 from forest_description.config.source_tree import shipped_machines
 from forest_description.machine import load_machine
 from forest_description.types import Floats
-from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.simulation.changing_plant import ChangingPlant
 from forest_sim.simulation.energy_account import Account, account, unaccounted, with_stored_energy
+from forest_sim.simulation.load import Load
 from forest_sim.simulation.open_loop import start_angles
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
@@ -27,7 +29,8 @@ from forest_sim.solver.state_recording import ENERGY, STATE
 
 STEP = 1e-3  # [s]
 STREAM = 5  # of what is drawn
-BLOCK = 60.0  # [s] that are recorded at once
+BLOCK = 1.5  # [s] that are recorded at once, and that a log is held
+GREATEST_LOG = 800.0  # [kg]
 
 
 def random(time: Floats, draw: np.random.Generator) -> Floats:
@@ -53,7 +56,12 @@ def squares(time: Floats, draw: np.random.Generator) -> Floats:
     return voltages
 
 
-INPUTS: tuple[Callable[[Floats, np.random.Generator], Floats], ...] = (random, slams, squares)
+def logs(time: Floats, draw: np.random.Generator) -> Floats:
+    """Return voltages over the rated one, [N, 3]; `run` grasps and drops the logs."""
+    return random(time, draw)
+
+
+INPUTS: tuple[Callable[[Floats, np.random.Generator], Floats], ...] = (random, slams, squares, logs)
 
 
 def run(
@@ -61,16 +69,19 @@ def run(
 ) -> tuple[Account, int]:
     """Return the account of a machine under an input, and how many stages did not converge."""
     machine = load_machine(name)
-    p, draw, steps = plant_parameters(machine), np.random.default_rng(STREAM), round(seconds / STEP)
+    plant, draw, steps = ChangingPlant(machine), np.random.default_rng(STREAM), round(seconds / STEP)
     rated = [machine.valve_of(axis).rated_voltage for axis in range(3)]
     volts = shape(STEP * np.arange(steps), draw) * rated
-    begin = end = equilibrium(start_angles(machine), p)
+    begin = end = equilibrium(start_angles(machine), plant.p)
     passed = np.zeros(len(ENERGY))
-    for block in np.array_split(volts, max(1, round(seconds / BLOCK))):
+    for count, block in enumerate(np.array_split(volts, max(1, round(seconds / BLOCK)))):
+        if shape is logs:
+            held = draw.uniform(0.0, GREATEST_LOG) * (count % 2)
+            end = plant.hold(Load(held), end).simulation
         states, energies = np.zeros((1, len(STATE))), np.zeros((1, len(ENERGY)))
-        end = compiled_record()(end, block, STEP, p, states, energies)
+        end = compiled_record()(end, block, STEP, plant.p, states, energies)
         passed += energies[0]
-    return with_stored_energy(account(passed), begin, end, p), end.events.unconverged_stages
+    return with_stored_energy(account(passed), begin, end, plant.p), end.events.unconverged_stages
 
 
 def main() -> None:

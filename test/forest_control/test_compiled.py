@@ -1,5 +1,7 @@
 """The compiled steps are the interpreted ones to the last bit, of every machine; without code, these run."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,7 @@ from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_description.machine import load_machine
 
 DT = 0.005
-MACHINES = ("c180", "c180_thesis")
+MACHINES = "c180", "c180_thesis", "c180_real"
 
 
 def walk(seed, count, low, high):
@@ -26,11 +28,16 @@ def walk(seed, count, low, high):
 
 
 def control_inputs(seed, count=150):
-    """Levers, angles and rates that wander, a deadman that is let go, transducers that come and go."""
-    rows = walk(seed, count, [-1, 0, -2, -1, -1, -1, -1, -1, -1], [1, 1, -0.5, 1, 1, 1, 1, 1, 1])
+    """Levers, angles, rates and pressures that wander, a deadman let go, transducers that come and go."""
+    rows = walk(
+        seed, count, [-1, 0, -2, -1, -1, -1, -1, -1, -1, 5e6, 1e6], [1, 1, -0.5, 1, 1, 1, 1, 1, 1, 2e7, 5e6]
+    )
     for k, row in enumerate(rows):
         lengths = UNREAD if k % 7 == 3 else (1.9, 1.7)
-        yield control_state.Inputs(tuple(row[:3]), tuple(row[3:6]), Levers(*row[6:]), k % 50 < 40, lengths)
+        pressures = (math.nan, math.nan) if k % 11 == 5 else tuple(row[9:])
+        held = k % 50 < 40
+        inputs = control_state.Inputs(tuple(row[:3]), tuple(row[3:6]), Levers(*row[6:9]), held, lengths)
+        yield inputs._replace(boom_pressures=pressures)
 
 
 def run(step, state, p, arguments):

@@ -289,6 +289,37 @@ def test_a_trouble_comes_as_a_diagnostic(rig, peer):
     peer.until(lambda: sum(said("controller: machine", m).startswith("joint state: posi") for m in heard) > 2)
 
 
+def test_a_load_beyond_the_capacity_holds_the_tip_and_is_told(rig, peer):
+    crane, heard = load_machine("c180_real"), peer.hear(topics.DIAGNOSTICS)
+    r = rig("-p", "machine:=c180_real")
+    loads, force = peer.hear(topics.TIP_LOAD), [3.6e5]  # [N] of the boom's cylinder: some 2 t
+    labels = topics.PRESSURES.labels
+    seen = [0.0] * len(labels)
+
+    def pressures(now):
+        seen[labels.index("boom_1_actuator")] = force[0] / crane.boom.head_area
+        return float_array(topics.PRESSURES, now, seen)
+
+    def limits():
+        told = read_float_array(topics.CONTROLLER_STATUS, r.statuses[-1], 0, ("limit", "armed"))
+        return told.values
+
+    def outward():
+        return joy((0.0, 0.0, 0.5)) if r.statuses and is_armed(r.statuses[-1]) else centred()
+
+    r.joy = outward
+    peer.repeat(topics.PRESSURES, pressures, 200.0)
+    peer.repeat(topics.JOY, lambda now: r.joy())
+    peer.until(lambda: r.statuses and limits() == (7.0, 1.0))
+    peer.until(lambda: any("only motions that unload pass" in said("controller: machine", m) for m in heard))
+    assert max(map(abs, volts(r.commands[-1])[1:])) < 0.05  # it slides aside: the crane is slewn
+    told = read_float_array(topics.TIP_LOAD, loads[-1], 0).values
+    assert told[3] == pytest.approx(told[0] / told[2])
+    assert told[3] > 1.0
+    force[0] = 1.5e5
+    peer.until(lambda: limits()[0] != 7.0 and volts(r.commands[-1])[2] > 0.5)
+
+
 def said(part, message):
     return next((status.message for status in message.status if status.name == part), "")
 

@@ -179,7 +179,11 @@ def test_a_page_that_hung_has_let_go(met: PageStandIn) -> None:
     wait(met, lambda hands: hands.held)
     met.page.clock.fast_forward(101)
     wait(met, lambda hands: not hands.held)
-    met.page.wait_for_selector("text=the page hung")
+    met.page.wait_for_selector("text=The page hung. Let go of the deadman, then hold it again.")
+    met.page.wait_for_selector(".deadman[data-state=pressed]")
+    met.page.keyboard.up("Shift")
+    met.page.clock.run_for(20)
+    met.page.wait_for_selector(".deadman[data-state=waiting]")
 
 
 def test_a_gamepad_drives_and_its_unplugging_lets_go(met: PageStandIn) -> None:

@@ -20,17 +20,27 @@ SIGNALS = (
     ("hydraulics/auxiliary/tank_temperature", "K"),
     ("ground_truth/load/mass", "kg"),
     ("joint_states/boom.position", "rad"),
+    ("ground_truth/pump/displacement", "1"),
+    ("ground_truth/pump/speed", "rad/s"),
+    ("ground_truth/tank_line/pressure", "Pa"),
+    ("ground_truth/deflections/boom", "rad"),
+    ("ground_truth/head/head_in_plane.position", "rad"),
+    ("ground_truth/joint_states/boom.position", "rad"),
+    ("ground_truth/joint_states/stick.position", "rad"),
     *((f"tip/{kind}/{axis}", "") for kind in ("pose", "twist", "twist_command") for axis in "xyz"),
 )
 RATE = 30.0  # [Hz] of the frames
 UNKNOWN = (math.nan,) * 3  # the tip's command, as in the joint scheme
-FRAME = [18e6, 5e-4, 2.5, 1.25, 1.5, 313.15, 620.0, math.pi / 6, 4.0, 0.0, 1.0, 0.3, 0.0, 0.4, *UNKNOWN]
+PUMP = (0.25, 50 * math.pi, 3.5e5)  # its displacement, its speed, the tank line
+BENT = (math.radians(-0.25), math.radians(-12.5), math.radians(60), math.radians(-50))  # boom; head's sway
+MEASURED = (18e6, 5e-4, 2.5, 1.25, 1.5, 313.15, 620.0, math.pi / 6)
+FRAME = [*MEASURED, *PUMP, *BENT, 4.0, 0.0, 1.0, 0.3, 0.0, 0.4, *UNKNOWN]
 
 
 @pytest.fixture(scope="module")
 def met(browser: Browser) -> Any:
     """The page with the how-to's instrument dropped in, after 10 s of frames."""
-    page, _ = new_page(browser, viewport={"width": 1600, "height": 2800})  # all charts in sight
+    page, _ = new_page(browser, viewport={"width": 1600, "height": 3600})  # all charts in sight
     example = re.search(r"^```js\n(.*?)^```", PAGE.read_text("utf-8"), re.DOTALL | re.MULTILINE)
     assert example is not None
     standing = PageStandIn(page, SIGNALS, {"panels/tip_speed.js": example[1]})
@@ -54,10 +64,20 @@ def test_values_are_told_in_the_operators_units(met: PageStandIn) -> None:
         ("temperatures", "tank 40.0"),
         ("load", "log 620"),
         ("joints", "boom 30.0"),
+        ("pump", "displacement 25"),
+        ("pump", "engine 1500"),
+        ("tank_line", "before the filter 3.5"),
+        ("bending", "boom -0.25"),
+        ("sway", "in the plane -2.5"),
         ("power", "hydraulic power 9.0"),
         ("power", "energy of the minute 90"),
     ):
         shows(met, panel, text)
+
+
+def test_what_a_machine_does_not_have_has_no_instrument(met: PageStandIn) -> None:
+    assert met.page.locator("#sway").is_visible()
+    assert not met.page.locator("#compensators").is_visible()
 
 
 def test_the_driver_has_the_head_grasp_and_drop(met: PageStandIn) -> None:

@@ -1,5 +1,6 @@
 """The page's pure modules, imported by a browser: what the hands, the history and the instruments compute."""
 
+import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -206,6 +207,31 @@ def test_a_corner_of_the_square_that_was_passed_counts_and_the_way_on_is_told_fr
         [4, "done", "", 0],
     ]
     assert js("exercise/square.js", steps) == told
+
+
+def test_how_far_beside_the_square_the_tip_was_counts_the_way_and_not_the_time_it_stood_there(
+    js: Js,
+) -> None:
+    steps = """(m) => {
+      let attempt = m.begun(m.squareAt([5, 0, 1]));
+      const drive = (x, y) => { attempt = m.after(attempt, [x, y, 1], time++); };
+      let time = 0;
+      const go = (x0, y0, x1, y1) => {
+        for (let i = 1; i <= 40; i++) drive(x0 + ((x1 - x0) * i) / 40, y0 + ((y1 - y0) * i) / 40);
+      };
+      go(5, 0, 5.8, 0);
+      go(5.8, 0, 5.8, 1.3);
+      for (let i = 0; i < 1000; i++) drive(5.8 + 0.002 * (i % 2), 1.3);
+      go(5.8, 1.3, 5.8, 0.8);
+      go(5.8, 0.8, 5, 0.8);
+      go(5, 0.8, 5, 0);
+      return [m.isDone(attempt), m.result(attempt)];
+    }"""
+    done, found = js("exercise/square.js", steps)
+    assert done
+    assert found["most"] == pytest.approx(0.5, abs=0.01)
+    along = 4 * 0.8 - 0.1  # the last corner is reached 0.1 m before it
+    assert found["rms"] == pytest.approx(math.sqrt(2 * 0.5**3 / 3 / (along + 2 * 0.5)), rel=0.05)
 
 
 def test_the_emergency_stop_is_told_once_by_its_own_panel(js: Js) -> None:

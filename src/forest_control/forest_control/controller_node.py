@@ -11,7 +11,7 @@ from rclpy.node import Node
 
 from forest_control import compiled
 from forest_control.config.controller_configuration import ControllerConfiguration
-from forest_control.pipeline.controller_topics import ControllerInputs, ControllerOutputs
+from forest_control.pipeline.controller_topics import ControllerInputs, ControllerOutputs, load_caution
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.motion_permission import Override, PermissionParameters, Verdict
 from forest_description.types import ZERO
@@ -58,9 +58,10 @@ class ControllerNode(Node):
         valves, now = self._inputs.valves.read(), self._node_clock.now()
         self._stops_without_state(now, override)  # after a stall of ours this may come before the watchdog
         decision, telemetry = self._controller.advance(machine, valves, now, cylinders, override, problem)
-        self._note_causes()
+        self._diagnostics.note_all(self._guard.causes)
         if telemetry is not None:
             self._outputs.say(machine.stamp, telemetry, self._controller, override)
+            self._diagnostics.warn("machine", load_caution(telemetry.output.loading))
             self._diagnostics.publish(machine.stamp)
         elif decision.verdict == Verdict.STOP:
             self._say_zero()
@@ -71,17 +72,17 @@ class ControllerNode(Node):
         if self._stops_without_state(now, override):
             return
         if self._guard.has_begun():
-            self._note_causes()
+            self._diagnostics.note_all(self._guard.causes)
         else:  # nobody else would tell
             self._guard.disarm(now, override)
-            self._note_causes()
+            self._diagnostics.note_all(self._guard.causes)
             self._diagnostics.publish(self._node_clock.stamp())
 
     def _stops_without_state(self, now: float, override: Override) -> bool:
         """Stop, say so and why, if the machine's state has not come for too long; tell whether that is so."""
         lost = self._controller.stops_without_state(now, override)
         if lost:
-            self._note_causes()
+            self._diagnostics.note_all(self._guard.causes)
             self._say_zero()
         return lost
 
@@ -93,10 +94,6 @@ class ControllerNode(Node):
         now = self._node_clock.stamp()
         self._outputs.say_command(now, ZERO, self._override())
         self._diagnostics.publish(now)
-
-    def _note_causes(self) -> None:
-        for part, cause in self._guard.causes.items():
-            self._diagnostics.note(part, cause)
 
     def _may_take_hands_off(self, changed: list[Any]) -> SetParametersResult:
         wanted = any(parameter.name == "hands_off" and parameter.value for parameter in changed)

@@ -13,6 +13,7 @@ from pathlib import Path
 from forest_description.components.drives import CylinderDrive, SwingDrive
 from forest_description.components.hose import GeometricHose, Hose, Line, MeasuredHose
 from forest_description.components.inertia import require_rigid
+from forest_description.components.lifting_capacity import LiftingCapacity
 from forest_description.components.load import Log, Pendulum, RotatorAndGrapple
 from forest_description.components.oil import Oil
 from forest_description.components.pump import IdealPump, LoadSensingPump, Pump
@@ -136,6 +137,7 @@ class Machine(ParameterSet):
     end_stops: EndStops | None
     command_timeout: float = parameter("s", 0.005, 10.0, "age at which a voltage command counts as zero")
     tank_line: TankLine | None = None
+    capacity: LiftingCapacity | None = None
 
     def __post_init__(self) -> None:
         """Check ranges, where the joints go, the port valves, and what hoses known by their bore need."""
@@ -151,6 +153,7 @@ class Machine(ParameterSet):
         self._check_jets()
         self._check_tank_line()
         self._check_elasticity()
+        self._check_capacity()
         for axis, name in enumerate(AXES):
             drive = self.drives[axis]
             if drive.chambers is not None and self.oil is None:
@@ -183,6 +186,16 @@ class Machine(ParameterSet):
                 f"tank_line.resistance ({line.resistance:g} Pa*s2/m6) takes {taken:g} Pa at the pump's full "
                 f"flow, with its preload; allowed: less than pump.supply_pressure "
                 f"({pump.supply_pressure:g} Pa)"
+            )
+
+    def _check_capacity(self) -> None:
+        """Raise unless the load chart goes as far as the crane reaches."""
+        m, chart = self.manipulator, self.capacity
+        reach = m.base_offset + m.boom_length + m.stick_length
+        if chart is not None and chart.reach[-1] < reach:
+            raise MachineError(
+                f"capacity.reach ends at {chart.reach[-1]:g} m; allowed: at least {reach:.3f} m, "
+                f"as far as the crane reaches"
             )
 
     def _check_holding(self, name: str, drive: SwingDrive | CylinderDrive) -> None:

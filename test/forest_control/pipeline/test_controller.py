@@ -7,6 +7,7 @@ import pytest
 
 from forest_control.config import controller_settings
 from forest_control.config.controller_settings import Settings
+from forest_control.limits.load_moment import NO_CAPACITY
 from forest_control.limits.velocity_scaling import ENOUGH, Limit, flow_demand
 from forest_control.limits.workspace import MOST, NO_WALL, PLANE, Wall, Workspace
 from forest_control.operator.levers import Levers, levers_for_tip_velocity
@@ -216,7 +217,7 @@ def test_parameters_keep_the_margin_from_every_joint_limit():
 def test_each_axis_is_clipped_at_and_scaled_with_its_own_valve_s_rated_voltage():
     loader = load_machine("loader")
     p = controller_settings.parameters(loader, Settings(scheme=Scheme.JOINT, joint_rates=(3.0, 3.0, 3.0)))
-    p = p._replace(velocity_limits=p.velocity_limits._replace(pumps=ENOUGH))
+    p = p._replace(velocity_limits=p.velocity_limits._replace(pumps=ENOUGH), capacity=NO_CAPACITY)
     assert p.rated_voltages == (6.0, 8.0, 8.0)
     _, output = controller.step(REST, inputs((1.0, 1.0, 1.0)), p, PERIOD)
     assert output.command == (6.0, 8.0, 8.0)

@@ -11,7 +11,7 @@ from forest_description.machine import load_machine
 
 PERIOD = 0.005
 P = valve_driver_parameters.parameters(load_machine(), Settings())
-LAG = P.axes[0].spool_lag
+LAG = P.axes[0].spool.lag
 EDGE = P.axes[0].valve.forward.deadband_voltage
 MORE, BACK = (0.3, 0.0, 0.0), (-0.3, 0.0, 0.0)
 
@@ -36,7 +36,7 @@ def test_the_driver_knows_where_a_voltage_that_was_in_force_for_long_has_brought
     place = spool(place, volts[0], 4.0 * PERIOD)
     state, _ = valve_driver.step(state, BACK, UNSEEN, STILL, P, 4.0 * PERIOD)
     assert place < -3.0 * EDGE  # across the overlap in one period, and far beyond it in four
-    assert state.spools[0] == pytest.approx(place, abs=1e-9)
+    assert state.spools.positions[0] == pytest.approx(place, abs=1e-9)
 
 
 def test_a_turn_in_time_crosses_the_overlap_in_one_period():

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from forest_control.limits.actuator_speed_limits import RESERVE, joint_rate_limits, speed_limit_parameters
+from forest_control.valve.spool_model import SpoolLaw
 from forest_control.valve.tracking_limit import (
     FULL,
     NO_TRACKING_LIMIT,
@@ -41,7 +42,7 @@ def run(tracking_limits, seconds, volts=10.0, axes=AXES, a=AHEAD, e=BEHIND, v=(0
 def slow(bandwidth):
     """What is known of valves whose spools have a bandwidth [Hz]; none: they follow at once."""
     lag = 0.0 if bandwidth is None else 1.0 / (2.0 * math.pi * bandwidth)
-    return tuple(axis._replace(spool_lag=lag) for axis in AXES)
+    return tuple(axis._replace(spool=SpoolLaw(lag)) for axis in AXES)
 
 
 def test_a_valve_as_filed_reaches_everything_and_one_that_is_not_known_counts_as_such():
@@ -228,4 +229,6 @@ def test_before_any_voltage_the_spools_are_centred(joint, sign):
         NO_TRACKING_LIMIT, volts, RATED, slow(2.0), (0.0,) * 3, (0.0,) * 3, (0.0,) * 3, 0.05
     )
     there = sign * 10.0 * (1.0 - math.exp(-2.0 * math.pi * 2.0 * 0.05))
-    assert tracking_limits.spools == pytest.approx(tuple(there if i == joint else 0.0 for i in range(3)))
+    assert tracking_limits.spools.positions == pytest.approx(
+        tuple(there if i == joint else 0.0 for i in range(3))
+    )

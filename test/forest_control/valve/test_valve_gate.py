@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from forest_control.valve import valve_driver, valve_driver_parameters
+from forest_control.valve.spool_model import SpoolLaw, Spools
 from forest_control.valve.valve_adaptation import NO_ESTIMATE
 from forest_control.valve.valve_driver import REST, STILL, UNSEEN, Motion, Pressures
 from forest_control.valve.valve_driver_parameters import Settings
@@ -125,7 +126,14 @@ def test_loads_and_mean_pressures_are_those_of_their_own_ports_behind_their_low_
 
 
 def test_a_driver_that_begins_has_given_moved_and_borne_nothing():
-    for three in (REST.loads, REST.means, REST.spools, REST.strokes, REST.voltages):
+    for three in (
+        REST.loads,
+        REST.means,
+        REST.spools.positions,
+        REST.spools.targets,
+        REST.strokes,
+        REST.voltages,
+    ):
         assert three == ZERO
     assert (REST.ahead, REST.borne, REST.phase) == (0.0, 0.0, 0.0)
     assert not any((REST.primed, *REST.saturated))
@@ -133,10 +141,10 @@ def test_a_driver_that_begins_has_given_moved_and_borne_nothing():
 
 def test_where_the_spools_are_and_were_on_average_follows_from_the_voltages_in_force():
     before, volts = (1.0, -2.0, 3.0), (4.0, 5.0, -6.0)
-    state = REST._replace(spools=before, voltages=volts)
+    state = REST._replace(spools=Spools(before, volts), voltages=volts)
     state, _ = valve_driver.step(state, ZERO, UNSEEN, STILL, parameters(), 0.01)
     after = [v + math.exp(-0.01 / LAG) * (y - v) for y, v in zip(before, volts, strict=True)]
-    assert state.spools == pytest.approx(after)
+    assert state.spools.positions == pytest.approx(after)
     assert state.strokes == pytest.approx([0.5 * (a + b) for a, b in zip(before, after, strict=True)])
 
 
@@ -284,7 +292,11 @@ def test_leakage_opens_a_valve_from_what_is_worth_it_on_and_keeps_it_open_at_thr
         hold = SHUT._replace(slow=leaked, quick=leaked, way=sign, last=sign)
         volts = (way * sign * 1.1, 0.0, 0.0)
         kept = held(
-            sign * share * worth, sign * share * worth, holds=(hold, SHUT, SHUT), spools=volts, voltages=volts
+            sign * share * worth,
+            sign * share * worth,
+            holds=(hold, SHUT, SHUT),
+            spools=Spools(volts, volts),
+            voltages=volts,
         )
         assert (kept != 0.0) == stays, (share, way)
 
@@ -341,9 +353,9 @@ def test_at_rest_in_a_cycle_the_overlap_is_crossed_gently_and_in_motion_it_is_no
 def test_an_overlap_is_crossed_by_the_edge_of_its_own_way(axis, sign):
     """At 0.7 V the spool is past the edge backwards, at 0.5 V, and short of the one ahead, at 1 V."""
     p = lopsided(axis)._replace(beyond_valve=True)
-    p = p._replace(axes=tuple(a._replace(spool_lag=LAG) for a in p.axes))
+    p = p._replace(axes=tuple(a._replace(spool=SpoolLaw(LAG)) for a in p.axes))
     spools = on_axis(axis, sign * 0.7)
-    state = REST._replace(spools=spools, voltages=spools, ahead=PERIOD)
+    state = REST._replace(spools=Spools(spools, spools), voltages=spools, ahead=PERIOD)
     command = on_axis(axis, sign * 0.5)
     volts = valve_driver.step(state, command, UNSEEN, STILL, p, PERIOD)[1][axis]
     target = valve_driver.step(REST, command, UNSEEN, STILL, lopsided(axis), PERIOD)[1][axis]
@@ -356,9 +368,9 @@ def test_an_edge_nearer_than_a_volt_ends_the_lead_too(axis):
     p = parameters()
     law = p.axes[axis].valve
     law = law._replace(forward=law.forward._replace(deadband_voltage=0.3))
-    p = p._replace(axes=tuple(a._replace(valve=law, spool_lag=LAG) for a in p.axes))
+    p = p._replace(axes=tuple(a._replace(valve=law, spool=SpoolLaw(LAG)) for a in p.axes))
     spools = on_axis(axis, 0.4)
-    state = REST._replace(spools=spools, voltages=spools, ahead=PERIOD)
+    state = REST._replace(spools=Spools(spools, spools), voltages=spools, ahead=PERIOD)
     volts = valve_driver.step(state, on_axis(axis, 0.25), UNSEEN, STILL, p, PERIOD)[1][axis]
     assert 0.4 < volts < 0.8
 
@@ -367,7 +379,7 @@ def test_an_edge_nearer_than_a_volt_ends_the_lead_too(axis):
 @both_ways
 def test_before_any_time_has_passed_a_voltage_leads_nothing(axis, sign):
     p = parameters()
-    p = p._replace(axes=tuple(a._replace(spool_lag=LAG) for a in p.axes))
+    p = p._replace(axes=tuple(a._replace(spool=SpoolLaw(LAG)) for a in p.axes))
     command = on_axis(axis, sign * 0.5)
     at_once = valve_driver.step(REST, command, UNSEEN, STILL, p, 0.0)[1][axis]
     assert (

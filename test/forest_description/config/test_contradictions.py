@@ -43,6 +43,10 @@ GRAPPLE = """manipulator:
     grip: = 0.8 m
     damping: = 400 N*m*s/rad
 """
+CAPACITY = """capacity:
+  reach: {{values: [{reach}], unit: m, source: x}}
+  load: {{values: [{load}], unit: kg, source: x}}
+"""
 EDGE = "  leakage_edge_ratio: = 20 1\n"
 BODIES = [
     ("c180", "boom_xx: = 0 kg*m2", "boom_zz (833.6518 kg*m2) must not be above boom_xx + boom_yy (756.0469"),
@@ -72,6 +76,37 @@ ENGINE = """pump:
 """
 ROOT = "    damping: = 0 N*m*s/rad\n    root_inertia: = 90 kg*m2\n"
 OTHERS = [
+    (
+        "c180",
+        CAPACITY.format(reach="4, 8", load="900, 500"),
+        3,
+        "capacity.reach ends at 8 m; allowed: at least 8.570 m, as far as the crane reaches",
+    ),
+    (
+        "c180",
+        CAPACITY.format(reach="4, 9", load="900"),
+        4,
+        "capacity.load (1 numbers) must have as many as reach (2)",
+    ),
+    (
+        "c180",
+        CAPACITY.format(reach="4, 9", load="500, 900"),
+        4,
+        "capacity.load (500, 900 kg) must not grow with the reach",
+    ),
+    (
+        "c180",
+        CAPACITY.format(reach="9, 4", load="900, 500"),
+        3,
+        "capacity.reach (9, 4 m) must rise from number to number",
+    ),
+    ("c180", CAPACITY.format(reach="9", load="900"), 3, "capacity.reach has 1 numbers; allowed: 2 .. 8"),
+    (
+        "c180",
+        CAPACITY.format(reach="4, 9", load="-900, -950"),
+        4,
+        "capacity.load = -900 kg is outside the range 1 .. 100000 kg",
+    ),
     ("c180_thesis", "manipulator:\n  head_folding: full\n", 2, "allowed: boom_xx of 77.6049 kg*m2 or more"),
     (
         "c180",

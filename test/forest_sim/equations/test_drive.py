@@ -12,9 +12,11 @@ from scipy.optimize import brentq
 from forest_description.machine import load_machine
 from forest_sim.equations.multibody import HANGING_STILL, mechanics
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.mechanics.end_stop import end_stop_force
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
 from forest_sim.solver import integrator, state_recording
 from forest_sim.solver.compiled_plant import compiled_record
+from forest_sim.solver.drive_stage import Contact, meshed_rate
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.state_recording import ENERGY, STATE
 
@@ -104,6 +106,21 @@ def rattling(_, y, inertia, line, swing, gear):
         -q_1 / line.capacitance,
         q_2 / line.capacitance,
     ]
+
+
+def test_a_stage_finds_the_motors_rate_between_free_and_touching_teeth():
+    """Against the root of the same balance; plain Newton jumps between no contact and a full grip."""
+    random, teeth = np.random.default_rng(2), plant_parameters(REAL).drive.gear.teeth
+    step, touched = 2.9e-4, 0
+    for _ in range(300):
+        free, rate, guess = random.uniform(-2.0, 2.0, 3)
+        twist = random.uniform(-1.5, 1.5) * teeth.upper
+        c = Contact(twist, rate, 10.0 ** random.uniform(-6.5, -4.0), step, teeth)
+        found = meshed_rate(free, guess, c)
+        force = end_stop_force(twist + step * found, found - rate, teeth)
+        assert abs(found - c.give * force - free) < 1e-7
+        touched += force != 0.0
+    assert touched > 50
 
 
 def test_a_crane_thrown_through_its_play_rattles_as_an_independent_integration_does():

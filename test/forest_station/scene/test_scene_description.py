@@ -17,7 +17,8 @@ from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_description.urdf.robot_description import robot_description
-from forest_station.scene.crane_signals import crane_joints, crane_signals
+from forest_msgs_py.interfaces import topics
+from forest_station.scene.crane_signals import CRANE_JOINTS, crane_signals
 from forest_station.scene.scene_description import scene_from_urdf, scene_of
 from forest_station.scene.urdf_tree import SceneError, frames
 
@@ -28,7 +29,7 @@ EVERY = pytest.mark.parametrize("machine", MACHINES.values(), ids=NAMES)
 
 def positions(machine, q):
     """Return joint positions as the signals tell them."""
-    told = crane_signals(machine, dict(zip(AXES, q, strict=True)), (0.2, -0.1))
+    told = crane_signals(machine, dict(zip(AXES, q, strict=True)))
     return {name.removeprefix("crane/").removesuffix(".position"): value for name, value in told.items()}
 
 
@@ -81,12 +82,19 @@ def test_a_log_is_drawn_with_the_hanging_head():
     machine = dataclasses.replace(MACHINES["c180"], manipulator=manipulator)
     scene = scene_of(machine)
     assert [visual["shape"] for visual in scene["links"]["head"]] == ["sphere", "cylinder"]
-    assert {joint["name"] for joint in scene["joints"] if joint["signal"]} == set(crane_joints(machine))
+    assert {joint["name"] for joint in scene["joints"] if joint["signal"]} == {
+        *CRANE_JOINTS,
+        *topics.HEAD_JOINTS,
+    }
 
 
 @EVERY
 def test_every_moving_joint_has_a_signal_that_somebody_tells(machine):
-    told = {*crane_signals(machine, {}), *(f"joint_states/{axis}.position" for axis in AXES)}
+    rows = (topics.JOINT_STATES, topics.GROUND_TRUTH_HEAD)
+    told = {
+        *crane_signals(machine, {}),
+        *(f"{row.name}/{joint}.position" for row in rows for joint in row.labels),
+    }
     for joint in scene_of(machine)["joints"]:
         assert (joint["signal"] in told) == (joint["type"] != "fixed")
 
@@ -97,9 +105,8 @@ def test_signals_are_the_joints_themselves_and_nan_where_nobody_knows(machine):
     assert (known["crane/swing.position"], known["crane/boom.position"]) == (0.1, 0.5)
     assert math.isfinite(known["crane/boom_cylinder_rod.position"])
     unknown = {name for name, value in known.items() if math.isnan(value)}
-    head = {name for name in known if "head" in name}
     stick = {f"crane/{name}.position" for name in ("stick", "stick_cylinder_pivot", "stick_cylinder_rod")}
-    assert unknown == stick | head
+    assert unknown == stick
 
 
 def test_walls_are_those_of_the_file_and_keep_the_tip_as_far():

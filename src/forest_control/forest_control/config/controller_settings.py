@@ -4,6 +4,8 @@ import math
 from typing import Annotated, NamedTuple
 
 from forest_control.limits.actuator_speed_limits import SpeedLimitParameters, speed_limit_parameters
+from forest_control.limits.load_moment import Capacity, capacity
+from forest_control.limits.load_weighing import WeighingParameters, weighing_parameters
 from forest_control.limits.singularity import BENT
 from forest_control.limits.velocity_scaling import NO_AXIS, NO_STROKE, Axis, Pumps, Stroke, VelocityLimits
 from forest_control.limits.workspace import OPEN, Workspace
@@ -120,7 +122,9 @@ class Parameters(NamedTuple):
     speed_limits: SpeedLimitParameters
     workspace: Workspace
     position_source: int  # a `Source`
-    sway: SwayParameters = SwayParameters()
+    weighing: WeighingParameters
+    capacity: Capacity
+    sway: SwayParameters  # frequency 0: anti-sway is off, or nothing hangs
 
 
 def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN) -> Parameters:
@@ -128,7 +132,7 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
     gains = _gains(settings, 0), _gains(settings, 1), _gains(settings, 2)
     return Parameters(
         scheme=int(settings.scheme),
-        profile=_profile(settings),
+        profile=operator_profile(settings),
         gains=gains,
         jacobian_at_joints=settings.jacobian_at_joints,
         velocity_limits=_governor(machine, settings),
@@ -144,6 +148,8 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
         workspace=workspace,
         position_source=int(settings.position_source),
         sway=sway_parameters(machine) if settings.anti_sway else SwayParameters(),
+        weighing=weighing_parameters(machine),
+        capacity=capacity(machine),
         speed_limits=speed_limit_parameters(machine, axis_drivers(machine)),
         coordinated=CoordinationParameters(
             gains=gains,
@@ -168,7 +174,8 @@ def _inch(machine: Machine, axis: int) -> float:
     return share * rated_speeds(machine)[axis]
 
 
-def _profile(settings: Settings) -> OperatorProfile:
+def operator_profile(settings: Settings) -> OperatorProfile:
+    """Return how an operator's levers are read."""
     v, most = settings.tip_speed, settings.axis_speed
     return OperatorProfile(
         mode=int(settings.mode),

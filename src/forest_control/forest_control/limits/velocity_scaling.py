@@ -43,6 +43,7 @@ class Limit(IntEnum):
     FLOW = 4  # of the pumps
     WALL = 5  # of the workspace
     RELEASED = 6  # the deadman is released, or the joystick is lost
+    LOAD = 7  # of the crane: what the motion would load further
 
 
 class Pumps(NamedTuple):

@@ -21,7 +21,11 @@ FADE_TIME = 0.2  # [s] in which the difference between two schemes' commands fad
 def begun(state: State, s: Vec3) -> State:
     """Return the state of a machine that begins to move from rest at measured angles [rad]."""
     return REST._replace(
-        reference=s, enabled=True, correction=state.correction, tracking_limits=state.tracking_limits
+        reference=s,
+        enabled=True,
+        correction=state.correction,
+        tracking_limits=state.tracking_limits,
+        weighing=state.weighing,
     )
 
 

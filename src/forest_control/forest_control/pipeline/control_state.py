@@ -3,6 +3,8 @@
 from enum import IntEnum
 from typing import NamedTuple
 
+from forest_control.limits.load_moment import Loading
+from forest_control.limits.load_weighing import UNKNOWN, UNREAD, Pressures, Weighing
 from forest_control.limits.velocity_scaling import VelocityScaling
 from forest_control.operator.levers import Levers
 from forest_control.operator.taught_command import NO_COMMAND, TaughtCommand
@@ -11,7 +13,8 @@ from forest_control.safety.driver_response import DriverSample
 from forest_control.servo import coordinated_servo
 from forest_control.servo.anti_sway import NO_SWAY, Sway
 from forest_control.servo.joint_angle_filter import NONE as NO_CORRECTION
-from forest_control.servo.joint_angle_filter import UNREAD, AngleCorrection, Lengths
+from forest_control.servo.joint_angle_filter import UNREAD as NO_LENGTHS
+from forest_control.servo.joint_angle_filter import AngleCorrection, Lengths
 from forest_control.valve.tracking_limit import FULL, NO_TRACKING_LIMIT, Reach, TrackingLimits
 from forest_description.types import ZERO, Vec3
 
@@ -34,6 +37,7 @@ class State(NamedTuple):
     correction: AngleCorrection = NO_CORRECTION  # of the angles
     tracking_limits: TrackingLimits = NO_TRACKING_LIMIT  # joints that could not follow
     sway: Sway = NO_SWAY  # of what hangs from the tip
+    weighing: Weighing = UNKNOWN  # of the load
 
 
 class Inputs(NamedTuple):
@@ -43,10 +47,11 @@ class Inputs(NamedTuple):
     rates: Vec3  # v [rad/s], measured
     levers: Levers
     enabled: bool  # the levers may move the crane (`motion_permission`)
-    cylinders: Lengths = UNREAD  # [m] boom, stick, of the same moment; NaN: no sample
+    cylinders: Lengths = NO_LENGTHS  # [m] boom, stick, of the same moment; NaN: no sample
     reach: Reach = FULL  # of the valves, as the driver has learnt it
     voltages: Vec3 = ZERO  # [V] of the valves, given last by the driver
     taught: TaughtCommand = NO_COMMAND  # that is followed in place of the levers
+    boom_pressures: Pressures = UNREAD  # [Pa] head and rod side; NaN: no sample
 
 
 class ValveFeedback(NamedTuple):
@@ -101,6 +106,7 @@ class Output(NamedTuple):
     command: Vec3  # [V] of ideal valves, as applied
     tip_reference: Vec3  # velocity of the tip that is aimed at [m/s]
     scaling: VelocityScaling
+    loading: Loading = Loading()
 
 
 class Telemetry(NamedTuple):

@@ -4,7 +4,7 @@
 
 | stage | question | file |
 |---|---|---|
-| estimate | where are the joints, which of them cannot follow? | `joint_angle_filter`, `tracking_limit` |
+| estimate | where are the joints, which cannot follow, what hangs there? | `joint_angle_filter` ... |
 | command | what do the levers ask for, or the stop without them? | `motion_command` |
 | limit | what may the machine do of it? | `motion_limits` |
 | servo | which joint rates bring it there? | `joint_servo` |
@@ -16,6 +16,8 @@ may change while the crane moves (`bumpless_transfer`).
 """
 
 from forest_control.config.controller_settings import Parameters
+from forest_control.limits.load_moment import loading
+from forest_control.limits.load_weighing import weighed
 from forest_control.pipeline import stop_profile
 from forest_control.pipeline.bumpless_transfer import begun, faded, relearnt
 from forest_control.pipeline.control_state import (
@@ -47,9 +49,11 @@ def step(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State,
     """Advance the controller by dt [s]."""
     state, inputs = _estimate(state, inputs, p, dt)
     state, command = motion_command(state, inputs, p, dt)
-    reference = limited(command, Valves(inputs.reach, state.tracking_limits), inputs, p)
+    load = loading(state.weighing.mass, inputs.angles, p.links, p.capacity)
+    reference = limited(command, Valves(inputs.reach, state.tracking_limits), load, inputs, p)
     servo = joint_servo(command, reference, state, inputs, p, dt)
-    return _output(command, reference, servo, state, inputs, p, dt)
+    state, output = _output(command, reference, servo, state, inputs, p, dt)
+    return state, output._replace(loading=load)
 
 
 def step_with_telemetry(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[State, Telemetry]:
@@ -68,7 +72,9 @@ def _estimate(state: State, inputs: Inputs, p: Parameters, dt: float) -> tuple[S
     inputs = inputs._replace(angles=corrected_angles(inputs.angles, correction))
     state = relearnt(state, correction)
     return state._replace(
-        correction=correction, tracking_limits=_tracking_limits(state, inputs, p, dt)
+        correction=correction,
+        tracking_limits=_tracking_limits(state, inputs, p, dt),
+        weighing=weighed(state.weighing, inputs.angles, inputs.rates, inputs.boom_pressures, p.weighing, dt),
     ), inputs
 
 

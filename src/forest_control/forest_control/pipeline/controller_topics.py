@@ -1,10 +1,14 @@
 """The controller's inputs from topics and its output to topics: conversions only, which decide nothing."""
 
+import math
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 from forest_control.config.controller_settings import Parameters
+from forest_control.limits.load_moment import WARNED, Loading
+from forest_control.limits.load_weighing import UNREAD as NO_PRESSURES
+from forest_control.limits.load_weighing import Pressures
 from forest_control.operator.joystick_watch import joystick_sample, unreadable_sample
 from forest_control.operator.levers import RIGHT_Y
 from forest_control.operator.taught_command import NO_COMMAND, from_values
@@ -13,7 +17,8 @@ from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.pipeline.valve_feedback import ValveReports
 from forest_control.safety.motion_guard import MotionGuard
 from forest_control.safety.motion_permission import MachineState, Override
-from forest_control.servo.joint_angle_filter import UNREAD, Lengths, Source
+from forest_control.servo.joint_angle_filter import UNREAD as NO_LENGTHS
+from forest_control.servo.joint_angle_filter import Lengths, Source
 from forest_control.servo.schemes import Scheme
 from forest_description.machine import Machine
 from forest_description.types import Vec3
@@ -25,6 +30,8 @@ from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader, JointReader, read_joy_data
 
 FRAME = "base_link"
+BOOM_PRESSURES = "boom_1_actuator", "boom_2_actuator"
+PRESSURE_TIMEOUT = 0.1  # [s] at which pressures count as none
 NO_RATES = "joint state: no finite velocity; allowed: rad/s of every joint"
 
 
@@ -41,6 +48,8 @@ class ControllerInputs:
         self._node_clock = pace
         self.joy, self.valves = pace.polled_subscription(topics.JOY), ValveReports(pace, machine)
         self.actuators = pace.polled_subscription(topics.ACTUATOR_STATES)
+        self.pressures = pace.polled_subscription(topics.PRESSURES)
+        self._boom = ArrayReader(topics.PRESSURES, BOOM_PRESSURES)
         # In lockstep nobody plays: a step cannot wait for an answer to itself.
         self.taught = None if pace.lockstep else pace.polled_subscription(topics.TAUGHT_COMMAND)
         self._taught = ArrayReader(topics.TAUGHT_COMMAND)
@@ -67,7 +76,7 @@ class ControllerInputs:
         heard = partial(InputStatus, node, self._node_clock)
         joystick = heard(self.joy, "a joystick", guard.is_nobody_there)
         diagnostics.watch("joystick", joystick, values=guard.joystick_values)
-        others = map(heard, (self.actuators, self.valves.volts, self.valves.status))
+        others = map(heard, (self.actuators, self.pressures, self.valves.volts, self.valves.status))
         diagnostics.watch("machine", heard(joints, "the machine's state"), *others, values=limits)
 
     def read_joystick(self, guard: MotionGuard) -> None:
@@ -101,17 +110,30 @@ class ControllerInputs:
         angles, rates = reading.values.position, reading.values.velocity
         problem = reading.problem or ("" if rates else NO_RATES)
         state = MachineState(
-            angles=angles, rates=rates, stamp=reading.stamp_ns, received=received, readable=not problem
+            angles=angles,
+            rates=rates,
+            stamp=reading.stamp_ns,
+            received=received,
+            readable=not problem,
+            boom_pressures=self._boom_pressures(),
         )
         return state, problem
+
+    def _boom_pressures(self) -> Pressures:
+        """Return the pressures in the boom's cylinder [Pa], NaN where there are no fresh ones."""
+        arrival = self.pressures.newest()
+        if not arrival or self._node_clock.now() - arrival.time > PRESSURE_TIMEOUT:
+            return NO_PRESSURES
+        reading = self._boom.read(arrival.message, 0)
+        return NO_PRESSURES if reading.problem else reading.values
 
     def cylinders(self, stamp: int, p: Parameters) -> Lengths:
         """Return the lengths [m] of boom and stick at a stamp [ns]; NaN where there are none to be used."""
         if p.position_source == Source.JOINTS or not (arrival := self.actuators.newest()):
-            return UNREAD
+            return NO_LENGTHS
         reading = self._lengths.read(arrival.message)
         if reading.problem or reading.stamp_ns != stamp:
-            return UNREAD
+            return NO_LENGTHS
         _, boom, stick = reading.values.position
         return boom, stick
 
@@ -130,6 +152,7 @@ class ControllerOutputs:
         self._twist = number_publisher(pace, topics.TIP_TWIST, FRAME)
         self._reference = number_publisher(pace, topics.TIP_TWIST_COMMAND, FRAME)
         self._status = number_publisher(pace, topics.CONTROLLER_STATUS, plain=plain)
+        self._load = number_publisher(pace, topics.TIP_LOAD, plain=plain)
         self._node_clock = pace
 
     def say_description(self, text: str) -> None:
@@ -155,3 +178,21 @@ class ControllerOutputs:
         scaling = output.scaling
         codes = scaling.factor, scaling.limit, watch.armed, watch.joystick, override.emergency_stop
         self._status.publish(stamp, codes)
+        self._load.publish(stamp, told_load(output.loading))
+
+
+def told_load(load: Loading) -> tuple[float, float, float, float]:
+    """Return the values of `topics.TIP_LOAD`; NaN for what is not known, or has no bound."""
+    if load.allowed == math.inf:
+        return load.mass, load.reach, math.nan, math.nan
+    return load.mass, load.reach, load.allowed, math.nan if math.isnan(load.mass) else load.share
+
+
+def load_caution(load: Loading) -> str:
+    """Return what a person should know of what the crane carries, "" for nothing."""
+    if load.allowed == math.inf or load.share < WARNED:
+        return ""
+    if math.isnan(load.mass):
+        return "load: not weighed, no pressures of the boom's cylinder; only motions that unload pass"
+    told = f"load: {load.mass:.0f} kg at {load.reach:.1f} m, {100.0 * load.share:.0f} % of what is allowed"
+    return told if load.share < 1.0 else f"{told}; only motions that unload pass"

@@ -48,6 +48,7 @@ def control_inputs(
         cylinders=cylinders,
         reach=reach,
         voltages=voltages,
+        boom_pressures=machine.boom_pressures,
     )
 
 

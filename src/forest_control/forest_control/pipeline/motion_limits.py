@@ -1,12 +1,14 @@
 """The limit stage: what walls, the machine's limits and its valves leave of a command.
 
-Walls take from the tip's velocity what is too fast towards them. Then J^-1 makes joint rates of it, and one
-factor scales them all, so that the tip keeps its direction (`velocity_scaling`).
+Walls take from the tip's velocity what is too fast towards them, and a load near the crane's capacity what
+would load it further (`load_moment`). Then J^-1 makes joint rates of it, and one factor scales them all, so
+that the tip keeps its direction (`velocity_scaling`).
 """
 
 from forest_control.config.controller_settings import Parameters
 from forest_control.limits import workspace
 from forest_control.limits.actuator_speed_limits import joint_rate_limits
+from forest_control.limits.load_moment import Loading, loading_share, unloaded
 from forest_control.limits.singularity import rates_near_singularity
 from forest_control.limits.velocity_scaling import Limit, VelocityLimits, VelocityScaling, velocity_scaling
 from forest_control.pipeline.control_state import Inputs, MotionCommand, Phase, Reference, scaled
@@ -16,7 +18,9 @@ from forest_description.geometry.kinematics import is_singular, joint_rates, tip
 from forest_description.types import ZERO, Vec3
 
 
-def limited(command: MotionCommand, valves: Valves, inputs: Inputs, p: Parameters) -> Reference:
+def limited(
+    command: MotionCommand, valves: Valves, load: Loading, inputs: Inputs, p: Parameters
+) -> Reference:
     """Return the reference that a command leaves, and what holds it back."""
     if command.phase == Phase.STANDING:
         return Reference(ZERO, ZERO, VelocityScaling(0.0, Limit.RELEASED))
@@ -28,13 +32,28 @@ def limited(command: MotionCommand, valves: Valves, inputs: Inputs, p: Parameter
         return Reference(scaled(command.rates, factor), scaled(command.velocity, factor), released)
     if command.phase == Phase.STOPPING:
         return _stopping(command, valves, inputs, p)
-    velocity = workspace.slide(tip_position(command.pose, p.links), command.velocity, p.workspace)
-    rates = (
-        command.rates if p.scheme == Scheme.JOINT else rates_near_singularity(command.pose, velocity, p.links)
-    )
+    return _moving(command, valves, load, inputs, p)
+
+
+def _moving(
+    command: MotionCommand, valves: Valves, load: Loading, inputs: Inputs, p: Parameters
+) -> Reference:
+    """Return the reference of what the levers, or a taught command, ask for."""
+    tip = tip_position(command.pose, p.links)
+    walled = workspace.slide(tip, command.velocity, p.workspace)
+    velocity, rates, left = walled, command.rates, 1.0
+    if p.scheme == Scheme.JOINT:
+        left = loading_share(inputs.angles, rates, p.links, load)
+        rates = scaled(rates, left)
+    else:
+        velocity, left = unloaded(tip, walled, load, inputs.taught.speed > 0.0)
+        rates = rates_near_singularity(command.pose, velocity, p.links)
     reference = scaled_reference(command.pose, rates, velocity, valves, inputs, p)
-    if velocity != command.velocity and reference.scaling.limit == Limit.NONE:
-        return reference._replace(scaling=VelocityScaling(reference.scaling.factor, Limit.WALL))
+    factor, limit = reference.scaling.factor, reference.scaling.limit
+    if left < factor:
+        return reference._replace(scaling=VelocityScaling(left * factor, Limit.LOAD))
+    if walled != command.velocity and limit == Limit.NONE:
+        return reference._replace(scaling=VelocityScaling(factor, Limit.WALL))
     return reference
 
 

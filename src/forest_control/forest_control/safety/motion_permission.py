@@ -26,6 +26,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from forest_control.config.controller_settings import Parameters
+from forest_control.limits.load_weighing import UNREAD, Pressures
 from forest_control.operator import joystick_watch
 from forest_control.operator.joystick_interpolation import CENTRED, InterpolatedLevers, interpolated
 from forest_control.operator.joystick_watch import Sample, Watch, WatchParameters, assessed_watch
@@ -82,6 +83,7 @@ class MachineState(NamedTuple):
     stamp: int  # [ns]
     received: float  # [s]
     readable: bool = True
+    boom_pressures: Pressures = UNREAD  # [Pa] of its cylinder, head and rod side; NaN: no sample
 
 
 class Override(NamedTuple):

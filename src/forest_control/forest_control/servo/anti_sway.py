@@ -1,13 +1,13 @@
 """Anti-sway: the tip's wished velocity, filtered so that it leaves what hangs from the tip at rest.
 
-The head hangs from the tip as a pendulum. The filter's zeros cancel the pendulum's poles, and two real poles of
-the same frequency take their place. So no sensor is needed, nor is the loop closed: an error of the frequency
-costs some of the effect, and no stability.
+The head hangs from the tip as a pendulum. The filter's zeros cancel the pendulum's poles, and two real poles
+of the same frequency take their place. There is no sensor and no loop: an error of the frequency costs some
+of the effect, and no stability.
 
     F(s) = (s^2 + 2 zeta w s + w^2) / (s + w)^2
 
-The tip lags behind the wish by 2 (1 - zeta) / w, and ends where it would have ended. All three components pass
-the same filter, so a straight way stays straight.
+The tip lags behind the wish by 2 (1 - zeta) / w, and ends where it would have ended. All three components
+pass the same filter, so a straight way stays straight.
 
 | symbol | name | unit |
 |---|---|---|

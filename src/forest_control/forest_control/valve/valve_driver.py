@@ -22,6 +22,7 @@ gain are those that `valve_adaptation` has estimated.
 import math
 from typing import NamedTuple
 
+from forest_control.valve.spool_model import CENTRED, Spools, before_play, left
 from forest_control.valve.valve_adaptation import (
     NO_ESTIMATE,
     ValveEstimate,
@@ -32,7 +33,6 @@ from forest_control.valve.valve_adaptation import (
 from forest_control.valve.valve_driver_parameters import (
     AxisDriver,
     Parameters,
-    left,
     moved_spools,
 )
 from forest_control.valve.valve_flow import AxisMeasurement
@@ -60,7 +60,7 @@ class State(NamedTuple):
     loads: Vec3  # low-passed [N m, N, N]
     primed: bool  # the first pressures have arrived
     means: Vec3 = (0.0, 0.0, 0.0)  # [Pa] of both ports
-    spools: Vec3 = (0.0, 0.0, 0.0)  # [V] where the spools should have been when the voltages were given
+    spools: Spools = CENTRED  # where they should have been when the voltages were given
     strokes: Vec3 = (0.0, 0.0, 0.0)  # [V] where they were on average since the last step
     holds: Holds = (SHUT, SHUT, SHUT)
     voltages: Vec3 = (0.0, 0.0, 0.0)  # [V] given last, without dither
@@ -155,9 +155,10 @@ def _moved_on(state: State, p: Parameters, dt: float) -> State:
     After a voltage that was in force for longer than usual, the next ones may be, too: the longest
     time counts, and is forgotten with `FORGOTTEN`.
     """
-    before, after = state.spools, moved_spools(state.spools, state.voltages, p.axes, dt)
+    spools = moved_spools(state.spools, state.voltages, p.axes, dt)
+    before, after = state.spools.positions, spools.positions
     return state._replace(
-        spools=after,
+        spools=spools,
         strokes=(0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1]), 0.5 * (before[2] + after[2])),
         ahead=max(dt, dt + math.exp(-dt / FORGOTTEN) * (state.ahead - dt)),
     )
@@ -167,7 +168,7 @@ def _axis(
     i: int, command: float, mean: float, supply: float, state: State, p: Parameters, dt: float
 ) -> AxisMemory:
     """Return one axis a step on; mean [Pa]: see `spool_voltage`."""
-    axis, spool = p.axes[i], state.spools[i]
+    axis, spool = p.axes[i], state.spools.positions[i]
     rated = axis.valve.forward.rated_voltage
     if not math.isfinite(command):
         return AxisMemory(SHUT, 0.0, False)
@@ -196,7 +197,9 @@ def _axis(
             # A first-order spool needs some time constants to just beyond the overlap. With more voltage it
             # is there in one period; in force for longer, that voltage would open the valve wide. Outside
             # the overlap the command's lead makes up for the lag; at rest there is time.
-            wanted = spool + (wanted - spool) / (1.0 - left(axis, max(SOONEST, state.ahead)))
+            wanted = spool + (wanted - spool) / (1.0 - left(axis.spool.lag, max(SOONEST, state.ahead)))
+        if wanted != 0.0:
+            wanted = before_play(state.spools.targets[i], wanted, state.voltages[i], axis.spool.play)
     most = p.slew_limit * dt if dt > 0.0 or p.slew_limit < math.inf else math.inf  # not inf * 0
     slewed = max(state.voltages[i] - most, min(state.voltages[i] + most, wanted))
     voltage = max(-low, min(rated, slewed))

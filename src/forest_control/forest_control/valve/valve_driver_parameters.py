@@ -7,6 +7,7 @@ cylinder; motor.
 import math
 from typing import Annotated, NamedTuple
 
+from forest_control.valve.spool_model import SpoolLaw, Spools, after, behind_play
 from forest_control.valve.valve_adaptation import AdaptationParameters
 from forest_control.valve.valve_flow import FlowParameters
 from forest_description.components.valve_characteristic import ValveLaw
@@ -32,7 +33,7 @@ class AxisDriver(NamedTuple):
     hose_square: float = 0.0  # [N s^2/m^2; N m s^2] and with its square
     slip: float = 0.0  # [rad/s per N m] speed that the motor's leakage takes under load
     least_fed: float = 0.0  # [V] leakage from which it is fed
-    spool_lag: float = 0.0  # [s]; 0: the spool follows at once
+    spool: SpoolLaw = SpoolLaw()
     metering_drop: float = math.inf  # [Pa] that a compensator keeps over the edge to the pump
 
 
@@ -130,18 +131,18 @@ def axis_drivers(machine: Machine, beyond_valve: bool = True) -> Axes:
     )
 
 
-def moved_spools(spools: Vec3, voltages: Vec3, axes: Axes, dt: float) -> Vec3:
-    """Return where first-order spools [V] are after voltages [V] were in force for dt [s]."""
-    return (
-        voltages[0] + left(axes[0], dt) * (spools[0] - voltages[0]),
-        voltages[1] + left(axes[1], dt) * (spools[1] - voltages[1]),
-        voltages[2] + left(axes[2], dt) * (spools[2] - voltages[2]),
+def moved_spools(spools: Spools, voltages: Vec3, axes: Axes, dt: float) -> Spools:
+    """Return where the spools are after voltages [V] were in force for dt [s]."""
+    u_1 = behind_play(spools.targets[0], voltages[0], axes[0].spool.play)
+    u_2 = behind_play(spools.targets[1], voltages[1], axes[1].spool.play)
+    u_3 = behind_play(spools.targets[2], voltages[2], axes[2].spool.play)
+    y_1, y_2, y_3 = spools.positions
+    positions = (
+        after(y_1, u_1, axes[0].spool, dt),
+        after(y_2, u_2, axes[1].spool, dt),
+        after(y_3, u_3, axes[2].spool, dt),
     )
-
-
-def left(axis: AxisDriver, dt: float) -> float:
-    """Return the part of its way that a spool has left after dt [s]."""
-    return 0.0 if axis.spool_lag == 0.0 else math.exp(-dt / axis.spool_lag)
+    return Spools(positions, (u_1, u_2, u_3))
 
 
 def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool) -> AxisDriver:
@@ -157,13 +158,18 @@ def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool) 
         hose_square=square,
         slip=_slip(machine, axis),
         least_fed=_least_fed(machine, axis),
-        spool_lag=_spool_lag(machine, axis),
+        spool=_spool(machine, axis),
     )
 
 
-def _spool_lag(machine: Machine, axis: int) -> float:
-    bandwidth = machine.valve_of(axis).spool_bandwidth
-    return 0.0 if bandwidth is None else 1.0 / (2.0 * math.pi * bandwidth)
+def _spool(machine: Machine, axis: int) -> SpoolLaw:
+    valve = machine.valve_of(axis)
+    bandwidth, slew = valve.spool_bandwidth, valve.spool_slew_limit
+    return SpoolLaw(
+        lag=0.0 if bandwidth is None else 1.0 / (2.0 * math.pi * bandwidth),
+        play=valve.hysteresis or 0.0,
+        slew=math.inf if slew is None else slew,
+    )
 
 
 def _hoses(machine: Machine, axis: int) -> tuple[float, float]:

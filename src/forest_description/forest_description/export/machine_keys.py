@@ -71,6 +71,7 @@ Numbers that contradict each other are refused, too:
 - a gear whose play is wider than the swing's travel
 - links that the crane's weight, or a column that the motor, would deflect by over 0.1 rad
 - a rotator as heavy as its head, or with its centre beyond its end; a log off a hanging head's axis
+- a load chart that grows with the reach, or ends before the crane's own reach
 
 What is possible and not wise, `forest-sim check` warns of.
 """

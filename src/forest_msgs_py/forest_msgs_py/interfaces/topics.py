@@ -96,7 +96,7 @@ ACTUATOR_STATES = Topic(
 PRESSURES = Topic(
     name="hydraulics/pressures", type=FLOAT_ARRAY, labels=_PRESSURE_LABELS, units=("Pa",) * 12, rate_hz=_RATE,
     doc="Gauge pressure by axis, port and place: the twelve transducers of the thesis.",
-    publishers=(_SIMULATOR,), subscribers=(_DRIVER,), sensed=True,
+    publishers=(_SIMULATOR,), subscribers=(_CONTROLLER, _DRIVER), sensed=True,
 )
 FLOWS = Topic(
     name="hydraulics/flows", type=FLOAT_ARRAY, labels=("swing_1", "stick_1"),
@@ -165,6 +165,13 @@ CONTROLLER_STATUS = Topic(
     labels=("factor", "limit", "armed", "joystick", "emergency_stop"), units=("1",) * 5, rate_hz=_RATE,
     doc="What limits the command: factor 0..1; codes of limit and joystick: explanation/safety.md; 0 or 1.",
     publishers=(_CONTROLLER,), subscribers=(_CYCLE, _TWIST),
+)
+TIP_LOAD = Topic(
+    name="tip/load", type=FLOAT_ARRAY, labels=("mass", "reach", "allowed", "share"),
+    units=("kg", "m", "kg", "1"), rate_hz=_RATE,
+    doc="Load under the tip, without the head, weighed by the boom's pressures; distance from the swing "
+    "axis; what is allowed there, where the machine file tells a capacity; mass over that.",
+    publishers=(_CONTROLLER,), subscribers=_NOBODY,
 )
 TAUGHT_COMMAND = Topic(
     name="tip/taught_command", type=FLOAT_ARRAY,
@@ -239,6 +246,25 @@ GROUND_TRUTH_DEFLECTIONS = Topic(
     name="ground_truth/deflections", type=FLOAT_ARRAY, labels=JOINTS, units=("rad",) * 3, rate_hz=_RATE,
     doc="By how much simulated links are ahead of their joints; only where the machine file lets them bend.",
     publishers=("simulator with elastic links",), subscribers=_NOBODY,
+)
+GROUND_TRUTH_PUMP = Topic(
+    name="ground_truth/pump", type=FLOAT_ARRAY, labels=("displacement", "speed"), units=("1", "rad/s"),
+    rate_hz=_RATE,
+    doc="Simulated pump: displacement over its greatest, and the engine's speed; only where the machine "
+    "file has a swash plate's times or an engine.",
+    publishers=("simulator with a driven pump",), subscribers=_NOBODY,
+)
+GROUND_TRUTH_TANK_LINE = Topic(
+    name="ground_truth/tank_line", type=FLOAT_ARRAY, labels=("pressure",), units=("Pa",), rate_hz=_RATE,
+    doc="Simulated pressure behind the valves, before the tank's filter; only where the machine file has "
+    "a tank line.",
+    publishers=("simulator with a tank line",), subscribers=_NOBODY,
+)
+GROUND_TRUTH_COMPENSATORS = Topic(
+    name="ground_truth/compensators", type=FLOAT_ARRAY, labels=JOINTS, units=("1",) * 3, rate_hz=_RATE,
+    doc="Openings of simulated pressure compensators, 0 shut; NaN for a valve without one; only where the "
+    "machine file has any.",
+    publishers=("simulator with compensated valves",), subscribers=_NOBODY,
 )
 VIEWER_JOINT_STATES = Topic(
     name="viewer/joint_states", type=JOINT_STATE, labels=(*JOINTS, *CYLINDER_JOINTS, *HEAD_JOINTS),

@@ -92,6 +92,11 @@ class Diagnostics:
         if problem and self._is_news(part, problem):
             self._node.get_logger().warning(f"{self._consequence}: {problem}")
 
+    def note_all(self, problems: Mapping[str, str]) -> None:
+        """Note what is wrong with each of some parts."""
+        for part, problem in problems.items():
+            self.note(part, problem)
+
     def warn(self, part: str, caution: str) -> None:
         """Note what a person should know of a part that works all the same, "" for nothing."""
         if bool(caution) != bool(self._cautions[part]):

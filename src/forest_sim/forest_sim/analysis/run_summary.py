@@ -17,7 +17,7 @@ from forest_sim.simulation.open_loop import Block, Run
 from forest_sim.solver.integrator import Events
 from forest_sim.solver.state_recording import ENERGY, STATE, restore
 
-ENERGY_GAP = 0.005  # of the energy that passed through, above which a run is warned of
+ENERGY_GAP = 0.002  # of the energy that passed through, above which a run is warned of
 BEYOND_LIMIT = 3.0  # [deg]
 _EVENTS = [STATE.index(name) for name in Events._fields]
 _ANGLES = [STATE.index(f"{axis}_angle") for axis in AXES]
@@ -67,8 +67,7 @@ class Summary:
     def energy(self) -> dict[str, float]:
         """Return the account [J]; `unaccounted` is what it leaves open.
 
-        What is stored follows from the oil's state at both ends. A valve that shuts at once stops a
-        hose's flow at once: its kinetic energy is then among the unaccounted, with the error of the
+        What is stored follows from the oil's state at both ends; what stays open is the error of the
         integration.
         """
         total = account(self._energies)

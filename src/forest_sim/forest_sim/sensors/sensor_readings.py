@@ -29,8 +29,9 @@ from forest_sim.equations.plant import (
 )
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
+from forest_sim.hydraulics.compensator import NONE
 from forest_sim.hydraulics.port import port_pressure
-from forest_sim.hydraulics.supply import saturation
+from forest_sim.hydraulics.supply import asked_stroke, saturation
 from forest_sim.sensors.sensor_model import WORKS, SensorMemory, SensorModel, sample, sample_if
 from forest_sim.sensors.sensor_suite import (
     CHANNELS,
@@ -219,6 +220,22 @@ def deflections(simulation: Simulation, p: PlantParameters) -> Vec3:
         links.boom.angle - joints.boom.angle,
         links.stick.angle - joints.stick.angle,
     )
+
+
+def pump(simulation: Simulation, p: PlantParameters) -> tuple[float, float]:
+    """Return the pump's displacement over its greatest, 0..1, and the engine's speed [rad/s]."""
+    plant, drive = simulation.plant, p.supply.drive
+    displacement = plant.pump.stroke if drive.up > 0.0 else asked_stroke(plant.supply, p.supply).value
+    return displacement, plant.pump.speed if drive.inertia > 0.0 else drive.speed
+
+
+def compensators(simulation: Simulation, p: PlantParameters) -> Vec3:
+    """Return the openings of the valves' pressure compensators, 0 shut .. 1 open; NaN for a valve without."""
+    swing, boom, stick = (
+        lifts.compensator if valve.compensator.sort != NONE else math.nan
+        for lifts, valve in zip(simulation.lifts, p.valves, strict=True)
+    )
+    return swing, boom, stick
 
 
 def true_values(simulation: Simulation, p: PlantParameters, around: Surroundings) -> tuple[float, ...]:

@@ -13,13 +13,15 @@
 | bending | lost in links that give way |
 | stops | taken by the end stops |
 | mechanical | handed to the links, less what they gave back on their way down; see `link_account` |
+| stopped | kinetic energy of oil in hoses that a valve shuts on at once: lost |
 | return_line | lost in filter and tank line |
 | stored | in oil, engine, motor, teeth, bristles and bent links, less what was there at the start |
 
 The recorded flows of `power_flows` close at every instant, so their integrals close whatever the
-states do: their sum tests nothing of a run. `with_stored_energy` therefore computes `stored` from
-the states at both ends. What the account then leaves open, `unaccounted`, is the error of the
-integration.
+states do: their sum tests nothing of a run. A valve that shuts at once stops oil between two
+instants; `stopped` has its I Q^2/2 from the states on either side. `with_stored_energy` computes
+`stored` from the states at both ends. What the account then leaves open, `unaccounted`, is the error
+of the integration.
 """
 
 from typing import NamedTuple
@@ -54,6 +56,7 @@ class Account(NamedTuple):
     return_line: Floats
     stored: Floats
     bending: Floats
+    stopped: Floats
 
 
 _PARTS = {
@@ -70,17 +73,19 @@ _PARTS = {
     "return_line": ("pump_return_line",),
     "stored": ("pump_manifold", "pump_flywheel", "pump_tank_line", "hose", "elastic"),
     "bending": ("bending",),
+    "stopped": ("stopped",),
 }
 
 
 def dissipated_energy(energies: Floats) -> float:
     """Return what rows of energies turned into heat [J]: all but work on the links and what is stored."""
     total = account(np.sum(energies, axis=0))
-    return float(total.engine - total.mechanical - total.stops - total.stored)
+    held = total.stored - total.stopped  # the power that stores knows nothing of what a valve stops
+    return float(total.engine - total.mechanical - total.stops - held)
 
 
 def account(energies: Floats) -> Account:
-    """Return the account of recorded energies [..., 66], `state_recording.ENERGY`."""
+    """Return the account of recorded energies [..., 69], `state_recording.ENERGY`."""
     parts = {
         entry: sum(energies[..., place] for name in names for place in _places(name))
         for entry, names in _PARTS.items()

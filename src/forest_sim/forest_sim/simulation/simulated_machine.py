@@ -81,6 +81,21 @@ class SimulatedMachine:
         return sensor_readings.deflections(self._simulation, self._plant.p)
 
     @property
+    def pump(self) -> tuple[float, float]:
+        """The pump's displacement over its greatest [1], and the engine's speed [rad/s]."""
+        return sensor_readings.pump(self._simulation, self._plant.p)
+
+    @property
+    def tank_line(self) -> tuple[float]:
+        """Pressure behind the valves [Pa]."""
+        return (self._simulation.tank.pressure,)
+
+    @property
+    def compensators(self) -> Vec3:
+        """Openings of the valves' pressure compensators [1]; NaN for a valve without one."""
+        return sensor_readings.compensators(self._simulation, self._plant.p)
+
+    @property
     def at_rest(self) -> Report:
         """What the sensors said before the first step, and the truth."""
         return self._sensors.at_rest

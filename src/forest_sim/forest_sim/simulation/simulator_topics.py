@@ -13,6 +13,7 @@ from forest_msgs_py.safety.clipping import Clipping
 from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.serialization.unpacking import ArrayReader
+from forest_sim.hydraulics.pump_drive import pump_drive
 from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, TopicValues
 from forest_sim.simulation.simulated_machine import SimulatedMachine
 from forest_sim.simulation.voltage_command import VoltageInput
@@ -26,7 +27,7 @@ FurtherTopics = dict[Topic, Callable[[SimulatedMachine], tuple[float, ...]]]
 
 
 def further_topics(machine: Machine, has_loads: bool) -> FurtherTopics:
-    """Return the topics that not every simulated machine has: of hanging head, log and links that bend."""
+    """Return the topics that not every simulated machine has, of parts that its file may leave out."""
     found: FurtherTopics = {}
     if machine.manipulator.pendulum is not None:
         found[topics.GROUND_TRUTH_HEAD] = lambda running: running.head_joints
@@ -34,6 +35,12 @@ def further_topics(machine: Machine, has_loads: bool) -> FurtherTopics:
         found[topics.GROUND_TRUTH_LOAD] = lambda running: running.load
     if any(drive.elasticity is not None for drive in machine.drives):
         found[topics.GROUND_TRUTH_DEFLECTIONS] = lambda running: running.deflections
+    if pump_drive(machine.pump).present:
+        found[topics.GROUND_TRUTH_PUMP] = lambda running: running.pump
+    if machine.tank_line is not None:
+        found[topics.GROUND_TRUTH_TANK_LINE] = lambda running: running.tank_line
+    if any(machine.valve_of(axis).compensator is not None for axis in range(3)):
+        found[topics.GROUND_TRUTH_COMPENSATORS] = lambda running: running.compensators
     return found
 
 

@@ -5,8 +5,9 @@ which its own equation eliminates: it is as stiff as the teeth, and no other row
 
     J (w - base) + h (T - torque(w)) = 0,   D = J + h (R + K)
 
-with T the teeth's torque, K its slope -dT/d(u - w) and R the oil's -d(torque)/dw. At the joint the
-gear is then an actuator of the torque T - K excess and the resistance K (1 - share).
+with T the teeth's torque, K its slope -dT/d(u - w) and R the oil's -d(torque)/dw. The teeth's kinks
+would send Newton to and fro: the oil's torque is taken along its slope, and w found within a
+bracket. At the joint the gear is then an actuator of the torque T and the resistance K (1 - share).
 """
 
 from typing import NamedTuple
@@ -14,7 +15,7 @@ from typing import NamedTuple
 from forest_sim.equations.drive import DriveState
 from forest_sim.equations.plant_parameters import DriveLaws
 from forest_sim.mechanics.bristles import stuck_after
-from forest_sim.mechanics.end_stop import end_stop_force, end_stop_resistance
+from forest_sim.mechanics.end_stop import EndStop, end_stop_force, end_stop_resistance
 from forest_sim.solver.supply_stage import SupplyError
 
 
@@ -26,6 +27,19 @@ class DriveSolution(NamedTuple):
     share: float  # h K/D, of the joint's change of rate that the motor follows; 1 without play
     excess: float  # by which the motor is too fast at the guessed rates [rad/s]
     give: float  # 1/D [1/(kg m^2)]; 0 without play
+
+
+class Contact(NamedTuple):
+    """Teeth within a stage, as the motor's rate alone closes them."""
+
+    twist: float  # theta - q at a motor rate of zero [rad]
+    rate: float  # of the joint [rad/s]
+    give: float  # change of the motor's rate by a torque of the teeth [1/(N m s)]
+    step: float  # the stage's implicit step [s]
+    teeth: EndStop
+
+
+MESH_ITERATIONS, MESH_TOLERANCE = 40, 1e-9  # [rad/s]
 
 
 def solve_drive(
@@ -55,20 +69,57 @@ def solve_drive(
         return DriveSolution(
             torque - stuck.force, resistance + stuck.resistance, share=1.0, excess=0.0, give=0.0
         )
-    twist, speed = base.motor_angle + h * motor_rate - angle, motor_rate - rate
-    teeth = -end_stop_force(twist, speed, gear.teeth)
+    free = base.motor_rate + h * (torque + resistance * (motor_rate - base.motor_rate)) / (
+        gear.inertia + h * resistance
+    )
+    contact = Contact(base.motor_angle - angle, rate, h / (gear.inertia + h * resistance), h, gear.teeth)
+    turned = meshed_rate(free, motor_rate, contact)
+    twist, speed = contact.twist + h * turned, turned - rate
     stiff = end_stop_resistance(twist, speed, gear.teeth, h)
     give = 1.0 / (gear.inertia + h * (resistance + stiff))
     share = give * h * stiff
-    excess = give * (gear.inertia * (motor_rate - base.motor_rate) + h * (teeth - torque))
     stopped = end_stop_resistance(angle, rate, gear.stop, h)
     return DriveSolution(
-        torque=teeth - stiff * excess + end_stop_force(angle, rate, gear.stop) - stuck.force,
+        torque=end_stop_force(angle, rate, gear.stop)
+        - end_stop_force(twist, speed, gear.teeth)
+        - stuck.force,
         resistance=stiff * (1.0 - share) + stopped + stuck.resistance,
         share=share,
-        excess=excess,
+        excess=motor_rate - turned,
         give=give,
     )
+
+
+def meshed_rate(free: float, guess: float, c: Contact) -> float:
+    """Return the rate [rad/s] of a motor that meets the joint's teeth, w + give T(w) = free.
+
+    Teeth only push back: the rate lies between the free one and that which just touches.
+
+    Args:
+        free: rate without teeth [rad/s].
+        guess: rate near the one sought [rad/s].
+        c: the teeth at the joint's guessed rate.
+    """
+    loose = c.twist + c.step * free
+    if c.teeth.lower <= loose <= c.teeth.upper:
+        return free
+    touching = ((c.teeth.lower if loose < c.teeth.lower else c.teeth.upper) - c.twist) / c.step
+    low, high = min(free, touching), max(free, touching)
+    rate = min(high, max(low, guess))
+    for _ in range(MESH_ITERATIONS):
+        twist, speed = c.twist + c.step * rate, rate - c.rate
+        off = rate - c.give * end_stop_force(twist, speed, c.teeth) - free
+        if off > 0.0:
+            high = rate
+        else:
+            low = rate
+        after = rate - off / (1.0 + c.give * end_stop_resistance(twist, speed, c.teeth, c.step))
+        if not low < after < high:
+            after = 0.5 * (low + high)
+        moved, rate = abs(after - rate), after
+        if moved <= MESH_TOLERANCE:
+            break
+    return rate
 
 
 def through_gear(e: SupplyError, drive: DriveSolution) -> SupplyError:

@@ -41,6 +41,8 @@ from forest_sim.solver.pushed_spools import feels_jets, pushed
 from forest_sim.solver.tank_step import returned_flow, tank_amid
 
 GAMMA = 1.0 - math.sqrt(0.5)
+WEIGHTS = (1.0 - GAMMA, GAMMA)
+"""Of both stages' derivatives in a step."""
 
 
 class Events(NamedTuple):
@@ -65,8 +67,20 @@ class Simulation(NamedTuple):
     tank: TankState = DRAINED
 
 
+class Step(NamedTuple):
+    """A step's end, and the machine at the end of its first stage."""
+
+    after: Simulation
+    amid: Simulation  # of which plant, spools and what is known half a step apart count
+
+
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
     """Advance the machine by h [s] with the valve voltages [V] held."""
+    return step_by_stages(simulation, voltages, h, p).after
+
+
+def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Step:
+    """Do as `step`, and return the first stage, too: what passes in a step is a sum over both."""
     plant, c = simulation.plant, GAMMA * h
     acting, history = _acting(simulation.history, voltages, h, p)
     jets, lifts, tank = _amid(simulation, h, p)
@@ -78,13 +92,14 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
         ports = sensed_over(ports, simulation.spools, end, p)
     base = start = held = with_contents(plant, lifts, p)
     ahead = after = _with_head_ahead(plant, simulation.head_accelerations, p.head.foresight * c)
-    failures = 0
+    first, failures = plant, 0
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
         after, held, failed = solve_stage(base, ahead, rates, ports, c, p)
         failures += failed
         if p.tank_line.capacitance > 0.0:
             returned += (GAMMA if stage else 1.0 - GAMMA) * returned_flow(after, ports, p)
         if stage == 0:
+            first = after
             # y + (1 - gamma) h k_1, with k_1 = (Y_1 - y) / (gamma h)
             base = _blend(start, held, (1.0 - GAMMA) / GAMMA, p)
             ahead = _blend(plant, after, 1.0 / GAMMA, p)
@@ -97,7 +112,10 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
     after = settled(after, held, p)
     events = _count(simulation.events, plant, after, failures, p.guard, tank.seen)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
-    return Simulation(after, end, events, rates_after, head_after, history, lifts, jets, tank)
+    return Step(
+        after=Simulation(after, end, events, rates_after, head_after, history, lifts, jets, tank),
+        amid=Simulation(first, middle, events, rates_after, head_after, history, lifts, jets, tank),
+    )
 
 
 def _amid(simulation: Simulation, h: float, p: PlantParameters) -> tuple[AllJets, AllLifts, TankState]:

@@ -12,6 +12,7 @@ from forest_compile.entry import Entry
 from forest_compile.kernel_cache import CachedKernel
 from forest_description.components import valve_characteristic
 from forest_description.machine import load_machine
+from forest_description.types import AXES
 from forest_sim.equations import plant
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.hydraulics import command_history, port, spool_dynamics, supply
@@ -77,26 +78,34 @@ def entry() -> Entry:
     """Return what the kernel is made of: it steps a machine that lies flat, and records it if asked to."""
     simulation, p = example()
     none = power_flows.power_flows(simulation, p)
-    names = {"step": integrator.step, "power_flows": power_flows.power_flows, "NOTHING": none}
+    names = {
+        "step_by_stages": integrator.step_by_stages,
+        "power_flows": power_flows.power_flows,
+        "stopped_energy": power_flows.stopped_energy,
+        "FIRST": integrator.WEIGHTS[0],
+        "SECOND": integrator.WEIGHTS[1],
+    }
     state = [path for path, _ in flat_layout.leaves(simulation, "simulation")]
     flows = [path for path, _ in flat_layout.leaves(none, "")]
     lines = [
         f"def kernel({NAMES}):",
-        "    before, i = power_flows(simulation, p) if recorded > 1 else NOTHING, 0",
+        "    i = 0",
         "    for row in range(rows):",
         "        h = steps[schedules * row]",
         "        for _ in range(int(counts[schedules * row])):",
         "            held = (voltages[i], voltages[i + 1], voltages[i + 2])",
-        "            simulation = step(simulation, held, h, p)",
+        "            taken = step_by_stages(simulation, held, h, p)",
         "            i += stride",
         "            if recorded > 1:",
-        "                after = power_flows(simulation, p)",
-        f"                e = row * {len(flows)}",
+        "                amid, after = power_flows(taken.amid, p), power_flows(taken.after, p)",
+        "                stopped = stopped_energy(simulation.plant, taken.amid.plant, p)",
+        f"                e = row * {len(flows) + len(AXES)}",
         *(
-            f"                energies[e + {i}] += 0.5 * h * (before{path} + after{path})"
+            f"                energies[e + {i}] += h * (FIRST * amid{path} + SECOND * after{path})"
             for i, path in enumerate(flows)
         ),
-        "                before = after",
+        *(f"                energies[e + {len(flows) + i}] += stopped[{i}]" for i in range(len(AXES))),
+        "            simulation = taken.after",
         "        if recorded:",
         f"            s = row * {len(state)}",
         *(f"            states[s + {i}] = {path}" for i, path in enumerate(state)),

@@ -2,7 +2,8 @@
 
 Every entry is a power at one state [W], positive in the direction that its name says. The entries
 of a part close: what flows in equals what is lost, stored and handed on. That they do is a test of
-the laws' signs, and their integrals over a run are its energy account.
+the laws' signs, and their integrals over a run are its energy account. What a valve destroys that
+shuts at once has no power: `stopped_energy` has it.
 
 | part | flows in | lost | stored | handed on |
 |---|---|---|---|---|
@@ -16,6 +17,7 @@ the laws' signs, and their integrals over a run are its energy account.
 
 from typing import NamedTuple
 
+from forest_description.types import Vec3
 from forest_sim.equations.drive import NO_POWER, DrivePower, drive_power, driven
 from forest_sim.equations.elastic_links import NO_BENDING, BendingPower, bending_power
 from forest_sim.equations.plant import (
@@ -160,6 +162,24 @@ def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
         boom,
         stick,
     )
+
+
+def stopped_energy(before: PlantState, after: PlantState, p: PlantParameters) -> Vec3:
+    """Return I Q^2/2 [J] of the hoses of each axis whose flow has ended at once between two states.
+
+    A valve has shut on it. What was in the flow is lost, for no power carries it away.
+    """
+    return (
+        _stopped(before.swing, after.swing, p.swing),
+        _stopped(before.boom, after.boom, p.boom),
+        _stopped(before.stick, after.stick, p.stick),
+    )
+
+
+def _stopped(before: AxisState, after: AxisState, axis: Axis) -> float:
+    one = 0.5 * axis.line_1.inertance * before.flow_1 * before.flow_1 if after.flow_1 == 0.0 else 0.0
+    two = 0.5 * axis.line_2.inertance * before.flow_2 * before.flow_2 if after.flow_2 == 0.0 else 0.0
+    return one + two
 
 
 def _bending(

@@ -1,14 +1,15 @@
 """Steps with a record: the state after every period, and the energy that passed through every part within it.
 
 `compiled_plant` has the same as machine code; without llvmlite `record` is interpreted. The power
-flows of `power_flows` are integrated over the integrator's own steps with the trapezoidal rule.
+flows of `power_flows` are integrated by the integrator's own scheme, from both stages of each step.
+A valve that shuts at once stops a flow between two states: what that destroys is added at once.
 
 | array | shape | holds |
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
 | schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
 | states | N, 117 | what `STATE` names, one row per period |
-| energies | N, 66 | J over the period through what `ENERGY` names |
+| energies | N, 69 | J over the period through what `ENERGY` names |
 """
 
 import numpy as np
@@ -27,8 +28,8 @@ from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import CENTRED, Spool
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.hydraulics.tank_line import TankState
-from forest_sim.solver.integrator import Events, Simulation, step
-from forest_sim.solver.power_flows import AxisPower, SupplyPower, power_flows
+from forest_sim.solver.integrator import WEIGHTS, Events, Simulation, step_by_stages
+from forest_sim.solver.power_flows import AxisPower, SupplyPower, power_flows, stopped_energy
 from forest_sim.solver.step_schedule import StepSchedule, schedule_of
 
 STATE = (
@@ -49,6 +50,7 @@ STATE = (
 ENERGY = (
     *(f"pump_{field}" for field in SupplyPower._fields),
     *(f"{axis}_{field}" for axis in AXES for field in AxisPower._fields),
+    *(f"{axis}_stopped" for axis in AXES),
 )
 
 
@@ -67,15 +69,17 @@ def record(
     """
     schedule = schedule_of(schedule, len(states), len(voltages))
     after_row = np.cumsum(schedule.counts).astype(int).tolist()
-    before = power_flows(simulation, p)
-    pack_flows = flat_layout.packer(before)
+    pack_flows = flat_layout.packer(power_flows(simulation, p))
     for row, (h, count, end) in enumerate(zip(*map(np.ndarray.tolist, schedule), after_row, strict=True)):
         for volts in voltages[end - round(count) : end].tolist():
-            simulation = step(simulation, (volts[0], volts[1], volts[2]), h, p)
+            taken = step_by_stages(simulation, (volts[0], volts[1], volts[2]), h, p)
             if energies is not None:
-                after = power_flows(simulation, p)
-                energies[row] += 0.5 * h * (np.array(pack_flows(before)) + np.array(pack_flows(after)))
-                before = after
+                amid = np.array(pack_flows(power_flows(taken.amid, p)))
+                after = np.array(pack_flows(power_flows(taken.after, p)))
+                flowed = h * (WEIGHTS[0] * amid + WEIGHTS[1] * after)
+                stopped = stopped_energy(simulation.plant, taken.amid.plant, p)
+                energies[row] += np.concatenate([flowed, stopped])
+            simulation = taken.after
         store(simulation, states[row])
     return simulation
 

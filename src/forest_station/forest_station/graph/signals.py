@@ -31,7 +31,6 @@ CRANE = Topic(
     publishers=(),
     subscribers=(),
 )
-HANGING = (0.0, 0.0)  # [rad] of a head of which nobody tells
 
 
 class Signal(NamedTuple):
@@ -42,11 +41,11 @@ class Signal(NamedTuple):
 
 
 class Signals:
-    """Every number of the table's topics, and the crane's joints that nothing drives.
+    """Every number of the table's topics, and the crane's joints that follow from the measured ones.
 
     Args:
         node: that subscribes.
-        machine: whose passive joints are computed.
+        machine: whose cylinders are computed.
     """
 
     def __init__(self, node: Node, machine: Machine) -> None:
@@ -98,7 +97,7 @@ class Signals:
         """Return all moving joints, computed from the measured ones."""
         told = dict(zip(joints.labels, joints.values, strict=True))
         angles = {axis: told.get(f"{axis}.position", math.nan) for axis in JOINTS}
-        found = crane_signals(self._machine, angles, HANGING)
+        found = crane_signals(self._machine, angles)
         labels = tuple(name.removeprefix(f"{CRANE.name}/") for name in found)
         units = tuple("m" if "_rod." in label else "rad" for label in labels)
         return sent, Row(joints.stamp_ns, labels, units, tuple(found.values()))

@@ -1,6 +1,6 @@
 """The crane of a bag: what it looks like, and where its passive joints are.
 
-A recorded robot description tells what the crane looks like. Cylinders and head it tells only about, so their
+A recorded robot description tells what the crane looks like. Cylinders it tells only about, so their
 joints are computed where the description is that of a machine known here.
 """
 
@@ -14,7 +14,7 @@ from forest_description.config.source_tree import shipped_machines
 from forest_description.machine import Machine, load_machine
 from forest_description.types import AXES
 from forest_description.urdf.robot_description import robot_description
-from forest_station.scene.crane_signals import crane_joints, crane_signals, signal_of
+from forest_station.scene.crane_signals import CRANE_JOINTS, crane_signals, signal_of
 from forest_station.scene.elements import Scene
 from forest_station.scene.scene_description import scene_from_urdf
 
@@ -31,7 +31,7 @@ class RecordedCrane(NamedTuple):
     @property
     def signals(self) -> dict[str, str]:
         """Names and units of the passive joints' signals."""
-        joints = () if self.machine is None else crane_joints(self.machine)
+        joints = () if self.machine is None else CRANE_JOINTS
         return {signal_of(name): "m" if name.endswith("_rod") else "rad" for name in joints}
 
     def positions(self, angles: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:

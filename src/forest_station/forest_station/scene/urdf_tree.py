@@ -6,12 +6,15 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from forest_description.types import AXES, Floats
+from forest_description.types import Floats
+from forest_msgs_py.interfaces import topics
 from forest_station.scene.elements import Joint, Mimic, Visual
 
 MOVING = ("revolute", "continuous", "prismatic")
 BASE = "base_link"
 TIP = "tip"
+SOURCES = {joint: row.name for row in (topics.JOINT_STATES, topics.GROUND_TRUTH_HEAD) for joint in row.labels}
+"""Topics that tell a joint's position; those of the cylinders the server computes."""
 
 
 class SceneError(ValueError):
@@ -92,10 +95,10 @@ def _visual(element: ElementTree.Element) -> Visual | None:
 
 
 def _joint(element: ElementTree.Element) -> Joint:
-    """Return a joint with its signal: of a driven one as measured, of a passive one as computed."""
+    """Return a joint with its signal: of a driven one as measured, of a cylinder's as computed."""
     name, kind = element.get("name", ""), element.get("type", "fixed")
     xyz, rpy = _origin(element)
-    limit, source = element.find("limit"), "joint_states" if name in AXES else "crane"
+    limit, source = element.find("limit"), SOURCES.get(name, "crane")
     return Joint(
         name=name,
         type=kind,

@@ -25,7 +25,7 @@ from forest_control.pipeline import controller
 from forest_control.pipeline.control_state import Telemetry, ValveFeedback
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
-from forest_control.safety.motion_permission import MachineState, Permission, Verdict, armed_watch
+from forest_control.safety.motion_permission import Permission, Verdict, armed_watch
 from forest_control.valve import valve_driver, valve_driver_parameters
 from forest_control.valve.tracking_limit import learnt_reach
 from forest_description.geometry.kinematics import tip_position
@@ -41,7 +41,14 @@ from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
 from forest_study.closed_loop.link_model import Link, Quality, Reports, reported
-from forest_study.closed_loop.loop_core import SUBSTEPS, Happened, driver_inputs, guard_of, sample
+from forest_study.closed_loop.loop_core import (
+    SUBSTEPS,
+    Happened,
+    driver_inputs,
+    guard_of,
+    machine_state,
+    sample,
+)
 
 COMMAND_TIMEOUT = 0.1  # [s] as the valve driver's default
 
@@ -231,7 +238,7 @@ class ClosedLoop:
         valves = ValveFeedback(self._reports.reach, self._driver.voltages, driver)
         lost = self.controller.stops_without_state(now)
         for stamp, seen in self._states.arrived(now):
-            machine = MachineState(seen.joints.position, seen.joints.speed, stamp, now)
+            machine = machine_state(seen, stamp, now)
             cylinders = seen.actuators.position[1], seen.actuators.position[2]
             decision, telemetry = self.controller.advance(machine, valves, now, cylinders)
             if decision.verdict != Verdict.SKIP:

@@ -143,7 +143,7 @@ def guarded(
     before = control._replace(permission=heard(control.permission, sample(levers, held, row)))
     if is_lost(before.permission, now, k.guard):
         before = stopped(before._replace(permission=disarmed(before.permission, now, k.guard)))
-    machine = MachineState(seen.joints.position, seen.joints.speed, (row + 1) * PERIOD_NS, now)
+    machine = machine_state(seen, (row + 1) * PERIOD_NS, now)
     driver = DriverSample(loop.drive.voltages, now)
     permission, decision = decide(
         before.permission, machine, driver, before.command, k.control, k.guard, now, NOBODY
@@ -154,6 +154,17 @@ def guarded(
     inputs = control_inputs(machine, decision, cylinders, loop.reports.reach, loop.drive.voltages)
     state, output = controller.step(before.state, inputs, k.control, decision.dt)
     return Guarded(permission, state, output.command), output.tip_reference
+
+
+def machine_state(seen: Measurement, stamp: int, now: float) -> MachineState:
+    """Return what the controller hears of the machine by a stamp [ns], received at a time [s]."""
+    return MachineState(
+        angles=seen.joints.position,
+        rates=seen.joints.speed,
+        stamp=stamp,
+        received=now,
+        boom_pressures=(seen.pressures[5], seen.pressures[7]),
+    )
 
 
 def sample(levers: Levers, held: bool, row: int) -> Sample:

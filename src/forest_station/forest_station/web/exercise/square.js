@@ -2,6 +2,7 @@
 
 export const SIDE = 0.8; // [m]
 export const REACHED = 0.1; // [m] around a corner
+const STEP = 0.01; // [m] of way between two looks at how far beside the tip is: who stands still is not measured twice
 const FAR = 6; // [m] from the swing axis, amid the reach: from there the square lies towards the crane, else away from it
 
 // Returns a level square that begins at the tip, its sides along the tip's own directions.
@@ -11,7 +12,7 @@ export function squareAt([x, y, z]) {
 }
 
 export function begun(corners) {
-  return { corners, side: 0, sum: 0, count: 0, most: 0, since: null, until: null };
+  return { corners, side: 0, seen: corners[0], sum: 0, way: 0, most: 0, since: null, until: null };
 }
 
 // Returns the attempt after the tip was seen at a place and a time [s]. Time counts from the first motion on. A corner is
@@ -19,13 +20,15 @@ export function begun(corners) {
 export function after(attempt, tip, time) {
   if (isDone(attempt) || !tip.every(Number.isFinite)) return attempt;
   const [from, to] = side(attempt);
-  if (attempt.since === null && distance(tip, from) < 0.01) return attempt;
+  const step = distance(tip, attempt.seen);
+  if (step < STEP) return attempt;
   const off = distanceToSegment(tip, from, to);
   const next = {
     ...attempt,
+    seen: tip,
     since: attempt.since ?? time,
-    sum: attempt.sum + off * off,
-    count: attempt.count + 1,
+    sum: attempt.sum + off * off * step,
+    way: attempt.way + step,
     most: Math.max(attempt.most, off),
   };
   if (distance(tip, to) > REACHED && wayLeft(tip, from, to) > 0) return next;
@@ -42,9 +45,9 @@ export function side({ corners, side: number }) {
   return [corners[number % corners.length], corners[(number + 1) % corners.length]];
 }
 
-// How far from the square the tip was: root mean square and most [m], and for how long [s].
-export function result({ sum, count, most, since, until }) {
-  return { rms: Math.sqrt(sum / count), most, seconds: until - since };
+// How far from the square the tip was: root mean square over its way and most [m], and for how long [s].
+export function result({ sum, way, most, since, until }) {
+  return { rms: Math.sqrt(sum / way), most, seconds: until - since };
 }
 
 // What the left stick has to do next, from where the tip is: its word, its key, and how far [m].

@@ -14,6 +14,11 @@ export class Deadman {
     return this.#holders.size > 0;
   }
 
+  // Something is pressed, and does not count.
+  get doubted() {
+    return !this.held && this.#down.size > 0;
+  }
+
   get holders() {
     return [...this.#holders];
   }

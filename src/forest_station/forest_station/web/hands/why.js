@@ -3,6 +3,7 @@
 // By code of `limit` on controller/status: docs/reference/codes.md.
 const LIMITS = [
   "", "a joint's greatest speed", "the end of a joint", "a singular pose", "the flow of the pumps", "a wall", "",
+  "the load: inward, down and sideways are free",
 ];
 
 export function driverText(seat) {
@@ -11,11 +12,13 @@ export function driverText(seat) {
   return seat.driver === null ? "Nobody drives" : `${seat.driver} drives, you look on`;
 }
 
-// How the deadman is, as the server judges it: {state, text}. "pressed": here it is, there it does not count.
-export function deadmanState(seat, held) {
+// How the deadman is, as the server judges it: {state, text}. "pressed": a hand is on it, and it does not count.
+//
+// here: {held, doubted} of this page's deadman.
+export function deadmanState(seat, here) {
   const judged = seat?.deadman.state ?? "waiting";
   if (judged === "held") return { state: "held", text: "Deadman held" };
-  if (held && seat?.you_drive) return { state: "pressed", text: "Deadman does not count: let it go" };
+  if ((here.held || here.doubted) && seat?.you_drive) return { state: "pressed", text: "Deadman does not count: let it go" };
   return { state: judged, text: "Deadman released" };
 }
 
@@ -40,7 +43,7 @@ export const isStanding = (text) => STANDING.test(text);
 
 // Why nothing moves, or not as fast as it was told to; "" if nothing is in the way.
 //
-// seat: the newest message, or null; here: {held, why} of this page's deadman, and its id, {you}; stopped: the emergency stop is active;
+// seat: the newest message, or null; here: {held, doubted, why} of this page's deadman, and its id, {you}; stopped: the emergency stop is active;
 // status: armed, factor and limit of controller/status, NaN where unknown; cause: why the controller stands still, "" if nobody knows.
 export function whyText(seat, here, stopped, status, cause = "") {
   if (!seat) return "The crane stands still until the page is connected again.";
@@ -48,7 +51,10 @@ export function whyText(seat, here, stopped, status, cause = "") {
   if (seat.why_not) return seat.why_not;
   if (seat.asking.includes(here.you)) return `${seat.driver} is asked to hand over.`;
   if (!seat.you_drive) return seat.driver === null ? "Take the seat to drive." : "";
-  if (seat.deadman.state !== "held") return here.held ? seat.deadman.text : sentences(here.why, seat.deadman.text);
+  if (seat.deadman.state !== "held") {
+    if (here.held) return seat.deadman.text;
+    return sentences(here.why, here.doubted ? "Let go of the deadman, then hold it again." : seat.deadman.text);
+  }
   if (status.armed === 0) return sentences(cause && `the controller stopped: ${cause}`, "Centre the sticks, then go on.");
   if (status.factor < 1 && LIMITS[status.limit]) {
     return `Slowed to ${Math.round(100 * status.factor)} % by ${LIMITS[status.limit]}.`;

@@ -7,6 +7,9 @@ import { handsOf } from "../hands/hands.js";
 export const place = "left";
 export const title = "First minute";
 
+const FINGERS = matchMedia("(pointer: coarse)").matches;
+const DEADMAN = FINGERS ? "HOLD TO DRIVE" : "the left Shift key";
+const STOP = FINGERS ? "The red button" : "The space bar";
 const TIP = ["tip/pose/x", "tip/pose/y", "tip/pose/z"];
 
 export function mount(element, station) {
@@ -22,8 +25,9 @@ class FirstMinute {
     this.seat = { driver: null, you_drive: false, deadman: { state: "waiting" } };
     this.stopped = false;
     this.text = make("p", { role: "status" });
-    this.button = makeButton("Mark a square", () => (this.attempt && !isDone(this.attempt) ? this.#end() : this.#begin()));
-    element.append(this.text, this.button);
+    this.begins = makeButton("Mark a square", () => this.#begin());
+    this.ends = makeButton("Take the square away", () => this.#end());
+    element.append(this.text, this.begins, this.ends);
     station.on("seat", (seat) => {
       this.seat = seat;
       this.#show();
@@ -44,6 +48,7 @@ class FirstMinute {
   #begin() {
     const tip = this.#tip();
     if (!tip.every(Number.isFinite)) return setText(this.text, "Nobody tells where the tip is: is the crane running?");
+    this.#end(); // a square that is done may still be there
     this.attempt = begun(squareAt(tip));
     this.#draw();
   }
@@ -61,22 +66,26 @@ class FirstMinute {
     else this.#show();
   }
 
+  // A square that is done stays, for its driver to see where the tip went.
   #draw() {
-    const shown = this.attempt && { corners: this.attempt.corners, side: side(this.attempt), size: SIDE };
-    this.station.emit("exercise", shown && !isDone(this.attempt) ? shown : null);
+    const { attempt } = this;
+    const next = attempt && !isDone(attempt) ? side(attempt) : null;
+    this.station.emit("exercise", attempt && { corners: attempt.corners, side: next, size: SIDE });
     this.#show();
   }
 
   #show() {
     const done = this.attempt && isDone(this.attempt);
-    setText(this.button, done ? "Mark another square" : this.attempt ? "Take the square away" : "Mark a square");
+    setText(this.begins, done ? "Mark another square" : "Mark a square");
+    this.begins.hidden = Boolean(this.attempt) && !done;
+    this.ends.hidden = !this.attempt;
     setText(this.text, this.#sentence());
   }
 
   #sentence() {
     if (this.stopped) return "Stopped: press Reset, at the top.";
     if (!this.attempt) {
-      return "Mark a square at the tip of the crane, and drive along it with the left stick. The space bar stops everything.";
+      return `Mark a square at the tip of the crane, and drive along it with the left stick. ${STOP} stops everything.`;
     }
     if (isDone(this.attempt)) {
       const { rms, most, seconds } = result(this.attempt);
@@ -90,12 +99,12 @@ class FirstMinute {
 
   #instruction() {
     const number = `Side ${this.attempt.side + 1} of 4`;
-    if (!this.hands.deadman.held || this.seat.deadman.state === "waiting") {
-      if (this.attempt.since === null) return "With the sticks at rest, hold the left Shift key, or HOLD TO DRIVE with a finger.";
-      return `${number} waits: let go of everything, then hold the left Shift key again.`;
-    }
+    const { held, doubted } = this.hands.deadman;
+    if (doubted || (held && this.seat.deadman.state === "waiting")) return `${number} waits: let go of everything, then hold ${DEADMAN} again.`;
+    if (!held) return `${number} waits: with the sticks at rest, hold ${DEADMAN}.`;
     const [word, key, metres] = way(this.attempt, this.#tip());
-    return `${number}: keep Shift held, and push the left stick ${word}, or press ${key}: ${metres.toFixed(1)} m to go.`;
+    const push = FINGERS ? `push the left stick ${word}` : `push the left stick ${word}, or press ${key}`;
+    return `${number}: keep ${DEADMAN} held, and ${push}: ${metres.toFixed(1)} m to go.`;
   }
 }
 

@@ -1,14 +1,26 @@
-// Mass of the log in the simulated head; the driver has it grasp one and drop it.
+// Mass of the log in the simulated head, and as the controller weighs it; the driver has it grasp one and drop it.
 
 import { make, makeButton, setText } from "../elements.js";
 import { makeInstrument } from "../instruments/instrument.js";
 
-const instrument = makeInstrument({
-  title: "Load",
-  unit: "kg",
-  range: [0, 500],
-  lines: [{ label: "log", signals: ["ground_truth/load/mass"], value: (mass) => mass }],
-});
+const instrument = makeInstrument(
+  {
+    title: "Load",
+    unit: "kg",
+    range: [0, 500],
+    lines: [
+      { label: "log", signals: ["ground_truth/load/mass"], value: (mass) => mass },
+      { label: "weighed", signals: ["tip/load/mass"], value: (mass) => mass },
+    ],
+  },
+  {
+    title: "Of what is allowed at this reach",
+    unit: "%",
+    range: [0, 100],
+    height: 72,
+    lines: [{ label: "load", signals: ["tip/load/share"], value: (share) => 100 * share }],
+  },
+);
 
 export const { place, title } = instrument;
 

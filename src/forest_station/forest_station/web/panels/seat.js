@@ -44,14 +44,14 @@ class Seat {
 
   paint() {
     const { seat, view } = this;
-    const { held, why } = this.hands.deadman;
-    const deadman = deadmanState(seat, held);
+    const { held, doubted, why } = this.hands.deadman;
+    const deadman = deadmanState(seat, { held, doubted });
     setText(view.driver, driverText(seat));
     view.driver.dataset.drives = Boolean(seat?.you_drive);
     setText(view.deadman, deadman.text);
     view.deadman.dataset.state = deadman.state;
     const cause = standingCause(this.parts, this.logged, performance.now());
-    setText(view.why, whyText(seat, { held, why, you: this.you }, this.stopped, this.#status(), cause));
+    setText(view.why, whyText(seat, { held, doubted, why, you: this.you }, this.stopped, this.#status(), cause));
     this.#offer(seat ? this.#choices(seat) : []);
   }
 

@@ -79,8 +79,9 @@ export class Crane {
     const told = signals.value(joint.signal);
     if (Number.isFinite(told)) return told;
     if (joint.mimic) return joint.mimic.multiplier * this.position(joint.mimic.joint) + joint.mimic.offset;
-    // A hanging head whose angles nobody measures: plumb, as it is at rest.
+    // A hanging head of which nobody tells: plumb, as it is at rest.
     if (joint.name === "head_in_plane") return -this.position("boom") - this.position("stick");
+    if (joint.name === "head_out_of_plane") return 0;
     return joint.position;
   }
 }

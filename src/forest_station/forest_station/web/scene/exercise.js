@@ -13,9 +13,9 @@ export class Exercise {
     this.show(null);
   }
 
-  // Shows corners and the side to drive, each a list of points; null: nothing.
+  // Shows corners and the side to drive, each a list of points; null: nothing, or no side any more.
   show(exercise) {
-    this.goal = exercise?.side[1];
+    this.goal = exercise?.side?.[1];
     this.outline.set(exercise ? [...exercise.corners, exercise.corners[0]] : []);
     this.next.set(exercise?.side ?? []);
   }

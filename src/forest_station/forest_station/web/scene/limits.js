@@ -2,7 +2,7 @@
 
 import { AXES } from "./axes.js";
 
-const [RATE, JOINT, SINGULARITY, FLOW, WALL, RELEASED] = [1, 2, 3, 4, 5, 6];
+const [RATE, JOINT, SINGULARITY, FLOW, WALL, RELEASED, LOAD] = [1, 2, 3, 4, 5, 6, 7];
 const CYLINDERS = { swing: ["platform"], boom: ["boom_barrel", "boom_rod"], stick: ["stick_barrel", "stick_rod"] };
 const LINKS = { swing: "platform", boom: "boom", stick: "stick" };
 
@@ -41,9 +41,13 @@ export class Limits {
       shown.wall = this.walls.nearest(tip)?.wall ?? null;
       say(shown.wall ? `wall: ${shown.wall.name}` : "wall", tip);
     }
+    if (limit === LOAD) {
+      const share = signals.value("tip/load/share");
+      say(`load: ${Math.round(100 * share)} % of what is allowed here`, tip);
+    }
     if (limit === RELEASED) {
-      const armed = signals.value("controller/status/armed") !== 0;
-      shown.labels.push({ key: "limit", text: armed ? "hold the deadman to drive" : "centre the sticks", at: tip, kind: "calm" });
+      const held = signals.value("joy/button_left_shoulder") === 1;
+      shown.labels.push({ key: "limit", text: held ? "centre the sticks" : "hold the deadman to drive", at: tip, kind: "calm" });
     }
   }
 

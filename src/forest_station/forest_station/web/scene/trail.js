@@ -1,6 +1,6 @@
-// Where the tip went in the last seconds, and where it was asked to go.
+// Where the tip is and went in the last seconds, and where it was asked to go.
 
-import { Group } from "../vendor/three.js";
+import { Group, Mesh, MeshBasicMaterial, SphereGeometry } from "../vendor/three.js";
 import { COLOURS } from "./colours.js";
 import { Polyline } from "./polyline.js";
 
@@ -8,6 +8,7 @@ const LENGTH_S = 20;
 const MOST = 640; // 20 s at 30 a second, and some
 const GAP_S = 0.5; // without a wish the wished path begins anew, at the tip
 const STILL = 1e-4; // [m/s]
+const RADIUS = 0.045; // [m] of the mark at the tip
 
 export class Trail {
   constructor() {
@@ -16,7 +17,10 @@ export class Trail {
       wish: new Polyline(MOST, { color: COLOURS.wish, linewidth: 2.5 }),
       tip: new Polyline(MOST, { color: COLOURS.tip, linewidth: 2.5 }),
     };
-    this.root.add(this.lines.wish.line, this.lines.tip.line);
+    const seenThroughTheStick = { depthTest: false, transparent: true }; // from above the tip lies behind it
+    this.mark = new Mesh(new SphereGeometry(RADIUS, 12, 8), new MeshBasicMaterial({ color: COLOURS.tip, ...seenThroughTheStick }));
+    this.mark.renderOrder = 1;
+    this.root.add(this.lines.wish.line, this.lines.tip.line, this.mark);
     this.clear();
   }
 
@@ -38,6 +42,9 @@ export class Trail {
 
   draw() {
     for (const [name, line] of Object.entries(this.lines)) line.set(this.points[name].map(({ xyz }) => xyz));
+    const newest = this.points.tip.at(-1);
+    this.mark.visible = Boolean(newest);
+    if (newest) this.mark.position.set(...newest.xyz);
   }
 
   // The wished path is the commanded velocity, added up from where the tip stood when the command began.

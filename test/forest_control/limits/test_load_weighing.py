@@ -1,0 +1,118 @@
+"""The load is weighed by the boom's pressures: over poses, in slow motion, with sensors as they are."""
+
+import math
+
+import numpy as np
+import pytest
+
+from forest_control.config import controller_settings
+from forest_control.limits.load_weighing import (
+    LOST,
+    SETTLED,
+    UNKNOWN,
+    UNREAD,
+    weighed,
+    weighing_parameters,
+)
+from forest_control.operator.levers import levers_for_tip_velocity
+from forest_control.valve import valve_driver_parameters
+from forest_description.derived.limits import pose_at
+from forest_description.geometry.linkage import lever_arm
+from forest_description.machine import load_machine
+from forest_description.types import ZERO
+from forest_msgs_py.types import PERIOD
+from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.sensors.sensor_readings import at_rest, measure
+from forest_sim.sensors.sensor_suite import sensor_suite
+from forest_sim.simulation.load import Load, loaded
+from forest_sim.solver.equilibrium import equilibrium
+from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
+
+REAL = load_machine("c180_real")
+STROKES = ((0.0, 0.0, 0.2), (0.0, 0.0, -0.2), (0.2, 0.0, 0.0), (-0.2, 0.2, 0.0))  # [m/s] of the tip
+
+
+def slow_motion(name, mass, tip, seed):
+    """The masses that are told while the tip goes to and fro, from 1 s after its first motion on."""
+    machine, told = load_machine(name), []
+    plant = loaded(plant_parameters(machine), machine.manipulator, Load(mass))
+    control = controller_settings.parameters(machine, controller_settings.Settings())
+    drive = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings())
+    suite = sensor_suite(machine, noise=True, seed=seed)
+    loop = ClosedLoop(plant, control, drive, pose_at(tip, machine), suite, fast=True)
+    for k in range(1200):
+        part, phase = divmod(k - 100, 275)
+        velocity = STROKES[part % 4] if k >= 100 and phase < 225 else ZERO
+        loop.period(Operator(levers_for_tip_velocity(velocity, 0.5)))
+        told.append(loop.telemetry.output.loading.mass)
+    return np.array(told[300:])
+
+
+@pytest.mark.parametrize("tip", [(5.0, 0.0, 0.0), (6.0, 1.0, 1.5), (7.0, 0.0, -1.0)])
+@pytest.mark.parametrize(
+    ("name", "mass", "within"),
+    # Of the log; of a light one, of all that is at the tip: the head is weighed along with it.
+    [("c180", 500.0, 0.05 * 500.0), ("c180_real", 1000.0, 0.05 * 1000.0), ("c180_real", 0.0, 0.05 * 700.0)],
+)
+def test_in_slow_motion_the_load_is_weighed_within_five_per_cent(name, mass, within, tip):
+    told = slow_motion(name, mass, tip, seed=int(10.0 * tip[0]))
+    assert abs(told - mass).max() < within
+
+
+@pytest.mark.parametrize("name", ["c180", "c180_real", "forwarder", "loader"])
+def test_a_machine_that_stands_is_weighed_exactly_by_exact_sensors(name):
+    machine, rng = load_machine(name), np.random.default_rng(3)
+    far = machine.manipulator.links.boom + machine.manipulator.links.stick
+    for mass in (0.0, 150.0, 400.0):
+        plant = loaded(plant_parameters(machine), machine.manipulator, Load(mass))
+        q = pose_at((0.75 * far, 0.5, float(rng.uniform(-1.0, 1.0))), machine)
+        rest, suite = equilibrium(q, plant), sensor_suite(machine)
+        _, seen = measure(rest, at_rest(rest, plant, suite), plant, PERIOD, suite)
+        pressures = seen.pressures[5], seen.pressures[7]
+        weighing = weighed(UNKNOWN, q, ZERO, pressures, weighing_parameters(machine), PERIOD)
+        assert weighing.mass == pytest.approx(mass, abs=0.5)
+
+
+def settled(before, q, force, c, rates=ZERO):
+    """The weighing after two seconds under a force of the boom's cylinder [N]."""
+    for _ in range(round(4.0 * SETTLED / PERIOD)):
+        before = weighed(before, q, rates, (force / c.areas[0], 0.0), c, PERIOD)
+    return before
+
+
+def test_what_friction_may_hold_changes_no_mass_at_rest_and_what_is_more_does():
+    c, q = weighing_parameters(REAL)._replace(pressure_share=0.0), pose_at((6.0, 0.0, 1.0), REAL)
+    per_newton = lever_arm(q[1], c.linkage) / (c.gravity * (6.0 - c.links.base_offset))
+    rest = settled(UNKNOWN, q, 2e5, c)
+    for side in (-1.0, 1.0):
+        assert settled(rest, q, 2e5 + 0.99 * side * c.breakaway, c).mass == pytest.approx(rest.mass, abs=0.1)
+        more = settled(rest, q, 2e5 + 3.0 * side * c.breakaway, c)
+        expected = 2.0 * side * c.breakaway * per_newton
+        assert more.mass - rest.mass == pytest.approx(expected, rel=0.05)
+
+
+def test_a_cylinder_that_slides_has_its_friction_against_the_motion():
+    c, q = weighing_parameters(REAL)._replace(pressure_share=0.0, damping=0.0), pose_at((6.0, 0.0, 1.0), REAL)
+    arm = lever_arm(q[1], c.linkage)
+    rest = settled(UNKNOWN, q, 2e5, c)
+    for side in (-1.0, 1.0):
+        moving = settled(rest, q, 2e5 + side * c.friction, c, (0.0, side * 0.02 / arm, 0.0))
+        assert moving.mass == pytest.approx(rest.mass, abs=3.0)  # of 21 kg that the friction is
+
+
+def test_without_pressures_the_mass_is_kept_for_a_while_and_is_not_known_then():
+    c, q = weighing_parameters(REAL), pose_at((6.0, 0.0, 1.0), REAL)
+    weighing, known = settled(UNKNOWN, q, 3e5, c), 0
+    mass = weighing.mass
+    for _ in range(round(2.0 * LOST / PERIOD)):
+        weighing = weighed(weighing, q, ZERO, UNREAD, c, PERIOD)
+        assert weighing.mass == mass or math.isnan(weighing.mass)
+        known += not math.isnan(weighing.mass)
+    assert known * PERIOD == pytest.approx(LOST, abs=2.0 * PERIOD)
+
+
+def test_near_the_pivot_nothing_is_weighed_and_what_was_known_stays():
+    c = weighing_parameters(REAL)
+    weighing = settled(UNKNOWN, pose_at((6.0, 0.0, 1.0), REAL), 3e5, c)
+    upright = 0.0, 1.2, -3.0
+    assert settled(weighing, upright, 0.0, c).mass == weighing.mass
