@@ -19,7 +19,7 @@ from forest_study.demo import replay
 from forest_study.latency import delay_study, timing
 from forest_study.results import StudyError, new_directory
 from forest_study.stability import bode_command
-from forest_study.tracking import track_command
+from forest_study.tracking import sway_command, track_command
 
 PROGRAM = "forest-study"
 
@@ -63,6 +63,8 @@ def _parser() -> argparse.ArgumentParser:
         commands, "bode", _bode, "each joint's position loop: Bode plot, gain and phase margins"
     )
     bode_command.add_arguments(looped)
+    swaying = _command(commands, "sway", _sway, "the hanging head after a stop, with anti-sway and without")
+    sway_command.add_arguments(swaying)
     return parser
 
 
@@ -110,6 +112,10 @@ def _delay(options: argparse.Namespace) -> int:
 
 def _bode(options: argparse.Namespace) -> int:
     return bode_command.run(options)
+
+
+def _sway(options: argparse.Namespace) -> int:
+    return sway_command.run(options)
 
 
 def _track(options: argparse.Namespace) -> int:

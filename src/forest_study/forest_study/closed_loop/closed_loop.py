@@ -198,6 +198,11 @@ class ClosedLoop:
         self._waiting: list[Vec3] = []  # commands that a driver which is held up has not answered
         self._volts, self._held, self._count = ZERO, 0, 0  # given last, in force for so many periods
 
+    @property
+    def simulation(self) -> Simulation:
+        """The machine as it is after the last period."""
+        return self._simulation
+
     def period(self, joystick: Joystick) -> Happened:
         """Return what happened in a period, and move the machine over it; the tip is left out."""
         now, p = self._count * PERIOD, self._plant
