@@ -51,7 +51,7 @@ class Loading(NamedTuple):
     share: float = 0.0  # U
 
 
-NO_CAPACITY = Capacity((0.0,) * MOST_POINTS, (math.inf,) * MOST_POINTS)  # type: ignore[arg-type]
+NO_CAPACITY = Capacity((0.0,) * MOST_POINTS, (math.inf,) * MOST_POINTS)  # type: ignore[arg-type]  # [m, kg]
 
 
 def loading(mass: float, q: Vec3, links: Links, c: Capacity) -> Loading:
