@@ -4,6 +4,17 @@ import numpy as np
 
 from forest_study.demo.session_summary import response_times, table
 
+SESSION = {
+    "scheme": "joint",
+    "duration_s": 3.0,
+    "topics": {"/joy": {"count": 7, "rate_hz": 100.0}},
+    "lost_messages": 2,
+    "tip_error_mm": None,
+    "joy_to_valve_ms": None,
+    "lever_to_valve_ms": {"first": {"p50": 16.94, "p99": 51.0}, "half_step": None, "half_way": None},
+    "peak_memory_mb": {"recorder": 70.4},
+}
+
 
 def test_response_time_counts_from_the_cause_to_the_first_effect_of_a_later_state():
     causes = np.array([100, 200, 1000])
@@ -20,18 +31,19 @@ def test_no_effect_at_all_gives_no_times():
     assert len(response_times(np.array([5]), np.array([], dtype=np.int64), np.array([], dtype=np.int64))) == 0
 
 
+def test_no_distance_of_the_tip_is_told_alone():
+    off = {"rms": 3.31, "max": 9.8}
+    errors = {"governed": off, "cross_track": {"rms": 6.5, "max": 20.2}, "wish": None, "time_lost_s": 0.25}
+    rows = [line.split(maxsplit=3) for line in table({**SESSION, "tip_error_mm": errors}).splitlines()]
+    told = {" ".join(row[:3]): row[3] for row in rows if row[0] in ("tip", "time")}
+    assert told["tip to reference"] == "3.31 mm RMS, 9.8 mm max"
+    assert "tip to drawn" in told
+    assert told["tip to wish"] == "- (no lever asked)"
+    assert told["time lost 0.25"] == "s"
+
+
 def test_table_says_that_joint_mode_has_no_tip_error():
-    summary = {
-        "scheme": "joint",
-        "duration_s": 3.0,
-        "topics": {"/joy": {"count": 7, "rate_hz": 100.0}},
-        "lost_messages": 2,
-        "tip_error_mm": None,
-        "joy_to_valve_ms": None,
-        "lever_to_valve_ms": {"first": {"p50": 16.94, "p99": 51.0}, "half_step": None, "half_way": None},
-        "peak_memory_mb": {"recorder": 70.4},
-    }
-    text = table(summary)
+    text = table(SESSION)
     assert "7, lost 2" in text
     assert "joint mode" in text
     assert "lever to valve     16.9 ms median, 51.0 ms p99" in text

@@ -37,7 +37,7 @@ def late():
 
 @pytest.fixture(scope="module")
 def robust(late):
-    return score(replayed(thesis(), late, C180))
+    return score(replayed(thesis(), late, C180), thesis())
 
 
 def test_drawn_times_are_as_bad_as_those_of_a_busy_computer(late):
@@ -48,8 +48,9 @@ def test_drawn_times_are_as_bad_as_those_of_a_busy_computer(late):
 
 
 def test_late_voltages_and_uneven_levers_cost_the_tip_little(robust):
-    assert robust["rms_mm"] < 6.0
-    assert robust["max_mm"] < 20.0
+    assert robust["governed"]["rms"] < 6.0
+    assert robust["governed"]["max"] < 20.0
+    assert robust["cross_track"]["max"] < 30.0
 
 
 def test_a_driver_that_took_its_voltages_to_be_in_time_would_throw_the_tip_off(late, robust, monkeypatch):
@@ -59,7 +60,9 @@ def test_a_driver_that_took_its_voltages_to_be_in_time_would_throw_the_tip_off(l
         return step(state, command, pressures, motion, p, timing.PERIOD)
 
     monkeypatch.setattr(closed_loop.valve_driver, "step", trusting)
-    assert score(replayed(thesis(), late, C180))["max_mm"] > 2.0 * robust["max_mm"]
+    thrown = score(replayed(thesis(), late, C180), thesis())
+    assert thrown["governed"]["max"] > 2.0 * robust["governed"]["max"]
+    assert thrown["wish"]["max"] > robust["wish"]["max"]
 
 
 def series(topic, values, stamps):
@@ -97,13 +100,13 @@ def test_a_bag_tells_by_its_spools_which_voltages_were_in_force():
 
 def test_the_command_finds_a_run_in_lockstep_on_the_dot(tmp_path, capsys, monkeypatch):
     def brief(session, times, machine):
-        return {"rms_mm": float(len(times.behind)), "max_mm": 0.0}
+        return {"governed": {"rms": float(len(times.behind)), "max": 0.0}}
 
     monkeypatch.setattr(timing, "replayed", brief)
-    monkeypatch.setattr(timing, "score", lambda session: session)
+    monkeypatch.setattr(timing, "score", lambda moved, _session: moved)
     assert cli.main(["timing", str(BAG), "--out", str(tmp_path / "out")]) == 0
     report = json.loads((tmp_path / "out" / "timing.json").read_text())
-    assert report["periods_behind"] == [report["both"]["rms_mm"]]
+    assert report["periods_behind"] == [report["both"]["governed"]["rms"]]
     assert report["lever_to_valve_ms"]["first"] == {"p50": 0.0, "p99": 0.0}
     told = capsys.readouterr().out
     assert "lever to valve: 0.0 ms median" in told

@@ -46,7 +46,7 @@ def test_the_nodes_give_the_figures_of_the_loop_without_ros_and_no_option_is_los
     (run,) = json.loads((out / "track.json").read_text())["runs"]
     assert run["same"]
     assert len(run["laps"]) == 2
-    for name in ("rms_mm", "max_mm", "velocity_rms"):
+    for name in ("governed_rms_mm", "governed_max_mm", "velocity_rms"):
         assert run[name] == pytest.approx(run["without_ros"][name], rel=0, abs=1e-9)
     path, bag = path_named(str(way)), read_bag(out / f"way-seed{SEED}" / "bag")
     moved = alone(path)

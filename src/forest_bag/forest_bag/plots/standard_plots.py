@@ -3,14 +3,15 @@
 ===============  ===========================================================================================
 picture          shows
 ===============  ===========================================================================================
-tip_path         the tip's path, wished and moved, from above and from the side
-tip_error        true tip minus the integrated wish, by axis and as a norm
+tip_path         the tip's path, drawn by the levers, governed, and moved; from above and from the side
+tip_error        true tip minus the governed reference, by axis and as a norm; and minus the levers' wish
 joints           joint angles with their limits, and joint speeds
 voltages         valve commands (ideal valve) and voltages (amplifier), by axis
 hydraulics       actuator pressures by axis with the pump pressure, and flows
 ===============  ===========================================================================================
 
-The wished path starts at the true tip where the first command was given, and integrates the commands.
+The governed reference starts at the true tip where the first command was given, and integrates the commands
+behind every limit. What the levers wished is drawn where the caller knows it.
 """
 
 import logging
@@ -53,35 +54,54 @@ _log = logging.getLogger(__name__)
 
 
 def tip_error(bag: Bag) -> tuple[Floats, Floats, Floats]:
-    """Wished and true tip at the stamps of the tip commands.
+    """Governed reference and true tip at the stamps of the tip commands (`command_stamps`).
 
-    wished[0] = moved[0]; wished[k+1] = wished[k] + v[k] (t[k+1] - t[k]): each command holds until the next,
-    for three periods at most.
+    The commands are those behind every limit; the reference starts where the tip is at the first.
 
     Returns:
-        time since the first command [s], shape [N]; wished and moved tip [m], each of shape [N, 3].
+        time since the first command [s], shape [N]; reference and moved tip [m], each of shape [N, 3].
 
     Raises:
         NotInBag: no tip commands, or no true tip at their time.
     """
-    command = _need(bag, TIP_TWIST_COMMAND)
-    truth = _need(bag, GROUND_TRUTH_TIP_POSE)
-    covered = (command.time_ns >= truth.time_ns[0]) & (command.time_ns <= truth.time_ns[-1])
-    stamps, velocity = command.time_ns[covered], command.values[covered]
-    if len(stamps) < 2:
-        raise NotInBag(f"no two commands of {TIP_TWIST_COMMAND.name} while the true tip was recorded")
-    start = int(stamps[0])
+    stamps, truth = command_stamps(bag), _need(bag, GROUND_TRUTH_TIP_POSE)
+    command, start = _need(bag, TIP_TWIST_COMMAND), int(stamps[0])
     time = _seconds(stamps, start)
     truth_time = _seconds(truth.time_ns, start)
     moved = np.column_stack([np.interp(time, truth_time, truth.values[:, axis]) for axis in range(3)])
+    return time, moved[0] + travelled(time, command.values[np.isin(command.time_ns, stamps)]), moved
+
+
+def command_stamps(bag: Bag) -> NDArray[np.int64]:
+    """Return the stamps of the tip commands while the true tip was recorded [N] [ns].
+
+    Raises:
+        NotInBag: there are no two.
+    """
+    command, truth = _need(bag, TIP_TWIST_COMMAND), _need(bag, GROUND_TRUTH_TIP_POSE)
+    covered = (command.time_ns >= truth.time_ns[0]) & (command.time_ns <= truth.time_ns[-1])
+    if covered.sum() < 2:
+        raise NotInBag(f"no two commands of {TIP_TWIST_COMMAND.name} while the true tip was recorded")
+    stamps: NDArray[np.int64] = command.time_ns[covered]
+    return stamps
+
+
+def travelled(time: Floats, velocity: Floats) -> Floats:
+    """Return the way [N, 3] m at times [N] s under velocities [N, 3] m/s.
+
+    Each velocity holds until the next, for three periods at most.
+    """
     step = np.diff(time)
     held = np.minimum(step, MAX_HOLD_PERIODS * float(np.median(step)))
-    travel = np.cumsum(velocity[:-1] * held[:, np.newaxis], axis=0)
-    return time, moved[0] + np.vstack([np.zeros(3), travel]), moved
+    return np.vstack([np.zeros(3), np.cumsum(velocity[:-1] * held[:, np.newaxis], axis=0)])
 
 
 def draw_all(
-    bag: Bag, out_dir: str | Path, limits: Limits | None = None, leave_out: Collection[str] = ()
+    bag: Bag,
+    out_dir: str | Path,
+    limits: Limits | None = None,
+    leave_out: Collection[str] = (),
+    wish: Floats | None = None,
 ) -> list[Path]:
     """Draw every standard picture for which the bag has the topics; the others are reported in the log.
 
@@ -90,6 +110,7 @@ def draw_all(
         out_dir: directory for the PNG files; made if it is not there.
         limits: joint angles to show as limits, rad.
         leave_out: pictures not to draw, like "tip_error.png".
+        wish: where the levers wanted the tip [N, 3] m at the times of `tip_error`; None: not known.
 
     Returns:
         The files drawn.
@@ -97,8 +118,8 @@ def draw_all(
     out_dir = Path(out_dir)
     out_dir.mkdir(parents=True, exist_ok=True)
     pictures: dict[str, Callable[[], Figure]] = {
-        "tip_path.png": lambda: draw_tip_path(bag),
-        "tip_error.png": lambda: draw_tip_error(bag),
+        "tip_path.png": lambda: draw_tip_path(bag, wish),
+        "tip_error.png": lambda: draw_tip_error(bag, wish),
         "joints.png": lambda: draw_joints(bag, limits),
         "voltages.png": lambda: draw_voltages(bag),
         "hydraulics.png": lambda: draw_hydraulics(bag),
@@ -116,19 +137,21 @@ def draw_all(
     return drawn
 
 
-def draw_tip_path(bag: Bag) -> Figure:
+def draw_tip_path(bag: Bag, wish: Floats | None = None) -> Figure:
     """Top view (x, y) and side view (reach, height); without commands only what moved."""
-    wished: Floats | None = None
+    reference: Floats | None = None
     try:
-        _, wished, moved = tip_error(bag)
+        _, reference, moved = tip_error(bag)
     except NotInBag:
         moved = _need(bag, GROUND_TRUTH_TIP_POSE).values[:, :3]
     figure, (top, side) = new_figure(1, 2, 5.2, "Path of the tip")
     for axes, project in ((top, _from_above), (side, _from_the_side)):
         axes.plot(*project(moved), label="moved", color="C0")
         axes.plot(*(values[:1] for values in project(moved)), "o", color="C2", label="start")
-        if wished is not None:
-            axes.plot(*project(wished), label="wished", **WISHED)
+        if wish is not None:
+            axes.plot(*project(wish), label="as the levers drew it", color="0.75", linewidth=4.0, zorder=1)
+        if reference is not None:
+            axes.plot(*project(reference), label="governed reference", **WISHED)
         axes.set_aspect("equal", adjustable="datalim")
         axes.grid(alpha=0.3)
     top.set(title="from above", xlabel="x, forward [m]", ylabel="y, left [m]")
@@ -139,20 +162,29 @@ def draw_tip_path(bag: Bag) -> Figure:
     return figure
 
 
-def draw_tip_error(bag: Bag) -> Figure:
-    """Error of the tip by axis and as a norm, mm."""
-    time, wished, moved = tip_error(bag)
-    error = 1e3 * (moved - wished)
+def draw_tip_error(bag: Bag, wish: Floats | None = None) -> Figure:
+    """Error of the tip against the governed reference by axis and as a norm, and against the wish, mm."""
+    time, reference, moved = tip_error(bag)
+    error = 1e3 * (moved - reference)
     norm = np.linalg.norm(error, axis=1)
-    rms, largest = float(np.sqrt(np.mean(norm**2))), float(norm.max())
-    title = f"Tip error: true minus wished ({rms:.0f} mm RMS, {largest:.0f} mm at most)"
+    title = f"True tip minus governed reference: {_size(norm)}"
+    if wish is not None:
+        late = 1e3 * np.linalg.norm(moved - wish, axis=1)
+        title += f"; minus the levers' wish: {_size(late)}"
     figure, (by_axis, whole) = new_figure(2, 1, 6.0, title)
     for place, name in enumerate("xyz"):
         by_axis.plot(time, error[:, place], label=name)
-    whole.plot(time, norm, color="0.2", label="norm")
+    whole.plot(time, norm, color="0.2", label="from the governed reference")
+    if wish is not None:
+        whole.plot(time, late, color="C1", label="from the levers' wish")
     finish_axes(by_axis, "error [mm]")
     finish_axes(whole, "error [mm]", "time since the first command [s]")
     return figure
+
+
+def _size(error: Floats) -> str:
+    """Return RMS and greatest of errors [mm] as text."""
+    return f"{np.sqrt(np.mean(error**2)):.0f} mm RMS, {error.max():.0f} mm at most"
 
 
 def draw_joints(bag: Bag, limits: Limits | None = None) -> Figure:

@@ -123,7 +123,7 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
     gains = _gains(settings, 0), _gains(settings, 1), _gains(settings, 2)
     return Parameters(
         scheme=int(settings.scheme),
-        profile=_profile(settings),
+        profile=operator_profile(settings),
         gains=gains,
         jacobian_at_joints=settings.jacobian_at_joints,
         velocity_limits=_governor(machine, settings),
@@ -162,7 +162,8 @@ def _inch(machine: Machine, axis: int) -> float:
     return share * rated_speeds(machine)[axis]
 
 
-def _profile(settings: Settings) -> OperatorProfile:
+def operator_profile(settings: Settings) -> OperatorProfile:
+    """Return how an operator's levers are read."""
     v, most = settings.tip_speed, settings.axis_speed
     return OperatorProfile(
         mode=int(settings.mode),

@@ -10,11 +10,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from forest_control.taught.cycle import Path
 from forest_control.taught.cycle_file import FASTEST, SLOWEST
-from forest_control.taught.tip_path import PathError, curve
+from forest_control.taught.tip_path import PathError, curve, distance_from
 from forest_description.types import Floats, Vec3
 
 MOST = 120_000  # [1] samples of a path: ten minutes at 200 Hz; what is driven later is no part of it
@@ -22,7 +21,7 @@ HALF = 10  # [1] samples on either side of a mean: 0.05 s, in which a driven tip
 SPACING = 0.005  # [m] between the places that are kept: finer than the path need be
 TOLERANCE = 0.002  # [m] of what was driven from the path: below what the tip's control reaches
 APART = 0.02  # [m] of waypoints, at the least: nearer, they would tell of noise
-DENSE = 0.002  # [m] between the places of a path from which distances are measured: half is not seen
+DENSE = 0.002  # [m] between the places of a path from which distances are measured: straight in between
 SHORTEST = 0.05  # [m] of a path that is worth it: less is a tip that stands
 MOVING = 0.02  # [m/s] of the tip, from which the time counts for the path's speed
 
@@ -74,12 +73,11 @@ def reduced(samples: Sequence[Vec3]) -> tuple[Vec3, ...]:
 
 
 def distances(points: Sequence[Vec3], places: Floats) -> Floats:
-    """Return how far places [N, 3] m are from the path through points [m]: [N] m, to half of `DENSE`."""
+    """Return how far places [N, 3] m are from the path through points [m]: [N] m."""
     ways, table, _ = curve("taught", list(points))
     dense = np.linspace(0.0, ways[-1], math.ceil(ways[-1] / DENSE) + 1)
     on_path = np.column_stack([np.interp(dense, ways, table[:, i]) for i in range(3)])
-    nearest: Floats = cKDTree(on_path).query(places)[0]
-    return nearest
+    return distance_from(on_path, places)
 
 
 def _smoothed(tips: Floats) -> Floats:

@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.spatial import cKDTree
 
 from forest_description.types import Floats, Vec3
 
@@ -27,6 +28,7 @@ SHORTEST = 1e-6  # [m] between two waypoints; nearer ones are one, where the tip
 LONGEST = 200.0  # [m] of a path: a longer one has another unit
 CORNER = math.radians(25.0)  # [rad] a sharper turn is a corner; chosen, not measured
 BEND = 1.5  # [m/s^2] across the way in a bend, at the most; chosen, not measured
+NEIGHBOURS = 4  # [1] points of a line that are looked at: two ways may meet in a sharp corner
 BASE = 0.02  # [m] over which a bend is measured: more than the noise of waypoints
 
 
@@ -151,6 +153,23 @@ def reverse(path: TipPath) -> TipPath:
 def is_closed(path: TipPath) -> bool:
     """Tell whether a path ends where it starts."""
     return math.dist(path.at(0.0), path.at(path.length)) < SHORTEST
+
+
+def distance_from(line: Floats, places: Floats) -> Floats:
+    """Return how far places [N, 3] m are from a line [M, 3] m, straight from point to point: [N] m.
+
+    Only the pieces at the nearest points are looked at, so the points must be close together.
+    """
+    fresh = np.linalg.norm(np.diff(line, axis=0), axis=1) > 0.0
+    line = line[np.concatenate([[True], fresh])]
+    nearest = cKDTree(line).query(places, k=range(1, min(NEIGHBOURS, len(line)) + 1))[1]
+    starts = np.clip(np.hstack([nearest - 1, nearest]), 0, max(0, len(line) - 2))
+    piece = line[np.minimum(starts + 1, len(line) - 1)] - line[starts]
+    since = places[:, None] - line[starts]
+    size = np.maximum(np.sum(piece**2, axis=2), np.finfo(float).tiny)
+    share = np.clip(np.sum(since * piece, axis=2) / size, 0.0, 1.0)
+    away: Floats = np.linalg.norm(since - share[:, :, None] * piece, axis=2).min(axis=1)
+    return away
 
 
 def fastest(

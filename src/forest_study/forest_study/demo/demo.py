@@ -16,7 +16,7 @@ from typing import Any
 from forest_bringup import graph
 from forest_bringup.graph_lock import AlreadyRunning, GraphError
 from forest_bringup.lockstep_run import GUARD, RECORDER, in_lockstep
-from forest_bringup.profile_choice import profile_for
+from forest_bringup.profile_choice import profile_for, recorded_profile
 from forest_bringup.supervisor import STOP_SIGNALS, Stopped, Supervisor
 from forest_control.operator.joystick_bag import is_bag, read_joy_record
 from forest_control.operator.joystick_fault_injection import parse_joystick_faults
@@ -211,12 +211,14 @@ def _finish(
     # Read here, not at the top: matplotlib takes half a second that the graph's start does not have.
     from forest_bag.plots.standard_plots import draw_all
     from forest_bag.read.timeseries import read_bag
+    from forest_study.demo.hand_measures import profile_of, wished
     from forest_study.demo.session_summary import bag_summary, table
 
-    recorded = read_bag(bag)
-    summary |= bag_summary(recorded, options.scheme)
+    recorded, profile = read_bag(bag), profile_of(recorded_profile(bag))
+    summary |= bag_summary(recorded, options.scheme, profile)
     write_json(options.out / "summary.json", summary)
-    pictures = draw_all(recorded, options.out, limits)
+    wish = None if options.scheme == "joint" else wished(recorded, profile)
+    pictures = draw_all(recorded, options.out, limits, wish=wish)
     print(table(summary))
     print("\n".join(f"  {path}" for path in (bag, options.out / "summary.json", *pictures)))
     failed = {name: code for name, code in summary["exit_codes"].items() if code != 0}

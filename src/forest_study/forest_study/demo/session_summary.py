@@ -5,26 +5,36 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from forest_bag.plots.standard_plots import tip_error
 from forest_bag.read.timeseries import Bag
+from forest_control.operator.operator_profile import OperatorProfile
 from forest_msgs_py.interfaces import topics
+from forest_study.demo.hand_measures import hand_measures
 from forest_study.latency import lever_delay
+from forest_study.measures import Deviation
 
 SUMMARY_DIGITS = 3
 
 
-def bag_summary(bag: Bag, scheme: str) -> dict[str, Any]:
+TIP_ROWS = {
+    "governed": "tip to reference",
+    "cross_track": "tip to drawn path",
+    "wish": "tip to wish",
+}
+
+
+def bag_summary(bag: Bag, scheme: str, profile: OperatorProfile) -> dict[str, Any]:
     """Return the part of the summary that the bag tells.
 
-    `tip_error_mm` is the true tip minus the integrated wish; None in the joint scheme, where no tip motion is
-    wished. `joy_to_valve_ms` is what the graph adds: the time from a joystick sample to the first voltage
-    that answers a later state of the machine. `lever_to_valve_ms` is what the hand feels (`lever_delay`).
+    `tip_error_mm` has the distances of the true tip from reference, drawn path and wish (`measures`), and
+    `time_lost_s`; None in the joint scheme, where no tip motion is wished. `joy_to_valve_ms` is what the
+    graph adds: the time from a joystick sample to the first voltage that answers a later state of the
+    machine. `lever_to_valve_ms` is what the hand feels (`lever_delay`).
     """
     counts = {name: _topic_summary(info) for name, info in sorted(bag.topics.items())}
     return {
         "topics": counts,
         "lost_messages": sum(info.lost for info in bag.topics.values()),
-        "tip_error_mm": None if scheme == "joint" else _tip_error_mm(bag),
+        "tip_error_mm": None if scheme == "joint" else _tip_error_mm(bag, profile),
         "joy_to_valve_ms": joy_to_valve_ms(bag),
         "lever_to_valve_ms": lever_delay.lever_to_valve_ms(bag),
         "missed_deadlines": int(bag.series(topics.AUXILIARY).column("missed_deadlines")[-1]),
@@ -37,10 +47,14 @@ def _topic_summary(info: Any) -> dict[str, float]:
     return {"count": info.count, "rate_hz": round(rate, 1)}
 
 
-def _tip_error_mm(bag: Bag) -> dict[str, float]:
-    _, wished, moved = tip_error(bag)
-    error = 1e3 * np.linalg.norm(moved - wished, axis=1)
-    return {"rms": round(float(np.sqrt(np.mean(error**2))), 1), "max": round(float(error.max()), 1)}
+def _tip_error_mm(bag: Bag, profile: OperatorProfile) -> dict[str, Any]:
+    found = hand_measures(bag, profile)
+    told: dict[str, Any] = {name: _rounded(getattr(found, name)) for name in TIP_ROWS}
+    return {**told, "time_lost_s": round(found.time_lost_s, 2)}
+
+
+def _rounded(off: Deviation | None) -> dict[str, float] | None:
+    return None if off is None else {"rms": round(off.rms_mm, 1), "max": round(off.max_mm, 1)}
 
 
 def joy_to_valve_ms(bag: Bag) -> dict[str, float] | None:
@@ -73,7 +87,7 @@ def response_times(
 
 def table(summary: dict[str, Any]) -> str:
     """Return the short table that ends the demo."""
-    error, delay = summary["tip_error_mm"], summary["joy_to_valve_ms"]
+    delay = summary["joy_to_valve_ms"]
     rows = [
         ("scheme", summary["scheme"]),
         ("duration", f"{summary['duration_s']:g} s"),
@@ -81,10 +95,7 @@ def table(summary: dict[str, Any]) -> str:
             "messages",
             f"{sum(t['count'] for t in summary['topics'].values())}, lost {summary['lost_messages']}",
         ),
-        (
-            "tip error",
-            "- (joint mode)" if error is None else f"{error['rms']:g} mm RMS, {error['max']:g} mm max",
-        ),
+        *_tip_rows(summary["tip_error_mm"]),
         (
             "joystick to valve",
             "-" if delay is None else f"{delay['p50']:.1f} ms median, {delay['p99']:.1f} ms p99",
@@ -93,3 +104,15 @@ def table(summary: dict[str, Any]) -> str:
         ("memory", ", ".join(f"{name} {mb:.0f} MB" for name, mb in summary["peak_memory_mb"].items())),
     ]
     return "\n".join(f"  {name:<18} {value}" for name, value in rows)
+
+
+def _tip_rows(errors: dict[str, Any] | None) -> list[tuple[str, str]]:
+    """Return every measure's row: none is told alone."""
+    if errors is None:
+        return [("tip error", "- (joint mode)")]
+    rows = [(text, _off(errors[name])) for name, text in TIP_ROWS.items()]
+    return [*rows, ("time lost", f"{errors['time_lost_s']:g} s")]
+
+
+def _off(error: dict[str, float] | None) -> str:
+    return "- (no lever asked)" if error is None else f"{error['rms']:g} mm RMS, {error['max']:g} mm max"

@@ -23,16 +23,20 @@ import numpy as np
 from forest_bag.read.timeseries import Bag, NotInBag, read_bag
 from forest_bringup.graph_lock import GraphError
 from forest_control.config import controller_settings
+from forest_control.config.controller_settings import operator_profile
 from forest_control.operator.joystick_watch import NO_STAMP, Sample
 from forest_control.operator.levers import Levers, levers_from_axes
+from forest_control.operator.operator_profile import rate_mode_velocity, shaped
+from forest_control.taught.tip_path import distance_from
 from forest_control.valve import valve_driver_parameters
 from forest_description.machine import Machine, load_machine
-from forest_description.types import Floats, Vec3
+from forest_description.types import ZERO, Floats, Vec3
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Joystick, Lateness, Operator, Trajectory
 from forest_study.closed_loop.closed_loop import run as run_loop
 from forest_study.latency import lever_delay
+from forest_study.measures import deviation
 from forest_study.results import write_json
 
 LATEST = 20  # periods: what answers older states was said at an end
@@ -150,10 +154,21 @@ def _behind(bag: Bag, machine: Machine) -> tuple[int, ...]:
     return tuple(found)
 
 
-def score(moved: Trajectory) -> dict[str, float]:
-    """Return RMS and greatest distance of the tip from its wish [mm]."""
-    error = 1e3 * np.linalg.norm(moved.tip_error(), axis=1)
-    return {"rms_mm": round(float(np.sqrt(np.mean(error**2))), 2), "max_mm": round(float(error.max()), 2)}
+def score(moved: Trajectory, session: Session) -> dict[str, dict[str, float]]:
+    """Return the tip's distances from governed reference, drawn path and wish [mm] (`measures`)."""
+    profile = operator_profile(controller_settings.Settings())
+    asked = [
+        rate_mode_velocity(shaped(session.hand(time), profile), ZERO, profile) if armed else ZERO
+        for time, armed in zip(moved.time.tolist(), session.armed, strict=True)
+    ]
+    wish = moved.tip[0] + np.vstack([np.zeros(3), np.cumsum(asked[:-1], axis=0) * PERIOD])
+    away = {
+        "governed": np.linalg.norm(moved.tip_error(), axis=1),
+        "cross_track": distance_from(wish, moved.tip),
+        "wish": np.linalg.norm(moved.tip - wish, axis=1),
+    }
+    found = {name: deviation(error) for name, error in away.items()}
+    return {name: {"rms": round(one.rms_mm, 2), "max": round(one.max_mm, 2)} for name, one in found.items()}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -198,7 +213,7 @@ def compared(session: Session, timing: Timing, machine: Machine) -> dict[str, An
     }
     return {
         "periods_behind": counts,
-        **{name: score(replayed(session, way, machine)) for name, way in ways.items()},
+        **{name: score(replayed(session, way, machine), session) for name, way in ways.items()},
     }
 
 
@@ -209,8 +224,9 @@ def table(report: dict[str, Any]) -> str:
         f"voltages in force answer a state 0, 1, 2, ... periods old: {', '.join(map(str, counts))} times"
     ]
     lines += [f"{name}: {told}" for name, told in lever_delay.rows(report["lever_to_valve_ms"])]
-    lines += ["| | RMS, mm | max, mm |", "|---|---|---|"]
+    lines += ["| RMS / max, mm | governed | cross-track | wish |", "|---|---|---|---|"]
     for name, one in report.items():
         if name not in ("periods_behind", "lever_to_valve_ms"):
-            lines.append(f"| {name} | {one['rms_mm']:.1f} | {one['max_mm']:.1f} |")
+            cells = [f"{off['rms']:.1f} / {off['max']:.1f}" for off in one.values()]
+            lines.append(f"| {name} | {' | '.join(cells)} |")
     return "\n".join(lines)

@@ -5,7 +5,6 @@ tip.
 """
 
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -18,19 +17,13 @@ from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine
-from forest_description.types import Floats, Vec3
+from forest_description.types import Vec3
 from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
 from forest_sim.sensors.sensor_suite import Suite, sensor_suite
 from forest_study.closed_loop.closed_loop import ClosedLoop, Operator
 from forest_study.closed_loop.loop_core import Happened
-
-
-class CrossTrack(NamedTuple):
-    """How far a tip was from a path."""
-
-    rms_mm: float
-    max_mm: float
+from forest_study.measures import Deviation, deviation
 
 
 class TaughtLoop:
@@ -108,7 +101,6 @@ class TaughtLoop:
             self.loop.controller.hear_taught(self.work.run, output.command, self.time)
 
 
-def cross_track(points: list[Vec3], tips: list[Vec3]) -> CrossTrack:
+def cross_track(points: list[Vec3], tips: list[Vec3]) -> Deviation:
     """Return how far tips [m] were from the path through points [m]."""
-    away: Floats = 1e3 * distances(points, np.array(tips))
-    return CrossTrack(float(np.sqrt(np.mean(away**2))), float(away.max()))
+    return deviation(distances(points, np.array(tips)))

@@ -19,8 +19,15 @@ from forest_msgs_py.runtime.command_line import number, whole
 from forest_study.closed_loop import model_mismatch
 from forest_study.results import StudyError, new_directory, write_json
 from forest_study.tracking.paths import NAMES, path_named
+from forest_study.tracking.scores import Score
 from forest_study.tracking.track_runs import Run, Variation, quantiles, run_many
-from forest_study.tracking.tracking import Course, Score, Session, follow, noisy, prepare, scored
+from forest_study.tracking.tracking import Course, Session, follow, noisy, prepare, scored
+
+MEASURES = ("governed", "cross_track", "wish")  # of `scores.Score`, each an RMS and a greatest error
+COLUMNS = (
+    *("path", "governed, mm", "cross-track, mm", "wish, mm", "time lost, s", "end, mm"),
+    *("velocity RMS, m/s", "duration, s", "saturated, s"),
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -149,13 +156,13 @@ def _through_ros(
 
     sessions, compared = [], []
     for seed in seeds:
-        name = f"{course.laps[0].path.name}-seed{seed}"
+        name = f"{course.drawn[0].lap.path.name}-seed{seed}"
         print(f"through ROS: {name}", flush=True)
         graph = track_ros.GraphSettings(
             *(options.machine, options.model or options.machine, options.adapt),
             *(options.noise, options.static_errors, seed),
         )
-        sessions.append(scored(course.laps, track_ros.run(course, graph, options.out / name), machine))
+        sessions.append(scored(course, track_ros.run(course, graph, options.out / name), machine))
         alone = follow(course, machine, varied(seed).suite, options.adapt)
         compared.append(track_ros.comparison(alone, sessions[-1]))
     runs = [Run(seed, one.total, one.scores, None) for seed, one in zip(seeds, sessions, strict=True)]
@@ -169,8 +176,7 @@ def _varied(machine: Machine, options: argparse.Namespace, seed: int) -> Variati
 
 def table(report: dict[str, Any]) -> str:
     """Return a Markdown table: per path, and lap if several, mean RMS and greatest error of all runs."""
-    lines = ["| path | RMS, mm | max, mm | velocity RMS, m/s | duration, s | saturated, s |"]
-    lines.append("|---|---|---|---|---|---|")
+    lines = [f"| {' | '.join(COLUMNS)} |", "|---" * len(COLUMNS) + "|"]
     for name in dict.fromkeys(run["path"] for run in report["runs"]):
         of = [run for run in report["runs"] if run["path"] == name]
         laps = len(of[0]["laps"])
@@ -183,8 +189,9 @@ def table(report: dict[str, Any]) -> str:
 
 def _row(name: str, scores: list[dict[str, Any]]) -> str:
     mean = {key: sum(score[key] for score in scores) / len(scores) for key in Score._fields}
-    greatest = max(score["max_mm"] for score in scores)
+    most = {key: max(score[key] for score in scores) for key in Score._fields}
+    errors = (f"{mean[f'{key}_rms_mm']:.2f} / {most[f'{key}_max_mm']:.1f}" for key in MEASURES)
     return (
-        f"| {name} | {mean['rms_mm']:.2f} | {greatest:.1f} | {mean['velocity_rms']:.4f} "
-        f"| {mean['duration_s']:.2f} | {mean['saturated_s']:.2f} |"
+        f"| {name} | {' | '.join(errors)} | {round(most['time_lost_s'], 2) + 0.0:.2f} | {most['end_mm']:.1f} "
+        f"| {mean['velocity_rms']:.4f} | {mean['duration_s']:.2f} | {mean['saturated_s']:.2f} |"
     )

@@ -1,10 +1,11 @@
-"""The picture of a track run: where the tip was and should have been, its error, the valves."""
+"""The picture of a track run: where the tip was and should have been, its errors, the valves."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
 
+from forest_control.taught.tip_path import distance_from
 from forest_description.types import AXES
 from forest_msgs_py.types import PERIOD
 
@@ -13,42 +14,65 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from forest_study.tracking.tracking import Session
+
+SPREAD = {"governed": "against the governed reference", "cross_track": "cross-track", "wish": "wish"}
 
 
 def draw(session: "Session", file: Path) -> None:
     """Draw a session into a file."""
-    moved = session.moved
-    wished = moved.tip[0] + np.vstack([np.zeros(3), np.cumsum(moved.tip_wish[:-1], axis=0) * PERIOD])
+    moved, line = session.moved, session.drawn[0].line
+    governed = moved.tip[0] + np.vstack([np.zeros(3), np.cumsum(moved.tip_wish[:-1], axis=0) * PERIOD])
     figure, axes = plt.subplots(2, 2, figsize=(10, 7), layout="constrained")
     for ax, (i, j) in zip(axes[0], ((0, 1), (0, 2)), strict=True):
-        ax.plot(wished[:, i], wished[:, j], "k--", label="reference")
+        ax.plot(line[:, i], line[:, j], color="0.7", linewidth=4, label="path as drawn")
+        ax.plot(governed[:, i], governed[:, j], "k--", label="governed reference")
         ax.plot(moved.tip[:, i], moved.tip[:, j], label="tip")
         ax.set(xlabel=f"{'xyz'[i]}, m", ylabel=f"{'xyz'[j]}, m", aspect="equal", adjustable="datalim")
         ax.legend()
-    axes[1, 0].plot(moved.time, 1e3 * moved.tip_error(), label=["x", "y", "z"])
-    axes[1, 0].set(xlabel="time, s", ylabel="tip minus reference, mm")
+    _draw_errors(axes[1, 0], session)
     axes[1, 1].plot(moved.time, moved.voltages, label=list(AXES))
     axes[1, 1].set(xlabel="time, s", ylabel="valve, V")
     for ax in axes[1]:
         ax.legend()
-    score = session.total
-    figure.suptitle(f"{session.laps[0].path.name}: RMS {score.rms_mm:.2f} mm, max {score.max_mm:.1f} mm")
+    s = session.total
+    figure.suptitle(
+        f"{session.drawn[0].lap.path.name}, RMS / max, mm: governed {s.governed_rms_mm:.2f} / "
+        f"{s.governed_max_mm:.1f}, cross-track {s.cross_track_rms_mm:.2f} / {s.cross_track_max_mm:.1f}, "
+        f"wish {s.wish_rms_mm:.1f} / {s.wish_max_mm:.1f}; {s.time_lost_s:.2f} s lost"
+    )
     figure.savefig(file, dpi=110)
     plt.close(figure)
 
 
+def _draw_errors(ax: "Axes", session: "Session") -> None:
+    """Draw the tip's three distances over time: the wish where there is one."""
+    moved = session.moved
+    governed = moved.tip_error()
+    governed = np.linalg.norm(governed - governed[session.drawn[0].lap.rows[0]], axis=1)
+    ax.plot(moved.time, 1e3 * governed, "k--", label="governed reference")
+    ax.plot(moved.time, 1e3 * distance_from(session.drawn[0].line, moved.tip), label="cross-track")
+    for k, one in enumerate(session.drawn):
+        rows = np.array(one.lap.rows)
+        wish = 1e3 * np.linalg.norm(moved.tip[rows] - one.ideal, axis=1)
+        ax.plot(moved.time[rows], wish, "C1", label="wish" if k == 0 else None)
+    ax.set(xlabel="time, s", ylabel="tip off by, mm")
+
+
 def draw_runs(report: dict[str, Any], file: Path) -> None:
-    """Draw which share of the runs has at most which error."""
-    figure, axes = plt.subplots(1, 2, figsize=(10, 4.5), layout="constrained", sharey=True)
-    for ax, (field, label) in zip(axes, (("rms_mm", "RMS, mm"), ("max_mm", "max, mm")), strict=True):
-        for name in report["quantiles"]:
-            values = [run[field] for run in report["runs"] if run["path"] == name]
-            ax.ecdf(values, label=name)
-        ax.set(xlabel=label, xscale="log")
-        ax.grid(alpha=0.3, which="both")
-    axes[0].set(ylabel="share of the runs")
-    axes[0].legend()
+    """Draw which share of the runs has at most which error, by every measure."""
+    figure, axes = plt.subplots(len(SPREAD), 2, figsize=(10, 11), layout="constrained", sharey=True)
+    for row, (measure, text) in zip(axes, SPREAD.items(), strict=True):
+        for ax, figures in zip(row, ("rms", "max"), strict=True):
+            for name in report["quantiles"]:
+                values = [run[f"{measure}_{figures}_mm"] for run in report["runs"] if run["path"] == name]
+                ax.ecdf(values, label=name)
+            ax.set(xlabel=f"{text}, {figures.replace('rms', 'RMS')}, mm", xscale="log")
+            ax.grid(alpha=0.3, which="both")
+        row[0].set(ylabel="share of the runs")
+    axes[0, 0].legend()
     count = len(report["runs"]) // len(report["quantiles"])
     drawn = "drawn machines" if report["mismatch"] else "one machine"
     figure.suptitle(f"{count} runs a path, {report['scheme']}, {report['speed']:g} m/s, {drawn}")

@@ -93,7 +93,7 @@ def _nodes(course: Course, settings: GraphSettings, directory: Path) -> list[Nod
     typed = typed_values(course.settings)
     del typed["scheme"]  # `graph.control` tells it
     simulated = {
-        "initial_tip": course.laps[0].path.at(0.0),
+        "initial_tip": course.start,
         "sensor_noise": settings.noise,
         "sensor_static_errors": settings.static_errors,
         "seed": settings.seed,

@@ -15,8 +15,10 @@ from forest_description.machine import Machine
 from forest_sim.sensors.sensor_suite import Suite
 from forest_study.closed_loop import loop_kernel, model_mismatch
 from forest_study.closed_loop.model_mismatch import Mismatch
-from forest_study.tracking.tracking import Course, Score, Session, follow
+from forest_study.tracking.scores import Score
+from forest_study.tracking.tracking import Course, Session, follow
 
+SPREAD = (*(name for name in Score._fields if name.endswith("_mm")), "time_lost_s")
 QUANTILES = {"least": 0.0, "q05": 0.05, "median": 0.5, "q95": 0.95, "greatest": 1.0}
 
 
@@ -82,7 +84,7 @@ def quantiles(runs: Sequence[Run]) -> dict[str, Any]:
 
 def _spread(scores: list[Score]) -> dict[str, dict[str, float]]:
     spread = {}
-    for name in ("rms_mm", "max_mm"):
+    for name in SPREAD:
         values = [getattr(score, name) for score in scores]
         spread[name] = {key: float(np.quantile(values, share)) for key, share in QUANTILES.items()}
     return spread

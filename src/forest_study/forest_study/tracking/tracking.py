@@ -1,9 +1,9 @@
 """The tip along a path, closed loop, and how far it was from where it should be: `forest-study track`'s core.
 
 The reference generator plays the operator: it wishes the tip velocity of the fastest profile along the path.
-The machine may be another one than controller and driver believe. The error is the true tip minus the
-reference after every limit, at every sample from the reference's first motion to its last. The reference
-starts where the tip is at the first motion. Levers are those of a joystick's message: single precision.
+The machine may be another one than controller and driver believe. The path as drawn starts where the true tip
+is at rest in the beginning. What is told of a run: `measures`, over the rows from the profile's first motion
+to its last. Levers are those of a joystick's message: single precision.
 """
 
 import dataclasses
@@ -11,14 +11,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from forest_control.config import controller_settings
 from forest_control.operator.levers import levers_for_tip_velocity
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Scheme
 from forest_control.taught.plan import RAMP, RESERVE, greatest_speed
-from forest_control.taught.tip_path import PathError, Profile, TipPath, fastest, is_closed, reverse
+from forest_control.taught.tip_path import PathError, TipPath, fastest, is_closed, reverse
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
 from forest_description.machine import Machine
@@ -28,43 +27,30 @@ from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.sensors.sensor_suite import Suite, calibrated, sensor_suite
 from forest_study.closed_loop import loop_kernel
 from forest_study.closed_loop.closed_loop import Trajectory
+from forest_study.tracking.scores import Drawn, Lap, Score, drawn, scores_of
 
 REST = 1.0  # [s] before the first lap and after every lap
-SATURATED = 0.999  # of the rated voltage
-
-
-class Lap(NamedTuple):
-    """A lap's start [s], its path and its profile."""
-
-    start: float
-    path: TipPath
-    profile: Profile
-
-
-class Score(NamedTuple):
-    """How well a lap was tracked."""
-
-    rms_mm: float
-    max_mm: float
-    velocity_rms: float  # [m/s]
-    duration_s: float
-    saturated_s: float
 
 
 class Course(NamedTuple):
     """What all runs along a path have in common."""
 
-    laps: tuple[Lap, ...]
+    drawn: tuple[Drawn, ...]
     settings: controller_settings.Settings
     model: Machine  # that controller and driver believe
     levers: Floats  # [N, 4] of `loop_kernel`
 
+    @property
+    def start(self) -> Vec3:
+        """Where the tip is at rest beforehand [m]."""
+        return self.drawn[0].lap.path.at(0.0)
+
 
 @dataclasses.dataclass(frozen=True)
 class Session:
-    """A track run: laps, what happened, scores."""
+    """A track run: what was drawn, what happened, scores."""
 
-    laps: tuple[Lap, ...]
+    drawn: tuple[Drawn, ...]
     moved: Trajectory
     scores: tuple[Score, ...]
     total: Score
@@ -118,7 +104,9 @@ def prepare(
     end = runs[-1].start + runs[-1].profile.duration + REST
     times = [k * PERIOD for k in range(round(end / PERIOD))]
     levers = [(*levers_for_tip_velocity(_wish(time, runs), speed), 1.0) for time in times]
-    return Course(runs, settings, model, np.array(levers, dtype=np.float32).astype(np.float64))
+    return Course(
+        tuple(map(drawn, runs)), settings, model, np.array(levers, dtype=np.float32).astype(np.float64)
+    )
 
 
 def follow(
@@ -129,21 +117,15 @@ def follow(
     plant: PlantParameters | None = None,
 ) -> Session:
     """Run a course; arguments as `track`; plant: what is simulated instead of the machine's parameters."""
-    runs = course.laps
-    start = _angles(runs[0].path.at(0.0), runs[0].path, machine)
+    start = _angles(course.start, course.drawn[0].lap.path, machine)
     drive = valve_driver_parameters.Settings(adapt=adapt)
     moved = loop_kernel.run(machine, course.levers, start, course.settings, drive, course.model, suite, plant)
-    return scored(runs, moved, machine)
+    return scored(course, moved, machine)
 
 
-def scored(runs: tuple[Lap, ...], moved: Trajectory, machine: Machine) -> Session:
-    """Return laps and what happened with its scores."""
-    rated = np.array([machine.valve_of(axis).rated_voltage for axis in range(3)])
-    spans = [_span(lap) for lap in runs]
-    first = spans[0][0]
-    scores = tuple(_score(moved, first, np.arange(*span), rated) for span in spans)
-    total = _score(moved, first, np.concatenate([np.arange(*span) for span in spans]), rated)
-    return Session(runs, moved, scores, total)
+def scored(course: Course, moved: Trajectory, machine: Machine) -> Session:
+    """Return a course and what happened with its scores."""
+    return Session(course.drawn, moved, *scores_of(course.drawn, moved, machine))
 
 
 def plan(path: TipPath, speed: float, p: controller_settings.Parameters, laps: int) -> tuple[Lap, ...]:
@@ -174,26 +156,6 @@ def _wish(time: float, laps: tuple[Lap, ...]) -> Vec3:
     here, there = (lap.path.at(lap.profile.way_at(since + ahead)) for ahead in (0.0, PERIOD))
     x, y, z = ((b - a) / PERIOD for a, b in zip(here, there, strict=True))
     return x, y, z
-
-
-def _span(lap: Lap) -> tuple[int, int]:
-    """Return first and last row (exclusive) of a lap's motion."""
-    return round(lap.start / PERIOD), math.ceil((lap.start + lap.profile.duration) / PERIOD) + 1
-
-
-def _score(moved: Trajectory, first: int, rows: NDArray[np.int_], rated: Floats) -> Score:
-    """Return the score of some rows; the reference starts where the tip is at the first motion of all."""
-    error = moved.tip_error()
-    error = np.linalg.norm(error - error[first], axis=1)[rows]
-    velocity = np.gradient(moved.tip, PERIOD, axis=0) - moved.tip_wish
-    saturated = np.any(np.abs(moved.voltages[rows]) >= SATURATED * rated, axis=1)
-    return Score(
-        rms_mm=1e3 * float(np.sqrt(np.mean(error**2))),
-        max_mm=1e3 * float(error.max()),
-        velocity_rms=float(np.sqrt(np.mean(np.sum(velocity[rows] ** 2, axis=1)))),
-        duration_s=PERIOD * (len(rows) - 1),
-        saturated_s=PERIOD * float(saturated.sum()),
-    )
 
 
 def noisy(machine: Machine, seed: int, static_errors: bool = False) -> Suite:
