@@ -16,7 +16,7 @@ from typing import NamedTuple
 from forest_control.valve.tracking_limit import Reach
 from forest_control.valve.valve_driver_parameters import AxisDriver
 from forest_description.derived.actuator_kinematics import Linkages
-from forest_description.derived.bodies import boom_body, stick_body
+from forest_description.derived.bodies import bearing_stick, boom_body
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine
 from forest_description.types import Vec3
@@ -97,7 +97,7 @@ def speed_limit_parameters(
 ) -> SpeedLimitParameters:
     """Return the constants for a machine and its valve driver's axes."""
     m = machine.manipulator
-    boom, stick = boom_body(m), stick_body(m)
+    boom, stick = boom_body(m), bearing_stick(m)
     return SpeedLimitParameters(
         axes=axes,
         supply_pressure=machine.pump.supply_pressure,
