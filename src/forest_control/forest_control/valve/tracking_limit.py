@@ -168,7 +168,8 @@ def most_lead(limits: TrackingLimits, rated: Vec3, e: Vec3, v: Vec3) -> Vec3:
         e: references minus measured angles [rad].
         v: measured rates [rad/s].
     """
-    wide, y = open_wide(limits.spools, rated), limits.spools
+    y = limits.spools.positions
+    wide = open_wide(y, rated)
     return (
         _most_lead(wide[0] and y[0] * e[0] > 0.0, e[0], v[0]),
         _most_lead(wide[1] and y[1] * e[1] > 0.0, e[1], v[1]),
