@@ -10,6 +10,7 @@ from forest_control.limits.singularity import BENT
 from forest_control.limits.velocity_scaling import NO_AXIS, NO_STROKE, Axis, Pumps, Stroke, VelocityLimits
 from forest_control.limits.workspace import OPEN, Workspace
 from forest_control.operator.operator_profile import Frame, Mode, OperatorProfile
+from forest_control.servo.anti_sway import SwayParameters, sway_parameters
 from forest_control.servo.coordinated_servo import CoordinationParameters
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Gains, Scheme
@@ -96,6 +97,9 @@ class Settings(NamedTuple):
     tip_acceleration: Annotated[
         float, tunable("of the coordinated scheme's reference", "m/s^2", 0.1, 20.0)
     ] = 4.0
+    anti_sway: Annotated[
+        bool, tunable("the tip moves so that what hangs from it does not sway: coordinated scheme, rate mode")
+    ] = False
     joint_margin: Annotated[float, tunable("kept from joint limits", "rad", 0.0, 0.2)] = 0.0175  # 1 degree
     approach: Annotated[
         Vec3, tunable("speed per angle, of a cylinder per stroke, left to a limit", "1/s", 0.1, 20.0)
@@ -121,6 +125,7 @@ class Parameters(NamedTuple):
     position_source: int  # a `Source`
     weighing: WeighingParameters
     capacity: Capacity
+    sway: SwayParameters  # frequency 0: anti-sway is off, or nothing hangs
 
 
 def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN) -> Parameters:
@@ -143,6 +148,7 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
         ),
         workspace=workspace,
         position_source=int(settings.position_source),
+        sway=sway_parameters(machine) if settings.anti_sway else SwayParameters(),
         weighing=weighing_parameters(machine),
         capacity=capacity(machine),
         speed_limits=speed_limit_parameters(machine, axis_drivers(machine)),

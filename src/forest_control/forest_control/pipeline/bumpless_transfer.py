@@ -9,6 +9,7 @@ from forest_control.config.controller_settings import Parameters
 from forest_control.pipeline.control_state import NO_MODE, NO_SCHEME, REST, Inputs, State, minus
 from forest_control.pipeline.stop_profile import NO_STOP
 from forest_control.servo import coordinated_servo
+from forest_control.servo.anti_sway import NO_SWAY
 from forest_control.servo.joint_angle_filter import AngleCorrection
 from forest_control.servo.schemes import Scheme, closes_on_position, decayed, reference_for_rate
 from forest_description.geometry.kinematics import joint_rates, tip_velocity
@@ -30,7 +31,7 @@ def begun(state: State, s: Vec3) -> State:
 
 def resumed(state: State) -> State:
     """Return the state of a machine that was stopping, and shall not."""
-    return state._replace(enabled=True, mode=NO_MODE, changed=True, stop=NO_STOP)
+    return state._replace(enabled=True, mode=NO_MODE, changed=True, stop=NO_STOP, sway=NO_SWAY)
 
 
 def clutched(state: State, s: Vec3, p: Parameters) -> State:

@@ -11,6 +11,7 @@ from forest_control.operator.taught_command import NO_COMMAND, TaughtCommand
 from forest_control.pipeline.stop_profile import NO_STOP, Stop
 from forest_control.safety.driver_response import DriverSample
 from forest_control.servo import coordinated_servo
+from forest_control.servo.anti_sway import NO_SWAY, Sway
 from forest_control.servo.joint_angle_filter import NONE as NO_CORRECTION
 from forest_control.servo.joint_angle_filter import UNREAD as NO_LENGTHS
 from forest_control.servo.joint_angle_filter import AngleCorrection, Lengths
@@ -35,6 +36,7 @@ class State(NamedTuple):
     stop: Stop = NO_STOP  # along the path, under way or over
     correction: AngleCorrection = NO_CORRECTION  # of the angles
     tracking_limits: TrackingLimits = NO_TRACKING_LIMIT  # joints that could not follow
+    sway: Sway = NO_SWAY  # of what hangs from the tip
     weighing: Weighing = UNKNOWN  # of the load
 
 

@@ -28,6 +28,8 @@ from forest_control.pipeline.control_state import (
     scaled,
 )
 from forest_control.pipeline.stop_profile import NO_STOP, Stop
+from forest_control.servo import anti_sway
+from forest_control.servo.anti_sway import Sway
 from forest_control.servo.coordinated_servo import MOST_SAMPLES, ramped
 from forest_control.servo.schemes import Scheme, closes_on_position, jacobian_pose
 from forest_description.geometry.kinematics import tip_position
@@ -53,18 +55,20 @@ def lever_command(state: State, inputs: Inputs, p: Parameters, dt: float) -> tup
     if inputs.taught.speed > 0.0:  # position mode goes on from where the path is left
         state = state._replace(clutch=_here(state, inputs, p))
     pose = jacobian_pose(p.scheme, state.reference, inputs.angles, p.jacobian_at_joints)
-    velocity = tip_velocity_command(state, pose, inputs, p, dt)
+    state, velocity = tip_velocity_command(state, pose, inputs, p, dt)
     rates = joint_rate_command(state, inputs, p, dt) if p.scheme == Scheme.JOINT else ZERO
     settles = p.scheme == Scheme.COORDINATED and velocity == ZERO and state.memory.samples < MOST_SAMPLES
     phase = Phase.SETTLING if settles else Phase.MOVING
     return state, MotionCommand(phase=phase, pose=pose, velocity=velocity, lagged=velocity, rates=rates)
 
 
-def tip_velocity_command(state: State, pose: Vec3, inputs: Inputs, p: Parameters, dt: float) -> Vec3:
+def tip_velocity_command(
+    state: State, pose: Vec3, inputs: Inputs, p: Parameters, dt: float
+) -> tuple[State, Vec3]:
     """Return the tip velocity [m/s] that the levers ask for; a ramp in position mode or coordinated."""
     if p.scheme == Scheme.JOINT:
-        return ZERO
-    levers = shaped(inputs.levers, p.profile)
+        return state, ZERO
+    levers, sway = shaped(inputs.levers, p.profile), anti_sway.NO_SWAY
     if inputs.taught.speed > 0.0:
         most = min(p.profile.speeds[0], p.profile.speeds[1], p.profile.speeds[2])
         asked = taught_velocity(inputs.taught, tip_position(_here(state, inputs, p), p.links), most)
@@ -74,8 +78,20 @@ def tip_velocity_command(state: State, pose: Vec3, inputs: Inputs, p: Parameters
     else:
         asked = rate_mode_velocity(levers, pose, p.profile)
         if p.scheme != Scheme.COORDINATED:
-            return asked
-    return ramped(state.memory.velocity, asked, p.coordinated.acceleration, dt)
+            return state, asked
+        sway, asked = _without_sway(state, asked, p, dt)
+    return state._replace(sway=sway), ramped(state.memory.velocity, asked, p.coordinated.acceleration, dt)
+
+
+def _without_sway(state: State, asked: Vec3, p: Parameters, dt: float) -> tuple[Sway, Vec3]:
+    """Return the filter and the tip velocity [m/s] that leaves the head at rest."""
+    if p.sway.frequency == 0.0:
+        return anti_sway.NO_SWAY, asked
+    sway = state.sway
+    if sway == anti_sway.NO_SWAY:
+        sway = anti_sway.begun(state.memory.velocity, p.sway)
+    wish = ramped(sway.wish, asked, p.coordinated.acceleration, dt)
+    return anti_sway.filtered(sway, wish, p.sway, dt)
 
 
 def _here(state: State, inputs: Inputs, p: Parameters) -> Vec3:
