@@ -279,8 +279,10 @@ def test_limits_and_joystick_are_numbered_as_the_docs_tell_who_reads_the_topic()
         "flow of the pumps",
         "wall",
         "released or stopping",
+        "load",
+        "overload",
     )
-    names = "NONE", "RATE", "JOINT", "SINGULARITY", "FLOW", "WALL", "RELEASED"
+    names = "NONE", "RATE", "JOINT", "SINGULARITY", "FLOW", "WALL", "RELEASED", "LOAD", "OVERLOAD"
     codes = {str(Limit[name].value): word for name, word in zip(names, words, strict=True)}
     assert {code: word for code, word, _ in told} == codes
     states = {str(state.value): state.name.lower() for state in Joystick}

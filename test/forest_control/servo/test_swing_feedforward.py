@@ -1,5 +1,7 @@
 """The controller's idea of the crane as a load agrees with the plant's dynamics."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -30,6 +32,18 @@ def test_inertia_about_the_swing_axis_is_the_plants():
     load = swing_model(C180)
     for q in poses():
         assert inertia(q, load) == pytest.approx(dynamics(q, (0.0, 0.0, 0.0), BODY).m_11, rel=1e-12)
+
+
+def test_a_head_that_hangs_weighs_on_its_joint_as_one_that_is_fixed_there():
+    real = load_machine("c180_real")
+    hanging = real.manipulator
+    fixed = dataclasses.replace(real, manipulator=dataclasses.replace(hanging, pendulum=None))
+    capacities = [speed_limit_parameters(one, axis_drivers(one)) for one in (real, fixed)]
+    for q in poses():
+        assert gravity_torques(q, capacities[0]) == pytest.approx(
+            gravity_torques(q, capacities[1]), rel=1e-12
+        )
+        assert inertia(q, swing_model(real)) == pytest.approx(inertia(q, swing_model(fixed)), rel=1e-12)
 
 
 def test_a_load_sensing_pump_leaves_its_margin_for_either_edge_of_the_swings_valve():

@@ -43,7 +43,7 @@ def test_the_driver_opens_for_the_inlets_flow_whatever_the_load(axis, direction)
     speed = direction * flow / displacements(FORWARDER, axis)[port]
     for share in (0.0, 0.4, 0.8):
         load = direction * share * displacements(FORWARDER, axis)[port] * P.supply_pressure
-        opening = required_opening(speed, load, P.supply_pressure, driver, P)
+        opening = required_opening(speed, load, P.supply_pressure, 0.0, driver, P)
         assert opening == pytest.approx(direction * 0.3, rel=1e-12)
 
 

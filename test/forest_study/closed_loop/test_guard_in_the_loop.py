@@ -11,7 +11,6 @@ from forest_control.pipeline.control_state import ValveFeedback
 from forest_control.pipeline.guarded_controller import GuardedController
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import (
-    MachineState,
     Permission,
     PermissionParameters,
     armed_watch,
@@ -88,7 +87,7 @@ def test_the_deadman_pressed_with_deflected_levers_moves_nothing():
     assert not moved.voltages.any()
 
 
-SEEN = Measurement(*(None,) * len(Measurement._fields))
+SEEN = Measurement(*(None,) * len(Measurement._fields))._replace(pressures=(1e7, 2e6) * 6)
 
 
 def wild(rng, rows):
@@ -128,7 +127,7 @@ def test_the_kernels_guard_decides_as_the_nodes_does(seed):
         loop = Loop(None, None, kernel, valve_driver.REST._replace(voltages=volts), Reports())
         kernel, velocity = loop_core.guarded(loop, levers, held, seen, k, row)
         node.guard.hear(loop_core.sample(levers, held, row))
-        machine = MachineState(seen.joints.position, seen.joints.speed, (row + 1) * PERIOD_NS, now)
+        machine = loop_core.machine_state(seen, (row + 1) * PERIOD_NS, now)
         valves = ValveFeedback(voltages=volts, driver=DriverSample(volts, now))
         node.stops_without_state(now)
         _, telemetry = node.advance(machine, valves, now)

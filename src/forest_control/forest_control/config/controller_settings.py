@@ -88,7 +88,8 @@ class Settings(NamedTuple):
         Vec3, tunable("D of the coordinated scheme: damping by the measured rate", "", 0.0, 2.0)
     ] = (0.4, 0.0, 0.0)
     lead_time: Annotated[
-        Vec3, tunable("T of the coordinated scheme: what the machine lags behind", "s", 0.0, 0.5)
+        Vec3,
+        tunable("T of the coordinated scheme beside dead times: what the machine lags behind", "s", 0.0, 0.5),
     ] = (0.018, 0.013, 0.013)
     load_bandwidth: Annotated[
         float, tunable("of the valve driver's knowledge of the load", "Hz", 0.01, 50.0)
@@ -129,7 +130,7 @@ class Parameters(NamedTuple):
 
 def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN) -> Parameters:
     """Return the core's parameters for a machine and the walls around it."""
-    gains = _gains(settings, 0), _gains(settings, 1), _gains(settings, 2)
+    gains = _gains(machine, settings, 0), _gains(machine, settings, 1), _gains(machine, settings, 2)
     return Parameters(
         scheme=int(settings.scheme),
         profile=operator_profile(settings),
@@ -188,13 +189,13 @@ def operator_profile(settings: Settings) -> OperatorProfile:
     )
 
 
-def _gains(settings: Settings, i: int) -> Gains:
+def _gains(machine: Machine, settings: Settings, i: int) -> Gains:
     return Gains(
         velocity=settings.velocity_gain[i],
         position=settings.position_gain[i],
         damping=settings.damping_gain[i],
         feedback=settings.feedback_gain[i],
-        lead_time=settings.lead_time[i],
+        lead_time=settings.lead_time[i] + (machine.valve_of(i).dead_time or 0.0),
         rate=settings.rate_gain[i],
     )
 

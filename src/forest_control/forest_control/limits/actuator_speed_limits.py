@@ -5,7 +5,7 @@
 | G | torque of gravity on boom, stick | N m |
 | F | load of a cylinder, G over its lever arm; positive against extending | N |
 | N | force left for valve and hoses: A_in P_s - sgn(v) F | N |
-| S, S_h | resistance of the open valve, of both hoses, at the actuator; h its linear part | N s^2/m^2 |
+| S, S_h | resistance of the open valve, of what lies beyond, at the actuator; h its linear part | N s^2/m^2 |
 
 The greatest speed solves (S + S_h) v^2 + h v = N.
 """
@@ -16,7 +16,7 @@ from typing import NamedTuple
 from forest_control.valve.tracking_limit import Reach
 from forest_control.valve.valve_driver_parameters import AxisDriver
 from forest_description.derived.actuator_kinematics import Linkages
-from forest_description.derived.bodies import boom_body, stick_body
+from forest_description.derived.bodies import bearing_stick, boom_body
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import Machine
 from forest_description.types import Vec3
@@ -82,7 +82,8 @@ def _greatest_speed(
     inlet = axis.displacement_1 if extends else axis.displacement_2
     way = axis.valve.forward if extends else axis.valve.backward
     valve = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
-    square, linear = valve / (share * share) + axis.hose_square, axis.hose_linear
+    beyond, linear = axis.ahead_square if extends else axis.back_square, axis.hose_linear
+    square = valve / (share * share) + beyond
     force = max(LEAST_SHARE * inlet * c.supply_pressure, inlet * c.supply_pressure - direction * load)
     speed = (math.sqrt(linear * linear + 4.0 * square * force) - linear) / (2.0 * square)
     if axis.metering_drop < math.inf:
@@ -96,7 +97,7 @@ def speed_limit_parameters(
 ) -> SpeedLimitParameters:
     """Return the constants for a machine and its valve driver's axes."""
     m = machine.manipulator
-    boom, stick = boom_body(m), stick_body(m)
+    boom, stick = boom_body(m), bearing_stick(m)
     return SpeedLimitParameters(
         axes=axes,
         supply_pressure=machine.pump.supply_pressure,

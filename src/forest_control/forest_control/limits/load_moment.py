@@ -29,7 +29,7 @@ from forest_description.types import Vec3
 
 APPROACH = 1.0  # [1/s] k: the weighing lags by 0.6 s, and a quicker approach would overshoot; chosen
 WARNED = 0.9  # [1] of U, from which a person is warned: usual of rated capacity limiters
-FULL = 1.0  # [1] of U
+FULL = 1.0  # [1] of U, at which only what unloads passes
 SLIGHT = 1e-3  # [1] least U that is counted with: an empty head weighs nothing
 
 Knots = tuple[float, float, float, float, float, float, float, float]
@@ -51,7 +51,7 @@ class Loading(NamedTuple):
     share: float = 0.0  # U
 
 
-NO_CAPACITY = Capacity((0.0,) * MOST_POINTS, (math.inf,) * MOST_POINTS)  # type: ignore[arg-type]
+NO_CAPACITY = Capacity((0.0,) * MOST_POINTS, (math.inf,) * MOST_POINTS)  # type: ignore[arg-type]  # [m, kg]
 
 
 def loading(mass: float, q: Vec3, links: Links, c: Capacity) -> Loading:

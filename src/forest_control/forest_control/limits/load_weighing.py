@@ -40,7 +40,7 @@ AVERAGED = 0.1  # [s] T_1: over the first mode of boom and hoses, 8 Hz
 SETTLED = 0.5  # [s] T_2: over the rocking of a boom under a load, 2 Hz; chosen
 SLIDES = 0.006  # [m/s] of a cylinder from which its friction is known: over the noise of its speed; chosen
 LEAST_LEVER = 1.0  # [m] x under which nothing is weighed: there a load hardly turns the boom
-UNREAD: Pressures = (math.nan, math.nan)
+UNREAD: Pressures = (math.nan, math.nan)  # [Pa] where nobody measures them
 LOST = 0.5  # [s] without pressures after which a load that was weighed is not known any more; chosen
 
 

@@ -52,6 +52,7 @@ class Inputs(NamedTuple):
     voltages: Vec3 = ZERO  # [V] of the valves, given last by the driver
     taught: TaughtCommand = NO_COMMAND  # that is followed in place of the levers
     boom_pressures: Pressures = UNREAD  # [Pa] head and rod side; NaN: no sample
+    overloaded: bool = False  # a load has driven a joint back; while this stands, nothing is enabled
 
 
 class ValveFeedback(NamedTuple):

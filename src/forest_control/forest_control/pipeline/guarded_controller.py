@@ -49,6 +49,7 @@ def control_inputs(
         reach=reach,
         voltages=voltages,
         boom_pressures=machine.boom_pressures,
+        overloaded=decision.overloaded,
     )
 
 

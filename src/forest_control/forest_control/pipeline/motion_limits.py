@@ -23,7 +23,8 @@ def limited(
 ) -> Reference:
     """Return the reference that a command leaves, and what holds it back."""
     if command.phase == Phase.STANDING:
-        return Reference(ZERO, ZERO, VelocityScaling(0.0, Limit.RELEASED))
+        standing = Limit.OVERLOAD if inputs.overloaded else Limit.RELEASED
+        return Reference(ZERO, ZERO, VelocityScaling(0.0, standing))
     if command.phase == Phase.SETTLING:
         return Reference(ZERO, ZERO, VelocityScaling(1.0, Limit.NONE))
     if command.phase == Phase.BRAKING:

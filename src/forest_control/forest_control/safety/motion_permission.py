@@ -12,6 +12,7 @@ in the subset of Python that `forest_compile` translates; `motion_guard` tells t
 | a state cannot be read, or cannot be true | `state_checks` | STOP |
 | a sensor gives the same number while its joint is told to move | `frozen_sensor` | STOP |
 | the valve driver is silent, or keeps the valves shut | `driver_response` | STOP |
+| a load that drives a joint back | `sinking_joint` | STOP |
 | emergency stop; `hands_off` | `Override` | STOP |
 | the deadman is not held, the levers were not centred since | `joystick_watch` | HOLD |
 | the joystick is silent, lost, frozen, or cannot be read | `joystick_watch` | HOLD |
@@ -31,9 +32,10 @@ from forest_control.operator import joystick_watch
 from forest_control.operator.joystick_interpolation import CENTRED, InterpolatedLevers, interpolated
 from forest_control.operator.joystick_watch import Sample, Watch, WatchParameters, assessed_watch
 from forest_control.operator.levers import REST, Levers
-from forest_control.safety import driver_response, frozen_sensor
+from forest_control.safety import driver_response, frozen_sensor, sinking_joint
 from forest_control.safety.driver_response import DriverResponse, DriverSample
 from forest_control.safety.frozen_sensor import Stillness
+from forest_control.safety.sinking_joint import Sinking
 from forest_control.safety.state_checks import plausible
 from forest_description.types import Vec3
 from forest_msgs_py.runtime import stamp_order, stamped_period
@@ -63,6 +65,7 @@ class Cause(IntEnum):
     EMERGENCY_STOP = 6
     HANDS_OFF = 7
     OPERATOR = 8  # the joystick, or the deadman is not held
+    OVERLOAD = 9  # a load drives a joint back
 
 
 class Decision(NamedTuple):
@@ -73,6 +76,7 @@ class Decision(NamedTuple):
     believed: bool = False  # the controller may go by the state; if stopped, from rest
     levers: Levers = REST
     dt: float = 0.0  # [s] since the state before; 0: the state counts for nothing
+    overloaded: bool = False  # a load has driven a joint back; until the levers are armed anew
 
 
 class MachineState(NamedTuple):
@@ -110,6 +114,8 @@ class Checks(NamedTuple):
 
     still: Stillness = frozen_sensor.MOVING
     driver: DriverResponse = DriverResponse()
+    sinking: Sinking = Sinking()
+    sunk: Sinking = Sinking()  # as it stopped the crane; kept until the levers are armed anew
 
 
 class Permission(NamedTuple):
@@ -177,11 +183,25 @@ def decide(
     after = before._replace(order=order, period=period, received=state.received)
     if dt == 0.0:
         return after, Decision(Verdict.SKIP, Cause.TOO_SOON)
-    checks = checked(before.checks, state.angles, driver, command, p, guard, now, dt)
-    after = after._replace(checks=checks)
+    checks = checked(before.checks, state, driver, command, p, guard, now, dt)
+    return judged(after._replace(checks=checks), now, dt, guard, override)
+
+
+def judged(
+    before: Permission, now: float, dt: float, guard: PermissionParameters, override: Override
+) -> tuple[Permission, Decision]:
+    """Return the decision on a state that can be true, dt [s] after the one before."""
+    checks = before.checks
     if not passes(checks, now):
-        return disarmed(after, now, guard), Decision(Verdict.STOP, Cause.FAULT, dt=dt)
-    return permitted(after, now, dt, guard, override)
+        return disarmed(before, now, guard), Decision(Verdict.STOP, Cause.FAULT, dt=dt)
+    if sinking_joint.is_sinking(checks.sinking):
+        sunk = checks._replace(sinking=Sinking(), sunk=checks.sinking)
+        stop = Decision(Verdict.STOP, Cause.OVERLOAD, believed=True, dt=dt, overloaded=True)
+        return disarmed(before._replace(checks=sunk), now, guard), stop
+    after, decision = permitted(before, now, dt, guard, override)
+    if decision.verdict == Verdict.MOVE:
+        return after._replace(checks=after.checks._replace(sunk=Sinking())), decision
+    return after, decision._replace(overloaded=sinking_joint.is_sinking(after.checks.sunk))
 
 
 def permitted(
@@ -202,7 +222,7 @@ def permitted(
 
 def checked(
     before: Checks,
-    s: Vec3,
+    state: MachineState,
     driver: DriverSample,
     command: Vec3,
     p: Parameters,
@@ -214,7 +234,7 @@ def checked(
 
     Args:
         before: as they were.
-        s: measured angles [rad].
+        state: the sample.
         driver: its newest voltages.
         command: of ideal valves, since the last sample [V].
         p: the controller's parameters.
@@ -222,9 +242,14 @@ def checked(
         now: local time [s].
         dt: since the last sample [s].
     """
+    still = before.still
+    if not guard.noise_free:
+        still = frozen_sensor.watched(before.still, state.angles, command, p, dt)
     return Checks(
-        still=before.still if guard.noise_free else frozen_sensor.watched(before.still, s, command, p, dt),
+        still=still,
         driver=driver_response.response(before.driver, driver, command, now),
+        sinking=sinking_joint.watched(before.sinking, state.rates, driver.voltages, p, dt),
+        sunk=before.sunk,
     )
 
 

@@ -59,7 +59,7 @@ class State(NamedTuple):
 
     loads: Vec3  # low-passed [N m, N, N]
     primed: bool  # the first pressures have arrived
-    means: Vec3 = (0.0, 0.0, 0.0)  # [Pa] of both ports
+    means: Vec3 = (0.0, 0.0, 0.0)  # (P_1 + P_2 A_2/A_1)/2 [Pa], low-passed more quickly
     spools: Spools = CENTRED  # where they should have been when the voltages were given
     strokes: Vec3 = (0.0, 0.0, 0.0)  # [V] where they were on average since the last step
     holds: Holds = (SHUT, SHUT, SHUT)
@@ -127,13 +127,10 @@ def step(
         state = _moved_on(state, p, dt)
     if p.adapt and dt > 0.0:
         state = state._replace(estimates=_learn(state, pressures, motion, measured, p, dt))
-    supply, mean = p.idle_pressure, -1.0
-    if measured:
-        supply = pressures.supply
-        mean = max(0.0, state.means[0]) if p.beyond_valve else -1.0
-    swing = _axis(0, command[0], mean, supply, state, p, dt)
-    boom = _axis(1, command[1], -1.0, supply, state, p, dt)
-    stick = _axis(2, command[2], -1.0, supply, state, p, dt)
+    supply, tank = pressures.supply if measured else p.idle_pressure, _tank_pressure(command, p)
+    swing = _axis(0, command[0], supply, tank, measured, motion.positions[0], state, p, dt)
+    boom = _axis(1, command[1], supply, tank, measured, motion.positions[1], state, p, dt)
+    stick = _axis(2, command[2], supply, tank, measured, motion.positions[2], state, p, dt)
     phase = (state.phase + p.dither_frequency * dt) % 1.0
     after = state._replace(
         holds=(swing.hold, boom.hold, stick.hold),
@@ -165,9 +162,17 @@ def _moved_on(state: State, p: Parameters, dt: float) -> State:
 
 
 def _axis(
-    i: int, command: float, mean: float, supply: float, state: State, p: Parameters, dt: float
+    i: int,
+    command: float,
+    supply: float,
+    tank: float,
+    measured: bool,
+    position: float,
+    state: State,
+    p: Parameters,
+    dt: float,
 ) -> AxisMemory:
-    """Return one axis a step on; mean [Pa]: see `spool_voltage`."""
+    """Return one axis a step on; supply and tank [Pa], position [rad; m]; measured: the pressures are."""
     axis, spool = p.axes[i], state.spools.positions[i]
     rated = axis.valve.forward.rated_voltage
     if not math.isfinite(command):
@@ -188,7 +193,11 @@ def _axis(
             hold, fed, p.hold_zone, opens, p.command_noises[i], abs(command) < HELD, p.adapt, dt
         )
         law = estimated_law(axis.valve, state.estimates[i]) if p.adapt else axis.valve
-        wanted = spool_voltage(fed, state.loads[i], mean, supply, axis, law, p) if fed != 0.0 else 0.0
+        mean = max(0.0, state.means[i]) if measured and axis.fills else -1.0
+        if fed != 0.0:
+            wanted = spool_voltage(fed, state.loads[i], mean, supply, tank, position, axis, law, p)
+        else:
+            wanted = 0.0
         saturated = not -low < wanted < rated
         edge = (law.forward if wanted > 0.0 else law.backward).deadband_voltage
         gently = hold.calm_for >= CALM and hold.wide > 2.0
@@ -204,6 +213,22 @@ def _axis(
     slewed = max(state.voltages[i] - most, min(state.voltages[i] + most, wanted))
     voltage = max(-low, min(rated, slewed))
     return AxisMemory(hold, voltage, saturated)
+
+
+def _tank_pressure(command: Vec3, p: Parameters) -> float:
+    """Return the pressure of the tank line [Pa] while all actuators move as commanded."""
+    if p.return_resistance == 0.0:
+        return 0.0
+    flow = (
+        _returned(command[0], p.axes[0]) + _returned(command[1], p.axes[1]) + _returned(command[2], p.axes[2])
+    )
+    return p.preload + p.return_resistance * flow * flow if math.isfinite(flow) else p.preload
+
+
+def _returned(command: float, axis: AxisDriver) -> float:
+    """Return what an actuator gives to the tank [m^3/s]."""
+    speed = axis.rated_speed * command / axis.valve.forward.rated_voltage
+    return speed * axis.displacement_2 if speed > 0.0 else -speed * axis.displacement_1
 
 
 def _steady_load(load: float, borne: float) -> float:
@@ -256,9 +281,10 @@ def _filtered(
     """Return an axis' load and mean pressure behind their low-passes."""
     one, two = pressures.port_1[i], pressures.port_2[i]
     load = axis.displacement_1 * one - axis.displacement_2 * two
+    ratio = axis.displacement_2 / axis.displacement_1
     return (
         state.loads[i] + weight * (load - state.loads[i]),
-        state.means[i] + fast * (0.5 * (one + two) - state.means[i]),
+        state.means[i] + fast * (0.5 * (one + two * ratio) - state.means[i]),
     )
 
 

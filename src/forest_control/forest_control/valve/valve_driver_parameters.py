@@ -10,6 +10,7 @@ from typing import Annotated, NamedTuple
 from forest_control.valve.spool_model import SpoolLaw, Spools, after, behind_play
 from forest_control.valve.valve_adaptation import AdaptationParameters
 from forest_control.valve.valve_flow import FlowParameters
+from forest_description.components.load_holding import LoadHolding, RuptureValve
 from forest_description.components.valve_characteristic import ValveLaw
 from forest_description.derived.actuator_kinematics import displacements, metering_drop, rated_speeds
 from forest_description.machine import Machine
@@ -22,6 +23,13 @@ MISJUDGED = 0.2  # [V] twice the error of an overlap that feeding must bear; cho
 NOISY_SERVO = 35.0  # [1/s] seven standard deviations of the position through a servo's gain of 5 1/s
 
 
+class Yielding(NamedTuple):
+    """The oil between a valve's edge and its actuator: C = fixed + growing x at the actuator's position x."""
+
+    fixed: float = 0.0  # [m^3/Pa]
+    growing: float = 0.0  # [m^3/Pa per m; per rad]
+
+
 class AxisDriver(NamedTuple):
     """One actuator, as far as the driver knows it."""
 
@@ -30,11 +38,16 @@ class AxisDriver(NamedTuple):
     rated_speed: float  # at `rated_voltage` of the ideal valve
     valve: ValveLaw
     hose_linear: float = 0.0  # [N s/m; N m s] both hoses' loss that goes with the speed, at the actuator
-    hose_square: float = 0.0  # [N s^2/m^2; N m s^2] and with its square
+    ahead_square: float = 0.0  # [N s^2/m^2; N m s^2] loss with its square, hoses and open holding valves
+    back_square: float = 0.0  # and backwards
     slip: float = 0.0  # [rad/s per N m] speed that the motor's leakage takes under load
     least_fed: float = 0.0  # [V] leakage from which it is fed
     spool: SpoolLaw = SpoolLaw()
     metering_drop: float = math.inf  # [Pa] that a compensator keeps over the edge to the pump
+    fills: bool = False  # it is allowed for that its oil must be pressed first
+    oil_1: Yielding = Yielding()
+    oil_2: Yielding = Yielding()
+    middle: float = 0.0  # [m; rad] position that is assumed while none is measured
 
 
 Axes = tuple[AxisDriver, AxisDriver, AxisDriver]
@@ -80,6 +93,8 @@ class Parameters(NamedTuple):
     axes: Axes
     supply_pressure: float  # [Pa], the highest that the pump keeps
     idle_pressure: float  # [Pa], without flow; taken where it is not measured
+    preload: float  # [Pa] of the tank line
+    return_resistance: float  # [Pa s^2/m^6] of the tank line
     compensate: bool
     beyond_valve: bool
     hold_zone: float  # [V]
@@ -96,12 +111,15 @@ class Parameters(NamedTuple):
 
 def parameters(machine: Machine, settings: Settings) -> Parameters:
     """Return the core's parameters for a machine."""
+    line, beyond = machine.tank_line, settings.compensate and settings.beyond_valve
     return Parameters(
         axes=axis_drivers(machine, settings.beyond_valve),
         supply_pressure=machine.pump.supply_pressure,
         idle_pressure=machine.pump.idle_pressure,
+        preload=line.preload if line is not None and beyond else 0.0,
+        return_resistance=line.resistance if line is not None and beyond else 0.0,
         compensate=settings.compensate,
-        beyond_valve=settings.compensate and settings.beyond_valve,
+        beyond_valve=beyond,
         hold_zone=settings.hold_zone,
         command_noises=(
             command_noise(machine, 0),
@@ -153,13 +171,45 @@ def _axis_driver(machine: Machine, axis: int, speed: float, beyond_valve: bool) 
     if not beyond_valve:
         return driver
     linear, square = _hoses(machine, axis)
+    check_1, open_1 = _holding(machine.drives[axis].holding_1, one)
+    check_2, open_2 = _holding(machine.drives[axis].holding_2, two)
     return driver._replace(
         hose_linear=linear,
-        hose_square=square,
+        ahead_square=square + check_1 + open_2,
+        back_square=square + check_2 + open_1,
         slip=_slip(machine, axis),
         least_fed=_least_fed(machine, axis),
         spool=_spool(machine, axis),
+        fills=axis == 0 or machine.drives[axis].chambers is not None,
+        oil_1=_oil(machine, axis, 1),
+        oil_2=_oil(machine, axis, 2),
+        middle=_middle(machine, axis),
     )
+
+
+def _oil(machine: Machine, axis: int, port: int) -> Yielding:
+    """Return the oil of hose and chamber at a port. Merritt, Hydraulic Control Systems, section 3.1."""
+    hose = machine.line(axis, port).capacitance
+    modulus = math.inf if machine.oil is None else machine.oil.bulk_modulus
+    if axis == 0:
+        motor = machine.swing.chambers
+        return Yielding(fixed=hose + (motor.port_volume / modulus if motor is not None else 0.0))
+    drive = machine.boom if axis == 1 else machine.stick
+    chambers, longest = drive.chambers, drive.retracted_length + drive.stroke
+    if chambers is None:
+        return Yielding(fixed=hose)
+    if port == 1:
+        retracted = chambers.head_dead_volume - drive.head_area * drive.retracted_length
+        return Yielding(fixed=hose + retracted / modulus, growing=drive.head_area / modulus)
+    extended = chambers.rod_dead_volume + drive.rod_area * longest
+    return Yielding(fixed=hose + extended / modulus, growing=-drive.rod_area / modulus)
+
+
+def _middle(machine: Machine, axis: int) -> float:
+    if axis == 0:
+        return 0.0
+    drive = machine.boom if axis == 1 else machine.stick
+    return drive.retracted_length + 0.5 * drive.stroke
 
 
 def _spool(machine: Machine, axis: int) -> SpoolLaw:
@@ -181,6 +231,14 @@ def _hoses(machine: Machine, axis: int) -> tuple[float, float]:
     if machine.drives[axis].flow_regime == "laminar":
         return sum(d**2 * resistance for d, resistance in parts), 0.0
     return 0.0, sum(d**3 * resistance for d, resistance in parts)
+
+
+def _holding(valve: LoadHolding | None, displacement: float) -> tuple[float, float]:
+    """Return what a load-holding valve takes at unit speed, into the actuator and fully open out of it."""
+    if valve is None:
+        return 0.0, 0.0
+    inwards = valve.minimum_resistance if isinstance(valve, RuptureValve) else valve.check_resistance
+    return displacement**3 * inwards, displacement**3 * valve.minimum_resistance
 
 
 def _slip(machine: Machine, axis: int) -> float:

@@ -12,53 +12,91 @@ LEAST_PART = 0.1  # [1] of a port's usual root of the pressure drop, taken to re
 
 
 def spool_voltage(
-    fed: float, load: float, mean: float, supply: float, axis: AxisDriver, law: ValveLaw, p: Parameters
+    fed: float,
+    load: float,
+    mean: float,
+    supply: float,
+    tank: float,
+    position: float,
+    axis: AxisDriver,
+    law: ValveLaw,
+    p: Parameters,
 ) -> float:
     """Return the voltage [V] for a command [V] of the ideal valve; beyond the rated one, if it does not do.
 
     Args:
         fed: command, with what leaks.
         load: low-passed [N; N m].
-        mean: of both ports' pressures [Pa] of a motor, see `_filling_factor`; negative: not known.
+        mean: of both ports' pressures [Pa], see `_filling_factor`; negative: not known.
         supply: pressure [Pa].
+        tank: pressure of the tank line [Pa].
+        position: of the actuator [m; rad]; NaN: not known.
         axis: what is known of the actuator.
         law: the valve, as known by now.
         p: what is known of the machine.
     """
     speed = axis.rated_speed * fed / axis.valve.forward.rated_voltage
-    opening = required_opening(speed, load, supply, axis, p)
+    opening = required_opening(speed, load, supply, tank, axis, p)
     if mean >= 0.0 and axis.metering_drop == math.inf:
-        opening *= _filling_factor(math.copysign(1.0, speed) * load, mean, supply, axis)
+        x = position if math.isfinite(position) else axis.middle
+        opening *= _filling_factor(speed > 0.0, load, mean, supply, tank, x, axis)
     return voltage_for_opening(opening, law)
 
 
-def required_opening(speed: float, load: float, supply: float, axis: AxisDriver, p: Parameters) -> float:
+def required_opening(
+    speed: float, load: float, supply: float, tank: float, axis: AxisDriver, p: Parameters
+) -> float:
     """Return the opening -1..1 for an actuator speed [m/s; rad/s] against a load [N; N m].
 
     A compensator's valve is opened for the flow at its inlet alone. Thesis eq. 3.1, 3.14.
     """
     inlet = axis.displacement_1 if speed > 0.0 else axis.displacement_2
+    outlet = axis.displacement_2 if speed > 0.0 else axis.displacement_1
     way = axis.valve.forward if speed > 0.0 else axis.valve.backward
     if axis.metering_drop < math.inf:
         edge = way.resistance_1 if speed > 0.0 else way.resistance_2
         return max(-1.0, min(1.0, speed * inlet * math.sqrt(edge / axis.metering_drop)))
     nominal = inlet * supply
     opposing = load if speed > 0.0 else -load
-    hoses = (axis.hose_linear + axis.hose_square * abs(speed)) * abs(speed)
-    drive = max(p.minimum_drop * inlet * p.supply_pressure, nominal - opposing - hoses)
+    square = axis.ahead_square if speed > 0.0 else axis.back_square
+    beyond = (axis.hose_linear + square * abs(speed)) * abs(speed) + outlet * tank
+    drive = max(p.minimum_drop * inlet * p.supply_pressure, nominal - opposing - beyond)
     orifices = way.resistance_1 * axis.displacement_1**3 + way.resistance_2 * axis.displacement_2**3
     return max(-1.0, min(1.0, speed * math.sqrt(orifices / drive)))
 
 
-def _filling_factor(opposing: float, mean: float, supply: float, axis: AxisDriver) -> float:
-    """Return how much further a motor's valve must open while its hoses are not at their usual pressure.
+def _filling_factor(
+    forward: bool, load: float, mean: float, supply: float, tank: float, x: float, axis: AxisDriver
+) -> float:
+    """Return how much further a valve must open while its oil is not at its usual pressure.
 
-    The mean of inlet and outlet flow moves the load, and goes with sqrt(P_s - P_in) + sqrt(P_out).
-    Both roots are equal when the ports' mean pressure is half the supply's; after a rest it is
-    less.
+    The piston hangs between two springs of oil, A^2/C. Each edge's flow moves the far end of one,
+    so the load follows the mean of both, weighted by the springs. Both edges agree at the pressures
+    of steady motion; after a rest, and while the oil is being pressed, they do not.
+
+    Args:
+        forward: whether port 1 is the inlet.
+        load: F, low-passed slowly [N; N m]: a load that swings must not move the valve.
+        mean: (P_1 + P_2 A_2/A_1)/2, low-passed quickly [Pa].
+        supply: [Pa].
+        tank: pressure of the tank line [Pa].
+        x: actuator position [m; rad].
+        axis: what is known of the actuator.
     """
-    half = 0.5 * opposing / axis.displacement_1
-    usual = max(LEAST_PART * supply, 0.5 * supply - half)
-    floor = LEAST_PART * LEAST_PART * usual
-    inlet, outlet = max(floor, supply - mean - half), max(floor, mean - half)
-    return 2.0 * math.sqrt(usual) / (math.sqrt(inlet) + math.sqrt(outlet))
+    a_1, a_2 = axis.displacement_1, axis.displacement_2
+    spring_1 = a_1 * a_1 / (axis.oil_1.fixed + axis.oil_1.growing * x)
+    spring_2 = a_2 * a_2 / (axis.oil_2.fixed + axis.oil_2.growing * x)
+    way = axis.valve.forward if forward else axis.valve.backward
+    s_1, s_2 = way.resistance_1 * a_1 * a_1 * a_1, way.resistance_2 * a_2 * a_2 * a_2
+    # P_1 = m + h and P_2 = (m - h) A_1/A_2; `half`, h, is counted against the motion.
+    half, ratio_in, ratio_out = 0.5 * load / a_1, 1.0, a_1 / a_2
+    weight_in, share_in, area = spring_1 / (spring_1 + spring_2), s_1 / (s_1 + s_2), a_1 / a_2
+    if not forward:
+        half, ratio_in, ratio_out = -half, a_1 / a_2, 1.0
+        weight_in, share_in, area = spring_2 / (spring_1 + spring_2), s_2 / (s_1 + s_2), a_2 / a_1
+    left = max(LEAST_PART * supply, 0.5 * supply - ratio_in * half - 0.5 * tank / area)
+    usual_in, usual_out = 2.0 * share_in * left, 2.0 * (1.0 - share_in) * area * left
+    inlet = max(LEAST_PART * LEAST_PART * usual_in, supply - ratio_in * mean - ratio_in * half)
+    outlet = max(LEAST_PART * LEAST_PART * usual_out, ratio_out * (mean - half) - tank)
+    of_outlet = (1.0 - weight_in) * math.sqrt(usual_in / usual_out) * math.sqrt(outlet)
+    return math.sqrt(usual_in) / (weight_in * math.sqrt(inlet) + of_outlet)

@@ -97,6 +97,13 @@ def stick_body(m: Manipulator) -> PlanarBody:
     return combined(loaded, log._replace(yy=m.log.inertia, zz=m.log.inertia))
 
 
+def bearing_stick(m: Manipulator) -> PlanarBody:
+    """Return the stick with all whose weight it bears: a head that hangs is a point at its joint."""
+    hanging = hanging_body(m)
+    stick = stick_body(m)
+    return stick if hanging is None else combined(stick, point_mass(hanging.mass, m.stick_length, 0.0))
+
+
 def hanging_body(m: Manipulator) -> HangingBody | None:
     """Return head and log under the pendulum's joint as one body, None without a pendulum."""
     if m.pendulum is None:

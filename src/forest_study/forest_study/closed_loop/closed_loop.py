@@ -40,6 +40,7 @@ from forest_sim.sensors.signal_processing import Measurement
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.load_change import changed_load
 from forest_study.closed_loop.link_model import Link, Quality, Reports, reported
 from forest_study.closed_loop.loop_core import (
     SUBSTEPS,
@@ -200,8 +201,13 @@ class ClosedLoop:
 
     @property
     def simulation(self) -> Simulation:
-        """The machine as it is after the last period."""
+        """The machine as it is now."""
         return self._simulation
+
+    def change_load(self, plant: PlantParameters) -> None:
+        """Go on with the parameters of a machine whose head holds another log."""
+        self._simulation = changed_load(self._simulation, self._plant, plant).simulation
+        self._plant = plant
 
     def period(self, joystick: Joystick) -> Happened:
         """Return what happened in a period, and move the machine over it; the tip is left out."""

@@ -23,6 +23,7 @@ from forest_control.safety.motion_permission import (
     MachineState,
     Permission,
     PermissionParameters,
+    Verdict,
     armed_watch,
     decide,
     disarmed,
@@ -152,7 +153,8 @@ def guarded(
         return stopped(before._replace(permission=permission)), ZERO
     cylinders = seen.actuators.position[1], seen.actuators.position[2]
     inputs = control_inputs(machine, decision, cylinders, loop.reports.reach, loop.drive.voltages)
-    state, output = controller.step(before.state, inputs, k.control, decision.dt)
+    begun = control_state.REST if decision.verdict == Verdict.STOP else before.state
+    state, output = controller.step(begun, inputs, k.control, decision.dt)
     return Guarded(permission, state, output.command), output.tip_reference
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from forest_control.config import controller_settings
 from forest_control.operator.levers import REST, levers_for_tip_velocity
@@ -118,7 +119,7 @@ def stopped(crane: Machine, model: Machine, way: str, speed: float, seconds: flo
     tips, sway = [], []
     let_go = round((BEFORE + seconds) / PERIOD)
     for k in range(let_go + round(AFTER / PERIOD)):
-        held = BEFORE <= k * PERIOD and k < let_go
+        held = k * PERIOD >= BEFORE and k < let_go
         happened = loop.period(Operator(levers if held else REST))
         head = loop.simulation.plant.head
         sway.append(math.hypot(head.alpha, head.beta))
@@ -133,12 +134,12 @@ def stopped(crane: Machine, model: Machine, way: str, speed: float, seconds: flo
         sway_deg=math.degrees(swung[rests:].max()) if rests < len(swung) else math.nan,
         head_rests_s=PERIOD * (_last(swung > CALM, let_go) - let_go),
         moved_m=math.dist(tips[0], tips[-1]),
-        time=PERIOD * np.arange(len(sway)) - BEFORE,
+        time=PERIOD * np.arange(len(sway), dtype=np.float64) - BEFORE,
         sway=swung,
     )
 
 
-def _last(rows: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]", first: int) -> int:
+def _last(rows: NDArray[np.bool_], first: int) -> int:
     """Return the row after the last one that is true, from a first one on."""
     found = np.flatnonzero(rows[first:])
     return first + (int(found[-1]) + 1 if len(found) else 0)

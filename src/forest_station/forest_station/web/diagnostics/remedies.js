@@ -15,6 +15,8 @@ const REMEDIES = [
   [/nothing new for longer than joy_timeout/, "Look at the joystick and its link. Centre the sticks, then press the deadman anew."],
   [/held still to the last bit/, "The joystick may hang: let go, centre the sticks, press the deadman anew; else unplug it."],
   [/^joy/, "Look at the joystick's driver: it sends what /joy does not allow."],
+  [/^overload/, "Stand clear. Centre the sticks, then put the load down, or draw it in."],
+  [/^load:/, "Draw the load in, or put it down: then there is room again."],
   [/its sensor is frozen/, "Stand clear. Look at this joint's sensor and its cable, and whether the joint is stuck."],
   [/^joint state: .*(is .* rad|moves at|finite)/, "Look at this joint's sensor, its cable and its calibration."],
   [/^joint state|no state of the machine/, "Look at the sensors of the joints, and whether the crane's interface runs."],

@@ -2,7 +2,7 @@
 
 import { AXES } from "./axes.js";
 
-const [RATE, JOINT, SINGULARITY, FLOW, WALL, RELEASED, LOAD] = [1, 2, 3, 4, 5, 6, 7];
+const [RATE, JOINT, SINGULARITY, FLOW, WALL, RELEASED, LOAD, OVERLOAD] = [1, 2, 3, 4, 5, 6, 7, 8];
 const CYLINDERS = { swing: ["platform"], boom: ["boom_barrel", "boom_rod"], stick: ["stick_barrel", "stick_rod"] };
 const LINKS = { swing: "platform", boom: "boom", stick: "stick" };
 
@@ -45,6 +45,7 @@ export class Limits {
       const share = signals.value("tip/load/share");
       say(`load: ${Math.round(100 * share)} % of what is allowed here`, tip);
     }
+    if (limit === OVERLOAD) say("overload: centre the sticks, then put the load down", tip);
     if (limit === RELEASED) {
       const held = signals.value("joy/button_left_shoulder") === 1;
       shown.labels.push({ key: "limit", text: held ? "centre the sticks" : "hold the deadman to drive", at: tip, kind: "calm" });

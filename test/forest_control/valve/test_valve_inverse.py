@@ -1,0 +1,109 @@
+"""Claims about the valve's inverse: at the opening it gives, the oil's pressures balance."""
+
+import math
+
+import pytest
+
+from forest_control.valve import valve_driver, valve_driver_parameters
+from forest_control.valve.valve_driver import REST, STILL, UNSEEN
+from forest_control.valve.valve_driver_parameters import Settings
+from forest_control.valve.valve_inverse import required_opening, spool_voltage
+from forest_description.components.valve_characteristic import opening_at, stroke
+from forest_description.machine import load_machine
+
+REAL = load_machine("c180_real")
+P = valve_driver_parameters.parameters(REAL, Settings())
+SUPPLY, TANK = 17e6, 6e5
+AXES = pytest.mark.parametrize("i", [0, 1, 2])
+SPEEDS = pytest.mark.parametrize("share", [-0.4, -0.1, 0.1, 0.4])
+
+
+def flows(i, speed, at, p_1, p_2):
+    """Speeds [m/s; rad/s] that the flows over edge 1 and 2 would move the actuator at."""
+    axis = P.axes[i]
+    way = axis.valve.forward if speed > 0.0 else axis.valve.backward
+    drop_1, drop_2 = (SUPPLY - p_1, p_2 - TANK) if speed > 0.0 else (p_1 - TANK, SUPPLY - p_2)
+    one = at * math.sqrt(drop_1 / way.resistance_1) / axis.displacement_1
+    two = at * math.sqrt(drop_2 / way.resistance_2) / axis.displacement_2
+    return one, two
+
+
+def loss(valve, area, speed, inwards):
+    """Pressure [Pa] over a holding valve that is open."""
+    if valve is None:
+        return 0.0
+    return (valve.check_resistance if inwards else valve.minimum_resistance) * (area * speed) ** 2
+
+
+@AXES
+@SPEEDS
+def test_edges_hoses_holding_valves_and_tank_line_take_what_the_load_leaves(i, share):
+    axis, drive = P.axes[i], REAL.drives[i]
+    speed, load = share * axis.rated_speed, 0.2 * axis.displacement_1 * SUPPLY
+    at = abs(required_opening(speed, load, SUPPLY, TANK, axis, P))
+    way = axis.valve.forward if speed > 0.0 else axis.valve.backward
+    along = []
+    for port, resistance in ((1, way.resistance_1), (2, way.resistance_2)):
+        area, line = (axis.displacement_1, axis.displacement_2)[port - 1], REAL.line(i, port)
+        flow, turbulent = area * abs(speed), drive.flow_regime == "turbulent"
+        hose = line.resistance * (flow * flow if turbulent else flow)
+        inwards = (port == 1) == (speed > 0.0)
+        held = loss((drive.holding_1, drive.holding_2)[port - 1], area, speed, inwards)
+        along.append(resistance * (flow / at) ** 2 + hose + held)
+    if speed > 0.0:
+        force = axis.displacement_1 * (SUPPLY - along[0]) - axis.displacement_2 * (TANK + along[1])
+    else:
+        force = axis.displacement_1 * (TANK + along[0]) - axis.displacement_2 * (SUPPLY - along[1])
+    assert force == pytest.approx(load, rel=1e-9)
+
+
+@AXES
+@SPEEDS
+@pytest.mark.parametrize("place", [0.1, 0.9])
+@pytest.mark.parametrize("pressed", [0.3, 0.8])
+def test_while_the_oil_is_pressed_the_edges_move_the_springs_ends_as_commanded(i, share, place, pressed):
+    """The mean of both flows, weighted by the springs of oil on either side of the piston."""
+    axis = P.axes[i]._replace(hose_linear=0.0, ahead_square=0.0, back_square=0.0)
+    load, position = 0.1 * axis.displacement_1 * SUPPLY, axis.middle
+    if i > 0:
+        drive = REAL.drives[i]
+        position = drive.retracted_length + place * drive.stroke
+    p_1 = pressed * 0.7 * SUPPLY
+    p_2 = (axis.displacement_1 * p_1 - load) / axis.displacement_2
+    mean = 0.5 * (p_1 + p_2 * axis.displacement_2 / axis.displacement_1)
+    fed = share * axis.valve.forward.rated_voltage
+    volts = spool_voltage(fed, load, mean, SUPPLY, TANK, position, axis, axis.valve, P)
+    way = axis.valve.forward if share > 0.0 else axis.valve.backward
+    one, two = flows(i, share, opening_at(stroke(abs(volts), way), axis.valve.curve), p_1, p_2)
+    c_1 = axis.oil_1.fixed + axis.oil_1.growing * position
+    c_2 = axis.oil_2.fixed + axis.oil_2.growing * position
+    k_1, k_2 = axis.displacement_1**2 / c_1, axis.displacement_2**2 / c_2
+    speed = (k_1 * one + k_2 * two) / (k_1 + k_2)
+    assert speed == pytest.approx(abs(share) * axis.rated_speed, rel=1e-9)
+
+
+@pytest.mark.parametrize("i", [1, 2])
+def test_the_oil_of_a_cylinder_is_what_the_its_dimensions_say(i):
+    """Its capacitance at rest, from dead volumes, stroke and bulk modulus."""
+    drive, axis, modulus = REAL.drives[i], P.axes[i], REAL.oil.bulk_modulus
+    for place in (0.0, 0.3, 1.0):
+        x = drive.retracted_length + place * drive.stroke
+        head = drive.chambers.head_dead_volume + drive.head_area * place * drive.stroke
+        rod = drive.chambers.rod_dead_volume + drive.rod_area * (1.0 - place) * drive.stroke
+        one, two = (REAL.line(i, port).capacitance for port in (1, 2))
+        assert axis.oil_1.fixed + axis.oil_1.growing * x == pytest.approx(one + head / modulus)
+        assert axis.oil_2.fixed + axis.oil_2.growing * x == pytest.approx(two + rod / modulus)
+
+
+def test_the_tank_lines_pressure_is_that_of_all_the_oil_that_returns():
+    """Driven against a preload alone, each axis' voltage is the one under that pressure."""
+    commands, line = (2.0, -3.0, 4.0), REAL.tank_line
+    speeds = [axis.rated_speed * c / 10.0 for axis, c in zip(P.axes, commands, strict=True)]
+    flow = speeds[0] * P.axes[0].displacement_2
+    flow += -speeds[1] * P.axes[1].displacement_1 + speeds[2] * P.axes[2].displacement_2
+    tank = line.preload + line.resistance * flow**2
+    _, volts = valve_driver.step(REST, commands, UNSEEN, STILL, P, 0.0)
+    for i, given in enumerate(volts):
+        axis = P.axes[i]
+        wanted = spool_voltage(commands[i], 0.0, -1.0, P.idle_pressure, tank, math.nan, axis, axis.valve, P)
+        assert given == pytest.approx(wanted + math.copysign(0.5 * REAL.valve.hysteresis, wanted))
