@@ -286,6 +286,33 @@ def test_an_emergency_stop_centres_the_valves_whatever_the_controller_does(rig, 
     peer.until(r.moving)
 
 
+def test_a_second_commander_stops_the_valves_until_it_is_gone_and_the_stop_is_reset(
+    rig, peer, start_process, tmp_path
+):
+    r, said = rig().drive(), peer.hear(topics.DIAGNOSTICS)
+    reset = peer.node.create_client(Trigger, "valve_driver/reset_emergency_stop")
+    peer.until(reset.service_is_ready)
+    (tmp_path / "volts.csv").write_text("time,swing,boom,stick\n0,-4,4,4\n60,0,0,0\n")
+    other = start_process(
+        ["-m", "forest_sim.commander_node", "--ros-args", "-p", f"input:={tmp_path}/volts.csv"]
+    )
+    peer.until(lambda: volts(r.voltages[-1]) == ZERO)
+    moved = [volts(message)[0] < 0.0 for message in r.voltages if volts(message) != ZERO]
+    assert not any(moved) or all(moved[moved.index(True) :])  # nothing of ours came after its first one
+    refusal = answer(peer, reset)
+    assert not refusal.success
+    assert "more than one node publishes valve_commands" in refusal.message
+    named = "emergency stop pressed; more than one node publishes valve_commands: commander, peer"
+    peer.until(lambda: any(s.message == named for m in said for s in m.status))
+    other.stop()
+    peer.until(lambda: "commander" not in peer.node.get_node_names())
+    r.command = lambda now: command(now, ZERO)
+    peer.until(lambda: answer(peer, reset).success)
+    assert all(volts(message) == ZERO for message in r.voltages[-10:])
+    r.command = command
+    peer.until(r.moving)
+
+
 def answer(peer, client):
     future = client.call_async(Trigger.Request())
     peer.until(future.done)

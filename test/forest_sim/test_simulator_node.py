@@ -93,7 +93,7 @@ def rig(peer, start_simulator):
 
 
 def call(peer, action):
-    """What the simulator answers to ~/grasp or ~/drop."""
+    """What the simulator answers to a Trigger service of its own."""
     client = peer.node.create_client(Trigger, f"/simulator/{action}")
     peer.until(client.service_is_ready)
     future = client.call_async(Trigger.Request())
@@ -230,6 +230,23 @@ def test_bad_voltages_centre_the_valves_and_the_node_lives(rig, peer):
         peer.until(r.open)
     assert r.process.poll() is None
     assert "valves centred: valve_voltages" in r.process.text()
+
+
+def test_two_who_send_voltages_centre_the_valves_until_one_is_gone_and_the_stop_is_reset(
+    rig, peer, start_process
+):
+    r, said = rig().drive(), peer.hear(topics.DIAGNOSTICS)
+    driver = start_process(["-m", "forest_control.valve_driver_node"])  # it sends zeros
+    peer.until(r.centred)
+    named = "emergency stop pressed; more than one node publishes valve_voltages: peer, valve_driver"
+    stopped = "simulator: emergency stop", named
+    peer.until(lambda: any(stopped == (s.name, s.message) for m in said for s in m.status))
+    success, message = call(peer, "reset_emergency_stop")
+    assert not success
+    assert "more than one node publishes valve_voltages" in message
+    driver.stop()
+    peer.until(lambda: call(peer, "reset_emergency_stop")[0])
+    peer.until(r.open)
 
 
 REFUSED = {

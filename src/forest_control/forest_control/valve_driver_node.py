@@ -11,7 +11,7 @@ from rclpy.node import Node
 
 from forest_control import compiled
 from forest_control.valve import valve_driver
-from forest_control.valve.command_gate import PRESSED, Command, CommandGate, Verdict
+from forest_control.valve.command_gate import Command, CommandGate, Verdict
 from forest_control.valve.valve_driver_configuration import DriverConfiguration
 from forest_control.valve.valve_driver_topics import Commands, Measurements, Outputs
 from forest_description.types import ZERO
@@ -22,6 +22,7 @@ from forest_msgs_py.runtime.node import run_node
 from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
+from forest_msgs_py.safety.single_talker import SingleTalker
 from forest_msgs_py.types import WATCHDOG_PERIOD
 
 PARTS = ("commands", "pressures", "emergency stop")  # on /diagnostics
@@ -39,13 +40,13 @@ class ValveDriverNode(Node):
         self._gate, self._nominal = CommandGate(p.command_timeout, self._node_clock.now), p.period
         self._period = stamped_period.BEGIN
         self._state, self._step, self._shadow = valve_driver.REST, compiled.driver_step(), p.shadow
-        said = self._node_clock.publisher(topics.DIAGNOSTICS)
+        said, stopped = map(self._node_clock.publisher, (topics.DIAGNOSTICS, topics.EMERGENCY_STOPPED))
         self._diagnostics = Diagnostics(self, PARTS, "valves centred", said)
-        stopped = self._node_clock.publisher(topics.EMERGENCY_STOPPED)
         self._stop = EmergencyStop(self, "~/", self._gate.against_reset, self._stand_still, stopped)
         self._out = Outputs(self._node_clock, p.shadow, p.plain_arrays)
         self._commands = Commands(self._node_clock, machine)
         commands = self._node_clock.on(topics.VALVE_COMMANDS, self._on_command)
+        self._alone = SingleTalker(self, topics.VALVE_COMMANDS, commands, self._stop)
         idle = self._configuration.core.idle_pressure
         self._measured = Measurements(self._node_clock, p.pressure_timeout, idle)
         self._watch_inputs(commands)
@@ -95,7 +96,7 @@ class ValveDriverNode(Node):
         self._tell(stamp)
 
     def _tell(self, stamp: int) -> None:
-        self._diagnostics.note("emergency stop", PRESSED if self._stop.pressed else "")
+        self._diagnostics.note("emergency stop", self._alone.trouble())
         self._diagnostics.publish(stamp)
 
     def _on_watchdog(self) -> None:

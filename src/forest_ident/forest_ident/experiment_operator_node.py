@@ -18,10 +18,11 @@ from forest_ident.driving.scripted_operator import ScriptedOperator
 from forest_ident.driving.valve_takeover import ValveTakeover
 from forest_msgs_py.clock.node_clock import node_clock, number_publisher
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.introspection.live_graph import LiveGraph, publishers_of
+from forest_msgs_py.introspection.live_graph import LiveGraph
 from forest_msgs_py.runtime.node import Finished, NodeFailure, run_node, subscription
 from forest_msgs_py.runtime.node_parameters import declare
 from forest_msgs_py.runtime.parameter_table import MachineParameter
+from forest_msgs_py.runtime.publishers import publishers_of
 from forest_msgs_py.types import WATCHDOG_PERIOD
 
 

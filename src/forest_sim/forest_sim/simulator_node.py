@@ -34,7 +34,7 @@ from forest_sim.simulation.disturbance import parse_disturbance
 from forest_sim.simulation.grapple import Grapple
 from forest_sim.simulation.sensor_log import topic_values
 from forest_sim.simulation.simulator_parameters import SimulatorParameters, simulated_machine
-from forest_sim.simulation.simulator_topics import PART, SimulatorInputs, SimulatorOutputs, further_topics
+from forest_sim.simulation.simulator_topics import SimulatorInputs, SimulatorOutputs, further_topics, parts
 
 
 class SimulatorNode(Node):
@@ -57,7 +57,7 @@ class SimulatorNode(Node):
         self._tells_load = topics.GROUND_TRUTH_LOAD in further
         self._outputs = SimulatorOutputs(self._node_clock, p.plain_arrays, further)
         publisher = self._node_clock.publisher(topics.DIAGNOSTICS)
-        self._diagnostics = Diagnostics(self, (PART, "machine"), "valves centred", publisher)
+        self._diagnostics = Diagnostics(self, parts(self._node_clock), "valves centred", publisher)
         self._outputs.say_description(machine)
         self._inputs = SimulatorInputs(self._node_clock, machine, self._diagnostics)
         self._inputs.watch(self)

@@ -18,7 +18,6 @@ from typing import NamedTuple
 from forest_description.types import ZERO, Vec3
 from forest_msgs_py.runtime import stamp_order
 
-PRESSED = "emergency stop pressed"
 NOT_ZERO = "a command is not zero; release the deadman"
 
 

@@ -10,7 +10,8 @@ from collections.abc import Collection
 from typing import Any
 
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.introspection.live_graph import UNKNOWN, LiveGraph, NoAnswer
+from forest_msgs_py.introspection.live_graph import LiveGraph, NoAnswer
+from forest_msgs_py.runtime.publishers import UNKNOWN
 
 DRIVER, CONTROLLER = "valve_driver", "controller"
 WANTED: dict[str, dict[str, Any]] = {DRIVER: {"compensate": False}, CONTROLLER: {"hands_off": True}}

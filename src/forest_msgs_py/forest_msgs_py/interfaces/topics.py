@@ -73,7 +73,8 @@ _ESTIMATE_UNITS = tuple(
 )
 _SIMULATOR, _CONTROLLER, _DRIVER = "simulator", "controller", "valve_driver"
 _JOYSTICK, _VIEWER, _NOBODY = "joystick", "viewer", ()
-_CYCLE, _TWIST, _PROGRAM = "cycle (live)", "twist (live)", "a program (live)"  # in no lockstep
+_LIVE_SIMULATOR = "simulator (live)"  # these are in no lockstep
+_CYCLE, _TWIST, _PROGRAM = "cycle (live)", "twist (live)", "a program (live)"
 _RATE = SENSOR_RATE_HZ
 
 # fmt: off
@@ -203,7 +204,7 @@ TWIST_WISH = Topic(
 EMERGENCY_STOP = Topic(
     name="emergency_stop", type="std_msgs/msg/Bool", labels=(), units=(), rate_hz=0.0,
     doc="True, from anybody, stops everything until it is reset on purpose; false asks for that.",
-    publishers=(_CONTROLLER, _DRIVER), subscribers=(_CONTROLLER, _DRIVER),
+    publishers=(_CONTROLLER, _DRIVER, _LIVE_SIMULATOR), subscribers=(_CONTROLLER, _DRIVER, _LIVE_SIMULATOR),
 )
 IDENTIFICATION = Topic(
     name="identification/estimates", type=FLOAT_ARRAY, labels=_ESTIMATES, units=_ESTIMATE_UNITS, rate_hz=1.0,
@@ -213,7 +214,8 @@ IDENTIFICATION = Topic(
 EMERGENCY_STOPPED = Topic(
     name="emergency_stopped", type="std_msgs/msg/Bool", labels=(), units=(), rate_hz=0.0,
     doc="Whether a node stands still after an emergency stop, from its start on; true stops the others, too.",
-    publishers=(_CONTROLLER, _DRIVER), subscribers=(_CONTROLLER, _DRIVER), transient_local=True,
+    publishers=(_CONTROLLER, _DRIVER, _LIVE_SIMULATOR), subscribers=(_CONTROLLER, _DRIVER, _LIVE_SIMULATOR),
+    transient_local=True,
 )
 GROUND_TRUTH_JOINT_STATES = Topic(
     name="ground_truth/joint_states", type=JOINT_STATE, labels=JOINTS,

@@ -12,7 +12,6 @@ import rclpy
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.signals import SignalHandlerOptions
 from std_srvs.srv import Trigger
@@ -21,18 +20,13 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import Topic
 from forest_msgs_py.runtime.environment import prepare_environment
 from forest_msgs_py.runtime.node import NodeFailure, subscription
+from forest_msgs_py.runtime.publishers import UNKNOWN, publishers_of
 
 LOOK = 3.0  # [s] for a node to be found, and to answer
 SETTLE = 0.5  # [s] in which who is there is found
 AGAIN = 0.5  # [s] after which a question without an answer is put once more
 LATCHED = 0.3  # [s] for what was said before to arrive, once its speaker is known
 POLL = 0.02  # [s]
-UNKNOWN = "_NODE_NAME_UNKNOWN_"  # as the middleware says
-
-
-def publishers_of(node: Node, topic: Topic) -> list[str]:
-    """Return the names of the nodes that publish on a topic; who was just found may be `UNKNOWN`."""
-    return [end.node_name for end in node.get_publishers_info_by_topic(node.resolve_topic_name(topic.name))]
 
 
 class NoAnswer(NodeFailure):

@@ -1,1 +1,1 @@
-"""What every node runs in: environment, parameters, polled subscriptions, order of stamps, services."""
+"""What every node runs in: environment, parameters, polled subscriptions, stamps, services, publishers."""

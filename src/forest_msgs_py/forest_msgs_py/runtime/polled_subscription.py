@@ -7,7 +7,7 @@ the cost.
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 from rclpy.callback_groups import CallbackGroup
@@ -57,6 +57,7 @@ class ReceivedCount:
     """How many messages of a topic were taken, and how old the newest is."""
 
     subscription: Any = None  # that brings them
+    heard: Callable[[dict[str, int]], None] | None = None  # is given the info about each message
 
     def __init__(self) -> None:
         self.count, self._sent_ns = 0, 0
@@ -65,6 +66,8 @@ class ReceivedCount:
         """Count a message by the middleware's info about it."""
         self.count += 1
         self._sent_ns = info["source_timestamp"]
+        if self.heard is not None:
+            self.heard(info)
 
     def age(self) -> float:
         """Return for how long the newest message has been sent [s]; inf if there is none."""

@@ -1,1 +1,1 @@
-"""What every node does about danger: the emergency stop, and diagnostics of its inputs."""
+"""What every node does about danger: the emergency stop, also where two command, and diagnostics."""

@@ -61,7 +61,7 @@ class EmergencyStop:
     ) -> None:
         self.pressed, self._pressed_at = False, 0  # [ns] since the epoch, as senders stamp
         self._presses = 0
-        self._node, self._objection, self._act = node, objection, act
+        self._node, self._objections, self._act = node, [objection], act
         self._false_at = -AGAIN  # [s, monotonic] when a false was heard, if no true has come since
         self._heard: deque[int] = deque(maxlen=REMEMBERED)
         self._command = publisher(node, topics.EMERGENCY_STOP)
@@ -93,6 +93,10 @@ class EmergencyStop:
         """Return what /diagnostics tells."""
         return {"pressed": self.pressed, "presses since start": self._presses}
 
+    def refuse_while(self, objection: Callable[[], str]) -> None:
+        """Ask somebody else first what stands against a reset; "" for nothing."""
+        self._objections.insert(0, objection)
+
     def press(self, said_ns: int | None = None) -> None:
         """Stop, until reset.
 
@@ -113,7 +117,7 @@ class EmergencyStop:
         """Reset unless something stands against it; return what that is, or ""."""
         if not self.pressed:
             return ""
-        objection = self._objection()
+        objection = next(filter(None, (ask() for ask in self._objections)), "")
         if objection:
             self._node.get_logger().warning(f"emergency stop stays: {objection}")
         else:

@@ -11,14 +11,16 @@ from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import Topic, message_class
 from forest_msgs_py.safety.clipping import Clipping
 from forest_msgs_py.safety.diagnostics import Diagnostics
+from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
+from forest_msgs_py.safety.single_talker import SingleTalker
 from forest_msgs_py.serialization.unpacking import ArrayReader
 from forest_sim.hydraulics.pump_drive import pump_drive
 from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, TopicValues
 from forest_sim.simulation.simulated_machine import SimulatedMachine
 from forest_sim.simulation.voltage_command import VoltageInput
 
-PART = "voltages"  # on /diagnostics
+PART, STOP = "voltages", "emergency stop"  # on /diagnostics
 FRAME = "base_link"
 FRAMED = (topics.POSE, topics.TWIST)  # types
 
@@ -44,6 +46,11 @@ def further_topics(machine: Machine, has_loads: bool) -> FurtherTopics:
     return found
 
 
+def parts(clock: Any) -> tuple[str, ...]:
+    """Return what of the simulator can fail: in lockstep nobody stops it, all comes from one graph."""
+    return (PART, "machine") if clock.lockstep else (PART, STOP, "machine")
+
+
 class SimulatorInputs:
     """The voltages of the valves.
 
@@ -60,14 +67,19 @@ class SimulatorInputs:
         self._clipping = Clipping(topics.VALVE_VOLTAGES, ratings)
         self._reader = ArrayReader(topics.VALVE_VOLTAGES)
         self._inbox = clock.polled_subscription(topics.VALVE_VOLTAGES)
+        self._stop: EmergencyStop | None = None
 
     def watch(self, node: Any) -> None:
-        """Have /diagnostics tell of the voltages."""
+        """Have /diagnostics tell of the voltages; live, stop where two nodes send them."""
         heard = InputStatus(node, self._node_clock, self._inbox, PART, self._are_missed)
         self._diagnostics.watch(PART, heard, values=self._values)
+        if STOP in parts(self._node_clock):
+            self._stop = EmergencyStop(node, "~/", lambda: "", lambda: None)
+            self._alone = SingleTalker(node, topics.VALVE_VOLTAGES, self._inbox, self._stop)
+            self._diagnostics.watch(STOP, self._stop)
 
     def voltages(self) -> Vec3:
-        """Return the voltages of the newest command [V]; /diagnostics tells what is wrong with it."""
+        """Return the voltages to apply [V]: of the newest command, zero after a stop; notes what is wrong."""
         arrival = self._inbox.newest()
         if arrival is not None:
             reading = self._reader.read(arrival.message, 0)
@@ -76,6 +88,10 @@ class SimulatorInputs:
             self._diagnostics.warn(PART, self._clipping.caution(ZERO if problem else reading.values))
         if self._are_missed():
             self._diagnostics.warn(PART, "")
+        if self._stop is not None:
+            self._diagnostics.note(STOP, self._alone.trouble())
+            if self._stop.pressed:
+                return ZERO
         return self._input.at(self._node_clock.now())
 
     def _are_missed(self) -> bool:

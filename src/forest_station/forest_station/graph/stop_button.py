@@ -13,7 +13,11 @@ from forest_station.graph.service_calls import NoAnswer, ServiceCalls
 
 PART = "emergency stop"  # of a node's diagnostics
 PRESSED = "pressed"  # value of that part
-RESETS = {"controller": "reset_emergency_stop", "valve_driver": "valve_driver/reset_emergency_stop"}
+RESETS = {
+    "controller": "reset_emergency_stop",
+    "valve_driver": "valve_driver/reset_emergency_stop",
+    "simulator": "simulator/reset_emergency_stop",
+}
 
 
 class StopButton:

@@ -9,6 +9,7 @@ from typing import Any
 
 from forest_msgs_py.interfaces.topics import JOY_RATE_HZ
 from forest_station.graph.crane_graph import CraneGraph
+from forest_station.graph.joystick_output import NAMELESS
 from forest_station.operator import deadman
 from forest_station.operator.cab import Cab
 from forest_station.operator.hands import Hands, HandsError, decode_hands
@@ -114,12 +115,14 @@ class Driving:
 
     def _refuse_rivals(self, now: float) -> None:
         """End the seat if another node publishes /joy: two that command one crane are one too many."""
-        if self._cab.seat.driver is None or now - self._looked < LOOK_PERIOD:
+        driver, asks = self._cab.seat.driver, NAMELESS in self._why_not
+        if (driver is None and not asks) or now - self._looked < LOOK_PERIOD:
             return
         self._looked = now
         if rivals := self._graph.joystick.rivals():
             self._why_not = f"Another node publishes /joy: {', '.join(rivals)}."
-            self._cab.leave(self._cab.seat.driver, None, now)
+            if driver is not None:
+                self._cab.leave(driver, None, now)
 
     def _change(self) -> None:
         """Publish at once, and tell the pages."""

@@ -10,6 +10,7 @@ const REMEDIES = [
   [/waiting for pressures|the nominal load is taken/, "Look at the pressure transducers. Until then the tip follows less exactly."],
   [/waiting for/, "Start who is waited for, in the same ROS domain and namespace."],
   [/is not heard/, "Have its publisher offer the QoS that is named: docs/reference/topics.md lists it."],
+  [/more than one node publishes/, "Stop all of the named nodes but ours. Then release the deadman, centre the sticks, and reset the stop."],
   [/emergency stop pressed/, "See why it was pressed. Then release the deadman, centre the sticks, and reset it."],
   [/never repeats a sample/, "Set the joystick driver's autorepeat rate to 20 Hz or more."],
   [/nothing new for longer than joy_timeout/, "Look at the joystick and its link. Centre the sticks, then press the deadman anew."],
