@@ -194,19 +194,22 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--rows", nargs="+", choices=list(ROWS), default=list(ROWS))
+    parser.add_argument(
+        "--machines", nargs="+", default=MACHINES, metavar="NAME", help="default: %(default)s"
+    )
     parser.add_argument("--motions", type=int, default=400, help="a row and machine (default: %(default)s)")
     parser.add_argument("--json", type=Path, metavar="FILE", help="every motion's figures")
     options = parser.parse_args()
-    ended: dict[str, dict[str, list[Stop]]] = {name: {} for name in MACHINES}
-    print("| | " + " | ".join(f"{name}, s | mm | beside, mm | rocks" for name in MACHINES) + " |")
-    print("|---|" + "---|" * 4 * len(MACHINES))
+    ended: dict[str, dict[str, list[Stop]]] = {name: {} for name in options.machines}
+    print("| | " + " | ".join(f"{name}, s | mm | beside, mm | rocks" for name in options.machines) + " |")
+    print("|---|" + "---|" * 4 * len(options.machines))
     for key in options.rows:
         line = [ROWS[key].title]
-        for name in MACHINES:
+        for name in options.machines:
             ended[name][key] = stops(name, ROWS[key], options.motions)
             line += cells(ended[name][key])
         print("| " + " | ".join(line) + " |", flush=True)
-    for name in MACHINES:
+    for name in options.machines:
         told = summary(ended[name])
         print(
             f"\n{name}: joints at least {told['margin_deg']:.2f}° from their limits, all valves shut "

@@ -122,6 +122,7 @@ class GuardedController:
             problem: why the state cannot be read.
         """
         p, command = self.parameters, self.command
+        machine = machine._replace(lengths=cylinders)
         decision = self.guard.decide(machine, valves.driver, command, p, now, override, problem)
         if decision.dt > 0.0 and self._tuning.apply_if_due(command == ZERO, decision.dt):
             self._state = self._state._replace(changed=True)

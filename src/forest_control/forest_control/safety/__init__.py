@@ -4,8 +4,10 @@
 - `motion_permission`: Decides: move, hold, stop, and why. All causes stand in its table.
 - `state_checks`: Whether a measured state can be true.
 - `frozen_sensor`: Whether a sensor stands still while its joint is told to move.
+- `machine_file`: Whether the machine is the one that its file tells of.
 - `sinking_joint`: Whether a load drives a joint back although its valve is open.
 - `driver_response`: Whether the valve driver is there, and obeys.
 
-The joystick is watched in `operator.joystick_watch`. May import: `config`, `operator`.
+The joystick is watched in `operator.joystick_watch`. May import: `config`, `operator`,
+`servo`, `limits`.
 """

@@ -8,7 +8,13 @@ from typing import Any
 
 from forest_control.config.controller_settings import Parameters
 from forest_control.operator.joystick_watch import Joystick, Sample, is_released, problem_text
-from forest_control.safety import driver_response, frozen_sensor, motion_permission, sinking_joint
+from forest_control.safety import (
+    driver_response,
+    frozen_sensor,
+    machine_file,
+    motion_permission,
+    sinking_joint,
+)
 from forest_control.safety.driver_response import DriverSample
 from forest_control.safety.motion_permission import (
     Cause,
@@ -87,9 +93,9 @@ class MotionGuard:
             self._refuse(disorder(order, "joint state", state.stamp), now)
         elif decision.dt > 0.0:
             checks = self.permission.checks
-            driver_trouble = driver_response.objection(checks.driver, now)
-            sensor_trouble = frozen_sensor.frozen(checks.still)
-            self.causes["machine"] = driver_trouble or sensor_trouble or sinking_joint.objection(checks.sunk)
+            trouble = machine_file.objection(checks.file) or driver_response.objection(checks.driver, now)
+            trouble = trouble or frozen_sensor.frozen(checks.still)
+            self.causes["machine"] = trouble or sinking_joint.objection(checks.sunk)
             self._note_operator(override)
         return decision
 

@@ -12,6 +12,7 @@ in the subset of Python that `forest_compile` translates; `motion_guard` tells t
 | a state cannot be read, or cannot be true | `state_checks` | STOP |
 | a sensor gives the same number while its joint is told to move | `frozen_sensor` | STOP |
 | the valve driver is silent, or keeps the valves shut | `driver_response` | STOP |
+| another machine than the file tells of: for good | `machine_file` | STOP |
 | a load that drives a joint back | `sinking_joint` | STOP |
 | emergency stop; `hands_off` | `Override` | STOP |
 | the deadman is not held, the levers were not centred since | `joystick_watch` | HOLD |
@@ -32,11 +33,14 @@ from forest_control.operator import joystick_watch
 from forest_control.operator.joystick_interpolation import CENTRED, InterpolatedLevers, interpolated
 from forest_control.operator.joystick_watch import Sample, Watch, WatchParameters, assessed_watch
 from forest_control.operator.levers import REST, Levers
-from forest_control.safety import driver_response, frozen_sensor, sinking_joint
+from forest_control.safety import driver_response, frozen_sensor, machine_file, sinking_joint
 from forest_control.safety.driver_response import DriverResponse, DriverSample
 from forest_control.safety.frozen_sensor import Stillness
+from forest_control.safety.machine_file import FileCheck
 from forest_control.safety.sinking_joint import Sinking
 from forest_control.safety.state_checks import plausible
+from forest_control.servo.joint_angle_filter import UNREAD as NO_LENGTHS
+from forest_control.servo.joint_angle_filter import Lengths
 from forest_description.types import Vec3
 from forest_msgs_py.runtime import stamp_order, stamped_period
 from forest_msgs_py.runtime.stamp_order import StampOrder
@@ -88,6 +92,7 @@ class MachineState(NamedTuple):
     received: float  # [s]
     readable: bool = True
     boom_pressures: Pressures = UNREAD  # [Pa] of its cylinder, head and rod side; NaN: no sample
+    lengths: Lengths = NO_LENGTHS  # [m] of the cylinders of boom and stick; NaN: no sample
 
 
 class Override(NamedTuple):
@@ -115,6 +120,7 @@ class Checks(NamedTuple):
     still: Stillness = frozen_sensor.MOVING
     driver: DriverResponse = DriverResponse()
     sinking: Sinking = Sinking()
+    file: FileCheck = FileCheck()
     sunk: Sinking = Sinking()  # as it stopped the crane; kept until the levers are armed anew
 
 
@@ -245,16 +251,21 @@ def checked(
     still = before.still
     if not guard.noise_free:
         still = frozen_sensor.watched(before.still, state.angles, command, p, dt)
+    sinking = sinking_joint.watched(before.sinking, state.rates, driver.voltages, p, dt)
+    s, v = state.angles, state.rates
     return Checks(
         still=still,
         driver=driver_response.response(before.driver, driver, command, now),
-        sinking=sinking_joint.watched(before.sinking, state.rates, driver.voltages, p, dt),
+        sinking=sinking,
+        file=machine_file.watched(before.file, s, v, state.lengths, command, sinking, p, dt),
         sunk=before.sunk,
     )
 
 
 def passes(checks: Checks, now: float) -> bool:
-    """Tell whether sensors and driver do what the controller goes by."""
+    """Tell whether sensors, driver and machine are what the controller goes by."""
+    if machine_file.is_wrong(checks.file):
+        return False
     return driver_response.responds(checks.driver, now) and not frozen_sensor.is_frozen(checks.still)
 
 

@@ -59,18 +59,19 @@ def _gone_back(
 
 def is_sinking(sinking: Sinking) -> bool:
     """Tell whether a load drives a joint back; `objection` says which."""
-    ways, times = sinking.ways, sinking.times
-    return (
-        (ways[0] > WAY and times[0] > LONG[0])
-        or (ways[1] > WAY and times[1] > LONG[1])
-        or (ways[2] > WAY and times[2] > LONG[2])
-    )
+    return sinks(sinking, 0) or sinks(sinking, 1) or sinks(sinking, 2)
+
+
+def sinks(sinking: Sinking, i: int) -> bool:
+    """Tell whether one joint is driven back."""
+    return sinking.ways[i] > WAY and sinking.times[i] > LONG[i]
 
 
 def objection(sinking: Sinking) -> str:
     """Return which joint its load drives back, or ""."""
-    for name, way, time, least in zip(AXES, sinking.ways, sinking.times, LONG, strict=True):
-        if way > WAY and time > least:
+    for i, name in enumerate(AXES):
+        if sinks(sinking, i):
+            way, time = sinking.ways[i], sinking.times[i]
             return (
                 f"overload: {name} went back by {way:.3f} rad in {time:.2f} s though its valve is open;"
                 f" allowed: put the load down, or draw it in"

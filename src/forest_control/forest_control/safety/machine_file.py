@@ -1,0 +1,126 @@
+"""Whether the machine is the one that the controller's machine file tells of: what it does first shows that.
+
+Two things are asked of it, each once:
+
+- The lengths of boom's and stick's cylinder, where they are measured, belong to the measured angles.
+- Each joint goes where its valve is commanded.
+
+What has answered right is not asked again: later a broken sensor or a load is to blame. What answers wrong
+stops the crane for good: with another geometry, or a valve that is piped or wired the other way, no motion is
+what its command says. Then the file is to be set right, and the controller started anew.
+
+| symbol | name | unit |
+|---|---|---|
+| u, v | commanded and measured joint rate | rad/s |
+| way | what a joint has gone as commanded, less what it has gone against that, integral of v sgn(u) | rad |
+
+Not seen: wrong lengths of links, wrong masses, valves with other gains; and a wrong geometry where no
+cylinder is measured.
+"""
+
+import math
+from typing import NamedTuple
+
+from forest_control.config.controller_settings import Parameters
+from forest_control.safety import sinking_joint
+from forest_control.safety.sinking_joint import Sinking
+from forest_control.servo.joint_angle_filter import FARTHEST, Lengths
+from forest_description.derived.actuator_kinematics import actuator_speeds_to_joint_rates
+from forest_description.geometry.linkage import angle_at
+from forest_description.types import AXES, ZERO, Vec3
+
+PROVEN = 0.015  # [rad] way after which a joint goes where it is commanded, 0.1 m of the tip at 6 m; chosen
+COMMANDED = 0.002  # [rad/s] of u, from which a way counts: less may be leakage that is fed
+STRANGE = 0.3  # [s] for which lengths may not fit: samples of different moments, while nothing moves yet
+FITS, BOOM, STICK, POLARITY = 0, 1, 2, 3  # [1] of `wrong`: what is; 3, 4, 5: of swing, boom, stick
+
+
+class FileCheck(NamedTuple):
+    """What the machine has answered since the controller's start."""
+
+    ways: Vec3 = ZERO  # [rad]; of a joint that has proven right: `PROVEN`
+    strange: float = 0.0  # [s] for which lengths have not fitted
+    fitted: bool = False  # they once did
+    wrong: int = FITS  # for good
+
+
+def watched(
+    before: FileCheck,
+    angles: Vec3,
+    rates: Vec3,
+    lengths: Lengths,
+    command: Vec3,
+    sinking: Sinking,
+    p: Parameters,
+    dt: float,
+) -> FileCheck:
+    """Return the check after a sample.
+
+    Args:
+        before: as it was.
+        angles: measured joint angles [rad].
+        rates: measured joint rates [rad/s].
+        lengths: of the cylinders of boom and stick [m]; NaN: not measured.
+        command: of ideal valves [V] since the last sample.
+        sinking: joints that have gone against their valves.
+        p: the controller's parameters.
+        dt: since the last sample [s].
+    """
+    if before.wrong != FITS:
+        return before
+    speeds = (
+        command[0] * p.rated_speeds[0] / p.rated_voltages[0],
+        command[1] * p.rated_speeds[1] / p.rated_voltages[1],
+        command[2] * p.rated_speeds[2] / p.rated_voltages[2],
+    )
+    u = actuator_speeds_to_joint_rates(angles, speeds, p.linkages)
+    ways = (
+        _way(before.ways[0], u[0], rates[0], dt),
+        _way(before.ways[1], u[1], rates[1], dt),
+        _way(before.ways[2], u[2], rates[2], dt),
+    )
+    boom, stick = _fit(lengths[0], angles[1], 0, p), _fit(lengths[1], angles[2], 1, p)
+    fitted = before.fitted or (boom == 1.0 and stick == 1.0)
+    strange = before.strange + dt if min(boom, stick) < 0.0 and not fitted else 0.0
+    wrong = FITS
+    if strange > STRANGE:
+        wrong = BOOM if boom < 0.0 else STICK
+    for i in range(3):
+        if ways[i] < -PROVEN or (ways[i] < PROVEN and sinking_joint.sinks(sinking, i)):
+            wrong = POLARITY + i
+    return FileCheck(ways, strange, fitted, wrong)
+
+
+def _way(before: float, u: float, v: float, dt: float) -> float:
+    """Return the way of one joint [rad]."""
+    if before >= PROVEN or abs(u) < COMMANDED:
+        return before
+    return min(PROVEN, before + math.copysign(v, u * v) * dt)
+
+
+def _fit(length: float, angle: float, i: int, p: Parameters) -> float:
+    """Return 1 for a cylinder's length [m] that belongs to an angle [rad], -1 for another one, 0 for none."""
+    if math.isnan(length):
+        return 0.0
+    return 1.0 if abs(angle_at(length, p.linkages[i]) - angle) <= FARTHEST else -1.0
+
+
+def is_wrong(check: FileCheck) -> bool:
+    """Tell whether the machine is another one than the file tells of; `objection` says what of it."""
+    return check.wrong != FITS
+
+
+def objection(check: FileCheck) -> str:
+    """Return what does not fit the machine's file and what is to be done, or ""."""
+    if check.wrong == FITS:
+        return ""
+    if check.wrong in (BOOM, STICK):
+        return (
+            f"machine file: the length of the {AXES[check.wrong]}'s cylinder does not belong to its angle;"
+            f" allowed: parameter machine of this crane, and a new start; or position_source joints, if the"
+            f" transducer is broken"
+        )
+    return (
+        f"machine file: {AXES[check.wrong - POLARITY]} goes against its commands; allowed: valve and sensor"
+        f" of one sign, parameter machine of this crane, and a new start"
+    )
