@@ -22,7 +22,7 @@ def steady(flow):
 
 
 def after(pressure, flow, step):
-    amid = pressure_amid(pressure, flow, 0.0, step, LINE)
+    amid = pressure_amid(TankState(pressure, pressure), flow, 0.0, step, LINE)
     return pressure_after(TankState(pressure, amid), flow, step, LINE).pressure
 
 
@@ -36,8 +36,9 @@ def test_it_settles_where_it_passes_what_comes(flow):
 
 
 def test_a_long_step_sees_the_steady_pressure_and_open_port_valves_do_not_change_it():
-    assert pressure_amid(0.0, 2e-3, 0.0, 1e6, LINE) == pytest.approx(steady(2e-3), rel=1e-6)
-    assert pressure_amid(steady(2e-3), 2e-3, 1e-7, 1e-3, LINE) == pytest.approx(steady(2e-3), rel=1e-12)
+    assert pressure_amid(DRAINED, 2e-3, 0.0, 1e6, LINE) == pytest.approx(steady(2e-3), rel=1e-6)
+    settled = TankState(steady(2e-3), steady(2e-3))
+    assert pressure_amid(settled, 2e-3, 1e-7, 1e-3, LINE) == pytest.approx(steady(2e-3), rel=1e-12)
 
 
 def test_it_holds_its_preload_and_is_never_drawn_empty():
@@ -52,6 +53,18 @@ def test_what_comes_and_does_not_go_on_stays_in_it():
     state = TankState(2.5e5, 2.6e5)
     stored = LINE.capacitance * (pressure_after(state, 3e-3, 1e-3, LINE).pressure - 2.5e5)
     assert stored == pytest.approx(1e-3 * (3e-3 - (0.6e5 / 4.5e10) ** 0.5), rel=1e-12)
+
+
+def test_what_port_valves_take_too_much_is_owed_and_made_good():
+    """No oil is made while the line stands above zero; an open suction check gives what is missing."""
+    taken = pressure_after(TankState(1e4, 5e3), -1e-3, 1e-3, LINE)
+    assert taken.pressure == 0.0
+    assert taken.owed == pytest.approx(1e4 - 1e-6 / LINE.capacitance, rel=1e-12)
+    back = pressure_after(taken, 1e-3, 1e-3, LINE)
+    assert back.pressure == pytest.approx(1e4, rel=1e-9)
+    assert back.owed == 0.0
+    assert pressure_after(TankState(1e4, 0.0), -1e-3, 1e-3, LINE) == TankState(0.0, 0.0)
+    assert pressure_amid(taken, 0.0, 0.0, 1e-3, LINE) == 0.0
 
 
 def test_its_rise_is_that_of_an_independent_integration_with_second_order():

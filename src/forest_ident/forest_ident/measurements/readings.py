@@ -7,7 +7,7 @@ times. Tests compare the two.
 
 | array | shape | holds |
 |---|---|---|
-| states | N, 117 | what `forest_sim.solver.state_recording.STATE` names |
+| states | N, 121 | what `forest_sim.solver.state_recording.STATE` names |
 | a column | N | one channel of `forest_sim.sensors.sensor_suite.CHANNELS`, in its unit |
 """
 

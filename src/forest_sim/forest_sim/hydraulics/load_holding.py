@@ -57,6 +57,7 @@ class Lifts(NamedTuple):
     one: float
     two: float
     compensator: float = 0.0
+    felt: float = 0.0  # share of the last half step in which port 1 was open to the pump; negative: port 2
 
 
 AllLifts = tuple[Lifts, Lifts, Lifts]
@@ -115,6 +116,20 @@ def lift_after(lift: float, load: float, pilot: float, flow: float, time: float,
     target = _rupture_target(lift, flow, v) if v.sort == RUPTURE else _target(lift, load, pilot, v)
     moved = target + (lift - target) * math.exp(-time / v.response_time)
     return min(1.0, max(0.0, moved))
+
+
+def lifts_along(a: AllLifts, b: AllLifts, w: float) -> AllLifts:
+    """Return lifts a share w of the way from a to b, or beyond."""
+    return _lifts_along(a[0], b[0], w), _lifts_along(a[1], b[1], w), _lifts_along(a[2], b[2], w)
+
+
+def _lifts_along(a: Lifts, b: Lifts, w: float) -> Lifts:
+    return Lifts(
+        min(1.0, max(0.0, a.one + w * (b.one - a.one))),
+        min(1.0, max(0.0, a.two + w * (b.two - a.two))),
+        min(1.0, max(0.0, a.compensator + w * (b.compensator - a.compensator))),
+        b.felt,
+    )
 
 
 def _target(lift: float, load: float, pilot: float, v: HoldingValve) -> float:

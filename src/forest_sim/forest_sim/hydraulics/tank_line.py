@@ -34,6 +34,7 @@ class TankState(NamedTuple):
 
     pressure: float  # P_t [Pa]
     seen: float  # P_t in the middle of the step before, with which its flows were found [Pa]
+    owed: float = 0.0  # what more than it held has been taken, as a pressure [Pa], 0 or less
 
 
 NO_LINE = ReturnLine(0.0, 0.0, 0.0)
@@ -50,18 +51,19 @@ def line_flow(pressure: float, line: ReturnLine) -> float:
     return math.sqrt((pressure - line.preload) / line.resistance) if pressure > line.preload else 0.0
 
 
-def pressure_amid(before: float, flow: float, yielding: float, step: float, line: ReturnLine) -> float:
+def pressure_amid(before: TankState, flow: float, yielding: float, step: float, line: ReturnLine) -> float:
     """Return P_t [Pa] in the middle of a step, implicitly: C (P_t - before) = step/2 (Q - q(P_t)).
 
     Args:
-        before: P_t at its beginning [Pa].
+        before: the line at its beginning.
         flow: Q if P_t stayed so [m^3/s].
         yielding: -dQ/dP_t [m^3/(s Pa)], of port valves that are open.
         step: [s].
         line: the line.
     """
-    admittance = 2.0 * line.capacitance / step + yielding
-    shut = before + flow / admittance
+    stiffness = 2.0 * line.capacitance / step
+    admittance = stiffness + yielding
+    shut = before.pressure + (flow + stiffness * before.owed) / admittance
     if shut <= line.preload:
         return max(0.0, shut)
     beyond = admittance * (shut - line.preload)
@@ -72,6 +74,9 @@ def pressure_amid(before: float, flow: float, yielding: float, step: float, line
 def pressure_after(state: TankState, returned: float, step: float, line: ReturnLine) -> TankState:
     """Return the tank line after a step; where there is none, as it was.
 
+    Port valves may take more than was foreseen and the line had. It is owed: a suction check that gave
+    it would make oil, and the line would jump from step to step. An open one gives what is missing.
+
     Args:
         state: P_t at its beginning, and in its middle.
         returned: mean of what the valves return over it [m^3/s].
@@ -81,4 +86,6 @@ def pressure_after(state: TankState, returned: float, step: float, line: ReturnL
     if line.capacitance == 0.0:
         return state
     passed = line_flow(state.seen, line)
-    return TankState(max(0.0, state.pressure + step / line.capacitance * (returned - passed)), state.seen)
+    after = state.pressure + state.owed + step / line.capacitance * (returned - passed)
+    owed = min(0.0, after) if state.seen > 0.0 else 0.0
+    return TankState(max(0.0, after), state.seen, owed)

@@ -50,7 +50,7 @@ class Block(NamedTuple):
 
     time: Floats  # [N] s
     voltages: Floats  # [N, 3] V, that act from the row's time on
-    states: Floats  # [N, 117]
+    states: Floats  # [N, 121]
     energies: Floats  # [N, 69] J, over the period before the row
     temperature: Floats  # [N] K, of the oil; NaN for a machine without
     load: Floats  # [N, 2] kg, m: the log that was held over the period before the row

@@ -54,9 +54,11 @@ LEFT_OUT = (
     "lift_one",
     "lift_two",
     "lift_compensator",
+    "lift_felt",
     "jets_force",
     "jets_push",
     "tank_seen",
+    "tank_owed",
 )
 COLUMNS = tuple(
     name

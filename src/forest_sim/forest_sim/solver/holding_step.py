@@ -1,9 +1,10 @@
 """The load-holding valves over a step: their poppets follow the pressures, and shut ones stop the oil.
 
 Lifts are known half a step from the states: a step's pressures are those in the middle of a
-poppet's step (leapfrog, second order), and all stages of a step have the valves as they are. Pilot
-and load couple both sides of an axis without a word in the stages' equations. It is stable as long
-as a poppet is slower than the step: `response_time` is 2 ms or more.
+poppet's step (leapfrog, second order). Both stages of a step have the valves on a straight line
+through its middle and that of the step before. Pilot and load couple both sides of an axis without
+a word in the stages' equations. It is stable as long as a poppet is slower than the step:
+`response_time` is 2 ms or more.
 """
 
 import math
@@ -60,6 +61,7 @@ def _moved(
         lift_after(lifts.one, s.pressure_1, pilot_1, s.flow_1, h, axis.holding_1),
         lift_after(lifts.two, s.pressure_2, pilot_2, -s.flow_2, h, axis.holding_2),
         lifts.compensator,
+        lifts.felt,
     )
 
 

@@ -18,6 +18,7 @@ from forest_sim.equations.multibody import HeadState
 from forest_sim.equations.plant import (
     AxisState,
     PlantState,
+    has_poppets,
     holds_loads,
     is_compensated,
     ports_at,
@@ -26,7 +27,7 @@ from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
 from forest_sim.hydraulics.flow_force import NO_JETS, AllJets
 from forest_sim.hydraulics.hydraulic_line import PortGuard
-from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts
+from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts, lifts_along
 from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
@@ -68,10 +69,11 @@ class Simulation(NamedTuple):
 
 
 class Step(NamedTuple):
-    """A step's end, and the machine at the end of its first stage."""
+    """A step's end, and the machine as both stages have it: plant, spools, lifts, tank line."""
 
     after: Simulation
-    amid: Simulation  # of which plant, spools and what is known half a step apart count
+    early: Simulation
+    late: Simulation
 
 
 def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Simulation:
@@ -83,14 +85,16 @@ def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantPar
     """Do as `step`, and return the first stage, too: what passes in a step is a sum over both."""
     plant, c = simulation.plant, GAMMA * h
     acting, history = _acting(simulation.history, voltages, h, p)
-    jets, lifts, tank = _amid(simulation, h, p)
+    jets = _jets(simulation, p)
     middle = spools_after(simulation.spools, acting, c, p, jets)
     end = spools_after(simulation.spools, acting, h, p, jets)
+    lifts, tank = _amid(simulation, end, h, p)
+    early, late = _lifts_by_stage(simulation.lifts, lifts, p)
     returned = 0.0
-    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, lifts, tank.seen)
+    rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, early, tank.seen)
     if p.supply.rate > 0.0:
         ports = sensed_over(ports, simulation.spools, end, p)
-    base = start = held = with_contents(plant, lifts, p)
+    base = start = held = with_contents(plant, early, p)
     ahead = after = _with_head_ahead(plant, simulation.head_accelerations, p.head.foresight * c)
     first, failures = plant, 0
     for stage in range(2):  # one body for both, so that the compiled plant holds it once
@@ -104,8 +108,8 @@ def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantPar
             base = _blend(start, held, (1.0 - GAMMA) / GAMMA, p)
             ahead = _blend(plant, after, 1.0 / GAMMA, p)
             rates = ahead.swing.rate, ahead.boom.rate, ahead.stick.rate
-            if end != middle:
-                ports = ports_at(end, p, lifts, tank.seen)
+            if end != middle or has_poppets(p):
+                ports = ports_at(end, p, late, tank.seen)
                 if p.supply.rate > 0.0:
                     ports = sensed_over(ports, simulation.spools, end, p)
     tank = pressure_after(tank, returned, h, p.tank_line)
@@ -114,23 +118,35 @@ def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantPar
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
     return Step(
         after=Simulation(after, end, events, rates_after, head_after, history, lifts, jets, tank),
-        amid=Simulation(first, middle, events, rates_after, head_after, history, lifts, jets, tank),
+        early=Simulation(first, middle, events, rates_after, head_after, history, early, jets, tank),
+        late=Simulation(after, end, events, rates_after, head_after, history, late, jets, tank),
     )
 
 
-def _amid(simulation: Simulation, h: float, p: PlantParameters) -> tuple[AllJets, AllLifts, TankState]:
-    """Return what is known half a step from the states: flow forces, lifts of poppets, the tank line."""
-    plant, spools = simulation.plant, simulation.spools
-    jets, lifts, tank = simulation.jets, simulation.lifts, simulation.tank
-    if feels_jets(p):
-        jets = pushed(plant, spools, jets, tank.seen, p)
+def _jets(simulation: Simulation, p: PlantParameters) -> AllJets:
+    """Return the flow forces in the middle of a step."""
+    if not feels_jets(p):
+        return simulation.jets
+    return pushed(simulation.plant, simulation.spools, simulation.jets, simulation.tank.seen, p)
+
+
+def _amid(simulation: Simulation, end: Spools, h: float, p: PlantParameters) -> tuple[AllLifts, TankState]:
+    """Return what is known half a step from the states: lifts of poppets, the tank line."""
+    plant, spools, lifts, tank = simulation.plant, simulation.spools, simulation.lifts, simulation.tank
     if holds_loads(p):
         lifts = lifts_after(plant, lifts, spools, tank.seen, h, p)
     if is_compensated(p):
-        lifts = openings_after(plant, lifts, spools, h, p)
+        lifts = openings_after(plant, lifts, spools, end, h, p)
     if p.tank_line.capacitance > 0.0:
         tank = tank_amid(plant, spools, lifts, tank, h, p)
-    return jets, lifts, tank
+    return lifts, tank
+
+
+def _lifts_by_stage(before: AllLifts, amid: AllLifts, p: PlantParameters) -> tuple[AllLifts, AllLifts]:
+    """Return the lifts at both stages' ends, on a straight line through the middles of two steps."""
+    if not has_poppets(p):
+        return amid, amid
+    return lifts_along(before, amid, 0.5 + GAMMA), lifts_along(before, amid, 1.5)
 
 
 def _acting(history: CommandHistory, voltages: Vec3, h: float, p: PlantParameters) -> Acting:

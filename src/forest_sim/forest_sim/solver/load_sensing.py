@@ -13,6 +13,7 @@ from forest_description.types import Vec3
 from forest_sim.equations.plant import Ports
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
 from forest_sim.hydraulics.spool_dynamics import Spools
+from forest_sim.mechanics.manipulator import Pair
 
 
 def sensed_over(
@@ -41,6 +42,18 @@ def open_share(start: float, end: float, d: Direction) -> float:
     if (before > 0.0) == (after > 0.0):
         return 1.0 if after > 0.0 else 0.0
     return max(before, after) / abs(after - before)
+
+
+def open_halves(start: float, end: float, d: Direction) -> Pair:
+    """Return the shares of the first and of the second half of such a way on which an edge is open."""
+    edge = d.deadband_voltage + SHUT * (d.rated_voltage - d.deadband_voltage)
+    before, after = start - edge, end - edge
+    if (before > 0.0) == (after > 0.0):
+        return (1.0, 1.0) if after > 0.0 else (0.0, 0.0)
+    crossed = 2.0 * abs(before) / abs(after - before)
+    if after > 0.0:
+        return max(0.0, 1.0 - crossed), min(1.0, 2.0 - crossed)
+    return min(1.0, crossed), max(0.0, crossed - 1.0)
 
 
 def mean_load(loads: Vec3, shares: Vec3) -> float:

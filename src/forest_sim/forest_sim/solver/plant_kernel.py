@@ -97,11 +97,11 @@ def entry() -> Entry:
         "            taken = step_by_stages(simulation, held, h, p)",
         "            i += stride",
         "            if recorded > 1:",
-        "                amid, after = power_flows(taken.amid, p), power_flows(taken.after, p)",
-        "                stopped = stopped_energy(simulation.plant, taken.amid.plant, p)",
+        "                early, late = power_flows(taken.early, p), power_flows(taken.late, p)",
+        "                stopped = stopped_energy(simulation.plant, taken.early.plant, p)",
         f"                e = row * {len(flows) + len(AXES)}",
         *(
-            f"                energies[e + {i}] += h * (FIRST * amid{path} + SECOND * after{path})"
+            f"                energies[e + {i}] += h * (FIRST * early{path} + SECOND * late{path})"
             for i, path in enumerate(flows)
         ),
         *(f"                energies[e + {len(flows) + i}] += stopped[{i}]" for i in range(len(AXES))),

@@ -8,7 +8,7 @@ A valve that shuts at once stops a flow between two states: what that destroys i
 |---|---|---|
 | voltages | M, 3 | V at the valves, one row per step |
 | schedule | N | how many steps of which length [s] each period has, M in all; or the length of all |
-| states | N, 117 | what `STATE` names, one row per period |
+| states | N, 121 | what `STATE` names, one row per period |
 | energies | N, 69 | J over the period through what `ENERGY` names |
 """
 
@@ -74,10 +74,10 @@ def record(
         for volts in voltages[end - round(count) : end].tolist():
             taken = step_by_stages(simulation, (volts[0], volts[1], volts[2]), h, p)
             if energies is not None:
-                amid = np.array(pack_flows(power_flows(taken.amid, p)))
-                after = np.array(pack_flows(power_flows(taken.after, p)))
-                flowed = h * (WEIGHTS[0] * amid + WEIGHTS[1] * after)
-                stopped = stopped_energy(simulation.plant, taken.amid.plant, p)
+                early = np.array(pack_flows(power_flows(taken.early, p)))
+                late = np.array(pack_flows(power_flows(taken.late, p)))
+                flowed = h * (WEIGHTS[0] * early + WEIGHTS[1] * late)
+                stopped = stopped_energy(simulation.plant, taken.early.plant, p)
                 energies[row] += np.concatenate([flowed, stopped])
             simulation = taken.after
         store(simulation, states[row])

@@ -47,7 +47,7 @@ def tank_amid(
     stick = _returned(plant.stick, t_3, ports[2], supply, p.stick, p.guard, half)
     flow = swing.flow + boom.flow + stick.flow
     yielding = swing.yielding + boom.yielding + stick.yielding
-    return TankState(tank.pressure, pressure_amid(tank.pressure, flow, yielding, h, p.tank_line))
+    return TankState(tank.pressure, pressure_amid(tank, flow, yielding, h, p.tank_line), tank.owed)
 
 
 def returned_flow(plant: PlantState, ports: tuple[Ports, Ports, Ports], p: PlantParameters) -> float:
