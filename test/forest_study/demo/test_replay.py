@@ -43,7 +43,7 @@ def test_what_is_no_bag_of_lockstep_is_refused(tmp_path, capsys):
 
 def test_a_change_of_a_parameter_that_the_node_does_not_have_is_refused(lockstep_bag, tmp_path, capsys):
     said = refused([lockstep_bag, "--set", "controller.tip_sped=1"], tmp_path, capsys)
-    assert "the bag's controller has no parameter 'tip_sped'; allowed: approach" in said
+    assert "the bag's controller has no parameter 'tip_sped'; allowed: anti_sway" in said
     assert said.count("\n") == 1
 
 

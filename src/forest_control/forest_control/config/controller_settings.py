@@ -11,6 +11,7 @@ from forest_control.limits.velocity_scaling import NO_AXIS, NO_STROKE, Axis, Pum
 from forest_control.limits.workspace import OPEN, Workspace
 from forest_control.operator.operator_profile import Frame, Mode, OperatorProfile
 from forest_control.servo.anti_sway import SwayParameters, sway_parameters
+from forest_control.servo.arm_feedforward import arm_model
 from forest_control.servo.coordinated_servo import CoordinationParameters
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Gains, Scheme
@@ -156,6 +157,7 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
             gains=gains,
             integral=settings.integral_gain,
             swing=swing_model(machine),
+            arm=arm_model(machine),
             load_bandwidth=2.0 * math.pi * settings.load_bandwidth,
             smoothing=SMOOTHING,
             acceleration=settings.tip_acceleration,

@@ -21,6 +21,7 @@ valve itself damps, and the error acts unfiltered.
 import math
 from typing import NamedTuple
 
+from forest_control.servo.arm_feedforward import ArmModel, yielding_rates
 from forest_control.servo.inching import MOVING, Inching, inched, is_due, served
 from forest_control.servo.schemes import FULL_RATE, Gains, Signals, coordinated
 from forest_control.servo.swing_feedforward import SwingModel, inertia
@@ -43,6 +44,7 @@ class CoordinationParameters(NamedTuple):
     gains: tuple[Gains, Gains, Gains]
     integral: Vec3  # K_i [1/s^2]
     swing: SwingModel  # what is fed forward to it
+    arm: ArmModel  # and to boom and stick
     load_bandwidth: float  # [rad/s] at which the valve driver learns a load
     smoothing: float  # [s] of b
     acceleration: float  # [m/s^2] of the tip's reference
@@ -138,13 +140,14 @@ def servo(
     m_1, m_2, m_3 = memory.swing, memory.boom, memory.stick
     still = rests(memory, a)
     b_1, jerk = _smooth_acceleration(m_1, a[0], p, dt)
-    b_2, _ = _smooth_acceleration(m_2, a[1], p, dt)
-    b_3, _ = _smooth_acceleration(m_3, a[2], p, dt)
+    b_2, jerk_2 = _smooth_acceleration(m_2, a[1], p, dt)
+    b_3, jerk_3 = _smooth_acceleration(m_3, a[2], p, dt)
     inch = actuator_speeds_to_joint_rates(s, p.inches, p.linkages)
     torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, inertia(r, p.swing), p, dt)
+    yields = yielding_rates(r, a, (b_1, b_2, b_3), (jerk, jerk_2, jerk_3), p.arm)
     x_1 = Signals(a=a[0], b=b_1, r=r[0], s=s[0], v=v[0], w=extra)
-    x_2 = Signals(a=a[1], b=b_2, r=r[1], s=s[1], v=v[1], w=0.0)
-    x_3 = Signals(a=a[2], b=b_3, r=r[2], s=s[2], v=v[2], w=0.0)
+    x_2 = Signals(a=a[1], b=b_2, r=r[1], s=s[1], v=v[1], w=yields[0])
+    x_3 = Signals(a=a[2], b=b_3, r=r[2], s=s[2], v=v[2], w=yields[1])
     swing, u_1 = _joint_servo(m_1, x_1, volts[0] == 0.0, still, inch[0], 0, p, dt)
     boom, u_2 = _joint_servo(m_2, x_2, volts[1] == 0.0, still, inch[1], 1, p, dt)
     stick, u_3 = _joint_servo(m_3, x_3, volts[2] == 0.0, still, inch[2], 2, p, dt)
