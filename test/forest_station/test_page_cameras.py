@@ -160,6 +160,24 @@ def test_a_square_that_is_marked_is_looked_at(desktop: Picture) -> None:
     assert desktop.view() == "free"
 
 
+def test_a_square_that_was_driven_stays_until_it_is_taken_away(desktop: Picture) -> None:
+    page, (x, y, z) = desktop.page, start_tip(C180)
+    waits = "text=Side 1 of 4 waits: with the sticks at rest, hold the left Shift key."
+    page.wait_for_selector(waits)  # of the square that was marked before
+    side, angles = 0.8, pose_at((x, y, z), C180)
+    corners = ((0.0, 0.0), (side, 0.0), (side, side), (0.0, side), (0.0, 0.0))
+    for number, (out, left) in enumerate(corners):
+        desktop.met.send_frame(2 + number, 0.1 * number, [x + out, y + left, z, *angles])
+    page.wait_for_selector("text=0.0 cm beside the square on average, 0.0 cm at most.")
+    assert page.locator("#scene[data-exercise]").count() == 1
+    assert page.get_by_role("button", name="Mark another square").is_visible()
+    page.get_by_role("button", name="Take the square away").click()
+    page.wait_for_selector("#scene:not([data-exercise])")
+    assert page.get_by_role("button", name="Mark a square").is_visible()
+    assert not page.get_by_role("button", name="Take the square away").is_visible()
+    desktop.met.send_frame(9, 1.0, [x, y, z, *angles])
+
+
 def test_one_finger_turns_the_picture_and_back(phone: Picture) -> None:
     before = phone.settled()
     phone.move_fingers(((0, 0), (60, 0)))
