@@ -26,15 +26,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forest_control.config import controller_settings
-from forest_control.operator.levers import levers_for_tip_velocity
+from forest_control.operator.levers import Levers, levers_for_tip_velocity
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import joint_limits
 from forest_description.derived.temperature import at_temperature
+from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import Machine, load_machine
+from forest_description.types import ZERO
 from forest_msgs_py.types import PERIOD
+from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.sensors.sensor_readings import true_joints
+from forest_sim.solver.compiled_plant import compiled_advance
 from forest_study.closed_loop import loop_kernel
-from forest_study.closed_loop.closed_loop import Trajectory
+from forest_study.closed_loop.closed_loop import ClosedLoop, Operator, Trajectory
+from forest_study.closed_loop.loop_core import SUBSTEPS
 from forest_study.tracking.tracking import noisy
 
 Floats = NDArray[np.float64]
@@ -53,6 +59,7 @@ class Row(NamedTuple):
     changed: Callable[[Machine], Machine]
     speed: float = 0.5  # [m/s]
     scheme: Scheme = Scheme.COORDINATED
+    emergency: bool = False  # zero voltage instead of the stop along the path
 
 
 class Motion(NamedTuple):
@@ -103,6 +110,7 @@ ROWS = {
     "cold": Row("oil of 0 °C, unknown", _oil(0.0)),
     "hot": Row("oil of 80 °C, unknown", _oil(80.0)),
     "fast": Row("1 m/s", _same, 1.0),
+    "emergency": Row("emergency stop", _same, emergency=True),
     "joint": Row("`joint`, levers up to full", _same, 0.5, Scheme.JOINT),
 }
 
@@ -126,6 +134,8 @@ def motion(machine: Machine, number: int, speed: float) -> Motion:
 def run(machine: Machine, model: Machine, number: int, row: Row) -> tuple[Trajectory, int]:
     """Return a motion's session, and the row in which the deadman is let go."""
     done, settings = motion(model, number, row.speed), controller_settings.Settings(tip_speed=row.speed)
+    if row.emergency:
+        return slammed(machine, done, settings, number), done.released
     given = (
         machine,
         done.levers,
@@ -134,6 +144,28 @@ def run(machine: Machine, model: Machine, number: int, row: Row) -> tuple[Trajec
         valve_driver_parameters.Settings(),
     )
     return loop_kernel.run(*given, model=model, suite=noisy(machine, number)), done.released
+
+
+def slammed(
+    machine: Machine, done: Motion, settings: controller_settings.Settings, number: int
+) -> Trajectory:
+    """Return a session whose valves get zero voltage when the deadman would be let go."""
+    control = controller_settings.parameters(machine, settings)
+    drive = valve_driver_parameters.parameters(machine, valve_driver_parameters.Settings())
+    plant, links, rows = plant_parameters(machine), machine.manipulator.links, []
+    loop = ClosedLoop(plant, control, drive, done.start, noisy(machine, number), fast=True)
+    for *levers, held in done.levers[: done.released].tolist():
+        happened = loop.period(Operator(Levers(*levers), held > 0.0))
+        rows.append(happened._replace(tip=tip_position(happened.angles, links)))
+    simulation, advance = loop.simulation, compiled_advance()
+    for _ in range(AFTER):
+        angles = true_joints(simulation, plant).position
+        rows.append(
+            happened._replace(angles=angles, tip=tip_position(angles, links), command=ZERO, voltages=ZERO)
+        )
+        simulation = advance(simulation, ZERO, PERIOD / SUBSTEPS, SUBSTEPS, plant)
+    columns = [np.array(column) for column in zip(*rows, strict=True)]
+    return Trajectory(PERIOD * np.arange(len(rows), dtype=np.float64), *columns)
 
 
 def stop_of(moved: Trajectory, released: int, machine: Machine) -> Stop:

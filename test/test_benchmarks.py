@@ -173,6 +173,13 @@ def test_a_random_motion_that_is_let_go_is_judged_and_told(benchmark):
     assert stopping.summary({"exact": ended})["shut_s"] <= stopping.WITHIN
 
 
+def test_a_random_motion_that_is_stopped_at_once_goes_less_far(benchmark):
+    stopping = benchmark("stopping")
+    ended = stopping.stops("c180", stopping.ROWS["emergency"], 3)
+    assert all(stop.shut == 0.0 and stop.way < 0.045 and stop.beside < 0.025 for stop in ended)
+    assert any(stop.later > stopping.SLOW for stop in ended)
+
+
 class Sunk(NamedTuple):
     depth: float
     speed: float

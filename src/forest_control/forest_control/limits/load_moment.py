@@ -32,14 +32,12 @@ WARNED = 0.9  # [1] of U, from which a person is warned: usual of rated capacity
 FULL = 1.0  # [1] of U, at which only what unloads passes
 SLIGHT = 1e-3  # [1] least U that is counted with: an empty head weighs nothing
 
-Knots = tuple[float, float, float, float, float, float, float, float]
-
 
 class Capacity(NamedTuple):
     """m_a over r; unused places repeat the last point."""
 
-    reaches: Knots  # [m]
-    loads: Knots  # [kg]; infinite: no limit
+    reaches: tuple[float, ...]  # `MOST_POINTS` [m]
+    loads: tuple[float, ...]  # [kg]; infinite: no limit
 
 
 class Loading(NamedTuple):
@@ -51,7 +49,7 @@ class Loading(NamedTuple):
     share: float = 0.0  # U
 
 
-NO_CAPACITY = Capacity((0.0,) * MOST_POINTS, (math.inf,) * MOST_POINTS)  # type: ignore[arg-type]  # [m, kg]
+NO_CAPACITY = Capacity((0.0,) * MOST_POINTS, (math.inf,) * MOST_POINTS)  # [m, kg]
 
 
 def loading(mass: float, q: Vec3, links: Links, c: Capacity) -> Loading:
@@ -126,6 +124,6 @@ def capacity(machine: Machine) -> Capacity:
         return NO_CAPACITY
     unused = MOST_POINTS - len(chart.reach)
     return Capacity(
-        (*chart.reach, *(chart.reach[-1],) * unused),  # type: ignore[arg-type]
-        (*chart.load, *(chart.load[-1],) * unused),  # type: ignore[arg-type]
+        (*chart.reach, *(chart.reach[-1],) * unused),
+        (*chart.load, *(chart.load[-1],) * unused),
     )
