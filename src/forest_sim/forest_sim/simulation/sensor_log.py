@@ -5,6 +5,7 @@ The one place of offline runs that knows the sensors; columns as
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -21,12 +22,14 @@ from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import Fault, sensor_suite
 from forest_sim.sensors.signal_processing import Motion
 from forest_sim.simulation.open_loop import Block
+from forest_sim.simulation.simulated_machine import SimulatedMachine
 from forest_sim.solver.integrator import Events, Simulation
 from forest_sim.solver.oil_temperature import parameters_at
 from forest_sim.solver.state_recording import restore
 
 TopicTables = dict[Topic, Floats]
 TopicValues = dict[Topic, tuple[float, ...]]
+FurtherTopics = dict[Topic, Callable[[SimulatedMachine], tuple[float, ...]]]
 
 SIMULATED_TOPICS = tuple(
     topic
@@ -98,6 +101,18 @@ def topic_values(report: Report, events: Events, missed_deadlines: int = 0) -> T
         topics.GROUND_TRUTH_TIP_POSE: (*report.tip, *tip_orientation(report.joints.position)),
         topics.GROUND_TRUTH_TIP_TWIST: report.tip_velocity,
     }
+
+
+def further_topics(machine: Machine, has_loads: bool) -> FurtherTopics:
+    """Return the topics that not every simulated machine has: of hanging head, log and links that bend."""
+    found: FurtherTopics = {}
+    if machine.manipulator.pendulum is not None:
+        found[topics.GROUND_TRUTH_HEAD] = lambda running: running.head_joints
+    if has_loads or machine.manipulator.log is not None:
+        found[topics.GROUND_TRUTH_LOAD] = lambda running: running.load
+    if any(drive.elasticity is not None for drive in machine.drives):
+        found[topics.GROUND_TRUTH_DEFLECTIONS] = lambda running: running.deflections
+    return found
 
 
 def _motion(motion: Motion) -> tuple[float, ...]:
