@@ -32,9 +32,9 @@ from forest_msgs_py.types import PERIOD, PERIOD_NS
 from forest_sim.simulation.deadlines import Deadlines
 from forest_sim.simulation.disturbance import parse_disturbance
 from forest_sim.simulation.grapple import Grapple
-from forest_sim.simulation.sensor_log import topic_values
+from forest_sim.simulation.sensor_log import further_topics, topic_values
 from forest_sim.simulation.simulator_parameters import SimulatorParameters, simulated_machine
-from forest_sim.simulation.simulator_topics import SimulatorInputs, SimulatorOutputs, further_topics, parts
+from forest_sim.simulation.simulator_topics import SimulatorInputs, SimulatorOutputs, parts
 
 
 class SimulatorNode(Node):

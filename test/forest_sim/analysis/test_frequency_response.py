@@ -21,7 +21,7 @@ STEP = 1e-3  # [s]
 AT_ONCE = SpoolLag(math.inf, 0.0)
 
 
-def answered(machine, angles, axis, volts, rate, frequency, amplitude=0.02, cycles=24):
+def answered(machine, angles, axis, volts, rate, frequency, amplitude=0.02, cycles=24, of=""):
     """Return the rate's amplitude and phase over the spool's, when the joint comes through the pose.
 
     It is half the difference of two runs: what the motion itself changes cancels.
@@ -40,7 +40,7 @@ def answered(machine, angles, axis, volts, rate, frequency, amplitude=0.02, cycl
         given[:, axis] += sign * amplitude * np.sin(2.0 * np.pi * frequency * (time + 0.5 * STEP))
         states = np.zeros((count, len(STATE)))
         fastest_record()(point, given, even(STEP, count, 1), p, states, np.zeros((count, len(ENERGY))))
-        rates.append(states[:, STATE.index(f"{('swing', 'boom', 'stick')[axis]}_rate")])
+        rates.append(states[:, STATE.index(f"{('swing', 'boom', 'stick')[axis]}_{of}rate")])
     wave = 0.5 * (rates[0] - rates[1])
     last = slice(count - round(1.0 / frequency / STEP), count)  # a whole cycle, the start's transient gone
     turning = np.exp(-2j * np.pi * frequency * (time[last] + STEP))
@@ -56,6 +56,17 @@ def test_the_simulated_machine_answers_so(axis, volts, frequency):
     rate, told = rate_response(angles, axis, volts, plant_parameters(machine), np.array([frequency]))
     assert rate * volts > 0.0
     measured = answered(machine, angles, axis, volts, rate, frequency)
+    assert abs(measured - told[0]) < 0.03 * abs(told[0])
+
+
+@pytest.mark.parametrize(("axis", "frequency"), [(0, 8.0), (1, 8.0), (1, 20.0)])
+def test_a_machine_with_compensators_and_bending_answers_so(axis, frequency):
+    """Compensators follow the oscillation; sensors sit at the links' roots. Frozen ones are far off."""
+    hanging = load_machine("forwarder")
+    machine = replace(hanging, manipulator=replace(hanging.manipulator, pendulum=None))
+    angles, p = start_angles(machine, start_tip(machine)), plant_parameters(machine)
+    rate, told = rate_response(angles, axis, 4.0, p, np.array([frequency]))
+    measured = answered(machine, angles, axis, 4.0, rate, frequency, cycles=12, of="root_")
     assert abs(measured - told[0]) < 0.03 * abs(told[0])
 
 

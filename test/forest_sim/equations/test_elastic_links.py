@@ -22,8 +22,8 @@ from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.sensors.sensor_readings import NOMINAL, deflections, true_joints, true_values
 from forest_sim.sensors.sensor_suite import EXACT_SUITE
 from forest_sim.simulation.energy_account import account, unaccounted, with_stored_energy
+from forest_sim.simulation.sensor_log import further_topics
 from forest_sim.simulation.simulated_machine import SimulatedMachine
-from forest_sim.simulation.simulator_topics import further_topics
 from forest_sim.solver import integrator
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium

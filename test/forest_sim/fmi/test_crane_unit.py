@@ -10,11 +10,11 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_description.types import AXES
-from forest_msgs_py.interfaces.topics import ACTUATOR_STATES, JOINT_STATES, columns
+from forest_msgs_py.interfaces.topics import ACTUATOR_STATES, HEAD_JOINTS, JOINT_STATES, columns
 from forest_sim.cli.main import main
 from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.simulation.open_loop import start_angles
-from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, topic_values
+from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, further_topics, topic_values
 from forest_sim.simulation.simulated_machine import SimulatedMachine
 
 MACHINE, DURATION, PERIOD = "c180_real", 2.0, 0.005
@@ -82,10 +82,16 @@ def test_in_another_tool_it_goes_as_the_simulator_does_without_our_packages(run,
     assert "/resources/forest_sim/" in said
     machine, given = load_machine(MACHINE), np.loadtxt(voltages, delimiter=",", skiprows=1)
     simulator = SimulatedMachine(machine, start_angles(machine), sensor_suite(machine), PERIOD)
-    ours = [topic_values(simulator.at_rest, simulator.events)]
-    ours += [topic_values(simulator.step(tuple(row[1:])), simulator.events) for row in given[:-1]]
+    further = further_topics(machine, has_loads=True)
+
+    def told(report):
+        own = {topic: of_machine(simulator) for topic, of_machine in further.items()}
+        return topic_values(report, simulator.events) | own
+
+    ours = [told(simulator.at_rest)]
+    ours += [told(simulator.step(tuple(row[1:]))) for row in given[:-1]]
     compared = 0
-    for topic in SIMULATED_TOPICS:
+    for topic in (*SIMULATED_TOPICS, *further):
         for place, column in enumerate(columns(topic)):
             name = f"{topic.name.replace('/', '.')}.{column}"
             estimated = topic in (JOINT_STATES, ACTUATOR_STATES) and column.endswith("velocity")
@@ -94,6 +100,8 @@ def test_in_another_tool_it_goes_as_the_simulator_does_without_our_packages(run,
                 compared += 1
     assert compared > 50
     assert np.ptp(rows["joint_states.boom.position"]) > 0.1
+    assert np.ptp(rows[f"ground_truth.head.{HEAD_JOINTS[0]}.position"]) > 0.01
+    assert np.all(rows["ground_truth.load.mass"] == 0.0)
 
 
 def test_a_tool_sets_start_noise_and_force(run):

@@ -7,8 +7,8 @@ from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_msgs_py.interfaces import topics
 from forest_sim.sensors.sensor_suite import EXACT_SUITE
+from forest_sim.simulation.sensor_log import further_topics
 from forest_sim.simulation.simulated_machine import SimulatedMachine
-from forest_sim.simulation.simulator_topics import further_topics
 
 PUMP, LINE, OPENINGS = (
     topics.GROUND_TRUTH_PUMP,

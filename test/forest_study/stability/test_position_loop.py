@@ -55,9 +55,12 @@ def linear(machine):
     )
 
 
-@pytest.mark.parametrize(("axis", "volts"), [(0, 3.0), (1, 3.0), (2, 3.0)])
-def test_proportional_control_swings_up_beyond_the_gain_that_is_told_and_calms_below(axis, volts):
-    machine = linear(load_machine("c180_real"))
+@pytest.mark.parametrize(
+    ("name", "axis", "volts"),
+    [("c180_real", 0, 3.0), ("c180_real", 1, 3.0), ("c180_real", 2, 3.0), ("forwarder", 1, 4.0)],
+)
+def test_proportional_control_swings_up_beyond_the_gain_that_is_told_and_calms_below(name, axis, volts):
+    machine = linear(load_machine(name))
     loop = position_loop(machine, start_angles(machine, TIP), axis, volts, Settings())
     told = margins(FREQUENCY, loop.plant)
     cycle = round(1.0 / told.gain_frequency / PERIOD)  # samples

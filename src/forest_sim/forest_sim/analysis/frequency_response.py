@@ -6,9 +6,8 @@
 | B | df/du of the spool's position, by central differences | |
 | H(jw) | joint rate, of an elastic link's root, over spool position, c (jw - A)^-1 B | rad/(s V) |
 
-It holds for amplitudes that keep the valve open and the pose near, and for load-holding valves,
-compensators, flow forces and tank line that stand as they are (`modes`). A compensator follows below
-1/(2 pi tau), and takes what H has there of the load's pressure and the pump's.
+It holds for amplitudes that keep the valve open and the pose near, and for load-holding valves, flow
+forces and tank line that stand as they are (`modes`).
 """
 
 import math
@@ -16,8 +15,7 @@ import math
 import numpy as np
 
 from forest_description.types import Complexes, Floats, Vec3
-from forest_sim.analysis.modes import ROOTS, linearise, operating_point, states, unguarded
-from forest_sim.equations.plant import ports_at, state_derivative
+from forest_sim.analysis.modes import ROOTS, linearise, operating_point, rates_at, states, unguarded
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.spool_dynamics import Spool, SpoolLag
 from forest_sim.mechanics.gear import without_play
@@ -47,14 +45,8 @@ def rate_response(
     spools[axis] = voltage
     point = operating_point(angles, (spools[0], spools[1], spools[2]), p)
     a, kept = linearise(point, p)
-    up, down = (
-        states(
-            state_derivative(
-                point.plant, ports_at(_moved(point.spools, axis, by), p, point.lifts, point.tank.seen), p
-            )
-        )
-        for by in (DIFFERENCE, -DIFFERENCE)
-    )
+    x = np.array([*states(point.plant), *(lifts.compensator for lifts in point.lifts)])
+    up, down = (rates_at(x, _moved(point.spools, axis, by), point, p) for by in (DIFFERENCE, -DIFFERENCE))
     b = (up - down)[list(kept)] / (2.0 * DIFFERENCE)
     if not b.any():
         raise ValueError(f"{voltage:g} V leave the valve shut; allowed: more than its deadband")

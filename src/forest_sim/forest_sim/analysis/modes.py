@@ -2,8 +2,8 @@
 
 | symbol | name | unit |
 |---|---|---|
-| x | state: `plant.PlantState` without what stands still | |
-| A | df/dx by central differences about x_0, `plant.state_derivative` | 1/s |
+| x | state: `plant.PlantState` and the compensators' openings, without what stands still | |
+| A | df/dx by central differences about x_0, `plant.state_derivative`, (balance - opening)/tau | 1/s |
 | lambda | eigenvalue, -zeta w_n + j w_n sqrt(1 - zeta^2) | 1/s |
 | p | participation of a state in a mode, abs(left eigenvector times right one); sums to 1 | 1 |
 
@@ -18,8 +18,8 @@ Dry friction is linearised like all else. At rest that is a strong damper, which
 oscillations only; `friction_linearisation` tells for which, and gives the parameters for large
 ones. A swing's bearing sticks at rest, and its gear stands in the middle of its play.
 
-Load-holding valves, compensators, flow forces and the tank line's pressure stand as they are: the
-modes are those of times shorter than their time constants.
+Load-holding valves, flow forces and the tank line's pressure stand as they are: the modes are those
+of times shorter than their time constants, and of amplitudes within a poppet's hysteresis.
 
 Where links give way, a root's angle is replaced by its deflection from the link: that is what the
 spring's energy goes by, and its participation is the spring's share of the mode's energy.
@@ -38,12 +38,14 @@ from forest_sim.equations.multibody import HeadState
 from forest_sim.equations.plant import AxisState, PlantState, Ports, at_joints, ports_at, state_derivative
 from forest_sim.equations.plant_parameters import NO_GUARD, PlantParameters
 from forest_sim.hydraulics.command_history import held_commands
+from forest_sim.hydraulics.compensator import NONE
 from forest_sim.hydraulics.load_holding import is_held, restriction
 from forest_sim.hydraulics.port import is_shut
 from forest_sim.hydraulics.pump_drive import PumpState
-from forest_sim.hydraulics.spool_dynamics import STUCK, Spool
+from forest_sim.hydraulics.spool_dynamics import STUCK, Spool, Spools
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.end_stop import NO_STOP, UNCUSHIONED
+from forest_sim.solver.compensator_step import openings_after
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation, step
 
@@ -52,9 +54,10 @@ DRIVE_PARTS = ("motor", "motor", "links")  # of `DriveState`
 PARTS = {"angle": "links", "rate": "links", "pressure_1": "oil", "pressure_2": "oil"}
 SETTLING, SETTLING_STEP = 3.0, 5e-3  # [s] over which the steady motion at a pose is found
 SHUT: Vec3 = (0.0, 0.0, 0.0)  # [V] of the spools
-STATES = 35  # of `PlantState`
 PUMP = 27  # place of the first one of swash plate and engine
 ROOTS = 29  # place of the first root's angle
+COMPENSATORS = 35  # place of the first compensator's opening
+STATES = 38  # of `PlantState`, and three openings
 SLOWEST = 1e-3  # [Hz] anything below is no oscillation but rounding
 
 
@@ -66,7 +69,7 @@ class Mode(NamedTuple):
     axes: Vec3  # participation of swing, boom, stick
     parts: dict[
         str, float
-    ]  # of links, oil, hoses (flow), pump, head; of a motor in play, of bending and roots
+    ]  # of links, oil, hoses (flow), pump, head; of a motor in play, bending and roots, compensators
 
     @property
     def axis(self) -> str:
@@ -84,6 +87,8 @@ class Mode(NamedTuple):
             return "motor in gear"
         if self.parts.get("roots", 0.0) > most:
             return "roots in links"
+        if self.parts.get("compensators", 0.0) > most:
+            return "compensators"
         if links >= max(hoses, pump):
             return "links bending" if self.parts.get("bending", 0.0) > self.parts["oil"] else "links on oil"
         return "oil in hoses" if hoses >= pump else "oil and pump"
@@ -154,7 +159,7 @@ def _turned(drive: DriveState, by: float, p: PlantParameters) -> DriveState:
 
 
 def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int, ...]]:
-    """Return A [n, n] about an operating point and the places of its n states in `state_recording.STATE`."""
+    """Return A [n, n] about an operating point, and the places of its n states among `rates_at`'s."""
     ports = ports_at(point.spools, p, point.lifts, point.tank.seen)
     kept = [i for i in range(18) if i % 6 < 4 or _flows(point, ports, i // 6, i % 6 - 4, p)]
     if not p.supply.ideal:
@@ -165,17 +170,47 @@ def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int,
     kept += [26] if p.drive.bearing.stiffness > 0.0 else []
     kept += [PUMP] if p.supply.drive.up > 0.0 else []
     kept += [PUMP + 1] if p.supply.drive.inertia > 0.0 else []
-    kept += [place for place in range(ROOTS, STATES) if p.elastic.links[(place - ROOTS) // 2].inertia > 0.0]
-    x = states(point.plant)
+    kept += [
+        place for place in range(ROOTS, COMPENSATORS) if p.elastic.links[(place - ROOTS) // 2].inertia > 0.0
+    ]
+    kept += [COMPENSATORS + axis for axis in range(3) if _meters(ports[axis], axis, p)]
+    x = np.array([*states(point.plant), *(lifts.compensator for lifts in point.lifts)])
     columns = []
     for place in kept:
         d = _difference(place)
         up, down = (
-            states(state_derivative(_shaped(x + sign * d * np.eye(STATES)[place]), ports, p))
-            for sign in (1, -1)
+            rates_at(x + sign * d * np.eye(STATES)[place], point.spools, point, p) for sign in (1, -1)
         )
         columns.append((up - down)[kept] / (2.0 * d))
     return np.column_stack(columns), tuple(kept)
+
+
+def rates_at(x: Floats, spools: Spools, point: Simulation, p: PlantParameters) -> Floats:
+    """Return the rates of change of the plant's 35 states and of the three compensators' openings.
+
+    Args:
+        x: those states.
+        spools: where the spools are.
+        point: the operating point, of what stands still.
+        p: the machine.
+    """
+    plant, openings = _shaped(x), x[COMPENSATORS:].tolist()
+    one, two, three = (
+        lifts._replace(compensator=opening) for lifts, opening in zip(point.lifts, openings, strict=True)
+    )
+    ports = ports_at(spools, p, (one, two, three), point.tank.seen)
+    balanced = openings_after(plant, (one, two, three), spools, spools, math.inf, p)
+    moving = [
+        (there.compensator - opening) / valve.compensator.response_time
+        for there, opening, valve in zip(balanced, openings, p.valves, strict=True)
+    ]
+    return np.array([*states(state_derivative(plant, ports, p)), *moving])
+
+
+def _meters(ports: Ports, axis: int, p: PlantParameters) -> bool:
+    """Tell whether an axis has a compensator through which oil flows."""
+    open_to_pump = min(ports.port_1.to_supply, ports.port_2.to_supply) < math.inf
+    return p.valves[axis].compensator.sort != NONE and open_to_pump
 
 
 def modes(angles: Vec3, spools: Vec3, p: PlantParameters) -> list[Mode]:
@@ -203,7 +238,7 @@ def _by_deflections(a: Floats, kept: tuple[int, ...]) -> Floats:
     """Return A with the deflections of elastic links in place of their roots' angles."""
     turn = np.eye(len(kept))
     for row, place in enumerate(kept):
-        if place >= ROOTS and (place - ROOTS) % 2 == 0:
+        if ROOTS <= place < COMPENSATORS and (place - ROOTS) % 2 == 0:
             turn[row, kept.index(3 * (place - ROOTS))] = -1.0
     found: Floats = turn @ a @ (2.0 * np.eye(len(kept)) - turn)  # whose product with turn is 1
     return found
@@ -214,7 +249,8 @@ def _mode(value: complex, weights: Floats, kept: tuple[int, ...]) -> Mode:
     axes = [0.0, 0.0, 0.0]
     parts = dict.fromkeys(("links", "oil", "hoses", "pump", "head"), 0.0)
     parts |= {"motor": 0.0} if 24 in kept else {}
-    parts |= {"bending": 0.0, "roots": 0.0} if kept[-1] >= ROOTS else {}
+    parts |= {"bending": 0.0, "roots": 0.0} if any(ROOTS <= place < COMPENSATORS for place in kept) else {}
+    parts |= {"compensators": 0.0} if kept[-1] >= COMPENSATORS else {}
     for place, weight in zip(kept, weights.tolist(), strict=True):
         if place < 18:
             axes[place // 6] += weight
@@ -223,6 +259,9 @@ def _mode(value: complex, weights: Floats, kept: tuple[int, ...]) -> Mode:
             parts["pump"] += weight
         elif place < 24:
             parts["head"] += weight
+        elif place >= COMPENSATORS:
+            axes[place - COMPENSATORS] += weight
+            parts["compensators"] += weight
         elif place >= ROOTS:
             axes[(place - ROOTS) // 2] += weight
             parts["roots" if (place - ROOTS) % 2 else "bending"] += weight
@@ -267,7 +306,7 @@ def states(state: PlantState) -> Floats:
 def _shaped(x: Floats) -> PlantState:
     v = x.tolist()
     axes = AxisState(*v[0:6]), AxisState(*v[6:12]), AxisState(*v[12:18])
-    roots = Roots(*(RootState(*v[k : k + 2]) for k in range(ROOTS, STATES, 2)))
+    roots = Roots(*(RootState(*v[k : k + 2]) for k in range(ROOTS, COMPENSATORS, 2)))
     head, drive, pump = HeadState(*v[20:24]), DriveState(*v[24:PUMP]), PumpState(*v[PUMP:ROOTS])
     return PlantState(*axes, SupplyState(*v[18:20]), head, drive, pump, roots)
 

@@ -24,7 +24,7 @@ from forest_sim.sensors.sensor_suite import sensor_suite
 from forest_sim.simulation.disturbance import parse_disturbance
 from forest_sim.simulation.load import checked_load, own_load
 from forest_sim.simulation.open_loop import RunError, require_within_limits
-from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, topic_values
+from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, further_topics, topic_values
 from forest_sim.simulation.simulated_machine import STEP, SimulatedMachine
 from forest_sim.simulation.voltage_profiles import GREATEST
 from forest_sim.solver.plant_kernel import KERNEL as PLANT
@@ -71,9 +71,9 @@ class CraneUnit(Fmi2Slave):
             self._add(Real, name, "on the tip, in the base frame [N]", Fmi2Causality.input)
         for name, unit in zip(LOAD, ("kg", "m"), strict=True):
             self._add(Real, name, f"of the log that the head holds [{unit}]", Fmi2Causality.input)
-        self._machine = self._at_rest()
+        self._machine, self._further = self._at_rest(), further_topics(self._crane, has_loads=True)
         self._tell_start()
-        for topic in SIMULATED_TOPICS:
+        for topic in (*SIMULATED_TOPICS, *self._further):
             for name, unit in _outputs(topic):
                 if not math.isnan(self._values[name]):  # a sensor that this machine does not have
                     self._add(Real, name, f"/{topic.name} [{unit}]", Fmi2Causality.output)
@@ -128,6 +128,7 @@ class CraneUnit(Fmi2Slave):
         self._tell(topic_values(self._machine.at_rest, self._machine.events))
 
     def _tell(self, values: dict[Topic, tuple[float, ...]]) -> None:
+        values |= {topic: told(self._machine) for topic, told in self._further.items()}
         for topic, numbers in values.items():
             names = (f"{_dotted(topic)}.{column}" for column in columns(topic))
             self._values.update(zip(names, numbers, strict=True))

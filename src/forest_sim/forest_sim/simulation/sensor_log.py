@@ -5,6 +5,7 @@ The one place of offline runs that knows the sensors; columns as
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -15,18 +16,21 @@ from forest_description.types import Floats
 from forest_msgs_py.interfaces import topics
 from forest_msgs_py.interfaces.topics import Topic
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.hydraulics.pump_drive import pump_drive
 from forest_sim.sensors import sensor_readings
 from forest_sim.sensors.sensor_readings import Report
 from forest_sim.sensors.sensor_run import SensorRun
 from forest_sim.sensors.sensor_suite import Fault, sensor_suite
 from forest_sim.sensors.signal_processing import Motion
 from forest_sim.simulation.open_loop import Block
+from forest_sim.simulation.simulated_machine import SimulatedMachine
 from forest_sim.solver.integrator import Events, Simulation
 from forest_sim.solver.oil_temperature import parameters_at
 from forest_sim.solver.state_recording import restore
 
 TopicTables = dict[Topic, Floats]
 TopicValues = dict[Topic, tuple[float, ...]]
+FurtherTopics = dict[Topic, Callable[[SimulatedMachine], tuple[float, ...]]]
 
 SIMULATED_TOPICS = tuple(
     topic
@@ -98,6 +102,24 @@ def topic_values(report: Report, events: Events, missed_deadlines: int = 0) -> T
         topics.GROUND_TRUTH_TIP_POSE: (*report.tip, *tip_orientation(report.joints.position)),
         topics.GROUND_TRUTH_TIP_TWIST: report.tip_velocity,
     }
+
+
+def further_topics(machine: Machine, has_loads: bool) -> FurtherTopics:
+    """Return the topics that not every simulated machine has, of parts that its file may leave out."""
+    found: FurtherTopics = {}
+    if machine.manipulator.pendulum is not None:
+        found[topics.GROUND_TRUTH_HEAD] = lambda running: running.head_joints
+    if has_loads or machine.manipulator.log is not None:
+        found[topics.GROUND_TRUTH_LOAD] = lambda running: running.load
+    if any(drive.elasticity is not None for drive in machine.drives):
+        found[topics.GROUND_TRUTH_DEFLECTIONS] = lambda running: running.deflections
+    if pump_drive(machine.pump).present:
+        found[topics.GROUND_TRUTH_PUMP] = lambda running: running.pump
+    if machine.tank_line is not None:
+        found[topics.GROUND_TRUTH_TANK_LINE] = lambda running: running.tank_line
+    if any(machine.valve_of(axis).compensator is not None for axis in range(3)):
+        found[topics.GROUND_TRUTH_COMPENSATORS] = lambda running: running.compensators
+    return found
 
 
 def _motion(motion: Motion) -> tuple[float, ...]:

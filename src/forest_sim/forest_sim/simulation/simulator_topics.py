@@ -1,6 +1,5 @@
 """The simulator's input from a topic, and its outputs to topics: conversions only, which decide nothing."""
 
-from collections.abc import Callable
 from typing import Any
 
 from forest_description.machine import Machine
@@ -8,42 +7,20 @@ from forest_description.types import ZERO, Vec3
 from forest_description.urdf.robot_description import robot_description
 from forest_msgs_py.clock.node_clock import number_publisher
 from forest_msgs_py.interfaces import topics
-from forest_msgs_py.interfaces.topics import Topic, message_class
+from forest_msgs_py.interfaces.topics import message_class
 from forest_msgs_py.safety.clipping import Clipping
 from forest_msgs_py.safety.diagnostics import Diagnostics
 from forest_msgs_py.safety.emergency_stop import EmergencyStop
 from forest_msgs_py.safety.input_status import InputStatus
 from forest_msgs_py.safety.single_talker import SingleTalker
 from forest_msgs_py.serialization.unpacking import ArrayReader
-from forest_sim.hydraulics.pump_drive import pump_drive
-from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, TopicValues
+from forest_sim.simulation.sensor_log import SIMULATED_TOPICS, FurtherTopics, TopicValues
 from forest_sim.simulation.simulated_machine import SimulatedMachine
 from forest_sim.simulation.voltage_command import VoltageInput
 
 PART, STOP = "voltages", "emergency stop"  # on /diagnostics
 FRAME = "base_link"
 FRAMED = (topics.POSE, topics.TWIST)  # types
-
-
-FurtherTopics = dict[Topic, Callable[[SimulatedMachine], tuple[float, ...]]]
-
-
-def further_topics(machine: Machine, has_loads: bool) -> FurtherTopics:
-    """Return the topics that not every simulated machine has, of parts that its file may leave out."""
-    found: FurtherTopics = {}
-    if machine.manipulator.pendulum is not None:
-        found[topics.GROUND_TRUTH_HEAD] = lambda running: running.head_joints
-    if has_loads or machine.manipulator.log is not None:
-        found[topics.GROUND_TRUTH_LOAD] = lambda running: running.load
-    if any(drive.elasticity is not None for drive in machine.drives):
-        found[topics.GROUND_TRUTH_DEFLECTIONS] = lambda running: running.deflections
-    if pump_drive(machine.pump).present:
-        found[topics.GROUND_TRUTH_PUMP] = lambda running: running.pump
-    if machine.tank_line is not None:
-        found[topics.GROUND_TRUTH_TANK_LINE] = lambda running: running.tank_line
-    if any(machine.valve_of(axis).compensator is not None for axis in range(3)):
-        found[topics.GROUND_TRUTH_COMPENSATORS] = lambda running: running.compensators
-    return found
 
 
 def parts(clock: Any) -> tuple[str, ...]:
