@@ -52,6 +52,7 @@ class CoordinationParameters(NamedTuple):
     hold_error: float  # [rad] a resting joint this near holds
     release_error: float  # [rad] and moves again beyond this
     inches: Vec3  # [rad/s, m/s, m/s] speeds of the actuators while a resting joint is inched
+    free_ways: Vec3  # [rad] of the gears
     linkages: Linkages
 
 
@@ -209,7 +210,10 @@ def _joint_servo(
     filtered, holds, wide, side = held(memory, error, still, p, dt)
     if all_rest and is_due(memory.inching, shut):
         kept = 0.0 if shut else memory.gathered
-        w, inching = memory.w - memory.gathered + kept, inched(memory.inching, error, shut, abs(inch), dt)
+        w, inching = (
+            memory.w - memory.gathered + kept,
+            inched(memory.inching, error, shut, abs(inch), p.free_ways[i], dt),
+        )
         return Joint(
             a=x.a,
             b=x.b,
