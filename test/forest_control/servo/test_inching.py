@@ -9,13 +9,13 @@ RATE, COMMAND = 0.06, 0.3  # U [rad/s] of how many volts
 CROSSED = 6.0  # [V] to cross an overlap to and fro
 
 
-def at_rest(error, misjudged, duration, sinks=0.0, fed=False):
+def at_rest(error, misjudged, duration, sinks=0.0, fed=False, free_way=0.0):
     """Return the error's course [rad] and when inches began [s]; thought too wide by [V]."""
     i, errors, begun = MOVING, [error], []
     for k in range(round(duration / DT)):
         shut = i.rate == 0.0 and not fed
         before = i.rate
-        i = inched(i, error, shut, RATE, DT) if is_due(i, shut) else served(i, DT)
+        i = inched(i, error, shut, RATE, free_way, DT) if is_due(i, shut) else served(i, DT)
         if i.rate != 0.0 and before == 0.0:
             begun.append(k * DT)
         sign = (i.rate > 0.0) - (i.rate < 0.0)
@@ -37,6 +37,14 @@ def test_an_overlap_that_is_misjudged_still_lets_a_joint_be_inched_to_its_place(
 def test_its_servo_has_its_time_first_and_what_is_near_is_near_enough():
     assert min(at_rest(1e-3, 0.0, 2.0)[1]) > ARRIVED
     assert at_rest(0.9 * NEAR, 0.0, 8.0)[1] == []
+
+
+@pytest.mark.parametrize("free_way", [1e-3, 2e-3])
+def test_what_the_play_of_a_gear_may_make_of_an_error_is_left_alone(free_way):
+    for limit, after in ((NEAR, 0.0), (FAR, SETTLED)):
+        _, begun = at_rest(0.95 * (0.5 * free_way + limit), 0.0, 20.0, free_way=free_way)
+        assert [time for time in begun if time > after + LOOK] == []
+    assert at_rest(1.05 * (0.5 * free_way + FAR), 0.0, 8.0, free_way=free_way)[1] != []
 
 
 def test_an_inch_that_does_not_help_is_followed_by_a_stronger_one():

@@ -165,6 +165,7 @@ def parameters(machine: Machine, settings: Settings, workspace: Workspace = OPEN
             hold_error=HOLD_ERROR,
             release_error=RELEASE_ERROR,
             inches=(_inch(machine, 0), _inch(machine, 1), _inch(machine, 2)),
+            free_ways=(0.0 if machine.swing.backlash is None else machine.swing.backlash.free_way, 0.0, 0.0),
             linkages=machine.linkages,
         ),
     )

@@ -32,8 +32,6 @@ REST_RATE = 1e-4  # [rad/s] a reference slower than this rests: 0.6 mm/s of the 
 ERROR_LAG = 0.05  # [s] time constant of the error's low-pass: over a quarter of a period at 8 Hz
 HELD = 1e-9  # [rad/s] command to a joint that holds: no motion, but the driver may feed its leakage
 MOST_GATHERED = 2e-3  # [rad/s] of the integral at rest, while the valve is shut; chosen, not measured
-WIDEST = 16.0  # [1] factor that holding may widen by: four turns of a cycle; chosen
-FORGOTTEN = 20.0  # [s] time constant with which the widening fades; chosen, not measured
 HIGHEST_ACCELERATION = 2.0  # [rad/s^2] of b: a jump of the velocity scaling must not kick the valves; chosen
 MOST_SAMPLES = 50  # [1] in the mean pose that the reference starts from: 0.25 s at rest
 
@@ -52,6 +50,7 @@ class CoordinationParameters(NamedTuple):
     hold_error: float  # [rad] a resting joint this near holds
     release_error: float  # [rad] and moves again beyond this
     inches: Vec3  # [rad/s, m/s, m/s] speeds of the actuators while a resting joint is inched
+    free_ways: Vec3  # [rad] of the gears
     linkages: Linkages
 
 
@@ -63,8 +62,6 @@ class Joint(NamedTuple):
     w: float = 0.0  # [rad/s]
     error: float = 0.0  # r - s, low-passed [rad]
     holding: bool = True
-    wide: float = 1.0  # hold and release error over what is set
-    side: float = 0.0  # of the error that it moved for last, at rest: 1, -1
     gathered: float = 0.0  # part of w that was gathered at rest [rad/s]
     inching: Inching = MOVING
 
@@ -173,13 +170,11 @@ def _rests(memory: Joint, a: float) -> bool:
 
 def held(
     memory: Joint, error: float, still: bool, p: CoordinationParameters, dt: float
-) -> tuple[float, bool, float, float]:
-    """Return the filtered error r - s [rad], whether the valve may stay shut, and `_widened`."""
+) -> tuple[float, bool]:
+    """Return the filtered error r - s [rad], and whether the valve may stay shut."""
     filtered = memory.error + (1.0 - math.exp(-dt / ERROR_LAG)) * (error - memory.error)
-    near = abs(filtered) < memory.wide * (p.release_error if memory.holding else p.hold_error)
-    holds = still and (near or (not memory.holding and filtered * memory.error < 0.0))
-    wide, side = _widened(memory, filtered, still, holds, dt)
-    return filtered, holds, wide, side
+    near = abs(filtered) < (p.release_error if memory.holding else p.hold_error)
+    return filtered, still and (near or (not memory.holding and filtered * memory.error < 0.0))
 
 
 def _joint_servo(
@@ -206,18 +201,19 @@ def _joint_servo(
     """
     # A valve that is open, to feed what leaks, is better served by the servo than by holding.
     error, still = x.r - x.s, all_rest or (shut and _rests(memory, x.a))
-    filtered, holds, wide, side = held(memory, error, still, p, dt)
+    filtered, holds = held(memory, error, still, p, dt)
     if all_rest and is_due(memory.inching, shut):
         kept = 0.0 if shut else memory.gathered
-        w, inching = memory.w - memory.gathered + kept, inched(memory.inching, error, shut, abs(inch), dt)
+        w, inching = (
+            memory.w - memory.gathered + kept,
+            inched(memory.inching, error, shut, abs(inch), p.free_ways[i], dt),
+        )
         return Joint(
             a=x.a,
             b=x.b,
             w=w,
             error=filtered,
             holding=True,
-            wide=wide,
-            side=side,
             gathered=kept,
             inching=inching,
         ), HELD
@@ -237,8 +233,6 @@ def _joint_servo(
         w=w,
         error=filtered,
         holding=holds,
-        wide=wide,
-        side=side,
         gathered=gathered,
         inching=inching,
     ), u
@@ -258,22 +252,6 @@ def _gathered(memory: Joint, step: float, still: bool, holds: bool, shut: bool) 
     if not shut:
         return before + step
     return max(min(before, -MOST_GATHERED), min(max(before, MOST_GATHERED), before + step))
-
-
-def _widened(memory: Joint, filtered: float, still: bool, holds: bool, dt: float) -> tuple[float, float]:
-    """Return how much wider a joint holds than set, and the side that it was moved from last, at rest.
-
-    A valve whose deadband is estimated too wide jumps open, and the joint would overshoot to and
-    fro for ever. So every time that a joint at rest is moved the other way than before, it holds
-    twice as wide.
-    """
-    if not still:
-        return 1.0, 0.0
-    wide = 1.0 + (memory.wide - 1.0) * math.exp(-dt / FORGOTTEN)
-    if not memory.holding or holds:
-        return wide, memory.side
-    side = math.copysign(1.0, filtered)
-    return (min(WIDEST, 2.0 * wide) if side * memory.side < 0.0 else wide), side
 
 
 def _smooth_acceleration(

@@ -16,6 +16,9 @@ D must be large beside the error of any overlap, and beside the sensors' noise, 
 would not take it for motion. An inch that does not help is followed by a stronger one: the overlap
 is wider than estimated.
 
+A joint behind a gear with play comes to rest on either flank, and an inch may only move the motor
+in its play. So half the free way is left beyond what else is.
+
 Once it has had its time to settle, a joint is moved only for an error that can be seen (`FAR`), and
 ever more seldom. An actuator that leaks under its load has its valve open all the time: it is left
 to the servo.
@@ -65,7 +68,7 @@ def is_due(i: Inching, shut: bool) -> bool:
     return i.rested >= ARRIVED and (shut or i.left != 0.0 or i.looked < timeout)
 
 
-def inched(i: Inching, error: float, shut: bool, rate: float, dt: float) -> Inching:
+def inched(i: Inching, error: float, shut: bool, rate: float, free_way: float, dt: float) -> Inching:
     """Return the state dt [s] later; its `rate` is to be commanded, 0: the joint holds.
 
     Args:
@@ -73,6 +76,7 @@ def inched(i: Inching, error: float, shut: bool, rate: float, dt: float) -> Inch
         error: r - s [rad].
         shut: its valve is.
         rate: U [rad/s].
+        free_way: of its gear [rad]; 0: none.
         dt: period [s].
     """
     rested = i.rested + dt
@@ -86,7 +90,7 @@ def inched(i: Inching, error: float, shut: bool, rate: float, dt: float) -> Inch
         return i._replace(rested=rested, looked=looked, mean=mean, rate=0.0)
     i = i._replace(rested=rested, looked=0.0, mean=0.0, rate=0.0)
     settled = rested > SETTLED
-    if abs(mean) < (FAR if settled else NEAR):
+    if abs(mean) < 0.5 * free_way + (FAR if settled else NEAR):
         return i._replace(look=max(LOOK, 0.5 * i.look), before=0.0)
     look = min(LONGEST, 2.0 * i.look) if settled else LOOK
     helped = abs(mean - i.before) > LITTLE * abs(i.before)
