@@ -120,6 +120,14 @@ def test_the_time_bar_moves_the_drawn_tip_to_where_it_was_recorded(page):
         wait_for_tip(page, recorded_tip("coordinated", seconds))
 
 
+def test_on_a_narrow_screen_what_a_newcomer_reads_does_not_lie_over_a_replay(page):
+    wide = page.viewport_size
+    page.set_viewport_size({"width": 600, "height": wide["height"]})
+    page.wait_for_selector("#scene > #first_minute", state="hidden")
+    page.set_viewport_size(wide)
+    page.wait_for_selector("#left > #first_minute", state="visible")
+
+
 def test_it_plays_and_steps_by_keys_and_the_hands_are_off_the_crane(page):
     go_to(page, 1.0)
     page.keyboard.press(".")
