@@ -13,14 +13,17 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from forest_control.operator.levers import Levers
+import numpy as np
+
+from forest_control.config import controller_settings
 from forest_control.servo.schemes import Scheme
 from forest_control.valve import valve_driver_parameters
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
 from forest_msgs_py.types import PERIOD
-from forest_study.closed_loop import closed_loop, loop_kernel, model_mismatch
-from forest_study.closed_loop.closed_loop import Operator, Trajectory
+from forest_sim.equations.plant_parameters import plant_parameters
+from forest_study.closed_loop import loop_kernel, model_mismatch
+from forest_study.closed_loop.closed_loop import ClosedLoop
 from forest_study.tracking import tracking
 from forest_study.tracking.paths import NAMES, path_named
 from forest_study.tracking.track_runs import Variation, run_many
@@ -42,16 +45,18 @@ def compare(name: str, repeats: int) -> Row:
         AssertionError: the loops differ.
     """
     plan, course = _timed(lambda: tracking.prepare(path_named(name), 0.5, Scheme.COORDINATED, C180))
-    suite, seconds = tracking.noisy(C180, 0), PERIOD * len(course.levers)
+    suite, seconds = tracking.noisy(C180, 0), PERIOD * len(course.places)
     start = inverse_kinematics(path_named(name).at(0.0), C180.manipulator.links)
-    whole = [
-        _timed(lambda: loop_kernel.run(C180, course.levers, start, course.settings, DRIVE, suite=suite))
-        for _ in range(repeats)
-    ]
-    given = loop_kernel.prepared(C180, course.levers, start, course.settings, DRIVE, suite=suite)
-    alone = [_timed(given.run)[0] for _ in range(repeats)]
+    rows = np.ones((len(course.places) + 1, 4))
+
+    def given() -> loop_kernel.Prepared:
+        return loop_kernel.prepared(C180, rows, start, course.settings, DRIVE, suite=suite)
+
+    whole = [_timed(lambda: given().lead(course.places, course.hand)) for _ in range(repeats)]
+    prepared = given()
+    alone = [_timed(lambda: prepared.lead(course.places, course.hand))[0] for _ in range(repeats)]
     python, slow = _timed(lambda: interpreted(course, start, suite))
-    assert (whole[0][1].tip == slow.tip).all(), "both loops must give the same figures"
+    assert (whole[0][1].moved.tip == slow.moved.tip).all(), "both loops must give the same figures"
     fastest = min(took for took, _ in whole)
     return {
         "path": name,
@@ -64,15 +69,14 @@ def compare(name: str, repeats: int) -> Row:
     }
 
 
-def interpreted(course: Course, start: tuple[float, float, float], suite: Any) -> Trajectory:
+def interpreted(course: Course, start: tuple[float, float, float], suite: Any) -> loop_kernel.Led:
     """Return the same run in Python; only the plant is compiled."""
-
-    def operator(now: float) -> Operator:
-        *levers, enabled = course.levers[round(now / PERIOD)].tolist()
-        return Operator(Levers(*levers), enabled > 0.5)
-
-    end = PERIOD * len(course.levers)
-    return closed_loop.run(C180, operator, end, start, course.settings, DRIVE, sensor_suite=suite)
+    believed = (
+        controller_settings.parameters(C180, course.settings),
+        valve_driver_parameters.parameters(C180, DRIVE),
+    )
+    loop, links = ClosedLoop(plant_parameters(C180), *believed, start, suite), C180.manipulator.links
+    return loop_kernel.lead_interpreted(loop, links, course.places, course.hand, len(course.places) + 1)
 
 
 def many(count: int) -> Row:
@@ -84,7 +88,7 @@ def many(count: int) -> Row:
 
     began = time.perf_counter()
     took, _ = _timed(lambda: run_many(course, C180, range(count), varied, adapt=True), time.process_time)
-    seconds, clock = count * PERIOD * len(course.levers), time.perf_counter() - began
+    seconds, clock = count * PERIOD * len(course.places), time.perf_counter() - began
     return {
         "runs": count,
         "cores": len(os.sched_getaffinity(0)),

@@ -231,7 +231,7 @@ def test_the_loop_at_random_states_is_pythons_to_the_last_bit():
 
     def law(given):
         loop, levers, normals = given
-        return loop_core.period(loop, Levers(*levers[:3]), levers[3] > 0.5, k, normals, 0)[1]
+        return loop_core.period(loop, Levers(*levers[:3]), levers[3] > 0.5, True, k, normals, 0)[1]
 
     def machine_law(given):
         loop, levers, normals = given

@@ -5,6 +5,7 @@ In the order in which data passes:
 - `closed_loop`: Machine, controller and driver in one loop without ROS, interpreted or compiled.
 - `measures`: How far a tip was from where it should be: four measures, of which none is told alone.
 - `tracking`: The tip along a path, and how far it is from where it should be.
+- `matrix`: What control reaches on plants that nobody knows exactly, the worst of many seeds.
 - `thesis`: The thesis's evaluation of its control schemes (chapter 5), run anew.
 - `latency`: What late links cost.
 - `stability`: How far the position loops are from swinging up: Bode plots and margins.

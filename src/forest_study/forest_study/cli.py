@@ -17,6 +17,7 @@ from forest_msgs_py.runtime import command_line
 from forest_study.closed_loop.link_model import LinkError
 from forest_study.demo import replay
 from forest_study.latency import delay_study, timing
+from forest_study.matrix import matrix_command
 from forest_study.results import StudyError, new_directory
 from forest_study.stability import bode_command
 from forest_study.tracking import track_command
@@ -49,6 +50,10 @@ def _parser() -> argparse.ArgumentParser:
         commands, "track", _track, "the tip along a path, closed loop: how far it is from where it should be"
     )
     track_command.add_arguments(tracking)
+    hidden = _command(
+        commands, "matrix", _matrix, "plants hidden from the controller, drawn by seed: the worst of them"
+    )
+    matrix_command.add_arguments(hidden)
     late = _command(commands, "delay", _delay, "late links: tracking and stopping against 0 to 600 ms")
     delay_study.add_arguments(late)
     replaying = _command(
@@ -110,6 +115,14 @@ def _delay(options: argparse.Namespace) -> int:
 
 def _bode(options: argparse.Namespace) -> int:
     return bode_command.run(options)
+
+
+def _matrix(options: argparse.Namespace) -> int:
+    new_directory(options.out)
+    try:
+        return matrix_command.run(options)
+    except PathError as error:
+        raise StudyError(f"matrix: {error}") from error
 
 
 def _track(options: argparse.Namespace) -> int:

@@ -91,7 +91,7 @@ def test_the_core_interpreted_is_the_core_compiled():
     k = loop_kernel.knowledge(C180, C180, settings, drive, suite)
     loop, normals = loop_kernel.begin(k, START, suite), loop_kernel.draws(suite, len(table)).ravel().tolist()
     for row, (*levers, enabled) in enumerate(table.tolist()):
-        loop, happened = loop_core.period(loop, Levers(*levers), enabled > 0.5, k, normals, row)
+        loop, happened = loop_core.period(loop, Levers(*levers), enabled > 0.5, True, k, normals, row)
         assert happened.command == tuple(fast.commands[row])
         assert happened.tip == tuple(fast.tip[row])
         assert happened.pressures == tuple(fast.pressures[row])

@@ -3,22 +3,25 @@
 import argparse
 import json
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 pytest.importorskip("llvmlite")
 
-from forest_control.operator.levers import Levers
+from forest_control.config import controller_settings
 from forest_control.servo.schemes import Scheme
 from forest_control.taught.tip_path import polyline
+from forest_control.valve import valve_driver_parameters
+from forest_description.config.parameter import MachineError
 from forest_description.machine import load_machine
-from forest_msgs_py.types import PERIOD
 from forest_sim.equations.plant_parameters import parameters_of, plant_parameters
 from forest_study import cli
-from forest_study.closed_loop import closed_loop, model_mismatch
-from forest_study.closed_loop.closed_loop import Operator
+from forest_study.closed_loop import loop_kernel, model_mismatch
+from forest_study.closed_loop.closed_loop import ClosedLoop
 from forest_study.closed_loop.model_mismatch import Ranges
+from forest_study.closed_loop.path_guide import Hand
 from forest_study.tracking import track_command, tracking
 from forest_study.tracking.track_runs import Variation, quantiles, run_many
 
@@ -36,18 +39,27 @@ def varied(seed):
     return Variation(tracking.noisy(C180, seed), model_mismatch.draw(seed, Ranges()))
 
 
-def interpreted(machine, table, start, control, drive, model, suite, plant):
-    def operator(time):
-        *levers, enabled = table[round(time / PERIOD)].tolist()
-        return Operator(Levers(*levers), enabled > 0.5)
+class Interpreted(NamedTuple):
+    """What `loop_kernel.prepared` gives, in Python."""
 
-    end = PERIOD * len(table)
-    return closed_loop.run(machine, operator, end, start, control, drive, model, suite, plant=plant)
+    loop: ClosedLoop
+    rows: int
+
+    def lead(self, places, hand):
+        return loop_kernel.lead_interpreted(self.loop, C180.manipulator.links, places, hand, self.rows)
+
+
+def interpreted(machine, rows, start, control, drive, model, suite, plant):
+    believed = (
+        controller_settings.parameters(model, control),
+        valve_driver_parameters.parameters(model, drive),
+    )
+    return Interpreted(ClosedLoop(plant, *believed, start, suite), len(rows))
 
 
 def test_a_run_has_the_figures_of_the_python_loop(course, monkeypatch):
     runs, session = run_many(course, C180, [3], varied, adapt=True)
-    monkeypatch.setattr(tracking.loop_kernel, "run", interpreted)
+    monkeypatch.setattr(tracking.loop_kernel, "prepared", interpreted)
     python = tracking.follow(
         course,
         C180,
@@ -58,6 +70,23 @@ def test_a_run_has_the_figures_of_the_python_loop(course, monkeypatch):
     assert runs[0].total == python.total
     assert runs[0].laps == python.scores
     np.testing.assert_array_equal(session.moved.tip, python.moved.tip)
+    np.testing.assert_array_equal(session.led.levers, python.led.levers)
+    np.testing.assert_array_equal(session.led.clock, python.led.clock)
+
+
+def test_so_has_one_whose_joystick_is_slow_and_coarse(course, monkeypatch):
+    slow = course._replace(hand=Hand(0.5, 10.0, 4, 127.0))
+    compiled = tracking.follow(slow, C180, tracking.noisy(C180, 3))
+    monkeypatch.setattr(tracking.loop_kernel, "prepared", interpreted)
+    python = tracking.follow(slow, C180, tracking.noisy(C180, 3), plant=plant_parameters(C180))
+    for name in ("levers", "clock"):
+        np.testing.assert_array_equal(getattr(compiled.led, name), getattr(python.led, name))
+    np.testing.assert_array_equal(compiled.moved.tip, python.moved.tip)
+    levers = compiled.led.levers[:, :3]
+    assert np.abs(levers * 127.0 - np.round(levers * 127.0)).max() < 1e-4
+    changed = np.flatnonzero(np.any(np.diff(levers, axis=0) != 0.0, axis=1)) + 1
+    assert set(changed % 4) == {0}
+    assert compiled.total.wish_max_mm > 10.0  # read two samples behind: 0.04 s at 0.4 m/s
 
 
 def test_threads_change_nothing_and_seeds_do(course):
@@ -104,6 +133,61 @@ def test_a_gain_is_flow_at_a_drop_and_a_deadband_is_added():
     assert model_mismatch.applied(C180, off).body != p.body
 
 
+HIDDEN = Ranges(
+    deadband=0.2,
+    gain=0.2,
+    stiffness=0.2,
+    tilt=10.0,
+    head=2000.0,
+    dead_time=0.02,
+    hysteresis=0.3,
+    backlash=0.2,
+    oil=80.0,
+)
+
+
+def test_what_more_is_drawn_leaves_valves_head_and_spools_as_they_were():
+    few, many = (model_mismatch.draw(9, ranges) for ranges in (Ranges(deadband=0.2, gain=0.2), HIDDEN))
+    assert few[:4] == many[:4]
+
+
+def test_every_part_of_a_machine_is_what_was_drawn():
+    real = load_machine("c180_real")
+    off, own = model_mismatch.draw(12, HIDDEN), parameters_of(real)
+    p = model_mismatch.applied(real, off._replace(oil=None))
+    assert p.swing.oil_1.wall == pytest.approx(own.swing.oil_1.wall / off.hoses[0], rel=0.3)
+    assert p.drive.gear.teeth.upper == pytest.approx(0.5 * off.backlash)
+    assert math.degrees(off.backlash) < 0.2
+    assert p.boom.oil_1.oil != own.boom.oil_1.oil
+    assert {valve.lag.dead_time for valve in p.valves} == {off.dead_time}
+    assert {valve.lag.play for valve in p.valves} == {off.hysteresis}
+    assert model_mismatch.applied(real, off._replace(oil=None, tilt=0.0)).body != p.body
+    assert p.head != own.head
+
+
+def test_extremes_of_what_is_drawn_follow_their_ranges():
+    drawn = [model_mismatch.draw(seed, HIDDEN) for seed in range(300)]
+    for name, most in (("head", 2000.0), ("dead_time", 0.02), ("hysteresis", 0.3)):
+        values = [getattr(m, name) for m in drawn]
+        assert 0.0 <= min(values) < 0.02 * most
+        assert 0.98 * most < max(values) <= most
+    assert max(abs(math.degrees(m.tilt)) for m in drawn) == pytest.approx(10.0, rel=0.02)
+    assert 273.15 <= min(m.oil for m in drawn) < max(m.oil for m in drawn) <= 353.15
+    assert 0.8 <= min(min(m.hoses) for m in drawn) < max(max(m.hoses) for m in drawn) <= 1.2
+
+
+def test_none_of_it_is_none_and_nothing_drawn_is_as_in_the_file():
+    real, none = load_machine("c180_real"), Ranges(0.0, 0.0, 1.0, 1.0)
+    bare = model_mismatch.applied(real, model_mismatch.draw(3, none._replace(hysteresis=0.0, backlash=0.0)))
+    assert {valve.lag.play for valve in bare.valves} == {0.0}
+    assert model_mismatch.applied(real, model_mismatch.draw(3, none)) == parameters_of(real)
+
+
+def test_a_gear_that_a_machine_has_not_is_not_drawn():
+    with pytest.raises(MachineError, match=r"no swing\.backlash"):
+        model_mismatch.applied(C180, model_mismatch.draw(3, Ranges(backlash=0.2)))
+
+
 def test_an_overlap_never_becomes_an_underlap():
     wide = model_mismatch.draw(1, Ranges(deadband=1.0))._replace(deadbands=(-9.0,) * 6)
     law = model_mismatch.applied(C180, wide).valves[0].law
@@ -117,7 +201,8 @@ def test_ranges_of_a_command_line():
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("oil=1", "NAME=NUMBER of deadband, gain, head_mass, spool"),
+        ("air=1", "NAME=NUMBER of deadband, gain, head_mass, spool, stiffness, tilt"),
+        ("oil=101", "0 .. 100"),
         ("gain", "gain=NUMBER"),
         ("gain=most", "gain=NUMBER"),
         ("gain=nan", "0 .. 0.9"),

@@ -90,7 +90,8 @@ def test_a_plan_takes_at_most_1_1_of_the_least_time_and_the_governor_leaves_it_a
     p = controller_settings.parameters(C180, settings)
     path = path_named(name)
     planned = plan(path, 1.0, p, 1)[0].profile.duration
-    least = fastest(path, 1.0, RAMP, lambda place, along: greatest_speed(path.name, place, along, p)).duration
+    free = fastest(path, 1.0, RAMP, lambda place, along: greatest_speed(path.name, place, along, 1.0, p))
+    least = free.duration
     assert least <= planned <= 1.1 * least
     moved = session(name, speed=1.0).moved
     assert np.sum(np.linalg.norm(moved.tip_wish, axis=1)) * PERIOD == pytest.approx(path.length, rel=2e-3)

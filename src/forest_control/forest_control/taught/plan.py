@@ -31,7 +31,9 @@ RAMP = 0.5  # [m/s^2] with which a leg begins and ends; chosen, as of the tracke
 RESERVE = 0.98  # [1] of the velocity limits that is planned with, so that no scaling acts
 CRAWL = 0.01  # [m/s] where limits leave less, the tip would not get on; chosen
 THERE = 0.02  # [m] from a leg's start: nearer, the tip is led onto it without a leg of its own
-FAST = 100.0  # [m/s] more than any limit: what velocity scaling leaves of it is the limit
+FAST = 100.0  # [m/s] more than any wall leaves
+WHOLE = 1.0 - 1e-9  # [1] of a speed that no limit scales: rounding
+HALVINGS = 10  # to a thousandth
 
 
 class Leg(NamedTuple):
@@ -114,15 +116,25 @@ def leg(number: int, name: str, points: list[Vec3], speed: float, p: Parameters)
     path = polyline(f"segment {name!r}", points)
 
     def limit(place: Vec3, along: Vec3) -> float:
-        allowed = RESERVE * greatest_speed(path.name, place, along, p)
+        allowed = RESERVE * greatest_speed(path.name, place, along, speed / RESERVE, p)
         return min(allowed, _between_walls(path.name, place, along, p))
 
     ways, square = bounded(path, speed, limit, STEP)
     return Leg(number, name, path, ways, braked(ways, square, RAMP))
 
 
-def greatest_speed(name: str, place: Vec3, along: Vec3, p: Parameters) -> float:
-    """Return the speed [m/s] that the velocity limits allow at a place [m] in a direction (a unit vector).
+def greatest_speed(name: str, place: Vec3, along: Vec3, most: float, p: Parameters) -> float:
+    """Return the speed [m/s], up to the most that is asked for, at which no velocity limit acts.
+
+    A limit that is near acts before it is reached, because its corner is rounded. So the limits are asked at
+    the speed itself, which is halved in between until they leave all of it.
+
+    Args:
+        name: of the path, for messages.
+        place: of the tip [m].
+        along: direction, a unit vector.
+        most: asked for [m/s].
+        p: the controller's parameters.
 
     Raises:
         PathError: none, because the place is out of reach, or a joint at its limit; it names the path.
@@ -131,13 +143,23 @@ def greatest_speed(name: str, place: Vec3, along: Vec3, p: Parameters) -> float:
         angles = inverse_kinematics(place, p.links)
     except ValueError as error:
         raise PathError(f"{name}: {error}") from error
-    allowed = 0.0
-    if not is_singular(angles, p.links):
-        rates = joint_rates(angles, (FAST * along[0], FAST * along[1], FAST * along[2]), p.links)
-        allowed = FAST * velocity_scaling(angles, rates, velocity_limits_at(angles, rates, p)).factor
-    if allowed <= 0.0:
+
+    def factor(speed: float) -> float:
+        rates = joint_rates(angles, (speed * along[0], speed * along[1], speed * along[2]), p.links)
+        return velocity_scaling(angles, rates, velocity_limits_at(angles, rates, p)).factor
+
+    least = 0.0 if is_singular(angles, p.links) else factor(most)
+    if least <= 0.0:
         raise PathError(f"{name}: at {_shown(place)} m a joint is at its limit")
-    return allowed
+    if least >= WHOLE:
+        return most
+    low, high = 0.0, least * most  # what is left of more is more than what may be asked for
+    if factor(high) >= WHOLE:
+        return high
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if factor(middle) >= WHOLE else (low, middle)
+    return low
 
 
 def _between_walls(name: str, place: Vec3, along: Vec3, p: Parameters) -> float:

@@ -2,6 +2,7 @@
 
 - `closed_loop`: The loop, interpreted, with links and late answers around the cores.
 - `link_model`: Transport: links that delay, jitter and lose, and reports as they come in lockstep.
+- `path_guide`: An operator who leads the governed reference along a path.
 - `loop_core`: One period in numbers alone, for machine code.
 - `loop_kernel`: That as machine code, for thousands of runs.
 - `model_mismatch`: Machines that differ from what the controller believes.

@@ -95,7 +95,7 @@ class Happened(NamedTuple):
 
 
 def period(
-    loop: Loop, levers: Levers, held: bool, k: Knowledge, normals: Sequence[float], row: int
+    loop: Loop, levers: Levers, held: bool, spoken: bool, k: Knowledge, normals: Sequence[float], row: int
 ) -> tuple[Loop, Happened]:
     """Return the loop a period later, and what happened.
 
@@ -103,6 +103,7 @@ def period(
         loop: as it was.
         levers: deflections, -1..1.
         held: whether the deadman is.
+        spoken: the joystick says so in this period.
         k: what stays.
         normals: draws from the standard normal distribution, `CHANNEL_COUNT` for each period.
         row: number of the period, from 0.
@@ -111,7 +112,7 @@ def period(
     angles = plant.swing.angle, plant.boom.angle, plant.stick.angle
     drawn = tuple([normals[first + i] for i in range(CHANNEL_COUNT)])
     sensors, seen = sampled(loop.sensors, loop.simulation, drawn, k.sensors, PERIOD)
-    control, velocity = guarded(loop, levers, held, seen, k, row)
+    control, velocity = guarded(loop, levers, held, spoken, seen, k, row)
     pressures, motion = driver_inputs(seen, k.drive.idle_pressure)
     drive, volts = valve_driver.step(loop.drive, control.command, pressures, motion, k.drive, PERIOD)
     simulation = loop.simulation
@@ -132,7 +133,7 @@ def period(
 
 
 def guarded(
-    loop: Loop, levers: Levers, held: bool, seen: Measurement, k: Knowledge, row: int
+    loop: Loop, levers: Levers, held: bool, spoken: bool, seen: Measurement, k: Knowledge, row: int
 ) -> tuple[Guarded, Vec3]:
     """Return the guarded controller a step on, and the tip's reference velocity [m/s].
 
@@ -140,7 +141,9 @@ def guarded(
     motion.
     """
     control, now = loop.control, row * PERIOD
-    before = control._replace(permission=heard(control.permission, sample(levers, held, row)))
+    before = control
+    if spoken:
+        before = control._replace(permission=heard(control.permission, sample(levers, held, row)))
     if is_lost(before.permission, now, k.guard):
         before = stopped(before._replace(permission=disarmed(before.permission, now, k.guard)))
     machine = MachineState(seen.joints.position, seen.joints.speed, (row + 1) * PERIOD_NS, now)

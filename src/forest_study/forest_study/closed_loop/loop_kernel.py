@@ -17,6 +17,7 @@ from forest_control import compiled as control_compiled
 from forest_control.config import controller_settings
 from forest_control.operator import levers
 from forest_control.valve import valve_driver, valve_driver_parameters
+from forest_description.geometry.kinematics import Links, tip_position
 from forest_description.machine import Machine, load_machine
 from forest_description.types import Floats, Vec3
 from forest_msgs_py.types import PERIOD
@@ -26,16 +27,27 @@ from forest_sim.sensors.sensor_readings import CHANNEL_COUNT, NOMINAL, Sensors
 from forest_sim.sensors.sensor_suite import Suite, noise_generator
 from forest_sim.solver import plant_kernel
 from forest_sim.solver.equilibrium import equilibrium
-from forest_study.closed_loop import closed_loop, loop_core
-from forest_study.closed_loop.closed_loop import Joystick, Operator, Trajectory
+from forest_study.closed_loop import closed_loop, loop_core, path_guide
+from forest_study.closed_loop.closed_loop import ClosedLoop, Joystick, Operator, Trajectory
 from forest_study.closed_loop.link_model import Reports
 from forest_study.closed_loop.loop_core import Guarded, Happened, Knowledge, Loop
+from forest_study.closed_loop.path_guide import Guide, Hand, levers_for
 
 # What is seldom called stays a function; all else is written out: four seconds to compile, a fifth faster.
 NOINLINE = (*plant_kernel.NOINLINE, *control_compiled.NOINLINE)
-# state, knowledge, levers (4 a row: swing, boom, stick, enabled), normals, recorded, rows
-ARGUMENTS = "pppppi"
+# state, knowledge, levers (4 a row: swing, boom, stick, enabled), normals, recorded, rows; of an operator who
+# leads the reference: places (3 a period), hand and guide, the clock of each row
+ARGUMENTS = "pppppippp"
+LEADS_NOT = np.array([0.0, 1.0, 0.0, 1.0, *[0.0] * 7])  # of hand and guide
 RECORDED = 27
+
+
+class Led(NamedTuple):
+    """What happened while an operator led the reference along a path."""
+
+    moved: Trajectory
+    levers: Floats  # [N, 4] as they were said
+    clock: Floats  # [N] periods of the profile that were asked for before
 
 
 class Prepared(NamedTuple):
@@ -48,17 +60,56 @@ class Prepared(NamedTuple):
 
     def run(self) -> Trajectory:
         """Run the session from its beginning."""
-        rows, state = len(self.levers), self.state.copy()
-        recorded = np.empty((rows, RECORDED))
-        arrays = state, self.knowledge, self.levers, self.normals, recorded
-        KERNEL.kernel()(*(array.ctypes.data for array in arrays), rows)
-        columns = np.split(recorded, (3, 6, 9, 12, 15), axis=1)  # of `Happened`
-        return Trajectory(PERIOD * np.arange(rows, dtype=np.float64), *columns)
+        return self._run(np.zeros(3), LEADS_NOT.copy()).moved
+
+    def lead(self, places: Floats, hand: Hand) -> Led:
+        """Run a session in which an operator leads the reference; of the levers only the deadman counts.
+
+        It ends with the last of the places, or with the rows that there are.
+
+        Args:
+            places: of the profile, a row a period [K, 3] m.
+            hand: joystick and operator.
+        """
+        guide = np.array([len(places) - 1, *hand, 0.0, 0.0, *places[0], 0.0])
+        return self._run(np.ascontiguousarray(places), guide)
+
+    def _run(self, places: Floats, guide: Floats) -> Led:
+        rows, state, levers = len(self.levers), self.state.copy(), self.levers.copy()
+        recorded, clock = np.empty((rows, RECORDED)), np.zeros(rows)
+        before, after = (state, self.knowledge, levers, self.normals, recorded), (places, guide, clock)
+        pointers = [[array.ctypes.data for array in arrays] for arrays in (before, after)]
+        KERNEL.kernel()(*pointers[0], rows, *pointers[1])
+        made = int(guide[-1])
+        columns = np.split(recorded[:made], (3, 6, 9, 12, 15), axis=1)  # of `Happened`
+        moved = Trajectory(PERIOD * np.arange(made, dtype=np.float64), *columns)
+        return Led(moved, levers[:made], clock[:made])
 
 
 def run(*arguments: Any, **named: Any) -> Trajectory:
     """Run a session; arguments and errors as `prepared`."""
     return prepared(*arguments, **named).run()
+
+
+def lead_interpreted(loop: ClosedLoop, links: Links, places: Floats, hand: Hand, rows: int) -> Led:
+    """Do as `Prepared.lead` in an interpreted loop, whose machine has these links."""
+    last, flat = len(places) - 1, places.ravel().tolist()
+    x, y, z = places[0].tolist()
+    guide, lever = Guide(0.0, 0.0, (x, y, z)), levers.REST
+    happened: list[Happened] = []
+    said: list[tuple[float, ...]] = []
+    clock: list[float] = []
+    while len(said) < rows and guide.clock < last:
+        spoken = len(said) % hand.every == 0
+        lever = levers_for(path_guide.asked(guide, hand, flat, last), hand) if spoken else lever
+        clock.append(guide.clock)
+        said.append((*lever, 1.0))
+        one = loop.period(Operator(lever) if spoken else None)
+        happened.append(one._replace(tip=tip_position(one.angles, links)))
+        guide = path_guide.answered(guide, lever, one.tip_wish, hand, flat, last)
+    columns = [np.array(column) for column in zip(*happened, strict=True)]
+    moved = Trajectory(PERIOD * np.arange(len(said), dtype=np.float64), *columns)
+    return Led(moved, np.array(said), np.array(clock))
 
 
 def by_heart(
@@ -184,6 +235,7 @@ def entry() -> Entry:
     """Return what the loop's kernel is made of: levers and draws in, what happened out, a row a period."""
     k, loop = _example()
     names: dict[str, Any] = {"period": loop_core.period, "Levers": levers.Levers}
+    names |= {f.__name__: f for f in (Guide, Hand, path_guide.asked, path_guide.answered, levers_for)}
     after = [path for path, _ in flat_layout.leaves(loop, "after")]
     zero = (0.0, 0.0, 0.0)
     out = [
@@ -196,14 +248,37 @@ def entry() -> Entry:
         )
     ]
     lines = [
-        "def kernel(state, knowledge, levers, normals, recorded, rows):",
+        "def kernel(state, knowledge, levers, normals, recorded, rows, places, guide, clock):",
+        "    last, every = int(guide[0]), int(guide[3])",
+        "    hand = Hand(guide[1], guide[2], every, guide[4])",
         "    for row in range(rows):",
         f"        before = {flat_layout.construction(loop, 'state', names)}",
+        "        spoken = row % every == 0",
+        "        led = Guide(guide[5], guide[6], (guide[7], guide[8], guide[9]))",
         "        lever = Levers(levers[4 * row], levers[4 * row + 1], levers[4 * row + 2])",
+        "        if last > 0:",
+        "            if spoken:",
+        "                lever = levers_for(asked(led, hand, places, last), hand)",
+        "            else:",
+        "                lever = Levers(levers[4 * row - 4], levers[4 * row - 3], levers[4 * row - 2])",
+        "            levers[4 * row] = lever.swing",
+        "            levers[4 * row + 1] = lever.boom",
+        "            levers[4 * row + 2] = lever.stick",
+        "            clock[row] = led.clock",
         "        held = levers[4 * row + 3] > 0.5",
-        "        after, happened = period(before, lever, held, k, normals, row)",
+        "        after, happened = period(before, lever, held, spoken, k, normals, row)",
         *(f"        state[{i}] = {path}" for i, path in enumerate(after)),
         *(f"        recorded[{RECORDED} * row + {i}] = {path}" for i, path in enumerate(out)),
+        "        guide[10] = row + 1",
+        "        if last > 0:",
+        "            led = answered(led, lever, happened.tip_wish, hand, places, last)",
+        "            guide[5] = led.clock",
+        "            guide[6] = led.beside",
+        "            guide[7] = led.place[0]",
+        "            guide[8] = led.place[1]",
+        "            guide[9] = led.place[2]",
+        "            if led.clock >= last:",
+        "                break",
     ]
     tuples = {"k": ("knowledge", k)}
     return Entry(text="\n".join(lines), names=names, arguments=ARGUMENTS, tuples=tuples, noinline=NOINLINE)

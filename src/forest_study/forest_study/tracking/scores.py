@@ -1,4 +1,8 @@
-"""The figures of a track run: every measure of every lap, over the rows in which its profile moves."""
+"""The figures of a track run: every measure of every lap, over the rows in which its profile moves.
+
+Rows are told by the profiles' clock, which waits where a limit holds the reference back; the ideal point goes
+on from the lap's first row without waiting.
+"""
 
 import math
 from typing import NamedTuple
@@ -10,23 +14,27 @@ from forest_description.machine import Machine
 from forest_description.types import Floats
 from forest_msgs_py.types import PERIOD
 from forest_study.closed_loop.closed_loop import Trajectory
+from forest_study.closed_loop.loop_kernel import Led
 from forest_study.measures import deviation, ideal, line_of, time_lost
 
 SATURATED = 0.999  # of the rated voltage
 
 
 class Lap(NamedTuple):
-    """A lap's start [s], its path and its profile."""
+    """A lap's start [s] by the profiles' clock, its path and its profile."""
 
     start: float
     path: TipPath
     profile: Profile
 
-    @property
-    def rows(self) -> range:
-        """The rows in which the profile moves, first and last included."""
-        end = math.ceil((self.start + self.profile.duration) / PERIOD) + 1
-        return range(round(self.start / PERIOD), end)
+    def rows(self, clock: Floats) -> range:
+        """Return the rows in which the profile moves, first and last included.
+
+        Args:
+            clock: of the profiles, by row [N] periods.
+        """
+        begin, end = self.start / PERIOD, (self.start + self.profile.duration) / PERIOD
+        return range(int(np.searchsorted(clock, round(begin))), int(np.searchsorted(clock, end)) + 1)
 
 
 class Drawn(NamedTuple):
@@ -34,7 +42,12 @@ class Drawn(NamedTuple):
 
     lap: Lap
     line: Floats  # [M, 3] m, the path as drawn
-    ideal: Floats  # [N, 3] m, where the ideal point is in each of its rows
+    ideal: Floats  # [N, 3] m, where the ideal point is from period to period; at last at the end
+
+    def ideal_in(self, rows: range) -> Floats:
+        """Return where the ideal point is in the rows of a run that takes its own time [M, 3] m."""
+        found: Floats = self.ideal[np.minimum(np.arange(len(rows)), len(self.ideal) - 1)]
+        return found
 
 
 class Score(NamedTuple):
@@ -49,7 +62,7 @@ class Score(NamedTuple):
     time_lost_s: float
     end_mm: float  # true tip from the path's end, once the rest after the lap is over
     velocity_rms: float  # [m/s] against the governed reference
-    duration_s: float  # of the profile
+    duration_s: float  # of the run's motion
     saturated_s: float
 
 
@@ -66,32 +79,34 @@ class _Away(NamedTuple):
 
 def drawn(lap: Lap) -> Drawn:
     """Return what a lap's runs are held against."""
-    times = PERIOD * np.array(lap.rows) - lap.start
+    first = round(lap.start / PERIOD)
+    end = math.ceil((lap.start + lap.profile.duration) / PERIOD) + 1
+    times = PERIOD * np.arange(first, end, dtype=np.float64) - lap.start
     return Drawn(lap, line_of(lap.path), ideal(lap.path, lap.profile, times))
 
 
-def scores_of(
-    laps: tuple[Drawn, ...], moved: Trajectory, machine: Machine
-) -> tuple[tuple[Score, ...], Score]:
+def scores_of(laps: tuple[Drawn, ...], led: Led, machine: Machine) -> tuple[tuple[Score, ...], Score]:
     """Return the score of every lap, and of all together; the governed reference starts with the first."""
+    moved = led.moved
+    rows = [one.lap.rows(led.clock) for one in laps]
     governed = moved.tip_error()
-    governed = np.linalg.norm(governed - governed[laps[0].lap.rows[0]], axis=1)
-    ends = [other.lap.rows[0] for other in laps[1:]] + [len(moved.tip)]
-    parts = [_away(one, end, governed, moved.tip) for one, end in zip(laps, ends, strict=True)]
+    governed = np.linalg.norm(governed - governed[rows[0][0]], axis=1)
+    ends = [other[0] for other in rows[1:]] + [len(moved.tip)]
+    each = zip(laps, rows, ends, strict=True)
+    parts = [_away(one, within, end, governed, moved.tip) for one, within, end in each]
     rated = np.array([machine.valve_of(axis).rated_voltage for axis in range(3)])
     return tuple(_score([part], moved, rated) for part in parts), _score(parts, moved, rated)
 
 
-def _away(one: Drawn, end: int, governed: Floats, tips: Floats) -> _Away:
-    """Return how far tips [N, 3] m were off in a lap whose rest lasts up to a row."""
-    rows, lap = one.lap.rows, one.lap
-    whole = np.arange(rows[0], end)
-    times = np.array([PERIOD * row - lap.start for row in range(rows[0], end)])
+def _away(one: Drawn, rows: range, end: int, governed: Floats, tips: Floats) -> _Away:
+    """Return how far tips [N, 3] m were off in the rows of a lap whose rest lasts up to a row."""
+    lap, whole = one.lap, np.arange(rows[0], end)
+    times = PERIOD * np.arange(len(whole), dtype=np.float64)
     return _Away(
         rows=rows,
         governed=governed[rows],
         cross=distance_from(one.line, tips[rows]),
-        wish=np.linalg.norm(tips[rows] - one.ideal, axis=1),
+        wish=np.linalg.norm(tips[rows] - one.ideal_in(rows), axis=1),
         lost=time_lost(lap.path, lap.profile, times, tips[whole]),
         end=math.dist(tips[end - 1], lap.path.at(lap.path.length)),
     )

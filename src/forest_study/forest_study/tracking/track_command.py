@@ -162,8 +162,9 @@ def _through_ros(
             *(options.machine, options.model or options.machine, options.adapt),
             *(options.noise, options.static_errors, seed),
         )
-        sessions.append(scored(course, track_ros.run(course, graph, options.out / name), machine))
         alone = follow(course, machine, varied(seed).suite, options.adapt)
+        moved = track_ros.run(course, alone.led.levers, graph, options.out / name)
+        sessions.append(scored(course, alone.led._replace(moved=moved), machine))
         compared.append(track_ros.comparison(alone, sessions[-1]))
     runs = [Run(seed, one.total, one.scores, None) for seed, one in zip(seeds, sessions, strict=True)]
     return runs, sessions[0], compared

@@ -51,12 +51,12 @@ def _draw_errors(ax: "Axes", session: "Session") -> None:
     """Draw the tip's three distances over time: the wish where there is one."""
     moved = session.moved
     governed = moved.tip_error()
-    governed = np.linalg.norm(governed - governed[session.drawn[0].lap.rows[0]], axis=1)
+    governed = np.linalg.norm(governed - governed[session.drawn[0].lap.rows(session.led.clock)[0]], axis=1)
     ax.plot(moved.time, 1e3 * governed, "k--", label="governed reference")
     ax.plot(moved.time, 1e3 * distance_from(session.drawn[0].line, moved.tip), label="cross-track")
     for k, one in enumerate(session.drawn):
-        rows = np.array(one.lap.rows)
-        wish = 1e3 * np.linalg.norm(moved.tip[rows] - one.ideal, axis=1)
+        rows = one.lap.rows(session.led.clock)
+        wish = 1e3 * np.linalg.norm(moved.tip[rows] - one.ideal_in(rows), axis=1)
         ax.plot(moved.time[rows], wish, "C1", label="wish" if k == 0 else None)
     ax.set(xlabel="time, s", ylabel="tip off by, mm")
 

@@ -53,15 +53,21 @@ class GraphSettings(NamedTuple):
     seed: int
 
 
-def run(course: Course, settings: GraphSettings, directory: Path) -> Trajectory:
+def run(course: Course, levers: Floats, settings: GraphSettings, directory: Path) -> Trajectory:
     """Run a course through the graph; levers, bag and the nodes' logs go into a new directory.
+
+    Args:
+        course: what is driven.
+        levers: [N, 4] that the operator gave in the loop without ROS.
+        settings: of the nodes.
+        directory: to be made.
 
     Raises:
         GraphError: another graph runs in the domain, or a node failed.
         KeyboardInterrupt: the user stopped it.
     """
-    steps = len(course.levers)
-    write_joystick(directory / "joystick", course.levers)
+    steps = len(levers)
+    write_joystick(directory / "joystick", levers)
     nodes = _nodes(course, settings, directory)
     try:
         lockstep_run.run(nodes, steps, directory / "log")

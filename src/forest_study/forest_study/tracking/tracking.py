@@ -1,6 +1,7 @@
 """The tip along a path, closed loop, and how far it was from where it should be: `forest-study track`'s core.
 
-The reference generator plays the operator: it wishes the tip velocity of the fastest profile along the path.
+The reference generator plays the operator: it wishes the tip velocity of the fastest profile along the path,
+and waits where a limit holds the reference back, so that the path is kept (`path_guide`).
 The machine may be another one than controller and driver believe. The path as drawn starts where the true tip
 is at rest in the beginning. What is told of a run: `measures`, over the rows from the profile's first motion
 to its last. Levers are those of a joystick's message: single precision.
@@ -13,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from forest_control.config import controller_settings
-from forest_control.operator.levers import levers_for_tip_velocity
 from forest_control.servo.joint_angle_filter import Source
 from forest_control.servo.schemes import Scheme
 from forest_control.taught.plan import RAMP, RESERVE, greatest_speed
@@ -27,9 +27,12 @@ from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.sensors.sensor_suite import Suite, calibrated, sensor_suite
 from forest_study.closed_loop import loop_kernel
 from forest_study.closed_loop.closed_loop import Trajectory
+from forest_study.closed_loop.loop_kernel import Led
+from forest_study.closed_loop.path_guide import Hand
 from forest_study.tracking.scores import Drawn, Lap, Score, drawn, scores_of
 
 REST = 1.0  # [s] before the first lap and after every lap
+LONGEST = 1.1, 6.0  # times the profile's time that a run may take, tried one after the other
 
 
 class Course(NamedTuple):
@@ -38,7 +41,8 @@ class Course(NamedTuple):
     drawn: tuple[Drawn, ...]
     settings: controller_settings.Settings
     model: Machine  # that controller and driver believe
-    levers: Floats  # [N, 4] of `loop_kernel`
+    places: Floats  # [K, 3] m of the profile, one a period, rests included
+    hand: Hand
 
     @property
     def start(self) -> Vec3:
@@ -51,9 +55,14 @@ class Session:
     """A track run: what was drawn, what happened, scores."""
 
     drawn: tuple[Drawn, ...]
-    moved: Trajectory
+    led: Led
     scores: tuple[Score, ...]
     total: Score
+
+    @property
+    def moved(self) -> Trajectory:
+        """What happened."""
+        return self.led.moved
 
 
 def track(
@@ -102,11 +111,8 @@ def prepare(
     settings = controller_settings.Settings(scheme=scheme, tip_speed=speed, position_source=source)
     runs = plan(path, speed, controller_settings.parameters(model, settings), laps)
     end = runs[-1].start + runs[-1].profile.duration + REST
-    times = [k * PERIOD for k in range(round(end / PERIOD))]
-    levers = [(*levers_for_tip_velocity(_wish(time, runs), speed), 1.0) for time in times]
-    return Course(
-        tuple(map(drawn, runs)), settings, model, np.array(levers, dtype=np.float32).astype(np.float64)
-    )
+    places = [_place(k * PERIOD, runs) for k in range(round(end / PERIOD) + 1)]
+    return Course(tuple(map(drawn, runs)), settings, model, np.array(places), Hand(speed))
 
 
 def follow(
@@ -119,23 +125,29 @@ def follow(
     """Run a course; arguments as `track`; plant: what is simulated instead of the machine's parameters."""
     start = _angles(course.start, course.drawn[0].lap.path, machine)
     drive = valve_driver_parameters.Settings(adapt=adapt)
-    moved = loop_kernel.run(machine, course.levers, start, course.settings, drive, course.model, suite, plant)
-    return scored(course, moved, machine)
+    for most in LONGEST:
+        rows = np.ones((round(most * len(course.places)), 4))
+        given = (machine, rows, start, course.settings, drive, course.model, suite, plant)
+        led = loop_kernel.prepared(*given).lead(course.places, course.hand)
+        if len(led.clock) < len(rows):
+            return scored(course, led, machine)
+    path = course.drawn[0].lap.path.name
+    raise PathError(f"{path}: after {most:g} times the profile's time the tip is not at the end")
 
 
-def scored(course: Course, moved: Trajectory, machine: Machine) -> Session:
+def scored(course: Course, led: Led, machine: Machine) -> Session:
     """Return a course and what happened with its scores."""
-    return Session(course.drawn, moved, *scores_of(course.drawn, moved, machine))
+    return Session(course.drawn, led, *scores_of(course.drawn, led, machine))
 
 
 def plan(path: TipPath, speed: float, p: controller_settings.Parameters, laps: int) -> tuple[Lap, ...]:
     """Return laps one after the other, as fast as speed, ramps and the velocity limits allow."""
     runs: list[Lap] = []
-    start = REST
+    start, asked = REST, speed / RESERVE
     for k in range(laps):
         way = path if k % 2 == 0 or is_closed(path) else reverse(path)
         profile = fastest(
-            way, speed, RAMP, lambda place, along: RESERVE * greatest_speed(path.name, place, along, p)
+            way, speed, RAMP, lambda place, along: RESERVE * greatest_speed(path.name, place, along, asked, p)
         )
         runs.append(Lap(start, way, profile))
         start = PERIOD * math.ceil((start + profile.duration + REST) / PERIOD)
@@ -149,13 +161,10 @@ def _angles(place: Vec3, path: TipPath, machine: Machine) -> Vec3:
         raise PathError(f"{path.name}: {error}") from error
 
 
-def _wish(time: float, laps: tuple[Lap, ...]) -> Vec3:
-    """Return the velocity [m/s] that moves the reference to its place one period later."""
+def _place(time: float, laps: tuple[Lap, ...]) -> Vec3:
+    """Return where the profile is at a time [s]."""
     lap = next((lap for lap in reversed(laps) if time >= lap.start - 0.5 * PERIOD), laps[0])
-    since = time - lap.start
-    here, there = (lap.path.at(lap.profile.way_at(since + ahead)) for ahead in (0.0, PERIOD))
-    x, y, z = ((b - a) / PERIOD for a, b in zip(here, there, strict=True))
-    return x, y, z
+    return lap.path.at(lap.profile.way_at(time - lap.start))
 
 
 def noisy(machine: Machine, seed: int, static_errors: bool = False) -> Suite:

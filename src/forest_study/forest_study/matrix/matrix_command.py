@@ -1,0 +1,48 @@
+"""`forest-study matrix`: seeded plants that nobody knows exactly, row by row; the worst seed counts."""
+
+import argparse
+from typing import Any
+
+from forest_compile.kernel_cache import can_compile
+from forest_description.machine import load_machine
+from forest_msgs_py.runtime.command_line import whole
+from forest_study.matrix.matrix_rows import matrix_rows
+from forest_study.matrix.matrix_runs import run_row
+from forest_study.results import StudyError, write_json
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's options."""
+    add, rows = parser.add_argument, matrix_rows()
+    add("--seeds", type=whole(1, 1000), default=10, metavar="N", help="default: %(default)s")
+    add("--seed", type=whole(0), default=0, metavar="N", help="the first (default: %(default)s)")
+    add("--machine", default="c180_real", help="what is believed, and drawn from (default: %(default)s)")
+    add("--row", nargs="+", choices=tuple(rows), metavar="NAME", help=f"{', '.join(rows)} (default: all)")
+    add("--adapt", action="store_true", help="the valve driver learns deadbands and gains on the way")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the command; return its exit code.
+
+    Raises:
+        PathError: a path leaves the machine's reach.
+        MachineError: the machine's file cannot be read, or lacks what is drawn.
+        StudyError: LLVM is not installed.
+    """
+    if not can_compile():
+        raise StudyError("matrix needs LLVM, which is not installed: pip install 'forest-crane[fast]'")
+    from forest_study.matrix.matrix_report import draw, table, told  # matplotlib takes half a second
+
+    machine, rows = load_machine(options.machine), matrix_rows()
+    seeds, report = range(options.seed, options.seed + options.seeds), dict[str, Any]()
+    for name in options.row or rows:
+        print(f"{name}: {rows[name].text}", flush=True)
+        report[name] = told(rows[name], run_row(rows[name], machine, seeds, options.adapt))
+    whole_report = {"machine": machine.name, "adapt": options.adapt, "rows": report}
+    write_json(options.out / "matrix.json", whole_report)
+    text = table(report)
+    (options.out / "matrix.md").write_text(text + "\n", encoding="utf-8")
+    draw(report, options.out / "matrix.png")
+    print(text)
+    print(f"  {options.out / 'matrix.json'}")
+    return 0

@@ -1,0 +1,167 @@
+"""Every seed's plant, sensors and joystick in every row of the matrix, over all cores.
+
+A seed's figures are the worst of its paths. Equal seeds give equal figures, whatever else is run.
+"""
+
+import dataclasses
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from forest_control.servo.schemes import Scheme
+from forest_control.taught.tip_path import PathError
+from forest_description.machine import Machine
+from forest_msgs_py.types import PERIOD
+from forest_sim.equations.plant_parameters import PlantParameters
+from forest_study.closed_loop import loop_kernel, model_mismatch
+from forest_study.closed_loop.path_guide import Hand
+from forest_study.matrix.matrix_rows import MatrixRow
+from forest_study.tracking.tracking import Course, Session, follow, noisy, prepare
+
+JOYSTICKS = (1, 2, 4, 10)  # [periods] between two words: 200, 100, 50, 20 Hz
+STEPS = 127.0  # of 8 bits, on each side
+RATES = (200.0, 50.0)  # [Hz] of the sensors
+LATENCY = 2.5  # [1] of the joystick's periods: two of the interpolation, half of the mean wait
+BOUND_DELAY, BOUND = 0.05, 0.015  # [s], [m] of the wish error beside joystick and dead time
+ENDING = 40  # rows before a profile's end, from which the tip may be beyond it
+WAITED = 0.1  # [s] by which a run takes longer than its profile, and a limit has acted
+
+
+class Figures(NamedTuple):
+    """What a run is judged by; of a seed, the worst of its paths."""
+
+    cross_track_rms_mm: float
+    cross_track_max_mm: float
+    governed_rms_mm: float
+    governed_max_mm: float
+    wish_rms_mm: float
+    wish_max_mm: float
+    wish_over_bound: float  # share of its bound, of runs in which no limit acted
+    waited_s: float  # longer than the profile, because a limit acted
+    time_lost_s: float
+    velocity_rms: float  # [m/s] against the governed reference
+    end_mm: float
+    overshoot_mm: float  # beyond the path's end, along its last direction
+    activity: float  # [V/s] mean of |dV/dt| of the busiest valve
+
+
+class Outcome(NamedTuple):
+    """A seed in a row."""
+
+    seed: int
+    drawn: dict[str, Any]
+    figures: Figures | None  # None: a run did not end
+    paths: dict[str, Figures | None]
+
+
+class _Plant(NamedTuple):
+    """What a seed has of its own."""
+
+    sensed: Machine  # for its sensors' rate
+    parameters: PlantParameters | None
+    every: int
+    steps: float
+    dead_time: float  # [s]
+    told: dict[str, Any]
+
+
+def run_row(row: MatrixRow, machine: Machine, seeds: Sequence[int], adapt: bool = False) -> list[Outcome]:
+    """Return every seed's outcome.
+
+    Args:
+        row: of the matrix.
+        machine: what controller and driver believe, and what is drawn from.
+        seeds: one or more.
+        adapt: the driver learns its valves.
+
+    Raises:
+        PathError: a path leaves the machine's reach.
+        MachineError: the machine lacks what is drawn.
+    """
+    loop_kernel.KERNEL.kernel()  # made or loaded once, here
+    courses = {
+        speed: [prepare(path, speed, Scheme.COORDINATED, machine) for path in row.paths]
+        for speed in row.speeds
+    }
+
+    def one(seed: int) -> Outcome:
+        plant = _plant(row, machine, seed)
+        paths = {
+            course.drawn[0].lap.path.name: _figures(course, machine, plant, seed, adapt)
+            for course in courses[row.speeds[seed % len(row.speeds)]]
+        }
+        return Outcome(seed, plant.told, _worst(list(paths.values())), paths)
+
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        return list(pool.map(one, seeds))
+
+
+def _plant(row: MatrixRow, machine: Machine, seed: int) -> _Plant:
+    if row.ranges is None:
+        own = machine.valve.dead_time or 0.0
+        return _Plant(machine, None, 1, 0.0, own, {})
+    off = model_mismatch.draw(seed, row.ranges)
+    every, rate = JOYSTICKS[seed % 4], RATES[seed // 4 % 2]
+    sensed = dataclasses.replace(machine, sensors=dataclasses.replace(machine.sensors, sample_rate=rate))
+    told = {**off.told(), "joystick_hz": 1.0 / (every * PERIOD), "sensors_hz": rate}
+    parameters = model_mismatch.applied(machine, off)
+    return _Plant(sensed, parameters, every, STEPS, off.dead_time or 0.0, told)
+
+
+def _figures(course: Course, machine: Machine, plant: _Plant, seed: int, adapt: bool) -> Figures | None:
+    hand = _hand(course.hand, plant)
+    suite = noisy(plant.sensed, seed)
+    try:
+        session = follow(course._replace(hand=hand), machine, suite, adapt, plant.parameters)
+    except PathError:
+        return None
+    return _judged(session, plant.every * PERIOD + plant.dead_time, course.hand.speed)
+
+
+def _hand(hand: Hand, plant: _Plant) -> Hand:
+    """Return the operator's hand on a seed's joystick."""
+    latency = 0.0 if plant.every == 1 else LATENCY * plant.every
+    return Hand(hand.speed, latency, plant.every, plant.steps)
+
+
+def _judged(session: Session, delay: float, speed: float) -> Figures:
+    """Return the figures of a run whose joystick and valves delay it [s], at a wished speed [m/s]."""
+    score, moved, lap = session.total, session.moved, session.drawn[0].lap
+    waited = max(0.0, score.duration_s - lap.profile.duration)
+    bound = 1e3 * (speed * (delay + BOUND_DELAY) + BOUND)
+    volts = np.abs(np.diff(moved.voltages, axis=0)) / PERIOD
+    return Figures(
+        cross_track_rms_mm=score.cross_track_rms_mm,
+        cross_track_max_mm=score.cross_track_max_mm,
+        governed_rms_mm=score.governed_rms_mm,
+        governed_max_mm=score.governed_max_mm,
+        wish_rms_mm=score.wish_rms_mm,
+        wish_max_mm=score.wish_max_mm,
+        wish_over_bound=score.wish_max_mm / bound if waited < WAITED else 0.0,
+        waited_s=waited,
+        time_lost_s=score.time_lost_s,
+        velocity_rms=score.velocity_rms,
+        end_mm=score.end_mm,
+        overshoot_mm=_overshoot(session),
+        activity=float(volts.mean(axis=0).max()),
+    )
+
+
+def _overshoot(session: Session) -> float:
+    """Return how far the tip went beyond the path's end along its last direction, at most [mm]."""
+    drawn, led = session.drawn[0], session.led
+    end, before = drawn.line[-1], drawn.line[-2]
+    along = (end - before) / np.linalg.norm(end - before)
+    beyond = (led.moved.tip[drawn.lap.rows(led.clock)[-1] - ENDING :] - end) @ along
+    return max(0.0, 1e3 * float(beyond.max()))
+
+
+def _worst(found: Sequence[Figures | None]) -> Figures | None:
+    """Return the worst of each figure; None where a run did not end."""
+    ended = [one for one in found if one is not None]
+    if len(ended) < len(found):
+        return None
+    return Figures(*(max(values) for values in zip(*ended, strict=True)))
