@@ -18,7 +18,8 @@ from forest_control.config.controller_settings import Parameters
 from forest_description.types import AXES, ZERO, Vec3
 
 WAY = 0.005  # [rad] 30 mm of the tip at 6 m; a joint that turns round under a lagging valve goes less
-LONG = (0.5, 0.12, 0.12)  # [s] in which valve and oil turn a joint round; a swing rocks slowly on its hoses
+LONG = (0.5, 0.12, 0.12)  # [s] in which oil turns a joint round; a swing rocks slowly on its hoses
+LAGS = 3.0  # [1] time constants of its spool that a valve takes to be as open as its voltage; chosen
 OPEN = 0.5  # [1] of the way from the overlap's edge to the rated voltage: small openings are leakage's
 
 
@@ -26,7 +27,7 @@ class Sinking(NamedTuple):
     """Of swing, boom, stick, since each last went with its valve, or had it shut."""
 
     ways: Vec3 = ZERO  # [rad]
-    times: Vec3 = ZERO  # [s]
+    times: Vec3 = ZERO  # [s] for which the valve has been as open as its voltage
 
 
 def watched(before: Sinking, rates: Vec3, voltages: Vec3, p: Parameters, dt: float) -> Sinking:
@@ -49,12 +50,15 @@ def _gone_back(
     before: Sinking, rates: Vec3, voltages: Vec3, i: int, p: Parameters, dt: float
 ) -> tuple[float, float]:
     """Return way [rad] and time [s] that one joint has gone against its valve."""
-    law = p.speed_limits.axes[i].valve
+    axis = p.speed_limits.axes[i]
+    law = axis.valve
     edge = law.forward.deadband_voltage if voltages[i] > 0.0 else law.backward.deadband_voltage
     is_open = abs(voltages[i]) > edge + OPEN * (p.rated_voltages[i] - edge)
     if not is_open or voltages[i] * rates[i] >= 0.0:
         return 0.0, 0.0
-    return before.ways[i] + abs(rates[i]) * dt, before.times[i] + dt
+    # A spool that lags opens by and by: its time begins below zero.
+    time = before.times[i] if before.ways[i] > 0.0 else -LAGS * axis.spool.lag
+    return before.ways[i] + abs(rates[i]) * dt, time + dt
 
 
 def is_sinking(sinking: Sinking) -> bool:
