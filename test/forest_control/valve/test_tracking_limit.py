@@ -65,7 +65,9 @@ def test_a_weaker_valve_with_a_wider_overlap_reaches_what_is_left():
 
 def test_planned_rates_are_those_of_the_weaker_plant():
     """The stick's speed at full voltage, of a plant whose valve gives 0.6 of the flow."""
-    weak = model_mismatch.draw(0, model_mismatch.Ranges(0.0, 0.0, 1.0, 1.0))._replace(gains=(1.0, 1.0, 1.0, 1.0, 0.6, 0.6))
+    weak = model_mismatch.draw(0, model_mismatch.Ranges(0.0, 0.0, 1.0, 1.0))._replace(
+        gains=(1.0, 1.0, 1.0, 1.0, 0.6, 0.6)
+    )
     plant = model_mismatch.applied(C180, weak)
     simulation = equilibrium.equilibrium(POSE, plant)
     for _ in range(800):
