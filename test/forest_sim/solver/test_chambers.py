@@ -136,7 +136,7 @@ def test_the_error_falls_with_the_square_of_the_step(machine):
     fine, *coarser = (recorded(machine, sines, step)[0][:, angles] for step in (6.25e-5, 2.5e-4, 5e-4, 1e-3))
     errors = [float(np.abs(states - fine).max()) for states in coarser]
     assert errors[2] < 5e-5
-    assert errors[0] < errors[2] / 8.0  # 16 but for edges that open and shut
+    assert errors[0] < errors[2] / 2.5**2
 
 
 @pytest.mark.parametrize("name", ["steps", "random"])

@@ -1,10 +1,10 @@
 """The pressure compensators over a step: each follows the pressures around its valve.
 
 Their openings are known half a step from the states, as load-holding valves are (`holding_step`).
-What the load-sensing line feels jumps as an edge opens:
-a step has the mean of its time. A compensator is in series with whichever edge of its spool is open
-to the pump. The load-sensing line has a relief valve: an axis at its end leaves the
-others the pump's margin.
+What the load-sensing line feels jumps as an edge opens: a step has the mean of its time. A
+compensator is in series with whichever edge of its spool is open to the pump; behind a centred
+spool it goes shut. The load-sensing line has a relief valve: an axis at its end leaves the others
+the pump's margin.
 """
 
 import math

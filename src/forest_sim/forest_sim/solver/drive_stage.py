@@ -105,7 +105,7 @@ def meshed_rate(free: float, guess: float, c: Contact) -> float:
         return free
     touching = ((c.teeth.lower if loose < c.teeth.lower else c.teeth.upper) - c.twist) / c.step
     low, high = min(free, touching), max(free, touching)
-    rate = min(high, max(low, guess))
+    rate = guess if low < guess < high else free
     for _ in range(MESH_ITERATIONS):
         twist, speed = c.twist + c.step * rate, rate - c.rate
         off = rate - c.give * end_stop_force(twist, speed, c.teeth) - free
@@ -113,12 +113,11 @@ def meshed_rate(free: float, guess: float, c: Contact) -> float:
             high = rate
         else:
             low = rate
-        after = rate - off / (1.0 + c.give * end_stop_resistance(twist, speed, c.teeth, c.step))
-        if not low < after < high:
-            after = 0.5 * (low + high)
-        moved, rate = abs(after - rate), after
-        if moved <= MESH_TOLERANCE:
+        newton = off / (1.0 + c.give * end_stop_resistance(twist, speed, c.teeth, c.step))
+        if abs(newton) <= MESH_TOLERANCE:
+            rate -= newton
             break
+        rate = rate - newton if low < rate - newton < high else 0.5 * (low + high)
     return rate
 
 

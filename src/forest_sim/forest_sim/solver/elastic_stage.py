@@ -165,12 +165,11 @@ def rubbing_rate(free: float, guess: float, give: float, rub: Rub) -> float:
         else:
             low = rate
         slope = 1.0 + give * rub_resistance(rate, rub)
-        after = rate - off / slope if slope > 0.0 else low
-        if not low < after < high:
-            after = 0.5 * (low + high)
-        moved, rate = abs(after - rate), after
-        if moved <= RUB_TOLERANCE:
+        newton = off / slope if slope > 0.0 else high - low
+        if abs(newton) <= RUB_TOLERANCE:
+            rate -= newton
             break
+        rate = rate - newton if low < rate - newton < high else 0.5 * (low + high)
     return rate
 
 

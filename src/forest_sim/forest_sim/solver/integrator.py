@@ -82,7 +82,7 @@ def step(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -
 
 
 def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantParameters) -> Step:
-    """Do as `step`, and return the first stage, too: what passes in a step is a sum over both."""
+    """Do as `step`, and return both stages, too: what passes in a step is a sum over them."""
     plant, c = simulation.plant, GAMMA * h
     acting, history = _acting(simulation.history, voltages, h, p)
     jets = _jets(simulation, p)
