@@ -43,7 +43,8 @@ def test_a_head_that_hangs_weighs_on_its_joint_as_one_that_is_fixed_there():
         assert gravity_torques(q, capacities[0]) == pytest.approx(
             gravity_torques(q, capacities[1]), rel=1e-12
         )
-        assert inertia(q, swing_model(real)) == pytest.approx(inertia(q, swing_model(fixed)), rel=1e-12)
+        # Sideways it is left behind: it sways.
+        assert inertia(q, swing_model(real)) < inertia(q, swing_model(fixed))
 
 
 def test_a_load_sensing_pump_leaves_its_margin_for_either_edge_of_the_swings_valve():

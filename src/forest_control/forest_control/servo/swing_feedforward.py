@@ -17,7 +17,7 @@ import math
 from typing import NamedTuple
 
 from forest_description.derived.actuator_kinematics import displacements
-from forest_description.derived.bodies import bearing_stick, boom_body
+from forest_description.derived.bodies import boom_body, stick_body
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 
@@ -60,7 +60,7 @@ def swing_model(machine: Machine) -> SwingModel:
         boom_length=m.boom_length,
         base_inertia=m.base_zz + m.base_mass * m.base_x**2,
         boom=tuple(boom_body(m)),
-        stick=tuple(bearing_stick(m)),
+        stick=tuple(stick_body(m)),
         damping=machine.swing.damping,
         stiffness=2.0 * oil**2 / capacitance,
         # A load-sensing pump leaves its margin for the inlet's edge; the outlet's, alike, takes as much.
