@@ -160,6 +160,10 @@ def test_what_is_not_weighed_counts_as_all_that_is_allowed():
     c, q = load_moment.capacity(REAL), pose_at(TIP, REAL)
     links = REAL.manipulator.links
     assert loading(math.nan, q, links, c).share == 1.0
+    loader = load_machine("loader")
+    near = pose_at((loader.manipulator.links.base_offset + 0.7, 0.0, -1.9), loader)
+    told = loading(math.nan, near, loader.manipulator.links, load_moment.capacity(loader))
+    assert told.share == 0.0  # or the crane could not get away from where nothing can be weighed
     assert loading(-50.0, q, links, c).share == 0.0
     told = loading(575.0, q, links, c)
     assert told.reach == pytest.approx(math.hypot(*tip_position(q, links)[:2]))

@@ -1,6 +1,7 @@
 """A machine that is not the file's is named before it does harm; one that is only somewhat off is not."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -112,9 +113,10 @@ ANGLES = (0.0, 0.5, -1.4)
 FITTING = cylinder_length(ANGLES[1], P.linkages[0]), cylinder_length(ANGLES[2], P.linkages[1])
 
 
-def after(check, seconds, rates=ZERO, command=ZERO, lengths=UNREAD, sinking=Sinking()):  # noqa: B008
+def after(check, seconds, rates=ZERO, command=ZERO, lengths=UNREAD, sinking=Sinking(), opens=1.0):  # noqa: B008
+    voltages = tuple(opens * (volts + math.copysign(1.1, volts)) if volts else 0.0 for volts in command)
     for _ in range(round(seconds / PERIOD)):
-        check = watched(check, ANGLES, rates, lengths, command, sinking, P, PERIOD)
+        check = watched(check, ANGLES, rates, lengths, command, voltages, sinking, P, PERIOD)
     return check
 
 
@@ -142,10 +144,14 @@ def test_a_joint_that_has_proven_right_is_not_asked_again(joint, side):
     proven = after(FileCheck(), long, of(0.05 * side), of(3.0 * side))
     assert not is_wrong(after(proven, 5.0, **against))
     assert not is_wrong(after(FileCheck(), 5.0, of(-0.05 * side), of(1e-3 * side)))  # it only feeds leakage
+    # Nobody has opened a valve: the hydraulics are off, or the controller only looks on.
+    assert not is_wrong(after(FileCheck(), 60.0, **against, opens=0.0))
 
 
 def test_a_joint_that_sinks_before_it_has_proven_right_is_the_file_s():
     sinking = Sinking((0.0, 2.0 * WAY, 0.0), (0.0, 2.0 * LONG[1], 0.0))
-    assert after(FileCheck(), PERIOD, sinking=sinking).wrong == machine_file.POLARITY + 1
+    up = (0.0, 3.0, 0.0)
+    assert after(FileCheck(), PERIOD, command=up, sinking=sinking).wrong == machine_file.POLARITY + 1
+    assert not is_wrong(after(FileCheck(), PERIOD, sinking=sinking))  # others have the valves
     proven = FileCheck(ways=(PROVEN, PROVEN, PROVEN))
-    assert not is_wrong(after(proven, PERIOD, sinking=sinking))
+    assert not is_wrong(after(proven, PERIOD, command=up, sinking=sinking))

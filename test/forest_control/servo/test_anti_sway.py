@@ -59,6 +59,15 @@ def test_the_head_is_left_at_rest_and_the_tip_ends_where_it_would():
     assert answer.sum() == pytest.approx(wish.sum(), rel=2e-3)
 
 
+@pytest.mark.parametrize("seconds", [0.2, 0.3, 0.5, 0.8])
+def test_a_short_stroke_goes_its_way_and_leaves_the_head_at_rest(seconds):
+    time = np.arange(0.0, 8.0, PERIOD)
+    wish = np.clip(np.minimum(time, seconds - time) / 0.1, 0.0, 1.0) * SPEED
+    answer = passed_on(wish)
+    assert answer.sum() * PERIOD == pytest.approx(wish.sum() * PERIOD, abs=1.5e-3)
+    assert left_over(answer, 4.0) < 0.03 * left_over(wish, 4.0)
+
+
 @pytest.mark.parametrize("share", [0.8, 1.2])
 def test_a_head_that_swings_a_fifth_slower_or_faster_sways_by_60_percent_less_all_the_same(share):
     wish = pulse()

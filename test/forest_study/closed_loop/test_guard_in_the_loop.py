@@ -125,7 +125,7 @@ def test_the_kernels_guard_decides_as_the_nodes_does(seed):
     for row, (levers, held, seen, volts) in enumerate(wild(np.random.default_rng(seed), 2000)):
         now = row * PERIOD
         loop = Loop(None, None, kernel, valve_driver.REST._replace(voltages=volts), Reports())
-        kernel, velocity = loop_core.guarded(loop, levers, held, seen, k, row)
+        kernel, velocity = loop_core.guarded(loop, levers, held, True, seen, k, row)
         node.guard.hear(loop_core.sample(levers, held, row))
         machine = loop_core.machine_state(seen, (row + 1) * PERIOD_NS, now)
         valves = ValveFeedback(voltages=volts, driver=DriverSample(volts, now))

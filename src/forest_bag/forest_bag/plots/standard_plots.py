@@ -73,7 +73,7 @@ def tip_error(bag: Bag) -> tuple[Floats, Floats, Floats]:
 
 
 def command_stamps(bag: Bag) -> NDArray[np.int64]:
-    """Return the stamps of the tip commands while the true tip was recorded [N] [ns].
+    """Return the stamps of the tip commands while the true tip was recorded, N of them in ns.
 
     Raises:
         NotInBag: there are no two.

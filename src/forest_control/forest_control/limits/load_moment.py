@@ -2,7 +2,8 @@
 
 The machine's file has the load that is allowed over the reach. What hangs under the tip is weighed
 (`load_weighing`). At all of it only motions that unload pass; a machine whose file has no capacity has no
-such limit. Where there is one, and nothing is weighed, the crane counts as fully loaded.
+such limit. Where there is one, and nothing is weighed, the crane counts as fully loaded; not so near its
+column that nothing can be weighed there.
 
 | symbol | name | unit |
 |---|---|---|
@@ -21,13 +22,14 @@ slides: of a wish outward and down, down is left. Taught paths are kept, and joi
 import math
 from typing import NamedTuple
 
+from forest_control.limits.load_weighing import LEAST_LEVER
 from forest_control.limits.workspace import NEGLIGIBLE_SPEED
 from forest_description.components.lifting_capacity import MOST_POINTS
 from forest_description.geometry.kinematics import Links, tip_position, tip_velocity
 from forest_description.machine import Machine
 from forest_description.types import Vec3
 
-APPROACH = 1.0  # [1/s] k: the weighing lags by 0.6 s, and a quicker approach would overshoot; chosen
+APPROACH = 1.0  # [1/s] k: the weighing lags by 1.1 s, and a quicker approach would overshoot; chosen
 WARNED = 0.9  # [1] of U, from which a person is warned: usual of rated capacity limiters
 FULL = 1.0  # [1] of U, at which only what unloads passes
 SLIGHT = 1e-3  # [1] least U that is counted with: an empty head weighs nothing
@@ -58,7 +60,9 @@ def loading(mass: float, q: Vec3, links: Links, c: Capacity) -> Loading:
     allowed = allowed_load(reach, c)
     if allowed == math.inf:
         return Loading(mass, reach, allowed, 0.0)
-    share = FULL if math.isnan(mass) else max(0.0, mass) / allowed
+    ahead = links.boom * math.cos(q[1]) + links.stick * math.cos(q[1] + q[2])
+    unknown = FULL if ahead >= LEAST_LEVER else 0.0  # nearer, nothing can be weighed
+    share = unknown if math.isnan(mass) else max(0.0, mass) / allowed
     return Loading(mass, reach, allowed, share)
 
 

@@ -122,6 +122,11 @@ class Telemetry(NamedTuple):
 REST = State(ZERO, False)
 
 
+def stopped(state: State) -> State:
+    """Return the state with all motion forgotten; what hangs there still does."""
+    return REST._replace(weighing=state.weighing)
+
+
 def minus(x: Vec3, y: Vec3) -> Vec3:
     """Return x - y."""
     return x[0] - y[0], x[1] - y[1], x[2] - y[2]

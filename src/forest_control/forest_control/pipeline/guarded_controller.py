@@ -9,7 +9,7 @@ from collections.abc import Callable
 from forest_control.config.controller_settings import Parameters
 from forest_control.config.parameter_update import ParameterUpdate
 from forest_control.operator.taught_command import TaughtCommand
-from forest_control.pipeline.control_state import REST, Inputs, State, Telemetry, ValveFeedback
+from forest_control.pipeline.control_state import REST, Inputs, State, Telemetry, ValveFeedback, stopped
 from forest_control.pipeline.controller import step_with_telemetry
 from forest_control.safety import taught_watch
 from forest_control.safety.motion_guard import MotionGuard
@@ -89,7 +89,7 @@ class GuardedController:
 
     def stop(self) -> None:
         """Forget all motion: the command is zero."""
-        self._state, self.command = REST, ZERO
+        self._state, self.command = stopped(self._state), ZERO
         self._taught = taught_watch.ended(self._taught)
         self.guard.permission = unwatched(self.guard.permission)
 
@@ -131,7 +131,7 @@ class GuardedController:
                 self.stop()
             return decision, None
         if decision.verdict == Verdict.STOP:
-            self._state = REST  # from which there is no ramp: zero at once
+            self._state = stopped(self._state)  # from which there is no ramp: zero at once
         inputs = control_inputs(machine, decision, cylinders, valves.reach, valves.voltages)
         taught = self._follow(decision, machine.angles, now)
         inputs = inputs._replace(enabled=inputs.enabled and not self._taught.cause, taught=taught)

@@ -67,7 +67,7 @@ def tip_velocity_command(
 ) -> tuple[State, Vec3]:
     """Return the tip velocity [m/s] that the levers ask for; a ramp in position mode or coordinated."""
     if p.scheme == Scheme.JOINT:
-        return state, ZERO
+        return state._replace(sway=anti_sway.NO_SWAY), ZERO
     levers, sway = shaped(inputs.levers, p.profile), anti_sway.NO_SWAY
     if inputs.taught.speed > 0.0:
         most = min(p.profile.speeds[0], p.profile.speeds[1], p.profile.speeds[2])
@@ -78,7 +78,7 @@ def tip_velocity_command(
     else:
         asked = rate_mode_velocity(levers, pose, p.profile)
         if p.scheme != Scheme.COORDINATED:
-            return state, asked
+            return state._replace(sway=anti_sway.NO_SWAY), asked
         sway, asked = _without_sway(state, asked, p, dt)
     return state._replace(sway=sway), ramped(state.memory.velocity, asked, p.coordinated.acceleration, dt)
 

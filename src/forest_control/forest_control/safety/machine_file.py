@@ -50,6 +50,7 @@ def watched(
     rates: Vec3,
     lengths: Lengths,
     command: Vec3,
+    voltages: Vec3,
     sinking: Sinking,
     p: Parameters,
     dt: float,
@@ -62,6 +63,7 @@ def watched(
         rates: measured joint rates [rad/s].
         lengths: of the cylinders of boom and stick [m]; NaN: not measured.
         command: of ideal valves [V] since the last sample.
+        voltages: of the valves, as the driver says [V]: what no open valve has moved proves nothing.
         sinking: joints that have gone against their valves.
         p: the controller's parameters.
         dt: since the last sample [s].
@@ -75,9 +77,9 @@ def watched(
     )
     u = actuator_speeds_to_joint_rates(angles, speeds, p.linkages)
     ways = (
-        _way(before.ways[0], u[0], rates[0], dt),
-        _way(before.ways[1], u[1], rates[1], dt),
-        _way(before.ways[2], u[2], rates[2], dt),
+        _way(before.ways[0], u[0] if _opens(voltages[0], 0, p) else 0.0, rates[0], dt),
+        _way(before.ways[1], u[1] if _opens(voltages[1], 1, p) else 0.0, rates[1], dt),
+        _way(before.ways[2], u[2] if _opens(voltages[2], 2, p) else 0.0, rates[2], dt),
     )
     boom, stick = _fit(lengths[0], angles[1], 0, p), _fit(lengths[1], angles[2], 1, p)
     fitted = before.fitted or (boom == 1.0 and stick == 1.0)
@@ -86,9 +88,16 @@ def watched(
     if strange > STRANGE:
         wrong = BOOM if boom < 0.0 else STICK
     for i in range(3):
-        if ways[i] < -PROVEN or (ways[i] < PROVEN and sinking_joint.sinks(sinking, i)):
+        sinks = command[i] != 0.0 and sinking_joint.sinks(sinking, i)
+        if ways[i] < -PROVEN or (ways[i] < PROVEN and sinks):
             wrong = POLARITY + i
     return FileCheck(ways, strange, fitted, wrong)
+
+
+def _opens(voltage: float, i: int, p: Parameters) -> bool:
+    """Tell whether a voltage [V] brings its spool beyond the overlap."""
+    law = p.speed_limits.axes[i].valve
+    return -law.backward.deadband_voltage > voltage or voltage > law.forward.deadband_voltage
 
 
 def _way(before: float, u: float, v: float, dt: float) -> float:

@@ -121,7 +121,8 @@ class Checks(NamedTuple):
     driver: DriverResponse = DriverResponse()
     sinking: Sinking = Sinking()
     file: FileCheck = FileCheck()
-    sunk: Sinking = Sinking()  # as it stopped the crane; kept until the levers are armed anew
+    sunk: Sinking = Sinking()  # as it stopped the crane; kept until the levers move it anew
+    let_go: bool = True  # the deadman was released since
 
 
 class Permission(NamedTuple):
@@ -201,10 +202,17 @@ def judged(
     if not passes(checks, now):
         return disarmed(before, now, guard), Decision(Verdict.STOP, Cause.FAULT, dt=dt)
     if sinking_joint.is_sinking(checks.sinking):
-        sunk = checks._replace(sinking=Sinking(), sunk=checks.sinking)
+        sunk = checks._replace(sinking=Sinking(), sunk=checks.sinking, let_go=False)
         stop = Decision(Verdict.STOP, Cause.OVERLOAD, believed=True, dt=dt, overloaded=True)
         return disarmed(before._replace(checks=sunk), now, guard), stop
-    after, decision = permitted(before, now, dt, guard, override)
+    let_go = checks.let_go or not before.joystick.held
+    after, decision = permitted(
+        before._replace(checks=checks._replace(let_go=let_go)), now, dt, guard, override
+    )
+    if decision.verdict == Verdict.MOVE and not let_go:
+        # Sticks that are centred, as in taught work, are no act of a person.
+        waiting = Decision(Verdict.HOLD, Cause.OVERLOAD, believed=True, dt=dt, overloaded=True)
+        return disarmed(after, now, guard), waiting
     if decision.verdict == Verdict.MOVE:
         return after._replace(checks=after.checks._replace(sunk=Sinking())), decision
     return after, decision._replace(overloaded=sinking_joint.is_sinking(after.checks.sunk))
@@ -257,8 +265,9 @@ def checked(
         still=still,
         driver=driver_response.response(before.driver, driver, command, now),
         sinking=sinking,
-        file=machine_file.watched(before.file, s, v, state.lengths, command, sinking, p, dt),
+        file=machine_file.watched(before.file, s, v, state.lengths, command, driver.voltages, sinking, p, dt),
         sunk=before.sunk,
+        let_go=before.let_go,
     )
 
 

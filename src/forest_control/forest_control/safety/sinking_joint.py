@@ -18,8 +18,8 @@ from forest_control.config.controller_settings import Parameters
 from forest_description.types import AXES, ZERO, Vec3
 
 WAY = 0.005  # [rad] 30 mm of the tip at 6 m; a joint that turns round under a lagging valve goes less
-LONG = (0.5, 0.12, 0.12)  # [s] in which oil turns a joint round; a swing rocks slowly on its hoses
-LAGS = 3.0  # [1] time constants of its spool that a valve takes to be as open as its voltage; chosen
+LONG = (0.5, 0.11, 0.11)  # [s] in which oil turns a joint round; a swing rocks slowly on its hoses
+LAGS = 1.0  # [1] time constants of its spool until a valve counts as open as its voltage; chosen
 OPEN = 0.5  # [1] of the way from the overlap's edge to the rated voltage: small openings are leakage's
 
 

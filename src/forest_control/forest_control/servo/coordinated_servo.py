@@ -143,13 +143,21 @@ def servo(
     torque, extra = _swing_forward(memory.torque, a[0], b_1, jerk, inertia(r, p.swing), p, dt)
     yields = yielding_rates(r, a, (b_1, b_2, b_3), (jerk, jerk_2, jerk_3), p.arm)
     x_1 = Signals(a=a[0], b=b_1, r=r[0], s=s[0], v=v[0], w=extra)
-    x_2 = Signals(a=a[1], b=b_2, r=r[1], s=s[1], v=v[1], w=yields[0])
-    x_3 = Signals(a=a[2], b=b_3, r=r[2], s=s[2], v=v[2], w=yields[1])
+    x_2 = Signals(a=a[1], b=b_2, r=r[1], s=s[1], v=v[1], w=_onwards(yields[0], a[1]))
+    x_3 = Signals(a=a[2], b=b_3, r=r[2], s=s[2], v=v[2], w=_onwards(yields[1], a[2]))
     swing, u_1 = _joint_servo(m_1, x_1, volts[0] == 0.0, still, inch[0], 0, p, dt)
     boom, u_2 = _joint_servo(m_2, x_2, volts[1] == 0.0, still, inch[1], 1, p, dt)
     stick, u_3 = _joint_servo(m_3, x_3, volts[2] == 0.0, still, inch[2], 2, p, dt)
     memory = memory._replace(swing=swing, boom=boom, stick=stick, torque=torque)
     return memory, (u_1, u_2, u_3)
+
+
+def _onwards(extra: float, a: float) -> float:
+    """Return what is fed forward beside a rate a [rad/s]; it stops a valve at the most, and turns none round.
+
+    A limit that takes effect at once would else throw the valve over its overlap.
+    """
+    return extra if extra * a >= 0.0 else math.copysign(min(abs(extra), abs(a)), extra)
 
 
 def inches(memory: Memory) -> Vec3:

@@ -33,7 +33,7 @@ CRAWL = 0.01  # [m/s] where limits leave less, the tip would not get on; chosen
 THERE = 0.02  # [m] from a leg's start: nearer, the tip is led onto it without a leg of its own
 FAST = 100.0  # [m/s] more than any wall leaves
 WHOLE = 1.0 - 1e-9  # [1] of a speed that no limit scales: rounding
-HALVINGS = 10  # to a thousandth
+HALVINGS = 10  # [1] of an interval of speeds: to a thousandth of it
 
 
 class Leg(NamedTuple):

@@ -217,7 +217,8 @@ def _spool(machine: Machine, axis: int) -> SpoolLaw:
     bandwidth, slew = valve.spool_bandwidth, valve.spool_slew_limit
     return SpoolLaw(
         lag=0.0 if bandwidth is None else 1.0 / (2.0 * math.pi * bandwidth),
-        play=valve.hysteresis or 0.0,
+        # Of a spool that flow forces push, nobody knows which way it has stuck: no inverse holds.
+        play=0.0 if valve.centring_force else (valve.hysteresis or 0.0),
         slew=math.inf if slew is None else slew,
     )
 

@@ -61,7 +61,7 @@ class Guarded(NamedTuple):
 
 def stopped(before: Guarded) -> Guarded:
     """Return the controller with all motion forgotten: the command is zero."""
-    return Guarded(permission=unwatched(before.permission))
+    return Guarded(unwatched(before.permission), control_state.stopped(before.state))
 
 
 class Loop(NamedTuple):
@@ -156,7 +156,7 @@ def guarded(
         return stopped(before._replace(permission=permission)), ZERO
     cylinders = seen.actuators.position[1], seen.actuators.position[2]
     inputs = control_inputs(machine, decision, cylinders, loop.reports.reach, loop.drive.voltages)
-    begun = control_state.REST if decision.verdict == Verdict.STOP else before.state
+    begun = control_state.stopped(before.state) if decision.verdict == Verdict.STOP else before.state
     state, output = controller.step(begun, inputs, k.control, decision.dt)
     return Guarded(permission, state, output.command), output.tip_reference
 

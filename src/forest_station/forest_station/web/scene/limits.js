@@ -43,9 +43,9 @@ export class Limits {
     }
     if (limit === LOAD) {
       const share = signals.value("tip/load/share");
-      say(`load: ${Math.round(100 * share)} % of what is allowed here`, tip);
+      say(Number.isFinite(share) ? `load: ${Math.round(100 * share)} % of what is allowed here` : "load: not weighed", tip);
     }
-    if (limit === OVERLOAD) say("overload: centre the sticks, then put the load down", tip);
+    if (limit === OVERLOAD) say("overload: let go of the deadman, then put the load down", tip);
     if (limit === RELEASED) {
       const held = signals.value("joy/button_left_shoulder") === 1;
       shown.labels.push({ key: "limit", text: held ? "centre the sticks" : "hold the deadman to drive", at: tip, kind: "calm" });
