@@ -46,9 +46,12 @@ def programs(page):
 @contextlib.contextmanager
 def program(text):
     """A page's program runs meanwhile, and ends well."""
-    process = subprocess.Popen([sys.executable, "-c", text])
-    yield
-    assert process.wait(STARTED_S) == 0
+    with subprocess.Popen([sys.executable, "-c", text]) as process:
+        try:
+            yield
+            assert process.wait(STARTED_S) == 0
+        finally:
+            process.kill()
 
 
 def held_joystick(beat):
