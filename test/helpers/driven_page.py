@@ -111,7 +111,7 @@ class DrivenPage:
             """() => [document.querySelector("#seat .deadman").dataset.state,
                       document.querySelector("#seat .why").textContent]"""
         )
-        if "centre the sticks" in why:
+        if "centre the sticks" in why or "Let go of the deadman" in why:
             hand.let_go(self.page)
         elif state == "ready":
             hand.let_go(self.page)
