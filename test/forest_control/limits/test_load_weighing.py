@@ -11,10 +11,12 @@ from forest_control.limits.load_weighing import (
     SETTLED,
     UNKNOWN,
     UNREAD,
+    Weighing,
     weighed,
     weighing_parameters,
 )
 from forest_control.operator.levers import levers_for_tip_velocity
+from forest_control.pipeline.control_state import REST, State, stopped
 from forest_control.valve import valve_driver_parameters
 from forest_description.derived.limits import pose_at
 from forest_description.geometry.linkage import lever_arm
@@ -116,3 +118,8 @@ def test_near_the_pivot_nothing_is_weighed_and_what_was_known_stays():
     weighing = settled(UNKNOWN, pose_at((6.0, 0.0, 1.0), REAL), 3e5, c)
     upright = 0.0, 1.2, -3.0
     assert settled(weighing, upright, 0.0, c).mass == weighing.mass
+
+
+def test_a_stop_forgets_all_motion_and_no_load():
+    known = Weighing(mass=430.0, torque=1e4, age=0.0)
+    assert stopped(State((0.1, 0.2, 0.3), True, weighing=known)) == REST._replace(weighing=known)

@@ -110,10 +110,11 @@ def test_a_machine_that_is_only_somewhat_off_is_not_taken_for_another(seed):
 
 P = controller_settings.parameters(C180, controller_settings.Settings())
 ANGLES = (0.0, 0.5, -1.4)
+NOTHING_SINKS = Sinking()
 FITTING = cylinder_length(ANGLES[1], P.linkages[0]), cylinder_length(ANGLES[2], P.linkages[1])
 
 
-def after(check, seconds, rates=ZERO, command=ZERO, lengths=UNREAD, sinking=Sinking(), opens=1.0):  # noqa: B008
+def after(check, seconds, rates=ZERO, command=ZERO, lengths=UNREAD, sinking=NOTHING_SINKS, opens=1.0):
     voltages = tuple(opens * (volts + math.copysign(1.1, volts)) if volts else 0.0 for volts in command)
     for _ in range(round(seconds / PERIOD)):
         check = watched(check, ANGLES, rates, lengths, command, voltages, sinking, P, PERIOD)

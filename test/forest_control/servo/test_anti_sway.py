@@ -7,6 +7,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from forest_control.config import controller_settings
+from forest_control.operator.levers import REST
+from forest_control.pipeline.control_state import Inputs, State
+from forest_control.pipeline.motion_command import tip_velocity_command
 from forest_control.servo.anti_sway import (
     NO_SWAY,
     STILL,
@@ -16,7 +20,9 @@ from forest_control.servo.anti_sway import (
     filtered,
     sway_parameters,
 )
+from forest_control.servo.schemes import Scheme
 from forest_description.components.load import Pendulum
+from forest_description.derived.limits import pose_at, start_tip
 from forest_description.machine import load_machine
 from forest_description.types import ZERO
 from forest_msgs_py.types import PERIOD
@@ -116,3 +122,14 @@ def test_the_pendulum_is_that_of_the_machine():
     ratio = 30.0 / (2.0 * crane.head_mass * math.sqrt(crane.gravity))
     assert sway_parameters(hangs).damping == pytest.approx(ratio)
     assert sway_parameters(load_machine("c180")) == SwayParameters()
+
+
+@pytest.mark.parametrize("scheme", [Scheme.JOINT, Scheme.IK_VELOCITY])
+def test_a_scheme_without_the_filter_forgets_what_was_wished_before(scheme):
+    """Or the crane would go on with it, sticks centred, once the scheme is chosen again."""
+    forwarder = load_machine("forwarder")
+    p = controller_settings.parameters(forwarder, controller_settings.Settings(scheme=scheme, anti_sway=True))
+    pose = pose_at(start_tip(forwarder), forwarder)
+    moving = State(pose, True, sway=begun((0.5, 0.0, 0.0), p.sway))
+    after, _ = tip_velocity_command(moving, pose, Inputs(pose, ZERO, REST, True), p, PERIOD)
+    assert after.sway == NO_SWAY

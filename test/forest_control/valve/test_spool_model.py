@@ -65,3 +65,9 @@ def test_the_driver_of_a_valve_with_hysteresis_turns_back_by_its_width():
 def test_without_what_lies_beyond_the_valve_the_driver_knows_no_hysteresis():
     p = valve_driver_parameters.parameters(REAL, valve_driver_parameters.Settings(beyond_valve=False))
     assert all(axis.spool == SpoolLaw() for axis in p.axes)
+
+
+@pytest.mark.parametrize(("name", "play"), [("c180_real", 0.4), ("forwarder", 0.0), ("c180", 0.0)])
+def test_the_hysteresis_of_a_spool_that_flow_forces_push_is_not_inverted(name, play):
+    p = valve_driver_parameters.parameters(load_machine(name), valve_driver_parameters.Settings())
+    assert [axis.spool.play for axis in p.axes] == [play] * 3
