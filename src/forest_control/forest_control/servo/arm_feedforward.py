@@ -72,17 +72,10 @@ def yielding_rates(q: Vec3, a: Vec3, b: Vec3, c: Vec3, arm: ArmModel) -> Pair:
     )
 
 
-def torques(q: Vec3, b: Vec3, arm: ArmModel) -> Pair:
-    """Return the torques [N m] on boom and stick at joint accelerations [rad/s^2]. Thesis eq. 3.15."""
-    m_22, m_23, m_33 = _inertia(q, arm)
-    c_23, s_23 = math.cos(q[1] + q[2]), math.sin(q[1] + q[2])
-    stick = arm.gravity * (arm.stick_moment[0] * c_23 - arm.stick_moment[1] * s_23)
-    boom = arm.gravity * (arm.boom_moment[0] * math.cos(q[1]) - arm.boom_moment[1] * math.sin(q[1]))
-    return m_22 * b[1] + m_23 * b[2] + boom + stick, m_23 * b[1] + m_33 * b[2] + stick
-
-
 def torque_rates(q: Vec3, a: Vec3, b: Vec3, c: Vec3, arm: ArmModel) -> Pair:
-    """Return how fast these torques change [N m/s]; arguments as `yielding_rates`.
+    """Return how fast the torques on boom and stick change [N m/s]. Thesis eq. 3.15.
+
+    Arguments as `yielding_rates`.
 
     Differs: torques of joint rates squared, some percent at the rates that are driven, are left out.
     """
