@@ -14,7 +14,7 @@ import numpy as np
 
 import work as benchmark
 from forest_description.machine import load_machine
-from forest_sim.equations.plant import to_array
+from forest_sim.equations.appendix_b import to_array
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.solver.equilibrium import equilibrium
 from work import Floats, Work

@@ -23,11 +23,12 @@ from forest_sim.analysis.modes import states
 from forest_sim.equations.drive import DriveState
 from forest_sim.equations.elastic_links import Roots, RootState
 from forest_sim.equations.multibody import HeadState
-from forest_sim.equations.plant import AxisState, PlantState, ports_at, state_derivative
+from forest_sim.equations.plant import AxisState, PlantState, state_derivative
 from forest_sim.equations.plant_parameters import PlantParameters
 from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.solver.compiled_plant import compiled_advance
+from forest_sim.solver.integrator import ports_of
 
 C180 = load_machine("c180")
 START = inverse_kinematics((5.5, 0.0, 1.0), C180.manipulator.links)
@@ -134,7 +135,7 @@ def unpack(y: np.ndarray) -> PlantState:
 
 def reference(simulation, p: PlantParameters, seconds: float) -> np.ndarray:
     """Integrate `state_derivative` with the spools held, by scipy's Radau."""
-    ports = ports_at(simulation.spools, p, simulation.lifts, simulation.tank.seen)
+    ports = ports_of(simulation, p)
     solution = solve_ivp(
         lambda _, y: pack(state_derivative(unpack(y), ports, p)),
         (0.0, seconds),

@@ -13,8 +13,9 @@ from scipy.integrate import solve_ivp
 from forest_description.components.drives import Friction
 from forest_description.machine import Machine
 from forest_sim.equations.multibody import HANGING_STILL, mechanics, solve
-from forest_sim.equations.plant import transmissions, valve_ports
+from forest_sim.equations.plant import transmissions
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.valve_ports import valve_ports
 from forest_sim.hydraulics.port import is_shut, port_pressure
 from forest_sim.mechanics.end_stop import end_stop_force
 from forest_sim.solver.compiled_plant import compiled_record

@@ -6,6 +6,7 @@ In the order in which data passes:
 - `mechanics`: Laws of the links, how they bend, the hanging head, gear, dry friction and end stops.
 - `equations`: The equations of motion: states, constants, links and drive, put together from the
   parts' laws.
+- `half_step`: What a step knows of its middle: poppets, compensators, flow forces, the tank line.
 - `solver`: Steps in time of the equations of motion, implicit and of second order, interpreted or
   compiled.
 - `sensors`: What the machine's sensors report of its true state.

@@ -15,8 +15,9 @@ from forest_description.machine import load_machine
 from forest_sim.analysis.friction_linearisation import without_dry_friction
 from forest_sim.analysis.mode_map import mode_map
 from forest_sim.analysis.modes import modes, operating_point, slow_modes, unguarded
-from forest_sim.equations.plant import ports_at, state_derivative
+from forest_sim.equations.plant import state_derivative
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.valve_ports import ports_at
 from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.simulation.open_loop import start_angles
 

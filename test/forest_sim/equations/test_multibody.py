@@ -10,8 +10,9 @@ from forest_description.components.load import Pendulum
 from forest_description.geometry.kinematics import tip_position
 from forest_description.machine import load_machine
 from forest_sim.equations.multibody import HANGING_STILL, Inertia, mechanics, resisted, solve, times
-from forest_sim.equations.plant import passive_force, ports_at, supply_draw
+from forest_sim.equations.plant import passive_force, supply_draw
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.valve_ports import ports_at
 from forest_sim.hydraulics.port import port_pressure
 from forest_sim.hydraulics.spool_dynamics import Spool
 from forest_sim.simulation.disturbance import checked_tip_force

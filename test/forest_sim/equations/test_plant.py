@@ -7,14 +7,10 @@ import numpy as np
 import pytest
 
 from forest_description.machine import load_machine
-from forest_sim.equations.plant import (
-    from_array,
-    thesis_state_derivative,
-    to_array,
-    transmissions,
-    valve_ports,
-)
+from forest_sim.equations.appendix_b import from_array, thesis_state_derivative, to_array
+from forest_sim.equations.plant import transmissions
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.valve_ports import valve_ports
 from forest_sim.hydraulics.port import Port
 from forest_sim.solver.equilibrium import equilibrium
 

@@ -8,8 +8,9 @@ import pytest
 
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
-from forest_sim.equations.plant import axis_draw, ports_at
+from forest_sim.equations.plant import axis_draw
 from forest_sim.equations.plant_parameters import NO_GUARD, plant_parameters
+from forest_sim.equations.valve_ports import ports_at
 from forest_sim.hydraulics.hydraulic_line import flow_rate, pressure_rate, solve_line, supply_coupling
 from forest_sim.hydraulics.port import Port, edge_flows, port_pressure
 from forest_sim.solver.compiled_plant import compiled_advance

@@ -12,8 +12,8 @@ from forest_description.components.valve_characteristic import edges
 from forest_description.geometry.linkage import cylinder_length
 from forest_description.machine import load_machine
 from forest_ident.measurements.readings import valve_pressures
-from forest_sim.equations.plant import valve_ports
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.valve_ports import valve_ports
 from forest_sim.hydraulics.port import port_flow, port_pressure
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import spools_after

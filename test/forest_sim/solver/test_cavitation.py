@@ -8,8 +8,9 @@ import pytest
 
 from forest_description.components.hose import Line
 from forest_description.machine import load_machine
-from forest_sim.equations.plant import ports_at, transmissions
+from forest_sim.equations.plant import transmissions
 from forest_sim.equations.plant_parameters import NO_GUARD, plant_parameters
+from forest_sim.equations.valve_ports import ports_at
 from forest_sim.hydraulics.hydraulic_line import solve_line
 from forest_sim.hydraulics.oil_volume import content
 from forest_sim.hydraulics.port import Port

@@ -80,7 +80,7 @@ def test_a_pump_too_small_for_all_is_shared_in_proportion_to_the_openings():
             axis.pressure_1 + hose_drop(axis.flow_1, p.axes[i].oil_1) for i, axis in enumerate(axes)
         )
         left = supply.pressure - heaviest - AFTER.setting
-        kept = [left - AFTER.control_range * lifts.compensator for lifts in now.lifts]
+        kept = [left - AFTER.control_range * lifts.compensator for lifts in now.amid.lifts]
         shared.append([edge * math.sqrt(drop) for edge, drop in zip(openings(now, m), kept, strict=True)])
         flows.append([axis.flow_1 for axis in axes])
     assert np.mean(flows, axis=0) == pytest.approx(np.mean(shared, axis=0), rel=0.02)

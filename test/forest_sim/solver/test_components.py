@@ -19,8 +19,9 @@ from full_machine import (
 )
 
 from forest_description.components.valve_parameters import BackwardValve
-from forest_sim.equations.plant import ports_at, state_derivative
+from forest_sim.equations.plant import state_derivative
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.valve_ports import ports_at
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.implicit_stage import solve_stage

@@ -9,8 +9,8 @@ from full_machine import advance
 from forest_description.components.valve_characteristic import Direction
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.half_step.load_sensing import mean_load, open_halves, open_share
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.load_sensing import mean_load, open_halves, open_share
 
 MACHINES = ("c180_thesis", "c180", "c180_real", "forwarder", "loader")
 FINE, LIMIT = 6.25e-5, 5e-5  # s, rad

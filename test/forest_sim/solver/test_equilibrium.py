@@ -7,7 +7,7 @@ import pytest
 
 from forest_description.geometry.linkage import lever_arm
 from forest_description.machine import load_machine
-from forest_sim.equations.plant import to_array
+from forest_sim.equations.appendix_b import to_array
 from forest_sim.equations.plant_parameters import plant_parameters
 from forest_sim.mechanics.manipulator import dynamics
 from forest_sim.solver.compiled_plant import compiled_advance

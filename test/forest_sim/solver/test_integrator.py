@@ -8,14 +8,10 @@ from scipy.integrate import solve_ivp
 
 from forest_description.geometry.kinematics import inverse_kinematics
 from forest_description.machine import load_machine
-from forest_sim.equations.plant import (
-    from_array,
-    state_derivative,
-    thesis_state_derivative,
-    to_array,
-    valve_ports,
-)
+from forest_sim.equations.appendix_b import from_array, thesis_state_derivative, to_array
+from forest_sim.equations.plant import state_derivative
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.valve_ports import valve_ports
 from forest_sim.hydraulics.port import is_shut
 from forest_sim.hydraulics.spool_dynamics import Spool
 from forest_sim.solver.compiled_plant import compiled_advance

@@ -14,6 +14,7 @@ from forest_description.components.pump import IdealPump
 from forest_description.components.valve_characteristic import edges
 from forest_description.machine import load_machine
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.half_step.holding_step import lifts_after
 from forest_sim.hydraulics.load_holding import Lifts, holding_valve, lift_after, restriction
 from forest_sim.hydraulics.spool_dynamics import Spool
 from forest_sim.hydraulics.supply import SupplyState
@@ -21,7 +22,6 @@ from forest_sim.simulation.energy_account import account, unaccounted, with_stor
 from forest_sim.solver import state_recording
 from forest_sim.solver.compiled_plant import compiled_record
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.power_flows import power_flows
 from forest_sim.solver.state_recording import ENERGY, STATE
 

@@ -11,8 +11,9 @@ from forest_description.components.drives import Cushion, Friction
 from forest_description.components.load import Pendulum
 from forest_description.geometry.kinematics import inverse_kinematics, tip_velocity
 from forest_description.machine import load_machine
-from forest_sim.equations.plant import ports_at, state_derivative
+from forest_sim.equations.plant import state_derivative
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.valve_ports import ports_at
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.power_flows import power_flows

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from full_machine import BAND, PRESSURE, RELIEF, START, advance, full_machine, with_pump
 
-from forest_sim.equations.plant import ports_at, supply_draw
+from forest_sim.equations.plant import supply_draw
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.valve_ports import ports_at
 from forest_sim.hydraulics.supply import available_flow, pump_flow
 from forest_sim.sensors.sensor_readings import at_rest, measure
 from forest_sim.solver.equilibrium import equilibrium

@@ -4,8 +4,9 @@ import pytest
 
 from forest_description.machine import load_machine
 from forest_description.types import AXES
-from forest_sim.equations.plant import axis_draw, ports_at
+from forest_sim.equations.plant import axis_draw
 from forest_sim.equations.plant_parameters import plant_parameters
+from forest_sim.equations.valve_ports import ports_at
 from forest_sim.sensors.sensor_readings import at_rest, measure
 from forest_sim.solver.compiled_plant import compiled_advance
 from forest_sim.solver.equilibrium import equilibrium

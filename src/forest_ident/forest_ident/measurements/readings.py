@@ -28,8 +28,8 @@ from forest_description.components.valve_characteristic import (
 )
 from forest_description.geometry.linkage import Linkage
 from forest_description.types import AXES, Floats
-from forest_sim.equations.plant import valve_ports
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
+from forest_sim.equations.valve_ports import valve_ports
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.compensator import NONE, in_series
 from forest_sim.hydraulics.port import port_pressure, with_resistance

@@ -35,8 +35,10 @@ from forest_description.types import AXES, Floats, Vec3
 from forest_sim.equations.drive import DriveState
 from forest_sim.equations.elastic_links import Roots, RootState
 from forest_sim.equations.multibody import HeadState
-from forest_sim.equations.plant import AxisState, PlantState, Ports, at_joints, ports_at, state_derivative
+from forest_sim.equations.plant import AxisState, PlantState, at_joints, state_derivative
 from forest_sim.equations.plant_parameters import NO_GUARD, PlantParameters
+from forest_sim.equations.valve_ports import Ports, ports_at
+from forest_sim.half_step.compensator_step import openings_after
 from forest_sim.hydraulics.command_history import held_commands
 from forest_sim.hydraulics.compensator import NONE
 from forest_sim.hydraulics.load_holding import is_held, restriction
@@ -45,9 +47,8 @@ from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import STUCK, Spool, Spools
 from forest_sim.hydraulics.supply import SupplyState
 from forest_sim.mechanics.end_stop import NO_STOP, UNCUSHIONED
-from forest_sim.solver.compensator_step import openings_after
 from forest_sim.solver.equilibrium import equilibrium
-from forest_sim.solver.integrator import Simulation, step
+from forest_sim.solver.integrator import Simulation, ports_of, step
 
 DIFFERENCE = (1e-6, 1e-6, 10.0, 10.0, 1e-8, 1e-8)  # rad, rad/s, Pa, m^3/s: rounding and curvature both small
 DRIVE_PARTS = ("motor", "motor", "links")  # of `DriveState`
@@ -121,7 +122,7 @@ def operating_point(angles: Vec3, spools: Vec3, p: PlantParameters) -> Simulatio
     for _ in range(round(SETTLING / SETTLING_STEP)):
         after = step(held, spools, SETTLING_STEP, p._replace(valves=still))
         plant = _brought_back(after.plant, angles, p)
-        held = held._replace(plant=plant, lifts=after.lifts, tank=after.tank)
+        held = held._replace(plant=plant, amid=after.amid._replace(jets=held.amid.jets))
     return held
 
 
@@ -146,7 +147,7 @@ def _flows(
     """Tell whether the flow through hose 1 or 2 of an axis (port 0 or 1) is a state: nothing shuts it."""
     state, valves = point.plant.axes[axis], (p.axes[axis].holding_1, p.axes[axis].holding_2)
     flow = -state.flow_2 if port else state.flow_1
-    held = restriction(point.lifts[axis][port], valves[port])
+    held = restriction(point.amid.lifts[axis][port], valves[port])
     spool = ports[axis].port_2 if port else ports[axis].port_1
     return not is_shut(spool) and not is_held(flow, held)
 
@@ -160,7 +161,7 @@ def _turned(drive: DriveState, by: float, p: PlantParameters) -> DriveState:
 
 def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int, ...]]:
     """Return A [n, n] about an operating point, and the places of its n states among `rates_at`'s."""
-    ports = ports_at(point.spools, p, point.lifts, point.tank.seen)
+    ports = ports_of(point, p)
     kept = [i for i in range(18) if i % 6 < 4 or _flows(point, ports, i // 6, i % 6 - 4, p)]
     if not p.supply.ideal:
         kept += [18] if p.supply.rate == 0.0 else [18, 19]
@@ -174,7 +175,7 @@ def linearise(point: Simulation, p: PlantParameters) -> tuple[Floats, tuple[int,
         place for place in range(ROOTS, COMPENSATORS) if p.elastic.links[(place - ROOTS) // 2].inertia > 0.0
     ]
     kept += [COMPENSATORS + axis for axis in range(3) if _meters(ports[axis], axis, p)]
-    x = np.array([*states(point.plant), *(lifts.compensator for lifts in point.lifts)])
+    x = np.array([*states(point.plant), *(lifts.compensator for lifts in point.amid.lifts)])
     columns = []
     for place in kept:
         d = _difference(place)
@@ -196,9 +197,9 @@ def rates_at(x: Floats, spools: Spools, point: Simulation, p: PlantParameters) -
     """
     plant, openings = _shaped(x), x[COMPENSATORS:].tolist()
     one, two, three = (
-        lifts._replace(compensator=opening) for lifts, opening in zip(point.lifts, openings, strict=True)
+        lifts._replace(compensator=opening) for lifts, opening in zip(point.amid.lifts, openings, strict=True)
     )
-    ports = ports_at(spools, p, (one, two, three), point.tank.seen)
+    ports = ports_at(spools, p, (one, two, three), point.amid.tank.seen)
     balanced = openings_after(plant, (one, two, three), spools, spools, math.inf, p)
     moving = [
         (there.compensator - opening) / valve.compensator.response_time

@@ -7,12 +7,8 @@ its `pump`, a hanging head its two angles and their rates, a swing whose gear ha
 bearing sticks what `drive` has, links that give way their `roots`. An axis then has the angle and
 rate of its link.
 
-A positive spool position connects port 1 to the supply and port 2 to the tank (Appendix B's only
-case); a negative one the reverse. Pressures are above the tank's; `Port.tank` is that of a line to
-it. Actuator coordinates are the swing angle and the two cylinders' lengths.
-
-Spools, poppets, compensators and the tank line are no states here: `solver` knows them half a step
-from the states, and the ports tell how they stand.
+Pressures are above the tank's; `Port.tank` is that of a line to it. Actuator coordinates are the
+swing angle and the two cylinders' lengths. What the valves connect is given (`valve_ports`).
 
 The laws of the parts live in `hydraulics` and `mechanics`, their combinations in `drive`,
 `elastic_links` and `multibody`; here they are put together. Everything in this module is pure and
@@ -22,24 +18,18 @@ stays in the subset of Python that `translate` makes machine code of.
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from forest_description.components.valve_characteristic import ValveLaw, edges, leakage_at
 from forest_description.geometry.linkage import Linkage, length_and_arm
-from forest_description.machine import Machine
-from forest_description.types import Floats, Vec3
+from forest_description.types import Vec3
 from forest_sim.equations.drive import AT_REST, DriveState, driven
 from forest_sim.equations.elastic_links import RIGID_ROOTS, Roots, RootState, bent
-from forest_sim.equations.multibody import HANGING_STILL, HeadState, Mechanics, mechanics, solve
-from forest_sim.equations.plant_parameters import Axis, PlantParameters, SpoolValve, plant_parameters
+from forest_sim.equations.multibody import HeadState, Mechanics, mechanics, solve
+from forest_sim.equations.plant_parameters import Axis, PlantParameters
+from forest_sim.equations.valve_ports import Ports
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
-from forest_sim.hydraulics.compensator import NONE, in_series
-from forest_sim.hydraulics.load_holding import NO_LIFTS, SEATED_LIFTS, AllLifts, Lifts, restriction
-from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure, with_resistance
+from forest_sim.hydraulics.load_holding import restriction
+from forest_sim.hydraulics.port import Port, edge_flows, is_shut, port_pressure
 from forest_sim.hydraulics.pump_drive import UNDRIVEN, PumpState, engine_torque, stroke_rate
 from forest_sim.hydraulics.side import Side, side_rates
-from forest_sim.hydraulics.spool_dynamics import Spools
 from forest_sim.hydraulics.supply import (
     SupplyState,
     asked_stroke,
@@ -83,15 +73,6 @@ class PlantState(NamedTuple):
         return (self.swing, self.boom, self.stick)
 
 
-class Ports(NamedTuple):
-    """What the spool's four edges connect the hoses of one axis to, and what holds its load behind them."""
-
-    port_1: Port
-    port_2: Port
-    sensed: Pair = (0.0, 0.0)  # share of a step in which port 1, 2 is open to the supply
-    lifts: Lifts = SEATED_LIFTS  # of its load-holding valves, if any
-
-
 class Draw(NamedTuple):
     """What one axis, or all of them, ask of the supply."""
 
@@ -104,84 +85,6 @@ class Transmission(NamedTuple):
 
     position: float  # [rad; m]
     arm: float  # d(position)/d(angle) [1; m/rad]
-
-
-def valve_ports(spool_position: float, law: ValveLaw, vapour: float = -math.inf, tank: float = 0.0) -> Ports:
-    """Return both ports at a spool position; shut inside the overlap. Thesis eq. 3.1, 3.2, fig. 2.5.
-
-    Args:
-        spool_position: [V].
-        law: of the valve.
-        vapour: pressure at which the oil boils [Pa].
-        tank: P_t in the tank line [Pa].
-    """
-    e, leakage = edges(spool_position, law), leakage_at(spool_position, law)
-    return Ports(
-        Port(e.supply_1, e.tank_1, leakage.mean, law.load_check, vapour, leakage.skew, tank),
-        Port(e.supply_2, e.tank_2, leakage.mean, law.load_check, vapour, -leakage.skew, tank),
-        (1.0 if e.supply_1 < math.inf else 0.0, 1.0 if e.supply_2 < math.inf else 0.0),
-    )
-
-
-def ports_at(
-    spools: Spools, p: PlantParameters, lifts: AllLifts = NO_LIFTS, tank: float = 0.0
-) -> tuple[Ports, Ports, Ports]:
-    """Return the ports of swing, boom and stick at the positions of spools and of load-holding valves.
-
-    Args:
-        spools: of the valves.
-        p: the machine.
-        lifts: of its load-holding valves.
-        tank: P_t in the tank line [Pa].
-    """
-    vapour = -p.supply.oil.above_vapour
-    ports = (
-        valve_ports(spools[0].position, p.valves[0].law, vapour, tank),
-        valve_ports(spools[1].position, p.valves[1].law, vapour, tank),
-        valve_ports(spools[2].position, p.valves[2].law, vapour, tank),
-    )
-    return _with_lifts(ports, lifts, p) if has_poppets(p) else ports
-
-
-def _with_lifts(
-    ports: tuple[Ports, Ports, Ports], lifts: AllLifts, p: PlantParameters
-) -> tuple[Ports, Ports, Ports]:
-    """Return ports with their load-holding valves and compensators at other lifts."""
-    if is_compensated(p):
-        ports = (
-            metered(ports[0], lifts[0], p.valves[0]),
-            metered(ports[1], lifts[1], p.valves[1]),
-            metered(ports[2], lifts[2], p.valves[2]),
-        )
-    return (
-        Ports(ports[0].port_1, ports[0].port_2, ports[0].sensed, lifts[0]),
-        Ports(ports[1].port_1, ports[1].port_2, ports[1].sensed, lifts[1]),
-        Ports(ports[2].port_1, ports[2].port_2, ports[2].sensed, lifts[2]),
-    )
-
-
-def metered(ports: Ports, lifts: Lifts, valve: SpoolValve) -> Ports:
-    """Return ports with their compensator in series with the edge that is open to the supply."""
-    if valve.compensator.sort == NONE:
-        return ports
-    more = in_series(lifts.compensator, valve.compensator)
-    one, two = with_resistance(ports.port_1, more), with_resistance(ports.port_2, more)
-    return Ports(one, two, ports.sensed, ports.lifts)
-
-
-def has_poppets(p: PlantParameters) -> bool:
-    """Tell whether a machine has load-holding valves or compensators, which pressures open."""
-    return holds_loads(p) or is_compensated(p)
-
-
-def is_compensated(p: PlantParameters) -> bool:
-    """Tell whether a machine has pressure compensators."""
-    return p.valves[0].compensator.sort + p.valves[1].compensator.sort + p.valves[2].compensator.sort != NONE
-
-
-def holds_loads(p: PlantParameters) -> bool:
-    """Tell whether a machine has load-holding valves."""
-    return p.swing.holds + p.boom.holds + p.stick.holds != 0
 
 
 def transmissions(
@@ -406,61 +309,3 @@ def _port_draw(pressure: float, flow: float, port: Port, supply: float) -> Draw:
 def sensed_load(pressure: float, port: Port) -> float:
     """Return what a load-sensing line takes from a port [Pa]: its pressure while open to the supply."""
     return pressure if port.to_supply < math.inf else 0.0
-
-
-def to_array(state: PlantState) -> Floats:
-    """Return the 18 states as an array in Appendix B's order."""
-    return np.array([*state.swing, *state.boom, *state.stick], dtype=np.float64)
-
-
-def from_array(x: ArrayLike, supply_pressure: float) -> PlantState:
-    """Return the state that an array of 18 in Appendix B's order holds, with the supply at a pressure [Pa].
-
-    Raises:
-        ValueError: the array does not hold 18 finite numbers.
-    """
-    values = np.asarray(x, dtype=np.float64)
-    if values.shape != (18,) or not np.all(np.isfinite(values)):
-        raise ValueError(
-            f"state x must hold 18 finite numbers in Appendix B's order, got shape {values.shape}"
-        )
-    v = values.tolist()
-    supply = SupplyState(supply_pressure, supply_pressure)
-    return PlantState(
-        swing=AxisState(*v[0:6]),
-        boom=AxisState(*v[6:12]),
-        stick=AxisState(*v[12:18]),
-        supply=supply,
-        head=HANGING_STILL,
-    )
-
-
-def thesis_state_derivative(x: ArrayLike, c_r: ArrayLike, p_s: float, machine: Machine) -> Floats:
-    """Return xdot of Appendix B, corrected, for given orifice resistances.
-
-    Thesis eq. 3.20, App. B. Differs: docs/explanation/equations.md lists the corrections.
-    Port 1 of every valve is connected to the supply, port 2 to the tank.
-
-    Args:
-        x: 18 states in Appendix B's order (module docstring).
-        c_r: Crv1, Crv2 of swing, boom, stick, 6 resistances [Pa s^2/m^6], not negative.
-        p_s: supply pressure [Pa].
-        machine: `load_machine("c180_thesis")` gives Appendix B's numbers.
-
-    Returns:
-        xdot, shape (18,), in x's units per second.
-
-    Raises:
-        ValueError: wrong shape, or a value that is not finite (c_r may be inf where the flow is
-            zero).
-    """
-    resistances = np.asarray(c_r, dtype=np.float64)
-    if resistances.shape != (6,) or not np.all(resistances >= 0.0):
-        raise ValueError(f"c_r must hold 6 resistances of at least 0 Pa s^2/m^6, got {c_r!r}")
-    if not math.isfinite(p_s):
-        raise ValueError(f"p_s must be a finite pressure [Pa], got {p_s}")
-    r = resistances.tolist()
-    ports = [Ports(Port(r[2 * i], math.inf, 0.0), Port(math.inf, r[2 * i + 1], 0.0)) for i in range(3)]
-    state = from_array(x, float(p_s))
-    derivative = state_derivative(state, (ports[0], ports[1], ports[2]), plant_parameters(machine))
-    return to_array(derivative)

@@ -19,15 +19,14 @@ from forest_description.types import Vec3
 from forest_sim.equations.plant import (
     AxisState,
     PlantState,
-    Ports,
     Transmission,
     at_joints,
     motor_side,
-    ports_at,
     supply_draw,
     transmissions,
 )
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
+from forest_sim.equations.valve_ports import Ports
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.compensator import NONE
 from forest_sim.hydraulics.port import port_pressure
@@ -51,7 +50,7 @@ from forest_sim.sensors.signal_processing import (
     positions,
     updated_estimates,
 )
-from forest_sim.solver.integrator import Simulation
+from forest_sim.solver.integrator import Simulation, ports_of
 
 
 class Surroundings(NamedTuple):
@@ -151,9 +150,7 @@ def report_at_rest(state: SensorState, simulation: Simulation, k: tuple[Sensors,
     """
     s, links = k
     readings = tuple([channel.reading for channel in state.channels])
-    flow, used = _supply(
-        simulation, ports_at(simulation.spools, s.plant, simulation.lifts, simulation.tank.seen), s.plant
-    )
+    flow, used = _supply(simulation, ports_of(simulation, s.plant), s.plant)
     seen = measurement(readings, state.estimates, s.plant, flow, used)
     return _with_truth(seen, simulation, s.plant, links)
 
@@ -178,7 +175,7 @@ def sampled(
     """
     time = state.time + dt
     due = time > state.next_sample - TIME_TOLERANCE
-    ports = ports_at(simulation.spools, s.plant, simulation.lifts, simulation.tank.seen)
+    ports = ports_of(simulation, s.plant)
     before = state.channels
     true = _true_values(simulation, ports, s.plant, s.around)
     samples = tuple(
@@ -233,14 +230,14 @@ def compensators(simulation: Simulation, p: PlantParameters) -> Vec3:
     """Return the openings of the valves' pressure compensators, 0 shut .. 1 open; NaN for a valve without."""
     swing, boom, stick = (
         lifts.compensator if valve.compensator.sort != NONE else math.nan
-        for lifts, valve in zip(simulation.lifts, p.valves, strict=True)
+        for lifts, valve in zip(simulation.amid.lifts, p.valves, strict=True)
     )
     return swing, boom, stick
 
 
 def true_values(simulation: Simulation, p: PlantParameters, around: Surroundings) -> tuple[float, ...]:
     """Return what every channel would read if it were exact, in the order of `CHANNELS`."""
-    ports = ports_at(simulation.spools, p, simulation.lifts, simulation.tank.seen)
+    ports = ports_of(simulation, p)
     return _true_values(simulation, ports, p, around)
 
 

@@ -8,8 +8,9 @@ is lost.
 from typing import NamedTuple
 
 from forest_description.components.hose import Line
-from forest_sim.equations.plant import AxisState, Ports, Transmission, passive_force
+from forest_sim.equations.plant import AxisState, Transmission, passive_force
 from forest_sim.equations.plant_parameters import Axis
+from forest_sim.equations.valve_ports import Ports
 from forest_sim.hydraulics.actuator import actuator_force, inlet_flow, outlet_flow
 from forest_sim.hydraulics.hydraulic_line import LineSolution, PortGuard, solve_line, with_outflow
 from forest_sim.hydraulics.load_holding import Restriction, restriction

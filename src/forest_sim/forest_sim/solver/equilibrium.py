@@ -7,6 +7,7 @@ from forest_sim.equations.elastic_links import NO_ROOT, Roots, RootState
 from forest_sim.equations.multibody import HANGING_STILL, HeadState, mechanics
 from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
+from forest_sim.half_step.amid import NOTHING_AMID
 from forest_sim.hydraulics.load_holding import Lifts, resting_lift
 from forest_sim.hydraulics.pump_drive import UNDRIVEN, PumpState
 from forest_sim.hydraulics.spool_dynamics import CENTRED
@@ -54,7 +55,7 @@ def equilibrium(angles: Vec3, p: PlantParameters) -> Simulation:
         Events(0, 0, 0),
         (0.0, 0.0, 0.0),
         (0.0, 0.0),
-        lifts=(_lifts(p.swing), _lifts(p.boom), _lifts(p.stick)),
+        amid=NOTHING_AMID._replace(lifts=(_lifts(p.swing), _lifts(p.boom), _lifts(p.stick))),
     )
 
 

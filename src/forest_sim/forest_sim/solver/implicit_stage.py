@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 from forest_description.types import Vec3
 from forest_sim.equations.multibody import HeadState, Inertia, mechanics, resisted, solve, times
-from forest_sim.equations.plant import AxisState, PlantState, Ports, transmissions, with_joint
+from forest_sim.equations.plant import AxisState, PlantState, transmissions, with_joint
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
+from forest_sim.equations.valve_ports import Ports
 from forest_sim.hydraulics.oil_law import held_above_vapour
 from forest_sim.hydraulics.supply import SupplyState, flow_after, manifold_oil
 from forest_sim.mechanics.friction import pressed

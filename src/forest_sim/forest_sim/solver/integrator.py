@@ -15,31 +15,23 @@ from forest_description.types import Vec3
 from forest_sim.equations.drive import DriveState
 from forest_sim.equations.elastic_links import Roots, RootState
 from forest_sim.equations.multibody import HeadState
-from forest_sim.equations.plant import (
-    AxisState,
-    PlantState,
-    has_poppets,
-    holds_loads,
-    is_compensated,
-    ports_at,
-)
+from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
+from forest_sim.equations.valve_ports import Ports, has_poppets, ports_at
+from forest_sim.half_step.amid import NOTHING_AMID, Amid, amid_after, with_jets
+from forest_sim.half_step.load_sensing import sensed_over
+from forest_sim.half_step.tank_step import returned_flow
 from forest_sim.hydraulics.command_history import NO_COMMANDS, Acting, CommandHistory, after_dead_time
 from forest_sim.hydraulics.flow_force import NO_JETS, AllJets
 from forest_sim.hydraulics.hydraulic_line import PortGuard
-from forest_sim.hydraulics.load_holding import NO_LIFTS, AllLifts, lifts_along
+from forest_sim.hydraulics.load_holding import AllLifts, lifts_along
 from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.spool_dynamics import Spool, Spools, spool_after
 from forest_sim.hydraulics.supply import SupplyState
-from forest_sim.hydraulics.tank_line import DRAINED, TankState, pressure_after
+from forest_sim.hydraulics.tank_line import pressure_after
 from forest_sim.mechanics.manipulator import Pair
-from forest_sim.solver.compensator_step import openings_after
 from forest_sim.solver.conserved_oil import settled, with_contents
-from forest_sim.solver.holding_step import lifts_after
 from forest_sim.solver.implicit_stage import solve_stage
-from forest_sim.solver.load_sensing import sensed_over
-from forest_sim.solver.pushed_spools import feels_jets, pushed
-from forest_sim.solver.tank_step import returned_flow, tank_amid
 
 GAMMA = 1.0 - math.sqrt(0.5)
 WEIGHTS = (1.0 - GAMMA, GAMMA)
@@ -63,9 +55,12 @@ class Simulation(NamedTuple):
     accelerations: Vec3  # of the joints over the last stage [rad/s^2], from which Newton starts
     head_accelerations: Pair  # of the hanging head, as well
     history: CommandHistory = NO_COMMANDS  # kept where a valve has a dead time
-    lifts: AllLifts = NO_LIFTS  # of load-holding valves and compensators, half a step ago
-    jets: AllJets = NO_JETS  # flow forces on the spools, where they have any
-    tank: TankState = DRAINED
+    amid: Amid = NOTHING_AMID  # what was known of the middle of the last step
+
+
+def ports_of(simulation: Simulation, p: PlantParameters) -> tuple[Ports, Ports, Ports]:
+    """Return what the spools of a machine connect, and how its poppets stand."""
+    return ports_at(simulation.spools, p, simulation.amid.lifts, simulation.amid.tank.seen)
 
 
 class Step(NamedTuple):
@@ -85,11 +80,12 @@ def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantPar
     """Do as `step`, and return both stages, too: what passes in a step is a sum over them."""
     plant, c = simulation.plant, GAMMA * h
     acting, history = _acting(simulation.history, voltages, h, p)
-    jets = _jets(simulation, p)
-    middle = spools_after(simulation.spools, acting, c, p, jets)
-    end = spools_after(simulation.spools, acting, h, p, jets)
-    lifts, tank = _amid(simulation, end, h, p)
-    early, late = _lifts_by_stage(simulation.lifts, lifts, p)
+    amid = with_jets(simulation.amid, plant, simulation.spools, p)
+    middle = spools_after(simulation.spools, acting, c, p, amid.jets)
+    end = spools_after(simulation.spools, acting, h, p, amid.jets)
+    amid = amid_after(amid, plant, simulation.spools, end, h, p)
+    early, late = _lifts_by_stage(simulation.amid.lifts, amid.lifts, p)
+    jets, tank = amid.jets, amid.tank
     returned = 0.0
     rates, ports = _rates_after(plant, simulation.accelerations, c), ports_at(middle, p, early, tank.seen)
     if p.supply.rate > 0.0:
@@ -117,29 +113,10 @@ def step_by_stages(simulation: Simulation, voltages: Vec3, h: float, p: PlantPar
     events = _count(simulation.events, plant, after, failures, p.guard, tank.seen)
     rates_after, head_after = _mean_accelerations(base, after, c), _head_accelerations(base, after, c)
     return Step(
-        after=Simulation(after, end, events, rates_after, head_after, history, lifts, jets, tank),
-        early=Simulation(first, middle, events, rates_after, head_after, history, early, jets, tank),
-        late=Simulation(after, end, events, rates_after, head_after, history, late, jets, tank),
+        after=Simulation(after, end, events, rates_after, head_after, history, Amid(amid.lifts, jets, tank)),
+        early=Simulation(first, middle, events, rates_after, head_after, history, Amid(early, jets, tank)),
+        late=Simulation(after, end, events, rates_after, head_after, history, Amid(late, jets, tank)),
     )
-
-
-def _jets(simulation: Simulation, p: PlantParameters) -> AllJets:
-    """Return the flow forces in the middle of a step."""
-    if not feels_jets(p):
-        return simulation.jets
-    return pushed(simulation.plant, simulation.spools, simulation.jets, simulation.tank.seen, p)
-
-
-def _amid(simulation: Simulation, end: Spools, h: float, p: PlantParameters) -> tuple[AllLifts, TankState]:
-    """Return what is known half a step from the states: lifts of poppets, the tank line."""
-    plant, spools, lifts, tank = simulation.plant, simulation.spools, simulation.lifts, simulation.tank
-    if holds_loads(p):
-        lifts = lifts_after(plant, lifts, spools, tank.seen, h, p)
-    if is_compensated(p):
-        lifts = openings_after(plant, lifts, spools, end, h, p)
-    if p.tank_line.capacitance > 0.0:
-        tank = tank_amid(plant, spools, lifts, tank, h, p)
-    return lifts, tank
 
 
 def _lifts_by_stage(before: AllLifts, amid: AllLifts, p: PlantParameters) -> tuple[AllLifts, AllLifts]:

@@ -15,20 +15,17 @@ from forest_description.machine import load_machine
 from forest_description.types import AXES
 from forest_sim.equations import plant
 from forest_sim.equations.plant_parameters import PlantParameters, plant_parameters
+from forest_sim.half_step import compensator_step, holding_step, pushed_spools, tank_step
 from forest_sim.hydraulics import command_history, port, spool_dynamics, supply
 from forest_sim.mechanics import pendulum
 from forest_sim.solver import (
     axis_stage,
-    compensator_step,
     conserved_oil,
     drive_stage,
     elastic_stage,
-    holding_step,
     implicit_stage,
     integrator,
     power_flows,
-    pushed_spools,
-    tank_step,
 )
 from forest_sim.solver.equilibrium import equilibrium
 from forest_sim.solver.integrator import Simulation

@@ -23,18 +23,18 @@ from forest_sim.equations.elastic_links import NO_BENDING, BendingPower, bending
 from forest_sim.equations.plant import (
     AxisState,
     PlantState,
-    Ports,
     Transmission,
     at_joints,
     axis_draw,
     joint_torque,
     motor_side,
-    ports_at,
     sides,
     state_derivative,
     transmissions,
 )
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
+from forest_sim.equations.valve_ports import Ports
+from forest_sim.half_step.tank_step import tank_flow
 from forest_sim.hydraulics.actuator import inlet_flow, outlet_flow, port_pressures
 from forest_sim.hydraulics.hydraulic_line import guard_flow
 from forest_sim.hydraulics.load_holding import holding_drop, is_held
@@ -46,8 +46,7 @@ from forest_sim.hydraulics.supply import flow_at, manifold_capacitance
 from forest_sim.hydraulics.tank_line import line_flow
 from forest_sim.mechanics.end_stop import cushion_resistance, end_stop_force
 from forest_sim.mechanics.friction import friction_force
-from forest_sim.solver.integrator import Simulation
-from forest_sim.solver.tank_step import tank_flow
+from forest_sim.solver.integrator import Simulation, ports_of
 
 RIGID = (NO_BENDING, NO_BENDING, NO_BENDING)
 
@@ -101,7 +100,7 @@ class PowerFlows(NamedTuple):
 
 def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     """Return where the power goes at a state. Thesis section 2.2, fig. 2.3."""
-    state, ports = simulation.plant, ports_at(simulation.spools, p, simulation.lifts, simulation.tank.seen)
+    state, ports = simulation.plant, ports_of(simulation, p)
     joints = at_joints(state, p)
     t_1, t_2, t_3 = transmissions(joints.swing.angle, joints.boom.angle, joints.stick.angle, p)
     pressure = state.supply.pressure
@@ -115,7 +114,7 @@ def power_flows(simulation: Simulation, p: PlantParameters) -> PowerFlows:
     boom = _axis_power(joints.boom, t_2, ports[1], pressure, p.boom, NO_POWER, bending[1], p)
     stick = _axis_power(joints.stick, t_3, ports[2], pressure, p.stick, NO_POWER, bending[2], p)
     drawn = swing.supply + boom.supply + stick.supply
-    seen = simulation.tank.seen
+    seen = simulation.amid.tank.seen
     lost = seen * line_flow(seen, p.tank_line)
     taken_up = swing.returned + boom.returned + stick.returned - lost
     taken_up += swing.relieved + boom.relieved + stick.relieved

@@ -7,8 +7,9 @@ import math
 from typing import NamedTuple
 
 from forest_description.types import Vec3
-from forest_sim.equations.plant import Ports
 from forest_sim.equations.plant_parameters import PlantParameters
+from forest_sim.equations.valve_ports import Ports
+from forest_sim.half_step.load_sensing import mean_load
 from forest_sim.hydraulics.hydraulic_line import supply_coupling
 from forest_sim.hydraulics.pump_drive import PumpState
 from forest_sim.hydraulics.supply import (
@@ -21,7 +22,6 @@ from forest_sim.hydraulics.supply import (
 )
 from forest_sim.mechanics.manipulator import Pair
 from forest_sim.solver.axis_stage import AxisSolution
-from forest_sim.solver.load_sensing import mean_load
 
 SUPPLY_TOLERANCE = 1e3  # [Pa] of Newton's last correction of P_s
 UNBOUNDED = (-math.inf, math.inf)

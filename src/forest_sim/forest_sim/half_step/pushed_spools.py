@@ -7,8 +7,9 @@ the jets take less than half of a spool's stroke, which a machine file must obey
 
 import math
 
-from forest_sim.equations.plant import AxisState, PlantState, valve_ports
+from forest_sim.equations.plant import AxisState, PlantState
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
+from forest_sim.equations.valve_ports import valve_ports
 from forest_sim.hydraulics.flow_force import AllJets, Jets, port_momentum
 from forest_sim.hydraulics.spool_dynamics import Spools
 

@@ -10,15 +10,14 @@ from typing import NamedTuple
 from forest_sim.equations.plant import (
     AxisState,
     PlantState,
-    Ports,
     Transmission,
     at_joints,
     motor_side,
-    ports_at,
     sides,
     transmissions,
 )
 from forest_sim.equations.plant_parameters import Axis, PlantParameters
+from forest_sim.equations.valve_ports import Ports, ports_at
 from forest_sim.hydraulics.hydraulic_line import PortGuard, guard_conductance, guard_flow
 from forest_sim.hydraulics.load_holding import AllLifts
 from forest_sim.hydraulics.oil_volume import content

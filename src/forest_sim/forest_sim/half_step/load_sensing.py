@@ -10,8 +10,8 @@ import math
 
 from forest_description.components.valve_characteristic import SHUT, Direction
 from forest_description.types import Vec3
-from forest_sim.equations.plant import Ports
 from forest_sim.equations.plant_parameters import PlantParameters, SpoolValve
+from forest_sim.equations.valve_ports import Ports
 from forest_sim.hydraulics.spool_dynamics import Spools
 from forest_sim.mechanics.manipulator import Pair
 

@@ -1,0 +1,1 @@
+"""What a step knows of its middle: poppets, compensators, flow forces, the tank line."""
