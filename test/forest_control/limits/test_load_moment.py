@@ -98,7 +98,7 @@ def test_the_joint_scheme_has_the_same_limit():
 
 
 def test_outward_the_tip_comes_to_rest_before_its_load_is_more_than_allowed():
-    told = driven(wished(OUT), mass=1250.0, tip=(4.8, 0.0, 0.5), periods=1400)
+    told = driven(wished(OUT), mass=1250.0, tip=(4.8, 0.0, 0.5), periods=1800)
     reach = [math.hypot(*one.tip[:2]) for one in told]
     assert abs(reach[-1] - reach[-200]) < 0.02
     assert reach[-1] > reach[0] + 0.5

@@ -113,6 +113,24 @@ def test_without_pressures_the_mass_is_kept_for_a_while_and_is_not_known_then():
     assert known * PERIOD == pytest.approx(LOST, abs=2.0 * PERIOD)
 
 
+def test_the_mass_that_limits_rises_at_once_falls_slowly_and_goes_soon_with_a_load_that_is_dropped():
+    c, q = weighing_parameters(REAL), pose_at((6.0, 0.0, 1.0), REAL)
+    weighing, counted = settled(UNKNOWN, q, 3e5, c), []
+    for k in range(round(4.0 / PERIOD)):
+        force = 3e5 + 3e4 * math.sin(2.0 * math.pi * k * PERIOD)
+        weighing = weighed(weighing, q, ZERO, (force / c.areas[0], 0.0), c, PERIOD)
+        counted.append(weighing.counted - weighing.mass)
+    assert min(counted) == 0.0
+    assert max(counted) > 15.0
+    heavy = weighing.counted
+    for k in range(round(2.5 / PERIOD)):
+        weighing = weighed(weighing, q, ZERO, (5e4 / c.areas[0], 0.0), c, PERIOD)
+        assert weighing.counted >= weighing.mass
+        if k == 20:
+            assert weighing.counted > 0.97 * heavy
+    assert weighing.counted < 0.9 * heavy
+
+
 def test_near_the_pivot_nothing_is_weighed_and_what_was_known_stays():
     c = weighing_parameters(REAL)
     weighing = settled(UNKNOWN, pose_at((6.0, 0.0, 1.0), REAL), 3e5, c)

@@ -14,6 +14,7 @@ inertia leave of the torque, divided by the load's lever, is the load's mass.
 | m | mass of the load | kg |
 | F | friction of the cylinder's seals, by the machine's file | N |
 | T_1, T_2 | time constants: of torque and rates; of the mass | s |
+| m_c, T_3 | mass that limits count with; time constant with which it falls to m | kg, s |
 
     m g x = tau - G - M a - m (x z'' - z x'') - friction
 
@@ -21,6 +22,9 @@ A cylinder that moves has its friction F against the motion, and the file tells 
 have any between -F and F. So the pressures tell an interval; the mass that was known is kept as far as it
 lies in that. Torque and rates pass the same low-pass of T_1, so that a = (v - v') / T_1 belongs to tau; then
 the mass passes one of T_2.
+
+A crane that rocks is weighed now heavier, now lighter. A limit that followed would let the crane go and
+hold it by turns, and so feed the rocking. m_c rises with m at once and falls slowly: what is held stays so.
 
 Left out: the platform's tilt, the swing's centrifugal force, a head that sways.
 """
@@ -38,6 +42,7 @@ Pressures = tuple[float, float]
 
 AVERAGED = 0.1  # [s] T_1: over the first mode of boom and hoses, 8 Hz
 SETTLED = 1.0  # [s] T_2: over the rocking of a boom under a load, 2 Hz, and half a sway of its head; chosen
+RELEASED = 10.0  # [s] T_3: over several periods of a heavy load's rocking, 1 s; a dropped load frees in 1 s
 SLIDES = 0.006  # [m/s] of a cylinder from which its friction is known: over the noise of its speed; chosen
 LEAST_LEVER = 1.0  # [m] x under which nothing is weighed: there a load hardly turns the boom
 UNREAD: Pressures = (math.nan, math.nan)  # [Pa] where nobody measures them
@@ -67,6 +72,7 @@ class Weighing(NamedTuple):
     """What is remembered between steps."""
 
     mass: float = math.nan  # m [kg]
+    counted: float = math.nan  # m_c [kg]
     rates: tuple[float, float] = (0.0, 0.0)  # of boom and stick, low-passed [rad/s]
     torque: float = math.nan  # tau - G, low-passed [N m]
     age: float = math.inf  # of the newest pressures [s]
@@ -103,7 +109,15 @@ def weighed(
         carried = c.head_mass + (0.0 if math.isnan(mass) else mass)
         left = torque - _inertia(q, a_2, a_3, carried, c)
         mass = _updated(mass, left / (c.gravity * x), arm, arm * rates[0], pressures, c.gravity * x, c, dt)
-    return Weighing(mass=mass, rates=rates, torque=torque, age=0.0)
+    counted = _counted(before.counted, mass, dt)
+    return Weighing(mass=mass, counted=counted, rates=rates, torque=torque, age=0.0)
+
+
+def _counted(before: float, mass: float, dt: float) -> float:
+    """Return m_c [kg] after dt [s] at a mass."""
+    if math.isnan(before) or mass >= before:
+        return mass
+    return mass + math.exp(-dt / RELEASED) * (before - mass)
 
 
 def _updated(
