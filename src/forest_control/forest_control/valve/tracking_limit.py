@@ -21,7 +21,6 @@ counts, not its voltage: a spool on its way gets all the voltage there is, and w
 import math
 from typing import NamedTuple
 
-from forest_control.valve.spool_model import CENTRED, Spools
 from forest_control.valve.valve_adaptation import DirectionEstimate, ValveEstimate, gain
 from forest_control.valve.valve_driver_parameters import Axes, AxisDriver, moved_spools
 from forest_description.components.valve_characteristic import Direction
@@ -62,7 +61,7 @@ class TrackingLimits(NamedTuple):
     swing: TrackingLimit = TrackingLimit()
     boom: TrackingLimit = TrackingLimit()
     stick: TrackingLimit = TrackingLimit()
-    spools: Spools = CENTRED
+    spools: Vec3 = (0.0, 0.0, 0.0)  # [V]
 
 
 class Valves(NamedTuple):
@@ -134,7 +133,7 @@ def updated_limits(
         dt: [s].
     """
     spools = moved_spools(limits.spools, voltages, axes, dt)
-    wide = open_wide(spools.positions, rated)
+    wide = open_wide(spools, rated)
     return TrackingLimits(
         _updated(limits.swing, wide[0], a[0], e[0], v[0], dt),
         _updated(limits.boom, wide[1], a[1], e[1], v[1], dt),
@@ -168,7 +167,7 @@ def most_lead(limits: TrackingLimits, rated: Vec3, e: Vec3, v: Vec3) -> Vec3:
         e: references minus measured angles [rad].
         v: measured rates [rad/s].
     """
-    y = limits.spools.positions
+    y = limits.spools
     wide = open_wide(y, rated)
     return (
         _most_lead(wide[0] and y[0] * e[0] > 0.0, e[0], v[0]),
